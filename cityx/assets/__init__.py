@@ -1,0 +1,1 @@
+"""The library: materials, textures and prototypes, all made by code."""

@@ -1,0 +1,125 @@
+"""The materials of a city: one table, read by every view.
+
+A material is a tileable texture in metres (`cityx.assets.textures`), a base colour and a few
+numbers of the metallic-roughness model, so that Blender, glTF and USD show the same surface.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+
+@dataclass(frozen=True)
+class Material:
+    """A physically based material.
+
+    Attributes
+    ----------
+    name
+        Unique name.
+    color
+        Linear RGB base colour; the texture's mean is neutral, so this is what one sees from afar.
+    roughness, metallic
+        Of the metallic-roughness model.
+    texture
+        Pattern of `cityx.assets.textures`, or "" for none.
+    tile
+        Edge of one texture tile in metres.
+    takes_tint
+        Whether the tint of faces and instances multiplies the colour.
+    emission
+        Watts per square metre and steradian-like strength at night; 0 for most.
+    alpha
+        Opacity, 1 for solid.
+    porosity
+        0 to 1, how much rain darkens it.
+    """
+
+    name: str
+    color: tuple[float, float, float]
+    roughness: float = 0.8
+    metallic: float = 0.0
+    texture: str = ""
+    tile: float = 1.0
+    takes_tint: bool = True
+    emission: float = 0.0
+    alpha: float = 1.0
+    porosity: float = 0.5
+
+
+def _table(*materials: Material) -> Mapping[str, Material]:
+    return MappingProxyType({material.name: material for material in materials})
+
+
+_M = Material
+# Walls and roofs are near white where a tint is expected, so that the building decides.
+MATERIALS: Mapping[str, Material] = _table(
+    # walls
+    _M("plaster", (0.80, 0.80, 0.80), 0.9, texture="plaster", tile=3.0, porosity=0.6),
+    _M("brick", (0.80, 0.80, 0.80), 0.85, texture="brick", tile=2.0, porosity=0.7),
+    _M("stone", (0.75, 0.75, 0.75), 0.8, texture="ashlar", tile=3.6, porosity=0.5),
+    _M("concrete", (0.55, 0.55, 0.54), 0.85, texture="concrete", tile=4.0, porosity=0.6),
+    _M("wood", (0.70, 0.70, 0.70), 0.75, texture="boards", tile=2.4, porosity=0.6),
+    _M("metal_panel", (0.70, 0.70, 0.72), 0.4, 0.6, texture="panels", tile=4.0, porosity=0.0),
+    _M("glass_wall", (0.10, 0.13, 0.15), 0.08, 0.3, texture="curtain", tile=3.5, porosity=0.0),
+    # roofs
+    _M("roof_tiles", (0.80, 0.80, 0.80), 0.8, texture="roof_tiles", tile=2.0, porosity=0.6),
+    _M("slate", (0.75, 0.75, 0.75), 0.6, texture="slate", tile=2.0, porosity=0.2),
+    _M("roof_metal", (0.70, 0.70, 0.70), 0.45, 0.5, texture="seams", tile=2.4, porosity=0.0),
+    _M("copper", (0.25, 0.50, 0.42), 0.6, 0.2, texture="seams", tile=2.4, porosity=0.0),
+    _M("bitumen", (0.75, 0.75, 0.75), 0.95, texture="felt", tile=4.0, porosity=0.3),
+    _M("roof_gravel", (0.45, 0.44, 0.42), 0.95, texture="gravel", tile=2.0, porosity=0.5),
+    _M("thatch", (0.35, 0.27, 0.15), 0.95, texture="thatch", tile=2.0, porosity=0.7),
+    # ground
+    _M("asphalt", (0.075, 0.075, 0.08), 0.88, texture="asphalt", tile=4.0, porosity=0.4),
+    _M("asphalt_light", (0.16, 0.155, 0.15), 0.9, texture="asphalt", tile=3.0, porosity=0.4),
+    _M("setts", (0.22, 0.21, 0.20), 0.75, texture="setts", tile=2.0, porosity=0.4),
+    _M("paving", (0.32, 0.31, 0.29), 0.85, texture="paving", tile=2.4, porosity=0.5),
+    _M("kerb_stone", (0.40, 0.39, 0.37), 0.8, texture="concrete", tile=2.0, porosity=0.4),
+    _M("marking_white", (0.70, 0.70, 0.68), 0.7, texture="paint", tile=2.0, porosity=0.1),
+    _M("marking_yellow", (0.70, 0.42, 0.05), 0.7, texture="paint", tile=2.0, porosity=0.1),
+    _M("grass", (0.075, 0.125, 0.032), 0.95, texture="grass", tile=6.0, porosity=0.3),
+    _M("meadow", (0.12, 0.15, 0.045), 0.95, texture="grass", tile=8.0, porosity=0.3),
+    _M("forest_floor", (0.060, 0.065, 0.028), 0.95, texture="soil", tile=5.0, porosity=0.6),
+    _M("farmland", (0.20, 0.16, 0.075), 0.95, texture="furrows", tile=8.0, porosity=0.6),
+    _M("soil", (0.17, 0.125, 0.08), 0.95, texture="soil", tile=4.0, porosity=0.8),
+    _M("sand", (0.50, 0.42, 0.28), 0.95, texture="soil", tile=4.0, porosity=0.8),
+    _M("gravel", (0.33, 0.31, 0.28), 0.95, texture="gravel", tile=2.0, porosity=0.5),
+    _M("pitch", (0.10, 0.18, 0.07), 0.9, texture="grass", tile=6.0, porosity=0.3),
+    _M("rail_ballast", (0.20, 0.18, 0.16), 0.95, texture="gravel", tile=2.0, porosity=0.5),
+    _M("rail_steel", (0.35, 0.33, 0.31), 0.35, 0.9, porosity=0.0),
+    _M("water", (0.020, 0.045, 0.050), 0.06, texture="ripples", tile=12.0, takes_tint=False,
+       porosity=0.0),
+    # things
+    _M("glass", (0.030, 0.040, 0.045), 0.04, 0.1, takes_tint=False, porosity=0.0),
+    _M("window_lit", (0.60, 0.45, 0.25), 0.5, emission=6.0, porosity=0.0),
+    _M("frame_paint", (0.80, 0.80, 0.80), 0.5, porosity=0.0),
+    _M("door_paint", (0.80, 0.80, 0.80), 0.45, porosity=0.0),
+    _M("trim", (0.75, 0.74, 0.70), 0.85, texture="plaster", tile=3.0, porosity=0.5),
+    _M("sign", (0.80, 0.80, 0.80), 0.5, porosity=0.0),
+    _M("cloth", (0.80, 0.80, 0.80), 0.9, porosity=0.6),
+    _M("metal_dark", (0.045, 0.048, 0.05), 0.5, 0.6, takes_tint=False, porosity=0.0),
+    _M("metal_grey", (0.40, 0.41, 0.42), 0.4, 0.8, takes_tint=False, porosity=0.0),
+    _M("bench_wood", (0.26, 0.15, 0.075), 0.7, texture="boards", tile=1.2, porosity=0.5),
+    _M("bark", (0.13, 0.095, 0.065), 0.95, texture="bark", tile=1.0, porosity=0.6),
+    _M("leaf", (0.095, 0.17, 0.035), 0.75, porosity=0.0),
+    _M("hedge", (0.06, 0.115, 0.028), 0.9, texture="grass", tile=2.0, porosity=0.0),
+    _M("car_paint", (0.80, 0.80, 0.80), 0.25, 0.2, porosity=0.0),
+    _M("car_glass", (0.015, 0.018, 0.02), 0.05, 0.0, takes_tint=False, porosity=0.0),
+    _M("rubber", (0.02, 0.02, 0.02), 0.9, takes_tint=False, porosity=0.0),
+    _M("lamp_glow", (0.90, 0.85, 0.75), 0.5, takes_tint=False, emission=30.0, porosity=0.0),
+    _M("signal_red", (0.60, 0.02, 0.02), 0.4, takes_tint=False, emission=2.0, porosity=0.0),
+    _M("plastic", (0.80, 0.80, 0.80), 0.5, porosity=0.0),
+)  # fmt: skip
+
+
+def srgb_to_linear(color: int) -> tuple[float, float, float]:
+    """Return linear RGB of an sRGB color written 0xRRGGBB."""
+    channels = ((color >> 16) & 255, (color >> 8) & 255, color & 255)
+    red, green, blue = (
+        value / 255 / 12.92 if value <= 10 else ((value / 255 + 0.055) / 1.055) ** 2.4
+        for value in channels
+    )
+    return red, green, blue

@@ -1,0 +1,1 @@
+"""The validity report: what a city holds and what is wrong with it."""

@@ -1,0 +1,75 @@
+"""The city: the state that actions map to states."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from cityx.city.environment import Environment
+from cityx.city.frame import Frame
+from cityx.city.ground import Ground
+from cityx.city.layout import Layout
+from cityx.city.roads import RoadNetwork
+from cityx.city.scene import Scene
+from cityx.city.terrain import Terrain, flat_terrain
+
+
+@dataclass(frozen=True)
+class Failure:
+    """One thing an action could not build.
+
+    Attributes
+    ----------
+    object_id
+        The object, 0 when there is none.
+    action
+        Id of the action.
+    error
+        What went wrong and what was done instead.
+    """
+
+    object_id: int
+    action: str
+    error: str
+
+
+@dataclass(frozen=True)
+class City:
+    """Everything known about one city; actions return a new one and never change the old.
+
+    Attributes
+    ----------
+    name
+        Name of the place, for titles.
+    frame
+        Where on Earth the scene frame lies.
+    seed
+        The seed all random streams are keyed by.
+    lod
+        Level of detail asked for, 0 to 3.
+    style
+        Style word asked for, or "".
+    layout, terrain, network, ground, scene, environment
+        The parts; None until the action that makes them has run.
+    attribution
+        Texts that must be shown with the data, e.g. "© OpenStreetMap contributors, ODbL 1.0".
+    stages_done
+        Stages of the protocol that have run.
+    failures, notes
+        What could not be built; what a reader of the report should know.
+    """
+
+    name: str
+    frame: Frame
+    layout: Layout
+    seed: int = 0
+    lod: int = 2
+    style: str = ""
+    terrain: Terrain = field(default_factory=flat_terrain)
+    network: RoadNetwork | None = None
+    ground: Ground | None = None
+    scene: Scene = field(default_factory=Scene)
+    environment: Environment = field(default_factory=Environment)
+    attribution: tuple[str, ...] = ()
+    stages_done: frozenset[str] = frozenset()
+    failures: tuple[Failure, ...] = ()
+    notes: tuple[str, ...] = ()

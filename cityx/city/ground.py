@@ -1,0 +1,98 @@
+"""The ground: one arrangement of labelled faces that leaves no gap and no overlap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+KERB_HEIGHT = 0.12  # metres; the usual upstand of a city kerb
+WATER_LEVEL = -0.9  # metres below the terrain, so that quays and banks show
+
+
+@dataclass(frozen=True)
+class Surface:
+    """What a face of the ground is made of.
+
+    Attributes
+    ----------
+    name
+        Label of the face.
+    priority
+        Where regions overlap the higher one wins.
+    offset
+        Metres above the terrain.
+    material
+        Material of the top.
+    edge_material
+        Material of the vertical faces where a neighbour lies lower (kerb, quay).
+    """
+
+    name: str
+    priority: int
+    offset: float
+    material: str
+    edge_material: str = "concrete"
+
+
+# Index in this tuple is the label stored with a face. Priorities leave room for plugins.
+SURFACES: tuple[Surface, ...] = (
+    Surface("block", 0, KERB_HEIGHT, "grass", "soil"),  # land nobody described, open country
+    Surface("courtyard", 5, KERB_HEIGHT, "paving", "concrete"),  # the same inside a dense block
+    Surface("farmland", 10, KERB_HEIGHT, "farmland", "soil"),
+    Surface("grass", 12, KERB_HEIGHT, "grass", "soil"),
+    Surface("meadow", 12, KERB_HEIGHT, "meadow", "soil"),
+    Surface("wood", 14, KERB_HEIGHT, "forest_floor", "soil"),
+    Surface("park", 16, KERB_HEIGHT, "grass", "soil"),
+    Surface("sand", 18, KERB_HEIGHT, "sand", "sand"),
+    Surface("bare", 18, KERB_HEIGHT, "soil", "soil"),
+    Surface("pitch", 22, KERB_HEIGHT, "pitch", "concrete"),
+    Surface("playground", 22, KERB_HEIGHT, "sand", "concrete"),
+    Surface("plaza", 24, KERB_HEIGHT, "paving", "kerb_stone"),
+    Surface("parking", 26, 0.0, "asphalt", "kerb_stone"),
+    Surface("water", 30, WATER_LEVEL, "water", "stone"),
+    Surface("railway", 34, KERB_HEIGHT, "rail_ballast", "soil"),
+    Surface("path", 40, KERB_HEIGHT, "asphalt_light", "kerb_stone"),
+    Surface("sidewalk", 50, KERB_HEIGHT, "paving", "kerb_stone"),
+    Surface("kerb", 52, KERB_HEIGHT, "kerb_stone", "kerb_stone"),
+    Surface("building", 60, KERB_HEIGHT, "concrete", "concrete"),
+    Surface("carriageway", 70, 0.0, "asphalt", "concrete"),
+    Surface("setts", 70, 0.0, "setts", "concrete"),  # carriageway of stone
+    Surface("gravel_road", 70, 0.02, "gravel", "soil"),
+    Surface("junction", 72, 0.0, "asphalt", "concrete"),
+    Surface("marking", 80, 0.0, "marking_white", "concrete"),
+    Surface("tramway", 78, 0.0, "rail_steel", "concrete"),
+)
+LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
+
+
+@dataclass(frozen=True)
+class Ground:
+    """Faces of the arrangement, triangulated on shared vertices.
+
+    Attributes
+    ----------
+    vertices
+        (n, 2) float64 on the arrangement's grid, each position once.
+    triangles
+        (t, 3) int32 into ``vertices``, counter-clockwise.
+    triangle_face
+        (t,) int32, the face of each triangle.
+    face_label
+        (f,) uint8 into `SURFACES`.
+    face_object
+        (f,) uint64, the road, area or building the face belongs to; 0 for none.
+    edges
+        (e, 2) int32, vertex pairs of the face boundaries, the left face on the left hand.
+    edge_faces
+        (e, 2) int32, left and right face; -1 beyond the site.
+    """
+
+    vertices: NDArray[np.float64]
+    triangles: NDArray[np.int32]
+    triangle_face: NDArray[np.int32]
+    face_label: NDArray[np.uint8]
+    face_object: NDArray[np.uint64]
+    edges: NDArray[np.int32]
+    edge_faces: NDArray[np.int32]

@@ -1,0 +1,180 @@
+"""Meshes of many objects in one set of arrays.
+
+Geometry of a city is kept as structure of arrays: the vertices of all objects of a layer in one
+array, cut into objects by start offsets. Faces are triangles or convex planar quads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+NO_VERTEX = -1  # fourth index of a triangle
+
+
+@dataclass(frozen=True)
+class MeshBatch:
+    """Meshes of k objects, n vertices, f faces.
+
+    Attributes
+    ----------
+    object_id
+        (k,) uint64, one per object.
+    vertex_start, face_start
+        (k + 1,) int64; object i owns vertices ``vertex_start[i]:vertex_start[i + 1]`` and faces
+        likewise. No face uses a vertex of another object.
+    vertices
+        (n, 3) float64, scene frame, metres.
+    faces
+        (f, 4) int32 into ``vertices`` of the whole batch, counter-clockwise seen from outside; a
+        triangle has -1 in the last column.
+    material
+        (f,) int16 into ``materials``.
+    materials
+        Names of materials, see `cityx.assets.materials`.
+    uv
+        (f, 4, 2) float32, texture coordinates per face corner **in metres** (walls: running length
+        along the wall and height; ground: world x and y).
+    tint
+        (f, 3) float32, linear RGB that multiplies the base colour of the material.
+    """
+
+    object_id: NDArray[np.uint64]
+    vertex_start: NDArray[np.int64]
+    face_start: NDArray[np.int64]
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int32]
+    material: NDArray[np.int16]
+    materials: tuple[str, ...]
+    uv: NDArray[np.float32]
+    tint: NDArray[np.float32]
+
+    @property
+    def count(self) -> int:
+        """Number of objects."""
+        return len(self.object_id)
+
+    @property
+    def triangle_count(self) -> int:
+        """Number of triangles after splitting quads."""
+        return len(self.faces) + int(np.count_nonzero(self.faces[:, 3] != NO_VERTEX))
+
+    def triangles(self) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
+        """Split quads: (t, 3) vertex indices and (t,) the face of each triangle."""
+        quads = np.flatnonzero(self.faces[:, 3] != NO_VERTEX)
+        triangles = np.concatenate([self.faces[:, :3], self.faces[quads][:, [0, 2, 3]]])
+        return triangles, np.concatenate([np.arange(len(self.faces)), quads])
+
+    def face_object(self) -> NDArray[np.int64]:
+        """(f,) index of the object each face belongs to."""
+        return np.repeat(np.arange(self.count), np.diff(self.face_start))
+
+    def take(self, objects: ArrayLike) -> MeshBatch:
+        """Return the batch of the given objects (indices into ``object_id``), in that order."""
+        objects = np.asarray(objects, dtype=np.int64)
+        vertex_rows, vertex_start = _ranges(self.vertex_start, objects)
+        face_rows, face_start = _ranges(self.face_start, objects)
+        shift = np.repeat(vertex_start[:-1] - self.vertex_start[:-1][objects], np.diff(face_start))[
+            :, None
+        ]
+        faces = self.faces[face_rows]
+        return MeshBatch(
+            self.object_id[objects],
+            vertex_start,
+            face_start,
+            self.vertices[vertex_rows],
+            np.where(faces == NO_VERTEX, NO_VERTEX, faces + shift).astype(np.int32),
+            self.material[face_rows],
+            self.materials,
+            self.uv[face_rows],
+            self.tint[face_rows],
+        )
+
+
+def _ranges(
+    start: NDArray[np.int64], objects: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Row numbers of the given objects, one after the other, and their new start offsets."""
+    length = np.diff(start)[objects]
+    new_start = np.concatenate([[0], np.cumsum(length)]).astype(np.int64)
+    rows = np.arange(new_start[-1]) + np.repeat(start[:-1][objects] - new_start[:-1], length)
+    return rows, new_start
+
+
+def one_mesh(
+    object_id: int,
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    *,
+    material: ArrayLike = 0,
+    materials: Sequence[str] = ("plaster",),
+    uv: ArrayLike | None = None,
+    tint: ArrayLike = (1.0, 1.0, 1.0),
+) -> MeshBatch:
+    """Make a batch of one object; `material` and `tint` broadcast over faces, (f, 3) faces pass."""
+    points = np.asarray(vertices, dtype=np.float64).reshape(-1, 3)
+    corners = np.asarray(faces, dtype=np.int32)
+    if corners.ndim == 2 and corners.shape[1] == 3:
+        corners = np.column_stack([corners, np.full(len(corners), NO_VERTEX, np.int32)])
+    corners = corners.reshape(-1, 4)
+    count = len(corners)
+    flat = np.zeros((count, 4, 2), np.float32) if uv is None else np.asarray(uv, np.float32)
+    return MeshBatch(
+        np.array([object_id], np.uint64),
+        np.array([0, len(points)], np.int64),
+        np.array([0, count], np.int64),
+        points,
+        corners,
+        np.broadcast_to(np.asarray(material, np.int16), (count,)).copy(),
+        tuple(materials),
+        flat.reshape(count, 4, 2),
+        np.broadcast_to(np.asarray(tint, np.float32), (count, 3)).copy(),
+    )
+
+
+def empty_batch() -> MeshBatch:
+    """Return a batch without objects."""
+    return MeshBatch(
+        np.zeros(0, np.uint64),
+        np.zeros(1, np.int64),
+        np.zeros(1, np.int64),
+        np.zeros((0, 3)),
+        np.zeros((0, 4), np.int32),
+        np.zeros(0, np.int16),
+        (),
+        np.zeros((0, 4, 2), np.float32),
+        np.zeros((0, 3), np.float32),
+    )
+
+
+def concatenate(batches: Iterable[MeshBatch]) -> MeshBatch:
+    """Join batches; objects keep their order, material names are merged."""
+    parts = [batch for batch in batches if batch.count]
+    if not parts:
+        return empty_batch()
+    names = list(dict.fromkeys(name for batch in parts for name in batch.materials))
+    vertex_shift = np.cumsum([0] + [len(batch.vertices) for batch in parts])
+    face_shift = np.cumsum([0] + [len(batch.faces) for batch in parts])
+    faces, material = [], []
+    for batch, shift in zip(parts, vertex_shift, strict=False):
+        faces.append(np.where(batch.faces == NO_VERTEX, NO_VERTEX, batch.faces + shift))
+        table = np.array([names.index(name) for name in batch.materials], np.int16)
+        material.append(table[batch.material] if len(batch.material) else batch.material)
+    return MeshBatch(
+        np.concatenate([batch.object_id for batch in parts]),
+        np.concatenate(
+            [[0], *(b.vertex_start[1:] + s for b, s in zip(parts, vertex_shift, strict=False))]
+        ),
+        np.concatenate(
+            [[0], *(b.face_start[1:] + s for b, s in zip(parts, face_shift, strict=False))]
+        ),
+        np.concatenate([batch.vertices for batch in parts]),
+        np.concatenate(faces).astype(np.int32),
+        np.concatenate(material),
+        tuple(names),
+        np.concatenate([batch.uv for batch in parts]),
+        np.concatenate([batch.tint for batch in parts]),
+    )

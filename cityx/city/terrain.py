@@ -1,0 +1,56 @@
+"""The terrain: a height field over the site."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+@dataclass(frozen=True)
+class Terrain:
+    """Heights on a regular grid, bilinear between nodes, constant beyond the border.
+
+    Attributes
+    ----------
+    origin
+        (x, y) of node [0, 0], the south-west corner, metres.
+    cell
+        Distance between nodes, metres.
+    heights
+        (rows, columns) float64, metres; row 0 is south. Zero is the site's reference height.
+    datum
+        Metres above sea level of height zero (0 when unknown).
+    """
+
+    origin: tuple[float, float]
+    cell: float
+    heights: NDArray[np.float64]
+    datum: float = 0.0
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether every height is the same."""
+        return bool(np.ptp(self.heights) == 0.0)
+
+    def height_at(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Return (n,) heights at (n, 2) points."""
+        points = np.asarray(points, dtype=float).reshape(-1, 2)
+        rows, columns = self.heights.shape
+        if rows * columns == 1:
+            return np.full(len(points), self.heights[0, 0])
+        u = np.clip((points[:, 0] - self.origin[0]) / self.cell, 0, columns - 1)
+        v = np.clip((points[:, 1] - self.origin[1]) / self.cell, 0, rows - 1)
+        j = np.minimum(u.astype(int), max(columns - 2, 0))
+        i = np.minimum(v.astype(int), max(rows - 2, 0))
+        du, dv = u - j, v - i
+        i1, j1 = np.minimum(i + 1, rows - 1), np.minimum(j + 1, columns - 1)
+        south = self.heights[i, j] * (1 - du) + self.heights[i, j1] * du
+        north = self.heights[i1, j] * (1 - du) + self.heights[i1, j1] * du
+        return np.asarray(south * (1 - dv) + north * dv)
+
+
+def flat_terrain() -> Terrain:
+    """Return the terrain of a site without height data."""
+    return Terrain((0.0, 0.0), 1.0, np.zeros((1, 1)))

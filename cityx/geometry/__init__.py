@@ -1,0 +1,1 @@
+"""Pure functions on arrays and shapely geometries: arrays in, new arrays out."""

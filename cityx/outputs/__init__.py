@@ -1,0 +1,1 @@
+"""File formats at the edge: views made from a City."""

@@ -1,0 +1,1 @@
+"""Every action, one file per module, in folders by stage."""

@@ -1,0 +1,1 @@
+"""Actions that set sun, sky and weather."""

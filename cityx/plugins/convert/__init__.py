@@ -1,0 +1,1 @@
+"""Conversions between the formats of the protocol."""

@@ -1,0 +1,1 @@
+"""Actions that plant and furnish."""

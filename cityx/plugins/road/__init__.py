@@ -1,0 +1,1 @@
+"""Actions that make roads and the ground."""

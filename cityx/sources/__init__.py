@@ -1,0 +1,1 @@
+"""Inputs: every one becomes the same layout."""
