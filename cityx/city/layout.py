@@ -130,7 +130,7 @@ def _column(values: Any, dtype: str, size: int) -> Any:
     return np.asarray(values).astype(dtype)
 
 
-def make_table(name: str, geometry: Any, **columns: Any) -> GeoDataFrame:
+def make_table(name: str, geometry: Any, /, **columns: Any) -> GeoDataFrame:
     """Make a table of the layout with exactly the columns of its schema, sorted by id.
 
     Parameters

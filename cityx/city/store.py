@@ -1,0 +1,295 @@
+"""The store: a city on disk, written whole or not at all, read back without loss.
+
+Layout of the folder: ``city.json`` (everything small), ``layout/*.parquet`` (GeoParquet),
+``terrain.tif`` (GeoTIFF), ``network.npz``, ``ground.npz``, ``meshes/*.npz``, ``instances/*.npz``,
+``prototypes.npz`` and ``objects.json`` (what each building is, for views that load no tables).
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cityx.city.city import City, Failure
+from cityx.city.environment import Environment
+from cityx.city.frame import Frame
+from cityx.city.ground import Ground
+from cityx.city.layout import SCHEMA, Layout, make_table
+from cityx.city.mesh import MeshBatch, concatenate
+from cityx.city.roads import RoadNetwork
+from cityx.city.scene import Instances, Prototype, Scene
+from cityx.city.terrain import Terrain
+from cityx.errors import InputError
+from cityx.geometry.identity import id_text
+
+if TYPE_CHECKING:
+    from geopandas import GeoDataFrame
+
+FORMAT = 1  # rises when an older program could not read the folder
+
+
+@dataclass(frozen=True)
+class View:
+    """What an engine needs of a city: no feature tables, so nothing heavy is imported.
+
+    Attributes
+    ----------
+    objects
+        Object id to its "kind", "name", "source" and "use".
+    """
+
+    name: str
+    frame: Frame
+    extent: tuple[float, float, float, float]
+    seed: int
+    lod: int
+    scene: Scene
+    environment: Environment
+    network: RoadNetwork | None
+    terrain: Terrain
+    attribution: tuple[str, ...]
+    objects: Mapping[int, Mapping[str, str]]
+
+
+def view_of(city: City) -> View:
+    """Return the view of a city in memory."""
+    return View(
+        city.name,
+        city.frame,
+        city.layout.extent,
+        city.seed,
+        city.lod,
+        city.scene,
+        city.environment,
+        city.network,
+        city.terrain,
+        city.attribution,
+        {int(key, 16): value for key, value in _objects(city).items()},
+    )
+
+
+def _objects(city: City) -> dict[str, dict[str, str]]:
+    table = city.layout.buildings
+    rows = zip(table["id"], table["name"], table["source"], table["use"], strict=True)
+    return {
+        id_text(object_id): {"kind": "building", "name": name, "source": source, "use": use}
+        for object_id, name, source, use in rows
+    }
+
+
+def write_city(city: City, folder: Path) -> None:
+    """Write a city to a folder; an older city there is replaced when the new one is complete."""
+    temporary = folder.with_name(folder.name + ".partial")
+    shutil.rmtree(temporary, ignore_errors=True)
+    for name in ("layout", "meshes", "instances"):
+        (temporary / name).mkdir(parents=True)
+    for name in SCHEMA:
+        _write_table(getattr(city.layout, name), temporary / "layout" / f"{name}.parquet", city)
+    _write_terrain(city.terrain, temporary / "terrain.tif", city.frame)
+    for name in ("network", "ground"):
+        value = getattr(city, name)
+        if value is not None:
+            _write_arrays(temporary / f"{name}.npz", _arrays(value))
+    materials: dict[str, Any] = {}
+    for layer, batch in city.scene.meshes.items():
+        _write_arrays(temporary / "meshes" / f"{layer}.npz", _arrays(batch))
+        materials[layer] = batch.materials
+    for layer, rows in city.scene.instances.items():
+        _write_arrays(temporary / "instances" / f"{layer}.npz", _arrays(rows))
+    prototypes = city.scene.prototypes
+    shared = concatenate(prototype.mesh for prototype in prototypes)
+    _write_arrays(temporary / "prototypes.npz", _arrays(shared))
+    record = {
+        "format": FORMAT,
+        "name": city.name,
+        "frame": asdict(city.frame),
+        "projection": city.frame.projection,
+        "extent": city.layout.extent,
+        "seed": city.seed,
+        "lod": city.lod,
+        "style": city.style,
+        "environment": asdict(city.environment),
+        "terrain": {
+            "origin": city.terrain.origin, "cell": city.terrain.cell, "datum": city.terrain.datum,
+        },
+        "attribution": city.attribution,
+        "stages_done": sorted(city.stages_done),
+        "failures": [
+            {"id": id_text(f.object_id), "action": f.action, "error": f.error}
+            for f in city.failures
+        ],
+        "notes": city.notes,
+        "materials": materials,
+        "prototypes": [[p.name, p.kind, p.mesh.materials] for p in prototypes],
+        "prototype_materials": shared.materials,
+    }  # fmt: skip
+    (temporary / "city.json").write_text(json.dumps(record, indent=1))
+    (temporary / "objects.json").write_text(json.dumps(_objects(city)))
+    replace_folder(temporary, folder)
+
+
+def replace_folder(temporary: Path, folder: Path) -> None:
+    """Put a complete folder in the place of an older one."""
+    old = folder.with_name(folder.name + ".old")
+    shutil.rmtree(old, ignore_errors=True)
+    if folder.exists():
+        folder.rename(old)
+    temporary.rename(folder)
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def read_city(folder: Path) -> City:
+    """Read a city back.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no city or one of a newer format.
+    """
+    record = _record(folder)
+    layout = Layout(
+        tuple(record["extent"]),
+        **{name: _read_table(folder / "layout" / f"{name}.parquet", name) for name in SCHEMA},
+    )
+    return City(
+        name=record["name"],
+        frame=Frame(**record["frame"]),
+        layout=layout,
+        seed=record["seed"],
+        lod=record["lod"],
+        style=record["style"],
+        terrain=_read_terrain(folder / "terrain.tif", record["terrain"]),
+        network=_read_value(folder / "network.npz", RoadNetwork),
+        ground=_read_value(folder / "ground.npz", Ground),
+        scene=_read_scene(folder, record),
+        environment=Environment(**record["environment"]),
+        attribution=tuple(record["attribution"]),
+        stages_done=frozenset(record["stages_done"]),
+        failures=tuple(
+            Failure(int(f["id"], 16), f["action"], f["error"]) for f in record["failures"]
+        ),
+        notes=tuple(record["notes"]),
+    )
+
+
+def read_view(folder: Path) -> View:
+    """Read what an engine needs of a stored city.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no city or one of a newer format.
+    """
+    record = _record(folder)
+    objects = json.loads((folder / "objects.json").read_text())
+    return View(
+        record["name"],
+        Frame(**record["frame"]),
+        tuple(record["extent"]),
+        record["seed"],
+        record["lod"],
+        _read_scene(folder, record),
+        Environment(**record["environment"]),
+        _read_value(folder / "network.npz", RoadNetwork),
+        _read_terrain(folder / "terrain.tif", record["terrain"]),
+        tuple(record["attribution"]),
+        {int(key, 16): value for key, value in objects.items()},
+    )
+
+
+def _record(folder: Path) -> dict[str, Any]:
+    path = folder / "city.json"
+    if not path.is_file():
+        raise InputError(f"{folder} holds no city: {path.name} is missing. Build one first.")
+    record: dict[str, Any] = json.loads(path.read_text())
+    if record.get("format") != FORMAT:
+        raise InputError(
+            f"{path} has format {record.get('format')}, this program reads format {FORMAT}."
+        )
+    return record
+
+
+def _arrays(value: Any) -> dict[str, Any]:
+    held = {column.name: getattr(value, column.name) for column in fields(value)}
+    return {key: array for key, array in held.items() if isinstance(array, np.ndarray)}
+
+
+def _write_arrays(path: Path, arrays: Mapping[str, Any]) -> None:
+    np.savez(path, **arrays)
+
+
+def _read_value(path: Path, kind: Any) -> Any:
+    if not path.exists():
+        return None
+    with np.load(path) as arrays:
+        return kind(**{name: arrays[name] for name in arrays.files})
+
+
+def _read_scene(folder: Path, record: Mapping[str, Any]) -> Scene:
+    meshes = {}
+    for layer, names in record["materials"].items():
+        with np.load(folder / "meshes" / f"{layer}.npz") as arrays:
+            held = {name: arrays[name] for name in arrays.files}
+        meshes[layer] = MeshBatch(**held, materials=tuple(names))
+    instances = {
+        path.stem: _read_value(path, Instances)
+        for path in sorted((folder / "instances").glob("*.npz"))
+    }
+    with np.load(folder / "prototypes.npz") as arrays:
+        held = {name: arrays[name] for name in arrays.files}
+    shared = MeshBatch(**held, materials=tuple(record["prototype_materials"]))
+    prototypes = tuple(
+        Prototype(name, kind, _own_materials(shared.take([index]), tuple(materials)))
+        for index, (name, kind, materials) in enumerate(record["prototypes"])
+    )
+    return Scene(MappingProxyType(meshes), prototypes, MappingProxyType(instances))
+
+
+def _own_materials(mesh: MeshBatch, names: tuple[str, ...]) -> MeshBatch:
+    """Count materials again by the names the prototype had before it was joined with others."""
+    table = np.array([names.index(n) if n in names else 0 for n in mesh.materials], np.int16)
+    arrays = _arrays(mesh) | {"material": table[mesh.material]}
+    return MeshBatch(**arrays, materials=names)
+
+
+def _write_table(table: GeoDataFrame, path: Path, city: City) -> None:
+    table.set_crs(city.frame.projection, allow_override=True).to_parquet(path, index=False)
+
+
+def _read_table(path: Path, name: str) -> GeoDataFrame:
+    from geopandas import read_parquet
+
+    table = read_parquet(path)
+    columns = {key: table[key].to_numpy() for key in SCHEMA[name]}
+    return make_table(name, table.geometry.to_numpy(), **columns)
+
+
+def _write_terrain(terrain: Terrain, path: Path, frame: Frame) -> None:
+    import rasterio
+    from affine import Affine
+
+    rows, columns = terrain.heights.shape
+    half = terrain.cell / 2  # heights sit on nodes, GeoTIFF cells are areas around them
+    north = terrain.origin[1] + (rows - 1) * terrain.cell + half
+    profile = {
+        "driver": "GTiff", "width": columns, "height": rows, "count": 1, "dtype": "float64",
+        "crs": frame.projection, "compress": "deflate",
+        "transform": Affine(terrain.cell, 0, terrain.origin[0] - half, 0, -terrain.cell, north),
+    }  # fmt: skip
+    with rasterio.open(path, "w", **profile) as dataset:
+        dataset.write(terrain.heights[::-1], 1)
+
+
+def _read_terrain(path: Path, record: Mapping[str, Any]) -> Terrain:
+    import rasterio
+
+    with rasterio.open(path) as dataset:
+        heights = dataset.read(1)[::-1].copy()
+    return Terrain(tuple(record["origin"]), record["cell"], heights, record["datum"])
