@@ -41,13 +41,16 @@ class Frame:
 
     def to_local(self, lonlat: ArrayLike) -> NDArray[np.float64]:
         """Project (n, 2) longitude and latitude in degrees to (n, 2) metres, rounded to 0.1 mm."""
-        points = np.asarray(lonlat, dtype=float).reshape(-1, 2)
-        x, y = _transformer(self.projection, inverse=False).transform(points[:, 0], points[:, 1])
         # libm differs by an ulp between machines; rounding removes it before any decision.
-        return np.round(np.column_stack([x, y]), 4)
+        return np.round(self._transform(lonlat, inverse=False), 4)
 
     def to_geographic(self, points: ArrayLike) -> NDArray[np.float64]:
         """Return (n, 2) longitude and latitude in degrees of (n, 2) points in metres."""
-        points = np.asarray(points, dtype=float).reshape(-1, 2)
-        x, y = _transformer(self.projection, inverse=True).transform(points[:, 0], points[:, 1])
-        return np.column_stack([x, y])
+        return self._transform(points, inverse=True)
+
+    def _transform(self, points: ArrayLike, *, inverse: bool) -> NDArray[np.float64]:
+        pairs = np.asarray(points, dtype=float).reshape(-1, 2)
+        # pyproj takes an array of one element for a scalar and warns, so one point goes as two.
+        doubled = np.repeat(pairs, 2, axis=0) if len(pairs) == 1 else pairs
+        x, y = _transformer(self.projection, inverse=inverse).transform(*doubled.T)
+        return np.column_stack([x, y])[: len(pairs)]

@@ -1,0 +1,61 @@
+# Two commands for a fresh machine: `make demo` and `make test`. Both set up what they need.
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+
+# Options of the demo: make demo STYLE=brick TIME=18:30 WEATHER=rain
+STYLE ?= european
+TIME ?= 17:00
+WEATHER ?= clear
+OUT ?= demo
+
+export OMP_WAIT_POLICY = PASSIVE
+
+.PHONY: demo test core lint types format lock bench compare validator clean
+
+demo: $(READY)
+	$(BIN)/python examples/helsinki/main.py -o $(OUT) --style $(STYLE) --time $(TIME) --weather $(WEATHER)
+
+test: lint types
+	$(BIN)/pytest -q -n 2 -m "not blender" && $(BIN)/pytest -q -m blender
+
+# The tests that need neither Blender nor minutes.
+core: $(READY)
+	$(BIN)/pytest -q -n 2 -m "not blender and not slow"
+
+lint: $(READY)
+	$(BIN)/ruff check . && $(BIN)/ruff format --check .
+
+types: $(READY)
+	$(BIN)/mypy
+
+format: $(READY)
+	$(BIN)/ruff check --fix . && $(BIN)/ruff format .
+
+# Renew the pins after a change of pyproject.toml.
+lock: $(READY)
+	$(BIN)/python -m pip install -q uv && $(BIN)/uv pip compile pyproject.toml --extra dev --extra demo \
+	  --generate-hashes --no-emit-index-url --no-header --python-version 3.11 -q -o requirements.lock
+
+bench: $(READY)
+	$(BIN)/python benchmarks/build.py --write docs/performance.md
+
+compare: $(READY)
+	$(BIN)/python examples/compare/main.py
+
+# The Khronos validator, for the tests that use it; needs node and npm.
+validator:
+	npm install --no-audit --no-fund --no-package-lock --silent
+
+$(READY): requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' || \
+	  { echo "CityX needs Python 3.11, since Blender 4.5 is built for it; found: $(PYTHON)."; \
+	    echo "Install it (Debian: apt install python3.11-venv) or run: make $(MAKECMDGOALS) PYTHON=/path/to/python3.11"; exit 2; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install -q --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install -q --disable-pip-version-check --no-deps -e .
+	@touch $(READY)
+
+clean:
+	rm -rf $(OUT) .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -1,0 +1,1 @@
+"""Who decides what runs: workflows, the journal and the run loop."""

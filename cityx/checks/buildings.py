@@ -1,0 +1,114 @@
+"""Checks of buildings: overlap, roads under them, closed solids, plan area, ground contact."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.check import Check
+from cityx.city import City
+from cityx.city.ground import LABEL
+from cityx.geometry.solids import check_closed, plan_area
+
+OVERLAP_PAIR = 1.0  # m2; smaller overlaps are drawing accuracy, not two buildings in one place
+ON_ROAD_SHARE = 0.002  # of the carriageway area, passages apart (geometry note, section 4)
+PLAN_AREA_ERROR = 0.005  # of the footprint (geometry note, section 2)
+FLOATING = 0.0  # metres of air allowed under a building
+GROUND_LEVEL = 0.5  # parts that begin lower stand on the ground, metres
+_ROADWAY = [LABEL[name] for name in ("carriageway", "setts", "gravel_road", "junction", "marking")]
+
+
+def check_buildings(city: City) -> list[Check]:
+    """Run every check on buildings."""
+    checks = [_overlap(city), _on_road(city)]
+    batch = city.scene.meshes.get("buildings")
+    if batch is not None and batch.count:
+        closed = check_closed(batch)
+        checks.append(
+            Check("closed_solids", float(closed.mean()), 1.0,
+                  "share of buildings whose solids are all closed", at_least=True)
+        )  # fmt: skip
+        checks.append(_plan_area(city))
+        checks.append(_floating(city))
+    return checks
+
+
+def _overlap(city: City) -> Check:
+    parts = city.layout.parts
+    shapes = parts.geometry.to_numpy()
+    tree = shapely.STRtree(shapes)
+    first, second = tree.query(shapes, predicate="intersects")
+    building = parts["building"].to_numpy()
+    base, top = parts["base"].to_numpy(), parts["top"].to_numpy()
+    apart = (first < second) & (building[first] != building[second])
+    apart &= np.minimum(top[first], top[second]) > np.maximum(base[first], base[second])
+    first, second = first[apart], second[apart]
+    shared = shapely.area(shapely.intersection(shapes[first], shapes[second]))
+    return Check(
+        "building_overlap",
+        float(np.count_nonzero(shared > OVERLAP_PAIR)),
+        0,
+        f"pairs of buildings that share more than {OVERLAP_PAIR:g} m2 of ground and height",
+    )
+
+
+def _on_road(city: City) -> Check:
+    meaning = "share of the carriageway that lies under buildings, passages apart"
+    ground = city.ground
+    if ground is None:
+        return Check("building_on_road", 0.0, ON_ROAD_SHARE, meaning)
+    roads = city.layout.roads
+    passages = roads["id"].to_numpy()[roads["passage"].to_numpy()]
+    road_face = np.isin(ground.face_label, _ROADWAY) & ~np.isin(ground.face_object, passages)
+    triangles = ground.triangles[road_face[ground.triangle_face]]
+    if not len(triangles):
+        return Check("building_on_road", 0.0, ON_ROAD_SHARE, meaning)
+    shapes = shapely.polygons(ground.vertices[triangles])
+    parts = city.layout.parts
+    standing = (parts["base"].to_numpy() < GROUND_LEVEL) & parts["walls"].to_numpy()
+    tree = shapely.STRtree(parts.geometry.to_numpy()[standing])
+    rows, hits = tree.query(shapes, predicate="intersects")
+    under = shapely.area(shapely.intersection(shapes[rows], tree.geometries[hits])).sum()
+    return Check(
+        "building_on_road", float(under / shapely.area(shapes).sum()), ON_ROAD_SHARE, meaning
+    )
+
+
+def _plan_area(city: City) -> Check:
+    """Compare the lowest faces of every building with the footprints of its standing parts."""
+    batch = city.scene.meshes["buildings"]
+    parts = city.layout.parts
+    measured = plan_area(batch)
+    ids, row = np.unique(parts["building"].to_numpy(), return_inverse=True)
+    expected = np.bincount(row, weights=shapely.area(parts.geometry.to_numpy()), minlength=len(ids))
+    found = np.searchsorted(ids, batch.object_id)
+    wanted = expected[np.minimum(found, len(ids) - 1)]
+    error = np.abs(measured - wanted) / np.maximum(wanted, 1e-9)
+    return Check(
+        "plan_area_error",
+        float(np.mean(error > PLAN_AREA_ERROR)),
+        0.005,
+        f"share of buildings whose plan area is off by more than {PLAN_AREA_ERROR:.1%}",
+    )
+
+
+def _floating(city: City) -> Check:
+    gap = floating_gap(city)
+    return Check(
+        "floating_building",
+        float(gap.max(initial=0.0)),
+        FLOATING,
+        "largest gap between a building that stands on the ground and the terrain, metres",
+    )
+
+
+def floating_gap(city: City) -> NDArray[np.float64]:
+    """Return (k,) metres of air under the lowest vertices of each building that should stand."""
+    batch = city.scene.meshes["buildings"]
+    bottom = np.minimum.reduceat(batch.vertices[:, 2], batch.vertex_start[:-1])
+    surface = city.terrain.height_at(batch.vertices[:, :2])
+    lowest = np.minimum.reduceat(surface, batch.vertex_start[:-1])
+    parts = city.layout.parts
+    standing = parts["building"].to_numpy()[parts["base"].to_numpy() < GROUND_LEVEL]
+    return np.where(np.isin(batch.object_id, standing), np.maximum(bottom - lowest, 0.0), 0.0)

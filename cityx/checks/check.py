@@ -1,0 +1,33 @@
+"""One check: a measured value, its limit and whether it holds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Check:
+    """A measured property of a city.
+
+    Attributes
+    ----------
+    name
+        Key in the report.
+    value, limit
+        Measured value and the largest (or, with ``at_least``, smallest) value allowed.
+    meaning
+        What is measured, with its unit, for a reader of the report.
+    at_least
+        Whether the limit is a lower bound.
+    """
+
+    name: str
+    value: float
+    limit: float
+    meaning: str
+    at_least: bool = False
+
+    @property
+    def ok(self) -> bool:
+        """Whether the value keeps the limit; NaN never does."""
+        return bool(self.value >= self.limit if self.at_least else self.value <= self.limit)

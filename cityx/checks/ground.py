@@ -1,0 +1,43 @@
+"""Checks of the ground: gaps, overlaps, area, and things that stand where nothing may stand."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from cityx.checks.check import Check
+from cityx.city import City
+from cityx.city.ground import LABEL
+from cityx.geometry.arrangement import check_arrangement
+
+AREA_ERROR = 1e-6  # relative; rounding to the grid moves the border by half a centimetre at most
+_NO_TRUNK = ("carriageway", "setts", "junction", "marking", "water")
+
+
+def check_ground(city: City) -> list[Check]:
+    """Run every check on the ground."""
+    if city.ground is None:
+        return []
+    open_edges, overlaps, area_error = check_arrangement(city.ground)
+    checks = [
+        Check("arrangement_gaps", open_edges, 0, "edges inside the site with a face on one side"),
+        Check("arrangement_overlaps", overlaps, 0, "faces that overlap another"),
+        Check("arrangement_area_error", area_error, AREA_ERROR,
+              "difference between the faces' area and the site's, relative"),
+    ]  # fmt: skip
+    trees = city.scene.instances.get("trees")
+    if trees is not None and trees.count:
+        misplaced = _standing_on(city, trees.position[:, :2], _NO_TRUNK)
+        checks.append(Check("trees_misplaced", misplaced, 0, "trunks in a carriageway or in water"))
+    return checks
+
+
+def _standing_on(city: City, points: np.ndarray, labels: tuple[str, ...]) -> int:
+    ground = city.ground
+    if ground is None:
+        return 0
+    wanted = np.isin(ground.face_label, [LABEL[name] for name in labels])
+    triangles = ground.triangles[wanted[ground.triangle_face]]
+    tree = shapely.STRtree(shapely.polygons(ground.vertices[triangles]))
+    rows, _ = tree.query(shapely.points(points), predicate="within")
+    return len(np.unique(rows))

@@ -1,0 +1,163 @@
+"""The report that every city ships with, as data."""
+
+from __future__ import annotations
+
+import resource
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import shapely
+
+from cityx import __version__
+from cityx.checks.buildings import check_buildings
+from cityx.checks.check import Check
+from cityx.checks.ground import check_ground
+from cityx.checks.meshes import check_meshes, triangle_counts
+from cityx.city import City
+from cityx.city.content import content_hash
+from cityx.geometry.identity import id_text
+
+FAILED_SHARE = 0.01  # of all buildings; more, and something is wrong with the input or with us
+
+
+def run_checks(city: City) -> list[Check]:
+    """Measure a city against every limit."""
+    return [*check_buildings(city), *check_ground(city), *check_meshes(city), _failed(city)]
+
+
+def _failed_buildings(city: City) -> int:
+    failed = {failure.object_id for failure in city.failures}
+    return int(np.isin(city.layout.buildings["id"].to_numpy(), list(failed)).sum()) if failed else 0
+
+
+def _built(city: City) -> int:
+    batch = city.scene.meshes.get("buildings")
+    return 0 if batch is None else batch.count
+
+
+def _failed(city: City) -> Check:
+    wanted = len(city.layout.buildings)
+    missing = wanted - _built(city)
+    return Check(
+        "buildings_missing",
+        missing / max(wanted, 1),
+        FAILED_SHARE,
+        "share of the layout's buildings that have no shape in the scene",
+    )
+
+
+def counts(city: City) -> dict[str, float]:
+    """Count what the city holds."""
+    roads = city.layout.roads
+    length = shapely.length(roads.geometry.to_numpy()).sum() / 1000 if len(roads) else 0.0
+    rows = city.scene.instances
+    network = city.network
+    junctions = 0 if network is None else int(np.count_nonzero(network.node_degree >= 3))
+    return {
+        "buildings": _built(city),
+        "buildings_failed": _failed_buildings(city),
+        "road_km": round(float(length), 3),
+        "junctions": junctions,
+        "trees": rows["trees"].count if "trees" in rows else 0,
+        "windows": rows["windows"].count if "windows" in rows else 0,
+        "instances": sum(table.count for table in rows.values()),
+        "prototypes": len(city.scene.prototypes),
+        "vehicles": rows["vehicles"].count if "vehicles" in rows else 0,
+        "pedestrians": 0,
+    }
+
+
+def make_report(
+    city: City,
+    *,
+    inputs: Iterable[Mapping[str, Any]] = (),
+    brief: Mapping[str, Any] | None = None,
+    timings_s: Mapping[str, float] | None = None,
+    peak_rss_mb: float | None = None,
+) -> dict[str, Any]:
+    """Make the report of a city; see the schema in the documentation.
+
+    Parameters
+    ----------
+    inputs
+        What was read: name, kind, size in bytes, SHA-256.
+    brief
+        The options the user gave.
+    timings_s
+        Seconds per step.
+    peak_rss_mb
+        Largest memory of any process of the build; measured for this process when left out.
+    """
+    checks = run_checks(city)
+    goals = _goals(city, brief or {})
+    return {
+        "cityx": __version__,
+        "name": city.name,
+        "seed": city.seed,
+        "lod": city.lod,
+        "hash": content_hash(city).total,
+        "area_km2": round(city.layout.area_km2, 4),
+        "frame": {
+            "latitude": city.frame.latitude,
+            "longitude": city.frame.longitude,
+            "projection": city.frame.projection,
+        },
+        "extent": list(city.layout.extent),
+        "inputs": [dict(item) for item in inputs],
+        "attribution": list(city.attribution),
+        "brief": dict(brief or {}),
+        "goals": goals,
+        "counts": counts(city),
+        "triangles": triangle_counts(city),
+        "timings_s": {name: round(value, 3) for name, value in (timings_s or {}).items()},
+        "peak_rss_mb": round(peak_rss_mb if peak_rss_mb is not None else peak_memory_mb(), 1),
+        "checks": {
+            check.name: {
+                "value": _number(check.value),
+                "limit": check.limit,
+                "ok": check.ok,
+                "meaning": check.meaning,
+                "bound": "at least" if check.at_least else "at most",
+            }
+            for check in checks
+        },
+        "failures": [
+            {"id": id_text(failure.object_id), "action": failure.action, "error": failure.error}
+            for failure in city.failures
+        ],
+        "notes": list(city.notes),
+    }
+
+
+def _number(value: float) -> float | str:
+    return round(float(value), 9) if np.isfinite(value) else str(value)
+
+
+def _goals(city: City, brief: Mapping[str, Any]) -> list[dict[str, Any]]:
+    goals = [
+        ("buildings stand", _built(city) > 0 or not len(city.layout.buildings),
+         f"{_built(city)} of {len(city.layout.buildings)} buildings of the layout are built"),
+        ("the ground is closed", city.ground is not None,
+         f"{0 if city.ground is None else len(city.ground.face_label)} faces"),
+    ]  # fmt: skip
+    weather = brief.get("weather")
+    if weather:
+        goals.append(
+            (f"weather is {weather}", city.environment.weather == str(weather).lower(),
+             f"the environment says {city.environment.weather}")
+        )  # fmt: skip
+    return [{"goal": goal, "met": bool(met), "evidence": evidence} for goal, met, evidence in goals]
+
+
+def report_passed(report: Mapping[str, Any]) -> bool:
+    """Whether every check holds and every goal is met."""
+    return all(check["ok"] for check in report["checks"].values()) and all(
+        goal["met"] for goal in report["goals"]
+    )
+
+
+def peak_memory_mb() -> float:
+    """Return the largest resident memory of this process and its children so far, in MB."""
+    usage = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    return max(resource.getrusage(who).ru_maxrss for who in usage) / 1024

@@ -1,0 +1,261 @@
+"""The command line. Heavy modules are imported by the commands that need them."""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from pathlib import Path
+from tempfile import gettempdir
+from typing import Annotated
+
+import typer
+
+from cityx import __version__
+from cityx.errors import CityxError, UsageError
+
+# Two threaded libraries on few cores spin against each other unless they sleep while they wait.
+os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+
+CHECK_FAILED = 1
+BAD_INPUT = 2
+ENGINE_FAILED = 3
+
+app = typer.Typer(
+    name="cityx",
+    help="Maps become explicit, editable, simulation-ready 3D cities.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+plugins = typer.Typer(help="List, show, check and make plugins.", no_args_is_help=True)
+app.add_typer(plugins, name="plugins")
+
+
+def _version(value: bool) -> None:
+    if value:
+        typer.echo(f"cityx {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    del version
+
+
+def _pair(
+    text: str | None, separator: str, option: str, example: str
+) -> tuple[float, float] | None:
+    """Read "AxB" or "A,B" into two numbers."""
+    if text is None:
+        return None
+    try:
+        first, second = (float(word) for word in text.lower().split(separator))
+    except ValueError:
+        raise UsageError(f'{option} "{text}" is not of the form {example}.') from None
+    return first, second
+
+
+def _pixels(text: str) -> tuple[int, int]:
+    pair = _pair(text, "x", "picture size", "960x540") or (0, 0)
+    width, height = int(pair[0]), int(pair[1])
+    if not (16 <= width <= 16384 and 16 <= height <= 16384):
+        raise UsageError(f'Picture size "{text}" is outside 16x16 to 16384x16384.')
+    return width, height
+
+
+@app.command()
+def build(
+    inputs: Annotated[
+        list[Path], typer.Argument(help="Map (.osm[.gz|.bz2|.pbf]) and optional height file.")
+    ],
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder of the results.")],
+    seed: Annotated[int, typer.Option(help="Seed of all that is random.")] = 0,
+    workers: Annotated[int, typer.Option(min=1, max=64, help="Worker processes.")] = 1,
+    lod: Annotated[int, typer.Option(min=0, max=3, help="Level of detail.")] = 2,
+    style: Annotated[str, typer.Option(help="Style of buildings, e.g. european, brick.")] = "",
+    time: Annotated[str | None, typer.Option(help="HH:MM or a word: noon, evening.")] = None,
+    weather: Annotated[str | None, typer.Option(help="clear, overcast, fog, rain, ...")] = None,
+    size: Annotated[str | None, typer.Option(help="WxH of a window to cut out, metres.")] = None,
+    at: Annotated[str | None, typer.Option(help="LAT,LON of the window's centre.")] = None,
+    formats: Annotated[str, typer.Option(help="Comma-separated: blend, glb.")] = "blend,glb",
+    render: Annotated[bool, typer.Option("--render/--no-render", help="Make pictures.")] = True,
+    samples: Annotated[int, typer.Option(min=1, max=65536, help="Samples per pixel.")] = 48,
+    picture: Annotated[str, typer.Option(help="Size of the pictures, pixels.")] = "960x540",
+) -> None:
+    """Build a city from a map."""
+    from cityx.agents.build import BuildOptions
+    from cityx.agents.build import build as build_city
+
+    options = BuildOptions(
+        seed=seed,
+        workers=workers,
+        lod=lod,
+        style=style,
+        time=time,
+        weather=weather,
+        size=_pair(size, "x", "--size", "800x600"),
+        at=_pair(at, ",", "--at", "60.17,24.94"),
+        formats=tuple(word.strip() for word in formats.split(",") if word.strip()),
+        render=render,
+        samples=samples,
+        picture=_pixels(picture),
+    )
+    with _progress() as say:
+        report = build_city(inputs, out, options, say=say)
+    _summary(report, out)
+
+
+@app.command()
+def render(
+    folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
+    camera: Annotated[str, typer.Option(help="street, aerial, top or FILE.json.")] = "street",
+    samples: Annotated[int | None, typer.Option(min=1, help="Samples per pixel.")] = None,
+    size: Annotated[str | None, typer.Option(help="Size in pixels, WxH.")] = None,
+) -> None:
+    """Render pictures of a built city."""
+    from cityx.agents.views import render_views
+
+    with _progress() as say:
+        paths = render_views(
+            folder, camera, samples=samples, size=_pixels(size) if size else None, say=say
+        )
+    for path in paths:
+        typer.echo(str(path))
+
+
+@app.command()
+def check(folder: Annotated[Path, typer.Argument(help="Folder of a built city.")]) -> None:
+    """Measure a built city again and renew its report."""
+    from cityx.agents.build import recheck
+
+    _summary(recheck(folder), folder)
+
+
+@plugins.command("list")
+def plugins_list() -> None:
+    """List every action by stage."""
+    from cityx.protocol import commands
+
+    _show(commands.list_actions())
+
+
+@plugins.command("show")
+def plugins_show(name: Annotated[str, typer.Argument(help="Id or name of an action.")]) -> None:
+    """Show the record of one action as JSON."""
+    from cityx.protocol import commands
+
+    _show(commands.show_action(name))
+
+
+@plugins.command("check")
+def plugins_check(
+    name: Annotated[str | None, typer.Argument(help="One action; all when left out.")] = None,
+) -> None:
+    """Run the conformance suite."""
+    from cityx.protocol import commands
+
+    text, passed = commands.check_actions(name)
+    _show(text)
+    if not passed:
+        raise typer.Exit(CHECK_FAILED)
+
+
+@plugins.command("new")
+def plugins_new(
+    name: Annotated[str, typer.Argument(help='Id such as "building/bell_tower-v1".')],
+    folder: Annotated[Path, typer.Option("-o", "--out", help="Where to write it.")] = Path(),
+) -> None:
+    """Write a scaffold of a plugin that works."""
+    from cityx.protocol import commands
+
+    for path in commands.new_action(name, folder):
+        typer.echo(str(path))
+
+
+@plugins.command("formats")
+def plugins_formats() -> None:
+    """Show the share of each format over all ports, beside the paper's."""
+    from cityx.protocol import commands
+
+    _show(commands.format_statistics())
+
+
+def _show(renderable: object) -> None:
+    from rich.console import Console
+
+    Console(soft_wrap=isinstance(renderable, str)).print(renderable, markup=False)
+
+
+class _progress:  # noqa: N801  used like a function
+    """A spinner with the current step on a terminal; plain lines elsewhere."""
+
+    def __enter__(self) -> _progress:
+        from rich.console import Console
+
+        self._console = Console(stderr=True)
+        self._status = self._console.status("starting") if self._console.is_terminal else None
+        if self._status:
+            self._status.start()
+        return self
+
+    def __call__(self, line: str) -> None:
+        if self._status:
+            self._status.update(line)
+        else:
+            self._console.print(line, markup=False, highlight=False)
+
+    def __exit__(self, *_: object) -> None:
+        if self._status:
+            self._status.stop()
+
+
+def _summary(report: dict, out: Path) -> None:  # type: ignore[type-arg]
+    """Print counts and failed checks; end with exit code 1 if a check failed."""
+    from cityx.checks.report import report_passed
+
+    counts, triangles = report["counts"], report["triangles"]
+    typer.echo(
+        f"{report['name']}: {counts['buildings']} buildings, {counts['road_km']:.1f} km of ways, "
+        f"{counts['trees']} trees, {counts['instances']} instances, "
+        f"{triangles['instanced']} triangles ({triangles['unique']} unique), "
+        f"{report['area_km2']:.2f} km2"
+    )
+    for text in report["attribution"]:
+        typer.echo(text)
+    for name, item in report["checks"].items():
+        if not item["ok"]:
+            typer.echo(f"check failed: {name} = {item['value']}, {item['bound']} {item['limit']}")
+    if report["failures"]:
+        typer.echo(f"{len(report['failures'])} objects needed a fallback; ids in report.json")
+    typer.echo(f"hash {report['hash']}")
+    typer.echo(f"{out / 'report.html'}")
+    if not report_passed(report):
+        raise typer.Exit(CHECK_FAILED)
+
+
+def main() -> None:
+    """Run the command line and end with the documented exit codes."""
+    try:
+        app()
+    except CityxError as error:
+        typer.echo(f"error: {error}", err=True)
+        sys.exit(error.exit_code)
+    except KeyboardInterrupt:
+        typer.echo("interrupted", err=True)
+        sys.exit(130)
+    except Exception as error:  # noqa: BLE001  the last door before a user
+        log = Path(gettempdir()) / f"cityx-{os.getpid()}.log"
+        log.write_text(traceback.format_exc())
+        typer.echo(f"error: CityX itself failed ({type(error).__name__}: {error}).", err=True)
+        typer.echo(f"The trace is in {log}; please report it with the input.", err=True)
+        sys.exit(ENGINE_FAILED)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,65 @@
+import numpy as np
+import pytest
+
+from cityx.city.content import content_hash
+from cityx.city.store import read_city, read_view, write_city
+from cityx.errors import InputError
+
+
+def test_a_city_read_back_has_the_same_hash(small_city, tmp_path):
+    write_city(small_city, tmp_path / "city")
+    again = read_city(tmp_path / "city")
+    assert content_hash(again).total == content_hash(small_city).total
+
+
+def test_nothing_of_a_city_is_lost_on_disk(small_city, tmp_path):
+    write_city(small_city, tmp_path / "city")
+    again = read_city(tmp_path / "city")
+    for name in ("name", "frame", "seed", "environment", "attribution", "stages_done", "failures",
+                 "notes", "lod", "style"):  # fmt: skip
+        assert getattr(again, name) == getattr(small_city, name)
+    assert np.array_equal(again.terrain.heights, small_city.terrain.heights)
+    assert again.terrain.datum == 12.5
+    assert again.layout.buildings["id"].tolist() == [5, 2**63 + 7]
+    assert again.layout.buildings["name"].tolist() == ["", "Dom"]
+    assert again.scene.prototypes[0].mesh.materials == ("glass", "trim")
+    assert again.scene.prototypes[0].mesh.material.tolist() == [1]
+
+
+def test_the_terrain_on_disk_is_a_geotiff_in_the_local_frame(small_city, tmp_path):
+    import rasterio
+
+    write_city(small_city, tmp_path / "city")
+    with rasterio.open(tmp_path / "city" / "terrain.tif") as dataset:
+        assert dataset.crs.is_projected
+        assert next(iter(dataset.sample([(10.0, 0.0)])))[0] == 1.0  # south-east node
+        assert next(iter(dataset.sample([(0.0, 10.0)])))[0] == 2.0  # north-west node
+
+
+def test_feature_tables_on_disk_carry_their_reference_system(small_city, tmp_path):
+    from geopandas import read_parquet
+
+    write_city(small_city, tmp_path / "city")
+    table = read_parquet(tmp_path / "city/layout/buildings.parquet")
+    assert table.crs.coordinate_operation.method_name == "Transverse Mercator"
+
+
+def test_a_view_names_every_building(small_city, tmp_path):
+    write_city(small_city, tmp_path / "city")
+    view = read_view(tmp_path / "city")
+    assert view.objects[2**63 + 7] == {
+        "kind": "building", "name": "Dom", "source": "osm/way/2", "use": "church",
+    }  # fmt: skip
+
+
+def test_writing_again_replaces_the_folder_and_leaves_nothing_beside_it(small_city, tmp_path):
+    write_city(small_city, tmp_path / "city")
+    (tmp_path / "city" / "stale").touch()
+    write_city(small_city, tmp_path / "city")
+    assert [path.name for path in tmp_path.iterdir()] == ["city"]
+    assert not (tmp_path / "city" / "stale").exists()
+
+
+def test_a_folder_without_a_city_is_refused_by_name(tmp_path):
+    with pytest.raises(InputError, match=r"holds no city: city\.json is missing"):
+        read_city(tmp_path)
