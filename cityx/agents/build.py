@@ -19,7 +19,7 @@ from cityx.errors import ActionFailed, ActionRejected, InputError, UsageError
 from cityx.sources.inputs import KINDS, Input, classify
 
 FORMATS = ("blend", "glb")
-VIEWS = ("street", "aerial", "top")
+PRODUCTS = ("city", "city.blend", "city.glb", "renders", "report.json", "report.html")
 
 Say = Callable[[str], None]
 
@@ -251,7 +251,7 @@ def _make_views(
     city: City, staging: Path, options: BuildOptions, watch: Stopwatch, say: Say
 ) -> float:
     """Write GLB, .blend and pictures; return the peak memory of any process, MB."""
-    from cityx.agents.views import blender_views
+    from cityx.agents.views import VIEWS, blender_views
     from cityx.checks.report import peak_memory_mb
     from cityx.city.store import view_of
     from cityx.outputs.glb import write_glb
@@ -263,22 +263,24 @@ def _make_views(
     if "blend" in options.formats or options.render:
         blend = staging / "city.blend" if "blend" in options.formats else None
         views = VIEWS if options.render else ()
-        times = blender_views(
-            city,
-            staging,
+        times, _ = blender_views(
+            staging / "city",
             blend=blend,
+            renders=staging / "renders",
             views=views,
             size=options.picture,
             samples=options.samples,
             say=say,
         )
-        for name, seconds in times.items():
-            watch.wall[name] = seconds
+        for name, spent in times.items():
+            watch.wall[f"blender {name}"] = spent["wall_s"]
+            watch.cpu[f"blender {name}"] = spent["cpu_s"]
     return peak_memory_mb()
 
 
 def write_report(report: dict[str, Any], folder: Path) -> None:
     """Write report.json and report.html, with the pictures that lie in ``renders``."""
+    from cityx.agents.views import VIEWS
     from cityx.checks.report_html import report_html
     from cityx.outputs.atomic import replaced
 
@@ -294,13 +296,43 @@ def write_report(report: dict[str, Any], folder: Path) -> None:
 
 
 def _publish(staging: Path, out: Path) -> None:
-    """Move every finished product into place, replacing older ones."""
+    """Move every finished product into place; products of an older city do not stay beside it."""
     from cityx.city.store import replace_folder
 
     out.mkdir(parents=True, exist_ok=True)
+    for name in PRODUCTS:
+        if not (staging / name).exists() and (out / name).exists():
+            old = out / name
+            shutil.rmtree(old) if old.is_dir() else old.unlink()
     for product in sorted(staging.iterdir()):
         target = out / product.name
         if product.is_dir():
             replace_folder(product, target)
         else:
             product.replace(target)
+
+
+def recheck(folder: Path) -> dict[str, Any]:
+    """Measure a built city again and write its report anew; what the build measured is kept.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no city.
+    """
+    from cityx.checks.report import make_report
+    from cityx.city.store import read_city
+
+    city = read_city(folder / "city")
+    path = folder / "report.json"
+    old = json.loads(path.read_text()) if path.exists() else {}
+    report = make_report(
+        city,
+        inputs=old.get("inputs", ()),
+        brief=old.get("brief"),
+        timings_s=old.get("timings_s"),
+        peak_rss_mb=old.get("peak_rss_mb"),
+    )
+    report["cpu_s"] = old.get("cpu_s", {})
+    write_report(report, folder)
+    return report

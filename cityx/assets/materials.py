@@ -63,7 +63,7 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("concrete", (0.55, 0.55, 0.54), 0.85, texture="concrete", tile=4.0, porosity=0.6),
     _M("wood", (0.70, 0.70, 0.70), 0.75, texture="boards", tile=2.4, porosity=0.6),
     _M("metal_panel", (0.70, 0.70, 0.72), 0.4, 0.6, texture="panels", tile=4.0, porosity=0.0),
-    _M("glass_wall", (0.10, 0.13, 0.15), 0.08, 0.3, texture="curtain", tile=3.5, porosity=0.0),
+    _M("glass_wall", (0.10, 0.13, 0.15), 0.08, 0.3, texture="curtain", tile=14.0, porosity=0.0),
     # roofs
     _M("roof_tiles", (0.80, 0.80, 0.80), 0.8, texture="roof_tiles", tile=2.0, porosity=0.6),
     _M("slate", (0.75, 0.75, 0.75), 0.6, texture="slate", tile=2.0, porosity=0.2),

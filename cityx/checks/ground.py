@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from cityx.checks.check import Check
 from cityx.city import City
@@ -32,7 +33,7 @@ def check_ground(city: City) -> list[Check]:
     return checks
 
 
-def _standing_on(city: City, points: np.ndarray, labels: tuple[str, ...]) -> int:
+def _standing_on(city: City, points: NDArray[np.float64], labels: tuple[str, ...]) -> int:
     ground = city.ground
     if ground is None:
         return 0

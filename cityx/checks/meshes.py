@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from cityx.checks.check import Check
 from cityx.city import City
@@ -10,7 +13,9 @@ from cityx.city import City
 
 def check_meshes(city: City) -> list[Check]:
     """Count values that are not finite in meshes and instances."""
-    arrays = [batch.vertices for batch in city.scene.meshes.values()]
+    arrays: list[NDArray[np.floating[Any]]] = [
+        batch.vertices for batch in city.scene.meshes.values()
+    ]
     arrays += [prototype.mesh.vertices for prototype in city.scene.prototypes]
     for rows in city.scene.instances.values():
         arrays += [rows.position, rows.rotation, rows.scale]

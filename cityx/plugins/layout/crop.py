@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from cityx.city import City, Layout
+from cityx.geometry.identity import hash_ids
 from cityx.protocol import Port, Range, action
 
 if TYPE_CHECKING:
@@ -77,7 +79,7 @@ def crop(
     return replace(city, layout=cropped)
 
 
-def _centroid_in(table: GeoDataFrame, box: shapely.Polygon) -> np.ndarray:
+def _centroid_in(table: GeoDataFrame, box: shapely.Polygon) -> NDArray[np.bool_]:
     return np.asarray(shapely.intersects(shapely.centroid(table.geometry.to_numpy()), box))
 
 
@@ -91,5 +93,11 @@ def _clipped(table: GeoDataFrame, box: shapely.Polygon, dimension: int) -> GeoDa
     deeper, inner = shapely.get_parts(pieces, return_index=True)
     rows = rows[inner]
     keep = (shapely.get_dimensions(deeper) == dimension) & ~shapely.is_empty(deeper)
-    result = touched.iloc[rows[keep]].copy()
-    return result.set_geometry(deeper[keep]).reset_index(drop=True)
+    shapes, rows = deeper[keep], rows[keep]
+    result = touched.iloc[rows].copy().set_geometry(shapes)
+    # A row cut into pieces keeps its id for the first; the others get ids of their own.
+    first = np.searchsorted(rows, rows)
+    piece = np.arange(len(rows)) - first
+    ids = result["id"].to_numpy(np.uint64)
+    result["id"] = np.where(piece == 0, ids, hash_ids(0, "piece", ids, piece))
+    return result.sort_values("id", kind="stable").reset_index(drop=True)

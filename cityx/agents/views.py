@@ -1,0 +1,114 @@
+"""Views made through Blender: the editable scene and the pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from cityx.blender.client import DEFAULT_SAMPLES, BlenderJob, RenderRequest, run_worker
+from cityx.city.camera import Camera
+from cityx.city.store import View, read_view
+from cityx.errors import UsageError, nearest
+
+VIEWS = ("street", "aerial", "top")  # in the order of the report
+PICTURE = (960, 540)  # pixels
+# A picture of a square kilometre takes a minute or two on two cores; this is a hang.
+TIMEOUT_S = 6 * 3600.0
+
+Say = Callable[[str], None]
+
+
+def cameras_of(view: View, names: Sequence[str], size: tuple[int, int]) -> list[Camera]:
+    """Choose a camera for every named view of a city."""
+    from cityx.plugins.render import cameras
+
+    choose = {
+        "street": cameras.street_camera,
+        "aerial": cameras.aerial_camera,
+        "top": cameras.top_camera,
+    }
+    return [replace(choose[name](view), name=name, width=size[0], height=size[1]) for name in names]
+
+
+def blender_views(
+    store: Path,
+    *,
+    blend: Path | None,
+    renders: Path,
+    views: Sequence[str] = VIEWS,
+    size: tuple[int, int] = PICTURE,
+    samples: int = DEFAULT_SAMPLES,
+    say: Say,
+) -> tuple[dict[str, dict[str, float]], float]:
+    """Save the scene and render the standard pictures of a stored city.
+
+    Parameters
+    ----------
+    store
+        Folder of the stored city.
+    blend
+        .blend file to save, or None.
+    renders
+        Folder of the pictures.
+
+    Returns
+    -------
+    timings, peak_rss_mb
+        Step to its "wall_s" and "cpu_s"; peak memory of the Blender process.
+    """
+    cameras = cameras_of(read_view(store), views, size) if views else []
+    requests = tuple(RenderRequest(c, renders / f"{c.name}.png", samples) for c in cameras)
+    job = BlenderJob(store, blend=blend, renders=requests)
+    result = run_worker(job, timeout_s=TIMEOUT_S, progress=lambda _, text: say(text))
+    return {name: dict(times) for name, times in result.timings.items()}, result.peak_rss_mb
+
+
+def render_views(
+    folder: Path,
+    camera: str,
+    *,
+    samples: int | None = None,
+    size: tuple[int, int] | None = None,
+    say: Say,
+) -> list[Path]:
+    """Render pictures of a built city into its folder ``renders``.
+
+    Parameters
+    ----------
+    folder
+        Folder of a built city.
+    camera
+        "street", "aerial", "top", or a JSON file of cameras, which brings its own light.
+    samples, size
+        Samples per pixel and (width, height); those of the file, else the defaults, when None.
+
+    Raises
+    ------
+    UsageError
+        If `camera` is neither a view nor a file.
+    """
+    view = read_view(folder / "city")
+    environment = None
+    if camera in VIEWS:
+        cameras = cameras_of(view, [camera], size or PICTURE)
+    elif Path(camera).is_file():
+        from cityx.city.camera import read_cameras
+
+        found, light = read_cameras(Path(camera), view.frame, view.terrain, extent=view.extent)
+        cameras, environment = list(found), light.apply(view.environment)
+        samples = samples or light.samples
+        if size:
+            cameras = [replace(item, width=size[0], height=size[1]) for item in cameras]
+    else:
+        raise UsageError(
+            f'Camera "{camera}" is neither a file nor one of {", ".join(VIEWS)}.'
+            + nearest(camera, VIEWS)
+        )
+    renders = folder / "renders"
+    requests = tuple(
+        RenderRequest(item, renders / f"{item.name}.png", samples or DEFAULT_SAMPLES)
+        for item in cameras
+    )
+    job = BlenderJob(folder / "city", renders=requests, environment=environment)
+    return list(run_worker(job, timeout_s=TIMEOUT_S, progress=lambda _, text: say(text)).files)

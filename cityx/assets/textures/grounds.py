@@ -1,0 +1,170 @@
+"""Patterns of the ground: roads, paving, vegetation, soil, water, and bark."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cityx.assets.textures.courses import lay
+from cityx.assets.textures.noise import (
+    Field,
+    axes,
+    blurred,
+    cells,
+    fractal,
+    lattice,
+    per_cell,
+    sampled,
+    smooth,
+    speckle,
+    value_noise,
+)
+from cityx.assets.textures.relief import Relief
+
+
+def asphalt(size: int) -> Relief:
+    """Draw worn asphalt: aggregate, clouds of wear, hair cracks here and there."""
+    grain = speckle("asphalt", size)
+    stones = smooth(0.62, 0.98, blurred(speckle("asphalt/stones", size), 1) * 1.9 - 0.45)
+    bright = smooth(0.955, 0.985, speckle("asphalt/bright", size))
+    clouds = fractal("asphalt/clouds", size, 3, octaves=5, gain=0.6)
+    bend = 0.02 * fractal("asphalt/bend", size, 10, octaves=3)
+    near, far, _ = cells("asphalt/cracks", size, 5, jitter=1.0)
+    crack = 1 - smooth(0.006, 0.022, sampled(far - near, bend, np.roll(bend, 99, 0)))
+    crack = crack * smooth(0.56, 0.80, value_noise("asphalt/where", size, 4))
+    tone = 0.84 + 0.34 * (grain - 0.5) + 0.16 * stones + 0.55 * bright + 0.09 * clouds
+    albedo = tone * (1 - 0.28 * crack)
+    height = 0.0014 * (grain - 0.5) + 0.0022 * stones + 0.0015 * bright - 0.004 * crack
+    return Relief(4.0, albedo, height, 0.97 + 0.05 * clouds, brightness=0.5)
+
+
+def setts(size: int) -> Relief:
+    """Draw granite setts, 10 x 17 cm, crowned, with sandy joints."""
+    wander = 0.010 * fractal("setts/wander", size, 12, octaves=2)
+    road = lay("setts", size, 2.0, 12, 20, jitter=0.16, warp=(wander, 0.8 * np.roll(wander, 61, 0)))
+    grain = fractal("setts/grain", size, 110, octaves=2, gain=0.8)
+    crown = smooth(0.001, 0.034, road.edge)
+    joint = 1 - smooth(0.004, 0.012, road.edge)
+    tone = 1 + 0.42 * (road.draw(1) - 0.5) + 0.10 * grain
+    hue = (road.draw(2) - 0.5) * 0.16
+    stone = tone * (0.55 + 0.45 * crown)
+    sand = np.array([0.52, 0.46, 0.38], np.float32) * (1 + 0.2 * grain)[..., None]
+    albedo = stone[..., None] * np.stack([1 + hue, np.ones_like(hue), 1 - hue], axis=2)
+    albedo = albedo * (1 - joint[..., None]) + sand * joint[..., None]
+    lean = (road.draw(3) - 0.5) * 0.05 * (road.up - 0.05)
+    height = 0.012 * crown + lean * crown + 0.0008 * grain
+    roughness = np.asarray(1 - 0.12 * crown * (1 - joint), dtype=np.float32)
+    return Relief(2.0, albedo, height, roughness, brightness=0.6)
+
+
+def paving(size: int) -> Relief:
+    """Draw concrete slabs of 60 x 40 cm in half bond."""
+    walk = lay("paving", size, 2.4, 4, 6, jitter=0.0)
+    joint = 1 - smooth(0.002, 0.008, walk.edge)
+    arris = 1 - smooth(0.004, 0.020, walk.edge)
+    grain = speckle("paving", size) - np.float32(0.5)
+    clouds = fractal("paving/clouds", size, 5, octaves=5, gain=0.65)
+    gum = smooth(0.60, 0.66, _spots("paving/gum", size))
+    tone = 1 + 0.17 * (walk.draw(1) - 0.5) + 0.13 * grain + 0.07 * clouds - 0.06 * arris
+    hue = (walk.draw(2) - 0.5) * 0.05
+    shade = tone * (1 - 0.55 * joint) * (1 - 0.16 * gum)
+    albedo = shade[..., None] * np.stack([1 + hue, np.ones_like(hue), 1 - hue], axis=2)
+    lean = (walk.draw(3) - 0.5) * 0.006 * (walk.across - 0.3)
+    lean = lean + (walk.draw(4) - 0.5) * 0.006 * (walk.up - 0.2)
+    height = lean - 0.005 * joint - 0.002 * arris + 0.0006 * grain
+    return Relief(2.4, albedo, height, 1 - 0.1 * gum + 0.04 * clouds, brightness=0.66)
+
+
+def _spots(key: str, size: int) -> Field:
+    """Round spots, few and of several sizes: 1 at their middles."""
+    near, _, index = cells(key, size, 12)
+    reach = 0.02 + 0.10 * per_cell(key, index, 1)
+    spot = np.clip(1 - near / (3 * reach), 0, 1)
+    return np.where(per_cell(key, index, 2) > 0.7, spot, np.float32(0))
+
+
+def grass(size: int) -> Relief:
+    """Draw a mown lawn: blades in all directions, patches of moss and dry tips."""
+    bend = 0.012 * fractal("grass/bend", size, 20, octaves=2)
+    blades = np.maximum(
+        sampled(fractal("grass/a", size, 190, 56, octaves=2, gain=0.8), bend, bend),
+        sampled(fractal("grass/b", size, 64, 180, octaves=2, gain=0.8), -bend, bend),
+    )
+    tufts = fractal("grass/tufts", size, 34, octaves=3, gain=0.7)
+    patches = fractal("grass/patches", size, 5, octaves=4, gain=0.6)
+    dry = smooth(0.15, 1.1, fractal("grass/dry", size, 9, octaves=4, gain=0.7) + 0.25 * blades)
+    fine = speckle("grass", size) - np.float32(0.5)
+    tone = 0.80 + 0.30 * blades + 0.22 * tufts + 0.10 * patches + 0.22 * fine
+    tone = np.maximum(tone, 0.18)
+    warm = 0.10 * patches + 0.30 * dry
+    albedo = tone[..., None] * np.stack([1 + 0.9 * warm, 1 + 0.15 * warm, 1 - 0.1 * warm], axis=2)
+    height = 0.012 * blades + 0.020 * tufts
+    return Relief(6.0, albedo, height, 1.0, brightness=0.5)
+
+
+def soil(size: int) -> Relief:
+    """Draw bare earth with clods and small stones."""
+    clods = fractal("soil/clods", size, 22, octaves=5, gain=0.68)
+    clouds = fractal("soil/clouds", size, 4, octaves=4, gain=0.6)
+    near, far, index = cells("soil/stones", size, 52)
+    there = smooth(0.86, 0.88, per_cell("soil/stones", index, 1))
+    stone = there * smooth(0.10, 0.35, far - near)
+    fine = speckle("soil", size) - np.float32(0.5)
+    tone = 0.85 + 0.22 * clods + 0.10 * clouds + 0.18 * fine
+    body = np.maximum(tone, 0.2) * (1 - stone) + stone * (0.9 + 0.7 * per_cell("soil", index, 2))
+    hue = 0.06 * clouds * (1 - stone)
+    albedo = body[..., None] * np.stack([1 + hue, np.ones_like(hue), 1 - hue], axis=2)
+    height = 0.022 * clods + 0.014 * stone + 0.002 * fine
+    return Relief(4.0, albedo, height, 1.0, brightness=0.55)
+
+
+def furrows(size: int) -> Relief:
+    """Draw a field in rows half a metre apart, running along u, with young crop on the ridges."""
+    _, v = axes(size)
+    wander = 0.006 * fractal("furrows/wander", size, 6, octaves=3)
+    t = np.asarray(((v + wander) * 16) % 1, dtype=np.float32)
+    ridge = np.minimum(1.4 * smooth(0.0, 0.5, t) * (1 - smooth(0.5, 1.0, t)), 1)
+    clods = fractal("furrows/clods", size, 48, octaves=4, gain=0.7)
+    plants = smooth(0.05, 0.6, fractal("furrows/plants", size, 70, octaves=3, gain=0.7))
+    crop = plants * smooth(0.45, 0.9, ridge)
+    clouds = fractal("furrows/clouds", size, 3, octaves=4, gain=0.6)
+    earth = np.maximum(0.72 + 0.2 * clods + 0.14 * ridge + 0.08 * clouds, 0.2)
+    green = np.array([0.75, 1.15, 0.55], np.float32)
+    shade = crop[..., None]
+    albedo = earth[..., None] * (1 - shade) + shade * green * (1 + 0.25 * clods)[..., None]
+    height = 0.09 * ridge + 0.025 * clods + 0.04 * crop
+    return Relief(8.0, np.maximum(albedo, 0.05), height, 1.0, brightness=0.6)
+
+
+def ripples(size: int) -> Relief:
+    """Draw wind ripples on water; the colour is even, the normals carry the picture."""
+    count = 36
+    wave = lattice("ripples", count, 4)
+    u, v = axes(size)
+    height = np.zeros((size, size), np.float64)
+    for i in range(count):
+        number = 3 + 30 * float(wave[0, i]) ** 1.6  # waves per tile
+        lean = (float(wave[1, i]) - 0.5) * 1.9  # tangent of the angle to the wind
+        norm = (1 + lean * lean) ** 0.5
+        k = round(number / norm), round(number * lean / norm)
+        phase = (u * k[0] + v * k[1] + float(wave[2, i])).astype(np.float64)
+        t = phase - np.floor(phase)
+        arch = 4 * t * (1 - t)  # crests a little sharper than a sine, as wind makes them
+        height += (1 - arch * (0.6 + 0.4 * arch)) * (1.6 / number**1.25)
+    even = np.ones((size, size), np.float32)
+    return Relief(12.0, even, (0.06 * blurred(height.astype(np.float32), 1)), 1.0, brightness=1.0)
+
+
+def bark(size: int) -> Relief:
+    """Draw the ridged bark of a street tree, ridges up the stem."""
+    bend = 0.03 * fractal("bark/bend", size, 4, 3, octaves=3)
+    near, far, _ = cells("bark", size, 15, 3)
+    ridge = smooth(0.0, 0.36, sampled(far - near, bend, np.roll(bend, 37, 1)))
+    grain = fractal("bark/grain", size, 90, 18, octaves=3, gain=0.7)
+    clouds = fractal("bark/clouds", size, 3, octaves=4)
+    tone = (0.35 + 0.65 * ridge) * (1 + 0.20 * grain + 0.10 * clouds)
+    lichen = smooth(0.5, 1.2, clouds + 0.5 * grain)
+    albedo = np.maximum(tone, 0.1)[..., None] * np.stack(
+        [np.ones_like(tone), 1 + 0.06 * lichen, 1 - 0.02 * lichen], axis=2
+    )
+    height = 0.016 * ridge + 0.003 * grain
+    return Relief(1.0, albedo, height, 1.0, brightness=0.6)

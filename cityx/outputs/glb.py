@@ -1,0 +1,371 @@
+"""A city as one glTF 2.0 binary file.
+
+Nodes: ``city``, under it one node per layer, under it one node per object, named by its id, or one
+node per prototype and colour with ``EXT_mesh_gpu_instancing``. Every object's id is in its name and
+extras, that of an instance in the attribute ``_CITYX_ID`` (four 16-bit words, lowest first).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx import __version__
+from cityx.city.mesh import MeshBatch
+from cityx.city.scene import Instances
+from cityx.geometry.identity import id_text
+from cityx.outputs.atomic import replaced
+from cityx.outputs.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfBuffer
+from cityx.outputs.gltf_instances import id_words, tint_groups, y_up_quaternions
+from cityx.outputs.gltf_material import GltfMaterials
+from cityx.outputs.gltf_mesh import FlatMesh, finite, flat_mesh, origins, y_up
+
+# Above this many objects in a layer viewers choke on nodes: objects are merged by tile and keep
+# their ids in a vertex attribute.
+MOST_OBJECTS = 20_000
+TILE = 250.0  # metres, edge of a merged tile
+_INSTANCING = "EXT_mesh_gpu_instancing"
+
+
+@dataclass(frozen=True)
+class GlbStats:
+    """What a file holds.
+
+    Attributes
+    ----------
+    size
+        Bytes.
+    nodes, meshes, materials, textures
+        Counts in the file.
+    instances
+        Rows placed.
+    triangles_unique, triangles_instanced
+        Stored, and as seen with every instance counted.
+    """
+
+    size: int
+    nodes: int
+    meshes: int
+    materials: int
+    textures: int
+    instances: int
+    triangles_unique: int
+    triangles_instanced: int
+
+
+def write_glb(
+    view: Any,
+    path: str | os.PathLike[str],
+    *,
+    instancing: bool = True,
+    texture_size: int = 512,
+) -> GlbStats:
+    """Write a city as GLB: y up, metres, textures inside.
+
+    Parameters
+    ----------
+    view
+        A `cityx.city.store.View`, or a City.
+    path
+        File to make; replaced when the new one is complete.
+    instancing
+        Place instances with ``EXT_mesh_gpu_instancing``. False writes a node for each, for
+        viewers that do not know the extension.
+    texture_size
+        Edge of the textures in pixels, 0 for none.
+
+    Raises
+    ------
+    UsageError
+        If the city is larger than a GLB can hold (4 GB).
+    """
+    if not hasattr(view, "objects"):
+        from cityx.city.store import view_of
+
+        view = view_of(view)
+    writer = _Writer(view, instancing, texture_size)
+    layers = [
+        *(writer.mesh_layer(name, batch) for name, batch in sorted(view.scene.meshes.items())),
+        *(writer.instance_layer(name, rows) for name, rows in sorted(view.scene.instances.items())),
+    ]
+    root: dict[str, Any] = {"name": "city", "extras": _city_extras(view)}
+    children = [layer for layer in layers if layer is not None]
+    if children:
+        root["children"] = children
+    top = writer.buffer.add("nodes", root)
+    writer.buffer.add("scenes", {"name": view.name or "city", "nodes": [top]})
+    with replaced(path) as temporary, temporary.open("wb") as file:
+        size = writer.buffer.write(file, _head(view, writer.extensions))
+    counts = {name: len(items) for name, items in writer.buffer.document.items()}
+    return GlbStats(
+        size=size,
+        nodes=counts["nodes"],
+        meshes=counts.get("meshes", 0),
+        materials=counts.get("materials", 0),
+        textures=counts.get("textures", 0),
+        instances=writer.instances,
+        triangles_unique=writer.triangles_unique,
+        triangles_instanced=writer.triangles_instanced,
+    )
+
+
+def _city_extras(view: Any) -> dict[str, Any]:
+    frame = view.frame
+    return {
+        "cityx": __version__,
+        "name": view.name,
+        "seed": getattr(view, "seed", 0),
+        "latitude": frame.latitude,
+        "longitude": frame.longitude,
+        "projection": frame.projection,
+        "attribution": list(view.attribution),
+    }
+
+
+def _head(view: Any, extensions: set[str]) -> dict[str, Any]:
+    asset = {"version": "2.0", "generator": f"CityX {__version__}"}
+    if view.attribution:
+        asset["copyright"] = "; ".join(view.attribution)
+    head: dict[str, Any] = {"asset": asset, "scene": 0}
+    if extensions:
+        head["extensionsUsed"] = sorted(extensions)
+    if _INSTANCING in extensions:  # without it a viewer would show one window, at no place
+        head["extensionsRequired"] = [_INSTANCING]
+    return head
+
+
+def _rounded(values: Any) -> list[float]:
+    return [round(float(value), 4) + 0.0 for value in values]
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """A prototype in the file: everything but its colour."""
+
+    primitives: list[dict[str, Any]]
+    flat: FlatMesh
+    triangles: int
+
+
+class _Writer:
+    """A file in the making."""
+
+    def __init__(self, view: Any, instancing: bool, texture_size: int) -> None:
+        self.view = view
+        self.instancing = instancing
+        self.buffer = GltfBuffer()
+        self.materials = GltfMaterials(self.buffer, view.environment, texture_size)
+        self.instances = self.triangles_unique = self.triangles_instanced = 0
+        self._shapes: dict[int, _Shape | None] = {}
+        self._painted: dict[tuple[int, bytes], int] = {}
+        self._used: set[str] = set()
+
+    @property
+    def extensions(self) -> set[str]:
+        return self._used | self.materials.extensions
+
+    def mesh_layer(self, name: str, batch: MeshBatch) -> int | None:
+        """Write one node per object and return the layer's node."""
+        if not len(batch.faces):
+            return None
+        ids = None
+        if batch.count > MOST_OBJECTS:
+            batch, ids, tiles = merged_by_tile(batch)
+            labels = [_tile_label(name, tile) for tile in tiles.tolist()]
+        else:
+            labels = [self._label(name, object_id) for object_id in batch.object_id.tolist()]
+        origin = origins(batch)
+        flat = flat_mesh(batch, origin)
+        places = y_up(origin)
+        primitives = self._primitives(flat, batch.materials, ids)
+        self.triangles_unique += batch.triangle_count
+        self.triangles_instanced += batch.triangle_count
+        children = []
+        for item, parts in primitives.items():
+            label, extras = labels[item]
+            mesh = self.buffer.add("meshes", {"name": label, "primitives": parts})
+            node = {"name": label, "mesh": mesh, "translation": _rounded(places[item])}
+            children.append(self.buffer.add("nodes", {**node, "extras": extras}))
+        return self.buffer.add("nodes", {"name": name, "children": children})
+
+    def _label(self, layer: str, object_id: int) -> tuple[str, dict[str, Any]]:
+        text = id_text(object_id)
+        known: Mapping[str, str] = self.view.objects.get(object_id, {})
+        extras = {"cityx_id": text, **{key: value for key, value in known.items() if value}}
+        return f"{layer.removesuffix('s')}_{text}", extras
+
+    def _primitives(
+        self, flat: FlatMesh, materials: tuple[str, ...], ids: NDArray[np.uint64] | None = None
+    ) -> dict[int, list[dict[str, Any]]]:
+        """Write the arrays of a layer and return the primitives of each object that has any."""
+        buffer = self.buffer
+        shared: list[tuple[str, NDArray[Any], bool]] = [
+            ("NORMAL", flat.normal, False),
+            ("TEXCOORD_0", flat.uv, False),
+        ]
+        if flat.color is not None:
+            shared.append(("COLOR_0", flat.color, True))
+        if ids is not None:
+            shared.append(("_CITYX_ID", id_words(ids[flat.vertex]), False))
+        position = buffer.view(flat.position, target=ARRAY_BUFFER, shared=True)
+        views = [buffer.view(array, target=ARRAY_BUFFER, shared=True) for _, array, _ in shared]
+        counts = np.diff(flat.vertex_start)
+        # 65535 itself is kept free: it means "restart" to a graphics card.
+        index = flat.index.astype(np.uint16) if counts.max() <= 65535 else flat.index
+        index_view = buffer.view(index, target=ELEMENT_ARRAY_BUFFER)
+        low, high = (bound.tolist() for bound in flat.bounds())
+        starts, sizes = flat.vertex_start.tolist(), counts.tolist()
+        sections = flat.section_start.tolist()
+        numbers = [self.materials.number(materials[m]) for m in flat.section_material.tolist()]
+        result: dict[int, list[dict[str, Any]]] = {}
+        attributes: dict[str, int] = {}
+        for section, item in enumerate(flat.section_object.tolist()):
+            if item not in result:
+                result[item] = []
+                rows = {"first": starts[item], "count": sizes[item]}
+                bounds = (low[item], high[item])
+                attributes = {
+                    "POSITION": buffer.accessor(position, flat.position, bounds=bounds, **rows)
+                }
+                for (kind, array, normalized), view in zip(shared, views, strict=True):
+                    attributes[kind] = buffer.accessor(view, array, normalized=normalized, **rows)
+            first, last = sections[section : section + 2]
+            indices = buffer.accessor(index_view, index, first=first, count=last - first)
+            result[item].append(
+                {"attributes": attributes, "indices": indices, "material": numbers[section]}
+            )
+        return result
+
+    def instance_layer(self, name: str, rows: Instances) -> int | None:
+        """Write one node per prototype and colour and return the layer's node."""
+        children: list[int] = []
+        for prototype in np.unique(rows.prototype).tolist():
+            shape = self._shape(prototype)
+            if shape is None:
+                continue
+            members = np.flatnonzero(rows.prototype == prototype)
+            self.instances += len(members)
+            self.triangles_instanced += shape.triangles * len(members)
+            group, tints = np.zeros(len(members), np.int64), np.ones((1, 3), np.float32)
+            if shape.flat.takes_tint.any():
+                group, tints = tint_groups(rows.tint[members])
+            for number, tint in enumerate(tints):
+                mesh = self._mesh(prototype, shape, tint)
+                title = self.view.scene.prototypes[prototype].name
+                chosen = members[group == number]
+                if self.instancing:
+                    children.append(self._instanced(f"{title}_{number}", mesh, rows, chosen))
+                else:
+                    children += self._single(title, mesh, rows, chosen)
+        if not children:
+            return None
+        return self.buffer.add("nodes", {"name": name, "children": children})
+
+    def _shape(self, number: int) -> _Shape | None:
+        if number not in self._shapes:
+            batch = self.view.scene.prototypes[number].mesh
+            shape = None
+            if len(batch.faces):
+                flat = flat_mesh(batch, np.zeros((batch.count, 3)))
+                plain = replace(flat, color=None)
+                parts = [p for ps in self._primitives(plain, batch.materials).values() for p in ps]
+                shape = _Shape(parts, flat, batch.triangle_count)
+                self.triangles_unique += shape.triangles
+            self._shapes[number] = shape
+        return self._shapes[number]
+
+    def _mesh(self, number: int, shape: _Shape, tint: NDArray[np.float32]) -> int:
+        """Return the mesh of a prototype in one colour; only the colours are written anew."""
+        flat = shape.flat
+        color = (
+            np.full((len(flat.position), 4), 255, np.uint8) if flat.color is None else flat.color
+        )
+        factor = np.where(flat.takes_tint[:, None], tint, np.float32(1))
+        color = np.column_stack([np.round(color[:, :3] * factor), color[:, 3]]).astype(np.uint8)
+        key = (number, color.tobytes())
+        if key not in self._painted:
+            parts = shape.primitives
+            if (color < 255).any():
+                view = self.buffer.view(color, target=ARRAY_BUFFER, shared=True)
+                paint = self.buffer.accessor(view, color, normalized=True)
+                parts = [
+                    {**part, "attributes": {**part["attributes"], "COLOR_0": paint}}
+                    for part in parts
+                ]
+            title = self.view.scene.prototypes[number].name
+            self._painted[key] = self.buffer.add("meshes", {"name": title, "primitives": parts})
+        return self._painted[key]
+
+    def _instanced(self, title: str, mesh: int, rows: Instances, chosen: NDArray[np.int64]) -> int:
+        origin = np.round(finite(rows.position[chosen]).mean(axis=0), 2)
+        arrays: dict[str, NDArray[Any]] = {
+            "TRANSLATION": y_up(finite(rows.position[chosen]) - origin).astype(np.float32),
+            "ROTATION": y_up_quaternions(rows.rotation[chosen]),
+            "SCALE": np.ascontiguousarray(rows.scale[chosen][:, [0, 2, 1]], np.float32),
+            "_CITYX_ID": id_words(rows.object_id[chosen]),
+            "_CITYX_OWNER": id_words(rows.owner[chosen]),
+        }
+        accessors = {
+            kind: self.buffer.accessor(self.buffer.view(array), array)
+            for kind, array in arrays.items()
+        }
+        self._used.add(_INSTANCING)
+        node = {"name": title, "mesh": mesh, "translation": _rounded(y_up(origin))}
+        return self.buffer.add(
+            "nodes", {**node, "extensions": {_INSTANCING: {"attributes": accessors}}}
+        )
+
+    def _single(
+        self, title: str, mesh: int, rows: Instances, chosen: NDArray[np.int64]
+    ) -> list[int]:
+        places = np.round(y_up(finite(rows.position[chosen])), 4).tolist()
+        turns = np.round(y_up_quaternions(rows.rotation[chosen]).astype(float), 7).tolist()
+        scales = np.round(rows.scale[chosen][:, [0, 2, 1]].astype(float), 6).tolist()
+        owners = [id_text(owner) if owner else "" for owner in rows.owner[chosen].tolist()]
+        numbers = []
+        for row, object_id in enumerate(rows.object_id[chosen].tolist()):
+            text = id_text(object_id)
+            extras = {"cityx_id": text}
+            if owners[row]:
+                extras["owner"] = owners[row]
+            node = {"name": f"{title}_{text}", "mesh": mesh, "translation": places[row]}
+            node |= {"rotation": turns[row], "scale": scales[row], "extras": extras}
+            numbers.append(self.buffer.add("nodes", node))
+        return numbers
+
+
+def merged_by_tile(
+    batch: MeshBatch,
+) -> tuple[MeshBatch, NDArray[np.uint64], NDArray[np.int64]]:
+    """Merge the objects of each `TILE` into one.
+
+    Returns
+    -------
+    merged
+        One object per tile.
+    ids
+        (n,) uint64, the object each vertex of `merged` belonged to.
+    tiles
+        (k, 2) column and row of each tile.
+    """
+    tile = np.floor(origins(batch)[:, :2] / TILE).astype(np.int64)
+    order = np.lexsort((np.arange(batch.count), tile[:, 0], tile[:, 1]))
+    tile, batch = tile[order], batch.take(order)
+    first = np.flatnonzero(np.r_[True, (np.diff(tile, axis=0) != 0).any(axis=1)])
+    ids = np.repeat(batch.object_id, np.diff(batch.vertex_start))
+    merged = replace(
+        batch,
+        object_id=np.zeros(len(first), np.uint64),
+        vertex_start=np.r_[batch.vertex_start[first], batch.vertex_start[-1]],
+        face_start=np.r_[batch.face_start[first], batch.face_start[-1]],
+    )
+    return merged, ids, tile[first]
+
+
+def _tile_label(layer: str, tile: list[int]) -> tuple[str, dict[str, Any]]:
+    return f"{layer}_tile_{tile[0]}_{tile[1]}", {"tile": tile, "edge": TILE}

@@ -1,0 +1,131 @@
+"""The growing content of a glTF 2.0 binary file.
+
+References
+----------
+Khronos Group, "glTF 2.0 Specification", ISO/IEC 12113:2022.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import struct
+from dataclasses import dataclass, field
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.errors import UsageError
+
+ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
+UBYTE, USHORT, UINT, FLOAT = 5121, 5123, 5125, 5126
+_COMPONENT = {
+    np.dtype(np.uint8): UBYTE,
+    np.dtype(np.uint16): USHORT,
+    np.dtype(np.uint32): UINT,
+    np.dtype(np.float32): FLOAT,
+}
+_KIND = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
+_LARGEST = 2**32 - 1  # lengths in a GLB are 32-bit
+
+
+@dataclass
+class GltfBuffer:
+    """Lists of a glTF document and the binary data they point into.
+
+    Attributes
+    ----------
+    document
+        Top-level arrays by name ("nodes", "meshes", ...), filled in place.
+    """
+
+    document: dict[str, list[Any]] = field(default_factory=dict)
+    _chunks: list[NDArray[np.uint8]] = field(default_factory=list)
+    _length: int = 0
+
+    def add(self, kind: str, item: dict[str, Any]) -> int:
+        """Append to a top-level array and return the position."""
+        items = self.document.setdefault(kind, [])
+        items.append(item)
+        return len(items) - 1
+
+    def view(self, values: NDArray[Any], *, target: int = 0, shared: bool = False) -> int:
+        """Append an array as a buffer view, 4-byte aligned.
+
+        Parameters
+        ----------
+        values
+            (n,) or (n, c); rows of vertex attributes must be multiples of 4 bytes.
+        shared
+            Whether several accessors of vertex attributes will read it (then glTF asks for the
+            stride).
+        """
+        flat = np.ascontiguousarray(values).reshape(-1).view(np.uint8)
+        item: dict[str, Any] = {"buffer": 0, "byteOffset": self._length, "byteLength": len(flat)}
+        if shared:
+            item["byteStride"] = values.dtype.itemsize * (values.shape[1] if values.ndim > 1 else 1)
+        if target:
+            item["target"] = target
+        padding = -len(flat) % 4
+        self._chunks.append(flat)
+        if padding:
+            self._chunks.append(np.zeros(padding, np.uint8))
+        self._length += len(flat) + padding
+        return self.add("bufferViews", item)
+
+    def accessor(
+        self,
+        view: int,
+        values: NDArray[Any],
+        *,
+        first: int = 0,
+        count: int | None = None,
+        bounds: tuple[list[float], list[float]] | None = None,
+        normalized: bool = False,
+    ) -> int:
+        """Append an accessor to rows ``first:first + count`` of the array behind a view."""
+        width = values.shape[1] if values.ndim > 1 else 1
+        item: dict[str, Any] = {
+            "bufferView": view,
+            "componentType": _COMPONENT[values.dtype],
+            "count": len(values) if count is None else count,
+            "type": _KIND[width],
+        }
+        if first:
+            item["byteOffset"] = first * width * values.dtype.itemsize
+        if normalized:
+            item["normalized"] = True
+        if bounds is not None:
+            item["min"], item["max"] = bounds
+        return self.add("accessors", item)
+
+    def write(self, file: BinaryIO, head: dict[str, Any]) -> int:
+        """Write the GLB and return its length in bytes.
+
+        Parameters
+        ----------
+        head
+            Top-level objects beside the arrays: "asset", "scene", "extensionsUsed", ...
+        """
+        document = {**head, **{name: items for name, items in self.document.items() if items}}
+        if self._length:
+            document["buffers"] = [{"byteLength": self._length}]
+        text = json.dumps(document, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+        encoded = text.encode()
+        encoded += b" " * (-len(encoded) % 4)
+        total = 12 + 8 + len(encoded) + (8 + self._length if self._length else 0)
+        if total > _LARGEST:
+            raise UsageError(
+                f"the city is {total / 1e9:.1f} GB as glTF, and a GLB holds at most 4.3 GB; "
+                "build it with a lower level of detail or in tiles"
+            )
+        file.write(struct.pack("<4sII", b"glTF", 2, total))
+        file.write(struct.pack("<I4s", len(encoded), b"JSON") + encoded)
+        if self._length:
+            file.write(struct.pack("<I4s", self._length, b"BIN\0"))
+            for chunk in self._chunks:
+                file.write(chunk.data)
+        file.flush()
+        os.fsync(file.fileno())
+        return total

@@ -1,0 +1,127 @@
+"""Materials of the city as glTF materials with embedded textures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.assets.materials import Material
+from cityx.assets.textures import texture
+from cityx.city.environment import Environment
+from cityx.outputs.gltf_buffer import GltfBuffer
+from cityx.outputs.gltf_mesh import material_named
+
+# JPEG without chroma subsampling: at this quality blocks do not show, also in normal maps.
+_QUALITY = 90
+# A map that varies less than this over the tile is left out.
+_FLAT = 3  # of 255
+# Made of thin sheets that are seen from both sides.
+_TWO_SIDED = frozenset({"leaf", "hedge", "cloth"})
+# Water darkens a porous surface to this share at most (Lekner and Dorf 1988 measure 0.5 to 0.7).
+_WETTEST = 0.55
+_FILM_ROUGHNESS = 0.12  # of a closed film of water
+
+
+@dataclass
+class GltfMaterials:
+    """The materials used by a file, each made when first asked for.
+
+    Attributes
+    ----------
+    buffer
+        The file.
+    environment
+        Wetness and night lights change the look.
+    size
+        Edge of the textures in pixels, 0 for none.
+    """
+
+    buffer: GltfBuffer
+    environment: Environment
+    size: int = 512
+    extensions: set[str] = field(default_factory=set)
+    _known: dict[str, int] = field(default_factory=dict)
+    _maps: dict[str, dict[str, int]] = field(default_factory=dict)
+
+    def number(self, name: str) -> int:
+        """Return the position of the material in the file."""
+        if name not in self._known:
+            self._known[name] = self.buffer.add("materials", self._material(material_named(name)))
+        return self._known[name]
+
+    def _material(self, material: Material) -> dict[str, Any]:
+        wet = self.environment.wetness
+        color = np.array(material.color) * (1 - (1 - _WETTEST) * wet * material.porosity)
+        roughness = material.roughness + (_FILM_ROUGHNESS - material.roughness) * 0.6 * wet
+        surface: dict[str, Any] = {"metallicFactor": material.metallic}
+        item: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface}
+        if material.texture and self.size:
+            maps = texture(material.texture, self.size)
+            numbers = self._textures(material.texture)
+            if "color" in numbers:
+                surface["baseColorTexture"] = {"index": numbers["color"]}
+                color = color / maps.mean
+            if "roughness" in numbers:
+                surface["metallicRoughnessTexture"] = {"index": numbers["roughness"]}
+                roughness = roughness / maps.roughness_mean
+            if "normal" in numbers:
+                item["normalTexture"] = {"index": numbers["normal"]}
+        rgb = [round(float(value), 4) for value in np.clip(color, 0, 1)]
+        surface["baseColorFactor"] = [*rgb, material.alpha]
+        surface["roughnessFactor"] = round(float(np.clip(roughness, 0, 1)), 4)
+        if material.alpha < 1:
+            item["alphaMode"] = "BLEND"
+        if material.name in _TWO_SIDED:
+            item["doubleSided"] = True
+        if material.emission > 0 and self.environment.night_lights > 0:
+            brightest = max(material.color)
+            item["emissiveFactor"] = [round(value / brightest, 4) for value in material.color]
+            item["extensions"] = {
+                "KHR_materials_emissive_strength": {"emissiveStrength": material.emission}
+            }
+            self.extensions.add("KHR_materials_emissive_strength")
+        return item
+
+    def _textures(self, name: str) -> dict[str, int]:
+        if name not in self._maps:
+            self._maps[name] = {
+                kind: self._texture(f"{name}_{kind}", data)
+                for kind, data in _encoded(name, self.size).items()
+            }
+        return self._maps[name]
+
+    def _texture(self, name: str, data: bytes) -> int:
+        view = self.buffer.view(np.frombuffer(data, np.uint8))
+        image = {"name": name, "mimeType": "image/jpeg", "bufferView": view}
+        if "samplers" not in self.buffer.document:  # trilinear, repeating
+            self.buffer.add("samplers", {"magFilter": 9729, "minFilter": 9987})
+        source = self.buffer.add("images", image)
+        return self.buffer.add("textures", {"source": source, "sampler": 0})
+
+
+@lru_cache(maxsize=64)
+def _encoded(name: str, size: int) -> dict[str, bytes]:
+    """JPEG files by kind of map; maps without variation are left out."""
+    maps = texture(name, size)
+    # glTF: green is roughness, blue is metalness, here left to the material's factor.
+    full = np.full_like(maps.roughness, 255)
+    surface = np.stack([full, maps.roughness, full], axis=2)
+    kinds = {"color": maps.color, "normal": maps.normal, "roughness": surface}
+    return {
+        kind: _jpeg(pixels)
+        for kind, pixels in kinds.items()
+        if np.ptp(pixels, (0, 1)).max() > _FLAT
+    }
+
+
+def _jpeg(pixels: NDArray[np.uint8]) -> bytes:
+    from PIL import Image
+
+    file = BytesIO()
+    Image.fromarray(pixels).save(file, "JPEG", quality=_QUALITY, subsampling=0)
+    return file.getvalue()
