@@ -1,0 +1,113 @@
+"""What a city holds, as values of the fourteen formats: the sources that ports are filled from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+
+from cityx.protocol.formats import Format
+from cityx.protocol.values import Lines, Points, Surfaces, make_lines, make_points, make_surfaces
+
+if TYPE_CHECKING:
+    from cityx.city.city import City
+
+Node = tuple[Format, str]  # a format and the role of what carries it
+
+
+def _roads(city: City) -> Lines:
+    rows = city.layout.roads
+    return make_lines(
+        rows.geometry.to_numpy(),
+        rows["kind"].to_numpy(str),
+        rows["width"].to_numpy(float),
+        rows["id"].to_numpy(np.uint64),
+    )
+
+
+def _barriers(city: City) -> Lines:
+    rows = city.layout.lines
+    ids = rows["id"].to_numpy(np.uint64)
+    return make_lines(rows.geometry.to_numpy(), rows["kind"].to_numpy(str), object_id=ids)
+
+
+def _edges(city: City) -> Lines:
+    network = city.network
+    if network is None:
+        return make_lines([])
+    part = np.repeat(np.arange(network.edge_count), np.diff(network.point_start))
+    lines = shapely.linestrings(network.points, indices=part)
+    kinds = city.layout.roads["kind"].to_numpy(str)[network.edge_road]
+    return make_lines(lines, kinds, 2 * network.half_width, network.edge_id)
+
+
+def _surfaces(table: str, kind: str, height: str) -> Callable[[City], Surfaces]:
+    def read(city: City) -> Surfaces:
+        rows = getattr(city.layout, table)
+        heights = rows[height].to_numpy(float) if height else np.nan
+        kinds = rows[kind].to_numpy(str)
+        return make_surfaces(
+            rows.geometry.to_numpy(), kinds, heights, rows["id"].to_numpy(np.uint64)
+        )
+
+    return read
+
+
+def _points(city: City) -> Points:
+    rows = city.layout.points
+    xy = shapely.get_coordinates(rows.geometry.to_numpy())
+    z = city.terrain.height_at(xy)
+    return make_points(np.column_stack([xy, z]), rows["kind"].to_numpy(str))
+
+
+# Role to how a city yields it. A table without rows is a value too: there is nothing to do.
+_HOLDINGS: Mapping[Node, Callable[[City], Any]] = MappingProxyType(
+    {
+        (Format.SCENE_LAYOUT, "layout"): lambda city: city.layout,
+        (Format.LINE, "road_centerline"): _roads,
+        (Format.LINE, "road_network"): _edges,
+        (Format.LINE, "barrier"): _barriers,
+        (Format.SURFACE, "building_footprint"): _surfaces("buildings", "use", "height"),
+        (Format.SURFACE, "building_part"): _surfaces("parts", "use", "top"),
+        (Format.SURFACE, "area"): _surfaces("areas", "kind", ""),
+        (Format.POINT, "thing"): _points,
+    }
+)
+_NEEDS: Mapping[Node, Callable[[City], bool]] = MappingProxyType(
+    {
+        (Format.LINE, "road_network"): lambda city: city.network is not None,
+        (Format.SURFACE, "ground"): lambda city: city.ground is not None,
+    }
+)
+
+
+def lacks(city: City, node: Node) -> bool:
+    """Return whether a role is known to be made by an action that has not run yet."""
+    fmt, role = node
+    if fmt is Format.COMPLEX_GEOMETRY and role in ("buildings", "ground"):
+        return role not in city.scene.meshes
+    need = _NEEDS.get(node)
+    return need is not None and not need(city)
+
+
+def held(city: City) -> tuple[Node, ...]:
+    """Return what the city can yield, in a fixed order."""
+    tables = [node for node in _HOLDINGS if not lacks(city, node)]
+    meshes = [(Format.COMPLEX_GEOMETRY, layer) for layer in city.scene.meshes]
+    return (*tables, *meshes)
+
+
+def take(city: City, node: Node) -> Any:
+    """Return the value of something the city holds.
+
+    Raises
+    ------
+    KeyError
+        If it holds no such thing.
+    """
+    if node[0] is Format.COMPLEX_GEOMETRY and node[1] in city.scene.meshes:
+        return city.scene.meshes[node[1]]
+    return _HOLDINGS[node](city)

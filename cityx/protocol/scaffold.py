@@ -1,0 +1,161 @@
+"""The scaffold of a plugin: a package with one working action and its test."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from textwrap import dedent
+
+from cityx.errors import UsageError
+from cityx.protocol.encapsulation import ID_PATTERN
+from cityx.protocol.stages import to_stage
+
+_BUILDING = '''
+    """{title}."""
+
+    from typing import Annotated
+
+    from cityx.city import MeshBatch
+    from cityx.protocol import Range, action
+    from cityx.protocol.blocks import block
+    from cityx.protocol.values import Footprint
+
+
+    @action("{id}", limits=["Walls are plain and the roof is level."])
+    def {name}(
+        footprint: Footprint, *, height: Annotated[float, Range(2.0, 400.0)] = 20.0
+    ) -> MeshBatch:
+        """Raise every building to a plain block of one height.
+
+        Parameters
+        ----------
+        footprint
+            Outline of the building.
+        height
+            Metres above the ground.
+        """
+        return block(footprint.ring, height, holes=footprint.holes)
+'''
+_CITY = '''
+    """{title}."""
+
+    from dataclasses import replace
+    from typing import Annotated
+
+    from cityx.city import City
+    from cityx.protocol import Range, action
+
+
+    @action("{id}", limits=["Writes a note and changes nothing else."])
+    def {name}(city: City, *, count: Annotated[int, Range(1, 100)] = 3) -> City:
+        """Note how many things of this kind the city should get.
+
+        Parameters
+        ----------
+        city
+            City to note it in.
+        count
+            Number of things.
+        """
+        return replace(city, notes=(*city.notes, f"{name}: {{count}}"))
+'''
+_CONVERT = '''
+    """{title}."""
+
+    from typing import Annotated
+
+    import shapely
+
+    from cityx.protocol import Range, action
+    from cityx.protocol.values import Surfaces, make_surfaces
+
+
+    @action("{id}", limits=["Loses the part within the distance of the border."], lossy=0.1)
+    def {name}(
+        surfaces: Surfaces, *, distance: Annotated[float, Range(0.0, 100.0)] = 1.0
+    ) -> Surfaces:
+        """Shrink faces by a distance.
+
+        Parameters
+        ----------
+        surfaces
+            Faces.
+        distance
+            Metres taken off all around.
+        """
+        shapes, row = shapely.get_parts(
+            shapely.buffer(surfaces.geometry, -distance), return_index=True
+        )
+        return make_surfaces(
+            shapes, surfaces.kind[row].tolist(), surfaces.height[row], surfaces.object_id[row]
+        )
+'''
+_PROJECT = """
+    [build-system]
+    requires = ["hatchling"]
+    build-backend = "hatchling.build"
+
+    [project]
+    name = "{package}"
+    version = "0.1.0"
+    dependencies = ["cityx"]
+
+    [project.entry-points."cityx.actions"]
+    "{id}" = "{name}:{name}"
+
+    [tool.hatch.build.targets.wheel]
+    include = ["{name}.py"]
+"""
+_TEST = '''
+    """The action keeps the rules every action keeps."""
+
+    from cityx.protocol import Registry
+    from cityx.protocol.conformance import check_action
+    from {name} import {name}
+
+
+    def test_{name}_conforms():
+        results = check_action("{id}", Registry.of([{name}]))
+        assert [result for result in results if result.passed is False] == []
+'''
+
+
+def write_scaffold(action_id: str, folder: Path) -> tuple[Path, ...]:
+    """Write a module with the action, its ``pyproject.toml`` and a test; return the paths.
+
+    Parameters
+    ----------
+    action_id
+        "stage/name-vN".
+    folder
+        Where to write; made when absent.
+
+    Raises
+    ------
+    UsageError
+        If the id has the wrong form, or a file is there already; nothing is written then.
+    """
+    match = ID_PATTERN.fullmatch(action_id)
+    if not match:
+        raise UsageError(
+            f'"{action_id}" is not of the form "stage/name-vN", such as "building/bell_tower-v1".'
+        )
+    stage, name = to_stage(match.group(1)), match.group(2)
+    body = {"building": _BUILDING, "convert": _CONVERT}.get(stage.value, _CITY)
+    words = {
+        "id": action_id,
+        "name": name,
+        "title": name.replace("_", " ").capitalize(),
+        "package": "cityx-" + name.replace("_", "-"),
+    }
+    texts = {
+        folder / f"{name}.py": body,
+        folder / "pyproject.toml": _PROJECT,
+        folder / f"test_{name}.py": _TEST,
+    }
+    taken = [path.name for path in texts if path.exists()]
+    if taken:
+        raise UsageError(f"{folder} holds {', '.join(taken)} already; choose another folder.")
+    folder.mkdir(parents=True, exist_ok=True)
+    for path, text in texts.items():
+        path.write_text(dedent(text).lstrip().format(**words), encoding="utf-8")
+    return tuple(texts)
