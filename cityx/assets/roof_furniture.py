@@ -1,0 +1,181 @@
+"""What stands on roofs. Origins lie on the roof; feet reach below it, against gaps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from types import MappingProxyType
+
+import numpy as np
+
+from cityx.assets.openings import Shapes, pane
+from cityx.assets.shapes import box, cylinder, disc, loft, moved, prototype
+from cityx.city.scene import Prototype
+
+SUNK = -0.35  # metres below the roof to which feet reach
+
+
+def hvac_unit() -> Shapes:
+    """Air handling unit with two fans."""
+    shapes: Shapes = [
+        box((-1.3, -0.75, 0.15), (1.3, 0.75, 1.35), "plastic", (0.66, 0.67, 0.68)),
+        box((-1.2, -0.65, SUNK), (1.2, 0.65, 0.15), "metal_dark"),
+        box((-1.31, -0.5, 0.4), (-1.3, 0.5, 1.1), "metal_dark"),
+    ]
+    for x in (-0.62, 0.62):
+        shapes.append(cylinder((x, 0, 1.35), (x, 0, 1.5), 0.48, "metal_grey", sides=10))
+        shapes.append(cylinder((x, 0, 1.5), (x, 0, 1.505), 0.42, "metal_dark", sides=10))
+    return shapes
+
+
+def condenser() -> Shapes:
+    """Small cooling unit."""
+    return [
+        box((-0.45, -0.2, SUNK), (0.45, 0.2, 0.75), "plastic", (0.85, 0.85, 0.82)),
+        disc((0.05, -0.215, 0.4), 0.26, "metal_dark", sides=10, thickness=0.01),
+    ]
+
+
+def stair_head() -> Shapes:
+    """Head of a staircase with a door."""
+    return [
+        box((-1.5, -2.0, SUNK), (1.5, 2.0, 2.5), "plaster"),
+        box((-1.65, -2.15, 2.5), (1.65, 2.15, 2.65), "concrete"),
+        box((-0.45, -2.03, 0.0), (0.45, -2.0, 2.0), "metal_dark"),
+    ]
+
+
+def lift_house() -> Shapes:
+    """Lift overrun with louvres."""
+    shapes: Shapes = [
+        box((-1.9, -1.6, SUNK), (1.9, 1.6, 3.2), "plaster"),
+        box((-2.0, -1.7, 3.2), (2.0, 1.7, 3.35), "concrete"),
+    ]
+    for row in range(5):
+        shapes.append(pane(-1.2, 1.2, 1.2 + 0.3 * row, 1.42 + 0.3 * row, "metal_dark", y=-1.61))
+    return shapes
+
+
+def antenna() -> Shapes:
+    """Television aerial on a mast."""
+    shapes: Shapes = [cylinder((0, 0, SUNK - 0.6), (0, 0, 3.2), 0.03, "metal_grey", sides=5)]
+    for row, half in enumerate((0.5, 0.45, 0.4, 0.35, 0.3)):
+        y = -0.6 + 0.28 * row
+        shapes.append(box((-half, y - 0.012, 2.9), (half, y + 0.012, 2.924), "metal_grey"))
+    shapes.append(box((-0.015, -0.7, 2.88), (0.015, 0.6, 2.91), "metal_grey"))
+    return shapes
+
+
+def dish() -> Shapes:
+    """Satellite dish."""
+    return [
+        cylinder((0, 0.1, SUNK), (0, 0.1, 0.9), 0.03, "metal_grey", sides=5),
+        disc((0, 0.0, 1.0), 0.4, "plastic", (0.8, 0.8, 0.8), sides=12, thickness=0.05),
+        box((-0.015, -0.4, 0.95), (0.015, 0.0, 0.98), "metal_grey"),
+    ]
+
+
+def solar_panels() -> Shapes:
+    """Two rows of three solar panels, tilted towards -y."""
+    shapes: Shapes = []
+    for y in (-1.3, 0.6):
+        for x in (-1.75, -0.55, 0.65):
+            ring = np.array([[x, y, 0.15], [x + 1.1, y, 0.15], [x + 1.1, y + 1.4, 0.62],
+                             [x, y + 1.4, 0.62]])  # fmt: skip
+            panel = loft(np.stack([ring - [0, 0, 0.04], ring]), "car_glass")
+            shapes.append(panel)
+            for dx in (0.1, 1.0):
+                shapes.append(box((x + dx, y + 1.2, SUNK), (x + dx + 0.05, y + 1.25, 0.52),
+                                  "metal_grey", bottom=False))  # fmt: skip
+                shapes.append(box((x + dx, y + 0.1, SUNK), (x + dx + 0.05, y + 0.15, 0.18),
+                                  "metal_grey", bottom=False))  # fmt: skip
+    return shapes
+
+
+def vent() -> Shapes:
+    """Ventilation pipe with a hood."""
+    return [
+        cylinder((0, 0, SUNK), (0, 0, 0.9), 0.16, "metal_grey", sides=8),
+        cylinder((0, 0, 0.9), (0, 0, 1.1), 0.28, "metal_grey", top=0.1, sides=8),
+    ]
+
+
+def water_tank() -> Shapes:
+    """Wooden water tank on legs."""
+    shapes: Shapes = [
+        cylinder((0, 0, 1.8), (0, 0, 4.4), 1.3, "wood", (0.36, 0.27, 0.2), sides=12),
+        cylinder((0, 0, 4.4), (0, 0, 5.2), 1.4, "metal_dark", top=0.05, sides=12),
+        box((-1.15, -1.15, 1.65), (1.15, 1.15, 1.8), "metal_dark"),
+    ]
+    for x in (-1.0, 1.0):
+        for y in (-1.0, 1.0):
+            shapes.append(box((x - 0.08, y - 0.08, SUNK), (x + 0.08, y + 0.08, 1.65), "metal_dark"))
+    return shapes
+
+
+def water_cistern() -> Shapes:
+    """Steel cistern on a frame."""
+    return [
+        box((-0.9, -0.9, SUNK), (0.9, 0.9, 0.3), "concrete"),
+        box((-0.8, -0.8, 0.3), (0.8, 0.8, 1.9), "plastic", (0.82, 0.83, 0.8)),
+    ]
+
+
+def skylight() -> Shapes:
+    """Ridge light on an upstand."""
+    ring = np.array([[-0.8, -1.2, 0.35], [0.8, -1.2, 0.35], [0.8, 1.2, 0.35], [-0.8, 1.2, 0.35]])
+    top = np.array([[-0.1, -1.0, 0.75], [0.1, -1.0, 0.75], [0.1, 1.0, 0.75], [-0.1, 1.0, 0.75]])
+    return [
+        box((-0.9, -1.3, SUNK), (0.9, 1.3, 0.35), "trim"),
+        loft(np.stack([ring, top]), "glass"),
+    ]
+
+
+def chimney() -> Shapes:
+    """Chimney of brick with three pots, 3 m high, its foot at the origin, its top at z = 3."""
+    shapes: Shapes = [
+        box((-0.55, -0.32, 0.0), (0.55, 0.32, 2.55), "brick"),
+        box((-0.62, -0.39, 2.55), (0.62, 0.39, 2.68), "concrete", (0.8, 0.8, 0.78)),
+    ]
+    for x in (-0.34, 0.0, 0.34):
+        shapes.append(
+            cylinder(
+                (x, 0, 2.68), (x, 0, 3.0), 0.11, "roof_tiles", (0.55, 0.28, 0.18), top=0.09, sides=7
+            )
+        )
+    return shapes
+
+
+def chimney_small() -> Shapes:
+    """Make a rendered chimney with a cover plate, 3 m high."""
+    return [
+        box((-0.28, -0.28, 0.0), (0.28, 0.28, 2.7), "plaster"),
+        box((-0.36, -0.36, 2.7), (0.36, 0.36, 2.78), "concrete"),
+        box((-0.16, -0.16, 2.78), (0.16, 0.16, 2.9), "metal_dark"),
+        moved(box((-0.34, -0.34, 2.9), (0.34, 0.34, 2.95), "concrete")),
+    ]
+
+
+ROOF_FURNITURE: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
+    {
+        maker.__name__: maker
+        for maker in (
+            hvac_unit, condenser, stair_head, lift_house, antenna, dish, solar_panels, vent,
+            water_tank, water_cistern, skylight, chimney, chimney_small,
+        )
+    }
+)  # fmt: skip
+# Half diagonal of the plan of each piece, metres, for keeping it on its roof.
+REACH: Mapping[str, float] = MappingProxyType(
+    {
+        "hvac_unit": 1.6, "condenser": 0.6, "stair_head": 2.7, "lift_house": 2.7, "antenna": 0.8,
+        "dish": 0.6, "solar_panels": 2.6, "vent": 0.4, "water_tank": 1.9, "water_cistern": 1.3,
+        "skylight": 1.6, "chimney": 0.75, "chimney_small": 0.55,
+    }
+)  # fmt: skip
+
+
+@lru_cache(maxsize=32)
+def roof_furniture(name: str) -> Prototype:
+    """Make a piece of roof furniture; `name` is a key of `ROOF_FURNITURE`."""
+    return prototype(name, "roof_furniture", ROOF_FURNITURE[name]())

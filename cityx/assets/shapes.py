@@ -1,0 +1,230 @@
+"""Small solids for prototypes: boxes, tubes, lathes, lofts and leaf cards.
+
+Every builder returns a `MeshBatch` of one object with id 0; `fuse` joins several into one object.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cityx.city.mesh import NO_VERTEX, MeshBatch, concatenate, one_mesh
+from cityx.city.scene import Prototype
+
+Color = tuple[float, float, float]
+WHITE: Color = (1.0, 1.0, 1.0)
+GRID = 1e-5  # metres; rounding to it removes the last bits in which maths libraries differ
+
+
+def fuse(shapes: Iterable[MeshBatch]) -> MeshBatch:
+    """Join shapes into one object with id 0."""
+    joined = concatenate(shapes)
+    return replace(
+        joined,
+        object_id=np.zeros(1, np.uint64),
+        vertex_start=np.array([0, len(joined.vertices)], np.int64),
+        face_start=np.array([0, len(joined.faces)], np.int64),
+    )
+
+
+def prototype(name: str, kind: str, shapes: Iterable[MeshBatch]) -> Prototype:
+    """Make a prototype of shapes; vertices are rounded so that machines agree to the bit."""
+    mesh = fuse(shapes)
+    vertices = np.round(mesh.vertices / GRID) * GRID + 0.0
+    return Prototype(name, kind, replace(mesh, vertices=vertices))
+
+
+def moved(
+    shape: MeshBatch, offset: Sequence[float] = (0.0, 0.0, 0.0), *, yaw: float = 0.0
+) -> MeshBatch:
+    """Turn a shape about the z axis by `yaw` (counter-clockwise), then shift it."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    return replace(shape, vertices=shape.vertices @ turn + np.asarray(offset, float))
+
+
+def tinted(shape: MeshBatch, tint: ArrayLike) -> MeshBatch:
+    """Multiply the tint of every face."""
+    return replace(shape, tint=(shape.tint * np.asarray(tint, np.float32)).astype(np.float32))
+
+
+def box(low: Sequence[float], high: Sequence[float], material: str, tint: Color = WHITE,
+        *, bottom: bool = True) -> MeshBatch:  # fmt: skip
+    """Make a box between two corners; texture coordinates are metres on each side."""
+    lo, hi = np.asarray(low, float), np.asarray(high, float)
+    pick = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0],
+                     [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], bool)  # fmt: skip
+    vertices = np.where(pick, hi, lo)
+    faces = np.array([[4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7],
+                      [3, 2, 1, 0]], np.int32)  # fmt: skip
+    axes = np.array([[0, 1], [0, 2], [1, 2], [0, 2], [1, 2], [0, 1]])
+    uv = np.stack([vertices[face][:, axis] for face, axis in zip(faces, axes, strict=True)])
+    keep = slice(None) if bottom else slice(0, 5)
+    return one_mesh(0, vertices, faces[keep], materials=(material,), uv=uv[keep], tint=tint)
+
+
+def loft(rings: ArrayLike, material: str, tint: ArrayLike = WHITE,
+         *, caps: tuple[bool, bool] = (True, True)) -> MeshBatch:  # fmt: skip
+    """Skin rings of equal size, as for hulls and pipes.
+
+    Parameters
+    ----------
+    rings
+        (m, k, 3) float; each ring counter-clockwise seen from the last ring's end. Equal
+        neighbouring corners (a ring that shrinks to a point) are allowed.
+    material
+        Name of the material.
+    tint
+        Linear RGB, one for all faces.
+    caps
+        Whether the first and last ring are closed by a fan about their centre.
+    """
+    ring = np.asarray(rings, float)
+    m, k, _ = ring.shape
+    vertices = ring.reshape(-1, 3)
+    row, column = np.meshgrid(np.arange(m - 1), np.arange(k), indexing="ij")
+    a = (row * k + column).ravel()
+    b = (row * k + (column + 1) % k).ravel()
+    # A ring that has shrunk to a point is one vertex, so that the solid stays closed.
+    point = np.ptp(ring, axis=1).max(axis=1) < GRID
+    same = np.where(point[:, None], np.arange(m)[:, None] * k, np.arange(m * k).reshape(m, k))
+    faces = same.ravel()[np.column_stack([a, b, b + k, a + k])]
+    edge = np.linalg.norm(np.roll(ring, -1, axis=1) - ring, axis=2)  # (m, k)
+    around = np.concatenate([np.zeros((m, 1)), np.cumsum(edge, axis=1)], axis=1)  # (m, k + 1)
+    step = np.linalg.norm(np.diff(ring.mean(axis=1), axis=0), axis=1)
+    along = np.concatenate([[0.0], np.cumsum(step)])
+    u0, u1 = around[:-1, :-1], around[:-1, 1:]
+    v0, v1 = np.repeat(along[:-1], k).reshape(m - 1, k), np.repeat(along[1:], k).reshape(m - 1, k)
+    uv = np.stack([np.stack([u0, v0], -1), np.stack([u1, v0], -1),
+                   np.stack([u1, v1], -1), np.stack([u0, v1], -1)], axis=2)  # fmt: skip
+    uv = uv.reshape(-1, 4, 2)
+    for end, wanted in ((0, caps[0]), (m - 1, caps[1])):
+        if not wanted:
+            continue
+        centre = len(vertices)
+        vertices = np.vstack([vertices, ring[end].mean(axis=0)])
+        i, j = end * k + np.arange(k), end * k + (np.arange(k) + 1) % k
+        first, second = (j, i) if end == 0 else (i, j)
+        fan = np.column_stack([first, second, np.full(k, centre), np.full(k, NO_VERTEX)])
+        flat = vertices[np.where(fan == NO_VERTEX, centre, fan)][:, :, :2]
+        faces, uv = np.vstack([faces, fan]), np.concatenate([uv, flat])
+    return _without_slivers(one_mesh(0, vertices, faces, materials=(material,), uv=uv, tint=tint))
+
+
+def _without_slivers(mesh: MeshBatch) -> MeshBatch:
+    """Turn quads with two equal neighbouring corners into triangles, drop faces without area."""
+    faces, uv = mesh.faces.copy(), mesh.uv.copy()
+    for corner in range(4):
+        after = (corner + 1) % 4
+        quad = np.flatnonzero(faces[:, 3] != NO_VERTEX)
+        gap = np.abs(mesh.vertices[faces[quad, corner]] - mesh.vertices[faces[quad, after]]).max(
+            axis=1
+        )
+        rows = quad[gap < GRID]
+        rest = [c for c in range(4) if c != after]
+        faces[rows, :3], faces[rows, 3] = faces[rows][:, rest], NO_VERTEX
+        uv[rows, :3] = uv[rows][:, rest]
+    p = mesh.vertices[faces[:, :3]]
+    area = np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1)
+    keep = (area > GRID * GRID) | (faces[:, 3] != NO_VERTEX)
+    used = np.zeros(len(mesh.vertices), bool)
+    used[faces[keep][faces[keep] != NO_VERTEX]] = True
+    table = np.where(used, np.cumsum(used) - 1, NO_VERTEX)
+    faces = np.where(faces == NO_VERTEX, NO_VERTEX, table[faces])[keep]
+    return one_mesh(0, mesh.vertices[used], faces, materials=mesh.materials, uv=uv[keep],
+                    tint=mesh.tint[keep])  # fmt: skip
+
+
+def tube(path: ArrayLike, radii: ArrayLike, material: str, tint: ArrayLike = WHITE,
+         *, sides: int = 8, caps: tuple[bool, bool] = (True, True)) -> MeshBatch:  # fmt: skip
+    """Sweep a circle of changing radius along a polyline, (m, 3) float and (m,) float."""
+    points = np.asarray(path, float)
+    radius = np.broadcast_to(np.asarray(radii, float), (len(points),))
+    ahead = np.gradient(points, axis=0)
+    ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), GRID)
+    # A fixed reference keeps the rings from twisting on paths that turn little.
+    mean = points[-1] - points[0]
+    reference = np.eye(3)[int(np.argmin(np.abs(mean)))]
+    side = np.cross(reference, ahead)
+    side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), GRID)
+    up = np.cross(ahead, side)
+    angle = np.arange(sides) * (2 * np.pi / sides)
+    spokes = np.cos(angle)[:, None] * side[:, None, :] + np.sin(angle)[:, None] * up[:, None, :]
+    return loft(points[:, None, :] + radius[:, None, None] * spokes, material, tint, caps=caps)
+
+
+def cylinder(low: Sequence[float], high: Sequence[float], radius: float, material: str,
+             tint: Color = WHITE, *, top: float | None = None, sides: int = 8,
+             caps: tuple[bool, bool] = (True, True)) -> MeshBatch:  # fmt: skip
+    """Make a cylinder, or a cone frustum when `top` gives another radius at its far end."""
+    ends = [radius, radius if top is None else top]
+    return tube([low, high], ends, material, tint, sides=sides, caps=caps)
+
+
+def lathe(profile: ArrayLike, material: str, tint: Color = WHITE, *, sides: int = 10,
+          center: Sequence[float] = (0.0, 0.0)) -> MeshBatch:  # fmt: skip
+    """Turn a profile, (m, 2) float of radius and z from below to above, about the z axis."""
+    line = np.asarray(profile, float)
+    angle = np.arange(sides) * (2 * np.pi / sides)
+    x = center[0] + line[:, :1] * np.cos(angle)
+    y = center[1] + line[:, :1] * np.sin(angle)
+    z = np.broadcast_to(line[:, 1:], x.shape)
+    caps = (bool(line[0, 0] > GRID), bool(line[-1, 0] > GRID))
+    return loft(np.stack([x, y, z], axis=-1), material, tint, caps=caps)
+
+
+def prism(outline: ArrayLike, y_low: float, y_high: float, material: str,
+          tint: Color = WHITE) -> MeshBatch:  # fmt: skip
+    """Extrude a star-shaped outline, (k, 2) float of x and z counter-clockwise, along y.
+
+    Counter-clockwise is as seen from the front, where x points right and z up.
+    """
+    ring = np.asarray(outline, float)[::-1]
+    rings = [np.column_stack([ring[:, 0], np.full(len(ring), y), ring[:, 1]])
+             for y in (y_low, y_high)]  # fmt: skip
+    return loft(np.stack(rings), material, tint)
+
+
+def disc(center: Sequence[float], radius: float, material: str, tint: Color = WHITE,
+         *, sides: int = 12, thickness: float = 0.02) -> MeshBatch:  # fmt: skip
+    """Make an upright round plate that faces -y; `thickness` reaches back from the centre."""
+    angle = np.arange(sides) * (2 * np.pi / sides) + np.pi / sides
+    outline = np.column_stack([center[0] + radius * np.cos(angle),
+                               center[2] + radius * np.sin(angle)])  # fmt: skip
+    return prism(outline, center[1], center[1] + thickness, material, tint)
+
+
+def cards(centres: NDArray[np.float64], along: NDArray[np.float64], across: NDArray[np.float64],
+          material: str, tint: ArrayLike, *, fold: float = 0.25) -> MeshBatch:  # fmt: skip
+    """Make leaf cards: kites folded along their long axis, two triangles each.
+
+    Parameters
+    ----------
+    centres
+        (n, 3) float, middles of the cards.
+    along, across
+        (n, 3) float, half diagonals from the middle to the tip and to the side.
+    material
+        Name of the material.
+    tint
+        (n, 3) float, linear RGB per card.
+    fold
+        How far the sides bend away from the plane, as a share of ``across``.
+    """
+    normal = np.cross(along, across)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), GRID)
+    sink = normal * (fold * np.linalg.norm(across, axis=1, keepdims=True))
+    waist = centres - 0.15 * along  # widest nearer to the stalk
+    corners = np.stack(
+        [centres - along, waist + across - sink, centres + along, waist - across - sink], axis=1
+    )
+    count = len(centres)
+    base = 4 * np.arange(count)[:, None]
+    faces = np.vstack([base + np.array([0, 1, 2]), base + np.array([0, 2, 3])])
+    colors = np.broadcast_to(np.asarray(tint, float), (count, 3))
+    return one_mesh(
+        0, corners.reshape(-1, 3), faces, materials=(material,), tint=np.tile(colors, (2, 1))
+    )

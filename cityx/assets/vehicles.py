@@ -1,0 +1,241 @@
+"""Cars at real size: body, cabin of glass, wheels and lights; paint is tinted per instance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.assets.materials import srgb_to_linear
+from cityx.assets.shapes import box, cylinder, loft, prototype
+from cityx.city.mesh import MeshBatch
+from cityx.city.scene import Prototype
+
+# (linear RGB, share): what is registered, after the paint makers' yearly surveys.
+_PAINTS = (
+    (0xE8E8E6, 0.27), (0x141517, 0.21), (0x6D7073, 0.17), (0xA9ACAE, 0.13), (0x24406B, 0.08),
+    (0x8E1B1B, 0.05), (0x3B4A56, 0.03), (0x5A4A3C, 0.02), (0x2F4A37, 0.02), (0xC9BFA8, 0.01),
+    (0xC4741A, 0.005), (0xD2B32A, 0.005),
+)  # fmt: skip
+PAINTS = np.array([srgb_to_linear(color) for color, _ in _PAINTS]) / 0.8  # the material is 0.80
+PAINT_SHARES = np.array([share for _, share in _PAINTS])
+
+
+@dataclass(frozen=True)
+class Body:
+    """Stations of a car body from front (-y) to rear.
+
+    Attributes
+    ----------
+    length, width
+        Metres.
+    hood
+        (y share, z) of the lower body's upper edge, metres.
+    roof
+        (y share, z, width share) of the cabin from foot of the windscreen to foot of the rear
+        window.
+    wheel
+        Metres, radius.
+    axles
+        (front, rear) shares of the length.
+    share
+        Share among parked cars.
+    """
+
+    length: float
+    width: float
+    hood: tuple[tuple[float, float], ...]
+    roof: tuple[tuple[float, float, float], ...]
+    wheel: float
+    axles: tuple[float, float]
+    share: float
+
+
+BODIES: Mapping[str, Body] = MappingProxyType(
+    {
+        "hatchback": Body(
+            4.05, 1.76,
+            ((0.0, 0.62), (0.03, 0.74), (0.24, 0.93), (0.32, 0.96), (0.93, 0.98), (0.985, 0.90),
+             (1.0, 0.70)),
+            ((0.22, 0.93, 0.90), (0.40, 1.42, 0.74), (0.55, 1.49, 0.73), (0.80, 1.45, 0.71),
+             (0.98, 0.97, 0.84)),
+            0.31, (0.185, 0.81), 0.36),
+        "sedan": Body(
+            4.65, 1.82,
+            ((0.0, 0.60), (0.03, 0.72), (0.26, 0.92), (0.34, 0.95), (0.84, 0.99), (0.975, 0.95),
+             (1.0, 0.72)),
+            ((0.25, 0.91, 0.90), (0.42, 1.38, 0.74), (0.54, 1.45, 0.72), (0.70, 1.41, 0.71),
+             (0.87, 0.99, 0.84)),
+            0.33, (0.185, 0.80), 0.24),
+        "suv": Body(
+            4.55, 1.88,
+            ((0.0, 0.72), (0.03, 0.90), (0.24, 1.06), (0.32, 1.09), (0.94, 1.12), (0.99, 1.02),
+             (1.0, 0.80)),
+            ((0.23, 1.05, 0.92), (0.38, 1.58, 0.78), (0.54, 1.67, 0.77), (0.86, 1.63, 0.75),
+             (0.985, 1.11, 0.86)),
+            0.37, (0.19, 0.80), 0.28),
+        "van": Body(
+            5.05, 1.96,
+            ((0.0, 0.75), (0.02, 0.92), (0.14, 1.14), (0.20, 1.18), (0.97, 1.20), (0.99, 1.18),
+             (1.0, 0.85)),
+            ((0.12, 1.13, 0.94), (0.27, 1.84, 0.86), (0.36, 1.95, 0.85), (0.95, 1.95, 0.85),
+             (0.99, 1.19, 0.92)),
+            0.34, (0.18, 0.80), 0.12),
+    }
+)  # fmt: skip
+BODY_SHARES = np.array([body.share for body in BODIES.values()])
+SILL = 0.20  # metres, lower edge of the body above the road
+ARCH_STEPS = 7
+
+
+def _lower_body(body: Body) -> MeshBatch:
+    """Loft cross-sections from front to rear; the lower edge rises over the wheels."""
+    half, length = body.width / 2, body.length
+    axle = np.array(body.axles) * length
+    gap = body.wheel + 0.055  # half of the opening's width
+    around = np.concatenate([a + gap * -np.cos(np.linspace(0, np.pi, ARCH_STEPS)) for a in axle])
+    hood = np.array(body.hood)
+    stations = np.unique(np.round(np.concatenate([around, hood[:, 0] * length]), 4))
+    rings = []
+    for y in stations:
+        top = float(np.interp(y / length, hood[:, 0], hood[:, 1]))
+        lift = max(0.0, *(np.sqrt(max(gap**2 - (y - a) ** 2, 0.0)) for a in axle))
+        sill = max(
+            SILL + 0.12 * (y in (stations[0], stations[-1])),
+            lift + body.wheel * 0.92 * (lift > 0.05),
+        )
+        taper = 1.0 - 0.16 * max(0.0, 1 - y / (0.10 * length)) ** 2
+        taper -= 0.12 * max(0.0, 1 - (length - y) / (0.08 * length)) ** 2
+        w = half * taper
+        sill = min(sill, top - 0.12)
+        belt = sill + 0.62 * (top - sill)
+        right = [(0.93 * w, sill), (w, min(sill + 0.06, belt)), (w, belt), (0.955 * w, top - 0.03),
+                 (0.86 * w, top)]  # fmt: skip
+        left = [(-x, z) for x, z in right[::-1]]
+        inner = [(-0.62 * half * taper, SILL + 0.02), (0.62 * half * taper, SILL + 0.02)]
+        ring = np.array([*right, *left, *inner])
+        rings.append(np.column_stack([ring[:, 0], np.full(len(ring), y - length / 2), ring[:, 1]]))
+    # Along +y, counter-clockwise seen from the rear is clockwise in (x, z).
+    return loft(np.stack(rings)[:, ::-1], "car_paint")
+
+
+def _cabin(body: Body) -> list[MeshBatch]:
+    """Glasshouse with a painted roof: windscreen, side windows, rear window, pillars."""
+    length, half = body.length, body.width / 2
+    line = np.array(body.roof)
+    y = line[:, 0] * length - length / 2
+    hood = np.array(body.hood)
+    belt = np.interp(line[:, 0], hood[:, 0], hood[:, 1]) - 0.03
+    glass, roof = [], []
+    foot = 0.90 * half
+    for i in range(len(line)):
+        z, w = line[i, 1], line[i, 2] * half
+        top = max(z - 0.035, belt[i])
+        glass.append([(foot, y[i], belt[i]), (w + 0.02, y[i], top), (-w - 0.02, y[i], top),
+                      (-foot, y[i], belt[i])])  # fmt: skip
+    for i in range(1, len(line) - 1):
+        z, w = line[i, 1], line[i, 2] * half
+        roof.append([(w + 0.03, y[i], z - 0.06), (w - 0.05, y[i], z), (-w + 0.05, y[i], z),
+                     (-w - 0.03, y[i], z - 0.06)])  # fmt: skip
+    roof_rings = np.array(roof)
+    roof_rings[0, :, 1] -= 0.04
+    roof_rings[-1, :, 1] += 0.05
+    parts = [
+        loft(np.array(glass)[:, ::-1], "car_glass"),
+        loft(roof_rings[:, ::-1], "car_paint"),
+    ]
+    # Pillars: thin painted bars over the glass from roof corner to belt.
+    ends = [(1, 0, 0.045), (len(line) - 2, len(line) - 1, 0.06)]
+    if len(line) > 4:
+        ends.append((2, 2, 0.045))
+    for upper, lower, width in ends:
+        for side in (-1.0, 1.0):
+            low = np.array([side * foot, y[lower], belt[lower]])
+            high = np.array(
+                [side * (line[upper, 2] * half + 0.02), y[upper], line[upper, 1] - 0.05]
+            )
+            parts.append(_bar(low, high, width, side))
+    if body.roof[3][0] > 0.9:  # panel van: the load space has no side windows
+        for side in (-1.0, 1.0):
+            panel = []
+            for yy in (-length / 2 + 0.42 * length, y[-2] - 0.01):
+                z_low, z_high = 1.15, line[-2, 1] - 0.05
+                w_low, w_high = foot + 0.012, line[-2, 2] * half + 0.035
+                ring = [(side * w_low, yy, z_low), (side * w_high, yy, z_high),
+                        (side * (w_high - 0.05), yy, z_high),
+                        (side * (w_low - 0.05), yy, z_low)]  # fmt: skip
+                panel.append(ring if side < 0 else ring[::-1])
+            parts.append(loft(np.array(panel), "car_paint"))
+    return parts
+
+
+def _bar(
+    low: NDArray[np.float64], high: NDArray[np.float64], width: float, side: float
+) -> MeshBatch:
+    dy, dx = np.array([0.0, width, 0.0]), np.array([side * 0.02, 0.0, 0.0])
+
+    def ring(p: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.array([p - dy - dx, p - dy + dx, p + dy + dx, p + dy - dx])
+
+    rings = np.stack([ring(low), ring(high)])
+    return loft(rings if side > 0 else rings[:, ::-1], "car_paint")
+
+
+def _wheels(body: Body) -> list[MeshBatch]:
+    parts = []
+    r, half = body.wheel, body.width / 2
+    for share in body.axles:
+        y = share * body.length - body.length / 2
+        for side in (-1.0, 1.0):
+            outer, inner = side * (half - 0.015), side * (half - 0.22)
+            ends = sorted((outer, inner))
+            parts.append(cylinder((ends[0], y, r), (ends[1], y, r), r, "rubber", sides=14))
+            rim = sorted((outer - side * 0.02, outer + side * 0.006))
+            parts.append(cylinder((rim[0], y, r), (rim[1], y, r), 0.66 * r, "metal_grey", sides=10))
+            hub = sorted((outer, outer + side * 0.012))
+            parts.append(cylinder((hub[0], y, r), (hub[1], y, r), 0.2 * r, "metal_dark", sides=6))
+    return parts
+
+
+def _fittings(body: Body) -> list[MeshBatch]:
+    """Lights, grille, plates, bumper trims, mirrors."""
+    half, end = body.width / 2, body.length / 2
+    nose = body.hood[0][1]
+    tail = body.hood[-1][1]
+    parts = [
+        box((-0.42, -end - 0.012, nose - 0.22), (0.42, -end + 0.05, nose - 0.06), "metal_dark"),
+        box((-0.26, -end - 0.022, nose - 0.34), (0.26, -end + 0.03, nose - 0.24), "sign"),
+        box((-0.26, end - 0.03, tail - 0.16), (0.26, end + 0.018, tail - 0.06), "sign"),
+        box((-0.74 * half, -end - 0.01, 0.26), (0.74 * half, -end + 0.06, 0.33), "rubber"),
+        box((-0.76 * half, end - 0.06, 0.28), (0.76 * half, end + 0.01, 0.38), "rubber"),
+    ]
+    for side in (-1.0, 1.0):
+        x = sorted((side * 0.50 * half, side * 0.82 * half))
+        parts.append(
+            box((x[0], -end - 0.008, nose - 0.12), (x[1], -end + 0.12, nose - 0.01), "sign")
+        )
+        x = sorted((side * 0.58 * half, side * 0.86 * half))
+        parts.append(box((x[0], end - 0.10, tail - 0.02), (x[1], end + 0.012, tail + 0.12),
+                         "plastic", (0.55, 0.02, 0.02)))  # fmt: skip
+        foot = body.roof[0]
+        x = sorted((side * (0.90 * half), side * (half + 0.10)))
+        y = foot[0] * body.length - end + 0.32
+        parts.append(box((x[0], y, foot[1] + 0.04), (x[1], y + 0.08, foot[1] + 0.17), "car_paint"))
+        y = 0.05 * body.length
+        x = sorted((side * (half - 0.01), side * (half + 0.012)))
+        for handle in (y - 0.35, y + 0.62):
+            z = foot[1] - 0.10
+            parts.append(box((x[0], handle, z), (x[1], handle + 0.16, z + 0.025), "metal_dark"))
+    return parts
+
+
+@lru_cache(maxsize=16)
+def car(body: str) -> Prototype:
+    """Make a parked car; `body` is a key of `BODIES`. The prototype's kind is "vehicle"."""
+    shape = BODIES[body]
+    parts = [_lower_body(shape), *_cabin(shape), *_wheels(shape), *_fittings(shape)]
+    return prototype(f"car_{body}", "vehicle", parts)

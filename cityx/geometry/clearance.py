@@ -1,0 +1,144 @@
+"""How far points are from walls, kerbs and shores, and how to make them keep away."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Spots:
+    """Points with their search tree, for several questions about the same points.
+
+    Attributes
+    ----------
+    xy
+        (n, 2) float, metres.
+    points
+        (n,) shapely Points.
+    tree
+        STRtree over ``points``.
+    """
+
+    xy: FloatArray
+    points: NDArray[Any]
+    tree: Any
+
+
+def spots_of(xy: ArrayLike | Spots) -> Spots:
+    """Make spots of (n, 2) points; spots are returned as they are."""
+    if isinstance(xy, Spots):
+        return xy
+    array = np.asarray(xy, float).reshape(-1, 2)
+    points = shapely.points(array)
+    return Spots(array, points, shapely.STRtree(points))
+
+
+def distance_within(xy: ArrayLike | Spots, shapes: ArrayLike, reach: float) -> FloatArray:
+    """Measure the distance of (n, 2) points to the nearest of some shapes; inf beyond `reach`."""
+    spots = spots_of(xy)
+    nearest = np.full(len(spots.xy), np.inf)
+    geometry = np.asarray(shapes, dtype=object)
+    if not len(spots.xy) or not len(geometry):
+        return nearest
+    shape, spot = spots.tree.query(geometry, predicate="dwithin", distance=reach)
+    np.minimum.at(nearest, spot, shapely.distance(spots.points[spot], geometry[shape]))
+    return nearest
+
+
+def near_any(xy: ArrayLike | Spots, shapes: ArrayLike, distance: ArrayLike) -> BoolArray:
+    """Tell which of (n, 2) points lie nearer than `distance` (one, or one per shape) to a shape."""
+    spots = spots_of(xy)
+    near = np.zeros(len(spots.xy), bool)
+    geometry = np.asarray(shapes, dtype=object)
+    if not len(spots.xy) or not len(geometry):
+        return near
+    near[spots.tree.query(geometry, predicate="dwithin", distance=distance)[1]] = True
+    return near
+
+
+def push_off(
+    xy: ArrayLike | Spots, lines: ArrayLike, half_width: ArrayLike, *, most: float
+) -> tuple[FloatArray, BoolArray]:
+    """Move points out of strips along lines, square to the line.
+
+    Parameters
+    ----------
+    xy
+        (n, 2) float, metres.
+    lines
+        (m,) shapely LineStrings.
+    half_width
+        (m,) float, half widths of the strips.
+    most
+        Metres; a point that would have to go farther is given up.
+
+    Returns
+    -------
+    moved, free
+        (n, 2) points, and whether each is outside every strip now.
+    """
+    before = spots_of(xy)
+    moved = before.xy.copy()
+    geometry: NDArray[Any] = np.asarray(lines, dtype=object)
+    width = np.broadcast_to(np.asarray(half_width, float), (len(geometry),))
+    free = np.ones(len(moved), bool)
+    if not len(moved) or not len(geometry):
+        return moved, free
+    slack = 0.01  # metres beyond the edge, so that the second look finds the point outside
+    now = before
+    for _ in range(2):
+        line, spot = now.tree.query(geometry, predicate="dwithin", distance=width)
+        if not len(spot):
+            break
+        gap = shapely.distance(now.points[spot], geometry[line])
+        need = width[line] - gap
+        # Only the strip that asks for the longest way counts; ties go to the first line.
+        order = np.lexsort((line, -need, spot))
+        first = order[np.r_[True, spot[order][1:] != spot[order][:-1]]]
+        spot, line, gap = spot[first], line[first], gap[first]
+        foot = shapely.get_coordinates(
+            shapely.line_interpolate_point(
+                geometry[line], shapely.line_locate_point(geometry[line], now.points[spot])
+            )
+        )
+        away = moved[spot] - foot
+        ok = gap > 0.05  # nearer than that, no side is the right one
+        away /= np.maximum(gap, 0.05)[:, None]
+        moved[spot] = np.where(ok[:, None], foot + away * (width[line] + slack)[:, None],
+                               moved[spot])  # fmt: skip
+        now = spots_of(moved)
+    free = ~near_any(now, geometry, np.maximum(width - slack, 0.0))
+    free &= np.hypot(*(moved - before.xy).T) <= most
+    return moved, free
+
+
+CELL = 20.0  # metres; triangles far from every point are sorted out by such cells first
+
+
+def in_triangles(
+    xy: ArrayLike, vertices: NDArray[np.float64], triangles: NDArray[np.int32]
+) -> BoolArray:
+    """Tell which of (n, 2) points lie in one of (t, 3) triangles over (v, 2) vertices."""
+    spots = np.asarray(xy, float).reshape(-1, 2)
+    inside = np.zeros(len(spots), bool)
+    if not len(spots) or not len(triangles):
+        return inside
+    corners = vertices[triangles]  # (t, 3, 2)
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    around = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)])
+    cells = (np.floor(spots / CELL).astype(np.int64)[:, None, :] + around).reshape(-1, 2)
+    middle = np.floor((low + high) / 2 / CELL).astype(np.int64)
+    width = np.int64(1 << 24)
+    close = np.isin(middle[:, 0] * width + middle[:, 1], cells[:, 0] * width + cells[:, 1])
+    close |= (high - low).max(axis=1) > 2 * CELL
+    shapes = shapely.polygons(corners[close])
+    inside[shapely.STRtree(shapely.points(spots)).query(shapes, predicate="intersects")[1]] = True
+    return inside

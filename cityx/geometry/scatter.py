@@ -1,0 +1,261 @@
+"""Poisson-disk points by random priority: the same points whatever window is asked for.
+
+Candidates are drawn per cell by a hash of the cell, so they exist before any window does. A
+candidate is kept when no kept neighbour within the radius has a higher priority; that chain of
+decisions is cut after a few rounds, which bounds how far away anything can matter.
+
+References
+----------
+Bowers, Wang, Wei and Maletz, "Parallel Poisson disk sampling with spectrum analysis", 2010.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+
+from cityx.geometry.identity import hash_ids, mix, uniform
+
+ROUNDS = 3  # decisions deeper than this are dropped: 0.3 % of the points, measured
+REACH = 2 * ROUNDS  # radii around a point that can change its fate
+PER_CELL = 3  # candidates per cell of one radius; more fill the last gaps at a rising price
+
+
+@dataclass(frozen=True)
+class Points:
+    """Scattered points, sorted by id.
+
+    Attributes
+    ----------
+    xy
+        (n, 2) float64, metres.
+    id
+        (n,) uint64, from the cell and the candidate's number, the same in every window.
+    """
+
+    xy: NDArray[np.float64]
+    id: NDArray[np.uint64]
+
+
+def cell_ids(cells: NDArray[np.int64]) -> NDArray[np.uint64]:
+    """Hash (n, 2) integer cells, negative ones too, to (n,) ids."""
+    bits = cells.astype(np.int64).view(np.uint64).reshape(-1, 2)
+    return np.asarray(mix(mix(bits[:, 0]) ^ (bits[:, 1] * np.uint64(0x9E3779B97F4A7C15))))
+
+
+def candidates(cells: NDArray[np.int64], radius: float, *, seed: int, purpose: str) -> Points:
+    """Draw the candidates of the given cells (edge `radius`), `PER_CELL` each."""
+    ids = hash_ids(
+        seed,
+        purpose,
+        np.repeat(cell_ids(cells), PER_CELL),
+        np.tile(np.arange(PER_CELL), len(cells)),
+    )
+    offset = np.column_stack([uniform(seed, purpose, ids, 1), uniform(seed, purpose, ids, 2)])
+    xy = (np.repeat(cells, PER_CELL, axis=0) + offset) * radius
+    order = np.argsort(ids, kind="stable")
+    return Points(np.round(xy[order], 4), ids[order])
+
+
+def near_pairs(xy: NDArray[np.float64], radius: float) -> NDArray[np.int64]:
+    """Return the (m, 2) pairs of points closer than `radius`, each once; meant for even density."""
+    cell = np.floor(xy / radius).astype(np.int64)
+    cell -= cell.min(axis=0) - 1
+    width = int(cell[:, 1].max()) + 2
+    key = cell[:, 0] * width + cell[:, 1]
+    order = np.argsort(key, kind="stable")
+    (x, y), keys = np.ascontiguousarray(xy[order].T), key[order]
+    unique, start = np.unique(keys, return_index=True)
+    start = np.append(start, len(keys))
+    position = np.arange(len(keys))
+    found = [np.zeros((0, 2), np.int64)]
+    for shift in (0, 1, width - 1, width, width + 1):  # half of the neighbourhood: each pair once
+        at = np.searchsorted(unique, unique + shift).clip(max=len(unique) - 1)
+        there = unique[at] == unique + shift
+        first = np.repeat(np.where(there, start[at], 0), np.diff(start))
+        stop = np.repeat(np.where(there, start[at + 1], 0), np.diff(start))
+        if shift == 0:
+            first = position + 1
+        for k in range(int((stop - first).max(initial=0))):
+            rows = np.flatnonzero(first + k < stop)
+            other = first[rows] + k
+            close = (x[rows] - x[other]) ** 2 + (y[rows] - y[other]) ** 2 < radius * radius
+            found.append(np.column_stack([rows[close], other[close]]))
+    return np.asarray(order[np.concatenate(found)])
+
+
+def thin(points: Points, radius: float) -> Points:
+    """Keep the points that win against every neighbour nearer than `radius`, in `ROUNDS` rounds.
+
+    The id is the priority; points still undecided at the end are dropped.
+    """
+    count = len(points.id)
+    if count == 0:
+        return points
+    pairs = near_pairs(points.xy, radius)
+    higher = points.id[pairs[:, 0]] > points.id[pairs[:, 1]]
+    winner = np.where(higher, pairs[:, 0], pairs[:, 1])
+    loser = np.where(higher, pairs[:, 1], pairs[:, 0])
+    undecided = np.ones(count, bool)
+    kept = np.zeros(count, bool)
+    for _ in range(ROUNDS):
+        both = undecided[winner] & undecided[loser]
+        winner, loser = winner[both], loser[both]
+        beaten = np.zeros(count, bool)
+        beaten[loser] = True
+        fresh = undecided & ~beaten
+        kept |= fresh
+        undecided &= ~fresh
+        undecided[loser[fresh[winner]]] = False
+    return Points(points.xy[kept], points.id[kept])
+
+
+def poisson_disk(
+    bounds: tuple[float, float, float, float], radius: float, *, seed: int, purpose: str
+) -> Points:
+    """Scatter points at least `radius` apart over a rectangle.
+
+    Parameters
+    ----------
+    bounds
+        (xmin, ymin, xmax, ymax), half open: points on the upper edges belong to the next window.
+    radius
+        Metres, least distance of two points.
+    seed, purpose
+        Key of the random numbers.
+
+    Returns
+    -------
+    points
+        The part of the one infinite point set that lies in the window.
+    """
+    xmin, ymin, xmax, ymax = bounds
+    halo = REACH * radius
+    low = np.floor(np.array([xmin - halo, ymin - halo]) / radius).astype(np.int64)
+    high = np.floor(np.array([xmax + halo, ymax + halo]) / radius).astype(np.int64)
+    i, j = np.meshgrid(
+        np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1), indexing="ij"
+    )
+    cells = np.column_stack([i.ravel(), j.ravel()])
+    points = thin(candidates(cells, radius, seed=seed, purpose=purpose), radius)
+    x, y = points.xy.T
+    inside = (x >= xmin) & (x < xmax) & (y >= ymin) & (y < ymax)
+    return Points(points.xy[inside], points.id[inside])
+
+
+def cells_of_polygons(polygons: ArrayLike, edge: float) -> NDArray[np.int64]:
+    """Return the (n, 2) cells of edge `edge`, sorted, that the bounds of any polygon's pieces meet.
+
+    Large polygons are cut into blocks first, so that a thin diagonal wood does not claim its whole
+    bounding box.
+    """
+    shapes = np.asarray(polygons, dtype=object)
+    shapes = shapes[~shapely.is_empty(shapes)]
+    if not len(shapes):
+        return np.zeros((0, 2), np.int64)
+    low = np.floor(shapely.bounds(shapes)[:, :2] / edge).astype(np.int64)
+    high = np.floor(shapely.bounds(shapes)[:, 2:] / edge).astype(np.int64)
+    size = high - low + 1
+    count = size[:, 0] * size[:, 1]
+    start = np.concatenate([[0], np.cumsum(count)])
+    row = np.arange(start[-1]) - np.repeat(start[:-1], count)
+    owner = np.repeat(np.arange(len(shapes)), count)
+    cells = low[owner] + np.column_stack([row // size[owner, 1], row % size[owner, 1]])
+    boxes = shapely.box(*(cells * edge).T, *((cells + 1) * edge).T)
+    shapely.prepare(shapes)
+    cells = cells[shapely.intersects(shapes[owner], boxes)]
+    return _unique_cells(cells)
+
+
+BLOCK = 8  # radii per block of `poisson_in`: the smaller, the less is drawn beside the polygons
+
+
+def poisson_in(
+    polygons: ArrayLike,
+    radius: float,
+    *,
+    seed: int,
+    purpose: str,
+    bounds: tuple[float, float, float, float] | None = None,
+    where: Callable[[NDArray[np.float64]], NDArray[np.bool_]] | None = None,
+) -> Points:
+    """Scatter points at least `radius` apart inside polygons.
+
+    Only candidates inside compete, so that a strip narrower than the radius is still filled.
+
+    Parameters
+    ----------
+    polygons
+        (n,) shapely Polygons; they may overlap.
+    radius
+        Metres, least distance of two points.
+    seed, purpose
+        Key of the random numbers.
+    bounds
+        (xmin, ymin, xmax, ymax) of the window, half open; the whole of the polygons when left out.
+        Two windows agree wherever both know the polygons within `REACH` radii.
+    where
+        Narrows the polygons: tells for (m, 2) positions whether a point may lie there.
+    """
+    shapes = np.asarray(polygons, dtype=object)
+    if bounds is not None and len(shapes):
+        halo = REACH * radius
+        window = shapely.box(bounds[0] - halo, bounds[1] - halo, bounds[2] + halo, bounds[3] + halo)
+        shapes = shapes[shapely.intersects(shapes, window)]
+    blocks, whole = _blocks(shapes, BLOCK * radius)
+    if bounds is not None and len(blocks):
+        low = np.floor(np.array([bounds[0] - halo, bounds[1] - halo]) / (BLOCK * radius))
+        high = np.floor(np.array([bounds[2] + halo, bounds[3] + halo]) / (BLOCK * radius))
+        near = ((blocks >= low) & (blocks <= high)).all(axis=1)
+        blocks, whole = blocks[near], whole[near]
+    if not len(blocks):
+        return Points(np.zeros((0, 2)), np.zeros(0, np.uint64))
+    step = np.arange(BLOCK)
+    inner = np.stack(np.meshgrid(step, step, indexing="ij"), axis=-1).reshape(-1, 2)
+
+    def drawn(chosen: NDArray[np.int64]) -> Points:
+        cells = (chosen[:, None, :] * BLOCK + inner).reshape(-1, 2)
+        points = candidates(cells, radius, seed=seed, purpose=purpose)
+        return points if where is None else _rows(points, where(points.xy))
+
+    border = drawn(blocks[~whole])
+    inside = np.zeros(len(border.id), bool)
+    tree = shapely.STRtree(shapely.points(border.xy))
+    inside[tree.query(shapes, predicate="contains")[1]] = True
+    middle, edge = drawn(blocks[whole]), _rows(border, inside)
+    ids = np.concatenate([middle.id, edge.id])
+    order = np.argsort(ids, kind="stable")
+    points = thin(Points(np.concatenate([middle.xy, edge.xy])[order], ids[order]), radius)
+    if bounds is None:
+        return points
+    x, y = points.xy.T
+    return _rows(points, (x >= bounds[0]) & (x < bounds[2]) & (y >= bounds[1]) & (y < bounds[3]))
+
+
+def _rows(points: Points, keep: NDArray[np.bool_]) -> Points:
+    return Points(points.xy[keep], points.id[keep])
+
+
+def _blocks(shapes: NDArray[Any], edge: float) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Return the blocks that polygons meet, and which of them lie wholly within one polygon."""
+    blocks = cells_of_polygons(shapes, edge)
+    whole = np.zeros(len(blocks), bool)
+    if len(blocks):
+        boxes = shapely.box(*(blocks * edge).T, *((blocks + 1) * edge).T)
+        whole[shapely.STRtree(boxes).query(shapes, predicate="contains_properly")[1]] = True
+    return blocks, whole
+
+
+def _unique_cells(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Drop repeated rows; one 64-bit key per cell sorts faster than rows do."""
+    if not len(cells):
+        return cells
+    low = cells.min(axis=0)
+    width = int(cells[:, 1].max() - low[1] + 1)
+    key = np.unique((cells[:, 0] - low[0]) * width + (cells[:, 1] - low[1]))
+    return np.asarray(np.column_stack([key // width, key % width]) + low)

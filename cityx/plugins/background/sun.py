@@ -1,0 +1,113 @@
+"""The sun of a time of day."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+from math import radians
+from typing import Annotated
+
+from cityx.city import City, Environment
+from cityx.errors import UsageError, nearest
+from cityx.geometry.solar import hour_of_elevation, solar_position
+from cityx.plugins.background.light import darkened, exposure_of, night_lights_of
+from cityx.protocol import Port, Range, Text, action
+
+# A fixed year keeps results reproducible; the seasons hardly move between years.
+YEAR = 2025
+
+# Words of the day by solar hour, or by the sun's elevation in degrees (rising or setting).
+_HOURS = {"noon": 12.0, "morning": 9.0, "afternoon": 15.0, "midnight": 0.0, "night": 23.5}
+_ELEVATIONS = {
+    "sunrise": (0.5, True),
+    "dawn": (-4.0, True),
+    "evening": (12.0, False),
+    "golden": (6.0, False),
+    "sunset": (0.5, False),
+    "dusk": (-4.0, False),
+    "blue": (-5.5, False),
+}
+TIMES = tuple(sorted({**_HOURS, **_ELEVATIONS}))
+_OTHER = {
+    "golden hour": "golden", "golden-hour": "golden", "goldenhour": "golden",
+    "blue hour": "blue", "blue-hour": "blue", "twilight": "dusk", "midday": "noon", "day": "noon",
+    "daytime": "noon",
+}  # fmt: skip
+
+
+def clock_of(time: str, latitude: float, day: datetime) -> float:
+    """Return the solar hour, [0, 24), of a word of the day or of "HH:MM".
+
+    Raises
+    ------
+    UsageError
+        If it is neither; the message names the nearest words.
+    """
+    word = " ".join(time.strip().lower().split())
+    word = _OTHER.get(word, word)
+    match = re.fullmatch(r"(\d{1,2})[:.h](\d{2})", word)
+    if match and int(match.group(1)) < 24 and int(match.group(2)) < 60:
+        return int(match.group(1)) + int(match.group(2)) / 60.0
+    if word in _HOURS:
+        return _HOURS[word]
+    if word in _ELEVATIONS:
+        height, rising = _ELEVATIONS[word]
+        return hour_of_elevation(latitude, radians(height), day, rising=rising)
+    hint = nearest(word, TIMES)
+    raise UsageError(f'"{time}" is no time of day; write HH:MM or one of {", ".join(TIMES)}.{hint}')
+
+
+def sun_of(environment: Environment, latitude: float, longitude: float, *, time: str,
+           month: int = 6, day: int = 21) -> Environment:  # fmt: skip
+    """Return the environment with the sun of a place, a date and a local solar time."""
+    try:
+        midday = datetime(YEAR, month, day, 12, tzinfo=UTC)
+    except ValueError:
+        raise UsageError(f"There is no day {day} in month {month}.") from None
+    hour = clock_of(time, latitude, midday)
+    # Mean solar time: noon is when the mean sun culminates, whatever the legal clock says.
+    when = midday + timedelta(hours=hour - 12.0 - longitude / 15.0)
+    elevation, azimuth = solar_position(latitude, longitude, when)
+    return replace(
+        environment,
+        sun_elevation=round(elevation, 6),
+        sun_azimuth=round(azimuth, 6),
+        night_lights=night_lights_of(elevation),
+        exposure=exposure_of(elevation),
+    )
+
+
+@action(
+    "background/sun-v1",
+    limits=["Times are local mean solar time; legal time zones are not known."],
+    requires=("layout",),
+    gives=(Port("environment", "scene_layout", role="light"),),
+    labels=("time of day", "light", "daylight"),
+)
+def sun(
+    city: City,
+    *,
+    time: Annotated[str, Text(20)] = "afternoon",
+    month: Annotated[int, Range(1, 12)] = 6,
+    day: Annotated[int, Range(1, 31)] = 21,
+) -> City:
+    """Set the sun for a time of day at the city's place on Earth.
+
+    Parameters
+    ----------
+    city
+        City whose frame says where it lies.
+    time
+        "HH:MM" local solar time, or a word such as noon, morning, golden, dusk or night.
+    month, day
+        Date.
+    """
+    frame = city.frame
+    environment = sun_of(city.environment, frame.latitude, frame.longitude, time=time, month=month,
+                         day=day)  # fmt: skip
+    return replace(
+        city,
+        environment=darkened(environment),
+        stages_done=city.stages_done | {"background"},
+    )

@@ -1,0 +1,367 @@
+"""Street furniture: what the map shows, lamps along the kerbs and signals at the junctions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city import City, Instances
+from cityx.city.ground import KERB_HEIGHT, LABEL
+from cityx.geometry.clearance import in_triangles, near_any, push_off
+from cityx.geometry.driving import drives_on
+from cityx.geometry.identity import hash_ids, uniform
+from cityx.geometry.polylines import locate, to_linestrings
+from cityx.plugins.road.kerbs import (
+    edge_lengths,
+    edge_lines,
+    join_places,
+    places_along,
+    yaw_facing,
+    yaw_of_compass,
+)
+from cityx.protocol import Choice, Port, action
+
+ACTION = "nature/furniture-v1"
+FloatArray = NDArray[np.float64]
+
+# Kinds of points that are things by themselves, and the prototype of each.
+PIECES = {
+    "bench": "bench", "waste_basket": "waste_basket", "bollard": "bollard",
+    "bus_stop": "bus_stop", "fire_hydrant": "fire_hydrant", "post_box": "post_box",
+    "telephone": "telephone", "bicycle_parking": "bicycle_parking", "fountain": "fountain",
+    "advertising_column": "advertising_column", "power_pole": "power_pole", "statue": "statue",
+    "vending_machine": "vending_machine", "recycling": "recycling", "flagpole": "flagpole",
+    "street_lamp": "street_lamp_post", "stop": "sign_stop", "give_way": "sign_give_way",
+}  # fmt: skip
+# Signs and signals are mapped on the carriageway; they go to the kerb of the side one drives on.
+KERBSIDE = ("stop", "give_way", "bus_stop")
+MAIN = ("motorway", "trunk", "primary", "secondary", "motorway_link", "trunk_link",
+        "primary_link", "secondary_link")  # fmt: skip
+NOT_FOR_CARS = ("footway", "path", "cycleway", "steps", "pedestrian", "corridor", "bridleway",
+                "rail", "tram", "subway", "light_rail")  # fmt: skip
+LIT = ("primary", "secondary", "tertiary", "residential", "unclassified", "living_street", "trunk")
+
+DRIVEN = ("carriageway", "junction", "setts", "gravel_road", "marking")
+
+LAMP_SPACING = 30.0  # metres between lamps of a street, the sides in turn
+LAMP_SETBACK = 0.6  # metres from the kerb
+POLE_SETBACK = 0.5  # metres, clear of mirrors of passing cars
+KERB_GAP = 0.35  # metres between a mapped thing and the kerb at least
+FEW_LAMPS = 5.0  # per kilometre; a map with fewer has not mapped its lamps
+MOST_PUSH = 3.0  # metres a mapped thing may be moved out of a carriageway
+SIGNAL_REACH = 25.0  # metres from a mapped signal to the junction it belongs to
+FRONT_REACH = 40.0  # metres within which a thing turns to a road
+SHELTER_ROOM = 2.6  # metres of free sidewalk that a shelter needs
+
+
+@dataclass(frozen=True)
+class _Pieces:
+    """Things that stand somewhere, (n,) each."""
+
+    name: NDArray[Any]
+    xy: FloatArray
+    id: NDArray[np.uint64]
+    yaw: FloatArray
+    scale: FloatArray
+
+
+def _pieces(name: Any, xy: FloatArray, ids: NDArray[np.uint64], yaw: FloatArray) -> _Pieces:
+    names = np.broadcast_to(np.asarray(name, dtype=object), (len(ids),))
+    return _Pieces(names, xy, ids, yaw, np.ones(len(ids)))
+
+
+class _Roads:
+    """Carriageways as lines, with half widths and the class of lamp each gets."""
+
+    def __init__(self, city: City) -> None:
+        roads = city.layout.roads
+        kind = roads["kind"].to_numpy().astype(str)
+        if city.network is not None and city.network.edge_count:
+            rows = city.network.edge_road
+            self.lines = to_linestrings(edge_lines(city.network))
+            self.half = city.network.half_width
+        else:
+            cars = ~np.isin(kind, NOT_FOR_CARS)
+            rows = np.flatnonzero(cars & ~roads["tunnel"].to_numpy())
+            self.lines = roads.geometry.to_numpy()[rows]
+            self.half = np.fmax(np.nan_to_num(roads["width"].to_numpy()[rows] / 2, nan=2.5), 1.2)
+        self.main = np.isin(kind[rows], MAIN)
+        self.oneway = roads["oneway"].to_numpy()[rows]
+        self.tree = shapely.STRtree(self.lines)
+
+    def nearest(self, xy: FloatArray, reach: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Return points that have a road within reach, and the nearest road of each."""
+        if not len(self.lines) or not len(xy):
+            return np.zeros(0, np.int64), np.zeros(0, np.int64)
+        spots = shapely.points(xy)
+        spot, line = self.tree.query_nearest(spots, max_distance=reach)
+        first = np.unique(spot, return_index=True)[1]  # ties go to the first line
+        return spot[first], line[first]
+
+    def foot(self, xy: FloatArray, line: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+        """Return the nearest point of each given line and the line's direction there."""
+        shapes, spots = self.lines[line], shapely.points(xy)
+        along = shapely.line_locate_point(shapes, spots)
+        length = shapely.length(shapes)
+        near = shapely.get_coordinates(shapely.line_interpolate_point(shapes, along))
+        step = 0.5  # metres, over which the direction is taken
+        back = shapely.line_interpolate_point(shapes, np.maximum(along - step, 0))
+        ahead = shapely.line_interpolate_point(shapes, np.minimum(along + step, length))
+        way = shapely.get_coordinates(ahead) - shapely.get_coordinates(back)
+        size = np.hypot(*way.T)
+        return near, way / np.where(size > 0, size, 1.0)[:, None]
+
+
+def _mapped(city: City, roads: _Roads, drive: float) -> _Pieces | None:
+    """Place the things of the points table, turned as mapped or towards the road."""
+    table = city.layout.points
+    kind = table["kind"].to_numpy().astype(str)
+    rows = np.flatnonzero(np.isin(kind, list(PIECES)))
+    if not len(rows):
+        return None
+    kind = kind[rows]
+    ids = table["id"].to_numpy()[rows]
+    xy = shapely.get_coordinates(table.geometry.to_numpy()[rows])
+    direction = table["direction"].to_numpy()[rows]
+    yaw = uniform(city.seed, f"{ACTION}/yaw", ids) * 2 * np.pi
+    names = np.array([PIECES[k] for k in kind], dtype=object)
+
+    spot, line = roads.nearest(xy, FRONT_REACH)
+    if len(spot):
+        near, way = roads.foot(xy[spot], line)
+        toward = near - xy[spot]
+        gap = np.hypot(*toward.T)
+        yaw[spot] = yaw_facing(toward)
+        left = np.column_stack([-way[:, 1], way[:, 0]])
+        on_road = gap < roads.half[line] + 0.3
+        kerbside = np.isin(kind[spot], KERBSIDE) & on_road
+        # The sign of a stop line faces the traffic that arrives at it; which way that is, the
+        # map seldom says, so it is drawn from the nearer end of the road.
+        end = shapely.line_locate_point(roads.lines[line], shapely.points(xy[spot]))
+        onward = np.where(end > shapely.length(roads.lines[line]) / 2, 1.0, -1.0)
+        onward = np.where(roads.oneway[line], 1.0, onward)
+        sign = np.isin(kind[spot], ("stop", "give_way"))
+        offset = (roads.half[line] + POLE_SETBACK + 0.45 * (kind[spot] == "bus_stop"))[:, None]
+        beside = near - left * (drive * np.where(sign, onward, 1.0))[:, None] * offset
+        xy[spot] = np.where(kerbside[:, None], beside, xy[spot])
+        facing = np.where(sign[:, None], -way * onward[:, None], near - beside)
+        yaw[spot] = np.where(kerbside, yaw_facing(facing), yaw[spot])
+        lamp = kind[spot] == "street_lamp"
+        names[spot[lamp & roads.main[line]]] = "street_lamp_mast"
+    given = np.isfinite(direction) & ~np.isin(kind, KERBSIDE)
+    yaw = np.where(given, yaw_of_compass(np.where(given, direction, 0.0)), yaw)
+    bus = np.flatnonzero(names == "bus_stop")
+    if len(bus):
+        houses = city.layout.buildings.geometry.to_numpy()
+        back = np.column_stack([-np.sin(yaw[bus]), np.cos(yaw[bus])])
+        tight = near_any(xy[bus] + 1.0 * back, houses, SHELTER_ROOM)
+        names[bus[tight]] = "bus_pole"
+        roomy = bus[~tight]
+        xy[roomy] += 0.6 * back[~tight]  # the shelter's front stays clear of the kerb
+    found = _pieces(names, xy, ids, yaw)
+    height = table["height"].to_numpy()[rows]
+    size = np.isfinite(height) & np.isin(names, ("street_lamp_mast", "street_lamp_post", "flagpole",
+                                                 "power_pole"))  # fmt: skip
+    full = {"street_lamp_mast": 8.2, "street_lamp_post": 4.5, "flagpole": 9.0, "power_pole": 9.0}
+    scale = np.array(
+        [h / full[n] if s else 1.0 for h, n, s in zip(height, names, size, strict=True)]
+    )
+    return replace(found, scale=np.clip(scale, 0.5, 2.5))
+
+
+def _lamps(city: City, have: int) -> _Pieces | None:
+    """Lamps along the kerbs of lit streets, unless the map has its own."""
+    network = city.network
+    if network is None or not network.edge_count:
+        return None
+    table = city.layout.roads
+    kind = table["kind"].to_numpy().astype(str)[network.edge_road]
+    lit = np.isin(kind, LIT) & table["lit"].to_numpy()[network.edge_road]
+    lit &= ~table["bridge"].to_numpy()[network.edge_road]
+    lit &= table["layer"].to_numpy()[network.edge_road] == 0
+    kilometres = edge_lengths(network)[lit].sum() / 1000.0
+    if have >= FEW_LAMPS * kilometres or not lit.any():
+        return None
+    groups = []
+    for side, phase, column in ((1, 0.0, "sidewalk_left"), (-1, 0.5, "sidewalk_right")):
+        paved = table[column].to_numpy()[network.edge_road] > 0
+        groups.append(
+            places_along(network, np.flatnonzero(lit & paved), side, spacing=LAMP_SPACING,
+                         beyond=LAMP_SETBACK, margin=3.0, phase=phase)
+        )  # fmt: skip
+    places = join_places(*groups)
+    main = np.isin(kind, MAIN)[places.edge]
+    ids = hash_ids(0, f"{ACTION}/lamp", network.edge_id[places.edge],
+                   2 * places.number + (places.side > 0))  # fmt: skip
+    names = np.where(main, "street_lamp_mast", "street_lamp_post").astype(object)
+    return _pieces(names, places.xy, ids, yaw_facing(places.toward_road))
+
+
+def _signals(city: City, drive: float) -> _Pieces | None:
+    """Signals at the kerb corner of every arm of a signalised junction, and at crossings."""
+    network = city.network
+    table = city.layout.points
+    rows = np.flatnonzero(table["kind"].to_numpy().astype(str) == "traffic_signals")
+    if network is None or not network.edge_count or not len(rows):
+        return None
+    spots = table.geometry.to_numpy()[rows]
+    joint = np.flatnonzero(network.node_degree >= 3)
+    node_of = np.full(len(rows), -1)
+    if len(joint):
+        tree = shapely.STRtree(shapely.points(network.node_position[joint]))
+        spot, node = tree.query_nearest(spots, max_distance=SIGNAL_REACH)
+        node_of[spot] = joint[node]
+    signalled = np.zeros(len(network.node_position), bool)
+    signalled[node_of[node_of >= 0]] = True
+    roads = city.layout.roads
+    oneway = roads["oneway"].to_numpy()[network.edge_road]
+    main = np.isin(roads["kind"].to_numpy().astype(str)[network.edge_road], MAIN)
+    lines = edge_lines(network)
+    length = edge_lengths(network)
+    found = []
+    for end in (0, 1):
+        # Traffic arrives at the far end of an edge, and at its start unless it is one way.
+        edge = np.flatnonzero(signalled[network.edge_nodes[:, end]] & ((end == 1) | ~oneway))
+        edge = edge[length[edge] > network.trim[edge].sum(axis=1) + 4.0]
+        setback = network.trim[edge, end] + np.where(network.crossing[edge, end], 4.2, 0.6)
+        along = setback if end == 0 else length[edge] - setback
+        found.append(_beside(lines, network, edge, along, 1.0 if end == 1 else -1.0, drive, main,
+                             f"{ACTION}/signal/{end}"))  # fmt: skip
+    lone = np.flatnonzero(node_of < 0)
+    if len(lone):
+        shapes = to_linestrings(lines)
+        spot, edge = shapely.STRtree(shapes).query_nearest(spots[lone], max_distance=2.0)
+        first = np.unique(spot, return_index=True)[1]
+        spot, edge = spot[first], edge[first]
+        along = shapely.line_locate_point(shapes[edge], spots[lone][spot])
+        for way in (1.0, -1.0):
+            ok = (way > 0) | ~oneway[edge]
+            own = table["id"].to_numpy()[rows][lone[spot[ok]]]
+            found.append(_beside(lines, network, edge[ok], along[ok] - 2.0 * way, way, drive, main,
+                                 f"{ACTION}/signal/mid{way:+.0f}", own))  # fmt: skip
+    return _merge(found)
+
+
+def _beside(lines: Any, network: Any, edge: NDArray[np.int64], along: FloatArray, way: float,
+            drive: float, main: NDArray[np.bool_], purpose: str,
+            ids: NDArray[np.uint64] | None = None) -> _Pieces:  # fmt: skip
+    """Poles on the side one drives on, facing traffic that moves along (`way` +1) or against."""
+    position, ahead = locate(lines, edge, along)
+    travel = ahead * way
+    right = np.column_stack([travel[:, 1], -travel[:, 0]]) * drive
+    xy = position + right * (network.half_width[edge] + POLE_SETBACK)[:, None]
+    # Arms reach over the lanes for traffic on the right; elsewhere the plain pole serves.
+    wide = main[edge] & (network.half_width[edge] > 4.5) & (drive > 0)
+    names = np.where(wide, "traffic_signal_mast", "traffic_signal").astype(object)
+    key = network.edge_id[edge] if ids is None else ids
+    return _pieces(names, xy, hash_ids(0, purpose, key), yaw_facing(-travel))
+
+
+def _merge(groups: list[_Pieces]) -> _Pieces:
+    names = ("name", "xy", "id", "yaw", "scale")
+    return _Pieces(*(np.concatenate([getattr(g, n) for g in groups]) for n in names))
+
+
+def _cleared(city: City, roads: _Roads, pieces: _Pieces, mapped: int) -> _Pieces:
+    """Move mapped things off carriageways; drop what still stands in one or in a house."""
+    xy, free = push_off(pieces.xy, roads.lines, roads.half + KERB_GAP, most=MOST_PUSH)
+    shifted = np.hypot(*(xy - pieces.xy).T) > 1e-9
+    own = np.arange(len(xy)) < mapped
+    free &= own | ~shifted
+    houses = city.layout.buildings.geometry.to_numpy()
+    inside = near_any(xy, houses, 0.0)
+    soft = np.isin(pieces.name, ("vending_machine", "post_box", "telephone"))
+    free &= ~(inside & ~soft)
+    free &= ~(near_any(xy, houses, 0.3) & ~own)
+    network = city.network
+    if network is not None and network.edge_count:
+        radius = np.zeros(len(network.node_position))
+        np.maximum.at(radius, network.edge_nodes.ravel(), np.repeat(network.half_width, 2))
+        joint = network.node_degree >= 3
+        nodes = shapely.points(network.node_position[joint])
+        free &= ~near_any(xy, nodes, radius[joint] + 0.3)
+    if city.ground is not None:
+        ground = city.ground
+        paved = np.isin(ground.face_label, [LABEL[name] for name in DRIVEN])
+        driven = ground.triangles[paved[ground.triangle_face]]
+        # Bollards are there to stand in the way.
+        free &= ~in_triangles(xy, ground.vertices, driven) | (pieces.name == "bollard")
+    xmin, ymin, xmax, ymax = city.layout.extent
+    free &= (xy[:, 0] >= xmin) & (xy[:, 0] <= xmax) & (xy[:, 1] >= ymin) & (xy[:, 1] <= ymax)
+    return _Pieces(pieces.name[free], xy[free], pieces.id[free], pieces.yaw[free],
+                   pieces.scale[free])  # fmt: skip
+
+
+@action(
+    ACTION,
+    limits=["Bridges and tunnels get no lamps of their own."],
+    requires=("layout",),
+    takes=(Port("layout", "scene_layout"),),
+    gives=(Port("furniture", "point", role="street_furniture"),),
+    labels=("street lamps", "benches", "traffic lights", "bus stops"),
+)
+def furniture(
+    city: City,
+    *,
+    lamps: bool = True,
+    drive_on: Annotated[str, Choice("auto", "right", "left")] = "auto",
+) -> City:
+    """Place mapped street furniture, lamps along kerbs and signals at junctions.
+
+    Parameters
+    ----------
+    city
+        City with a layout; lamps and signals need the road network.
+    lamps
+        Whether lit streets get lamps when the map has next to none.
+    drive_on
+        Side of the road one drives on; "auto" follows the country.
+    """
+    from cityx.assets.furniture import furniture as make
+
+    done = city.stages_done | {"nature"}
+    if city.lod < 1:
+        return replace(city, stages_done=done)
+    frame = city.frame
+    word = drives_on(frame.latitude, frame.longitude) if drive_on == "auto" else drive_on
+    drive = 1.0 if word == "right" else -1.0
+    roads = _Roads(city)
+    mapped = _mapped(city, roads, drive)
+    kind = city.layout.points["kind"].to_numpy().astype(str)
+    groups = [mapped] if mapped is not None else []
+    count = sum(len(group.id) for group in groups)
+    for extra in (
+        _lamps(city, int((kind == "street_lamp").sum())) if lamps else None,
+        _signals(city, drive),
+    ):
+        if extra is not None:
+            groups.append(extra)
+    if not groups:
+        return replace(city, stages_done=done)
+    pieces = _cleared(city, roads, _merge(groups), count)
+    order = np.argsort(pieces.id, kind="stable")
+    order = order[np.unique(pieces.id[order], return_index=True)[1]]
+    names, number = np.unique(pieces.name[order].astype(str), return_inverse=True)
+    total = len(order)
+    rotation = np.zeros((total, 3), np.float32)
+    rotation[:, 2] = pieces.yaw[order]
+    xy = pieces.xy[order]
+    rows = Instances(
+        number.astype(np.int32),
+        pieces.id[order],
+        np.zeros(total, np.uint64),
+        np.column_stack([xy, city.terrain.height_at(xy) + KERB_HEIGHT]),
+        rotation,
+        np.repeat(pieces.scale[order].astype(np.float32)[:, None], 3, axis=1),
+        np.ones((total, 3), np.float32),
+    )
+    prototypes = [make(str(name)) for name in names]
+    return replace(
+        city,
+        scene=city.scene.with_instances("street_furniture", prototypes, rows),
+        stages_done=done,
+    )

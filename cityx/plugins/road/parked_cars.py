@@ -1,0 +1,254 @@
+"""Parked cars: along kerbs and in rows on car parks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city import City, Instances
+from cityx.geometry.clearance import near_any
+from cityx.geometry.driving import drives_on
+from cityx.geometry.identity import choose, hash_ids, uniform
+from cityx.geometry.polylines import to_linestrings
+from cityx.plugins.road.kerbs import edge_lines, join_places, places_along
+from cityx.protocol import Choice, Port, Range, action
+
+ACTION = "road/parked_cars-v1"
+FloatArray = NDArray[np.float64]
+
+BAY = 5.8  # metres of kerb per car
+FROM_KERB = 1.0  # metres from the kerb to the middle of a car
+JUNCTION_GAP = 6.0  # metres kept free behind the junction: 5 m by most traffic codes, and a bumper
+CROSSING_GAP = 4.6  # metres more where a zebra crossing lies there, with 1 m free before it
+LANE_LEFT = 2.4  # metres of carriageway that parked cars must leave to moving ones
+STALL_WIDTH, STALL_LENGTH, AISLE = 2.5, 5.0, 6.0  # metres, of a car park
+CAR_RADIUS = 2.7  # metres, half the diagonal of a car
+SMALLEST_LOT = 60.0  # square metres
+MOST_STALLS = 4_000  # per car park; beyond, a mapping error rather than a car park
+
+
+@dataclass(frozen=True)
+class _Cars:
+    xy: FloatArray
+    id: NDArray[np.uint64]
+    yaw: FloatArray
+
+
+def _along_kerbs(city: City, occupancy: float, drive: float) -> _Cars | None:
+    """Cars in bays beside the kerb, facing the way their side drives."""
+    network = city.network
+    if network is None or not network.edge_count:
+        return None
+    roads = city.layout.roads
+    row = network.edge_road
+    flat = ~roads["bridge"].to_numpy() & ~roads["tunnel"].to_numpy()
+    flat &= ~roads["passage"].to_numpy() & (roads["layer"].to_numpy() == 0)
+    oneway = roads["oneway"].to_numpy()[row]
+    both = (roads["parking_left"].to_numpy() & roads["parking_right"].to_numpy())[row]
+    # The narrowed carriageway must still let a car pass between the parked ones.
+    left_over = 2 * network.half_width - (2 + both * 2.0)
+    crossing = network.crossing.any(axis=1)
+    groups = []
+    for side, column in ((1, "parking_left"), (-1, "parking_right")):
+        parking = roads[column].to_numpy()[row] & flat[row] & (left_over >= LANE_LEFT)
+        for zebra in (False, True):
+            edges = np.flatnonzero(parking & (crossing == zebra))
+            groups.append(
+                places_along(network, edges, side, spacing=BAY, beyond=-FROM_KERB,
+                             margin=JUNCTION_GAP + CROSSING_GAP * zebra)
+            )  # fmt: skip
+    places = join_places(*groups)
+    ids = hash_ids(0, ACTION, network.edge_id[places.edge], 2 * places.number + (places.side > 0))
+    taken = uniform(city.seed, f"{ACTION}/taken", ids) < occupancy
+    taken &= ~_near_junctions(city, places.xy, places.edge)
+    places, ids = places.take(taken), ids[taken]
+    # Where one drives on the right, cars on the right side face ahead; one-way streets throughout.
+    ahead = np.where(oneway[places.edge] | (places.side * drive < 0), 1.0, -1.0)
+    way = places.ahead * ahead[:, None]
+    slack = uniform(city.seed, f"{ACTION}/slack", ids) - 0.5
+    inward = uniform(city.seed, f"{ACTION}/inward", ids) - 0.5
+    xy = places.xy + places.ahead * (0.5 * slack)[:, None]
+    xy += places.toward_road * (0.16 * inward)[:, None]
+    tilt = np.radians(2.4) * (uniform(city.seed, f"{ACTION}/tilt", ids) - 0.5)
+    return _Cars(xy, ids, np.arctan2(way[:, 0], -way[:, 1]) + tilt)
+
+
+def _near_junctions(city: City, xy: FloatArray, edge: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Mark cars that stand in the way of another street, where the trims are too short for it."""
+    network = city.network
+    assert network is not None
+    lines = to_linestrings(edge_lines(network))
+    spots = shapely.points(xy)
+    line, spot = shapely.STRtree(spots).query(
+        lines, predicate="dwithin", distance=network.half_width + 0.6
+    )
+    other = line != edge[spot]
+    marked = np.zeros(len(xy), bool)
+    marked[spot[other]] = True
+    return marked
+
+
+def _on_lots(city: City, occupancy: float) -> _Cars | None:
+    """Cars in double rows of bays along the long side of every car park."""
+    areas = city.layout.areas
+    rows = np.flatnonzero(areas["kind"].to_numpy().astype(str) == "parking")
+    shapes = areas.geometry.to_numpy()[rows]
+    big = shapely.area(shapes) > SMALLEST_LOT
+    rows, shapes = rows[big], shapes[big]
+    if not len(rows):
+        return None
+    found: list[tuple[FloatArray, NDArray[np.uint64], FloatArray]] = []
+    frames = shapely.oriented_envelope(shapes)
+    for row, frame in zip(rows, frames, strict=True):
+        corner = shapely.get_coordinates(frame)
+        if len(corner) < 4:
+            continue
+        a, b = corner[1] - corner[0], corner[2] - corner[1]
+        if np.hypot(*a) < np.hypot(*b):
+            a, b, origin = b, -a, corner[1]
+        else:
+            origin = corner[0]
+        length, depth = float(np.hypot(*a)), float(np.hypot(*b))
+        u, v = a / max(length, 1e-6), b / max(depth, 1e-6)
+        across, facing = _stall_rows(depth)
+        along = np.arange(0.5 * STALL_WIDTH + 0.5, length - 0.5 * STALL_WIDTH, STALL_WIDTH)
+        if not len(along) or not len(across) or len(along) * len(across) > MOST_STALLS:
+            continue
+        s, t = np.meshgrid(along, across, indexing="ij")
+        xy = origin + s.reshape(-1, 1) * u + t.reshape(-1, 1) * v
+        key = np.full(len(xy), areas["id"].to_numpy()[row])
+        way = np.tile(facing, len(along))[:, None] * v
+        ids = hash_ids(0, f"{ACTION}/lot", key, np.arange(len(xy)))
+        found.append((xy, ids, np.arctan2(way[:, 0], -way[:, 1])))
+    if not found:
+        return None
+    xy = np.concatenate([f[0] for f in found])
+    ids = np.concatenate([f[1] for f in found])
+    yaw = np.concatenate([f[2] for f in found])
+    keep = uniform(city.seed, f"{ACTION}/taken", ids) < occupancy
+    xy, ids, yaw = xy[keep], ids[keep], yaw[keep]
+    inside = np.zeros(len(xy), bool)
+    ahead = 0.5 * STALL_LENGTH * np.column_stack([np.sin(yaw), -np.cos(yaw)])
+    whole = [shapely.STRtree(shapely.points(xy + s * ahead)) for s in (-0.95, 0.95)]
+    ends = []
+    for tree in whole:
+        hit = np.zeros(len(xy), bool)
+        hit[tree.query(shapes, predicate="contains")[1]] = True
+        ends.append(hit)
+    inside = ends[0] & ends[1]
+    inside &= ~near_any(xy, city.layout.buildings.geometry.to_numpy(), CAR_RADIUS)
+    roads = city.layout.roads
+    open_ = ~roads["tunnel"].to_numpy() & ~roads["bridge"].to_numpy()
+    half = np.nan_to_num(roads["width"].to_numpy()[open_] / 2, nan=1.5)
+    inside &= ~near_any(xy, roads.geometry.to_numpy()[open_], np.fmin(half, 3.0) + 1.3)
+    backwards = uniform(city.seed, f"{ACTION}/back", ids) < 0.2
+    return _Cars(xy[inside], ids[inside], (yaw + np.pi * backwards)[inside])
+
+
+def _stall_rows(depth: float) -> tuple[FloatArray, FloatArray]:
+    """Middles of the rows of bays across a car park, and which way their cars face."""
+    if depth < STALL_LENGTH:
+        return np.zeros(0), np.zeros(0)
+    if depth < STALL_LENGTH + AISLE:
+        return np.array([depth / 2]), np.array([1.0])
+    module = 2 * STALL_LENGTH + AISLE
+    middles, facing = [], []
+    start = 0.0
+    while start + STALL_LENGTH <= depth:
+        middles.append(start + STALL_LENGTH / 2)
+        facing.append(-1.0)
+        if start + module <= depth:
+            middles.append(start + module - STALL_LENGTH / 2)
+            facing.append(1.0)
+        start += module
+    return np.array(middles), np.array(facing)
+
+
+@action(
+    ACTION,
+    limits=["Bays are parallel to the kerb; angled parking is drawn parallel too."],
+    requires=("layout",),
+    takes=(
+        Port("layout", "scene_layout"),
+        Port("network", "line", role="road_network", optional=True),
+    ),
+    gives=(Port("cars", "point", role="vehicle"),),
+    labels=("cars", "vehicles", "parking"),
+)
+def parked_cars(
+    city: City,
+    *,
+    occupancy: Annotated[float, Range(0.0, 1.0)] = 0.7,
+    lots: Annotated[float, Range(0.0, 1.0)] = 0.5,
+    drive_on: Annotated[str, Choice("auto", "right", "left")] = "auto",
+) -> City:
+    """Park cars along kerbs and on car parks.
+
+    Parameters
+    ----------
+    city
+        City with a layout; cars along kerbs need the road network.
+    occupancy
+        Share of the bays along kerbs that are taken.
+    lots
+        Share of the bays of car parks that are taken.
+    drive_on
+        Side of the road one drives on; "auto" follows the country.
+    """
+    from cityx.assets import vehicles
+
+    done = city.stages_done | {"road"}
+    if city.lod < 1:
+        return replace(city, stages_done=done)
+    frame = city.frame
+    word = drives_on(frame.latitude, frame.longitude) if drive_on == "auto" else drive_on
+    groups: list[Any] = [
+        _along_kerbs(city, occupancy, 1.0 if word == "right" else -1.0),
+        _on_lots(city, lots),
+    ]
+    groups = [group for group in groups if group is not None and len(group.id)]
+    if not groups:
+        return replace(city, stages_done=done)
+    xy = np.concatenate([g.xy for g in groups])
+    ids = np.concatenate([g.id for g in groups])
+    yaw = np.concatenate([g.yaw for g in groups])
+    xmin, ymin, xmax, ymax = city.layout.extent
+    keep = (xy[:, 0] >= xmin) & (xy[:, 0] <= xmax) & (xy[:, 1] >= ymin) & (xy[:, 1] <= ymax)
+    keep &= ~near_any(xy, city.layout.buildings.geometry.to_numpy(), 1.0)
+    order = np.flatnonzero(keep)[np.argsort(ids[keep], kind="stable")]
+    xy, ids, yaw = xy[order], ids[order], yaw[order]
+    body = choose(city.seed, f"{ACTION}/body", ids, vehicles.BODY_SHARES)
+    paint = choose(city.seed, f"{ACTION}/paint", ids, vehicles.PAINT_SHARES)
+    position, rotation = _on_terrain(city, xy, yaw)
+    rows = Instances(
+        body.astype(np.int32),
+        ids,
+        np.zeros(len(ids), np.uint64),
+        position,
+        rotation.astype(np.float32),
+        np.ones((len(ids), 3), np.float32),
+        vehicles.PAINTS[paint].astype(np.float32),
+    )
+    prototypes = [vehicles.car(name) for name in vehicles.BODIES]
+    return replace(
+        city, scene=city.scene.with_instances("vehicles", prototypes, rows), stages_done=done
+    )
+
+
+def _on_terrain(city: City, xy: FloatArray, yaw: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Set cars on the slope: position, and Euler angles that follow the ground under the wheels."""
+    ahead = np.column_stack([np.sin(yaw), -np.cos(yaw)])
+    right = np.column_stack([ahead[:, 1], -ahead[:, 0]])
+    height = city.terrain.height_at
+    front, back = height(xy + 1.3 * ahead), height(xy - 1.3 * ahead)
+    starboard, port = height(xy + 0.75 * right), height(xy - 0.75 * right)
+    z = (front + back) / 2
+    # The nose is -y: turning about x by a positive angle lowers it.
+    pitch = -np.arctan2(front - back, 2.6)
+    # Facing -y, the right side is -x: a positive turn about y raises it.
+    roll = np.arctan2(starboard - port, 1.5)
+    return np.column_stack([xy, z]), np.column_stack([pitch, roll, yaw])

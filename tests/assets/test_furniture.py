@@ -1,0 +1,42 @@
+import numpy as np
+import pytest
+
+from cityx.assets.furniture import MAKERS, furniture
+from cityx.assets.materials import MATERIALS
+
+HEIGHTS = {
+    "street_lamp_mast": 8.2, "street_lamp_post": 4.55, "bench": 0.87, "bollard": 0.96,
+    "bus_stop": 2.8, "traffic_signal": 3.5, "sign_stop": 2.75, "post_box": 1.4, "flagpole": 9.1,
+    "power_pole": 9.0, "telephone": 2.56, "fire_hydrant": 0.79, "bus": 3.2,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_a_piece_is_small_named_and_of_known_materials(name):
+    piece = furniture(name)
+    assert piece.name == name
+    assert 20 <= piece.mesh.triangle_count <= 900
+    assert set(piece.mesh.materials) <= set(MATERIALS)
+    assert np.isfinite(piece.mesh.vertices).all()
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_a_piece_stands_on_the_ground_at_its_origin(name):
+    vertices = furniture(name).mesh.vertices
+    assert -0.5 < vertices[:, 2].min() <= 0.1
+    middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    assert np.hypot(*middle[:2]) < 2.0
+
+
+@pytest.mark.parametrize("name", HEIGHTS)
+def test_a_piece_has_its_real_height(name):
+    assert furniture(name).mesh.vertices[:, 2].max() == pytest.approx(HEIGHTS[name], abs=0.06)
+
+
+@pytest.mark.parametrize("name", ["street_lamp_mast", "street_lamp_post"])
+def test_a_lamp_has_a_head_that_glows_over_the_road(name):
+    mesh = furniture(name).mesh
+    glow = mesh.faces[mesh.material == mesh.materials.index("lamp_glow")]
+    spots = mesh.vertices[glow[glow >= 0]]
+    assert spots[:, 2].min() > 3.5
+    assert spots[:, 1].mean() < 0.01

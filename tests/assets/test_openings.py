@@ -1,0 +1,61 @@
+import numpy as np
+import pytest
+
+from cityx.assets.materials import MATERIALS
+from cityx.assets.openings import DOORS, DRESSINGS, WINDOWS, door, window
+from cityx.assets.roof_furniture import REACH, ROOF_FURNITURE, roof_furniture
+from cityx.assets.shopfronts import FITTINGS, HEIGHT, SHOPFRONTS, WIDTH, fitting, shopfront
+from cityx.assets.trims import TRIMS, trim
+
+ALL = [
+    *(window(name, dressing) for name in WINDOWS for dressing in range(len(DRESSINGS))),
+    *map(door, DOORS),
+    *map(shopfront, SHOPFRONTS),
+    *map(fitting, FITTINGS),
+    *map(trim, TRIMS),
+    *map(roof_furniture, ROOF_FURNITURE),
+]
+
+
+@pytest.mark.parametrize("made", ALL, ids=lambda made: made.name)
+def test_prototype_is_modest_and_of_known_materials(made):
+    assert set(made.mesh.materials) <= set(MATERIALS)
+    assert 10 <= made.mesh.triangle_count <= 400
+    assert np.isfinite(made.mesh.vertices).all()
+
+
+@pytest.mark.parametrize("name", WINDOWS)
+def test_window_fills_the_opening_it_is_drawn_for(name):
+    _, width, height = WINDOWS[name]
+    points = window(name).mesh.vertices
+    assert points[:, 2].min() == pytest.approx(0.0, abs=1e-6)
+    assert points[:, 2].max() == pytest.approx(height, abs=0.02)
+    frame = 0.0 if name != "window_shuttered" else 0.53
+    assert np.ptp(points[:, 0]) == pytest.approx(width + 2 * frame, abs=0.02)
+
+
+@pytest.mark.parametrize("made", ALL, ids=lambda made: made.name)
+def test_nothing_on_a_wall_reaches_behind_it(made):
+    if made.kind == "roof_furniture":
+        return
+    assert made.mesh.vertices[:, 1].max() <= 1e-6
+
+
+def test_shopfronts_have_one_size():
+    for name in SHOPFRONTS:
+        points = shopfront(name).mesh.vertices
+        assert np.ptp(points[:, 0]) == pytest.approx(WIDTH, abs=0.02)
+        assert points[:, 2].max() == pytest.approx(HEIGHT, abs=0.02)
+
+
+def test_a_lit_window_differs_only_in_its_pane():
+    dark, lit = window("window_sash"), window("window_sash", lit=True)
+    assert "window_lit" in lit.mesh.materials
+    assert "window_lit" not in dark.mesh.materials
+    assert np.array_equal(dark.mesh.vertices, lit.mesh.vertices)
+
+
+def test_reach_holds_every_piece_of_roof_furniture():
+    for name, reach in REACH.items():
+        plan = roof_furniture(name).mesh.vertices[:, :2]
+        assert np.hypot(*plan.T).max() <= reach + 0.1

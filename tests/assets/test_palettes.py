@@ -1,0 +1,100 @@
+import numpy as np
+import pytest
+import shapely
+
+from cityx.assets.facade_styles import FACADE_STYLES
+from cityx.assets.materials import MATERIALS
+from cityx.assets.palettes import FACADES, REGIONS, STYLES, family_of, finishes_for, region_of
+from cityx.city import Layout, make_table
+from cityx.errors import UsageError
+
+COUNT = 60
+
+
+def row_of_houses(**columns):
+    boxes = shapely.box(np.arange(COUNT) * 8.0, 0, np.arange(COUNT) * 8.0 + 8.0, 12)
+    ids = np.arange(1, COUNT + 1, dtype=np.uint64) * 977
+    use = np.full(COUNT, "apartments")
+    buildings = make_table(
+        "buildings", boxes, id=ids, use=use, levels=[5] * COUNT, place=["urban"] * COUNT
+    )
+    unsaid = {"wall_color": [-1] * COUNT, "roof_color": [-1] * COUNT}
+    given = {"roof_shape": ["gabled"] * COUNT, **unsaid, **columns}
+    parts = make_table("parts", boxes, id=ids, building=ids, use=use, levels=[5] * COUNT, **given)
+    return Layout((0, 0, 480, 12), buildings, parts)
+
+
+@pytest.mark.parametrize(
+    ("style", "region"), [*((style, "") for style in STYLES), *(("", name) for name in REGIONS)]
+)
+def test_every_style_gives_known_materials_and_colours(style, region):
+    made = finishes_for(row_of_houses(), 3, style, region=region)
+    assert set(made.wall_material) <= set(MATERIALS)
+    assert set(made.roof_material) <= set(MATERIALS)
+    assert set(made.facade) <= set(FACADES)
+    for tint in (made.wall_tint, made.roof_tint, made.trim_tint, made.frame_tint, made.accent_tint):
+        assert tint.shape == (COUNT, 3)
+        assert tint.dtype == np.float32
+        assert ((tint >= 0) & (tint <= 1)).all()
+
+
+def test_neighbours_differ():
+    made = finishes_for(row_of_houses(), 3, "european")
+    same = np.abs(np.diff(made.wall_tint, axis=0)).max(axis=1) < 0.01
+    assert same.mean() < 0.05
+    assert len(set(made.facade)) >= 2
+
+
+def test_the_input_wins():
+    layout = row_of_houses(
+        wall_color=[0xFF0000] * COUNT, wall_material=["brick"] * COUNT,
+        roof_material=["slate"] * COUNT,
+    )  # fmt: skip
+    made = finishes_for(layout, 0, "european")
+    assert set(made.wall_material) == {"brick"}
+    assert set(made.roof_material) == {"slate"}
+    assert np.allclose(made.wall_tint, [1, 0, 0])
+
+
+def test_unknown_material_words_change_nothing():
+    layout = row_of_houses(wall_material=["unobtainium"] * COUNT)
+    plain = finishes_for(row_of_houses(), 0)
+    assert (finishes_for(layout, 0).wall_material == plain.wall_material).all()
+
+
+def test_unknown_style_names_the_nearest():
+    with pytest.raises(UsageError, match='"european"'):
+        family_of("europaen")
+
+
+def test_finishes_do_not_depend_on_the_other_buildings():
+    whole = finishes_for(row_of_houses(), 5)
+    layout = row_of_houses()
+    half = Layout(layout.extent, layout.buildings[:20].copy(), layout.parts[:20].copy())
+    some = finishes_for(half, 5)
+    assert np.array_equal(some.wall_tint, whole.wall_tint[:20])
+    assert np.array_equal(some.facade, whole.facade[:20])
+
+
+def test_an_empty_layout_has_no_finishes():
+    assert len(finishes_for(Layout((0, 0, 1, 1)), 0).wall_material) == 0
+
+
+def test_every_facade_style_is_described():
+    assert set(FACADES) == set(FACADE_STYLES)
+
+
+@pytest.mark.parametrize(
+    ("place", "region"),
+    [
+        ((51.51, -0.13), "british isles"),
+        ((52.47, 13.44), "northern/central europe"),
+        ((35.69, 139.78), "east asia"),
+        ((40.72, -73.98), "north america"),
+        ((1.28, 103.86), "south-east asia"),
+        ((41.4, 2.17), "mediterranean"),
+        ((-20.1, -44.2), "other"),
+    ],
+)
+def test_places_have_their_region(place, region):
+    assert region_of(*place) == region

@@ -1,0 +1,91 @@
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial import cKDTree
+
+from cityx.geometry.scatter import near_pairs, poisson_disk, poisson_in
+
+WHOLE = (-200.0, -200.0, 200.0, 200.0)
+
+
+def test_no_two_points_are_closer_than_the_radius():
+    points = poisson_disk(WHOLE, 4.0, seed=1, purpose="t")
+    assert cKDTree(points.xy).query(points.xy, k=2)[0][:, 1].min() >= 4.0
+
+
+def test_the_set_is_nearly_full():
+    points = poisson_disk(WHOLE, 4.0, seed=1, purpose="t")
+    assert 0.48 < len(points.id) * 16.0 / 160_000.0 < 0.60
+    grid = np.stack(np.meshgrid(*[np.linspace(-190, 190, 96)] * 2), -1).reshape(-1, 2)
+    gap, _ = cKDTree(points.xy).query(grid)
+    assert np.mean(gap > 6.0) < 0.01  # hardly a hole where another point would fit twice
+
+
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(st.floats(-190, 100), st.floats(-190, 100), st.floats(5, 90), st.floats(5, 90))
+def test_a_window_holds_exactly_the_points_of_the_whole(x, y, width, depth):
+    whole = poisson_disk(WHOLE, 4.0, seed=3, purpose="t")
+    part = poisson_disk((x, y, x + width, y + depth), 4.0, seed=3, purpose="t")
+    inside = (whole.xy >= [x, y]).all(axis=1) & (whole.xy < [x + width, y + depth]).all(axis=1)
+    assert np.array_equal(whole.xy[inside], part.xy)
+    assert np.array_equal(whole.id[inside], part.id)
+
+
+SHAPES = [shapely.Point(-90, 40).buffer(60), shapely.box(100, -150, 180, -20)]
+
+
+def test_points_in_polygons_keep_inside_and_apart():
+    points = poisson_in(SHAPES, 4.0, seed=3, purpose="t")
+    assert shapely.contains(shapely.union_all(SHAPES), shapely.points(points.xy)).all()
+    assert cKDTree(points.xy).query(points.xy, k=2)[0][:, 1].min() >= 4.0
+    area = shapely.area(SHAPES).sum()
+    assert 0.48 < len(points.id) * 16.0 / area < 0.65
+
+
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(st.floats(-150, 100), st.floats(-190, 50), st.floats(20, 150), st.floats(20, 150))
+def test_a_window_on_polygons_holds_exactly_the_points_of_the_whole(x, y, width, depth):
+    window = (x, y, x + width, y + depth)
+    whole = poisson_in(SHAPES, 4.0, seed=3, purpose="t")
+    part = poisson_in(SHAPES, 4.0, seed=3, purpose="t", bounds=window)
+    inside = (whole.xy >= window[:2]).all(axis=1) & (whole.xy < window[2:]).all(axis=1)
+    assert np.array_equal(whole.id[inside], part.id)
+
+
+def test_the_order_of_polygons_changes_nothing():
+    one = poisson_in(SHAPES, 4.0, seed=3, purpose="t")
+    assert np.array_equal(one.xy, poisson_in(SHAPES[::-1], 4.0, seed=3, purpose="t").xy)
+
+
+def test_seed_and_purpose_give_other_points():
+    one = poisson_disk(WHOLE, 8.0, seed=3, purpose="t")
+    for other in (poisson_disk(WHOLE, 8.0, seed=4, purpose="t"),
+                  poisson_disk(WHOLE, 8.0, seed=3, purpose="u")):  # fmt: skip
+        assert not np.isin(one.id, other.id).any()
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(st.integers(0, 10_000), st.integers(1, 120), st.floats(0.5, 30))
+def test_near_pairs_are_those_of_a_brute_force_search(seed, count, radius):
+    xy = np.random.default_rng(seed).uniform(-20, 20, (count, 2))
+    distance = np.linalg.norm(xy[:, None] - xy[None], axis=2)
+    expected = {(i, j) for i, j in np.argwhere(distance < radius).tolist() if i < j}
+    found = [tuple(sorted(pair)) for pair in near_pairs(xy, radius).tolist()]
+    assert set(found) == expected
+    assert len(found) == len(expected)
+
+
+def test_nothing_comes_of_no_polygon():
+    assert len(poisson_in([], 4.0, seed=0, purpose="t").id) == 0
+    assert len(poisson_in([shapely.Polygon()], 4.0, seed=0, purpose="t").id) == 0
+
+
+def test_a_square_kilometre_takes_little_time():
+    import time
+
+    start = time.process_time()
+    count = len(poisson_disk((0, 0, 1000, 1000), 3.0, seed=0, purpose="t").id)
+    assert count > 50_000
+    assert time.process_time() - start == pytest.approx(0, abs=6.0)  # 1 s here; a wide margin

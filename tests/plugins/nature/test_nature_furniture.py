@@ -1,0 +1,81 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cityx.city import Frame
+from cityx.plugins.nature.furniture import furniture
+
+
+@pytest.fixture(scope="module")
+def placed(crossroads):
+    return furniture(crossroads)
+
+
+def named(city, prefix):
+    rows = city.scene.instances["street_furniture"]
+    names = np.array([city.scene.prototypes[i].name for i in rows.prototype])
+    pick = np.char.startswith(names, prefix)
+    return rows.position[pick], rows.rotation[pick, 2]
+
+
+def facing(yaw):
+    return np.column_stack([np.sin(yaw), -np.cos(yaw)])
+
+
+def test_nothing_stands_on_a_carriageway(placed):
+    xy = placed.scene.instances["street_furniture"].position[:, :2]
+    assert (np.abs(xy).min(axis=1) > 5.3).all()
+
+
+def test_a_bench_turns_to_the_road(placed):
+    position, yaw = named(placed, "bench")
+    assert len(position) == 1
+    assert facing(yaw)[0] == pytest.approx([0.0, 1.0], abs=1e-6)
+
+
+def test_lamps_stand_behind_the_kerb_and_lean_to_the_road(placed):
+    position, yaw = named(placed, "street_lamp")
+    kerbside = np.abs(np.abs(position[:, :2]).min(axis=1) - 5.6) < 1e-6
+    assert kerbside.sum() >= 20
+    inward = facing(yaw)[kerbside]
+    near = position[kerbside, :2].copy()
+    far = np.abs(near).argmax(axis=1)
+    near[np.arange(len(near)), far] = 0.0
+    assert (np.sum(inward * near, axis=1) < -5.0).all()
+
+
+def test_no_lamps_are_invented_where_the_map_has_them(crossroads):
+    points = crossroads.layout.points
+    lit = replace(crossroads, layout=replace(crossroads.layout,
+                  points=points.assign(kind="street_lamp")))  # fmt: skip
+    assert len(named(furniture(lit), "street_lamp")[0]) <= len(points)
+
+
+@pytest.mark.parametrize(("frame", "side"), [(Frame(52.5, 13.4), 1.0), (Frame(51.5, -0.1), -1.0)])
+def test_signals_stand_on_the_driving_side_and_face_the_traffic(crossroads, frame, side):
+    position, yaw = named(furniture(replace(crossroads, frame=frame)), "traffic_signal")
+    assert len(position) == 4
+    for xy, look in zip(position[:, :2], facing(yaw), strict=True):
+        travel = -look
+        right = np.array([travel[1], -travel[0]])
+        assert xy @ right * side > 5.0  # kerb of the side one drives on
+        assert xy @ look > 0  # before the junction
+
+
+def test_a_hydrant_on_the_carriageway_moves_to_the_kerb(placed):
+    position, _ = named(placed, "fire_hydrant")
+    assert position[0, :2] == pytest.approx([-30.0, -5.36], abs=0.02)
+
+
+def test_the_order_of_rows_changes_nothing(placed, shuffled):
+    a = placed.scene.instances["street_furniture"]
+    b = furniture(shuffled).scene.instances["street_furniture"]
+    for name in ("object_id", "position", "rotation", "prototype"):
+        assert np.array_equal(getattr(a, name), getattr(b, name))
+
+
+def test_a_city_without_roads_gets_its_mapped_things(crossroads):
+    layout = crossroads.layout
+    bare = replace(crossroads, network=None, layout=replace(layout, roads=layout.roads.iloc[:0]))
+    assert len(named(furniture(bare), "bench")[0]) == 1

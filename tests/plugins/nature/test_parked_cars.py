@@ -1,0 +1,74 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+from cityx.city import Frame, Terrain
+from cityx.plugins.road.parked_cars import parked_cars
+
+
+@pytest.fixture(scope="module")
+def parked(crossroads):
+    return parked_cars(crossroads)
+
+
+def kerbside(city):
+    rows = city.scene.instances["vehicles"]
+    xy = rows.position[:, :2]
+    pick = np.abs(xy).min(axis=1) < 6.0
+    return xy[pick], rows.rotation[pick]
+
+
+def test_cars_stand_a_metre_from_the_kerb_and_six_from_the_junction(parked):
+    xy, _ = kerbside(parked)
+    assert len(xy) > 50
+    assert np.abs(np.abs(xy).min(axis=1) - 4.0).max() < 0.15
+    assert np.abs(xy).max(axis=1).min() > 9.0 + 6.0 - 0.5
+
+
+@pytest.mark.parametrize(("frame", "side"), [(Frame(52.5, 13.4), 1.0), (Frame(-33.9, 151.2), -1.0)])
+def test_cars_face_the_way_their_side_drives(crossroads, frame, side):
+    xy, turn = kerbside(parked_cars(replace(crossroads, frame=frame)))
+    ahead = np.column_stack([np.sin(turn[:, 2]), -np.cos(turn[:, 2])])
+    right = np.column_stack([ahead[:, 1], -ahead[:, 0]])
+    assert (np.sum(xy * right, axis=1) * side > 1.5).all()
+
+
+def test_no_two_cars_overlap(parked):
+    from scipy.spatial import cKDTree
+
+    xy = parked.scene.instances["vehicles"].position[:, :2]
+    assert cKDTree(xy).query(xy, k=2)[0][:, 1].min() > 2.2
+
+
+def test_a_car_park_is_about_half_full_and_keeps_its_cars(parked):
+    xy = parked.scene.instances["vehicles"].position[:, :2]
+    lot = shapely.box(20, -90, 90, -40)
+    inside = shapely.contains(lot, shapely.points(xy))
+    assert 40 < inside.sum() < 160
+    assert (inside | (np.abs(xy).min(axis=1) < 6.0)).all()
+
+
+def test_a_car_on_a_slope_leans_with_it(crossroads):
+    slope = Terrain((-100.0, -100.0), 200.0, np.array([[0.0, 20.0], [0.0, 20.0]]))  # 10 % to east
+    xy, turn = kerbside(parked_cars(replace(crossroads, terrain=slope), lots=0.0))
+    east = np.abs(xy[:, 1]) < 5
+    pitch, roll, yaw = turn.T
+    uphill = np.sin(yaw) > 0.9  # front -y faces east, so the nose goes up: a negative turn about x
+    assert pitch[east & uphill] == pytest.approx(-np.arctan(0.1), abs=2e-3)
+    downhill = np.sin(yaw) < -0.9
+    assert pitch[east & downhill] == pytest.approx(np.arctan(0.1), abs=2e-3)
+    assert np.abs(roll[east]).max() < 5e-3
+
+
+def test_a_bridge_has_no_parked_cars(crossroads):
+    roads = crossroads.layout.roads.assign(bridge=True)
+    city = replace(crossroads, layout=replace(crossroads.layout, roads=roads))
+    assert len(kerbside(parked_cars(city))[0]) == 0
+
+
+def test_occupancy_none_means_no_cars(crossroads):
+    assert "vehicles" not in parked_cars(crossroads, occupancy=0.0, lots=0.0).scene.instances or (
+        parked_cars(crossroads, occupancy=0.0, lots=0.0).scene.instances["vehicles"].count == 0
+    )
