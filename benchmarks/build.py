@@ -72,11 +72,11 @@ def row_of(path: Path, lod: int, reports: list[dict[str, Any]]) -> dict[str, Any
         )
 
     report = reports[0]
-    other = {"parse", "store", "glb", "check", "blend_setup", "blend_save"}
-    actions = [step for step in report["cpu_s"] if step not in other]
+    other = ("parse", "store", "glb", "check", "blender")
+    actions = [step for step in report["cpu_s"] if not step.startswith(other)]
     buildings = max(report["counts"]["buildings"], 1)
     parse, generate = median("parse"), median(*actions)
-    mesh, save = median("store", "blend_setup"), median("blend_save")
+    mesh, save = median("store", "blender read", "blender setup"), median("blender save")
     total = parse + generate + mesh + save
     size = uncompressed_mb(path)
     return {

@@ -93,7 +93,6 @@ def read_inputs(
     InputError, UsageError
         If a file cannot be used or the files do not make a city together.
     """
-    from cityx.sources.height_field import read_height
     from cityx.sources.osm import read_osm
 
     inputs = [classify(path) for path in paths]
@@ -112,6 +111,8 @@ def read_inputs(
         with watch.step("crop"):
             city = _cropped(city, options)
     if heights:
+        from cityx.sources.height_field import read_height
+
         with watch.step("terrain"):
             terrain = read_height(heights[0].path, city.frame, city.layout.extent)
             stages = city.stages_done | {"terrain"}

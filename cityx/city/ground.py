@@ -63,6 +63,7 @@ SURFACES: tuple[Surface, ...] = (
     Surface("junction", 72, 0.0, "asphalt", "concrete"),
     Surface("marking", 80, 0.0, "marking_white", "concrete"),
     Surface("tramway", 78, 0.0, "rail_steel", "concrete"),
+    Surface("rail", 36, KERB_HEIGHT + 0.14, "rail_steel", "rail_steel"),  # head above the ballast
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
 

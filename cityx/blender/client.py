@@ -1,0 +1,289 @@
+"""Blender as its caller sees it: a job goes out, files and a record come back.
+
+Blender runs in a process of its own: a crash or a hang of the engine cannot take the city along,
+its memory is given back, and nothing but that process ever imports ``bpy``.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import IO, Any
+
+from cityx.city.camera import Camera
+from cityx.city.environment import Environment
+from cityx.errors import EngineError, MissingDependency
+
+PROGRESS = "@cityx "
+LOG_LINES = 15  # of the engine's own words, shown when it fails
+DEFAULT_SAMPLES = 48
+
+# Shared libraries that Blender needs and small systems lack: file name -> Debian, Fedora package.
+LIBRARIES: Mapping[str, tuple[str, str]] = {
+    "libX11": ("libx11-6", "libX11"),
+    "libXrender": ("libxrender1", "libXrender"),
+    "libXxf86vm": ("libxxf86vm1", "libXxf86vm"),
+    "libXfixes": ("libxfixes3", "libXfixes"),
+    "libXi": ("libxi6", "libXi"),
+    "libXext": ("libxext6", "libXext"),
+    "libXcursor": ("libxcursor1", "libXcursor"),
+    "libXinerama": ("libxinerama1", "libXinerama"),
+    "libXrandr": ("libxrandr2", "libXrandr"),
+    "libxkbcommon": ("libxkbcommon0", "libxkbcommon"),
+    "libSM": ("libsm6", "libSM"),
+    "libICE": ("libice6", "libICE"),
+    "libGL": ("libgl1", "libglvnd-glx"),
+    "libEGL": ("libegl1", "libglvnd-egl"),
+    "libOpenGL": ("libopengl0", "libglvnd-opengl"),
+    "libGLX": ("libglx0", "libglvnd-glx"),
+    "libgomp": ("libgomp1", "libgomp"),
+    "libasound": ("libasound2", "alsa-lib"),
+    "libwayland-client": ("libwayland-client0", "libwayland-client"),
+    "libdecor-0": ("libdecor-0-0", "libdecor"),
+    "libdbus-1": ("libdbus-1-3", "dbus-libs"),
+}
+
+
+@dataclass(frozen=True)
+class RenderRequest:
+    """One picture to render.
+
+    Attributes
+    ----------
+    camera
+        Where from, and how many pixels.
+    path
+        PNG file to write.
+    samples
+        Samples per pixel, at most; fewer where the picture is clean earlier.
+    """
+
+    camera: Camera
+    path: Path
+    samples: int = DEFAULT_SAMPLES
+
+
+@dataclass(frozen=True)
+class BlenderJob:
+    """What a Blender process is to do with a stored city.
+
+    Attributes
+    ----------
+    store
+        Folder of the stored city.
+    blend
+        .blend file to save, or None.
+    renders
+        Pictures to render, one after the other.
+    environment
+        Light and weather instead of the city's own, or None.
+    objects
+        Whether every building is an object; None decides by their number.
+    gpu
+        Whether a GPU is used when there is one.
+    """
+
+    store: Path
+    blend: Path | None = None
+    renders: tuple[RenderRequest, ...] = ()
+    environment: Environment | None = None
+    objects: bool | None = None
+    gpu: bool = True
+
+
+@dataclass(frozen=True)
+class BlenderResult:
+    """What a Blender process did.
+
+    Attributes
+    ----------
+    files
+        Files written, in order.
+    timings
+        Step ("import", "read", "setup", "save", "render NAME") to "wall_s" and "cpu_s".
+    peak_rss_mb
+        Peak resident memory of the process.
+    device
+        "CPU" or the kind of GPU that rendered.
+    objects
+        Objects in the scene.
+    version
+        Of Blender.
+    """
+
+    files: tuple[Path, ...]
+    timings: Mapping[str, Mapping[str, float]]
+    peak_rss_mb: float
+    device: str
+    objects: int
+    version: str
+    blend_mb: float = 0.0
+
+
+@dataclass
+class _Log:
+    """The last lines of the engine; mutable because a thread fills it."""
+
+    lines: deque[str] = field(default_factory=lambda: deque(maxlen=LOG_LINES))
+
+    def text(self) -> str:
+        return "\n".join(self.lines)
+
+
+def run_worker(
+    job: BlenderJob,
+    *,
+    timeout_s: float = 3600.0,
+    progress: Callable[[float, str], None] | None = None,
+) -> BlenderResult:
+    """Run a job in a Blender process and wait for it.
+
+    Parameters
+    ----------
+    job
+        What to do.
+    timeout_s
+        Seconds after which the process is killed.
+    progress
+        Called with the share done, 0 to 1, and a few words.
+
+    Raises
+    ------
+    MissingDependency
+        If Blender's module or a shared library it needs is absent; names the packages.
+    EngineError
+        If the process failed, crashed or took too long.
+    """
+    with tempfile.TemporaryDirectory(prefix="cityx-blender-") as folder:
+        request, answer = Path(folder) / "job.json", Path(folder) / "result.json"
+        request.write_text(json.dumps(_record(job, answer)))
+        code, log = _run(request, timeout_s, progress)
+        result = json.loads(answer.read_text()) if answer.exists() else {}
+    if "missing" in result:
+        raise MissingDependency(explain_missing(result["missing"]))
+    if "error" in result:
+        raise EngineError(f"Blender could not finish the job: {result['error']}")
+    if code or not result:
+        fate = f"was ended by signal {-code}" if code < 0 else f"ended with status {code}"
+        raise EngineError(f"the Blender process {fate}. Its last words:\n{log.text()}")
+    return BlenderResult(
+        tuple(map(Path, result["files"])),
+        result["timings"],
+        result["peak_rss_mb"],
+        result["device"],
+        result["objects"],
+        result["blender"],
+        result.get("blend_mb", 0.0),
+    )
+
+
+def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
+    renders = [
+        {"camera": asdict(r.camera), "path": str(r.path.resolve()), "samples": int(r.samples)}
+        for r in job.renders
+    ]
+    return {
+        "store": str(job.store.resolve()),
+        "blend": None if job.blend is None else str(job.blend.resolve()),
+        "renders": renders,
+        "samples": max((r.samples for r in job.renders), default=DEFAULT_SAMPLES),
+        "environment": None if job.environment is None else asdict(job.environment),
+        "objects": job.objects,
+        "gpu": job.gpu,
+        "result": str(answer),
+    }
+
+
+def _run(
+    request: Path, timeout_s: float, progress: Callable[[float, str], None] | None
+) -> tuple[int, _Log]:
+    """Start the process, follow its words, return its exit code and last lines."""
+    # Idle threads that spin would take the cores from the ones that work.
+    environment = {**os.environ, "OMP_WAIT_POLICY": "PASSIVE", "PYTHONUNBUFFERED": "1"}
+    process = subprocess.Popen(
+        [sys.executable, "-m", "cityx.blender.worker", str(request)],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        env=environment,
+        start_new_session=True,
+    )
+    log = _Log()
+    assert process.stdout is not None
+    reader = threading.Thread(target=_follow, args=(process.stdout, log, progress), daemon=True)
+    reader.start()
+    try:
+        process.wait(timeout_s)
+    except subprocess.TimeoutExpired as error:
+        raise EngineError(
+            f"Blender was stopped after {timeout_s:g} s. Its last words:\n{log.text()}"
+        ) from error
+    finally:
+        _kill(process)
+        reader.join(5.0)
+        process.stdout.close()
+    return process.returncode, log
+
+
+def _kill(process: subprocess.Popen[str]) -> None:
+    """Make sure that neither the process nor a child of it stays behind."""
+    if process.poll() is None:
+        if hasattr(os, "killpg"):
+            os.killpg(process.pid, signal.SIGKILL)
+        else:
+            process.kill()
+        process.wait()
+
+
+def _follow(stream: IO[str], log: _Log, progress: Callable[[float, str], None] | None) -> None:
+    """Pass progress on and keep the rest."""
+    for line in stream:
+        if not line.startswith(PROGRESS):
+            if line.strip():
+                log.lines.append(line.rstrip())
+        elif progress is not None:
+            share, text = json.loads(line.removeprefix(PROGRESS))
+            progress(share, text)
+
+
+def explain_missing(message: str) -> str:
+    """Turn an ImportError of Blender's module into advice.
+
+    Parameters
+    ----------
+    message
+        Such as ``libSM.so.6: cannot open shared object file: No such file or directory``.
+    """
+    found = re.search(r"(lib[\w.+-]+?)\.so", message)
+    if found is None:
+        return (
+            f"Blender's Python module cannot be loaded ({message}). "
+            'Install it with: pip install "bpy>=4.5.15,<4.6"'
+        )
+    library = found.group(1)
+    packages = LIBRARIES.get(library)
+    own = (
+        f"It is in the package {packages[0]} (Debian, Ubuntu) or {packages[1]} (Fedora). "
+        if packages
+        else ""
+    )
+    names = ("libX11", "libXrender", "libXxf86vm", "libXfixes", "libXi", "libxkbcommon", "libSM",
+             "libICE", "libGL", "libEGL")  # fmt: skip
+    debian = " ".join(LIBRARIES[name][0] for name in names)
+    fedora = " ".join(dict.fromkeys(LIBRARIES[name][1] for name in names))
+    return (
+        f"Blender needs the system library {library}, which is not installed. {own}"
+        f"All it needs: apt-get install {debian} (Debian, Ubuntu) or dnf install {fedora} (Fedora)."
+    )

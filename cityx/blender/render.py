@@ -1,0 +1,133 @@
+"""Pictures of a Blender scene with Cycles."""
+
+from __future__ import annotations
+
+import os
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from cityx.blender.operators import call
+from cityx.city.camera import Camera
+
+MAX_BOUNCES = 4
+ADAPTIVE_THRESHOLD = 0.1  # noise that the denoiser removes without a trace
+CLIP = (0.1, 100_000.0)  # metres
+# Tried in this order; the first kind with a device wins.
+GPU_KINDS = ("OPTIX", "CUDA", "HIP", "METAL", "ONEAPI")
+
+
+def add_camera(scene: bpy.types.Scene, camera: Camera) -> bpy.types.Object:
+    """Make a camera and make it the scene's."""
+    data = bpy.data.cameras.new(camera.name)
+    data.sensor_fit = "HORIZONTAL"
+    data.angle = camera.hfov
+    data.clip_start, data.clip_end = CLIP
+    item = bpy.data.objects.new(camera.name, data)
+    item.location = camera.position
+    # Blender's camera looks down (-z) with +y up; tilt to the horizon, then turn clockwise.
+    item.rotation_euler = (pi / 2 + camera.pitch, 0.0, -camera.heading)
+    item["width"], item["height"] = camera.width, camera.height
+    held = scene.collection.children.get("Cameras")
+    if held is None:
+        held = bpy.data.collections.new("Cameras")
+        scene.collection.children.link(held)
+    held.objects.link(item)
+    scene.camera = item
+    return item
+
+
+def core_count() -> int:
+    """Cores this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # macOS and Windows
+        return os.cpu_count() or 1
+
+
+def set_up(
+    scene: bpy.types.Scene, *, samples: int, gpu: bool = True, lamps: bool = False
+) -> str:
+    """Choose engine, quality and device.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    samples
+        Samples per pixel, at most.
+    gpu
+        Whether a GPU is used when there is one.
+    lamps
+        Whether lamps are on.
+
+    Returns
+    -------
+    device
+        "CPU" or the kind of GPU in use.
+    """
+    scene.render.engine = "CYCLES"
+    scene.render.threads_mode = "FIXED"
+    scene.render.threads = min(core_count(), 1024)
+    scene.render.use_persistent_data = False  # with it, later samples were silently left out
+    scene.render.image_settings.file_format = "PNG"
+    scene.render.image_settings.color_mode = "RGB"
+    scene.render.image_settings.compression = 15
+    scene.render.dither_intensity = 1.0
+    scene.render.film_transparent = False
+    cycles: Any = scene.cycles
+    cycles.samples = samples
+    cycles.use_adaptive_sampling = True
+    cycles.adaptive_threshold = ADAPTIVE_THRESHOLD
+    cycles.use_denoising = True
+    cycles.denoiser = "OPENIMAGEDENOISE"
+    cycles.denoising_quality = "BALANCED"
+    cycles.denoising_prefilter = "FAST"
+    cycles.max_bounces = MAX_BOUNCES
+    cycles.diffuse_bounces = 3
+    cycles.glossy_bounces = 3
+    cycles.transparent_max_bounces = 8
+    cycles.caustics_reflective = cycles.caustics_refractive = False
+    cycles.blur_glossy = 1.0
+    cycles.sample_clamp_indirect = 8.0
+    cycles.seed = 0
+    cycles.use_light_tree = lamps  # by day sun and sky are the only lights: an eighth saved
+    device = _gpu() if gpu else "CPU"
+    cycles.device = "CPU" if device == "CPU" else "GPU"
+    return device
+
+
+def _gpu() -> str:
+    """Switch on the first kind of GPU that has a device; "CPU" when there is none."""
+    addon = bpy.context.preferences.addons.get("cycles")
+    if addon is None:
+        return "CPU"
+    preferences: Any = addon.preferences
+    for kind in GPU_KINDS:
+        try:
+            preferences.compute_device_type = kind
+            preferences.refresh_devices()
+        except (TypeError, RuntimeError):  # this build or this driver does not know the kind
+            continue
+        devices = [device for device in preferences.devices if device.type == kind]
+        if devices:
+            for device in preferences.devices:
+                device.use = device.type == kind
+            return kind
+    return "CPU"
+
+
+def render_picture(scene: bpy.types.Scene, camera: bpy.types.Object, path: Path) -> None:
+    """Render one picture to a PNG file that appears when it is complete."""
+    scene.camera = camera
+    scene.render.resolution_x = int(camera["width"])
+    scene.render.resolution_y = int(camera["height"])
+    scene.render.resolution_percentage = 100
+    temporary = path.with_name(f".{path.stem}.partial.png")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    scene.render.filepath = str(temporary)
+    scene.render.use_file_extension = False
+    call("render.render", write_still=True)
+    temporary.replace(path)

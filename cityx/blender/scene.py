@@ -1,0 +1,334 @@
+"""The city as a Blender scene: shells as objects, everything else as instances on points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.blender.materials import MaterialLibrary
+from cityx.city.mesh import NO_VERTEX, MeshBatch
+from cityx.city.scene import Instances, Scene
+from cityx.geometry.identity import id_text, uniform
+
+if TYPE_CHECKING:
+    from cityx.city.store import View
+
+MAX_OBJECTS = 20_000  # Blender's own bookkeeping grows faster than the count beyond this
+TILE = 500.0  # metres; a tile's own origin keeps float32 vertices exact to 0.03 mm
+LOW_32 = np.uint64(0xFFFFFFFF)
+OBJECT_LAYERS = frozenset({"buildings"})  # layers whose things a user wants to pick one by one
+# Kinds of prototype whose glass has a room behind it, so that it may be lit at night.
+ROOM_KINDS = frozenset({"window", "door", "shopfront"})
+
+
+def title(layer: str) -> str:
+    """Return the name of a layer's collection: ``street_furniture`` -> ``Street furniture``."""
+    return layer.replace("_", " ").capitalize()
+
+
+def build_scene(view: View, *, objects: bool | None = None) -> bpy.types.Scene:
+    """Fill the empty main file with the city.
+
+    Parameters
+    ----------
+    view
+        The city, read for engines.
+    objects
+        Whether each building becomes an object of its own; by default up to 20,000 buildings at
+        level of detail 1 and above. Otherwise buildings are merged per tile and the faces carry
+        the ids (integer attributes ``id_low`` and ``id_high``).
+
+    Returns
+    -------
+    scene
+        The scene, without cameras and light.
+    """
+    scene = bpy.context.scene
+    library = MaterialLibrary(view.environment, textured=view.lod > 0)
+    for layer, batch in view.scene.meshes.items():
+        if not batch.count:
+            continue
+        own = layer in OBJECT_LAYERS and batch.count <= MAX_OBJECTS and view.lod > 0
+        if objects is not None and layer in OBJECT_LAYERS:
+            own = objects
+        collection = _collection(title(layer), scene.collection)
+        made = (
+            _separate(layer, batch, view.objects, library) if own else _tiles(layer, batch, library)
+        )
+        _link(collection, made)
+    _instance_layers(view.scene, view.seed, library, scene)
+    _describe(scene, view)
+    return scene
+
+
+def _collection(name: str, parent: bpy.types.Collection) -> bpy.types.Collection:
+    collection = bpy.data.collections.new(name)
+    parent.children.link(collection)
+    return collection
+
+
+def _link(collection: bpy.types.Collection, objects: Iterator[bpy.types.Object]) -> None:
+    link = collection.objects.link
+    for item in objects:
+        link(item)
+
+
+def _describe(scene: bpy.types.Scene, view: View) -> None:
+    scene.name = view.name or "City"
+    scene["cityx_name"] = view.name
+    scene["cityx_projection"] = view.frame.projection
+    scene["cityx_latitude"] = view.frame.latitude
+    scene["cityx_longitude"] = view.frame.longitude
+    scene["cityx_attribution"] = "\n".join(view.attribution)
+    scene.unit_settings.system = "METRIC"
+
+
+# --- shells ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Corners:
+    """The faces of a batch as Blender wants them: one flat list of corners."""
+
+    vertex: NDArray[np.int32]  # (c,) into the batch's vertices
+    uv: NDArray[np.float32]  # (c, 2)
+    start: NDArray[np.int64]  # (f + 1,) first corner of each face
+
+
+def _corners(batch: MeshBatch) -> _Corners:
+    used = batch.faces != NO_VERTEX  # (f, 4)
+    start = np.concatenate([[0], np.cumsum(used.sum(axis=1))])
+    return _Corners(batch.faces[used], np.ascontiguousarray(batch.uv[used]), start)
+
+
+def _encoded(tint: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Encode linear (n, 3) colours for byte storage (sRGB curve), with alpha 1, (n, 4)."""
+    linear = np.clip(tint, 0.0, 1.0)
+    curve = np.where(
+        linear <= 0.0031308, linear * 12.92, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055
+    )
+    return np.column_stack([curve, np.ones(len(curve))]).astype(np.float32)
+
+
+class _Uploader:
+    """Cuts meshes out of one batch and hands them to Blender.
+
+    A class because the flattened arrays of the whole batch are shared by thousands of small meshes.
+    """
+
+    def __init__(self, batch: MeshBatch, library: MaterialLibrary, suffix: str = "") -> None:
+        corners = _corners(batch)
+        self.vertex, self.uv, self.corner_start = corners.vertex, corners.uv, corners.start
+        self.points = batch.vertices
+        self.material = batch.material.astype(np.int32)
+        sides = np.diff(corners.start)
+        self.tint = np.repeat(_encoded(batch.tint), sides, axis=0)  # (c, 4)
+        self.materials = [library.get(name, suffix) for name in batch.materials]
+
+    def mesh(self, name: str, vertices: slice, faces: slice, origin: Any) -> bpy.types.Mesh:
+        """Make the mesh of consecutive vertices and faces, about its own origin."""
+        mesh = bpy.data.meshes.new(name)
+        first, last = int(self.corner_start[faces.start]), int(self.corner_start[faces.stop])
+        points = (self.points[vertices] - origin).astype(np.float32)
+        mesh.vertices.add(len(points))
+        mesh.attributes["position"].data.foreach_set("vector", points.ravel())
+        mesh.loops.add(last - first)
+        mesh.loops.foreach_set("vertex_index", self.vertex[first:last] - np.int32(vertices.start))
+        mesh.polygons.add(faces.stop - faces.start)
+        starts = self.corner_start[faces.start : faces.stop] - first
+        mesh.polygons.foreach_set("loop_start", starts.astype(np.int32))
+        material = self.material[faces]
+        used = np.flatnonzero(np.bincount(material, minlength=1))
+        for index in used.tolist():
+            mesh.materials.append(self.materials[index])
+        if len(used) > 1:
+            local = np.searchsorted(used, material).astype(np.int32)
+            mesh.polygons.foreach_set("material_index", local)
+        layer = mesh.attributes.new("UVMap", "FLOAT2", "CORNER")
+        layer.data.foreach_set("vector", self.uv[first:last].ravel())
+        color = mesh.attributes.new("tint", "BYTE_COLOR", "CORNER")
+        color.data.foreach_set("color_srgb", self.tint[first:last].ravel())
+        flat = mesh.attributes.new("sharp_face", "BOOLEAN", "FACE")
+        flat.data.foreach_set("value", np.ones(faces.stop - faces.start, bool))
+        mesh.update(calc_edges=True)
+        return mesh
+
+
+def _separate(
+    layer: str,
+    batch: MeshBatch,
+    known: Mapping[int, Mapping[str, str]],
+    library: MaterialLibrary,
+) -> Iterator[bpy.types.Object]:
+    """One object per thing, its origin at the middle of its foot, named by its id."""
+    upload = _Uploader(batch, library)
+    filled = np.flatnonzero(np.diff(batch.vertex_start) > 0)
+    begin = batch.vertex_start[:-1][filled]
+    low = np.minimum.reduceat(batch.vertices, begin) if len(filled) else np.zeros((0, 3))
+    high = np.maximum.reduceat(batch.vertices, begin) if len(filled) else np.zeros((0, 3))
+    origins = np.round(np.column_stack([(low + high)[:, :2] / 2, low[:, 2]]), 3)
+    origins = origins.astype(np.float32).astype(float)  # as Blender keeps it
+    kind = layer.removesuffix("s")
+    vertex_start, face_start = batch.vertex_start.tolist(), batch.face_start.tolist()
+    ids = batch.object_id[filled].tolist()
+    # Blender walks through all objects whenever a mesh gets a material: meshes come first.
+    meshes = [
+        upload.mesh(
+            f"{kind}_{id_text(object_id)}",
+            slice(vertex_start[index], vertex_start[index + 1]),
+            slice(face_start[index], face_start[index + 1]),
+            origin,
+        )
+        for index, object_id, origin in zip(filled.tolist(), ids, origins, strict=True)
+    ]
+    make = bpy.data.objects.new
+    for object_id, origin, mesh in zip(ids, origins.tolist(), meshes, strict=True):
+        item = make(mesh.name, mesh)
+        item.location = origin
+        item["cityx_id"] = id_text(object_id)
+        for key, value in known.get(object_id, {"kind": kind}).items():
+            if value:
+                item[key] = value
+        yield item
+
+
+def _tiles(layer: str, batch: MeshBatch, library: MaterialLibrary) -> Iterator[bpy.types.Object]:
+    """Objects merged per tile; faces keep the id of the thing they belong to."""
+    filled = np.flatnonzero(np.diff(batch.vertex_start) > 0)
+    if not len(filled):
+        return
+    begin = batch.vertex_start[:-1][filled]
+    middle = np.minimum.reduceat(batch.vertices, begin) / 2
+    middle += np.maximum.reduceat(batch.vertices, begin) / 2
+    cell = np.floor(middle[:, :2] / TILE).astype(np.int64)  # (k, 2)
+    cells, which = np.unique(cell, axis=0, return_inverse=True)
+    order = np.argsort(which, kind="stable")
+    sorted_batch = batch.take(filled[order])
+    upload = _Uploader(sorted_batch, library)
+    bounds = np.searchsorted(which[order], np.arange(len(cells) + 1))
+    made = []
+    for (i, j), first, last in zip(cells.tolist(), bounds[:-1], bounds[1:], strict=True):
+        name = f"{layer}_{i}_{j}" if len(cells) > 1 else layer
+        vertices = slice(*sorted_batch.vertex_start[[first, last]].tolist())
+        faces = slice(*sorted_batch.face_start[[first, last]].tolist())
+        origin = np.array([i * TILE, j * TILE, 0.0])
+        mesh = upload.mesh(name, vertices, faces, origin)
+        ids = sorted_batch.object_id[first:last]
+        sizes = np.diff(sorted_batch.face_start[first : last + 1])
+        _store_ids(mesh, "id", np.repeat(ids, sizes), "FACE")
+        made.append((mesh, origin, ids))
+    for mesh, origin, ids in made:
+        item = bpy.data.objects.new(mesh.name, mesh)
+        item.location = origin
+        if layer in OBJECT_LAYERS:
+            item["cityx_ids"] = "\n".join(map(id_text, ids.tolist()))
+        yield item
+
+
+def _store_ids(mesh: bpy.types.Mesh, name: str, ids: NDArray[np.uint64], domain: str) -> None:
+    """Store 64-bit ids as two integer attributes, ``<name>_low`` and ``<name>_high``."""
+    for suffix, half in (("low", ids & LOW_32), ("high", ids >> np.uint64(32))):
+        attribute = mesh.attributes.new(f"{name}_{suffix}", "INT", domain)
+        attribute.data.foreach_set("value", half.astype(np.uint32).view(np.int32))
+
+
+# --- instances ------------------------------------------------------------------------------------
+
+
+def _instance_layers(
+    held: Scene, seed: int, library: MaterialLibrary, scene: bpy.types.Scene
+) -> None:
+    layers = {layer: rows for layer, rows in held.instances.items() if rows.count}
+    if not layers:
+        return
+    store = _collection("Prototypes", scene.collection)
+    group = _instancer()
+    shared: dict[int, bpy.types.Object] = {}
+    for layer, rows in layers.items():
+        used, local = np.unique(rows.prototype, return_inverse=True)
+        sources = _collection(f"Prototypes {layer}", store)
+        for index in used.tolist():
+            if index not in shared:
+                shared[index] = _prototype(held, index, library)
+            sources.objects.link(shared[index])
+        points = bpy.data.objects.new(layer, _points(layer, rows, local, seed))
+        modifier = points.modifiers.new("Instances", "NODES")
+        modifier.node_group = group
+        modifier["Socket_2"] = sources
+        _collection(title(layer), scene.collection).objects.link(points)
+    # Excluded from the view layer: saved, editable, and shown only through their instances.
+    bpy.context.view_layer.layer_collection.children["Prototypes"].exclude = True
+
+
+def _prototype(held: Scene, index: int, library: MaterialLibrary) -> bpy.types.Object:
+    """Make one prototype; the number in its name keeps Blender's alphabetical order ours."""
+    prototype = held.prototypes[index]
+    variant = "room" if prototype.kind in ROOM_KINDS else "instance"
+    name = f"{index:04d}_{prototype.name}"
+    mesh = prototype.mesh
+    upload = _Uploader(mesh, library, variant)
+    made = upload.mesh(name, slice(0, len(mesh.vertices)), slice(0, len(mesh.faces)), 0.0)
+    item = bpy.data.objects.new(name, made)
+    item["kind"] = prototype.kind
+    return item
+
+
+def _points(layer: str, rows: Instances, local: Any, seed: int) -> bpy.types.Mesh:
+    """Make the mesh of points that carries the rows of one layer as attributes."""
+    mesh = bpy.data.meshes.new(layer)
+    mesh.vertices.add(rows.count)
+    mesh.attributes["position"].data.foreach_set("vector", rows.position.astype("f4").ravel())
+    vectors = {"rotation": rows.rotation, "scale": rows.scale, "tint": rows.tint}
+    for name, values in vectors.items():
+        attribute = mesh.attributes.new(name, "FLOAT_VECTOR", "POINT")
+        attribute.data.foreach_set("vector", values.astype(np.float32).ravel())
+    attribute = mesh.attributes.new("prototype", "INT", "POINT")
+    attribute.data.foreach_set("value", local.astype(np.int32).ravel())
+    attribute = mesh.attributes.new("seed", "FLOAT", "POINT")
+    draws = uniform(seed, "blender/instance", rows.object_id)
+    attribute.data.foreach_set("value", draws.astype(np.float32))
+    _store_ids(mesh, "id", rows.object_id, "POINT")
+    if rows.owner.any():
+        _store_ids(mesh, "owner", rows.owner, "POINT")
+    return mesh
+
+
+def _instancer() -> bpy.types.NodeTree:
+    """Make the node group that puts a collection's objects on points by their attributes."""
+    group = bpy.data.node_groups.new("CityX Instances", "GeometryNodeTree")
+    faces = group.interface
+    faces.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    faces.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    faces.new_socket("Prototypes", in_out="INPUT", socket_type="NodeSocketCollection")
+    nodes, link = group.nodes, group.links.new
+    source, sink = nodes.new("NodeGroupInput"), nodes.new("NodeGroupOutput")
+    sources = nodes.new("GeometryNodeCollectionInfo")
+    sources.inputs["Separate Children"].default_value = True
+    sources.inputs["Reset Children"].default_value = True
+    place = nodes.new("GeometryNodeInstanceOnPoints")
+    place.inputs["Pick Instance"].default_value = True
+    euler = nodes.new("FunctionNodeEulerToRotation")
+    named = {}
+    kinds = {"rotation": "FLOAT_VECTOR", "scale": "FLOAT_VECTOR", "prototype": "INT"}
+    for row, (name, kind) in enumerate(kinds.items()):
+        named[name] = nodes.new("GeometryNodeInputNamedAttribute")
+        named[name].data_type = kind
+        named[name].inputs["Name"].default_value = name
+        named[name].location = (-500, -200 - 150 * row)
+    link(source.outputs["Prototypes"], sources.inputs["Collection"])
+    link(source.outputs["Geometry"], place.inputs["Points"])
+    link(sources.outputs["Instances"], place.inputs["Instance"])
+    link(named["prototype"].outputs["Attribute"], place.inputs["Instance Index"])
+    link(named["rotation"].outputs["Attribute"], euler.inputs["Euler"])
+    link(euler.outputs["Rotation"], place.inputs["Rotation"])
+    link(named["scale"].outputs["Attribute"], place.inputs["Scale"])
+    link(place.outputs["Instances"], sink.inputs["Geometry"])
+    for node, spot in ((source, (-800, 0)), (sources, (-500, 0)), (euler, (-250, -200)),
+                       (place, (0, 0)), (sink, (250, 0))):  # fmt: skip
+        node.location = spot
+    return group

@@ -1,0 +1,153 @@
+"""The Blender process: ``python -m cityx.blender.worker JOB.json``.
+
+Reads a stored city, makes the scene, saves the .blend, renders the pictures. Progress goes to
+standard output as lines that begin with ``@cityx``; the result goes to the file the job names.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cityx.city.camera import Camera
+from cityx.city.environment import Environment
+
+if TYPE_CHECKING:
+    from cityx.city.store import View
+
+PROGRESS = "@cityx "
+
+
+def say(share: float, text: str) -> None:
+    """Report progress to the caller."""
+    sys.stdout.write(f"{PROGRESS}{json.dumps([round(share, 3), text])}\n")
+    sys.stdout.flush()
+
+
+class Clock:
+    """Wall and CPU seconds of the steps; a class because it accumulates."""
+
+    def __init__(self) -> None:
+        self.steps: dict[str, dict[str, float]] = {}
+
+    @contextmanager
+    def step(self, name: str) -> Iterator[None]:
+        """Time one step."""
+        wall, cpu = time.perf_counter(), time.process_time()
+        yield
+        self.steps[name] = {
+            "wall_s": round(time.perf_counter() - wall, 4),
+            "cpu_s": round(time.process_time() - cpu, 4),
+        }
+
+
+def peak_rss_mb() -> float:
+    """Peak resident memory of this process in MB."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return round(peak / (1e6 if sys.platform == "darwin" else 1e3), 1)
+
+
+def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., None]) -> Any:
+    """Make the scene, save it, render it; returns the record of what was made."""
+    import bpy
+
+    from cityx.blender import render, sky
+    from cityx.blender import scene as scenes
+    from cityx.blender.operators import call
+
+    if job["environment"] is not None:
+        view = replace(view, environment=Environment(**job["environment"]))
+    environment = view.environment
+    pictures = [(Camera(**{**r["camera"], "position": tuple(r["camera"]["position"])}), r)
+                for r in job["renders"]]  # fmt: skip
+    tell(0.02, "building the scene")
+    with clock.step("setup"):
+        call("wm.read_homefile", use_empty=True, use_factory_startup=True, load_ui=False)
+        scene = scenes.build_scene(view, objects=job["objects"])
+        sky.make_light(scene, environment, [camera for camera, _ in pictures], view.extent)
+        cameras = [render.add_camera(scene, camera) for camera, _ in pictures]
+        lamps = sky.lamp_positions(view.scene)
+        lit = environment.night_lights > 0
+        device = render.set_up(
+            scene, samples=job["samples"], gpu=bool(pictures) and job["gpu"], lamps=lit
+        )
+        if pictures:
+            scene.camera = cameras[0]
+            sky.place_lamps(scene, lamps, pictures[0][0], on=lit)
+    record: dict[str, Any] = {"device": device, "objects": len(bpy.data.objects), "files": []}
+    if job["blend"]:
+        tell(0.1, "saving the scene")
+        with clock.step("save"):
+            record["blend_mb"] = _save(Path(job["blend"]))
+        record["files"].append(job["blend"])
+    for index, ((camera, request), item) in enumerate(zip(pictures, cameras, strict=True)):
+        tell(0.15 + 0.85 * index / len(pictures), f"rendering {camera.name}")
+        with clock.step(f"render {camera.name}"):
+            sky.place_lamps(scene, lamps, camera, on=lit)
+            scene.cycles.samples = request["samples"]
+            render.render_picture(scene, item, Path(request["path"]))
+        record["files"].append(request["path"])
+    return record
+
+
+def _save(path: Path) -> float:
+    """Save the open file under a temporary name, then rename it; returns its size in MB."""
+    import bpy
+
+    from cityx.blender.operators import call
+
+    temporary = path.with_name(f".{path.stem}.partial.blend")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    bpy.context.preferences.filepaths.save_version = 0
+    call(
+        "wm.save_as_mainfile",
+        filepath=str(temporary),
+        compress=True,
+        check_existing=False,
+        copy=True,
+    )
+    temporary.replace(path)
+    return round(path.stat().st_size / 1e6, 2)
+
+
+def main(arguments: list[str]) -> int:
+    """Run one job."""
+    job = json.loads(Path(arguments[0]).read_text())
+    result: dict[str, Any] = {}
+    clock = Clock()
+    status = 0
+    try:
+        say(0.0, "starting Blender")
+        with clock.step("import"):
+            import bpy
+        with clock.step("read"):
+            from cityx.city.store import read_view
+
+            view = read_view(Path(job["store"]))
+        result = perform(job, view, clock, say)
+        result["blender"] = bpy.app.version_string
+    except ImportError as error:
+        result, status = {"missing": str(error)}, 3
+    except Exception as error:  # noqa: BLE001  the caller turns it into an EngineError
+        import traceback
+
+        traceback.print_exc()
+        result, status = {"error": f"{type(error).__name__}: {error}"}, 3
+    result["timings"] = clock.steps
+    result["peak_rss_mb"] = peak_rss_mb()
+    target = Path(job["result"])
+    temporary = target.with_suffix(".partial")
+    temporary.write_text(json.dumps(result))
+    temporary.replace(target)
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

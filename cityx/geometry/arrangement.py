@@ -1,0 +1,342 @@
+"""The arrangement: regions of any shape become faces that leave no gap and no overlap.
+
+All boundary lines are noded together on one grid, so every face, and every triangle of it, shares
+its vertices with its neighbours. Which region a face belongs to is asked afterwards, with one point
+inside of it; the region of the highest priority wins. No polygon is ever cut by another.
+
+References
+----------
+Hobby, "Practical segment intersection with finite precision output", 1999 (snap rounding).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+
+from cityx.city.ground import LABEL, Ground
+
+GRID = 0.01  # metres; finer than a joint between kerb stones, coarser than any rounding error
+PER_METRE = 100  # grid steps per metre
+SLIVER_AREA = 0.02  # square metres; smaller faces take the label of their longest neighbour
+SLIVER_WIDTH = 0.02  # metres; so do thinner ones
+SMALL = 40  # vertices; polygons up to this size are tried one by one for standing apart
+RUN = 16  # segments of a stroke that are compared at once
+MARGIN = 3 * GRID  # nothing that snapping moves reaches across it
+BEYOND = -1  # the face on the far side of the site's border
+
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Regions:
+    """n regions that compete for the ground.
+
+    Attributes
+    ----------
+    polygons
+        (n,) shapely Polygons or MultiPolygons, scene frame, metres.
+    label
+        (n,) uint8 into `cityx.city.SURFACES`.
+    priority
+        (n,) int32; the highest wins, among equals the lowest object id.
+    object_id
+        (n,) uint64.
+    """
+
+    polygons: NDArray[Any] = field(default_factory=lambda: np.zeros(0, object))
+    label: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
+    priority: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
+    object_id: NDArray[np.uint64] = field(default_factory=lambda: np.zeros(0, np.uint64))
+
+
+def regions(
+    polygons: ArrayLike, label: ArrayLike, priority: ArrayLike, object_id: ArrayLike = 0
+) -> Regions:
+    """Make regions; all but the polygons broadcast, and what has no area is dropped."""
+    shapes = np.atleast_1d(np.asarray(polygons, dtype=object))
+    size = len(shapes)
+    labels = np.broadcast_to(np.asarray(label, np.uint8), size)
+    priorities = np.broadcast_to(np.asarray(priority, np.int32), size)
+    ids = np.broadcast_to(np.asarray(object_id, np.uint64), size)
+    shapes, row = shapely.get_parts(shapes, return_index=True)
+    flat = (shapely.get_type_id(shapes) == 3) & (shapely.area(shapes) > 0)
+    row = row[flat]
+    return Regions(shapes[flat], labels[row], priorities[row], ids[row])
+
+
+def take_regions(given: Regions, rows: ArrayLike) -> Regions:
+    """Return the regions of the given rows, in that order."""
+    rows = np.asarray(rows, dtype=np.int64)
+    return Regions(
+        given.polygons[rows], given.label[rows], given.priority[rows], given.object_id[rows]
+    )
+
+
+def join_regions(parts: Sequence[Regions]) -> Regions:
+    """Put regions together."""
+    if not parts:
+        return Regions()
+    return Regions(
+        np.concatenate([part.polygons for part in parts]),
+        np.concatenate([part.label for part in parts]),
+        np.concatenate([part.priority for part in parts]),
+        np.concatenate([part.object_id for part in parts]),
+    )
+
+
+def arrange(
+    given: Regions,
+    extent: tuple[float, float, float, float],
+    *,
+    lines: ArrayLike = (),
+    background: int = LABEL["block"],
+) -> Ground:
+    """Divide a rectangle into labelled, triangulated faces.
+
+    Parameters
+    ----------
+    given
+        The regions. Invalid polygons are allowed: only their rings and a point test are used.
+    extent
+        (xmin, ymin, xmax, ymax), metres; rounded to the grid.
+    lines
+        Shapely lines at which faces are cut besides (terrain grid, cut bars).
+    background
+        Label of what no region covers.
+
+    Returns
+    -------
+    ground
+        The faces. Every interior edge is shared by exactly two triangles.
+    """
+    west, south, east, north = np.round(np.asarray(extent, float) * PER_METRE) / PER_METRE
+    site = shapely.box(west, south, max(east, west + GRID), max(north, south + GRID))
+    given = _inside(given, site)
+    faces = _faces(given.polygons, np.asarray(lines, dtype=object), site)
+    vertices, triangles, face = _triangulate(faces)
+    area = doubled_areas(vertices, triangles)
+    solid = area > 0
+    triangles, face, area = triangles[solid], face[solid], area[solid]
+    points = _inner_points(vertices, triangles, face, area, len(faces))
+    label, object_id = _owners(given, points, background)
+    edges, edge_faces = face_edges(triangles, face)
+    ground = Ground(
+        vertices / PER_METRE,
+        triangles.astype(np.int32),
+        face.astype(np.int32),
+        label,
+        object_id,
+        edges.astype(np.int32),
+        edge_faces.astype(np.int32),
+    )
+    return _absorb_slivers(ground, area)
+
+
+def _inside(given: Regions, site: Any) -> Regions:
+    """Cut regions at the site's rectangle and drop those outside."""
+    west, south, east, north = site.bounds
+    box = shapely.bounds(given.polygons)
+    within = (box[:, 0] >= west) & (box[:, 1] >= south) & (box[:, 2] <= east) & (box[:, 3] <= north)
+    outside = (box[:, 0] > east) | (box[:, 1] > north) | (box[:, 2] < west) | (box[:, 3] < south)
+    shapes = given.polygons.copy()
+    across = np.flatnonzero(~within & ~outside)
+    shapes[across] = shapely.intersection(shapely.make_valid(shapes[across]), site)
+    keep = np.flatnonzero(~outside)
+    return regions(shapes[keep], given.label[keep], given.priority[keep], given.object_id[keep])
+
+
+def _faces(polygons: NDArray[Any], lines: NDArray[Any], site: Any) -> NDArray[Any]:
+    """Node all boundary lines on the grid and return the faces between them."""
+    if len(lines):
+        lines = shapely.intersection(lines, site)
+    strokes = np.concatenate([shapely.boundary(polygons), lines.ravel(), [site.exterior]])
+    apart = np.zeros(len(strokes), bool)
+    apart[: len(polygons)] = _stand_apart(polygons, strokes)
+    noded = shapely.unary_union(strokes[~apart], grid_size=GRID)
+    rings = shapely.transform(shapely.get_parts(strokes[apart]), _to_grid)
+    edges = np.concatenate([shapely.get_parts(noded), rings])
+    faces = shapely.normalize(shapely.get_parts(shapely.polygonize(edges)))
+    # The order in which regions were given must not show in the order of faces and triangles.
+    keys = np.column_stack([shapely.area(faces), shapely.bounds(faces)])
+    return np.asarray(faces[np.lexsort(np.round(keys, 3).T)])
+
+
+def _to_grid(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(np.rint(points * PER_METRE) / PER_METRE)
+
+
+def _stand_apart(polygons: NDArray[Any], strokes: NDArray[Any]) -> NDArray[np.bool_]:
+    """Mark small polygons that no stroke but their own comes near: they need no noding."""
+    found = np.zeros(len(polygons), bool)
+    small = np.flatnonzero(shapely.get_num_coordinates(polygons) <= SMALL)
+    small = small[shapely.is_valid(shapely.transform(polygons[small], _to_grid))]
+    small = small[shapely.is_valid(polygons[small])]
+    if not len(small):
+        return found
+    points, owner = shapely.get_coordinates(shapely.get_parts(strokes), return_index=True)
+    stroke = shapely.get_parts(strokes, return_index=True)[1][owner]
+    # Long strokes are cut into short runs, so that a box is compared with what is near.
+    first = np.flatnonzero(owner[1:] == owner[:-1])
+    begin = np.searchsorted(owner, owner[first])
+    run = np.r_[True, (np.diff(owner[first]) != 0) | ((first - begin)[1:] % RUN == 0)].cumsum() - 1
+    where = np.empty(2 * len(first), np.int64)
+    where[0::2], where[1::2] = first, first + 1
+    runs = shapely.linestrings(points[where], indices=np.repeat(run, 2))
+    of_run = stroke[first[np.flatnonzero(np.r_[True, run[1:] != run[:-1]])]]
+    box = shapely.bounds(polygons[small])
+    near = shapely.box(box[:, 0] - MARGIN, box[:, 1] - MARGIN, box[:, 2] + MARGIN,
+                       box[:, 3] + MARGIN)  # fmt: skip
+    one, other = shapely.STRtree(runs).query(near, predicate="intersects")
+    touched = one[of_run[other] != small[one]]
+    found[small] = True
+    found[small[touched]] = False
+    return found
+
+
+def _triangulate(faces: NDArray[Any]) -> tuple[IntArray, IntArray, IntArray]:
+    """Triangulate faces on their own vertices: (n, 2) grid points, (t, 3) corners, (t,) face."""
+    cut, face = shapely.get_coordinates(
+        shapely.constrained_delaunay_triangles(faces), return_index=True
+    )
+    face = face[::4]  # a triangle is a closed ring of four points
+    whole = np.rint(cut.reshape(-1, 4, 2)[:, :3] * PER_METRE).astype(np.int64).reshape(-1, 2)
+    low = whole.min(axis=0)
+    keys = ((whole[:, 0] - low[0]) << np.int64(32)) | (whole[:, 1] - low[1])
+    places, index = np.unique(keys, return_inverse=True)
+    vertices = np.column_stack([places >> 32, places & 0xFFFFFFFF]) + low
+    triangles = index.reshape(-1, 3)
+    clockwise = doubled_areas(vertices, triangles) < 0
+    triangles[clockwise] = triangles[clockwise][:, ::-1]
+    return vertices, triangles, face
+
+
+def doubled_areas(vertices: NDArray[Any], triangles: NDArray[Any]) -> NDArray[Any]:
+    """(t,) twice the signed area of each triangle; exact on whole numbers."""
+    a, b, c = vertices[triangles[:, 0]], vertices[triangles[:, 1]], vertices[triangles[:, 2]]
+    u, v = b - a, c - a
+    return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+
+
+def _inner_points(
+    vertices: IntArray, triangles: IntArray, face: IntArray, area: IntArray, count: int
+) -> NDArray[np.float64]:
+    """One point in each face: the centroid of its largest triangle."""
+    order = np.lexsort((-area, face))
+    first = np.searchsorted(face[order], np.arange(count))
+    largest = order[np.minimum(first, len(order) - 1)]
+    return np.asarray(vertices[triangles[largest]].mean(axis=1) / PER_METRE)
+
+
+def _owners(
+    given: Regions, points: NDArray[np.float64], background: int
+) -> tuple[NDArray[np.uint8], NDArray[np.uint64]]:
+    """Find the winning region at each point."""
+    label = np.full(len(points), background, np.uint8)
+    object_id = np.zeros(len(points), np.uint64)
+    if not len(given.polygons):
+        return label, object_id
+    shapely.prepare(given.polygons)
+    point, region = shapely.STRtree(given.polygons).query(shapely.points(points))
+    holds = shapely.contains_xy(given.polygons[region], *points[point].T)
+    point, region = point[holds], region[holds]
+    order = np.lexsort((given.object_id[region], -given.priority[region], point))
+    point, region = point[order], region[order]
+    winner = np.flatnonzero(np.r_[True, point[1:] != point[:-1]][: len(point)])
+    label[point[winner]] = given.label[region[winner]]
+    object_id[point[winner]] = given.object_id[region[winner]]
+    return label, object_id
+
+
+def half_edges(triangles: NDArray[Any]) -> tuple[IntArray, IntArray]:
+    """Return directed edges, (3t, 2), and the opposite of each, (3t,), -1 if there is none."""
+    edges = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
+    if not len(edges):
+        return edges, np.zeros(0, np.int64)
+    stride = int(edges.max()) + 1
+    forward = edges[:, 0] < edges[:, 1]
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    order = np.argsort(low * stride + high, kind="stable")
+    keys = (low * stride + high)[order]
+    pair = np.flatnonzero((keys[1:] == keys[:-1]) & (forward[order][1:] != forward[order][:-1]))
+    twin = np.full(len(edges), -1, np.int64)
+    twin[order[pair]], twin[order[pair + 1]] = order[pair + 1], order[pair]
+    return edges, twin
+
+
+def face_edges(triangles: NDArray[Any], face: NDArray[Any]) -> tuple[IntArray, IntArray]:
+    """List the edges between different faces once each, and the faces left and right of them."""
+    edges, twin = half_edges(triangles)
+    left = np.repeat(face, 3).astype(np.int64)
+    right = np.where(twin >= 0, left[twin], BEYOND) if len(left) else left
+    once = (right == BEYOND) | ((left != right) & (edges[:, 0] < edges[:, 1]))
+    return edges[once], np.column_stack([left[once], right[once]])
+
+
+def face_areas(ground: Ground) -> NDArray[np.float64]:
+    """(f,) area of each face, square metres."""
+    area = doubled_areas(ground.vertices, ground.triangles) / 2
+    size = len(ground.face_label)
+    return np.asarray(np.bincount(ground.triangle_face, area, minlength=size), float)
+
+
+def _absorb_slivers(ground: Ground, doubled: IntArray) -> Ground:
+    """Give faces too thin to see the label of the neighbour along their longest edge."""
+    size = len(ground.face_label)
+    area = np.bincount(ground.triangle_face, doubled, minlength=size) / (2 * PER_METRE**2)
+    length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
+    rim = np.bincount(ground.edge_faces[:, 0], length, minlength=size)
+    inner = ground.edge_faces[:, 1] != BEYOND
+    rim += np.bincount(ground.edge_faces[inner, 1], length[inner], minlength=size)
+    thin = (area < SLIVER_AREA) | (2 * area < SLIVER_WIDTH * rim)
+    pairs, reach = ground.edge_faces[inner], length[inner]
+    own = np.concatenate([pairs[:, 0], pairs[:, 1]])
+    other = np.concatenate([pairs[:, 1], pairs[:, 0]])
+    reach = np.concatenate([reach, reach])
+    useful = thin[own] & ~thin[other]
+    own, other, reach = own[useful], other[useful], reach[useful]
+    order = np.lexsort((other, -np.round(reach, 6), own))
+    own, other = own[order], other[order]
+    first = np.flatnonzero(np.r_[True, own[1:] != own[:-1]][: len(own)])
+    label, object_id = ground.face_label.copy(), ground.face_object.copy()
+    label[own[first]] = ground.face_label[other[first]]
+    object_id[own[first]] = ground.face_object[other[first]]
+    return replace(ground, face_label=label, face_object=object_id)
+
+
+def check_arrangement(ground: Ground) -> tuple[int, int, float]:
+    """Check that the faces cover their rectangle once.
+
+    Returns
+    -------
+    open_edges
+        Triangle edges without a neighbour that do not lie on the border of the rectangle.
+    overlapping_faces
+        Faces with a triangle that is turned over, without area, or that shares an edge with more
+        than one other on the same side.
+    area_error
+        Difference between the area of all triangles and that of the rectangle, as a share.
+    """
+    if not len(ground.triangles):
+        return 0, 0, 1.0
+    vertices = np.rint(ground.vertices * PER_METRE).astype(np.int64)
+    edges, twin = half_edges(ground.triangles)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    loose = vertices[edges[twin < 0]]  # (k, 2, 2)
+    on_border = ((loose == low).all(axis=1) | (loose == high).all(axis=1)).any(axis=1)
+    area = doubled_areas(vertices, ground.triangles)
+    bad = np.zeros(len(ground.face_label), bool)
+    bad[ground.triangle_face[area <= 0]] = True
+    face = np.repeat(ground.triangle_face, 3)
+    keys = edges[:, 0] * len(vertices) + edges[:, 1]
+    order = np.argsort(keys, kind="stable")
+    twice = order[1:][keys[order][1:] == keys[order][:-1]]
+    bad[face[twice]] = True
+    whole = 2.0 * float(np.prod((high - low).astype(float)))
+    error = abs(float(area.sum()) - whole) / max(whole, 1.0)
+    return int(np.count_nonzero(~on_border)), int(np.count_nonzero(bad)), error

@@ -1,0 +1,130 @@
+"""Graphs as arrays of node pairs: chains, connected components, distances."""
+
+from __future__ import annotations
+
+from heapq import heappop, heappush
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+IntArray = NDArray[np.int64]
+
+
+def join_segments(segments: ArrayLike, section: ArrayLike) -> tuple[IntArray, IntArray]:
+    """Join directed segments head to tail where exactly one of the same section follows another.
+
+    Parameters
+    ----------
+    segments
+        (m, 2) int, start and end node of each segment.
+    section
+        (m,) int; segments of different sections are never joined.
+
+    Returns
+    -------
+    head
+        (m,) the first segment of the chain each segment belongs to. A closed chain starts at its
+        lowest node.
+    rank
+        (m,) position in the chain, from 0.
+    """
+    segments = np.asarray(segments, dtype=np.int64).reshape(-1, 2)
+    section = np.asarray(section, dtype=np.int64)
+    count = len(segments)
+    if not count:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64)
+    nodes = int(segments.max()) + 1
+    source, target = segments.T
+    leaving = np.bincount(source, minlength=nodes)
+    arriving = np.bincount(target, minlength=nodes)
+    outgoing, incoming = np.zeros(nodes, np.int64), np.zeros(nodes, np.int64)
+    outgoing[source] = incoming[target] = np.arange(count)
+    through = (leaving == 1) & (arriving == 1) & (section[outgoing] == section[incoming])
+    previous = np.where(through[source], incoming[source], -1)
+    head, rank = _walk(previous)
+    closed = previous[head] >= 0
+    if closed.any():
+        low, jump = source.copy(), np.where(closed, previous, np.arange(count))
+        for _ in range(count.bit_length()):
+            low, jump = np.minimum(low, low[jump]), jump[jump]
+        previous[closed & (source == low)] = -1
+        head, rank = _walk(previous)
+    return head, rank
+
+
+def _walk(previous: IntArray) -> tuple[IntArray, IntArray]:
+    """Follow `previous` to its end by pointer doubling: the end reached and the steps taken."""
+    head = np.where(previous >= 0, previous, np.arange(len(previous)))
+    rank = (previous >= 0).astype(np.int64)
+    for _ in range(len(previous).bit_length()):
+        if not rank[head].any():
+            break
+        rank, head = rank + rank[head], head[head]
+    return head, rank
+
+
+def components(pairs: ArrayLike, count: int) -> IntArray:
+    """Label the connected components of a graph.
+
+    Parameters
+    ----------
+    pairs
+        (m, 2) int, edges between nodes.
+    count
+        Number of nodes.
+
+    Returns
+    -------
+    lowest
+        (count,) the lowest node of the component of each node.
+    """
+    pairs = np.asarray(pairs, dtype=np.int64).reshape(-1, 2)
+    lowest = np.arange(count)
+    while True:
+        ends = lowest[pairs]
+        least = ends.min(axis=1)
+        if (ends == least[:, None]).all():
+            return lowest
+        # Hook the root of the higher end to the lower one, then flatten the trees.
+        np.minimum.at(lowest, ends.max(axis=1), least)
+        while (lowest[lowest] != lowest).any():
+            lowest = lowest[lowest]
+
+
+def walking_distance(
+    pairs: ArrayLike, weight: ArrayLike, sources: ArrayLike, count: int
+) -> NDArray[np.float64]:
+    """Measure the way from the nearest source to every node (Dijkstra).
+
+    Parameters
+    ----------
+    pairs, weight
+        (m, 2) int and (m,) float, edges and their lengths, not negative, passable both ways.
+    sources
+        (s,) int, nodes at distance zero.
+    count
+        Number of nodes.
+
+    Returns
+    -------
+    distance
+        (count,) float, infinite where no source is connected.
+    """
+    pairs = np.asarray(pairs, dtype=np.int64).reshape(-1, 2)
+    reach: list[list[tuple[int, float]]] = [[] for _ in range(count)]
+    for (a, b), length in zip(pairs.tolist(), np.asarray(weight, float).tolist(), strict=True):
+        reach[a].append((b, length))
+        reach[b].append((a, length))
+    distance = [float("inf")] * count
+    queue = [(0.0, int(node)) for node in np.unique(np.asarray(sources, dtype=np.int64))]
+    for _, node in queue:
+        distance[node] = 0.0
+    while queue:
+        done, node = heappop(queue)
+        if done > distance[node]:
+            continue
+        for other, length in reach[node]:
+            if done + length < distance[other]:
+                distance[other] = done + length
+                heappush(queue, (done + length, other))
+    return np.array(distance)

@@ -1,0 +1,247 @@
+"""Draping: the faces of the ground become a mesh on the terrain, with kerbs and quays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.city.ground import LABEL, SURFACES, Ground
+from cityx.city.mesh import NO_VERTEX, MeshBatch, concatenate, empty_batch, one_mesh
+from cityx.city.terrain import Terrain
+from cityx.geometry.arrangement import BEYOND
+from cityx.geometry.identity import stable_id, uniform
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+STEP = 0.001  # metres; lower steps between surfaces get no vertical face
+TINT_RANGE = 0.10  # of the brightness of neighbouring pieces of one material
+FLAT_WATER = 2.0  # metres of relief along the shore above which water is a sloping river
+SHORE_QUANTILE = 10.0  # percent; most of the shore stands above the water
+SURROUNDINGS = 1500.0  # metres of open land beyond the site, so that views do not end in a void
+SKIRT = 2.0  # metres the border reaches down
+OPEN_LAND = (0.95, 0.95, 0.90)  # tint of the land beyond
+
+
+@dataclass(frozen=True)
+class _Levels:
+    """Heights of faces: each face lies on one level, each level has a height at every vertex."""
+
+    of_face: IntArray  # (f,)
+    label: IntArray  # (l,) label of each level
+    height: FloatArray  # (l,) metres above the terrain, or above zero
+    flat: NDArray[np.bool_]  # (l,) whether the height is absolute
+
+    def z(self, level: IntArray, vertex: IntArray, terrain: FloatArray) -> FloatArray:
+        return np.asarray(np.where(self.flat[level], 0.0, terrain[vertex]) + self.height[level])
+
+
+def _levels(ground: Ground, terrain: FloatArray) -> _Levels:
+    """One level per label, and one per body of water where the terrain is not flat."""
+    labels = np.arange(len(SURFACES))
+    offsets = np.array([surface.offset for surface in SURFACES])
+    of_face = ground.face_label.astype(np.int64)
+    flat = np.zeros(len(labels), bool)
+    if not len(terrain) or np.ptp(terrain) == 0.0:
+        return _Levels(of_face, labels, offsets, flat)
+    wet = np.flatnonzero(ground.face_label == LABEL["water"])
+    bodies, body = np.unique(ground.face_object[wet], return_inverse=True)
+    number = np.full(len(of_face), -1)
+    number[wet] = body
+    of_triangle = number[ground.triangle_face]
+    rows = np.flatnonzero(of_triangle >= 0)
+    owner = np.repeat(of_triangle[rows], 3)
+    heights = terrain[ground.triangles[rows].ravel()]
+    order = np.lexsort((heights, owner))
+    owner, heights = owner[order], heights[order]
+    begin = np.searchsorted(owner, np.arange(len(bodies)))
+    end = np.searchsorted(owner, np.arange(len(bodies)), side="right")
+    level = np.array(
+        [np.percentile(heights[a:b], SHORE_QUANTILE) if b > a else 0.0
+         for a, b in zip(begin, end, strict=True)]
+    )  # fmt: skip
+    relief = np.array(
+        [heights[b - 1] - heights[a] if b > a else 0.0 for a, b in zip(begin, end, strict=True)]
+    )
+    still = np.flatnonzero(relief < FLAT_WATER)
+    renamed = np.full(len(bodies), LABEL["water"])
+    renamed[still] = len(labels) + np.arange(len(still))
+    of_face = of_face.copy()
+    of_face[wet] = renamed[body]
+    water = SURFACES[LABEL["water"]].offset
+    return _Levels(
+        of_face,
+        np.concatenate([labels, np.full(len(still), LABEL["water"])]),
+        np.concatenate([offsets, np.round(level[still] + water, 4)]),
+        np.concatenate([flat, np.ones(len(still), bool)]),
+    )
+
+
+def drape(ground: Ground, terrain: Terrain, seed: int = 0) -> MeshBatch:
+    """Raise the faces onto the terrain: one object per surface, with its vertical edges.
+
+    Parameters
+    ----------
+    ground
+        The arrangement. Faces under buildings are left out; their walls go into the soil.
+    terrain
+        Heights; each surface lies its offset above them. A body of water is level.
+    seed
+        Of the slight variation in brightness from piece to piece.
+
+    Returns
+    -------
+    mesh
+        Objects in the order of `SURFACES`, ids ``stable_id("ground", name)``.
+    """
+    base = np.round(terrain.height_at(ground.vertices), 4)
+    levels = _levels(ground, base)
+    brightness = 1.0 + TINT_RANGE * (uniform(seed, "ground/tint", ground.face_object) - 0.5)
+    brightness[ground.face_object == 0] = 1.0
+    tops = _Tops(ground, levels, base, brightness)
+    sides = _Sides(ground, levels, base, brightness)
+    batches = []
+    for label, surface in enumerate(SURFACES):
+        if label == LABEL["building"]:
+            continue
+        parts = [part for part in (tops(label), sides(label)) if part is not None]
+        if not parts:
+            continue
+        vertices, faces, material, uv, tint = _joined(parts)
+        batches.append(
+            one_mesh(
+                stable_id("ground", surface.name), vertices, faces, material=material,
+                materials=(surface.material, surface.edge_material), uv=uv, tint=tint,
+            )
+        )  # fmt: skip
+    return concatenate(batches)
+
+
+_Part = tuple[FloatArray, IntArray, NDArray[np.int16], FloatArray, FloatArray]
+
+
+def _joined(parts: list[_Part]) -> _Part:
+    shift = 0
+    faces = []
+    for part in parts:
+        faces.append(np.where(part[1] == NO_VERTEX, NO_VERTEX, part[1] + shift))
+        shift += len(part[0])
+    return (
+        np.concatenate([part[0] for part in parts]),
+        np.concatenate(faces),
+        np.concatenate([part[2] for part in parts]),
+        np.concatenate([part[3] for part in parts]),
+        np.concatenate([part[4] for part in parts]),
+    )
+
+
+class _Tops:
+    """Top faces, label by label."""
+
+    def __init__(
+        self, ground: Ground, levels: _Levels, base: FloatArray, brightness: FloatArray
+    ) -> None:
+        self.ground, self.levels, self.base, self.brightness = ground, levels, base, brightness
+        label = ground.face_label[ground.triangle_face]
+        self.order = np.argsort(label, kind="stable")
+        self.start = np.searchsorted(label[self.order], np.arange(len(SURFACES) + 1))
+
+    def __call__(self, label: int) -> _Part | None:
+        rows = self.order[self.start[label] : self.start[label + 1]]
+        if not len(rows):
+            return None
+        ground = self.ground
+        corner = ground.triangles[rows].astype(np.int64)
+        level = self.levels.of_face[ground.triangle_face[rows]]
+        keys, index = np.unique(level[:, None] * len(ground.vertices) + corner, return_inverse=True)
+        vertex, at = keys % len(ground.vertices), keys // len(ground.vertices)
+        z = self.levels.z(at, vertex, self.base)
+        vertices = np.column_stack([ground.vertices[vertex], z])
+        faces = np.column_stack([index.reshape(-1, 3), np.full(len(rows), NO_VERTEX)])
+        uv = np.zeros((len(rows), 4, 2))
+        uv[:, :3] = ground.vertices[corner]
+        tint = np.repeat(self.brightness[ground.triangle_face[rows]][:, None], 3, axis=1)
+        return vertices, faces, np.zeros(len(rows), np.int16), uv, tint
+
+
+class _Sides:
+    """Vertical faces where a neighbour lies lower, by the label of the higher face."""
+
+    def __init__(
+        self, ground: Ground, levels: _Levels, base: FloatArray, brightness: FloatArray
+    ) -> None:
+        house = LABEL["building"]
+        left, right = ground.edge_faces.T.astype(np.int64)
+        inner = np.flatnonzero(right != BEYOND)
+        left, right = left[inner], right[inner]
+        a, b = ground.edges[inner].T.astype(np.int64)
+        za = [levels.z(levels.of_face[side], a, base) for side in (left, right)]
+        zb = [levels.z(levels.of_face[side], b, base) for side in (left, right)]
+        rise = (za[0] + zb[0]) - (za[1] + zb[1])
+        open_air = (ground.face_label[left] != house) & (ground.face_label[right] != house)
+        step = np.flatnonzero((np.abs(rise) > 2 * STEP) & open_air)
+        up = rise[step] > 0
+        a, b = np.where(up, a[step], b[step]), np.where(up, b[step], a[step])
+        lower = np.column_stack([np.where(up, za[1][step], zb[0][step]),
+                                 np.where(up, zb[1][step], za[0][step])])  # fmt: skip
+        upper = np.column_stack([np.where(up, za[0][step], zb[1][step]),
+                                 np.where(up, zb[0][step], za[1][step])])  # fmt: skip
+        face = np.where(up, left[step], right[step])
+        pa, pb = ground.vertices[a], ground.vertices[b]
+        low_a, low_b = np.column_stack([pa, lower[:, 0]]), np.column_stack([pb, lower[:, 1]])
+        top_a, top_b = np.column_stack([pa, upper[:, 0]]), np.column_stack([pb, upper[:, 1]])
+        self.vertices = np.stack([low_a, low_b, top_b, top_a], axis=1)
+        length = np.hypot(*(pb - pa).T)
+        zero = np.zeros(len(length))
+        u = np.stack([zero, length, length, zero], axis=1)
+        self.uv = np.stack([u, self.vertices[:, :, 2]], axis=2)
+        self.tint = np.repeat(brightness[face][:, None], 3, axis=1)
+        self.label = ground.face_label[face]
+
+    def __call__(self, label: int) -> _Part | None:
+        rows = np.flatnonzero(self.label == label)
+        if not len(rows):
+            return None
+        faces = np.arange(4 * len(rows)).reshape(-1, 4)
+        material = np.ones(len(rows), np.int16)
+        return self.vertices[rows].reshape(-1, 3), faces, material, self.uv[rows], self.tint[rows]
+
+
+def surroundings(ground: Ground, terrain: Terrain, reach: float = SURROUNDINGS) -> MeshBatch:
+    """Lay open land round the site, joined to its border vertex by vertex."""
+    rim = ground.edges[ground.edge_faces[:, 1] == BEYOND]
+    if not len(rim):
+        return empty_batch()
+    low, high = ground.vertices.min(axis=0), ground.vertices.max(axis=0)
+    centre, half = (low + high) / 2, np.maximum((high - low) / 2, 0.01)
+    used, index = np.unique(rim, return_inverse=True)
+    border = ground.vertices[used]
+    outer = centre + (border - centre) * (half + reach) / half
+    offset = SURFACES[LABEL["block"]].offset
+    height = terrain.height_at(border)
+    # Far away the land evens out, so that the horizon is a line.
+    inner_z = np.round(height + offset, 4)
+    outer_z = np.full(len(border), np.round(height.mean() + offset, 4))
+    vertices = np.concatenate([
+        np.column_stack([border, inner_z]),
+        np.column_stack([outer, outer_z]),
+        np.column_stack([border, inner_z - SKIRT]),
+    ])  # fmt: skip
+    count = len(border)
+    a, b = index.reshape(-1, 2).T
+    none = np.full(len(a), NO_VERTEX)
+    faces = np.concatenate([
+        np.column_stack([a, a + count, b, none]),
+        np.column_stack([b, a + count, b + count, none]),
+        np.column_stack([b + 2 * count, b, a, a + 2 * count])[:, ::-1],
+    ])  # fmt: skip
+    uv = np.zeros((len(faces), 4, 2))
+    inside = faces != NO_VERTEX
+    uv[inside] = vertices[faces[inside], :2]
+    material = np.repeat([0, 0, 1], len(a))
+    return one_mesh(
+        stable_id("ground", "surroundings"), vertices, faces, material=material,
+        materials=("grass", "soil"), uv=uv, tint=OPEN_LAND,
+    )  # fmt: skip

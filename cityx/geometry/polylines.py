@@ -1,0 +1,216 @@
+"""Many polylines in one array: lengths, positions along them, pieces of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+# Positions are cut no closer than this to an existing vertex: half the arrangement's grid.
+SAME_POINT = 0.005
+
+
+@dataclass(frozen=True)
+class Polylines:
+    """n polylines with p points together.
+
+    Attributes
+    ----------
+    points
+        (p, 2) float64, metres.
+    start
+        (n + 1,) int64; line i has the points ``points[start[i]:start[i + 1]]``, at least two.
+    """
+
+    points: FloatArray
+    start: IntArray
+
+    @property
+    def count(self) -> int:
+        """Number of lines."""
+        return len(self.start) - 1
+
+    def line_of_point(self) -> IntArray:
+        """(p,) line each point belongs to."""
+        return np.repeat(np.arange(self.count), np.diff(self.start))
+
+
+def pack(lines: ArrayLike) -> Polylines:
+    """Pack an array of shapely LineStrings."""
+    lines = np.asarray(lines, dtype=object)
+    points, owner = shapely.get_coordinates(lines, return_index=True)
+    return Polylines(points, np.searchsorted(owner, np.arange(len(lines) + 1)).astype(np.int64))
+
+
+def to_linestrings(lines: Polylines) -> NDArray[Any]:
+    """Return (n,) shapely LineStrings."""
+    if not lines.count:
+        return np.zeros(0, dtype=object)
+    return np.asarray(shapely.linestrings(lines.points, indices=lines.line_of_point()))
+
+
+def arc_lengths(lines: Polylines) -> tuple[FloatArray, FloatArray]:
+    """Measure lines: (p,) distance of each point from its line's start, (n,) lengths."""
+    if not lines.count:
+        return np.zeros(0), np.zeros(0)
+    step = np.zeros(len(lines.points))
+    step[1:] = np.hypot(*np.diff(lines.points, axis=0).T)
+    step[lines.start[:-1]] = 0.0
+    # Summing line by line keeps a line's numbers free of what stands before it in the array.
+    total = np.cumsum(step)
+    along = total - np.repeat(total[lines.start[:-1]], np.diff(lines.start))
+    along = np.round(along, 6)
+    return along, along[lines.start[1:] - 1]
+
+
+def locate(lines: Polylines, line: ArrayLike, along: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Find positions on lines.
+
+    Parameters
+    ----------
+    lines
+        The lines.
+    line
+        (k,) int, line of each position.
+    along
+        (k,) float, metres from the line's start, clipped to its length.
+
+    Returns
+    -------
+    position, direction
+        (k, 2) float each; the direction is a unit vector, zero on lines without length.
+    """
+    line = np.asarray(line, dtype=np.int64)
+    s, length = arc_lengths(lines)
+    along = np.clip(np.asarray(along, dtype=float), 0.0, length[line] if len(line) else 0.0)
+    # One sorted key over all lines: every line is moved behind the one before it.
+    shift = np.concatenate([[0.0], np.cumsum(length + 1.0)])[:-1]
+    keys = s + np.repeat(shift, np.diff(lines.start))
+    after = np.searchsorted(keys, along + shift[line], side="left")
+    after = np.clip(after, lines.start[line] + 1, lines.start[line + 1] - 1)
+    a, b = lines.points[after - 1], lines.points[after]
+    step = b - a
+    size = np.hypot(step[:, 0], step[:, 1])
+    direction = step / np.where(size > 0, size, 1.0)[:, None]
+    position = a + direction * (along - s[after - 1])[:, None]
+    return position, direction
+
+
+def pieces(lines: Polylines, line: ArrayLike, begin: ArrayLike, end: ArrayLike) -> Polylines:
+    """Cut pieces out of lines.
+
+    Parameters
+    ----------
+    lines
+        The lines.
+    line
+        (k,) int, line of each piece.
+    begin, end
+        (k,) float, metres from the line's start, begin < end.
+
+    Returns
+    -------
+    pieces
+        k lines.
+    """
+    line = np.asarray(line, dtype=np.int64)
+    begin, end = np.asarray(begin, dtype=float), np.asarray(end, dtype=float)
+    s, _ = arc_lengths(lines)
+    count = np.diff(lines.start)[line]
+    owner = np.repeat(np.arange(len(line)), count)
+    first = np.concatenate([[0], np.cumsum(count)])[:-1]
+    rows = np.arange(len(owner)) - np.repeat(first - lines.start[:-1][line], count)
+    inside = (s[rows] > begin[owner] + SAME_POINT) & (s[rows] < end[owner] - SAME_POINT)
+    head, tail = locate(lines, line, begin)[0], locate(lines, line, end)[0]
+    each = np.arange(len(line))
+    who = np.concatenate([each, owner[inside], each])
+    where = np.concatenate([begin, s[rows[inside]], end])
+    points = np.concatenate([head, lines.points[rows[inside]], tail])
+    order = np.lexsort((where, who))
+    start = np.searchsorted(who[order], np.arange(len(line) + 1)).astype(np.int64)
+    return Polylines(points[order], start)
+
+
+def segments(lines: Polylines) -> tuple[IntArray, IntArray]:
+    """Return the (m,) first point of every segment and the (m,) line it belongs to."""
+    owner = lines.line_of_point()
+    first = np.flatnonzero(owner[1:] == owner[:-1])
+    return first, owner[first]
+
+
+def every(length: ArrayLike, period: float, margin: ArrayLike = 0.0) -> tuple[IntArray, FloatArray]:
+    """Place marks at a regular spacing, centred on each line.
+
+    Parameters
+    ----------
+    length
+        (n,) float, metres.
+    period
+        Spacing, metres.
+    margin
+        Free length at both ends, metres.
+
+    Returns
+    -------
+    line, along
+        (k,) the line of each mark and its distance from the line's start.
+    """
+    length = np.asarray(length, dtype=float)
+    free = length - 2 * np.asarray(margin, dtype=float)
+    count = np.where(free >= 0, np.floor(np.maximum(free, 0) / period) + 1, 0).astype(np.int64)
+    line = np.repeat(np.arange(len(length)), count)
+    first = np.concatenate([[0], np.cumsum(count)])[:-1]
+    number = np.arange(len(line)) - np.repeat(first, count)
+    return line, length[line] / 2 + (number - (count[line] - 1) / 2) * period
+
+
+def line_strips(lines: Polylines, lateral: ArrayLike, width: float) -> NDArray[Any]:
+    """Return strips that follow lines at a distance, as (n,) shapely Polygons.
+
+    Parameters
+    ----------
+    lines
+        The lines.
+    lateral
+        (n,) float, metres to the left of each line, negative to the right.
+    width
+        Width of the strips, metres.
+    """
+    if not lines.count:
+        return np.zeros(0, dtype=object)
+    owner = lines.line_of_point()
+    lateral = np.asarray(lateral, dtype=float)[owner]
+    miter = miters(lines)
+    left = lines.points + miter * (lateral + width / 2)[:, None]
+    right = lines.points + miter * (lateral - width / 2)[:, None]
+    # Forth along the left side and back along the right one.
+    ring = np.concatenate([left, right])
+    ring_owner = np.concatenate([owner, owner])
+    step = np.arange(len(owner))
+    order = np.lexsort((np.concatenate([step, 3 * len(owner) - step]), ring_owner))
+    return np.asarray(shapely.polygons(shapely.linearrings(ring[order], indices=ring_owner[order])))
+
+
+def miters(lines: Polylines) -> FloatArray:
+    """(p, 2) left-hand vectors at the points, long enough to keep a parallel line parallel."""
+    first, _ = segments(lines)
+    step = lines.points[first + 1] - lines.points[first]
+    normal = np.column_stack([-step[:, 1], step[:, 0]])
+    normal /= np.maximum(np.hypot(*step.T), 1e-9)[:, None]
+    total = np.zeros_like(lines.points)
+    np.add.at(total, first, normal)
+    np.add.at(total, first + 1, normal)
+    size = np.hypot(*total.T)
+    unit = total / np.maximum(size, 1e-9)[:, None]
+    inner = np.zeros(len(lines.points), bool)
+    inner[first] = True
+    inner[lines.start[:-1]] = False
+    # Half the sum of two unit normals is the cosine of half the turn; beyond 2 the corner is cut.
+    stretch = np.where(inner, np.minimum(2.0 / np.maximum(size, 1e-9), 2.0), 1.0)
+    return np.asarray(unit * stretch[:, None])

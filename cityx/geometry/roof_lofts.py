@@ -1,0 +1,230 @@
+"""Roofs made of shrunken outlines: domes, spires, onions, mansards, parapets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.geometry.extrude import Plan, plan_of, roofed
+from cityx.geometry.polygons import (
+    FloatArray,
+    Rings,
+    offset_points,
+    polygons_of,
+    rings_of,
+    select_rings,
+)
+from cityx.geometry.solids import ROOF, TRIM, WALL, Solids, as_quads, no_solids
+
+_QUARTER = np.linspace(0.0, np.pi / 2, 9)[1:-1]
+# (radius, height) of the rings between the eave (1, 0) and the apex (0, 1).
+LOFTS: Mapping[str, tuple[tuple[float, float], ...]] = MappingProxyType(
+    {
+        "pyramidal": (),
+        "dome": tuple((float(np.cos(a)), float(np.sin(a))) for a in _QUARTER),
+        "onion": ((0.92, 0.08), (1.02, 0.2), (1.06, 0.3), (1.0, 0.42), (0.82, 0.55),
+                  (0.55, 0.68), (0.3, 0.8), (0.12, 0.9)),
+    }
+)  # fmt: skip
+STAR_SHARE = 1e-3  # square metres; the least triangle between the centre and an edge
+
+
+def loft_roofs(
+    polygons: NDArray[Any],
+    kind: str,
+    low: FloatArray,
+    eave: FloatArray,
+    rise: FloatArray,
+    zero: FloatArray,
+) -> Solids:
+    """Raise outlines under a roof that shrinks toward the centre.
+
+    An outline with a courtyard, or one whose centre does not see all of its edges, has no such
+    roof and is left out.
+
+    Parameters
+    ----------
+    polygons
+        (n,) valid polygons; empty ones are passed over.
+    kind
+        Key of `LOFTS`.
+    low, eave, rise, zero
+        (n,) metres, as in `cityx.geometry.roof_profiles.profile_roofs`.
+    """
+    polygons = shapely.orient_polygons(np.asarray(polygons, dtype=object))
+    count = len(polygons)
+    rings = rings_of(polygons)
+    centre = np.nan_to_num(shapely.get_coordinates(shapely.centroid(polygons)))
+    full = np.zeros((count, 2))
+    full[~shapely.is_empty(polygons)] = centre
+    part = rings.polygon[rings.ring_of_point]
+    spoke = rings.points - full[part]
+    sees = np.cross(spoke, spoke[rings.following()]) / 2
+    blind = np.bincount(part, sees < STAR_SHARE, minlength=count) > 0
+    chosen = ~blind & (np.bincount(rings.polygon, minlength=count) == 1)
+    outlines = np.where(chosen, polygons, shapely.Polygon())
+    plan = plan_of(outlines)
+    rings = plan.rings
+    if len(rings.polygon) == 0:
+        return no_solids()
+    part = plan.part_of_point
+    spoke = rings.points - full[part]
+    size = len(rings.points)
+    levels = LOFTS[kind]
+    steps = [
+        np.column_stack([full[part] + spoke * radius, eave[part] + rise[part] * height])
+        for radius, height in levels
+    ]
+    rows = rings.polygon
+    apex = np.column_stack([full[rows], (eave + rise)[rows]])
+    after = rings.following()
+    index = np.arange(size)
+    faces = [
+        np.column_stack([index, after, after + size, index + size]) + level * size
+        for level in range(len(levels))
+    ]
+    last = len(levels) * size
+    tip = (len(levels) + 1) * size + rings.ring_of_point
+    faces.append(as_quads(np.column_stack([index + last, after + last, tip])))
+    return roofed(
+        plan,
+        low,
+        eave[part],
+        zero,
+        np.concatenate(faces),
+        np.tile(part, len(faces)),
+        extra=np.concatenate([*steps, apex]),
+        extra_part=np.concatenate([*([part] * len(steps)), rows]),
+    )
+
+
+def inset(
+    polygons: NDArray[Any], distance: FloatArray
+) -> tuple[Plan, FloatArray, Plan, NDArray[np.bool_]]:
+    """Draw outlines in by a distance, corner for corner.
+
+    Parameters
+    ----------
+    polygons
+        (n,) valid polygons.
+    distance
+        (n,) metres.
+
+    Returns
+    -------
+    outer, points, inner, sound
+        The outlines whose inset is an outline of the same rings inside them, the m points of the
+        inset in the order of the outer points, the inset's own triangles, and (n,) bool.
+    """
+    polygons = shapely.orient_polygons(np.asarray(polygons, dtype=object))
+    count = len(polygons)
+    rings = rings_of(polygons)
+    part = rings.polygon[rings.ring_of_point]
+    points, sound_ring = offset_points(rings, -distance[part])
+    sound = ~shapely.is_empty(polygons)
+    sound[rings.polygon[~sound_ring]] = False
+    moved = Rings(points, rings.start, rings.polygon, rings.hole)
+    moved, _ = select_rings(moved, sound)
+    shapes = polygons_of(moved, count)
+    sound &= shapely.is_valid(shapes) & (shapely.area(shapes) > 0)
+    inside = np.flatnonzero(sound)
+    sound[inside] = shapely.contains_properly(polygons[inside], shapes[inside])
+    outer = plan_of(np.where(sound, polygons, shapely.Polygon()))
+    inner = plan_of(np.where(sound, shapes, shapely.Polygon()))
+    return outer, inner.rings.points, inner, sound
+
+
+def _deck(
+    outer: Plan,
+    inner: Plan,
+    low: FloatArray,
+    head: FloatArray,
+    rim: FloatArray,
+    deck: FloatArray | None,
+    zero: FloatArray,
+    rim_role: int,
+) -> Solids:
+    """Walls up to `head`, a rim to the inset at `rim`, and a deck in it at `deck` or at `rim`."""
+    rings = outer.rings
+    part = outer.part_of_point
+    size = len(rings.points)
+    after = rings.following()
+    index = np.arange(size)
+    upper = np.column_stack([inner.rings.points, rim[part]])
+    band = np.column_stack([index, after, after + size, index + size])
+    if deck is None:
+        faces = np.concatenate([band, as_quads(inner.triangles + size)])
+        roof_part = np.concatenate([part, inner.owner])
+        role = np.repeat(np.array([rim_role, ROOF], np.int8), [size, len(inner.triangles)])
+        extra, extra_part = upper, part
+    else:
+        lower = np.column_stack([inner.rings.points, deck[part]])
+        back = np.column_stack([index + size, after + size, after + 2 * size, index + 2 * size])
+        faces = np.concatenate([band, back, as_quads(inner.triangles + 2 * size)])
+        roof_part = np.concatenate([part, part, inner.owner])
+        role = np.repeat(
+            np.array([rim_role, WALL, ROOF], np.int8), [size, size, len(inner.triangles)]
+        )
+        extra, extra_part = np.concatenate([upper, lower]), np.concatenate([part, part])
+    return roofed(
+        outer,
+        low,
+        head[part],
+        zero,
+        faces,
+        roof_part,
+        extra=extra,
+        extra_part=extra_part,
+        role=role,
+    )
+
+
+def parapet_roofs(
+    polygons: NDArray[Any],
+    thickness: FloatArray,
+    height: FloatArray,
+    low: FloatArray,
+    top: FloatArray,
+    zero: FloatArray,
+) -> Solids:
+    """Raise outlines to level roofs behind a parapet; those too narrow for one are left out.
+
+    Parameters
+    ----------
+    polygons
+        (n,) valid polygons; empty ones are passed over.
+    thickness, height
+        (n,) of the parapet, metres; the deck lies `height` below the top.
+    low, top, zero
+        (n,) foot, head of the parapet, zero of the wall texture.
+    """
+    outer, _, inner, _ = inset(polygons, thickness)
+    return _deck(outer, inner, low, top, top, top - height, zero, TRIM)
+
+
+def rimmed_roofs(
+    polygons: NDArray[Any],
+    run: FloatArray,
+    low: FloatArray,
+    eave: FloatArray,
+    rise: FloatArray,
+    zero: FloatArray,
+) -> Solids:
+    """Raise outlines under a level roof with a sloping rim (mansard); narrow ones are left out.
+
+    Parameters
+    ----------
+    polygons
+        (n,) valid polygons; empty ones are passed over.
+    run
+        (n,) metres in plan over which the rim rises.
+    low, eave, rise, zero
+        (n,) metres, as in `cityx.geometry.roof_profiles.profile_roofs`.
+    """
+    outer, _, inner, _ = inset(polygons, run)
+    return _deck(outer, inner, low, eave, eave + rise, None, zero, ROOF)

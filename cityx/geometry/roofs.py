@@ -1,0 +1,428 @@
+"""Roofs: every part gets the shell its roof shape asks for, or the nearest one that closes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+
+from cityx.geometry.eaves import eave_bodies, overhang_points
+from cityx.geometry.extrude import aligned, prisms, weld_touching
+from cityx.geometry.polygons import FloatArray, IntArray, Rings, rings_of
+from cityx.geometry.roof_lofts import LOFTS, loft_roofs, parapet_roofs, rimmed_roofs
+from cityx.geometry.roof_profiles import PROFILES, Frames, profile_roofs
+from cityx.geometry.roof_skeletons import HALF, is_rectangle, rectangle_roofs, skeleton_roofs
+from cityx.geometry.solids import (
+    ROOF,
+    Solids,
+    area_vectors,
+    join_solids,
+    open_parts,
+    volumes_by_group,
+)
+
+# Shapes that are built as such; "wings" is gabled with one ridge per wing, "block" has no roof.
+SHAPES = (
+    "flat", "gabled", "skillion", "gambrel", "saltbox", "double_saltbox", "butterfly", "round",
+    "sawtooth", "hipped", "half-hipped", "side_hipped", "mansard", "rimmed", "pyramidal", "dome",
+    "onion",
+)  # fmt: skip
+# Values of roof:shape that mean one of them. Anything else that is not known is flat.
+SYNONYMS: Mapping[str, str] = MappingProxyType(
+    {
+        "lean_to": "skillion", "shed": "skillion", "mono_pitched": "skillion",
+        "pitched": "gabled", "gable": "gabled", "half_gabled": "gabled",
+        "crosspitched": "gabled", "cross_gabled": "gabled", "gabled_row": "gabled",
+        "gabled_height_moved": "saltbox", "dutch_gabled": "half-hipped",
+        "hip": "hipped", "hipped-and-gabled": "half-hipped", "half_hipped": "half-hipped",
+        "half-hip": "half-hipped", "jerkinhead": "half-hipped", "side_half-hipped": "side_hipped",
+        "side-hipped": "side_hipped", "tented": "pyramidal", "pyramid": "pyramidal",
+        "cone": "pyramidal", "conical": "pyramidal", "spire": "pyramidal",
+        "quadruple_saltbox": "rimmed", "mansard_hipped": "mansard", "zollinger": "round",
+        "barrel": "round", "arched": "round", "arch": "round", "vault": "round",
+        "dome_small": "dome", "hemisphere": "dome", "onion_dome": "onion",
+        "saw_tooth": "sawtooth", "sawtoothed": "sawtooth",
+    }
+)  # fmt: skip
+# What is tried next when a shell does not close or its outline does not admit the shape.
+NEXT: Mapping[str, str] = MappingProxyType(
+    {
+        "wings": "gabled", "half-hipped": "hipped", "side_hipped": "hipped", "hipped": "gabled",
+        "mansard": "hipped", "rimmed": "hipped", "pyramidal": "hipped", "dome": "hipped",
+        "onion": "dome", "flat": "block",
+    }
+)  # fmt: skip
+EAVED = frozenset({"gabled", "skillion", "gambrel", "saltbox", "double_saltbox", "wings",
+                   "hipped", "half-hipped", "side_hipped"})  # fmt: skip
+MIN_RISE = 0.15  # metres; a lower roof is level
+WING_FILL = 0.82  # share of its rectangle below which a gabled house has wings
+MAX_WING_POINTS = 40
+STEEP_RUN = 0.36  # plan metres per metre of rise of a mansard's rim (70 degrees)
+RIM_SHARE = 0.22  # of the short side that a sloping rim takes at most
+TOOTH = 7.0  # metres, the usual bay of a sawtooth roof
+SNAP_TURN = np.radians(10.0)  # a tagged direction this close to a wall means the wall's
+PARAPET_THICKNESS = 0.3  # metres
+AREA_TOLERANCE = 5e-3  # share of the plan by which a roof may miss it
+LOOSE_TOLERANCE = 0.05  # the same for a block, the last resort, drawn in to come off itself
+HEIGHT_TOLERANCE = 0.05  # metres
+
+
+def roof_shape(value: str) -> str:
+    """Return the shape of `SHAPES` that a value of roof:shape means; unknown words are flat."""
+    word = value.strip().lower().replace(" ", "_")
+    word = SYNONYMS.get(word, word)
+    return word if word in SHAPES else "flat"
+
+
+@dataclass(frozen=True)
+class RoofBrief:
+    """What to raise: n parts, plain arrays that travel between processes.
+
+    Attributes
+    ----------
+    outlines
+        (n,) bytes, well-known binary of valid, oriented polygons; empty ones are passed over.
+    shape
+        (n,) words of `SHAPES`.
+    low, eave, top, zero
+        (n,) foot, eave, top, zero of the wall texture; metres.
+    direction
+        (n,) compass radians of the downward slope, or NaN.
+    across
+        (n,) bool, ridge across the longer side.
+    parapet
+        (n,) height of a flat roof's parapet, 0 for none.
+    overhang
+        (n,) metres.
+    free
+        (m,) bool per ring point: no neighbour beside the edge that starts there.
+    """
+
+    outlines: NDArray[Any]
+    shape: NDArray[np.str_]
+    low: FloatArray
+    eave: FloatArray
+    top: FloatArray
+    zero: FloatArray
+    direction: FloatArray
+    across: NDArray[np.bool_]
+    parapet: FloatArray
+    overhang: FloatArray
+    free: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class _Attempt:
+    """Shells of one shape and where its eaves run; `slope` is None for profiles."""
+
+    solids: Solids
+    rings: Rings | None = None
+    head: FloatArray | None = None
+    level: NDArray[np.bool_] | None = None
+    slope: FloatArray | None = None
+    frames: Frames | None = None
+
+
+def shell_batch(brief: RoofBrief) -> tuple[Solids, NDArray[np.str_]]:
+    """Raise parts to closed shells.
+
+    Returns
+    -------
+    solids, built
+        The shells, and (n,) the shape each part got: its own, one further down `NEXT`, "block", or
+        "" where not even a block closes.
+    """
+    polygons = shapely.from_wkb(brief.outlines)
+    count = len(polygons)
+    envelope = _envelopes(polygons)
+    angle = _ridge_angles(brief, envelope)
+    pending = np.array(_first_shapes(brief, polygons, envelope), dtype=object)
+    built = np.full(count, "", dtype=object)
+    pending[shapely.is_empty(polygons)] = ""
+    accepted: list[Solids] = []
+    while (pending != "").any():
+        kind = min(set(pending[pending != ""].tolist()), key=_ORDER.index)
+        rows = pending == kind
+        attempt = _attempt(
+            kind, np.where(rows, polygons, shapely.Polygon()), brief, angle, envelope
+        )
+        solids = _welded(attempt.solids, count)
+        good = rows & _sound(solids, polygons, brief, kind)
+        accepted.append(solids.of_parts(good))
+        if kind in EAVED:
+            accepted.append(_eaves(attempt, brief, good, count))
+        built[good] = kind
+        pending[rows] = ""
+        pending[rows & ~good] = NEXT.get(kind, "flat" if kind != "block" else "")
+    return join_solids(accepted), np.array(built, dtype=str)
+
+
+_ORDER = ("onion", "dome", "pyramidal", "mansard", "rimmed", "half-hipped", "side_hipped",
+          "hipped", "wings", "gabled", "skillion", "gambrel", "saltbox", "double_saltbox",
+          "butterfly", "round", "sawtooth", "flat", "block")  # fmt: skip
+
+
+def _envelopes(polygons: NDArray[Any]) -> FloatArray:
+    """(n, 4): direction of the longer side of the least rectangle, long side, short side, fill."""
+    found = np.tile([0.0, 1.0, 1.0, 1.0], (len(polygons), 1))
+    boxes = shapely.oriented_envelope(polygons)
+    rows = np.flatnonzero((shapely.get_type_id(boxes) == 3) & ~shapely.is_empty(boxes))
+    if len(rows) == 0:
+        return found
+    corner = shapely.get_coordinates(boxes[rows]).reshape(len(rows), 5, 2)
+    side = np.diff(corner[:, :3], axis=1)  # (n, 2, 2)
+    length = np.linalg.norm(side, axis=2)
+    # Of a square the side nearer to east counts, so that a last bit decides nothing.
+    angles = np.mod(np.arctan2(side[:, :, 1], side[:, :, 0]), np.pi)
+    square = np.abs(length[:, 0] - length[:, 1]) < 1e-3 * length.max(axis=1)
+    longer = np.argmax(length, axis=1)
+    nearer = np.argmin(np.round(np.abs(np.sin(angles)), 6), axis=1)
+    chosen = np.where(square, nearer, longer)
+    at = np.arange(len(rows))
+    found[rows, 0] = angles[at, chosen]
+    found[rows, 1] = length.max(axis=1)
+    found[rows, 2] = length.min(axis=1)
+    found[rows, 3] = shapely.area(polygons[rows]) / np.maximum(length.prod(axis=1), 1e-9)
+    return found
+
+
+def _ridge_angles(brief: RoofBrief, envelope: FloatArray) -> FloatArray:
+    """Direction of the ridges, radians from east, the downward slope on the left hand."""
+    along = envelope[:, 0] + np.where(brief.across, np.pi / 2, 0.0)
+    tagged = np.isfinite(brief.direction)
+    asked = -np.where(tagged, brief.direction, 0.0)
+    gap = np.mod(asked - envelope[:, 0] + np.pi / 4, np.pi / 2) - np.pi / 4
+    snapped = np.where(np.abs(gap) < SNAP_TURN, asked - gap, asked)
+    return np.where(tagged, snapped, along)
+
+
+def _first_shapes(brief: RoofBrief, polygons: NDArray[Any], envelope: FloatArray) -> Any:
+    """Shape to try first: low roofs are flat, gabled plans with wings get a ridge for each."""
+    shape = np.where(brief.top - brief.eave < MIN_RISE, "flat", brief.shape)
+    points = shapely.get_num_coordinates(polygons) - 1
+    winged = (
+        (shape == "gabled")
+        & ~np.isfinite(brief.direction)
+        & (envelope[:, 3] < WING_FILL)
+        & (points >= 6)
+        & (points <= MAX_WING_POINTS)
+    )
+    return np.where(winged, "wings", shape)
+
+
+def _attempt(
+    kind: str, polygons: NDArray[Any], brief: RoofBrief, angle: FloatArray, envelope: FloatArray
+) -> _Attempt:
+    """Build the shells of one shape."""
+    low, eave, zero = brief.low, brief.eave, brief.zero
+    rise = np.maximum(brief.top - eave, 1e-3)
+    if kind in PROFILES or kind == "sawtooth":
+        names = np.full(len(polygons), kind, dtype="U16")
+        if kind == "sawtooth":
+            turned = np.abs(np.sin(angle - envelope[:, 0])) > np.sqrt(0.5)
+            width = np.where(turned, envelope[:, 1], envelope[:, 2])
+            teeth = np.clip(np.rint(width / TOOTH), 1, 12).astype(int)
+            names = np.array([f"sawtooth_{number}" for number in teeth.tolist()])
+        roofs, frames = profile_roofs(polygons, names, angle, low, eave, rise, zero)
+        level = np.ones(len(roofs.rings.points), bool)
+        return _Attempt(roofs.solids, roofs.rings, roofs.eave_z, level, None, frames)
+    if kind in ("hipped", "side_hipped", "half-hipped", "wings"):
+        return _hipped(kind, polygons, brief, angle, rise)
+    if kind in LOFTS:
+        return _Attempt(loft_roofs(polygons, kind, low, eave, rise, zero))
+    if kind in ("mansard", "rimmed"):
+        steep = STEEP_RUN if kind == "mansard" else 1.0
+        run = np.minimum(steep * rise, RIM_SHARE * envelope[:, 2])
+        wide = rimmed_roofs(polygons, run, low, eave, rise, zero)
+        rest = polygons.copy()
+        rest[wide.face_part] = shapely.Polygon()
+        return _Attempt(join_solids([wide, rimmed_roofs(rest, run / 2, low, eave, rise, zero)]))
+    if kind == "flat":
+        return _flat(polygons, brief)
+    return _Attempt(prisms(polygons, low, brief.top, zero)[0])
+
+
+def _flat(polygons: NDArray[Any], brief: RoofBrief) -> _Attempt:
+    """Parapets where asked and possible (thick ones, then thin ones), plain tops elsewhere."""
+    done: list[Solids] = []
+    rest = polygons
+    for thickness in (PARAPET_THICKNESS, PARAPET_THICKNESS / 2):
+        asked = np.where(brief.parapet > 0, rest, shapely.Polygon())
+        solids = parapet_roofs(
+            asked,
+            np.full(len(rest), thickness),
+            brief.parapet,
+            brief.low,
+            brief.top,
+            brief.zero,
+        )
+        solids = solids.of_parts(~open_parts(solids, len(rest)))
+        done.append(solids)
+        got = np.zeros(len(rest), bool)
+        got[solids.face_part] = True
+        rest = np.where(got, shapely.Polygon(), rest)
+    done.append(prisms(rest, brief.low, brief.top, brief.zero)[0])
+    return _Attempt(join_solids(done))
+
+
+def _hipped(
+    kind: str, polygons: NDArray[Any], brief: RoofBrief, angle: FloatArray, rise: FloatArray
+) -> _Attempt:
+    """Rectangles by their closed form, the others by their skeleton."""
+    count = len(polygons)
+    low, eave, zero = brief.low, brief.eave, brief.zero
+    rectangle = is_rectangle(rings_of(polygons), count)
+    if kind == "wings":
+        rectangle[:] = False
+    simple = rectangle_roofs(
+        np.where(rectangle, polygons, shapely.Polygon()), kind, angle, low, eave, rise, zero
+    )
+    others = np.where(rectangle, shapely.Polygon(), polygons)
+    if kind == "side_hipped":
+        others = np.full(count, shapely.Polygon(), dtype=object)
+    ends = np.full(count, {"wings": 1.0, "half-hipped": HALF}.get(kind, 0.0))
+    general = skeleton_roofs(others, ends, low, eave, rise, zero)
+    return _Attempt(
+        join_solids([simple.solids, general.solids]),
+        _join_rings(simple.rings, general.rings),
+        np.concatenate([simple.eave_z, general.eave_z]),
+        np.concatenate([simple.level_edge, general.level_edge]),
+        simple.slope + general.slope,
+    )
+
+
+def _join_rings(first: Rings, second: Rings) -> Rings:
+    return Rings(
+        np.concatenate([first.points, second.points]),
+        np.concatenate([first.start, second.start[1:] + first.start[-1]]),
+        np.concatenate([first.polygon, second.polygon]),
+        np.concatenate([first.hole, second.hole]),
+    )
+
+
+def _welded(solids: Solids, count: int) -> Solids:
+    """Give shells whose outline touches itself in a point one vertex there."""
+    wrong = open_parts(solids, count)
+    if not wrong.any():
+        return solids
+    return join_solids([solids.of_parts(~wrong), weld_touching(solids.of_parts(wrong))])
+
+
+def _sound(
+    solids: Solids, polygons: NDArray[Any], brief: RoofBrief, kind: str
+) -> NDArray[np.bool_]:
+    """Tell which parts are closed, cover their plan and stay within their heights; (n,) bool."""
+    count = len(polygons)
+    part = solids.face_part
+    good = ~open_parts(solids, count)
+    good &= volumes_by_group(solids.vertices, solids.faces, part, count) > 0
+    vector = area_vectors(solids.vertices, solids.faces)
+    upward = np.bincount(part, np.maximum(vector[:, 2], 0.0), minlength=count)
+    area = shapely.area(polygons)
+    bulging = kind == "onion"
+    if not bulging:
+        tolerance = LOOSE_TOLERANCE if kind == "block" else AREA_TOLERANCE
+        good &= np.abs(upward - area) <= tolerance * area
+        size = np.linalg.norm(vector, axis=1)
+        hanging = (solids.role == ROOF) & (vector[:, 2] < -1e-3 * np.maximum(size, 1e-6))
+        good[part[hanging & (size > 1e-4)]] = False
+    z, owner = solids.vertices[:, 2], solids.vertex_part
+    outside = ~(z <= brief.top[owner] + HEIGHT_TOLERANCE) | ~(z >= brief.low[owner] - 1e-6)
+    good[owner[outside]] = False
+    return np.asarray(good)
+
+
+def _eaves(attempt: _Attempt, brief: RoofBrief, good: NDArray[np.bool_], count: int) -> Solids:
+    """Eave bodies of the accepted parts."""
+    rings, head, level = attempt.rings, attempt.head, attempt.level
+    if rings is None or head is None or level is None or len(rings.points) == 0:
+        return join_solids([])
+    part = rings.polygon[rings.ring_of_point]
+    allowed = good[part] & level & _free_edges(rings, brief)
+    distance = np.where(allowed, brief.overhang[part], 0.0)
+    frames = attempt.frames
+    if frames is not None:
+        distance = np.where(_rises_outward(rings, frames), 0.0, distance)
+    outer, active = overhang_points(rings, distance, count)
+    if frames is not None:
+        turned = (
+            -np.sin(frames.angle)[part] * outer[:, 0] + np.cos(frames.angle)[part] * outer[:, 1]
+        )
+        outer_z = frames.z_at(turned, part)
+    else:
+        slope = np.zeros(count) if attempt.slope is None else attempt.slope
+        outer_z = head - slope[part] * brief.overhang[part]
+    # An eave that would reach the ground belongs to no house.
+    sunk = outer_z - 1.0 < brief.low[part] + 0.5
+    active &= ~sunk & ~sunk[rings.following()]
+    solids = eave_bodies(rings, outer, active, head, outer_z, count)
+    return solids.of_parts(~open_parts(solids, count))
+
+
+def _rises_outward(rings: Rings, frames: Frames) -> NDArray[np.bool_]:
+    """Whether the roof over an edge rises outward; an eave there would top the building."""
+    part = rings.polygon[rings.ring_of_point]
+    middle = (rings.points + rings.points[rings.following()]) / 2
+    vector = rings.points[rings.following()] - rings.points
+    normal = np.column_stack([vector[:, 1], -vector[:, 0]])
+    normal /= np.maximum(np.hypot(*vector.T), 1e-9)[:, None]
+    inside = aligned(middle, part, frames.angle)[:, 1]
+    outside = aligned(middle + normal * 0.1, part, frames.angle)[:, 1]
+    return np.asarray(frames.z_at(outside, part) > frames.z_at(inside, part) + 1e-3)
+
+
+def _free_edges(rings: Rings, brief: RoofBrief) -> NDArray[np.bool_]:
+    """Whether each edge, perhaps a piece of an edge of the outline, has no neighbour."""
+    outline = rings_of(shapely.from_wkb(brief.outlines))
+    blocked = np.flatnonzero(~brief.free)
+    if len(blocked) == 0:
+        return np.ones(len(rings.points), bool)
+    part = rings.polygon[rings.ring_of_point]
+    middle = (rings.points + rings.points[rings.following()]) / 2
+    after = outline.following()
+    owner = outline.polygon[outline.ring_of_point]
+    order = np.argsort(owner[blocked], kind="stable")
+    blocked = blocked[order]
+    first = np.searchsorted(owner[blocked], part)
+    number = np.searchsorted(owner[blocked], part, side="right") - first
+    pair = np.repeat(np.arange(len(part)), number)
+    edge = blocked[
+        np.repeat(first, number)
+        + np.arange(len(pair))
+        - np.repeat(np.cumsum(number) - number, number)
+    ]
+    a, b = outline.points[edge], outline.points[after[edge]]
+    along = b - a
+    length = np.maximum(np.hypot(*along.T), 1e-9)
+    gap = middle[pair] - a
+    aside = np.abs(along[:, 0] * gap[:, 1] - along[:, 1] * gap[:, 0]) / length
+    place = (along * gap).sum(axis=1) / length
+    on = (aside < 0.01) & (place > -0.01) & (place < length + 0.01)
+    found = np.ones(len(part), bool)
+    found[pair[on]] = False
+    return found
+
+
+def chunks(count: int, size: int) -> list[slice]:
+    """Cut rows into runs of a fixed size, so that the number of processes changes nothing."""
+    return [slice(start, min(start + size, count)) for start in range(0, count, size)]
+
+
+def part_of_brief(brief: RoofBrief, rows: slice, points: IntArray) -> RoofBrief:
+    """Return the brief of some rows; `points` are the (n + 1,) offsets of their ring points."""
+    columns = {
+        each.name: getattr(brief, each.name)[rows] for each in fields(brief) if each.name != "free"
+    }
+    return RoofBrief(**columns, free=brief.free[points[rows.start] : points[rows.stop]])
+
+
+def as_shapes(values: ArrayLike) -> NDArray[np.str_]:
+    """Map (n,) values of roof:shape to words of `SHAPES`."""
+    words, index = np.unique(np.asarray(values, dtype=str), return_inverse=True)
+    known = np.array([roof_shape(str(word)) for word in words], dtype="U16")
+    return np.asarray(known[index.ravel()])

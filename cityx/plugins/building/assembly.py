@@ -1,0 +1,86 @@
+"""Assembly: solids of parts become one mesh object per building."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.city.mesh import MeshBatch
+from cityx.geometry.solids import NO_VERTEX, ROOF, TRIM, Solids
+
+if TYPE_CHECKING:
+    from cityx.assets.palettes import Finishes
+    from cityx.city.city import City
+
+TRIM_MATERIAL = "trim"
+
+
+def finishes_of(city: City) -> Finishes:
+    """Return materials and tints of every part of the city."""
+    from cityx.assets.palettes import finishes_for, region_of
+
+    region = region_of(city.frame.latitude, city.frame.longitude)
+    return finishes_for(city.layout, city.seed, style=city.style, region=region)
+
+
+def assemble(solids: Solids, building: NDArray[np.uint64], finishes: Finishes) -> MeshBatch:
+    """Group parts into objects, one per building, sorted by id.
+
+    Parameters
+    ----------
+    solids
+        Shells of n parts; parts without faces add nothing.
+    building
+        (n,) uint64, building of each part.
+    finishes
+        Materials and tints of the n parts.
+    """
+    present = np.zeros(len(building), bool)
+    present[solids.face_part] = True
+    ids = np.unique(building[present])
+    owner = np.searchsorted(ids, building)  # object of each part
+    vertex_owner, face_owner = owner[solids.vertex_part], owner[solids.face_part]
+    vertex_order = np.lexsort((solids.vertex_part, vertex_owner))
+    face_order = np.lexsort((solids.face_part, face_owner))
+    number = np.empty(len(vertex_order), np.int64)
+    number[vertex_order] = np.arange(len(vertex_order))
+    corners = solids.faces[face_order]
+    faces = np.where(corners == NO_VERTEX, NO_VERTEX, number[corners]).astype(np.int32)
+    names, material_of = _material_table(finishes)
+    role = solids.role[face_order].astype(np.int64)
+    part = solids.face_part[face_order]
+    tints = np.stack(
+        [
+            np.asarray(tint, np.float32).reshape(-1, 3)
+            for tint in (finishes.wall_tint, finishes.roof_tint, finishes.trim_tint)
+        ]
+    )  # (3, n, 3), in the order of the roles
+    return MeshBatch(
+        ids,
+        _starts(vertex_owner, len(ids)),
+        _starts(face_owner, len(ids)),
+        solids.vertices[vertex_order],
+        faces,
+        material_of[role, part].astype(np.int16),
+        names,
+        solids.uv[face_order],
+        tints[role, part],
+    )
+
+
+def _starts(owner: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    return np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=count))]).astype(np.int64)
+
+
+def _material_table(finishes: Finishes) -> tuple[tuple[str, ...], NDArray[np.int64]]:
+    """Names of all materials and the one of each (role, part)."""
+    wall = np.asarray(finishes.wall_material, dtype=str)
+    roof = np.asarray(finishes.roof_material, dtype=str)
+    words = np.concatenate([wall, roof, np.full(len(wall), TRIM_MATERIAL)])
+    names, index = np.unique(words, return_inverse=True)
+    table = np.asarray(index, np.int64).reshape(3, -1)
+    order = [0] * 3
+    order[ROOF], order[TRIM] = 1, 2
+    return tuple(str(name) for name in names), table[order]

@@ -1,0 +1,387 @@
+"""Dressing: what is put on walls around the openings."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.assets.materials import srgb_to_linear
+from cityx.assets.openings import DOORS
+from cityx.assets.shopfronts import fitting
+from cityx.assets.trims import BALCONY_WIDTH, SURROUND_HEIGHT, SURROUND_WIDTH, trim
+from cityx.geometry import facades
+from cityx.geometry.facades import Openings, bays_of
+from cityx.geometry.identity import choose, hash_ids, uniform
+from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.walls import WallTable
+from cityx.plugins.building.placing import Placing
+
+if TYPE_CHECKING:
+    from cityx.city.city import City
+    from cityx.plugins.building.facade import Facade
+
+PORTALS = {
+    "door_panel": "portal_panel", "door_double": "portal_double", "door_house": "portal_house",
+    "door_portal": "portal_church",
+}  # fmt: skip
+# How far heads stand out, so that their ends meet round corners.
+HEAD_DEPTH = {"cornice": 0.38, "coping": 0.07, "eaves_board": 0.15}
+JOINT = 0.01  # metres by which the pieces of a band overlap where its wall bends
+SKIN = 0.012  # metres; a faced ground floor stands out less than the panes of its windows
+BLOCK = 3.6  # metres of dressed stone in one piece
+MULLION_BAY = 1.5
+SPANDREL = 0.45  # metres of spandrel at each floor of a curtain wall
+_SHOP_SRGB = (
+    0x5E2420, 0x1F3B2C, 0x1C2A44, 0x262627, 0x4F3C2A, 0x6C5B30, 0x802B26, 0x2A4C57, 0x3C4A30,
+    0x5B4A60, 0x8C6C34, 0x33302D, 0x9A9890, 0x6F7B80, 0xB0A88E, 0x47586B,
+)  # fmt: skip
+_SHOP_TINTS = np.array([srgb_to_linear(color) for color in _SHOP_SRGB], np.float32) / 0.8
+_CLOTH_SRGB = (0x7A2A24, 0x2C4A38, 0x30405E, 0xB8A888, 0x8A6A3A, 0x3A3A3C, 0xC9C2B2, 0x6A3A44)
+_CLOTH_TINTS = np.array([srgb_to_linear(color) for color in _CLOTH_SRGB], np.float32) / 0.8
+_SIGN_SRGB = (0xB03A2E, 0x2A5A8C, 0x2E6B45, 0xC28A2C, 0x3A3A3C, 0xC8C6BE, 0x7A3A6A, 0xB86A2C)
+_SIGN_TINTS = np.array([srgb_to_linear(color) for color in _SIGN_SRGB], np.float32) / 0.8
+
+
+def opening_ids(placing: Placing, openings: Openings) -> NDArray[np.uint64]:
+    """Stable ids of openings: building, wall, storey, bay and role."""
+    cell = (openings.floor * 4096 + openings.bay + 2048) * 16 + openings.role
+    return placing.ids("facade/opening", openings.wall, cell)
+
+
+def tenants(
+    placing: Placing, shops: Openings, seed: int
+) -> tuple[NDArray[np.uint64], NDArray[np.float32]]:
+    """Who rents each shop bay: (k,) key, equal for the two bays of a shop, and (k, 3) colour."""
+    tenant = placing.ids("facade/tenant", shops.wall, shops.bay // 500 * 64 + shops.bay % 500 // 2)
+    return tenant, _pick(_SHOP_TINTS, seed, "facade/shop tint", tenant)
+
+
+def _pick(
+    table: NDArray[np.float32], seed: int, purpose: str, ids: NDArray[np.uint64]
+) -> NDArray[np.float32]:
+    return np.asarray(table[hash_ids(seed, purpose, ids) % np.uint64(len(table))])
+
+
+def dress(placing: Placing, found: Facade, city: City) -> None:
+    """Place surrounds, portals, balconies, bands, cornices, signs and fittings."""
+    _surrounds(placing, found)
+    _portals(placing, found)
+    _balconies(placing, found)
+    _coolers(placing, found, city.seed)
+    _signs(placing, found, city.seed)
+    _bands(placing, found, city.seed)
+    _curtain_walls(placing, found)
+
+
+def _by_name(
+    placing: Placing,
+    names: NDArray[np.str_],
+    wall: IntArray,
+    along: FloatArray,
+    z: FloatArray,
+    scale: tuple[FloatArray, FloatArray, FloatArray],
+    tint: NDArray[np.float32],
+    index: IntArray,
+    reach: FloatArray,
+) -> None:
+    for name in np.unique(names).tolist():
+        of = np.flatnonzero(names == name)
+        if name:
+            placing.add(
+                name, partial(trim, name), wall[of], along[of], z[of],
+                scale=(scale[0][of], scale[1][of], scale[2][of]), tint=tint[of], index=index[of],
+                reach=reach[of],
+            )  # fmt: skip
+
+
+def _cell(table: Openings) -> IntArray:
+    return np.asarray((table.floor * 4096 + table.bay + 2048) * 16 + table.role)
+
+
+def _surrounds(placing: Placing, found: Facade) -> None:
+    """Sills, lintels, architraves and pediments of windows."""
+    roles = (facades.WINDOW, facades.BACK, facades.GROUND)
+    table = found.openings.take(np.isin(found.openings.role, roles))
+    part = found.walls.part[table.wall]
+    street = found.fronts.street[table.wall]
+    rich = found.designs.surround[part]
+    # Pediments belong to the main floors, the others have flat frames.
+    upper = table.floor >= 3
+    rich = np.where((rich == "surround_pediment") & (upper | (table.floor % 2 == 0)),
+                    "surround_cap", rich)  # fmt: skip
+    ground = table.role == facades.GROUND
+    rich = np.where(np.isin(rich, ["surround_cap", "surround_pediment"]) & (upper | ground),
+                    "surround_flat", rich)  # fmt: skip
+    names = np.where(street, rich, found.designs.back[part])
+    one = np.ones(table.count)
+    _by_name(
+        placing, names, table.wall, table.along, table.low,
+        (table.width / SURROUND_WIDTH, one, table.height / SURROUND_HEIGHT),
+        found.finishes.trim_tint[part], _cell(table), table.width / 2,
+    )  # fmt: skip
+
+
+def _portals(placing: Placing, found: Facade) -> None:
+    table = found.openings.take(found.openings.role == facades.DOOR)
+    part = found.walls.part[table.wall]
+    for name, portal in PORTALS.items():
+        of = np.flatnonzero(found.designs.door[part] == name)
+        _, width, height = DOORS[name]
+        placing.add(
+            portal, partial(trim, portal), table.wall[of], table.along[of], table.low[of],
+            scale=(table.width[of] / width, 1.0, table.height[of] / height),
+            tint=found.finishes.trim_tint[part[of]], index=_cell(table)[of],
+            reach=table.width[of] / 2,
+        )  # fmt: skip
+
+
+def _balconies(placing: Placing, found: Facade) -> None:
+    table = found.openings.take(found.openings.role == facades.FRENCH)
+    part = found.walls.part[table.wall]
+    bay = bays_of(found.storey_walls, found.fronts)[2][table.wall]
+    name = found.designs.railing[part]
+    width = np.where(
+        name == "balcony_rail", table.width + 0.1, np.clip(0.92 * bay, table.width + 0.2, 3.4)
+    )
+    # A balcony ends before the end of its wall.
+    reach = np.minimum(table.along, found.walls.length[table.wall] - table.along) - 0.12
+    width = np.minimum(width, 2 * reach)
+    one = np.ones(table.count)
+    _by_name(
+        placing, name, table.wall, table.along, table.low - 0.04,
+        (width / BALCONY_WIDTH, one, one), found.finishes.trim_tint[part], _cell(table),
+        table.width / 2,
+    )  # fmt: skip
+
+
+def _coolers(placing: Placing, found: Facade, seed: int) -> None:
+    """Outdoor units under windows."""
+    table = found.openings.take(np.isin(found.openings.role, (facades.WINDOW, facades.BACK)))
+    part = found.walls.part[table.wall]
+    ids = opening_ids(placing, table)
+    wanted = uniform(seed, "facade/cooler", ids) < found.designs.cooling[part]
+    wanted &= (table.floor >= 1) & (table.width > 0.9)
+    of = np.flatnonzero(wanted)
+    placing.add(
+        "air_conditioner", partial(trim, "air_conditioner"), table.wall[of], table.along[of],
+        table.low[of] - 0.80, index=_cell(table)[of],
+    )  # fmt: skip
+
+
+def _signs(placing: Placing, found: Facade, seed: int) -> None:
+    """Name boards, awnings and hanging signs of shops."""
+    table = found.openings.take(found.openings.role == facades.SHOP)
+    tenant, tint = tenants(placing, table, seed)
+    cell = _cell(table)
+    top = table.low + table.height
+    kind = choose(seed, "facade/sign", tenant, (5, 3, 2))
+    names = np.array(["sign_fascia", "sign_box", "sign_letters"])[kind]
+    sign = _pick(_SIGN_TINTS, seed, "facade/sign tint", tenant)
+    tint = np.where((kind == 0)[:, None], tint, sign)
+    awned = uniform(seed, "facade/awning", tenant) < 0.32
+    cloth = _pick(_CLOTH_TINTS, seed, "facade/cloth", tenant)
+
+    def put(name: str, of: IntArray, z: FloatArray, colors: NDArray[np.float32], *,
+            along: FloatArray, wide: bool = True, out: float = 0.0) -> None:  # fmt: skip
+        width = (table.width[of] + 0.12) / 3.5 if wide else 1.0
+        placing.add(name, partial(fitting, name), table.wall[of], along[of], z[of],
+                    scale=(width, 1.0, 1.0), tint=colors[of], index=cell[of], out=out,
+                    reach=table.width[of] / 2 if wide else 0.1)  # fmt: skip
+
+    for name in ("sign_fascia", "sign_box", "sign_letters"):
+        put(name, np.flatnonzero(names == name), top + 0.03, tint, along=table.along)
+    put("awning", np.flatnonzero(awned), top - 0.02, cloth, along=table.along, out=0.16)
+    edge = table.along + table.width / 2 + 0.1
+    edge = np.minimum(edge, found.walls.length[table.wall] - 0.2)
+    blade = (uniform(seed, "facade/blade", tenant) < 0.3) & (table.bay % 2 == 0) & ~awned
+    put("sign_blade", np.flatnonzero(blade), top - 0.5, sign, along=edge, wide=False, out=0.1)
+    # Stacks of signs up the corners of the trading streets of East Asia.
+    part = found.walls.part[table.wall]
+    tall = found.walls.z_high[table.wall] - top > 6.5
+    stack = (found.designs.style[part] == "asian") & tall & (table.bay == 0)
+    stack &= uniform(seed, "facade/stack", placing.building[table.wall]) < 0.6
+    put("sign_tower", np.flatnonzero(stack), top + 1.4, sign, along=table.along * 0 + 0.35,
+        wide=False)  # fmt: skip
+
+
+def _bands(placing: Placing, found: Facade, seed: int) -> None:
+    """Cornices, string courses, faced ground floors and rain pipes."""
+    walls, part = found.walls, found.walls.part.astype(np.int64)
+    fronts, storeys = found.fronts, found.storeys
+    trims = found.finishes.trim_tint
+    number = np.arange(walls.count)
+    open_top = (walls.blind_to < walls.z_high - 0.4) & (walls.open_to > walls.z_high - 0.05)
+    before, after = corner_reach(walls)
+    # Heads: the street gets the ornament, yards a plain coping.
+    head = found.designs.head[part]
+    head = np.where((head == "cornice") & ~fronts.street, "", head)
+    reserve = walls.z_high - found.storey_walls.z_high
+    height = walls.z_high - walls.z_low
+    wanted = open_top & (walls.length > 0.4) & (height > 2.6)
+    flat = _flat_roofs(found)[part]
+    wanted &= flat | (head == "cornice")
+    z = np.where(head == "cornice", found.storey_walls.z_high + 0.35 * reserve + 0.1, walls.z_high)
+    z = np.minimum(z, np.where(flat, walls.z_high, walls.z_high - 0.12))
+    for name, depth in HEAD_DEPTH.items():
+        of = number[wanted & (head == name)]
+        _band(placing, name, of, z[of], trims[part[of]], depth * before[of], depth * after[of])
+    # String course under the first upper floor.
+    first = np.minimum(storeys.first + 1, storeys.count)
+    level = storeys.floor_of(number, first)
+    base_free = (walls.blind_to < level - 0.2) & fronts.grounded & (storeys.count > 1)
+    base_free &= (level < found.storey_walls.z_high - 1.5) & fronts.street & (walls.length > 1.0)
+    base_free &= level - fronts.foot > 2.2
+    of = number[base_free & found.designs.string[part]]
+    start, end = 0.13 * before[of], 0.13 * after[of]
+    _band(placing, "string_course", of, level[of] + 0.02, trims[part[of]], start, end)
+    _faced(placing, found, base_free, level)
+    pipe = found.designs.pipe[part] & (walls.edge_from < 0.01) & (walls.length > 3.2)
+    pipe &= (walls.blind_to <= walls.z_low + 0.05) & fronts.grounded & open_top
+    of = number[pipe]
+    placing.add(
+        "downpipe", partial(trim, "downpipe"), of, np.full(len(of), 0.1), walls.z_low[of] - 0.1,
+        scale=(1.0, 1.0, found.storey_walls.z_high[of] - walls.z_low[of] + 0.1),
+    )  # fmt: skip
+    del seed
+
+
+def _band(
+    placing: Placing,
+    name: str,
+    wall: IntArray,
+    z: FloatArray,
+    tint: NDArray[np.float32],
+    start: FloatArray,
+    end: FloatArray,
+    *,
+    depth: float = 1.0,
+    height: FloatArray | float = 1.0,
+    index: IntArray | int = 0,
+) -> None:
+    """Run a band along whole walls, following their faces, `start` and `end` metres beyond."""
+    walls = placing.walls
+    row, begin, finish = placing.faces.pieces(walls, wall)
+    at_end = np.ones(len(row), bool)
+    at_end[:-1] = row[1:] != row[:-1]
+    reach = (finish - begin) / 2
+    middle = (begin + finish) / 2
+    begin = begin - np.where(begin == 0, start[row], JOINT)
+    finish = finish + np.where(at_end, end[row], JOINT)
+    tall = np.broadcast_to(np.asarray(height, float), (len(wall),))[row]
+    number = np.broadcast_to(np.asarray(index), (len(wall),))[row] * 1_000_000
+    placing.add(
+        name, partial(trim, name), wall[row], (begin + finish) / 2, z[row],
+        scale=(finish - begin, depth, tall), tint=np.asarray(tint)[row],
+        index=number + np.rint(1000 * middle).astype(np.int64), reach=reach,
+    )  # fmt: skip
+
+
+def _flat_roofs(found: Facade) -> NDArray[np.bool_]:
+    """(n,) whether the eave of a part is its top."""
+    return np.asarray(found.volumes.top - found.volumes.eave < 0.15)
+
+
+def _faced(placing: Placing, found: Facade, wanted: NDArray[np.bool_], level: FloatArray) -> None:
+    """Face ground floors with dressed stone or smooth paint."""
+    walls, part = found.walls, found.walls.part.astype(np.int64)
+    base = found.designs.base[part]
+    low = walls.z_low - 0.15
+    wall_tint = found.finishes.wall_tint
+    stone = np.flatnonzero(wanted & (base == "stone") & (walls.length > 1.2))
+    of_wall, begin, finish = placing.faces.pieces(walls, stone)
+    count = np.maximum(1, np.round((finish - begin) / BLOCK)).astype(np.int64)
+    of_piece = np.repeat(np.arange(len(begin)), count)
+    number = np.arange(len(of_piece)) - np.repeat(np.cumsum(count) - count, count)
+    row = stone[of_wall[of_piece]]
+    length = ((finish - begin) / count)[of_piece]
+    along = begin[of_piece] + (number + 0.5) * length
+    high = level[row] - low[row]
+    placing.add(
+        "band_stone", partial(trim, "band_stone"), row, along, low[row],
+        scale=(length / BLOCK, 1.0, high / BLOCK), tint=0.9 * found.finishes.trim_tint[part[row]],
+        index=np.rint(1000 * along).astype(np.int64), reach=length / 2,
+    )  # fmt: skip
+    paint = np.flatnonzero(wanted & (base == "paint"))
+    pale = np.isin(found.designs.style[part[paint]], ["georgian", "walkup"])
+    tint = np.where(
+        pale[:, None], found.finishes.trim_tint[part[paint]], 0.72 * wall_tint[part[paint]]
+    )
+    none = np.zeros(len(paint))
+    _band(placing, "band_paint", paint, low[paint], tint, none, none, depth=SKIN,
+          height=level[paint] - low[paint])  # fmt: skip
+
+
+def _curtain_walls(placing: Placing, found: Facade) -> None:
+    """Mullions over the whole height and spandrels at the floors of glass walls."""
+    walls, part = found.walls, found.walls.part.astype(np.int64)
+    open_from = np.maximum(walls.blind_to, walls.z_low)
+    height = walls.z_high - open_from
+    rows = np.flatnonzero(
+        (found.fronts.mode == facades.CURTAIN) & (walls.length > 1.0) & (height > 2.0)
+    )
+    tint = found.finishes.frame_tint
+    count = np.maximum(1, np.round(walls.length[rows] / MULLION_BAY)).astype(np.int64) + 1
+    row = np.repeat(rows, count)
+    number = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    step = (walls.length[row] - 0.08) / np.repeat(count - 1, count)
+    # Mullions stop above the doors and shops of the ground floor.
+    storeys = found.storeys
+    clear = np.where(
+        found.fronts.grounded & (storeys.count > 1),
+        storeys.floor_of(np.arange(walls.count), np.minimum(storeys.first + 1, storeys.count)),
+        walls.z_low,
+    )
+    foot = np.maximum(open_from, clear)[row]
+    tall = walls.z_high[row] - foot
+    keep = tall > 0.5
+    placing.add(
+        "band_frame", partial(trim, "band_frame"), row[keep], (0.04 + number * step)[keep],
+        foot[keep], scale=(0.06, 0.11, tall[keep]), tint=tint[part[row[keep]]],
+        index=number[keep],
+    )  # fmt: skip
+    floors = storeys.count[rows] + 1
+    row = np.repeat(rows, floors)
+    floor = np.arange(len(row)) - np.repeat(np.cumsum(floors) - floors, floors)
+    z = storeys.floor_of(row, floor) - 0.5 * SPANDREL
+    keep = (floor > storeys.first[row]) & (z > open_from[row]) & (z < walls.z_high[row] - SPANDREL)
+    row, floor, z = row[keep], floor[keep], z[keep]
+    none = np.zeros(len(row))
+    _band(placing, "band_frame", row, z, 0.8 * tint[part[row]], none, none, depth=0.05,
+          height=np.full(len(row), SPANDREL), index=10_000 + floor)  # fmt: skip
+
+
+def corner_reach(walls: WallTable) -> tuple[FloatArray, FloatArray]:
+    """How far things that stand out must run past the start and the end of a wall.
+
+    Returns
+    -------
+    before, after
+        (w,) as a share of how far they stand out: 1 at an outer corner, 0 where the wall goes on
+        straight, at an inner corner, and where a neighbour's wall begins.
+    """
+    place = np.rint(np.stack([walls.start, walls.end], axis=1) * 1000).astype(np.int64)  # (w, 2, 2)
+    part = np.repeat(walls.part.astype(np.int64)[:, None], 2, axis=1)
+    key = np.stack([part, place[..., 0], place[..., 1]], axis=-1).reshape(-1, 3)
+    _, code = np.unique(key, axis=0, return_inverse=True)
+    start_code, end_code = code.reshape(-1, 2).T
+    order = np.argsort(start_code, kind="stable")
+    at = np.minimum(np.searchsorted(start_code[order], end_code), max(walls.count - 1, 0))
+    following = order[at] if walls.count else np.zeros(0, np.int64)
+    joined = start_code[following] == end_code
+    turn = (
+        walls.normal[:, 0] * walls.normal[following, 1]
+        - walls.normal[:, 1] * walls.normal[following, 0]
+    )
+    meets = joined & (turn > 0.05)
+    free = walls.blind_to < walls.z_high - 0.4
+    # The mitre of an outer corner; sharp ones are cut off.
+    cosine = (walls.normal * walls.normal[following]).sum(axis=1)
+    mitre = np.sqrt(np.clip((1 - cosine) / np.maximum(1 + cosine, 0.2), 0.0, 1.5))
+    after = np.where(meets & free[following], mitre, 0.0)
+    before = np.zeros(walls.count)
+    before[following[meets]] = np.where(free, mitre, 0.0)[meets]
+    return before, after
+

@@ -1,0 +1,235 @@
+"""Facades: windows, doors, shopfronts and ornament on every wall."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+import shapely
+
+from cityx.assets.openings import DOORS, WINDOWS, door, window
+from cityx.assets.palettes import Finishes
+from cityx.assets.shopfronts import HEIGHT, WIDTH, shopfront
+from cityx.city.city import City
+from cityx.city.ground import KERB_HEIGHT
+from cityx.city.scene import Prototype
+from cityx.geometry import facades
+from cityx.geometry.facades import Fronts, Openings, Storeys, lay_out, storeys_of, wall_key
+from cityx.geometry.identity import choose, hash_ids, mix, uniform
+from cityx.geometry.wall_faces import wall_faces
+from cityx.geometry.walls import WallTable
+from cityx.plugins.building.assembly import finishes_of
+from cityx.plugins.building.dressing import dress, opening_ids, tenants
+from cityx.plugins.building.fronts import Designs, designs_of, fronts_of, lowered, reserve_of
+from cityx.plugins.building.placing import Placing, used
+from cityx.plugins.building.rooftop import furnish_roofs
+from cityx.plugins.building.volumes import Volumes, volumes_of, walls_of_volumes
+from cityx.protocol import action
+
+LAYERS = {
+    "windows": "window",
+    "doors": "door",
+    "shopfronts": "shopfront",
+    "trims": "trim",
+}
+MIN_LOD = 2
+# Shops burn their lights longer than flats.
+SHOP_LIGHTS = 2.0
+# The draw by which Blender lights rooms, so that a lit prototype and a lit pane never meet.
+LIT_DRAW = "blender/instance"
+WINDOW_ROLES = (facades.WINDOW, facades.BACK, facades.GROUND, facades.FRENCH)
+DRESSING_SHARES = (0.52, 0.16, 0.22, 0.10)
+GATE_TINTS = ((0.75, 0.75, 0.74), (0.5, 0.52, 0.53), (0.85, 0.84, 0.8), (0.22, 0.24, 0.25),
+              (0.32, 0.22, 0.16), (0.16, 0.22, 0.26))  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Facade:
+    """Everything known about the facades of a city before instances are made.
+
+    Attributes
+    ----------
+    volumes, walls, storey_walls
+        The volumes, their walls, and the walls up to the ceiling of the last storey.
+    finishes, designs
+        Per part.
+    fronts, storeys
+        Per wall.
+    openings
+        What the grammar placed.
+    """
+
+    volumes: Volumes
+    walls: WallTable
+    storey_walls: WallTable
+    finishes: Finishes
+    designs: Designs
+    fronts: Fronts
+    storeys: Storeys
+    openings: Openings
+
+
+def facade_of(city: City) -> Facade:
+    """Work out the openings of every wall of a city."""
+    volumes = volumes_of(city.layout, city.terrain)
+    walls = walls_of_volumes(volumes)
+    finishes = finishes_of(city)
+    designs = designs_of(finishes.facade, volumes.building, city.seed)
+    reserve = reserve_of(volumes, city.layout.parts, city.seed)
+    storey_walls = lowered(walls, reserve)
+    fronts = fronts_of(city, volumes, storey_walls, designs)
+    openings = lay_out(storey_walls, fronts, city.seed)
+    openings = _on_the_pavement(city, storey_walls, openings)
+    storeys = storeys_of(storey_walls, fronts)
+    return Facade(volumes, walls, storey_walls, finishes, designs, fronts, storeys, openings)
+
+
+@action(
+    "building/facade-v1",
+    limits=[
+        "Runs at level of detail 2 and above; below it changes nothing.",
+        "Openings lie on the walls; there are no rooms behind them.",
+        "Signs carry no text.",
+    ],
+    requires=("layout",),
+    labels=("facade", "windows", "doors", "shops", "balconies", "ornament"),
+)
+def facade(city: City) -> City:
+    """Give every building windows, doors, shopfronts, ornament and roof furniture.
+
+    Walls are split into storeys and bays; party walls stay blind. Shops lie on the ground floors of
+    commercial streets, and every building has one main door, at the pavement of its best street.
+    """
+    if city.lod < MIN_LOD:
+        return city
+    found = facade_of(city)
+    building = found.volumes.building[found.walls.part]
+    walled = np.where(found.volumes.walls, found.volumes.polygons, shapely.Polygon())
+    # Parts that stand on one another have walls in the same place.
+    own = city.layout.parts["id"].to_numpy(np.uint64)[found.walls.part]
+    key = mix(wall_key(found.walls) ^ own)
+    placing = Placing(found.walls, wall_faces(walled), building, key)
+    _place_windows(placing, found, city)
+    _place_doors(placing, found, city)
+    _place_shopfronts(placing, found, city)
+    dress(placing, found, city)
+    scene = city.scene
+    for layer, kind in LAYERS.items():
+        scene = scene.with_instances(layer, *used(*placing.layer(kind)))
+    prototypes, rows = furnish_roofs(city, found.volumes, found.finishes)
+    scene = scene.with_instances("roof_furniture", *used(prototypes, rows))
+    return replace(city, scene=scene, stages_done=city.stages_done | {"building"})
+
+
+def _on_the_pavement(city: City, walls: WallTable, openings: Openings) -> Openings:
+    """Let doors and shopfronts down to the pavement before them; their heads stay."""
+    rows = np.flatnonzero(np.isin(openings.role, [*facades.DOORS, facades.SHOP]))
+    wall = openings.wall[rows]
+    unit = (walls.end - walls.start)[wall] / walls.length[wall, None]
+    at = walls.start[wall] + unit * openings.along[rows, None]
+    ground = city.terrain.height_at(at + 0.4 * walls.normal[wall]) + KERB_HEIGHT
+    low, height = openings.low.copy(), openings.height.copy()
+    drop = np.clip(low[rows] - ground, 0.0, 4.0)
+    low[rows] -= drop
+    shop = openings.role[rows] == facades.SHOP
+    height[rows] += np.where(shop, np.minimum(drop, 0.8), 0.0)
+    return replace(openings, low=low, height=height)
+
+
+def _place_windows(placing: Placing, found: Facade, city: City) -> None:
+    rows = np.flatnonzero(np.isin(found.openings.role, WINDOW_ROLES))
+    table = found.openings.take(rows)
+    ids = opening_ids(placing, table)
+    part = found.walls.part[table.wall]
+    name = found.designs.window[part]
+    name = np.where(table.role == facades.FRENCH, "window_french", name)
+    # Narrow walls and stairs take the small window rather than a squeezed one.
+    known, index = np.unique(name, return_inverse=True)
+    size = np.array([WINDOWS[word][1:] for word in known.tolist()], float).reshape(-1, 2)
+    size = size[index] if len(name) else np.zeros((0, 2))
+    squeezed = (table.width < 0.62 * size[:, 0]) & (name != "window_arched")
+    name = np.where(squeezed, "window_small", name)
+    size[squeezed] = WINDOWS["window_small"][1:]
+    dressing = choose(city.seed, "facade/dressing", ids, DRESSING_SHARES)
+    lit = uniform(city.seed, LIT_DRAW, ids) < city.environment.night_lights
+    dressing = np.where(lit & (dressing == 3), 0, dressing)
+    tint = found.finishes.frame_tint[part]
+    arched = name == "window_arched"
+    tint = np.where(arched[:, None], found.finishes.trim_tint[part], tint)
+    code = np.unique(name, return_inverse=True)[1] * 8 + dressing * 2 + lit
+    for value in np.unique(code).tolist():
+        of = np.flatnonzero(code == value)
+        word, which, on = str(name[of[0]]), int(value % 8 // 2), bool(value % 2)
+        make = partial(window, word, which, lit=on)
+        placing.add(
+            f"{word}_{which}{'_lit' if on else ''}", make,
+            table.wall[of], table.along[of], table.low[of],
+            scale=(table.width[of] / size[of, 0], 1.0, table.height[of] / size[of, 1]),
+            tint=tint[of], ids=ids[of], reach=table.width[of] / 2,
+        )  # fmt: skip
+
+
+def _place_doors(placing: Placing, found: Facade, city: City) -> None:
+    rows = np.flatnonzero(np.isin(found.openings.role, facades.DOORS))
+    table = found.openings.take(rows)
+    ids = opening_ids(placing, table)
+    part = found.walls.part[table.wall]
+    fixed = {facades.SERVICE: "door_service", facades.GARAGE: "door_garage",
+             facades.ROLLER: "door_roller"}  # fmt: skip
+    name = found.designs.door[part]
+    for role, word in fixed.items():
+        name = np.where(table.role == role, word, name)
+    name = np.where((name == "door_portal") & (table.height < 2.9), "door_panel", name)
+    name = np.where((name == "door_double") & (table.width < 1.5), "door_panel", name)
+    gates = np.array(GATE_TINTS)
+    gate = gates[hash_ids(city.seed, "facade/gate tint", placing.building[table.wall])
+                 % np.uint64(len(gates))]  # fmt: skip
+    tint = np.where(
+        (name == "door_glass")[:, None],
+        found.finishes.frame_tint[part],
+        found.finishes.accent_tint[part],
+    )
+    tint = np.where(np.isin(name, ["door_garage", "door_roller"])[:, None], gate, tint)
+    for word in np.unique(name).tolist():
+        of = np.flatnonzero(name == word)
+        _, width, height = DOORS[word]
+        placing.add(
+            word, partial(door, word), table.wall[of], table.along[of], table.low[of],
+            scale=(table.width[of] / width, 1.0, table.height[of] / height),
+            tint=tint[of], ids=ids[of], reach=table.width[of] / 2,
+        )  # fmt: skip
+
+
+_SHOP_KINDS = ("shop_classic", "shop_modern", "shop_window", "shop_cafe", "shop_shutter")
+_OLD = (0.42, 0.12, 0.20, 0.22, 0.04)
+_NEW = (0.06, 0.52, 0.20, 0.16, 0.06)
+_OLD_STYLES = ("classic", "georgian", "mediterranean", "plain", "walkup", "cottage", "house")
+
+
+def _place_shopfronts(placing: Placing, found: Facade, city: City) -> None:
+    rows = np.flatnonzero(found.openings.role == facades.SHOP)
+    table = found.openings.take(rows)
+    ids = opening_ids(placing, table)
+    part = found.walls.part[table.wall]
+    tenant, tint = tenants(placing, table, city.seed)
+    old = np.isin(found.designs.style[part], _OLD_STYLES)
+    kind = np.where(
+        old,
+        choose(city.seed, "facade/shop kind", tenant, _OLD),
+        choose(city.seed, "facade/shop kind", tenant, _NEW),
+    )
+    # Of two bays of one shop the second is a display window.
+    kind = np.where((table.bay % 500 % 2 == 1) & (kind < 2), 2, kind)
+    share = min(1.0, SHOP_LIGHTS * city.environment.night_lights)
+    lit = uniform(city.seed, LIT_DRAW, ids) < share
+    for value in np.unique(kind * 2 + lit).tolist():
+        of = np.flatnonzero(kind * 2 + lit == value)
+        word, on = _SHOP_KINDS[value // 2], bool(value % 2)
+        make: Callable[[], Prototype] = partial(shopfront, word, lit=on)
+        placing.add(
+            word + ("_lit" if on else ""), make, table.wall[of], table.along[of], table.low[of],
+            scale=(table.width[of] / WIDTH, 1.0, table.height[of] / HEIGHT),
+            tint=tint[of], ids=ids[of], reach=table.width[of] / 2,
+        )  # fmt: skip

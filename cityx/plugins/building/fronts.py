@@ -1,0 +1,271 @@
+"""Fronts: what the facade grammar needs to know about every wall of a city."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.assets.facade_styles import FACADE_STYLES, FacadeStyle, Weighted
+from cityx.assets.openings import DOORS, WINDOWS
+from cityx.assets.palettes import GROUPS, groups_of, landuse_of, owner_rows
+from cityx.city.ground import KERB_HEIGHT
+from cityx.geometry import facades
+from cityx.geometry.facades import Fronts
+from cityx.geometry.frontage import door_walls, frontage_of
+from cityx.geometry.identity import choose, uniform
+from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.walls import WallTable
+from cityx.plugins.building.shell import PARAPET_HIGH, PARAPET_LOW, PARAPET_SHARE
+
+if TYPE_CHECKING:
+    from cityx.city.city import City
+    from cityx.plugins.building.volumes import Volumes
+
+Words = NDArray[np.str_]
+
+MODES = {
+    "punched": facades.PUNCHED, "strip": facades.STRIP, "curtain": facades.CURTAIN,
+    "hall": facades.HALL, "nave": facades.NAVE, "shed": facades.SHED,
+}  # fmt: skip
+# How much a street is worth as an address, and the share of its houses with shops.
+STREETS: dict[str, tuple[float, float]] = {
+    "primary": (3.0, 0.6), "secondary": (3.0, 0.62), "tertiary": (2.8, 0.55), "trunk": (2.5, 0.5),
+    "primary_link": (2.0, 0.3), "secondary_link": (2.0, 0.3), "tertiary_link": (2.0, 0.3),
+    "pedestrian": (3.0, 0.65), "living_street": (2.6, 0.3), "residential": (2.6, 0.28),
+    "unclassified": (2.6, 0.36), "road": (2.0, 0.2), "service": (1.0, 0.0), "track": (0.4, 0.0),
+}  # fmt: skip
+GROUNDED = 0.5  # metres; parts that begin lower stand on the ground
+MIN_DOOR_WALL = 1.4  # metres
+MIN_DOOR_ROOM = 2.05  # metres of height a door needs
+EAVE_ROOM = 0.25  # metres under the eave of a pitched roof, where the overhang hides the wall
+MIN_SHOP_STOREY = 2.9  # metres
+
+
+@dataclass(frozen=True)
+class Designs:
+    """What is drawn once per building, for each of n parts.
+
+    Attributes
+    ----------
+    style
+        (n,) name of the facade style.
+    window, surround, back, door, head, railing, base
+        (n,) names of prototypes, "" for none.
+    string, pipe
+        (n,) bool.
+    cooling
+        (n,) share of windows with an outdoor unit.
+    """
+
+    style: Words
+    window: Words
+    surround: Words
+    back: Words
+    door: Words
+    head: Words
+    railing: Words
+    base: Words
+    string: NDArray[np.bool_]
+    pipe: NDArray[np.bool_]
+    balcony: NDArray[np.bool_]
+    cooling: FloatArray
+
+
+def designs_of(style: Words, building: NDArray[np.uint64], seed: int) -> Designs:
+    """Draw window, surround, door and ornament of every part by its building."""
+    count = len(style)
+
+    def words() -> Words:
+        return np.full(count, "", "U20")
+
+    made = Designs(
+        style, words(), words(), words(), words(), words(), words(), words(),
+        np.zeros(count, bool), np.zeros(count, bool), np.zeros(count, bool), np.zeros(count),
+    )  # fmt: skip
+    for name in np.unique(style).tolist():
+        rows = np.flatnonzero(style == name)
+        rule: FacadeStyle = FACADE_STYLES[name]
+        ids = building[rows]
+
+        def draw(what: str, options: Weighted, ids: Any = ids) -> Words:
+            drawn = choose(seed, f"facade/{what}", ids, [weight for _, weight in options])
+            return np.array([word for word, _ in options], "U20")[drawn]
+
+        made.window[rows] = draw("window", rule.windows)
+        made.surround[rows] = draw("surround", rule.surrounds)
+        made.back[rows] = rule.back
+        made.door[rows] = draw("door", rule.doors)
+        made.head[rows] = draw("head", rule.heads)
+        made.railing[rows] = draw("railing", rule.balconies)
+        made.base[rows] = draw("base", rule.base)
+        made.string[rows] = uniform(seed, "facade/string", ids) < rule.string
+        made.balcony[rows] = uniform(seed, "facade/balconies", ids) < rule.balcony
+        made.pipe[rows] = rule.pipe
+        made.cooling[rows] = rule.cooling
+    return made
+
+
+def reserve_of(volumes: Volumes, parts: Any, seed: int) -> FloatArray:
+    """Metres below each part's eave that belong to parapet or eaves, (n,)."""
+    flat = parts["roof_shape"].to_numpy(str) == "flat"
+    ids = parts["id"].to_numpy(np.uint64)
+    parapet = PARAPET_LOW + (PARAPET_HIGH - PARAPET_LOW) * uniform(seed, "parapet", ids)
+    parapet = np.minimum(parapet, PARAPET_SHARE * (volumes.top - volumes.base))
+    room = 0.3 * (volumes.eave - volumes.base)
+    return np.minimum(np.where(flat, parapet, EAVE_ROOM), room)
+
+
+def lowered(walls: WallTable, reserve: FloatArray) -> WallTable:
+    """Take the parapet off the top of walls: what is left has storeys."""
+    high = walls.z_high - reserve[walls.part]
+    return replace(
+        walls,
+        z_high=high,
+        blind_to=np.minimum(walls.blind_to, high),
+        open_to=np.minimum(walls.open_to, high),
+    )
+
+
+def fronts_of(city: City, volumes: Volumes, walls: WallTable, designs: Designs) -> Fronts:
+    """Gather the facts of all walls.
+
+    Parameters
+    ----------
+    walls
+        Walls up to the ceiling of the last storey (`lowered`).
+    """
+    layout, seed = city.layout, city.seed
+    parts = layout.parts
+    part = walls.part.astype(np.int64)
+    building = volumes.building[part]
+    group = groups_of(layout, seed)
+    mode = np.array([MODES[FACADE_STYLES[name].mode] for name in designs.style.tolist()], int)[part]
+    kinds = layout.roads["kind"].to_numpy(str)
+    blocked = layout.roads["tunnel"].to_numpy(bool) | layout.roads["passage"].to_numpy(bool)
+    is_street = np.isin(kinds, list(STREETS)) & ~blocked
+    lines = layout.roads.geometry.to_numpy().copy()
+    lines[~is_street] = None
+    obstacles = np.where(volumes.walls, volumes.polygons, shapely.Polygon())
+    front = frontage_of(walls, lines, obstacles, volumes.base, volumes.eave)
+    kind = np.where(front.street >= 0, np.append(kinds, "")[front.street], "")
+    worth, share = _worth(kind)
+    grounded = parts["base"].to_numpy(float)[part] < GROUNDED
+    foot = np.where(grounded, _ground_at(city, walls), walls.z_low)
+
+    room = np.minimum(walls.z_high, walls.open_to) - foot
+    usable = grounded & (walls.length >= MIN_DOOR_WALL) & (room >= MIN_DOOR_ROOM)
+    usable &= walls.blind_to <= walls.z_low + 0.05
+    score = 10 * worth + np.minimum(walls.length, 14.0) - 0.4 * np.minimum(front.distance, 20.0)
+    score = score + np.minimum(front.free, 6.0) - 25.0 * (front.free < facades.CLOSE)
+    entrances, rank = _entrances(layout.points)
+    rows, along = door_walls(walls, building, usable, np.round(score, 3), entrances, rank)
+    door = np.zeros(walls.count, bool)
+    door[rows] = True
+    door_along = np.full(walls.count, np.nan)
+    door_along[rows] = along
+
+    shop = _shops(city, part, group, mode, worth, share, building)
+    size = _sizes(designs, building, part, seed)
+    levels = np.maximum(parts["levels"].to_numpy(np.int64), 1)[part]
+    tall = (walls.z_high - walls.z_low) / levels
+    shop &= (levels > 1) | (tall >= MIN_SHOP_STOREY)
+    shop &= grounded & (worth >= 2.0) & (walls.length >= 2.6)
+    ground_storey = np.where(shop, np.maximum(size["ground_storey"], 3.9), size["ground_storey"])
+    door_width, door_height = _door_sizes(designs.door[part], seed, building)
+    return Fronts(
+        building, mode, levels, foot, grounded,
+        worth >= 2.0, shop, designs.balcony[part], front.free,
+        size["bay"], size["width"], size["height"], size["sill"], ground_storey, size["corner"],
+        door, door_along, door_width, door_height,
+    )  # fmt: skip
+
+
+def _ground_at(city: City, walls: WallTable) -> FloatArray:
+    """Height of the pavement at walls, the highest of three places, (w,)."""
+    middle = (walls.start + walls.end) / 2
+    heights = [city.terrain.height_at(at) for at in (walls.start, middle, walls.end)]
+    return np.asarray(np.maximum.reduce(heights) + KERB_HEIGHT)
+
+
+def _worth(kind: Words) -> tuple[FloatArray, FloatArray]:
+    known, index = np.unique(kind, return_inverse=True)
+    table = np.array([STREETS.get(word, (0.0, 0.0)) for word in known.tolist()]).reshape(-1, 2)
+    both = table[index] if len(kind) else np.zeros((0, 2))
+    return both[:, 0], both[:, 1]
+
+
+def _entrances(points: Any) -> tuple[FloatArray, IntArray]:
+    rows = np.flatnonzero(points["kind"].to_numpy(str) == "entrance")
+    shapes = points.geometry.to_numpy()[rows]
+    tags = points["tags"].to_numpy(str)[rows]
+    rank = [0 if '"main"' in text else 2 if '"service"' in text or '"garage"' in text else 1
+            for text in tags.tolist()]  # fmt: skip
+    return np.column_stack([shapely.get_x(shapes), shapely.get_y(shapes)]), np.array(rank, int)
+
+
+def _shops(
+    city: City,
+    part: IntArray,
+    group: IntArray,
+    mode: IntArray,
+    worth: FloatArray,
+    share: FloatArray,
+    building: NDArray[np.uint64],
+) -> NDArray[np.bool_]:
+    """(w,) whether the ground floor behind a wall is let to shops."""
+    layout = city.layout
+    owner, described = owner_rows(layout)
+    place = np.full(len(layout.parts), "urban", "U8")
+    if len(layout.buildings):
+        place = np.where(described, layout.buildings["place"].to_numpy(str)[owner], place)
+    use = landuse_of(layout)
+    index = {name: number for number, name in enumerate(GROUPS)}
+    share = share * np.select([place == "core", place == "urban"], [1.7, 1.0], 0.12)[part]
+    share = np.where(np.isin(use, ["retail"])[part], np.maximum(share, 0.85), share)
+    share = np.where(np.isin(use, ["commercial"])[part], np.maximum(share, 0.5), share)
+    share = np.where((group == index["retail"])[part], 1.0, share)
+    share = np.where((group == index["office"])[part], share * 0.8 + 0.05, share)
+    no = np.isin(group, [index[name] for name in ("house", "industry", "worship", "civic", "shed")])
+    share = np.where(no[part], 0.0, share)
+    fit = np.isin(mode, [facades.PUNCHED, facades.STRIP, facades.CURTAIN]) & (worth >= 2.0)
+    return np.asarray(fit & (uniform(city.seed, "facade/shop", building) < share))
+
+
+def _sizes(
+    designs: Designs, building: NDArray[np.uint64], part: IntArray, seed: int
+) -> dict[str, FloatArray]:
+    """Measures of bays and windows per wall, each building a little different."""
+    names = designs.style
+    wanted = ("bay", "sill", "ground_storey", "corner")
+    rules = [FACADE_STYLES[name] for name in names.tolist()]
+    drawn = [WINDOWS[name][1:] for name in designs.window.tolist()]
+    table = {
+        name: np.array([getattr(rule, name) for rule in rules], float)[part] for name in wanted
+    }
+    scale = np.array([rule.scale for rule in rules], float).reshape(-1, 2)[part]
+    opening = np.array(drawn, float).reshape(-1, 2)[part]
+
+    def vary(what: str, amount: float) -> FloatArray:
+        return 1 + amount * (2 * uniform(seed, f"facade/{what}", building) - 1)
+
+    table["width"] = opening[:, 0] * scale[:, 0] * vary("width", 0.08)
+    table["height"] = opening[:, 1] * scale[:, 1] * vary("height", 0.09)
+    shutters = np.where(designs.window[part] == "window_shuttered", 1.25, 0.0)
+    table["bay"] = np.maximum(table["bay"] * vary("bay", 0.13), table["width"] + shutters + 0.45)
+    table["sill"] = table["sill"] * vary("sill", 0.15)
+    table["ground_storey"] = table["ground_storey"] * vary("ground", 0.08)
+    return table
+
+
+def _door_sizes(
+    door: Words, seed: int, building: NDArray[np.uint64]
+) -> tuple[FloatArray, FloatArray]:
+    known, index = np.unique(door, return_inverse=True)
+    table = np.array([DOORS[name][1:] for name in known.tolist()], float).reshape(-1, 2)
+    size = table[index] if len(door) else np.zeros((0, 2))
+    factor = 0.94 + 0.12 * uniform(seed, "facade/door", building)
+    return size[:, 0] * factor, size[:, 1] * factor

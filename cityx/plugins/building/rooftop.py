@@ -1,0 +1,259 @@
+"""Roof furniture: chimneys on pitched roofs, plant and stair heads on flat ones."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.assets.palettes import GROUPS, Finishes, groups_of
+from cityx.assets.roof_furniture import REACH, roof_furniture
+from cityx.city.scene import Instances, Prototype
+from cityx.geometry.identity import choose, hash_ids, uniform
+from cityx.geometry.polygons import FloatArray
+from cityx.plugins.building.fronts import reserve_of
+
+if TYPE_CHECKING:
+    from cityx.city.city import City
+    from cityx.plugins.building.volumes import Volumes
+
+EDGE = 0.7  # metres between a piece and the inner face of the parapet
+MIN_AREA = 45.0  # square metres; smaller flat roofs stay bare
+PER_PIECE = 110.0  # square metres of flat roof per piece
+MOST = 9  # pieces on one roof
+TRIES = 4
+CHIMNEY_TOP = 0.8  # metres a chimney stands above the ridge
+CHIMNEY = 3.0  # metres, drawn height of chimneys
+
+PIECES = tuple(REACH)
+_WEIGHTS = {  # by group; the order of the words is that of REACH
+    "flats": {"condenser": 3, "stair_head": 5, "antenna": 4, "dish": 2, "solar_panels": 3,
+              "vent": 4, "skylight": 3, "water_cistern": 1},
+    "office": {"hvac_unit": 7, "condenser": 3, "lift_house": 4, "stair_head": 2, "vent": 4,
+               "skylight": 1, "antenna": 1},
+    "retail": {"hvac_unit": 7, "condenser": 3, "vent": 3, "skylight": 4, "stair_head": 1},
+    "industry": {"skylight": 8, "vent": 6, "hvac_unit": 2},
+    "civic": {"hvac_unit": 3, "stair_head": 3, "vent": 3, "skylight": 4, "solar_panels": 3},
+    "house": {"antenna": 1, "solar_panels": 3, "vent": 2, "dish": 1},
+}  # fmt: skip
+
+
+def furnish_roofs(
+    city: City, volumes: Volumes, finishes: Finishes
+) -> tuple[list[Prototype], Instances]:
+    """Place everything that stands on roofs.
+
+    Returns
+    -------
+    prototypes, rows
+        Every piece lies wholly on the roof of its part; chimneys begin inside the roof.
+    """
+    group = groups_of(city.layout, city.seed)
+    flat = volumes.top - volumes.eave < 0.15
+    level = _on_flat(city, volumes, group, flat)
+    pitched = _chimneys(city, volumes, group, flat)
+    part, piece, x, y, z, height, yaw, number = (
+        np.concatenate(pair) for pair in zip(level, pitched, strict=True)
+    )
+    part, piece, number = part.astype(int), piece.astype(int), number.astype(int)
+    ids = city.layout.parts["id"].to_numpy(np.uint64)[part]
+    scale = np.ones((len(part), 3), np.float32)
+    scale[:, 2] = height
+    rotation = np.zeros((len(part), 3), np.float32)
+    rotation[:, 2] = yaw
+    # Stair heads and chimneys are of the house's own material; plant is as it comes.
+    own = np.isin(
+        piece, [PIECES.index(name) for name in ("stair_head", "lift_house", "chimney_small")]
+    )
+    brick = finishes.wall_material[part] == "brick"
+    red = np.array([0.42, 0.22, 0.16], np.float32)
+    tint = np.where(own[:, None], finishes.wall_tint[part], 1.0).astype(np.float32)
+    stack = piece == PIECES.index("chimney")
+    tint = np.where(
+        stack[:, None], np.where(brick[:, None], finishes.wall_tint[part], red), tint
+    ).astype(np.float32)
+    rows = Instances(
+        piece.astype(np.int32),
+        hash_ids(0, "facade/roof", ids, number),
+        volumes.building[part],
+        np.column_stack([x, y, z]),
+        rotation,
+        scale,
+        tint,
+    )
+    order = np.lexsort((rows.prototype, rows.object_id))
+    rows = Instances(
+        rows.prototype[order], rows.object_id[order], rows.owner[order], rows.position[order],
+        rows.rotation[order], rows.scale[order], rows.tint[order],
+    )  # fmt: skip
+    return [roof_furniture(name) for name in PIECES], rows
+
+
+def _axes(polygons: NDArray[Any]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Directions and middles of the smallest boxes around outlines: long, short, (n, 2) middle.
+
+    ``long`` and ``short`` are (n, 2) half axes.
+    """
+    boxes = shapely.oriented_envelope(polygons)
+    good = (shapely.get_type_id(boxes) == 3) & ~shapely.is_empty(boxes)
+    corner = np.zeros((len(polygons), 5, 2))
+    corner[good] = shapely.get_coordinates(boxes[good]).reshape(-1, 5, 2)
+    a, b = (corner[:, 1] - corner[:, 0]) / 2, (corner[:, 2] - corner[:, 1]) / 2
+    longer = np.hypot(*a.T) >= np.hypot(*b.T)
+    long_axis = np.where(longer[:, None], a, b)
+    short_axis = np.where(longer[:, None], b, a)
+    # The sign of an axis depends on where its ring begins; fix it.
+    for axis in (long_axis, short_axis):
+        flip = (axis[:, 0] < -1e-9) | ((np.abs(axis[:, 0]) <= 1e-9) & (axis[:, 1] < 0))
+        axis[flip] *= -1
+    return long_axis, short_axis, (corner[:, 0] + corner[:, 2]) / 2
+
+
+def _fits(
+    polygons: NDArray[Any], part: NDArray[np.int64], x: FloatArray, y: FloatArray, reach: FloatArray
+) -> NDArray[np.bool_]:
+    points = shapely.points(x, y)
+    inside = shapely.contains_xy(polygons[part], x, y)
+    away = shapely.distance(shapely.boundary(polygons)[part], points)
+    return np.asarray(inside & (away > reach))
+
+
+def _covered(
+    volumes: Volumes, part: NDArray[np.int64], x: FloatArray, y: FloatArray, reach: FloatArray,
+    z: FloatArray,
+) -> NDArray[np.bool_]:  # fmt: skip
+    """(k,) whether another part rises through or hangs over the place."""
+    row, other = shapely.STRtree(volumes.polygons).query(
+        shapely.buffer(shapely.points(x, y), reach, quad_segs=2), predicate="intersects"
+    )
+    hit = (other != part[row]) & (volumes.top[other] > z[row] + 0.05)
+    covered = np.zeros(len(part), bool)
+    covered[row[hit]] = True
+    return covered
+
+
+def _on_flat(
+    city: City, volumes: Volumes, group: NDArray[np.int64], flat: NDArray[np.bool_]
+) -> tuple[Any, ...]:
+    seed = city.seed
+    area = np.where(volumes.usable, shapely.area(volumes.polygons), 0.0)
+    words = np.array(GROUPS)[group]
+    rows = np.flatnonzero(flat & volumes.walls & (area > MIN_AREA) & np.isin(words, list(_WEIGHTS)))
+    deck = volumes.eave - reserve_of(volumes, city.layout.parts, seed)
+    ids = city.layout.parts["id"].to_numpy(np.uint64)
+    wanted = np.clip(
+        area[rows] / PER_PIECE * (0.5 + uniform(seed, "roof/count", ids[rows])), 1, MOST
+    )
+    count = np.round(wanted).astype(np.int64)
+    part = np.repeat(rows, count)
+    number = np.arange(len(part)) - np.repeat(np.cumsum(count) - count, count)
+    piece = np.zeros(len(part), np.int64)
+    for name, weights in _WEIGHTS.items():
+        of = np.flatnonzero(words[part] == name)
+        table = [float(weights.get(word, 0)) for word in PIECES]
+        piece[of] = choose(seed, "roof/piece", ids[part[of]], table, number[of])
+    # One stair head or lift house is enough for a roof of middle size.
+    big = np.isin(piece, [PIECES.index("stair_head"), PIECES.index("lift_house")])
+    piece[big & (number > 1)] = PIECES.index("vent")
+    reach = np.array(list(REACH.values()))[piece]
+    long_axis, short_axis, middle = _axes(volumes.polygons)
+    x, y, found = np.zeros(len(part)), np.zeros(len(part)), np.zeros(len(part), bool)
+    for attempt in range(TRIES):
+        open_rows = np.flatnonzero(~found)
+        u = (
+            2 * uniform(seed, "roof/u", ids[part[open_rows]], number[open_rows] * TRIES + attempt)
+            - 1
+        )
+        v = (
+            2 * uniform(seed, "roof/v", ids[part[open_rows]], number[open_rows] * TRIES + attempt)
+            - 1
+        )
+        at = (
+            middle[part[open_rows]]
+            + 0.85 * u[:, None] * long_axis[part[open_rows]]
+            + 0.85 * v[:, None] * short_axis[part[open_rows]]
+        )
+        good = _fits(volumes.polygons, part[open_rows], at[:, 0], at[:, 1], reach[open_rows] + EDGE)
+        hit = open_rows[good]
+        x[hit], y[hit], found[hit] = at[good, 0], at[good, 1], True
+    z = deck[part]
+    if len(part):
+        found &= ~_covered(volumes, part, x, y, reach, z)
+        found &= _clear(part, number, x, y, reach, found)
+    yaw = np.arctan2(long_axis[part, 1], long_axis[part, 0])
+    # Panels look south, whatever the house does.
+    solar = piece == PIECES.index("solar_panels")
+    quarter = np.round((0.0 - yaw) / (np.pi / 2)) * np.pi / 2
+    yaw = np.where(solar, yaw + quarter, yaw)
+    keep = found
+    return (
+        part[keep], piece[keep], x[keep], y[keep], z[keep], np.ones(int(keep.sum())), yaw[keep],
+        number[keep],
+    )  # fmt: skip
+
+
+def _clear(
+    part: NDArray[np.int64], number: NDArray[np.int64], x: FloatArray, y: FloatArray,
+    reach: FloatArray, found: NDArray[np.bool_],
+) -> NDArray[np.bool_]:  # fmt: skip
+    """(k,) whether a piece keeps clear of those placed before it on the same roof."""
+    clear = found.copy()
+    for back in range(1, MOST):
+        row = np.arange(back, len(part))
+        other = row - back
+        near = (part[row] == part[other]) & clear[row] & clear[other] & (number[row] >= back)
+        gap = np.hypot(x[row] - x[other], y[row] - y[other])
+        clear[row[near & (gap < reach[row] + reach[other] + 0.3)]] = False
+    return clear
+
+
+def _chimneys(
+    city: City, volumes: Volumes, group: NDArray[np.int64], flat: NDArray[np.bool_]
+) -> tuple[Any, ...]:
+    seed = city.seed
+    parts = city.layout.parts
+    ids = parts["id"].to_numpy(np.uint64)
+    words = np.array(GROUPS)[group]
+    shape = parts["roof_shape"].to_numpy(str)
+    ridged = np.isin(
+        shape, ["gabled", "hipped", "half-hipped", "gambrel", "mansard", "side_hipped"]
+    )
+    rise = volumes.top - volumes.eave
+    home = np.isin(words, ["house", "flats", "office", "civic"])
+    area = np.where(volumes.usable, shapely.area(volumes.polygons), 0.0)
+    rows = np.flatnonzero(~flat & ridged & home & volumes.walls & (rise > 0.8) & (area > 35))
+    rows = rows[uniform(seed, "roof/chimney", ids[rows]) < 0.72]
+    count = np.where(words[rows] == "house", 1, np.clip(np.round(area[rows] / 140), 1, 5)).astype(
+        np.int64
+    )
+    part = np.repeat(rows, count)
+    number = np.arange(len(part)) - np.repeat(np.cumsum(count) - count, count)
+    total = np.repeat(count, count)
+    long_axis, short_axis, middle = _axes(volumes.polygons)
+    draw = uniform(seed, "roof/chimney at", ids[part], number)
+    hipped = np.isin(shape[part], ["hipped", "side_hipped", "half-hipped"])
+    reach_along = np.where(hipped, 0.3, 0.78)
+    along = ((number + 0.25 + 0.5 * draw) / total * 2 - 1) * reach_along
+    side = np.where(uniform(seed, "roof/chimney side", ids[part], number) < 0.5, -1, 1)
+    # Where the ridge runs across, long and short change places.
+    across = parts["roof_across"].to_numpy(bool)[part]
+    run = np.where(across[:, None], short_axis[part], long_axis[part])
+    lean = np.where(across[:, None], long_axis[part], short_axis[part])
+    at = middle[part] + along[:, None] * run + 0.12 * side[:, None] * lean
+    large = uniform(seed, "roof/chimney kind", ids[part]) < np.where(
+        words[part] == "house", 0.35, 0.75
+    )
+    piece = np.where(large, PIECES.index("chimney"), PIECES.index("chimney_small"))
+    reach = np.array(list(REACH.values()))[piece]
+    foot = volumes.eave[part] + 0.1 * rise[part]
+    height = volumes.top[part] + CHIMNEY_TOP - foot
+    good = _fits(volumes.polygons, part, at[:, 0], at[:, 1], reach + 0.2)
+    if len(part):
+        good &= ~_covered(volumes, part, at[:, 0], at[:, 1], reach, volumes.top[part])
+    yaw = np.arctan2(lean[:, 1], lean[:, 0])
+    return (
+        part[good], piece[good], at[good, 0], at[good, 1], foot[good], (height / CHIMNEY)[good],
+        yaw[good], 100 + number[good],
+    )  # fmt: skip

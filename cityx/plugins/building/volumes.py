@@ -1,0 +1,116 @@
+"""Volumes: the parts of a layout with absolute heights and clean outlines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.ground import KERB_HEIGHT
+from cityx.geometry.polygons import FloatArray, clean_polygons
+from cityx.geometry.roofs import as_shapes
+from cityx.geometry.walls import WallTable, party_spans, wall_table
+
+if TYPE_CHECKING:
+    from cityx.city.layout import Layout
+    from cityx.city.terrain import Terrain
+
+PLINTH = 0.5  # metres a shell reaches below its ground, so that nothing floats
+MIN_STOREY = 0.5  # metres; a volume is at least this high
+MIN_EAVE = 0.1  # metres between the base of a part and its eave
+MAX_TOP = 1000.0  # metres; higher than any building
+
+
+@dataclass(frozen=True)
+class Volumes:
+    """The rows of ``layout.parts`` as volumes, n of them, in the same order.
+
+    Attributes
+    ----------
+    polygons
+        (n,) clean polygons; empty where the outline could not be used.
+    building
+        (n,) uint64.
+    ground
+        (n,) float64, level of the building's ground.
+    low, base, eave, top
+        (n,) float64, absolute: foot of the shell (below ground where the base is the ground), foot
+        of the visible wall, eave, and top of the roof.
+    walls
+        (n,) bool, False for a roof on posts.
+    """
+
+    polygons: NDArray[Any]
+    building: NDArray[np.uint64]
+    ground: FloatArray
+    low: FloatArray
+    base: FloatArray
+    eave: FloatArray
+    top: FloatArray
+    walls: NDArray[np.bool_]
+
+    @property
+    def usable(self) -> NDArray[np.bool_]:
+        """(n,) whether the outline of a part can be raised."""
+        return np.asarray(~shapely.is_empty(self.polygons))
+
+
+def volumes_of(layout: Layout, terrain: Terrain) -> Volumes:
+    """Give every part its absolute heights; senseless numbers are brought into order."""
+    parts = layout.parts
+    polygons = clean_polygons(parts.geometry.to_numpy())
+    building = parts["building"].to_numpy(np.uint64)
+    ground = _ground_levels(layout, terrain, polygons, building)
+    base = np.clip(np.nan_to_num(parts["base"].to_numpy(float)), 0.0, MAX_TOP - MIN_STOREY)
+    top = np.nan_to_num(parts["top"].to_numpy(float), posinf=MAX_TOP)
+    top = np.clip(top, base + MIN_STOREY, MAX_TOP)
+    roof = np.nan_to_num(parts["roof_height"].to_numpy(float))
+    roof = np.where(as_shapes(parts["roof_shape"].to_numpy()) == "flat", 0.0, roof)
+    roof = np.clip(roof, 0.0, np.maximum(top - base - MIN_EAVE, 0.0))
+    low = np.where(base > 0, base, -PLINTH)
+    return Volumes(
+        polygons,
+        building,
+        ground,
+        ground + low,
+        ground + base,
+        ground + top - roof,
+        ground + top,
+        parts["walls"].to_numpy(bool),
+    )
+
+
+def _ground_levels(
+    layout: Layout, terrain: Terrain, polygons: NDArray[Any], building: NDArray[np.uint64]
+) -> FloatArray:
+    """Lowest terrain under the outline of each part's building, plus the kerb; (n,)."""
+    outlines = layout.buildings.geometry.to_numpy()
+    ids = np.concatenate([layout.buildings["id"].to_numpy(np.uint64), building])
+    known, of_row = np.unique(ids, return_inverse=True)
+    described = np.isin(building, layout.buildings["id"].to_numpy(np.uint64))
+    shapes = np.concatenate([outlines, np.where(described, shapely.Polygon(), polygons)])
+    points, row = shapely.get_coordinates(shapes, return_index=True)
+    finite = np.isfinite(points).all(axis=1)
+    lowest = np.full(len(known), np.inf)
+    np.minimum.at(lowest, of_row[row[finite]], terrain.height_at(points[finite]))
+    lowest[~np.isfinite(lowest)] = 0.0
+    return np.asarray(lowest[of_row[len(outlines) :]] + KERB_HEIGHT)
+
+
+def walls_of(layout: Layout, terrain: Terrain) -> WallTable:
+    """List the walls of every part of a layout, absolute heights, party walls marked.
+
+    Roofs on posts have no walls. The rectangles reach from the part's base to its eave.
+    """
+    volumes = volumes_of(layout, terrain)
+    return walls_of_volumes(volumes)
+
+
+def walls_of_volumes(volumes: Volumes) -> WallTable:
+    """List the walls of volumes; see `walls_of`."""
+    walled = np.where(volumes.walls, volumes.polygons, shapely.Polygon())
+    walls = wall_table(walled, volumes.base, volumes.eave)
+    return party_spans(walls, walled, volumes.base, volumes.eave)

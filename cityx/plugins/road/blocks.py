@@ -1,0 +1,125 @@
+"""Blocks: what carriageways enclose. Narrow islands are filled, dense blocks paved."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.ground import LABEL, Ground
+from cityx.city.layout import Layout
+from cityx.geometry.arrangement import BEYOND, face_areas
+from cityx.geometry.chains import components
+
+IntArray = NDArray[np.int64]
+
+ROAD = tuple(
+    LABEL[name]
+    for name in ("carriageway", "setts", "gravel_road", "junction", "marking", "tramway")
+)
+HARD = (
+    *ROAD,
+    *(LABEL[name] for name in ("kerb", "sidewalk", "path", "plaza", "parking", "building",
+                               "courtyard")),
+)  # fmt: skip
+NARROW = 1.5  # metres; narrower islands between carriageways are not built
+DENSE = 0.35  # share of a block that is built over; gardens fill the rest of a looser one
+DENSE_URBAN = 0.12  # the same where most of what is built stands in urban surroundings
+STRIP = 5.0  # metres; narrower leftovers between pavements are paved in town
+ENCLOSED = 0.6  # share of such a strip's rim that pavement or walls take
+TOWN_REACH = 25.0  # metres within which an urban building makes a place a part of the town
+LARGEST = 60_000.0  # square metres; more is open country with a town in it, not a block
+
+
+def pave_blocks(ground: Ground, layout: Layout) -> Ground:
+    """Return the ground with narrow islands filled and the open land of dense blocks paved."""
+    road = np.isin(ground.face_label, ROAD)
+    block = _blocks(ground, road)
+    ground = _paved(_filled(ground, road, block), layout, block)
+    return _strips_paved(ground, layout)
+
+
+def _blocks(ground: Ground, road: NDArray[np.bool_]) -> IntArray:
+    """(f,) the block of each face that is not road."""
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inside = (right != BEYOND) & ~road[left] & ~road[np.maximum(right, 0)]
+    return components(np.column_stack([left, right])[inside], len(ground.face_label))
+
+
+def _filled(ground: Ground, road: NDArray[np.bool_], block: IntArray) -> Ground:
+    """Give islands that nobody could stand on the surface around them."""
+    size = len(ground.face_label)
+    area = np.bincount(block, np.where(road, 0.0, face_areas(ground)), minlength=size)
+    left, right = ground.edge_faces.T.astype(np.int64)
+    length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
+    beside = road[left] != road[np.maximum(right, 0)]
+    beside &= right != BEYOND
+    inner = np.where(road[left], right, left)[beside]
+    outer = np.where(road[left], left, right)[beside]
+    rim = np.bincount(block[inner], length[beside], minlength=size)
+    border = np.zeros(size, bool)
+    border[block[left[right == BEYOND]]] = True
+    # Of a long strip, twice the area over its rim is the width.
+    narrow = ~border & (2 * area < NARROW * rim)
+    island = ~road & narrow[block] & (ground.face_label != LABEL["building"])
+    order = np.lexsort((outer, -np.round(length[beside], 6), block[inner]))
+    first = np.unique(block[inner][order], return_index=True)
+    around = np.zeros(size, np.int64)
+    around[first[0]] = outer[order][first[1]]
+    source = around[block[island]]
+    label, object_id = ground.face_label.copy(), ground.face_object.copy()
+    taken = ground.face_label[source]
+    taken = np.where(np.isin(taken, (LABEL["marking"], LABEL["tramway"])),
+                     LABEL["carriageway"], taken)  # fmt: skip
+    label[island], object_id[island] = taken, ground.face_object[source]
+    return replace(ground, face_label=label, face_object=object_id)
+
+
+def _paved(ground: Ground, layout: Layout, block: IntArray) -> Ground:
+    """Pave what nothing is known of in blocks that are dense with buildings."""
+    size = len(ground.face_label)
+    area = face_areas(ground)
+    house = ground.face_label == LABEL["building"]
+    ids = layout.buildings["id"].to_numpy()
+    urban = np.isin(layout.buildings["place"].to_numpy().astype(str), ("urban", "core"))
+    at = np.minimum(np.searchsorted(ids, ground.face_object), max(len(ids) - 1, 0))
+    town = house & urban[at] & (ids[at] == ground.face_object) if len(ids) else house
+    open_area = np.where(np.isin(ground.face_label, ROAD), 0.0, area)
+    whole = np.maximum(np.bincount(block, open_area, minlength=size), 1e-6)
+    built = np.bincount(block, np.where(house, area, 0.0), minlength=size)
+    in_town = np.bincount(block, np.where(town, area, 0.0), minlength=size)
+    cover = built / whole
+    dense = (cover > DENSE) | ((cover > DENSE_URBAN) & (in_town > 0.5 * built))
+    dense &= whole < LARGEST
+    paved = (ground.face_label == LABEL["block"]) & dense[block]
+    label = np.where(paved, LABEL["courtyard"], ground.face_label).astype(np.uint8)
+    return replace(ground, face_label=label)
+
+
+def _strips_paved(ground: Ground, layout: Layout) -> Ground:
+    """Pave the leftovers between kerbs, footways and facades in town."""
+    place = layout.buildings["place"].to_numpy().astype(str)
+    town = layout.buildings.geometry.to_numpy()[np.isin(place, ("urban", "core"))]
+    if not len(town):
+        return ground
+    hard = np.isin(ground.face_label, HARD)
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inner = right != BEYOND
+    left, right = left[inner], right[inner]
+    length = np.hypot(*np.diff(ground.vertices[ground.edges[inner]], axis=1)[:, 0].T)
+    size = len(hard)
+    rim = np.bincount(left, length, minlength=size) + np.bincount(right, length, minlength=size)
+    held = np.bincount(left, length * hard[right], minlength=size)
+    held += np.bincount(right, length * hard[left], minlength=size)
+    strip = (ground.face_label == LABEL["block"]) & (2 * face_areas(ground) < STRIP * rim)
+    rows = np.flatnonzero(strip & (held > ENCLOSED * rim))
+    # Any corner of a strip is near enough to say where it lies.
+    corner = np.zeros(size, np.int64)
+    corner[ground.triangle_face] = ground.triangles[:, 0]
+    spots = shapely.points(ground.vertices[corner[rows]])
+    near = shapely.STRtree(town).query(spots, predicate="dwithin", distance=TOWN_REACH)[0]
+    label = ground.face_label.copy()
+    label[rows[np.unique(near)]] = LABEL["courtyard"]
+    return replace(ground, face_label=label)

@@ -1,0 +1,136 @@
+"""The ground: every surface of the site in one arrangement, draped over the terrain."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.city import City
+from cityx.city.ground import Ground
+from cityx.city.layout import Layout
+from cityx.city.roads import RoadNetwork
+from cityx.city.terrain import Terrain
+from cityx.geometry.arrangement import GRID, Regions, arrange, join_regions, take_regions
+from cityx.geometry.drape import drape, surroundings
+from cityx.geometry.polylines import Polylines, to_linestrings
+from cityx.plugins.road.blocks import pave_blocks
+from cityx.plugins.road.bridges import LOW, deck_mesh, deck_rows, plan_decks
+from cityx.plugins.road.carriageway import (
+    build_carriageway,
+    carriageway_regions,
+    plain_carriageways,
+)
+from cityx.plugins.road.landcover import (
+    area_regions,
+    building_regions,
+    deck_ground_regions,
+    way_regions,
+)
+from cityx.plugins.road.markings import marking_regions
+from cityx.plugins.road.network import road_network
+from cityx.protocol import Port, action, has_network
+
+CELLS = 250_000  # the most cells of terrain the faces are cut by
+FINEST_CELL = 20.0  # metres; smaller cells would not show between kerbs
+TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
+COARSE = 0.5  # metres by which land cover is simplified at detail level 0
+
+
+@action(
+    "road/ground-v1",
+    limits=[
+        "Ways that cross without a shared node at one level melt into one surface.",
+        "Decks of branching bridges meet without a joint.",
+    ],
+    requires=("layout", has_network()),
+    takes=(Port("network", "line", role="road_network"),),
+    gives=(Port("ground", "surface", role="ground"),),
+)
+def ground(city: City) -> City:
+    """Lay roads, junctions, kerbs, sidewalks, markings, water and greens over the terrain."""
+    network = city.network if city.network is not None else road_network(city.layout)
+    lines = cell_lines(city.layout.extent, city.terrain)
+    decks = deck_rows(city.layout)
+    plan = plan_decks(city.layout, decks)
+    build = plain_regions if city.lod == 0 else detailed_regions
+    found = build(city.layout, network, decks, plan)
+    arranged = pave_blocks(arrange(found, city.layout.extent, lines=lines), city.layout)
+    scene = city.scene.with_mesh("ground", drape(arranged, city.terrain, city.seed))
+    scene = scene.with_mesh("surroundings", surroundings(arranged, city.terrain))
+    bridges = deck_mesh(city.layout, city.terrain, plan)
+    if bridges.count:
+        scene = scene.with_mesh("bridges", bridges)
+    return replace(city, network=network, ground=arranged, scene=scene)
+
+
+def plain_regions(
+    layout: Layout, network: RoadNetwork, decks: NDArray[np.bool_], plan: Any
+) -> Regions:
+    """Return roads and land cover without detail, and the houses that reach into a road."""
+    on_ground = ~decks[network.edge_road]
+    roads, houses = plain_carriageways(layout, network, on_ground), building_regions(layout)
+    lines = to_linestrings(Polylines(network.points, network.point_start))[on_ground]
+    near = shapely.STRtree(houses.polygons).query(
+        lines, predicate="dwithin", distance=network.half_width[on_ground] + GRID
+    )[1]
+    return join_regions([
+        roads,
+        area_regions(layout, COARSE),
+        take_regions(houses, np.unique(near)),
+        deck_ground_regions(plan, LOW),
+    ])  # fmt: skip
+
+
+def detailed_regions(
+    layout: Layout, network: RoadNetwork, decks: NDArray[np.bool_], plan: Any
+) -> Regions:
+    """Return every surface of the site, markings included."""
+    on_ground = ~decks[network.edge_road]
+    road = build_carriageway(network, on_ground)
+    return join_regions([
+        carriageway_regions(layout, network, on_ground, road),
+        marking_regions(layout, network, on_ground, road),
+        area_regions(layout),
+        building_regions(layout),
+        way_regions(layout, decks, np.concatenate([road.strips, road.stars])),
+        deck_ground_regions(plan, LOW),
+    ])  # fmt: skip
+
+
+def cell_lines(extent: tuple[float, float, float, float], terrain: Terrain) -> NDArray[Any]:
+    """Lines at which faces are cut: cells of the terrain if it has relief, else large tiles."""
+    west, south, east, north = extent
+    if terrain.is_flat:
+        step, origin = TILE, (west, south)
+    else:
+        area = (east - west) * (north - south)
+        least = max(FINEST_CELL, float(np.sqrt(area / CELLS)))
+        step, origin = terrain.cell * max(1.0, np.ceil(least / terrain.cell)), terrain.origin
+    lines = []
+    for axis, (low, high) in enumerate(((west, east), (south, north))):
+        first = np.floor((low - origin[axis]) / step) + 1
+        last = np.ceil((high - origin[axis]) / step)
+        places = origin[axis] + step * np.arange(first, last)
+        ends = np.zeros((len(places), 2, 2))
+        ends[:, :, axis] = places[:, None]
+        ends[:, :, 1 - axis] = (south, north) if axis == 0 else (west, east)
+        lines.append(shapely.linestrings(ends))
+    return np.concatenate(lines)
+
+
+def ground_of(layout: Layout, *, terrain: Terrain | None = None, lod: int = 2) -> Ground:
+    """Arrange the ground of a layout without the rest of a city."""
+    network = road_network(layout)
+    decks = deck_rows(layout)
+    plan = plan_decks(layout, decks)
+    build = plain_regions if lod == 0 else detailed_regions
+    lines = cell_lines(layout.extent, terrain if terrain is not None else FLAT)
+    found = build(layout, network, decks, plan)
+    return pave_blocks(arrange(found, layout.extent, lines=lines), layout)
+
+
+FLAT = Terrain((0.0, 0.0), 1.0, np.zeros((1, 1)))

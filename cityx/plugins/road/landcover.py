@@ -1,0 +1,145 @@
+"""The ground off the carriageways: water, greens, paths, tracks, houses, blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.ground import LABEL, SURFACES
+from cityx.city.layout import Layout
+from cityx.geometry.arrangement import Regions, join_regions, regions
+from cityx.geometry.polylines import line_strips, pack
+from cityx.plugins.road.bridges import Decks
+from cityx.plugins.road.carriageway import BUILDING_PRIORITY, MITRE
+
+Shapes = NDArray[Any]
+
+# Kind of area -> surface. Kinds that say how land is used but not what covers it are left out.
+AREA_SURFACE: Mapping[str, str] = MappingProxyType({
+    "water": "water", "sea": "water", "river": "water", "pool": "water", "wetland": "meadow",
+    "park": "park", "garden": "park", "grass": "grass", "meadow": "meadow", "wood": "wood",
+    "scrub": "wood", "orchard": "meadow", "cemetery": "park", "golf": "grass",
+    "farmland": "farmland", "sand": "sand", "rock": "bare", "bare": "bare", "pitch": "pitch",
+    "playground": "playground", "pedestrian": "plaza", "parking": "parking",
+    "road_area": "carriageway", "railway": "railway", "pier": "plaza", "construction": "bare",
+})  # fmt: skip
+# Kinds whose rank is not that of their surface.
+AREA_PRIORITY: Mapping[str, int] = MappingProxyType({
+    "railway": 8,  # a whole yard, with sheds and weeds: anything drawn inside of it wins
+    "pier": 32,  # stands in the water
+    "pool": 33,
+    "road_area": 27,  # less exact than the carriageways themselves
+})  # fmt: skip
+PATHS = ("footway", "path", "cycleway", "steps", "bridleway", "corridor")
+TRACKS = ("rail", "light_rail", "subway", "narrow_gauge")
+TRAM_BED_PRIORITY = 69  # just below carriageways, which trams share
+TRAM_RAIL_PRIORITY = 73
+DECK_GROUND_PRIORITY = 29  # below water: a deck never fills the river it spans
+TRACK_BED = 4.5  # metres
+TRAM_BED = 2.9
+GAUGE = 1.435
+RAIL_WIDTH = 0.07
+ROUND = 2  # chords per quarter circle at the ends of paths
+FINE = 0.06  # metres by which paths are simplified
+
+
+def area_regions(layout: Layout, simplify: float = 0.0) -> Regions:
+    """Return the land cover of the map, optionally simplified (metres)."""
+    kind = layout.areas["kind"].to_numpy().astype(str)
+    known = np.isin(kind, list(AREA_SURFACE))
+    kind = kind[known]
+    if not len(kind):
+        return Regions()
+    names = [AREA_SURFACE[word] for word in kind]
+    label = np.array([LABEL[name] for name in names])
+    priority = [
+        AREA_PRIORITY.get(w, SURFACES[k].priority) for w, k in zip(kind, label, strict=True)
+    ]
+    shapes = layout.areas.geometry.to_numpy()[known]
+    if simplify:
+        shapes = shapely.simplify(shapes, simplify)
+    return regions(shapes, label, priority, layout.areas["id"].to_numpy()[known])
+
+
+def building_regions(layout: Layout) -> Regions:
+    """Return the footprints of everything that has walls and stands on the ground."""
+    parts = layout.parts
+    standing = (parts["base"].to_numpy() < 0.5) & parts["walls"].to_numpy()
+    return regions(
+        parts.geometry.to_numpy()[standing],
+        LABEL["building"],
+        BUILDING_PRIORITY,
+        parts["building"].to_numpy()[standing],
+    )
+
+
+def way_regions(layout: Layout, decks: NDArray[np.bool_], strips: Shapes) -> Regions:
+    """Return paths, pedestrian streets, railway tracks and tram rails.
+
+    Parameters
+    ----------
+    layout
+        The layout.
+    decks
+        (n,) bool, roads that run on decks and leave the ground alone.
+    strips
+        Polygons of carriageways and junctions, in which rails lie flush.
+    """
+    roads = layout.roads
+    kind = roads["kind"].to_numpy().astype(str)
+    open_air = ~decks & ~roads["tunnel"].to_numpy() & (roads["layer"].to_numpy() >= 0)
+    lines, width = roads.geometry.to_numpy(), roads["width"].to_numpy()
+    found = []
+    for kinds, label, least in ((PATHS, "path", 1.2), (("pedestrian",), "plaza", 3.0)):
+        rows = np.flatnonzero(np.isin(kind, kinds) & open_air)
+        half = np.maximum(np.nan_to_num(width[rows], nan=2.0), least) / 2
+        bands = shapely.buffer(shapely.simplify(lines[rows], FINE), half, quad_segs=ROUND,
+                               join_style="mitre", mitre_limit=MITRE)  # fmt: skip
+        joined = shapely.unary_union(bands)
+        found.append(regions(joined, LABEL[label], SURFACES[LABEL["path"]].priority))
+    track = np.flatnonzero(np.isin(kind, TRACKS) & open_air)
+    bed = shapely.unary_union(
+        shapely.buffer(lines[track], TRACK_BED / 2, cap_style="flat", join_style="mitre")
+    )
+    found.append(regions(bed, LABEL["railway"], SURFACES[LABEL["railway"]].priority))
+    tram = np.flatnonzero((kind == "tram") & open_air)
+    bed = shapely.unary_union(
+        shapely.buffer(lines[tram], TRAM_BED / 2, cap_style="flat", join_style="mitre")
+    )
+    found.append(regions(bed, LABEL["setts"], TRAM_BED_PRIORITY))
+    found.append(regions(rail_strips(lines[tram]), LABEL["tramway"], TRAM_RAIL_PRIORITY))
+    found.append(
+        regions(rail_strips(lines[track]), LABEL["rail"], SURFACES[LABEL["rail"]].priority)
+    )
+    level = strips[np.unique(shapely.STRtree(strips).query(lines[track], "intersects")[1])]
+    if len(level):
+        flush = shapely.intersection(rail_strips(lines[track]), shapely.unary_union(level))
+        found.append(regions(flush, LABEL["tramway"], TRAM_RAIL_PRIORITY))
+    return join_regions(found)
+
+
+def rail_strips(lines: Shapes) -> Shapes:
+    """Return the two rails of each track as one geometry, so that crossing tracks merge."""
+    packed = pack(lines)
+    strips = [line_strips(packed, np.full(len(lines), s * GAUGE / 2), RAIL_WIDTH) for s in (-1, 1)]
+    return np.array([shapely.unary_union(shapely.make_valid(np.concatenate(strips)))])
+
+
+def deck_ground_regions(decks: Decks | None, low: float) -> Regions:
+    """Pave the ground under decks where they lie lower than `low` metres above it."""
+    if decks is None:
+        return Regions()
+    owner = decks.lines.line_of_point()
+    first = np.flatnonzero(owner[1:] == owner[:-1])
+    first = first[np.minimum(decks.climb[first], decks.climb[first + 1]) < low]
+    pairs = np.stack([decks.lines.points[first], decks.lines.points[first + 1]], axis=1)
+    half = decks.half_width[owner[first]] + 0.3
+    bands = shapely.unary_union(
+        shapely.buffer(shapely.linestrings(pairs), half, cap_style="square")
+    )
+    return regions(bands, LABEL["carriageway"], DECK_GROUND_PRIORITY)

@@ -1,0 +1,385 @@
+"""The road network: from ways that share coordinates to a graph of carriageways."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.city import City
+from cityx.city.roads import RoadNetwork
+from cityx.geometry.chains import components, join_segments
+from cityx.geometry.identity import mix
+from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, to_linestrings
+from cityx.protocol import Port, action, has_layer
+
+if TYPE_CHECKING:
+    from cityx.city.layout import Layout
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+DRIVABLE = (
+    "motorway", "trunk", "primary", "secondary", "tertiary", "unclassified", "residential",
+    "living_street", "service", "road", "track", "busway", "bus_guideway", "raceway",
+    "motorway_link", "trunk_link", "primary_link", "secondary_link", "tertiary_link",
+)  # fmt: skip
+MAJOR = (
+    "trunk", "primary", "secondary", "tertiary",
+    "trunk_link", "primary_link", "secondary_link", "tertiary_link",
+)  # fmt: skip
+# A change in one of these columns is a change of the cross-section, so an edge ends there.
+SECTION = (
+    "kind", "lanes", "lanes_forward", "width", "sidewalk_left", "sidewalk_right", "parking_left",
+    "parking_right", "oneway", "layer", "bridge", "passage", "roundabout", "surface",
+)  # fmt: skip
+
+PER_METRE = 1000.0  # nodes are shared coordinates to the millimetre
+SPUR = 3.0  # metres; a shorter dead end is a drawing mistake
+FACADE_CLEARANCE = 0.3  # metres between carriageway and facade
+NARROWEST = 1.2  # metres of half width; the least a car passes through
+KERB_RADIUS = 2.5  # metres; fillet between two carriageways at a junction
+LEAST_SINE = 0.15  # acute arms would trim each other without end
+MOST_TRIM = 25.0  # metres
+STRAIGHT = np.radians(150.0)  # arms that meet flatter than this leave each other alone
+AIM = 6.0  # metres from the node at which an arm's direction is taken
+STUB = 1.0  # metres of carriageway that must be left between two junctions
+NEAR_CROSSING = 12.0  # metres beyond the junction within which a mapped crossing is at the end
+SIGNAL_REACH = 25.0  # metres from a traffic signal to the junction it controls
+DENSE_REACH = 30.0  # metres within which buildings make a junction urban
+DENSE_COUNT = 4
+
+
+def road_network(layout: Layout) -> RoadNetwork:
+    """Build the carriageway graph of a layout.
+
+    Nodes are coordinates that ways share. A way that passes over another at the same coordinate
+    without ending there (another layer, or a bridge) does not touch it.
+
+    Parameters
+    ----------
+    layout
+        Roads, and the buildings and points that bear on widths and crossings.
+
+    Returns
+    -------
+    network
+        The graph; edges in the order of their roads and of the points along them.
+    """
+    roads = layout.roads
+    rows = np.flatnonzero(_carries_cars(layout))
+    geometry = shapely.force_2d(roads.geometry.to_numpy()[rows])
+    geometry, rows = _clip(geometry, rows, layout.extent)
+    lines = pack(geometry)
+    if not lines.count:
+        return _graph_without_edges()
+    section = _codes(roads.iloc[rows], SECTION)
+    level = _codes(roads.iloc[rows], ("layer", "bridge"))
+    node, position = _shared_nodes(lines, level)
+    owner = lines.line_of_point()
+    first = np.flatnonzero(owner[1:] == owner[:-1])
+    ends, way = np.column_stack([node[first], node[first + 1]]), owner[first]
+    keep = _unrepeated(ends)
+    ends, way, first = ends[keep], way[keep], first[keep]
+    for _ in range(2):
+        head, rank = join_segments(ends, section[way])
+        keep = ~_spurs(ends, head, position, layout.extent)
+        if keep.all():
+            break
+        ends, way = ends[keep], way[keep]
+    if not len(ends):
+        return _graph_without_edges()
+    return _assemble(layout, rows, ends, way, head, rank, position)
+
+
+def _carries_cars(layout: Layout) -> BoolArray:
+    roads = layout.roads
+    tunnel = roads["tunnel"].to_numpy() & ~roads["passage"].to_numpy()
+    return np.asarray(roads["kind"].isin(DRIVABLE).to_numpy() & ~tunnel)
+
+
+def _clip(geometry: NDArray[Any], rows: IntArray, extent: tuple[float, ...]) -> Any:
+    """Cut lines at the site's rectangle; a line may fall into several."""
+    box = shapely.bounds(geometry)
+    inside = (box[:, 0] >= extent[0]) & (box[:, 1] >= extent[1])
+    inside &= (box[:, 2] <= extent[2]) & (box[:, 3] <= extent[3])
+    if not inside.all():
+        geometry = geometry.copy()
+        geometry[~inside] = shapely.intersection(geometry[~inside], shapely.box(*extent))
+        geometry, part = shapely.get_parts(geometry, return_index=True)
+        rows = rows[part]
+    good = (shapely.get_type_id(geometry) == 1) & (shapely.length(geometry) > 0)
+    return geometry[good], rows[good]
+
+
+def _codes(table: Any, columns: tuple[str, ...]) -> IntArray:
+    """Give each distinct combination of values of some columns a number."""
+    code = np.zeros(len(table), np.int64)
+    for column in columns:
+        values = table[column].to_numpy()
+        values = np.unique(values.astype(str) if values.dtype == object else values,
+                           return_inverse=True)[1]  # fmt: skip
+        code = np.unique(code * (int(values.max(initial=0)) + 1) + values, return_inverse=True)[1]
+    return code
+
+
+def _shared_nodes(lines: Polylines, level: IntArray) -> tuple[IntArray, FloatArray]:
+    """Find the node of each point, (p,), and their positions, (n, 2), sorted by position."""
+    whole = np.rint(lines.points * PER_METRE).astype(np.int64)
+    low = whole.min(axis=0)
+    x, y = (whole - low).T
+    place = np.unique((x << np.int64(32)) | y, return_inverse=True)[1]
+    ends = np.zeros(len(whole), bool)
+    ends[lines.start[:-1]] = ends[lines.start[1:] - 1] = True
+    # Levels meet only where a way ends; elsewhere they cross without touching.
+    point_level = level[lines.line_of_point()]
+    pair = place * (int(level.max()) + 1) + point_level
+    pairs, which = np.unique(pair, return_inverse=True)
+    meets = np.zeros(len(pairs), bool)
+    np.logical_or.at(meets, which, ends)
+    key = place * (int(level.max()) + 2) + np.where(meets[which], 0, point_level + 1)
+    _, sample, node = np.unique(key, return_index=True, return_inverse=True)
+    return node, whole[sample] / PER_METRE
+
+
+def _unrepeated(ends: IntArray) -> BoolArray:
+    """Mark segments with length, each pair of nodes once, the first of them."""
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    _, first = np.unique(low * (int(ends.max()) + 1) + high, return_index=True)
+    keep = np.zeros(len(ends), bool)
+    keep[first] = True
+    return np.asarray(keep & (low != high))
+
+
+def _spurs(
+    ends: IntArray, head: IntArray, position: FloatArray, extent: tuple[float, ...]
+) -> BoolArray:
+    """Mark the segments of short dead-end chains that do not leave the site."""
+    length = np.hypot(*(position[ends[:, 1]] - position[ends[:, 0]]).T)
+    total = np.bincount(head, length, minlength=len(ends))
+    degree = np.bincount(ends.ravel())
+    border = np.minimum(position - extent[:2], extent[2:] - position).min(axis=1) < 1.0
+    loose = (degree[ends] == 1) & ~border[ends]
+    dead = np.zeros(len(ends), bool)
+    np.logical_or.at(dead, head, loose.any(axis=1))
+    joined = np.zeros(len(ends), bool)
+    np.logical_or.at(joined, head, (degree[ends] > 2).any(axis=1))
+    return np.asarray((dead & joined & (total < SPUR))[head])
+
+
+def _assemble(
+    layout: Layout,
+    rows: IntArray,
+    ends: IntArray,
+    way: IntArray,
+    head: IntArray,
+    rank: IntArray,
+    position: FloatArray,
+) -> RoadNetwork:
+    """Turn chains of segments into edges with all that is known of them."""
+    order = np.lexsort((rank, head))
+    ends, way, head = ends[order], way[order], head[order]
+    chain = np.unique(head, return_inverse=True)[1]
+    begin = np.flatnonzero(np.r_[True, chain[1:] != chain[:-1]])
+    finish = np.r_[begin[1:], len(chain)] - 1
+    count = finish - begin + 2
+    start = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
+    path = np.empty(start[-1], np.int64)
+    path[np.arange(len(ends)) + chain] = ends[:, 0]
+    path[start[1:] - 1] = ends[finish, 1]
+    lines = Polylines(position[path], start)
+    used, edge_nodes = np.unique(np.column_stack([ends[begin, 0], ends[finish, 1]]),
+                                 return_inverse=True)  # fmt: skip
+    edge_nodes = edge_nodes.reshape(-1, 2)
+    degree = np.bincount(edge_nodes.ravel(), minlength=len(used))
+    road = rows[way[begin]]
+    table = layout.roads.iloc[road]
+    edge_id = _edge_ids(table["id"].to_numpy(), lines)
+    half = _half_widths(layout, table, lines)
+    trim, swallowed = _trims(lines, edge_nodes, degree, half)
+    crossing = _crossings(layout, table, lines, edge_nodes, degree, position[used], trim, swallowed)
+    return RoadNetwork(
+        position[used],
+        degree.astype(np.int32),
+        edge_nodes.astype(np.int32),
+        road.astype(np.int32),
+        edge_id,
+        lines.start,
+        lines.points,
+        half,
+        trim,
+        crossing,
+    )
+
+
+def _edge_ids(road: NDArray[np.uint64], lines: Polylines) -> NDArray[np.uint64]:
+    """Name an edge by its road and its first segment, which no other edge has."""
+    found = mix(road)
+    for points in (lines.points[lines.start[:-1]], lines.points[lines.start[:-1] + 1]):
+        for column in np.rint(points * PER_METRE).astype(np.int64).T:
+            found = mix(found ^ column.view(np.uint64))
+    return np.maximum(found, np.uint64(1))
+
+
+def _half_widths(layout: Layout, table: Any, lines: Polylines) -> FloatArray:
+    """Half the carriageway's width, less where facades stand closer."""
+    half = np.maximum(table["width"].to_numpy() / 2, NARROWEST)
+    parts = layout.parts
+    ground = (parts["base"].to_numpy() < 0.5) & parts["walls"].to_numpy()
+    walls = parts.geometry.to_numpy()[ground]
+    free = np.flatnonzero(~table["passage"].to_numpy() & (table["layer"].to_numpy() <= 0))
+    if not len(walls) or not len(free):
+        return np.asarray(half)
+    shapes = to_linestrings(lines)[free]
+    line, wall = shapely.STRtree(walls).query(
+        shapes, predicate="dwithin", distance=half[free] + FACADE_CLEARANCE
+    )
+    distance = shapely.distance(shapes[line], walls[wall])
+    # A way drawn through a building says nothing about the room beside it.
+    beside = distance > 0
+    limit = np.full(len(free), np.inf)
+    np.minimum.at(limit, line[beside], distance[beside] - FACADE_CLEARANCE)
+    half[free] = np.clip(limit, NARROWEST, half[free])
+    return np.asarray(np.round(half, 3))
+
+
+def arms_of(lines: Polylines, edge_nodes: NDArray[Any]) -> tuple[IntArray, IntArray, IntArray]:
+    """List the arms of all nodes, node by node, counter-clockwise.
+
+    Returns
+    -------
+    node, edge, end
+        (2e,) int each; `end` is 0 where the edge leaves the node and 1 where it arrives.
+    """
+    count = len(edge_nodes)
+    edge = np.concatenate([np.arange(count)] * 2)
+    end = np.repeat([0, 1], count)
+    node = edge_nodes.T.ravel().astype(np.int64)
+    bearing = arm_bearings(lines, edge, end)
+    order = np.lexsort((end, edge, bearing, node))
+    return node[order], edge[order], end[order]
+
+
+def arm_bearings(lines: Polylines, edge: IntArray, end: IntArray) -> FloatArray:
+    """(k,) mathematical angle of arms as they leave their node, [-pi, pi), to a microradian."""
+    length = arc_lengths(lines)[1][edge]
+    reach = np.minimum(AIM, length)
+    foot = np.where(end[:, None] == 0, lines.points[lines.start[edge]],
+                    lines.points[lines.start[edge + 1] - 1])  # fmt: skip
+    ahead = locate(lines, edge, np.where(end == 0, reach, length - reach))[0] - foot
+    return np.asarray(np.round(np.arctan2(ahead[:, 1], ahead[:, 0]), 6))
+
+
+def _trims(
+    lines: Polylines, edge_nodes: IntArray, degree: IntArray, half: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    """Distances at which junction surfaces end, and which edges lie wholly inside of one."""
+    node, edge, end = arms_of(lines, edge_nodes)
+    bearing = arm_bearings(lines, edge, end)
+    following = np.r_[node[1:] == node[:-1], False] if len(node) else np.zeros(0, bool)
+    first = np.searchsorted(node, node)
+    after = np.where(following, np.arange(len(node)) + 1, first)
+    gap = np.mod(bearing[after] - bearing, 2 * np.pi)
+    sine = np.maximum(np.sin(gap), LEAST_SINE)
+    fillet = KERB_RADIUS / np.maximum(np.tan(gap / 2), LEAST_SINE / 2)
+    own, other = half[edge], half[edge[after]]
+    meets = (gap < STRAIGHT) & (degree[node] >= 3)
+    toward = np.where(meets, (other + own * np.cos(gap)) / sine + fillet, 0.0)
+    back = np.where(meets, (own + other * np.cos(gap)) / sine + fillet, 0.0)
+    reach = toward.copy()
+    np.maximum.at(reach, after, back)
+    trim = np.zeros((len(edge_nodes), 2))
+    trim[edge, end] = np.clip(reach, 0.0, MOST_TRIM)
+    length = arc_lengths(lines)[1]
+    total = trim.sum(axis=1)
+    swallowed = (total > 0) & (total > length - STUB)
+    share = (length / np.where(total > 0, total, 1.0))[:, None]
+    return np.round(np.where(swallowed[:, None], trim * share, trim), 4), swallowed
+
+
+def junction_clusters(network: RoadNetwork) -> IntArray:
+    """(n,) the lowest node of the junction each node belongs to.
+
+    Edges that lie wholly inside of junction surfaces make one junction of their ends.
+    """
+    lines = Polylines(network.points, network.point_start)
+    left = arc_lengths(lines)[1] - network.trim.sum(axis=1)
+    degree = network.node_degree[network.edge_nodes]
+    inside = (left < 0.5) & (degree >= 3).all(axis=1)
+    return components(network.edge_nodes[inside], len(network.node_position))
+
+
+def _crossings(
+    layout: Layout,
+    table: Any,
+    lines: Polylines,
+    edge_nodes: IntArray,
+    degree: IntArray,
+    position: FloatArray,
+    trim: FloatArray,
+    swallowed: BoolArray,
+) -> BoolArray:
+    """Decide at which ends of which edges pedestrians have a zebra crossing."""
+    length = arc_lengths(lines)[1]
+    crossing = np.zeros((len(edge_nodes), 2), bool)
+    kinds = layout.points["kind"].to_numpy().astype(str)
+    places = layout.points.geometry.to_numpy()
+    shapes = to_linestrings(lines)
+    mapped = places[kinds == "crossing"]
+    if len(mapped):
+        which, edge = shapely.STRtree(shapes).query_nearest(mapped, max_distance=1.0)
+        along = shapely.line_locate_point(shapes[edge], mapped[which])
+        from_end = np.column_stack([along, length[edge] - along])
+        for side in (0, 1):
+            near = from_end[:, side] < trim[edge, side] + NEAR_CROSSING
+            near &= degree[edge_nodes[edge, side]] >= 3
+            crossing[edge[near], side] = True
+    signals = places[kinds == "traffic_signals"]
+    spots = shapely.points(position)
+    signalled = _within(spots, signals, SIGNAL_REACH, 1)
+    walls = layout.buildings.geometry.to_numpy()
+    dense = _within(spots, walls, DENSE_REACH, DENSE_COUNT)
+    major = table["kind"].isin(MAJOR).to_numpy()
+    grand = np.zeros(len(position), bool)
+    np.logical_or.at(grand, edge_nodes, major[:, None] & np.ones(2, bool))
+    streets = ~table["kind"].isin(("service", "track")).to_numpy()
+    arms = np.bincount(edge_nodes[streets].ravel(), minlength=len(position))
+    walked = (table["sidewalk_left"].to_numpy() + table["sidewalk_right"].to_numpy()) > 0
+    walked &= ~table["kind"].isin(("service", "track", "living_street")).to_numpy()
+    urban = (arms >= 3) & dense & (signalled | grand)
+    crossing |= urban[edge_nodes] & walked[:, None]
+    # A crossing needs room: 3 m of bars and the stop line before the next junction.
+    room = length - trim.sum(axis=1) > 8.0 * np.maximum(crossing.sum(axis=1), 1)
+    return np.asarray(crossing & (room & ~swallowed)[:, None])
+
+
+def _within(spots: NDArray[Any], things: NDArray[Any], distance: float, count: int) -> BoolArray:
+    if not len(things):
+        return np.zeros(len(spots), bool)
+    found = shapely.STRtree(things).query(spots, predicate="dwithin", distance=distance)[0]
+    return np.bincount(found, minlength=len(spots)) >= count
+
+
+def _graph_without_edges() -> RoadNetwork:
+    none = np.zeros(0)
+    return RoadNetwork(
+        np.zeros((0, 2)), none.astype(np.int32), np.zeros((0, 2), np.int32), none.astype(np.int32),
+        none.astype(np.uint64), np.zeros(1, np.int64), np.zeros((0, 2)), none, np.zeros((0, 2)),
+        np.zeros((0, 2), bool),
+    )  # fmt: skip
+
+
+@action(
+    "road/network-v1",
+    limits=["Turn restrictions are not read.", "Ways in tunnels are left out."],
+    requires=("layout", has_layer("roads")),
+    takes=(Port("roads", "line", role="road_centerline"),),
+    gives=(Port("network", "line", role="road_network"),),
+)
+def network(city: City) -> City:
+    """Join the ways that carry cars into a graph of edges and junctions with their widths."""
+    return replace(city, network=road_network(city.layout))

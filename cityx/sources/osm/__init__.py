@@ -1,0 +1,167 @@
+"""OpenStreetMap as a source: a map file becomes a city with a resolved layout."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+from cityx.city import City, Failure, Frame, Layout
+from cityx.errors import InputError
+from cityx.sources.osm.areas import area_table, land_kind
+from cityx.sources.osm.buildings import Shells, candidate_ways, read_shells
+from cityx.sources.osm.density import Density, measure_density
+from cityx.sources.osm.elements import FloatArray, IntArray, OsmMap
+from cityx.sources.osm.lines import line_kind, line_table
+from cityx.sources.osm.outlines import Report
+from cityx.sources.osm.parts import building_tables, known_levels
+from cityx.sources.osm.points import point_table
+from cityx.sources.osm.reader import read_elements
+from cityx.sources.osm.roads import is_road_way, read_roads, road_table
+from cityx.sources.osm.site import Box, site_degrees
+from cityx.sources.osm.vertical import read_vertical
+
+__all__ = ["ATTRIBUTION", "read_osm"]
+
+ATTRIBUTION = "© OpenStreetMap contributors, ODbL 1.0, openstreetmap.org/copyright"
+ACTION = "source/osm"
+MAX_FAILURES = 200  # named one by one; the rest are counted
+STREETS = frozenset({"residential", "living_street", "tertiary", "secondary", "unclassified"})
+
+
+def read_osm(path: Path, *, seed: int = 0, name: str = "") -> City:
+    """Read a map file into a city whose layout is complete: nothing in its tables is missing.
+
+    Parameters
+    ----------
+    path
+        An .osm, .osm.gz, .osm.bz2 or .osm.pbf file; the content decides, not the suffix.
+    seed
+        Key of every draw for what the map does not say.
+    name
+        Of the place; the file's own name by default.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds neither buildings nor roads.
+    """
+    path = Path(path)
+    osm = read_elements(path)
+    ways = candidate_ways(osm)
+    roads, areas, lines = _other_ways(osm)
+    degrees = site_degrees(osm, np.concatenate(ways), roads, areas)
+    if degrees is None:
+        raise InputError(_nothing(path, osm))
+    frame = _frame(degrees)
+    xy = _project(frame, osm.lonlat)
+    report = Report()
+    shells, box = read_shells(osm, xy, ways, _local_box(frame, degrees), report)
+    road_lines, road_way = read_roads(osm, xy, roads, box, report)
+    if len(shells.outlines.polygons) == 0 and len(road_lines) == 0:
+        raise InputError(_nothing(path, osm))
+    density = _density(osm, shells, road_lines, road_way, box)
+    area_rows = area_table(osm, xy, areas, box, report, shapely.centroid(shells.outlines.polygons))
+    industrial = area_rows.geometry.to_numpy()[area_rows["kind"].to_numpy() == "industrial"]
+    buildings, parts = building_tables(
+        shells, density, industrial, latitude=frame.latitude, seed=seed
+    )
+    layout = Layout(
+        box,
+        buildings=buildings,
+        parts=parts,
+        roads=road_table(osm, road_lines, road_way, density),
+        areas=area_rows,
+        lines=line_table(osm, xy, lines, box),
+        points=point_table(osm, xy, box, seed=seed),
+    )
+    return City(
+        name or path.name.split(".")[0].replace("_", " "),
+        frame,
+        layout,
+        seed=seed,
+        attribution=(ATTRIBUTION,),
+        stages_done=frozenset({"layout"}),
+        failures=tuple(
+            Failure(key, ACTION, why) for key, why in sorted(report.failures)[:MAX_FAILURES]
+        ),
+        notes=_notes(osm, report),
+    )
+
+
+def _other_ways(osm: OsmMap) -> tuple[IntArray, IntArray, IntArray]:
+    """Sort the ways into roads, areas and lines; a way may be two of them."""
+    roads, areas, lines = [], [], []
+    for row, (tags, closed) in enumerate(zip(osm.way_tags, osm.way_closed.tolist(), strict=True)):
+        if not tags:
+            continue
+        if ("highway" in tags or "railway" in tags) and is_road_way(tags, closed=closed):
+            roads.append(row)
+        elif closed and land_kind(tags):
+            areas.append(row)
+        if ("barrier" in tags or "natural" in tags or "historic" in tags) and line_kind(tags):
+            lines.append(row)
+    return np.array(roads, np.int64), np.array(areas, np.int64), np.array(lines, np.int64)
+
+
+def _frame(degrees: Box) -> Frame:
+    west, south, east, north = degrees
+    # + 0.0 turns a negative zero into zero, so that projections are spelled alike.
+    return Frame(round((south + north) / 2, 6) + 0.0, round((west + east) / 2, 6) + 0.0)
+
+
+def _project(frame: Frame, lonlat: FloatArray) -> FloatArray:
+    """Project nodes; those on the far side of the Earth get a place far outside any site."""
+    xy = frame.to_local(lonlat)
+    return np.where(np.isfinite(xy).all(axis=1, keepdims=True), xy, 1e8)
+
+
+def _local_box(frame: Frame, degrees: Box) -> Box:
+    west, south, east, north = degrees
+    x, y = np.meshgrid(np.linspace(west, east, 3), np.linspace(south, north, 3))
+    corner = frame.to_local(np.column_stack([x.ravel(), y.ravel()]))
+    xmin, ymin = corner.min(axis=0).tolist()
+    xmax, ymax = corner.max(axis=0).tolist()
+    return xmin, ymin, xmax, ymax
+
+
+def _density(
+    osm: OsmMap, shells: Shells, road_lines: object, road_way: IntArray, box: Box
+) -> Density:
+    outlines = shells.outlines
+    lines = np.asarray(road_lines, object)
+    street = [osm.way_tags[way].get("highway") in STREETS for way in road_way.tolist()]
+    said = read_vertical(outlines.tags())
+    return measure_density(
+        box,
+        shapely.get_coordinates(shapely.centroid(outlines.polygons)),
+        shapely.area(outlines.polygons),
+        known_levels(said, np.zeros(len(outlines.polygons), np.int64)),
+        lines[np.array(street, bool)],
+    )
+
+
+def _nothing(path: Path, osm: OsmMap) -> str:
+    total = len(osm.node_id) + len(osm.way_id) + len(osm.relation_id)
+    if total == 0:
+        return f"{path} holds no map: it has no nodes, ways or relations."
+    lost = int((osm.way_nodes < 0).sum())
+    cause = (
+        f"; {lost:,} of the {len(osm.way_nodes):,} nodes that ways refer to are not in the file"
+        if lost
+        else ""
+    )
+    return (
+        f"{path} holds no city: none of its {len(osm.way_id):,} ways and {len(osm.relation_id):,} "
+        f"relations make a building or a road{cause}."
+    )
+
+
+def _notes(osm: OsmMap, report: Report) -> tuple[str, ...]:
+    counts = dict(sorted({**osm.skipped, **report.counts}.items()))
+    notes = [f"map: {number} {what}" for what, number in counts.items() if number]
+    if len(report.failures) > MAX_FAILURES:
+        more = len(report.failures) - MAX_FAILURES
+        notes.append(f"map: {more} more outlines could not be read")
+    return tuple(notes)

@@ -1,0 +1,47 @@
+"""The sea: what lies to the right of the coastline."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.sources.osm.multipolygons import MIN_AREA
+from cityx.sources.osm.site import Box, clip_lines
+
+PROBE = 0.05  # metres beside a coast segment at which its two sides are looked up
+
+
+def sea_polygons(coast: NDArray[Any], box: Box) -> NDArray[Any]:
+    """Return the polygons of the site that are sea.
+
+    Land lies to the left of a coastline. The lines and the border of the site divide it into
+    faces; each face asks the coast segments along it on which side it lies, and the longer side
+    wins. A coastline that ends within the site divides nothing.
+
+    Parameters
+    ----------
+    coast
+        (n,) lines in the direction of their ways.
+    """
+    lines, _ = clip_lines(coast, box)
+    if len(lines) == 0:
+        return np.zeros(0, object)
+    frame = shapely.box(*box)
+    noded = shapely.node(shapely.geometrycollections([*lines, frame.exterior]))
+    faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))
+    points, row = shapely.get_coordinates(lines, return_index=True)
+    step = np.diff(points, axis=0)
+    length = np.hypot(*step.T)
+    usable = (row[1:] == row[:-1]) & (length > 2 * PROBE)
+    step, length = step[usable], length[usable]
+    middle = ((points[1:] + points[:-1]) / 2)[usable]
+    left = np.column_stack([-step[:, 1], step[:, 0]]) / length[:, None] * PROBE
+    tree = shapely.STRtree(faces)
+    votes = np.zeros(len(faces))
+    for side, sign in ((left, -1.0), (-left, 1.0)):
+        probe, face = tree.query(shapely.points(middle + side), predicate="within")
+        np.add.at(votes, face, sign * length[probe])
+    return np.asarray(faces[(votes > 0) & (shapely.area(faces) > MIN_AREA)], object)

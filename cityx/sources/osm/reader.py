@@ -1,0 +1,140 @@
+"""OpenStreetMap files: streamed, tolerant of mistakes, refusing what is hostile."""
+
+from __future__ import annotations
+
+import bz2
+import gzip
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, BinaryIO
+from xml.parsers import expat
+
+from cityx.errors import InputError
+from cityx.sources.osm.elements import Collector, OsmMap
+
+CHUNK = 1 << 20
+# OSM XML packs 10 to 30 times; gzip allows 1000, bzip2 millions. Small files may be repetitive.
+MAX_RATIO = 250
+RATIO_FREE = 64 << 20  # bytes that may be unpacked whatever the ratio
+MAX_BYTES = 4 << 30  # of XML; more needs a database, not one file
+MAX_TOKEN = 16 << 20  # bytes of one tag; longer ones are attacks
+FORMS = ".osm, .osm.gz, .osm.bz2 or .osm.pbf"
+
+
+def read_elements(path: Path) -> OsmMap:
+    """Read every element of a map file, whatever its suffix says.
+
+    Raises
+    ------
+    InputError
+        If the file is not OpenStreetMap data, is cut off, or is unsafe to unpack.
+    """
+    path = Path(path)
+    head = _head(path)
+    if b"OSMHeader" in head[:64]:
+        from cityx.sources.osm.pbf import read_pbf
+
+        return read_pbf(path)
+    if head[:2] == b"\x1f\x8b":
+        return _read_xml(path, gzip.open)
+    if head[:3] == b"BZh":
+        return _read_xml(path, bz2.open)
+    if head[:4] == b"PK\x03\x04":
+        raise InputError(f"{path} is a zip archive; unpack it and give the {FORMS} inside.")
+    return _read_xml(path, None)
+
+
+def _head(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            head = file.read(1024)
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror}.") from error
+    if not head.strip():
+        raise InputError(f"{path} is empty; give OpenStreetMap data ({FORMS}).")
+    return head
+
+
+@contextmanager
+def _reported(path: Path, position: Callable[[], int]) -> Iterator[None]:
+    """Turn the errors of unpacking and parsing into one sentence about the file."""
+    try:
+        yield
+    except expat.ExpatError as error:
+        raise InputError(_explain(path, error)) from error
+    except EOFError as error:
+        raise InputError(
+            f"{path} is cut off: its packed data ends after {position():,} bytes of XML; "
+            "download it again."
+        ) from error
+    except (OSError, zlib.error) as error:
+        raise InputError(
+            f"{path} cannot be unpacked: damaged after {position():,} bytes of XML ({error})."
+        ) from error
+
+
+def _explain(path: Path, error: expat.ExpatError) -> str:
+    where = f"line {error.lineno}, column {error.offset}"
+    what = expat.ErrorString(error.code)
+    cut = {"no element found", "unclosed token", "unclosed CDATA section", "partial character"}
+    if what in cut and error.lineno > 1:
+        return f"{path} is cut off at {where}; download it again."
+    return f"{path} is not OpenStreetMap XML ({what} at {where}); give {FORMS}."
+
+
+def _read_xml(path: Path, unpack: Callable[..., Any] | None) -> OsmMap:
+    collector = Collector()
+    parser = _parser(path, collector)
+    limit = max(RATIO_FREE, path.stat().st_size * MAX_RATIO) if unpack else MAX_BYTES
+    done = 0
+    with _reported(path, lambda: done):
+        opened: BinaryIO = unpack(path, "rb") if unpack else path.open("rb")
+        with opened as file:
+            while block := file.read(CHUNK):
+                done += len(block)
+                if done > min(limit, MAX_BYTES):
+                    raise InputError(_too_big(path, done))
+                parser.Parse(block, False)
+                if done - parser.CurrentByteIndex > MAX_TOKEN:
+                    raise InputError(
+                        f"{path} has one tag of over {MAX_TOKEN >> 20} MB near byte "
+                        f"{parser.CurrentByteIndex:,}; this is not map data."
+                    )
+        parser.Parse(b"", True)
+    return collector.finish()
+
+
+def _too_big(path: Path, size: int) -> str:
+    if size > MAX_BYTES:
+        return f"{path} holds over {MAX_BYTES >> 30} GB of XML; cut a smaller area out of it."
+    return (
+        f"{path} unpacks to more than {MAX_RATIO} times its size ({size:,} bytes and more); "
+        "this is not map data."
+    )
+
+
+def _parser(path: Path, collector: Collector) -> Any:
+    """Return an expat parser that feeds the collector; document types are refused."""
+    parser = expat.ParserCreate()
+    parser.buffer_text = True
+
+    def refuse(*_: Any) -> None:
+        raise InputError(
+            f"{path} declares a document type or entities (line {parser.CurrentLineNumber}); "
+            "OpenStreetMap files have none, so it is refused."
+        )
+
+    def root(name: str, attributes: dict[str, str]) -> None:
+        if name != "osm":
+            raise InputError(
+                f"{path} is XML with root <{name[:40]}>, not <osm>; give OpenStreetMap ({FORMS})."
+            )
+        del attributes
+        parser.StartElementHandler = collector.start
+
+    parser.StartDoctypeDeclHandler = refuse
+    parser.EntityDeclHandler = refuse
+    parser.StartElementHandler = root
+    return parser

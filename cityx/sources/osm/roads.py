@@ -1,0 +1,243 @@
+"""Roads: the lines that carry movement, with their cross-sections."""
+
+from __future__ import annotations
+
+from math import nan
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.layout import make_table
+from cityx.geometry.identity import stable_id
+from cityx.sources.osm import measures
+from cityx.sources.osm.areas import tags_text
+from cityx.sources.osm.density import Density
+from cityx.sources.osm.elements import FloatArray, IntArray, OsmMap, Tags, way_lines
+from cityx.sources.osm.outlines import Report, number_pieces
+from cityx.sources.osm.site import Box, clip_lines
+from cityx.sources.osm.vocabulary import (
+    CARS,
+    RAIL_WORDS,
+    ROAD_TABLE,
+    ROAD_WORDS,
+    SURFACE_WORDS,
+    closed_is_area,
+)
+
+if TYPE_CHECKING:
+    from geopandas import GeoDataFrame
+
+MAX_LANES = 12
+MAX_WIDTH = 60.0  # metres of carriageway
+PARKING = 2.1  # metres of a lane of parked cars
+TOWN = 0.10  # coverage from which streets have sidewalks
+DENSE = 0.16  # coverage from which cars park along residential streets
+SIDEWALK = 1.8  # metres, where a tag asks for one on a road whose class has none
+MIN_LANE = 2.0  # metres; a narrower carriageway has fewer lanes than its class
+_PARKED = frozenset({
+    "yes", "lane", "street_side", "on_kerb", "half_on_kerb", "shoulder", "parallel", "diagonal",
+    "perpendicular", "marked", "on_street", "painted_area_only",
+})  # fmt: skip
+_LEFT, _RIGHT = 0, 1
+
+
+def road_kind(tags: Tags) -> str:
+    """Return the class of a way that carries movement, or "" when it is none that is built."""
+    highway = tags.get("highway")
+    if highway:
+        kind = ROAD_WORDS.get(highway, highway)
+        if kind not in ROAD_TABLE or kind in RAIL_WORDS or tags.get("indoor") == "yes":
+            return ""
+        if tags.get("area") == "yes" or tags.get("conveying") or tags.get("tunnel") == "culvert":
+            return ""
+        return kind
+    railway = tags.get("railway")
+    if railway:
+        return RAIL_WORDS.get(railway, "")
+    return ""
+
+
+def read_roads(
+    osm: OsmMap, xy: FloatArray, ways: IntArray, box: Box, report: Report
+) -> tuple[NDArray[Any], IntArray]:
+    """Return the lines of the roads within the site and the way each is of.
+
+    Ways are broken where the file lacks nodes and cut at the border; points of ways that meet
+    stay equal.
+    """
+    missing = osm.missing_nodes()[ways] > 0
+    report.count("roads with missing nodes", int(missing.sum()))
+    lines, index = way_lines(osm, xy, ways)
+    pieces, row = clip_lines(lines, box)
+    return pieces, ways[index[row]]
+
+
+def road_table(osm: OsmMap, lines: NDArray[Any], way: IntArray, density: Density) -> GeoDataFrame:
+    """Resolve the cross-section of every road and make the table."""
+    if len(lines) == 0:
+        return make_table("roads", lines)
+    middle = shapely.get_coordinates(shapely.line_interpolate_point(lines, 0.5, normalized=True))
+    coverage = density.at(middle)
+    numbers = number_pieces(way)
+    rows = []
+    backward = np.zeros(len(lines), bool)
+    cache: dict[tuple[int, bool, bool], tuple[Any, ...]] = {}
+    for index, (row, share, k) in enumerate(
+        zip(way.tolist(), coverage.tolist(), numbers.tolist(), strict=True)
+    ):
+        key = (row, share >= TOWN, share >= DENSE)
+        if key not in cache:
+            tags = osm.way_tags[row]
+            cache[key] = cross_section(tags, town=share >= TOWN, dense=share >= DENSE)
+        backward[index] = cache[key][-1]
+        osm_id = int(osm.way_id[row])
+        parts = ("osm", "way", osm_id, k) if k else ("osm", "way", osm_id)
+        tags = osm.way_tags[row]
+        rows.append(
+            (
+                stable_id(*parts),
+                f"osm/way/{osm_id}",
+                tags.get("name", ""),
+                tags_text(tags),
+                *cache[key][:-1],
+            )
+        )
+    lines = lines.copy()
+    lines[backward] = shapely.reverse(lines[backward])
+    columns = dict(zip(("id", "source", "name", "tags", *_COLUMNS), zip(*rows, strict=True), strict=True))  # fmt: skip  # noqa: E501
+    columns["id"] = np.array(columns["id"], np.uint64)  # type: ignore[assignment]
+    return make_table("roads", lines, **columns)
+
+
+_COLUMNS = (
+    "kind", "lanes", "lanes_forward", "lane_width", "width", "sidewalk_left", "sidewalk_right",
+    "parking_left", "parking_right", "oneway", "layer", "bridge", "tunnel", "passage",
+    "roundabout", "surface", "lit", "maxspeed_kmh",
+)  # fmt: skip
+
+
+def cross_section(tags: Tags, *, town: bool, dense: bool) -> tuple[Any, ...]:
+    """Resolve one way: the values of `_COLUMNS`, and whether its direction is to be turned.
+
+    Parameters
+    ----------
+    town, dense
+        Whether the surroundings are built densely enough for sidewalks and for parked cars.
+    """
+    kind = road_kind(tags)
+    lane_width, class_lanes, class_sidewalk, class_surface = ROAD_TABLE[kind]
+    cars = kind in CARS
+    roundabout = tags.get("junction") in ("roundabout", "circular")
+    oneway, backward = _oneway(tags, kind, roundabout=roundabout)
+    parking = _parking(tags) if cars else [False, False]
+    known = measures.measure(
+        tags.get("width:carriageway") or tags.get("width") or tags.get("est_width"), 1.0, MAX_WIDTH
+    )
+    default = max(1, class_lanes // 2) if oneway else class_lanes
+    tagged = measures.count(tags.get("lanes"), 1, MAX_LANES) if cars else None
+    if parking is None:
+        parking = [dense and kind == "residential" and known is None and tagged is None] * 2
+    lanes = int(tagged) if tagged else default
+    parked = PARKING * sum(parking)
+    if known is not None and cars and not tagged:
+        # A carriageway too narrow for its class has fewer lanes, a wide one has wider lanes.
+        lanes = max(1, min(lanes, int((known - parked) / MIN_LANE)))
+    if known is not None and known - parked < MIN_LANE:
+        parking, parked = [False, False], 0.0
+    width = known if known is not None else lanes * lane_width + parked
+    if known is not None:
+        lane_width = (width - parked) / lanes
+    forward = lanes if oneway else _forward(tags, lanes)
+    sidewalks = _sidewalks(tags, class_sidewalk, default=town) if cars else [0.0, 0.0]
+    if backward:
+        parking, sidewalks = parking[::-1], sidewalks[::-1]
+    bridge = tags.get("bridge", "no") not in ("no", "")
+    passage = (
+        tags.get("tunnel") in ("building_passage", "covered")
+        or measures.is_yes(tags.get("covered"))
+        or tags.get("covered") in ("arcade", "colonnade")
+    )  # fmt: skip
+    tunnel = not passage and (
+        tags.get("tunnel", "no") not in ("no", "") or tags.get("location") == "underground"
+    )
+    surface = SURFACE_WORDS.get(tags.get("surface", ""), class_surface)
+    if kind in RAIL_WORDS and kind != "tram":
+        surface = class_surface
+    lit = tags.get("lit")
+    return (
+        kind, lanes, forward, lane_width, width, *sidewalks, *parking, oneway,
+        _layer(tags, bridge=bridge, tunnel=tunnel), bridge, tunnel, passage, roundabout, surface,
+        measures.is_yes(lit) or (lit is None and cars and town),
+        measures.speed_kmh(tags.get("maxspeed")) if cars else nan, backward,
+    )  # fmt: skip
+
+
+def _oneway(tags: Tags, kind: str, *, roundabout: bool) -> tuple[bool, bool]:
+    value = tags.get("oneway", "").lower()
+    if value in ("-1", "reverse"):
+        return True, True
+    if value:
+        return value in measures.YES, False
+    return roundabout or kind in ("motorway", "motorway_link"), False
+
+
+def _layer(tags: Tags, *, bridge: bool, tunnel: bool) -> int:
+    value = measures.count(tags.get("layer"), -10, 10)
+    if value is not None:
+        return int(value)
+    return 1 if bridge else -1 if tunnel else 0
+
+
+def _forward(tags: Tags, lanes: int) -> int:
+    forward = measures.count(tags.get("lanes:forward"), 1, MAX_LANES)
+    if forward is not None:
+        return min(int(forward), lanes)
+    backward = measures.count(tags.get("lanes:backward"), 1, MAX_LANES)
+    if backward is not None:
+        return max(1, lanes - int(backward))
+    return (lanes + 1) // 2
+
+
+def _parking(tags: Tags) -> list[bool] | None:
+    """Tell on which side cars park; None when no tag says so."""
+    found: list[bool | None] = [None, None]
+    for prefix in ("parking:lane", "parking"):
+        for side, places in (("left", [_LEFT]), ("right", [_RIGHT]), ("both", [_LEFT, _RIGHT])):
+            value = tags.get(f"{prefix}:{side}")
+            if value:
+                for place in places:
+                    found[place] = value in _PARKED
+    if found == [None, None]:
+        return None
+    return [bool(value) for value in found]
+
+
+def _sidewalks(tags: Tags, of_class: float, *, default: bool) -> list[float]:
+    """Return the widths of the sidewalks left and right, metres."""
+    wide = of_class or SIDEWALK
+    value = tags.get("sidewalk", tags.get("footway") if "footway" in tags else None)
+    sides: list[float | None] = [None, None]
+    if value:
+        left, right = value in ("both", "yes", "left"), value in ("both", "yes", "right")
+        sides = [wide * left, wide * right]
+    for side, places in (("both", (0, 1)), ("left", (0,)), ("right", (1,))):
+        of_side = tags.get(f"sidewalk:{side}")
+        width = measures.measure(tags.get(f"sidewalk:{side}:width"), 0.5, 15.0)
+        for place in places:
+            if of_side:
+                sides[place] = wide if of_side == "yes" else 0.0
+            if width is not None and sides[place] != 0.0:
+                sides[place] = width
+    usual = of_class if default and not _no_walking(tags) else 0.0
+    return [usual if side is None else side for side in sides]
+
+
+def _no_walking(tags: Tags) -> bool:
+    return tags.get("foot") == "no" or tags.get("motorroad") == "yes" or tags.get("tunnel") == "yes"
+
+
+def is_road_way(tags: Tags, *, closed: bool) -> bool:
+    """Tell whether a way is a road and not the outline of a square."""
+    return bool(road_kind(tags)) and not (closed and "area" in tags and closed_is_area(tags))

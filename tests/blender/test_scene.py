@@ -1,0 +1,130 @@
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from math import atan2, degrees, radians
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import box, quarter
+from PIL import Image
+
+from cityx.blender.client import BlenderJob, RenderRequest, run_worker
+from cityx.city import Environment, Scene, concatenate, one_mesh
+from cityx.city.camera import Camera
+from cityx.city.store import write_city
+from cityx.geometry.identity import id_text
+
+pytestmark = pytest.mark.blender
+ABOVE = Camera("above", (0.0, 0.0, 60.0), 0.0, radians(-90), radians(12), 64, 64)
+
+
+@pytest.fixture(scope="module")
+def held(small_city, tmp_path_factory):
+    """The made-up quarter saved, reopened in another process and described."""
+    folder = tmp_path_factory.mktemp("blend")
+    write_city(small_city, folder / "city")
+    street = Camera("street", (17.0, -8.0, 1.7), 0.05, 0.05, width=64, height=64)
+    job = BlenderJob(
+        folder / "city", folder / "city.blend", (RenderRequest(street, folder / "s.png", 4),)
+    )
+    result = run_worker(job, timeout_s=300)
+    script = Path(__file__).with_name("inspect_blend.py")
+    words = subprocess.run(
+        [sys.executable, script, folder / "city.blend"], capture_output=True, text=True, check=True
+    ).stdout
+    record = json.loads(next(line for line in words.splitlines() if line.startswith("@{"))[1:])
+    return record, result, folder
+
+
+def test_every_building_is_found_again_by_its_id(held, small_city):
+    record, _, _ = held
+    ids = [id_text(i) for i in small_city.scene.meshes["buildings"].object_id.tolist()]
+    assert record["ids"] == sorted(ids)
+    assert record["names"] == sorted(f"building_{text}" for text in ids)
+    assert record["properties"]["name"] == "Town hall"
+    assert record["properties"]["source"].startswith("test/")
+
+
+def test_every_row_is_an_instance(held, small_city):
+    rows = {layer: table.count for layer, table in small_city.scene.instances.items()}
+    assert held[0]["instances"] == rows
+
+
+def test_meshes_are_valid_flat_and_carry_colour_and_metres(held):
+    record, _, _ = held
+    assert record["valid"]
+    assert record["flat"]
+    assert record["packed"]
+    assert {"UVMap", "tint", "position"} <= set(record["attributes"])
+    assert "bitumen" in record["materials"]
+    assert {"Buildings", "Ground", "Windows", "Prototypes", "Cameras"} <= set(record["collections"])
+
+
+def test_the_worker_reports_files_times_and_memory(held):
+    _, result, folder = held
+    assert result.files == (folder / "city.blend", folder / "s.png")
+    assert {"setup", "save", "render street"} <= set(result.timings)
+    assert result.peak_rss_mb > 50
+    with Image.open(folder / "s.png") as picture:
+        assert picture.size == (64, 64)
+    assert not list(folder.glob(".*"))
+
+
+def pixels(path):
+    with Image.open(path) as picture:
+        return np.asarray(picture.convert("RGB"), float)
+
+
+def rendered(folder, city, environment, camera=ABOVE, **options):
+    write_city(replace(city, environment=environment), folder / "city")
+    job = BlenderJob(
+        folder / "city", None, (RenderRequest(camera, folder / "p.png", 32),), **options
+    )
+    run_worker(job, timeout_s=300)
+    return pixels(folder / "p.png").mean(axis=2)
+
+
+def test_a_shadow_points_away_from_the_sun(tmp_path):
+    plane = one_mesh(1, [(-50, -50, 0), (50, -50, 0), (50, 50, 0), (-50, 50, 0)], [(0, 1, 2, 3)])
+    pole = box(2, (-0.15, -0.15, 0.0), (0.15, 0.15, 4.0))
+    city = replace(quarter(1), scene=Scene().with_mesh("ground", concatenate([plane, pole])))
+    azimuth = 200.0
+    sun = Environment(sun_elevation=radians(40), sun_azimuth=radians(azimuth))
+    picture = rendered(tmp_path, city, sun)
+    rows, columns = np.nonzero(picture < (picture.min() + np.median(picture)) / 2)
+    toward = degrees(atan2(columns.mean() - 31.5, 31.5 - rows.mean()))
+    assert abs((toward - (azimuth - 180.0) + 180) % 360 - 180) < 5.0
+
+
+def test_an_instance_shows_its_own_tint_and_place(tmp_path):
+    city = quarter(1)
+    rows = city.scene.instances["windows"]
+    red, blue = (1.0, 0.02, 0.02), (0.02, 0.02, 1.0)
+    tile = replace(
+        city.scene.prototypes[rows.prototype[0]],
+        mesh=box(1, (-1, -1, 0), (1, 1, 1), materials=("plastic",)),
+    )
+    two = replace(
+        rows,
+        **{name: getattr(rows, name)[:2] for name in rows.__dataclass_fields__}
+        | {
+            "prototype": np.zeros(2, np.int32),
+            "position": np.array([(-3.0, 0, 0), (3.0, 0, 0)]),
+            "tint": np.array([red, blue], np.float32),
+        },
+    )
+    city = replace(city, scene=Scene().with_instances("windows", [tile], two))
+    write_city(city, tmp_path / "city")
+    run_worker(BlenderJob(tmp_path / "city", None, (RenderRequest(ABOVE, tmp_path / "p.png", 16),)))
+    picture = pixels(tmp_path / "p.png")
+    per_metre = 32 / (60 * np.tan(radians(6)))
+    left, right = (picture[32, round(32 + x * per_metre)] for x in (-3.0, 3.0))
+    assert left[0] > left[2] + 50
+    assert right[2] > right[0] + 50
+
+
+def test_fog_hides_what_is_far(tmp_path):
+    air = Environment(visibility=60.0, cloud_cover=1.0)  # as far as the camera is high
+    assert np.std(rendered(tmp_path, quarter(1), air)) < 5.0  # of 255

@@ -1,0 +1,139 @@
+import numpy as np
+import pytest
+import shapely
+import shapely.affinity
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cityx.geometry.polygons import clean_polygons
+from cityx.geometry.roofs import SHAPES, RoofBrief, roof_shape, shell_batch
+from cityx.geometry.solids import ROOF, open_parts, volumes_by_group
+
+RECTANGLE = shapely.box(0, 0, 12, 8)
+ELL = shapely.Polygon([(0, 0), (14, 0), (14, 6), (6, 6), (6, 16), (0, 16)])
+YARD = shapely.box(0, 0, 30, 24).difference(shapely.box(10, 8, 20, 16))
+
+
+def brief(shapes, words, *, direction=np.nan, across=False, parapet=0.0, overhang=0.0, rise=3.0):
+    outlines = shapely.orient_polygons(np.array(shapes, dtype=object))
+    count = len(outlines)
+    points = int(shapely.get_num_coordinates(outlines).sum() - sum(
+        1 + len(shape.interiors) for shape in outlines if not shape.is_empty))  # fmt: skip
+    return RoofBrief(
+        shapely.to_wkb(outlines),
+        np.array(words),
+        np.full(count, -0.5),
+        np.full(count, 6.0),
+        np.full(count, 6.0 + rise),
+        np.zeros(count),
+        np.full(count, direction),
+        np.full(count, across),
+        np.full(count, parapet),
+        np.full(count, overhang),
+        np.ones(points, bool),
+    )
+
+
+def volume(solids, count=1):
+    return volumes_by_group(solids.vertices, solids.faces, solids.face_part, count)
+
+
+@pytest.mark.parametrize("word", SHAPES)
+def test_every_shape_stands_on_a_rectangle_as_asked(word):
+    solids, built = shell_batch(brief([RECTANGLE], [word], parapet=0.8, overhang=0.4))
+    assert built.tolist() == [word]
+    assert not open_parts(solids, 1).any()
+    assert solids.vertices[:, 2].max() == pytest.approx(9.0)
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(st.integers(0, 10_000), st.sampled_from(SHAPES))
+def test_any_outline_gets_a_closed_shell_below_its_top(seed, word):
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(3, 14))
+    angle = np.sort(rng.uniform(0, 2 * np.pi, count))
+    ring = rng.uniform(3, 15, (count, 1)) * np.column_stack([np.cos(angle), np.sin(angle)])
+    shapes = [*clean_polygons([shapely.Polygon(ring)]), ELL, YARD]
+    solids, built = shell_batch(brief(shapes, [word] * 3, parapet=0.8, overhang=0.4))
+    assert not open_parts(solids, 3).any()
+    assert (built[1:] != "").all()
+    assert (volume(solids, 3)[1:] > 0).all()
+    assert solids.vertices[:, 2].max() <= 9.0 + 1e-9
+
+
+def test_a_gabled_roof_holds_half_a_block_above_its_eave():
+    solids, _ = shell_batch(brief([RECTANGLE], ["gabled"]))
+    assert volume(solids) == pytest.approx([96 * 6.5 + 96 * 1.5])
+
+
+def test_a_hipped_roof_holds_the_volume_of_its_ridge():
+    solids, _ = shell_batch(brief([RECTANGLE], ["hipped"]))
+    assert volume(solids) == pytest.approx([96 * 6.5 + 8 * 3 / 6 * (2 * 12 + 4)])
+
+
+def test_the_ridge_runs_along_the_longer_side_unless_across():
+    for across, axis in ((False, 1), (True, 0)):
+        solids, _ = shell_batch(brief([RECTANGLE], ["gabled"], across=across))
+        ridge = solids.vertices[solids.vertices[:, 2] > 8.99]
+        assert np.ptp(ridge[:, axis]) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_skillion_slopes_down_the_way_its_tag_points():
+    solids, _ = shell_batch(brief([RECTANGLE], ["skillion"], direction=np.radians(90)))
+    high = solids.vertices[solids.vertices[:, 2] > 8.99]
+    assert high[:, 0] == pytest.approx(np.zeros(len(high)), abs=1e-9)
+
+
+def test_a_turned_outline_gets_a_turned_roof():
+    for word in ("gabled", "hipped", "half-hipped", "mansard", "round"):
+        straight, _ = shell_batch(brief([RECTANGLE], [word]))
+        turned, _ = shell_batch(brief([shapely.affinity.rotate(RECTANGLE, 37, (0, 0))], [word]))
+        assert volume(turned) == pytest.approx(volume(straight), rel=1e-6)
+
+
+def test_wings_of_a_house_end_in_gables():
+    solids, built = shell_batch(brief([ELL], ["gabled"]))
+    assert built.tolist() == ["wings"]
+    on_wall = shapely.distance(shapely.points(solids.vertices[:, :2]), ELL.exterior) < 1e-6
+    assert (on_wall & (solids.vertices[:, 2] > 8.0)).sum() >= 2
+
+
+def test_a_dome_over_a_courtyard_becomes_a_hipped_roof():
+    _, built = shell_batch(brief([YARD], ["dome"]))
+    assert built.tolist() == ["hipped"]
+
+
+def test_a_parapet_stands_above_its_deck():
+    solids, _ = shell_batch(brief([RECTANGLE], ["flat"], parapet=0.8))
+    deck = solids.vertices[solids.faces[solids.role == ROOF][:, :3]][:, :, 2]
+    assert np.unique(deck).tolist() == pytest.approx([8.2])
+
+
+def test_eaves_stop_at_a_neighbour():
+    free = brief([RECTANGLE], ["gabled"], overhang=0.4)
+    blocked = RoofBrief(**{**free.__dict__, "free": np.array([False, True, True, True])})
+    reach = [shell_batch(each)[0].vertices[:, 0].max() for each in (free, blocked)]
+    assert reach == pytest.approx([12.4, 12.0])
+
+
+def test_roof_planes_slope_and_their_texture_is_in_metres():
+    solids, _ = shell_batch(brief([RECTANGLE], ["gabled"]))
+    up = solids.uv[solids.role == ROOF][:, :3, 1]
+    assert np.ptp(up, axis=1) == pytest.approx(np.full(4, 5.0), abs=1e-4)  # 4 m at 3 m rise
+
+
+def test_unknown_words_are_flat_and_synonyms_are_known():
+    assert [roof_shape(word) for word in ("9.0", "many", "Lean_To", "cone", "hip")] == [
+        "flat",
+        "flat",
+        "skillion",
+        "pyramidal",
+        "hipped",
+    ]
+
+
+def test_an_outline_whose_rings_touch_gets_another_roof():
+    touching = shapely.Polygon([(0, 0), (9, 0), (9, 9), (0, 9)], [[(0, 0), (4, 2), (2, 4)]])
+    solids, built = shell_batch(brief([touching], ["hipped"]))
+    assert built.tolist() == ["gabled"]
+    assert not open_parts(solids, 1).any()

@@ -1,0 +1,152 @@
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from cityx.city import City, Environment, Frame, Layout, make_table
+from cityx.city.ground import KERB_HEIGHT
+from cityx.geometry import facades
+from cityx.plugins.building.facade import facade, facade_of
+
+SOHO = Path(__file__).parents[3] / "../shared/data/osm/london_soho.osm.gz"
+COUNT = 8
+
+
+def terrace(order=None, *, use="apartments", entrances=()):
+    """Build eight houses in a row along a street that runs before their south fronts."""
+    order = np.arange(COUNT) if order is None else order
+    x = np.arange(COUNT) * 12.0
+    boxes = shapely.box(x, 0, x + 12.0, 11)[order]
+    ids = (np.arange(1, COUNT + 1, dtype=np.uint64) * np.uint64(7919))[order]
+    same = {"id": ids, "use": [use] * COUNT, "levels": [4] * COUNT}
+    buildings = make_table("buildings", boxes, place=["urban"] * COUNT, **same)
+    parts = make_table(
+        "parts", boxes, building=ids, top=[14.0] * COUNT, base=[0.0] * COUNT, walls=[True] * COUNT,
+        roof_shape=["flat"] * COUNT, roof_height=[0.0] * COUNT, wall_color=[-1] * COUNT,
+        roof_color=[-1] * COUNT, **same,
+    )  # fmt: skip
+    street = shapely.LineString([(-50, -8), (150, -8)])
+    roads = make_table("roads", np.array([street], object), id=[5], kind=["residential"])
+    points = make_table(
+        "points", shapely.points(np.reshape(entrances, (-1, 2))),
+        id=np.arange(len(entrances), dtype=np.uint64) + 1, kind=["entrance"] * len(entrances),
+    )  # fmt: skip
+    layout = Layout((-50, -20, 150, 30), buildings, parts, roads, points=points)
+    return City("terrace", Frame(52.5, 13.4), layout)
+
+
+def test_every_house_has_one_door_on_its_street():
+    found = facade_of(terrace())
+    doors = found.openings.take(found.openings.role == facades.DOOR)
+    assert sorted(found.walls.part[doors.wall].tolist()) == list(range(COUNT))
+    assert (found.walls.normal[doors.wall][:, 1] < -0.99).all()
+    assert np.allclose(doors.low, KERB_HEIGHT)
+
+
+def test_party_walls_have_no_openings():
+    found = facade_of(terrace())
+    blind = found.walls.blind_to > found.walls.z_low + 0.5
+    assert blind.sum() == 2 * (COUNT - 1)
+    assert not blind[found.openings.wall].any()
+
+
+def test_a_mapped_entrance_moves_the_door():
+    found = facade_of(terrace(entrances=[(3.1, 11.2)]))
+    door = np.flatnonzero(
+        (found.openings.role == facades.DOOR) & (found.walls.part[found.openings.wall] == 0)
+    )
+    wall = found.openings.wall[door]
+    assert len(door) == 1
+    assert found.walls.normal[wall][0, 1] > 0.99
+    assert np.isclose(12.0 - found.openings.along[door[0]], 3.1)
+
+
+def test_rows_do_not_depend_on_the_order_of_the_input():
+    first, second = facade(terrace()).scene, facade(terrace(np.arange(COUNT)[::-1])).scene
+    for layer, rows in first.instances.items():
+        assert np.array_equal(rows.object_id, second.instances[layer].object_id)
+        assert np.array_equal(rows.position, second.instances[layer].position)
+
+
+def test_ids_are_unique_and_owned_by_buildings():
+    city = terrace()
+    scene = facade(city).scene
+    owners = set(city.layout.buildings["id"].tolist())
+    ids = np.concatenate([rows.object_id for rows in scene.instances.values()])
+    assert len(np.unique(ids)) == len(ids)
+    for rows in scene.instances.values():
+        assert set(rows.owner.tolist()) <= owners
+
+
+def test_windows_stand_before_their_walls():
+    city = terrace()
+    rows = facade(city).scene.instances["windows"]
+    assert rows.count > 200
+    solid = shapely.union_all(city.layout.parts.geometry.to_numpy())
+    away = shapely.distance(shapely.boundary(solid), shapely.points(rows.position[:, :2]))
+    assert away.max() < 1e-6
+    outward = np.column_stack([np.sin(rows.rotation[:, 2]), -np.cos(rows.rotation[:, 2])])
+    inside = shapely.points(rows.position[:, :2] - 0.1 * outward)
+    assert shapely.contains(solid, inside).all()
+
+
+def test_shops_have_shopfronts():
+    scene = facade(terrace(use="retail")).scene
+    assert scene.instances["shopfronts"].count > 0
+    assert facade(terrace(use="house")).scene.instances["shopfronts"].count == 0
+
+
+def test_as_many_windows_are_lit_as_the_night_asks_for():
+    city = replace(terrace(), environment=Environment(night_lights=0.4))
+    scene = facade(city).scene
+    rows = scene.instances["windows"]
+    lit = ["_lit" in scene.prototypes[number].name for number in rows.prototype.tolist()]
+    assert abs(np.mean(lit) - 0.4) < 0.08
+
+
+def test_below_level_two_nothing_happens():
+    city = replace(terrace(), lod=1)
+    assert facade(city) is city
+
+
+def test_a_city_without_buildings_gets_empty_layers():
+    scene = facade(City("empty", Frame(0, 0), Layout((0, 0, 1, 1)))).scene
+    assert all(rows.count == 0 for rows in scene.instances.values())
+
+
+def test_chimneys_begin_in_the_roof():
+    city = terrace()
+    city.layout.parts["roof_shape"] = "gabled"
+    city.layout.parts["roof_height"] = 3.0
+    rows = facade(city).scene.instances["roof_furniture"]
+    assert rows.count > 0
+    assert (rows.position[:, 2] > 11.0).all()
+    assert (rows.position[:, 2] < 14.0).all()
+    assert (rows.position[:, 2] + 3 * rows.scale[:, 2] > 14.5).all()
+
+
+@pytest.mark.shared
+@pytest.mark.skipif(not SOHO.exists(), reason="needs ../shared/data/osm")
+def test_fronts_of_a_real_quarter_are_sane():
+    from cityx.sources.osm import read_osm
+
+    city = read_osm(SOHO)
+    found = facade_of(city)
+    walls, openings = found.storey_walls, found.openings
+    half = openings.width / 2
+    assert (openings.along - half > 0.1).all()
+    assert (openings.along + half < walls.length[openings.wall] - 0.1).all()
+    top = openings.low + openings.height
+    assert (top < walls.z_high[openings.wall]).all()
+    covered = walls.blind_to > walls.z_low + 0.01
+    assert (openings.low > np.where(covered, walls.blind_to, -np.inf)[openings.wall]).all()
+    doors = openings.take(openings.role == facades.DOOR)
+    owners, count = np.unique(found.volumes.building[walls.part[doors.wall]], return_counts=True)
+    assert (count == 1).all()
+    assert len(owners) > 0.9 * len(city.layout.buildings)
+    glazed = np.bincount(openings.wall, openings.width * openings.height, minlength=walls.count)
+    street = found.fronts.street & (walls.length > 4) & (found.fronts.mode == facades.PUNCHED)
+    share = glazed[street].sum() / (walls.length * (walls.z_high - walls.z_low))[street].sum()
+    assert 0.18 < share < 0.5

@@ -1,0 +1,131 @@
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from cityx.city.ground import KERB_HEIGHT, LABEL, SURFACES
+from cityx.city.layout import SCHEMA, make_table
+from cityx.city.terrain import Terrain
+from cityx.geometry.arrangement import check_arrangement, face_areas
+from cityx.plugins.road.ground import ground, ground_of
+from cityx.plugins.road.network import network
+
+OSM = Path(__file__).parents[4] / "shared" / "data" / "osm"
+CROSS = [([(-90, 0), (0, 0), (90, 0)], {"kind": "secondary", "width": 8.0}),
+         ([(0, -90), (0, 0), (0, 90)], {})]  # fmt: skip
+HOUSES = [(x, y, x + 50, y + 50) for x in (-70, 20) for y in (-70, 20)]
+
+
+def areas(found):
+    total = np.bincount(found.face_label, face_areas(found), minlength=len(SURFACES))
+    return {surface.name: total[label] for label, surface in enumerate(SURFACES)}
+
+
+def test_a_crossroads_has_every_part_of_a_street(layout_of):
+    found = ground_of(layout_of(CROSS, houses=HOUSES))
+    assert check_arrangement(found) == (0, 0, 0.0)
+    area = areas(found)
+    for name in ("carriageway", "junction", "kerb", "sidewalk", "marking", "building"):
+        assert area[name] > 1.0, name
+    assert area["building"] == pytest.approx(4 * 2500)
+    roads = area["carriageway"] + area["junction"] + area["marking"]
+    assert roads == pytest.approx(180 * 8 + 180 * 6 - 48, rel=0.01)
+
+
+def test_houses_win_over_carriageways_but_not_over_passages(layout_of):
+    street = [(-90, 0), (90, 0)]
+    blocked = areas(ground_of(layout_of([(street, {})], houses=[(-10, -20, 10, 20)])))
+    assert blocked["building"] == pytest.approx(800.0)
+    through = areas(
+        ground_of(layout_of([(street, {"passage": True})], houses=[(-10, -20, 10, 20)]))
+    )
+    assert through["building"] == pytest.approx(800.0 - 20 * 6)
+
+
+def test_no_marking_lies_in_a_junction_or_on_stone(layout_of):
+    layout = layout_of(CROSS, houses=HOUSES)
+    found = ground_of(layout)
+    marks = found.vertices[
+        found.triangles[found.face_label[found.triangle_face] == LABEL["marking"]]
+    ]
+    assert np.abs(marks).max(axis=2).min() > 5.0  # the crossing's middle stays free
+    stone = layout_of([(line, {**options, "surface": "sett"}) for line, options in CROSS])
+    assert areas(ground_of(stone))["marking"] == 0.0
+    assert areas(ground_of(stone))["setts"] > 0.0
+
+
+def test_a_dense_block_is_paved_and_open_country_is_not(layout_of):
+    ring = [([(-80, -80), (80, -80), (80, 80), (-80, 80), (-80, -80)], {})]
+    dense = areas(ground_of(layout_of(ring, houses=HOUSES)))
+    assert dense["courtyard"] > 5000.0
+    assert areas(ground_of(layout_of(ring)))["courtyard"] == 0.0
+
+
+def test_a_narrow_island_is_not_built(layout_of):
+    twin = [([(-90, y), (90, y)], {"oneway": True, "width": 6.0, "sidewalk_left": 0.0,
+                                   "sidewalk_right": 0.0}) for y in (0.0, 6.8)]  # fmt: skip
+    rungs = [([(x, 0.0), (x, 6.8)], {}) for x in (-90, 90)]
+    found = ground_of(layout_of(twin + rungs))
+    inside = shapely.points(found.vertices[found.triangles].mean(axis=1))
+    island = shapely.contains(shapely.box(-60, 3.0, 60, 3.8), inside)
+    labels = set(found.face_label[found.triangle_face[island]].tolist())
+    assert labels == {LABEL["carriageway"]}
+
+
+def test_land_cover_lies_in_the_order_of_its_priorities(layout_of):
+    land = [((-50, -50, 50, 50), "park"), ((-20, -20, 20, 20), "water"), ((-5, -5, 5, 5), "pier")]
+    area = areas(ground_of(layout_of([], areas=land)))
+    assert area["plaza"] == pytest.approx(100.0)
+    assert area["water"] == pytest.approx(1500.0)
+    assert area["park"] == pytest.approx(8400.0)
+
+
+def test_detail_level_zero_leaves_out_kerbs_and_markings(layout_of):
+    found = ground_of(layout_of(CROSS, houses=HOUSES), lod=0)
+    assert check_arrangement(found) == (0, 0, 0.0)
+    names = {SURFACES[label].name for label in np.unique(found.face_label)}
+    assert names <= {"block", "courtyard", "carriageway", "building"}
+
+
+def test_the_ground_does_not_depend_on_the_order_of_rows(layout_of, city_of):
+    layout = layout_of(CROSS, houses=HOUSES, areas=[((-90, -90, -20, -20), "park")])
+    turned = {}
+    for name in ("roads", "parts", "buildings", "areas"):
+        table = getattr(layout, name).iloc[::-1]
+        columns = {key: table[key].to_numpy() for key in SCHEMA[name]}
+        turned[name] = make_table(name, table.geometry.to_numpy(), **columns)
+    one = ground(network(city_of(layout)))
+    other = ground(network(city_of(replace(layout, **turned))))
+    for key in ("vertices", "triangles", "face_object", "edges"):
+        assert getattr(one.ground, key).tobytes() == getattr(other.ground, key).tobytes()
+    meshes = one.scene.meshes["ground"], other.scene.meshes["ground"]
+    assert meshes[0].vertices.tobytes() == meshes[1].vertices.tobytes()
+
+
+def test_the_ground_follows_the_relief(layout_of, city_of):
+    heights = np.add.outer(np.arange(11.0), np.arange(11.0) * 0.5)
+    terrain = Terrain((-100.0, -100.0), 20.0, heights)
+    land = [((-90, 30, -50, 70), "water")]
+    city = ground(network(city_of(layout_of(CROSS, areas=land), terrain=terrain)))
+    assert check_arrangement(city.ground) == (0, 0, 0.0)
+    mesh = city.scene.meshes["ground"]
+    above = mesh.vertices[:, 2] - terrain.height_at(mesh.vertices[:, :2])
+    assert above.max() == pytest.approx(KERB_HEIGHT, abs=1e-3)
+    assert set(city.scene.meshes) == {"ground", "surroundings"}
+
+
+@pytest.mark.shared()
+@pytest.mark.parametrize("name", ["london_soho", "seattle_i5_exit", "bristol_degenerate"])
+def test_real_streets_leave_no_gap_and_keep_out_of_houses(name):
+    paths = sorted(OSM.glob(f"{name}.osm*"))
+    if not paths:
+        pytest.skip("the real maps are not here")
+    from cityx.sources.osm import read_osm
+
+    city = read_osm(paths[0])
+    found = ground_of(city.layout)
+    assert check_arrangement(found) == (0, 0, pytest.approx(0.0, abs=1e-9))
+    area = areas(found)
+    assert area["carriageway"] + area["junction"] > 500.0
