@@ -203,8 +203,8 @@ RED_TILES = (0x8E4B36, 0x9A5740, 0x7B4434, 0x86523F, 0xA26248, 0x6C4236, 0x74503
 SLATES = (0x50545A, 0x5C6064, 0x474A50, 0x66676A, 0x55504F)
 CLAY = (0xB47A55, 0xA96C4B, 0xC08B66, 0x9C6346, 0xB5835F)
 SHINGLES = (0x5D5A56, 0x6D655D, 0x4E4B4A, 0x75695C, 0x7B7873)
-FELT = (0x6A6A69, 0x7C7B78, 0x585858, 0x8D8B86)
-MEMBRANE = (0xB9B9B4, 0xA6A6A2, 0xC6C5BF)
+FELT = (0x5E5E5D, 0x6D6B68, 0x4C4C4D, 0x7B7872, 0x5A5F5C)
+MEMBRANE = (0xA2A19C, 0x8F8E8A, 0xB0AEA6)
 Roofs = Mapping[str, Surfaces]
 PITCHED: Roofs = MappingProxyType(
     {
@@ -222,10 +222,10 @@ PITCHED: Roofs = MappingProxyType(
     }
 )  # fmt: skip
 FLAT: Surfaces = (
-    (5, "bitumen", FELT),
-    (3, "roof_gravel", (0x8E8B84, 0x9B978F, 0x7F7C77)),
-    (4, "bitumen", MEMBRANE),
-    (2, "concrete", GREYS),
+    (7, "bitumen", FELT),
+    (4, "roof_gravel", (0x7E7B75, 0x8B8780, 0x6F6C67, 0x857C6E)),
+    (2, "bitumen", MEMBRANE),
+    (1, "concrete", GREYS),
 )
 HALL_ROOF: Surfaces = ((5, "roof_metal", (0x9A9D9E, 0x85898B, 0xAEB0AF)), (3, "bitumen", MEMBRANE))
 

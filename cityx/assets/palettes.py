@@ -65,6 +65,11 @@ Words = NDArray[np.str_]
 Colors = NDArray[np.float32]
 
 
+BRIGHTEST = 0.72  # linear; fresh white paint on a wall
+DARKEST = 0.02  # linear; black paint
+PUREST = 0.16  # least share of the weakest channel in the strongest: outdoor paint is no laser
+
+
 def _lookup(table: Mapping[str, str]) -> dict[str, str]:
     return {word: material for material, text in table.items() for word in text.split()}
 
@@ -244,7 +249,7 @@ def finishes_for(layout: Layout, seed: int, style: str = "", *, region: str = ""
     reddish = ((color >> 16) & 255) > 1.25 * ((color & 255) + 8)
     painted = np.where(reddish & np.isin(facade, ["georgian", "walkup", "cottage"]), "brick", wall)
     wall = np.where(said, np.where(painted == "glass_wall", "plaster", painted), wall)
-    wall_rgb = _with_color(wall_rgb, color)
+    wall_rgb = _with_color(wall_rgb, color, bricks=wall == "brick")
     glazed = (wall == "glass_wall") & (given == "glass_wall") & (group != GROUPS.index("shed"))
     facade = np.where(glazed, "curtain", facade)
     facade = np.where((facade == "curtain") & (wall != "glass_wall"), "office", facade)
@@ -357,10 +362,32 @@ def _with_material(
     return np.where(given == "", material, given), rgb
 
 
-def _with_color(rgb: NDArray[np.float64], color: NDArray[np.int64]) -> NDArray[np.float64]:
+def _with_color(
+    rgb: NDArray[np.float64],
+    color: NDArray[np.int64],
+    *,
+    bricks: NDArray[np.bool_] | None = None,
+) -> NDArray[np.float64]:
+    """Use the colours the input gives; bricks keep half of their own."""
+    if not len(color):
+        return rgb
     known, index = np.unique(color, return_inverse=True)
-    table = _linear([max(value, 0) for value in known.tolist()])
-    return np.where((color >= 0)[:, None], table[index], rgb) if len(color) else rgb
+    given = _weathered(_linear([max(value, 0) for value in known.tolist()]))[index]
+    if bricks is not None:
+        given = np.where(bricks[:, None], np.sqrt(given * rgb), given)
+    return np.asarray(np.where((color >= 0)[:, None], given, rgb))
+
+
+def _weathered(rgb: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Bring screen colours such as "red" into the range of paint and stone in daylight."""
+    peak = np.minimum(rgb.max(axis=1, keepdims=True), BRIGHTEST)
+    scaled = rgb * peak / np.maximum(rgb.max(axis=1, keepdims=True), 1e-6)
+    grey = scaled.mean(axis=1, keepdims=True)
+    floor = np.maximum(PUREST * peak, DARKEST)
+    # Mix with grey just enough that the weakest channel reaches the floor.
+    low = scaled.min(axis=1, keepdims=True)
+    share = np.clip((floor - low) / np.maximum(grey - low, 1e-6), 0.0, 0.5)
+    return np.asarray(np.maximum(scaled + share * (grey - scaled), DARKEST))
 
 
 def _pick(

@@ -219,22 +219,27 @@ def balcony_iron() -> Shapes:
 def balcony_solid() -> Shapes:
     """Concrete balcony with a solid parapet and a rail."""
     return [
-        slab(-_B, _B, -0.18, 0.0, -1.35, "trim"),
-        box((-_B, -1.35, 0.0), (_B, -1.25, 0.95), "trim", (0.92, 0.92, 0.92)),
-        box((-_B, -1.25, 0.0), (-_B + 0.1, 0.0, 0.95), "trim", (0.92, 0.92, 0.92)),
-        box((_B - 0.1, -1.25, 0.0), (_B, 0.0, 0.95), "trim", (0.92, 0.92, 0.92)),
-        box((-_B, -1.32, 1.02), (_B, -1.28, 1.06), "metal_grey"),
+        slab(-_B, _B, -0.18, 0.0, -1.15, "trim"),
+        box((-_B, -1.15, 0.0), (_B, -1.05, 0.85), "trim", (0.92, 0.92, 0.92)),
+        box((-_B, -1.05, 0.0), (-_B + 0.1, 0.0, 0.85), "trim", (0.92, 0.92, 0.92)),
+        box((_B - 0.1, -1.05, 0.0), (_B, 0.0, 0.85), "trim", (0.92, 0.92, 0.92)),
+        box((-_B, -1.12, 0.98), (_B, -1.08, 1.02), "metal_grey"),
     ]
+
+
+def balcony_bars() -> Shapes:
+    """Concrete slab with a plain railing."""
+    return [slab(-_B, _B, -0.2, 0.0, -1.2, "trim"), *_railing(1.18, 15)]
 
 
 def balcony_glass() -> Shapes:
     """Slab with a glass balustrade."""
     return [
-        slab(-_B, _B, -0.2, 0.0, -1.5, "trim"),
-        box((-_B, -1.49, 0.04), (_B, -1.47, 1.0), "glass"),
-        box((-_B, -1.47, 0.04), (-_B + 0.02, 0.0, 1.0), "glass"),
-        box((_B - 0.02, -1.47, 0.04), (_B, 0.0, 1.0), "glass"),
-        box((-_B, -1.51, 1.0), (_B, -1.46, 1.05), "metal_grey"),
+        slab(-_B, _B, -0.2, 0.0, -1.25, "trim"),
+        box((-_B, -1.24, 0.04), (_B, -1.22, 1.0), "glass"),
+        box((-_B, -1.22, 0.04), (-_B + 0.02, 0.0, 1.0), "glass"),
+        box((_B - 0.02, -1.22, 0.04), (_B, 0.0, 1.0), "glass"),
+        box((-_B, -1.26, 1.0), (_B, -1.21, 1.05), "metal_grey"),
     ]
 
 
@@ -288,6 +293,7 @@ TRIMS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
             string_course, bracket, sill, sill_metal, surround_flat, surround_cap,
             surround_pediment, surround_lintel, surround_block, portal_panel, portal_double,
             portal_house, portal_church, balcony_iron, balcony_solid,
+            balcony_bars,
             balcony_glass, balcony_rail, air_conditioner, downpipe, fire_escape,
         )
     }

@@ -167,7 +167,10 @@ def run_worker(
     with tempfile.TemporaryDirectory(prefix="cityx-blender-") as folder:
         request, answer = Path(folder) / "job.json", Path(folder) / "result.json"
         request.write_text(json.dumps(_record(job, answer)))
-        code, log = _run(request, timeout_s, progress)
+        try:
+            code, log = _run(request, timeout_s, progress)
+        finally:
+            _clean(job)
         result = json.loads(answer.read_text()) if answer.exists() else {}
     if "missing" in result:
         raise MissingDependency(explain_missing(result["missing"]))
@@ -187,6 +190,12 @@ def run_worker(
     )
 
 
+def _clean(job: BlenderJob) -> None:
+    """Remove what an ended process left half written."""
+    for path in (*filter(None, [job.blend]), *(request.path for request in job.renders)):
+        path.with_name(f".{path.stem}.partial{path.suffix}").unlink(missing_ok=True)
+
+
 def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
     renders = [
         {"camera": asdict(r.camera), "path": str(r.path.resolve()), "samples": int(r.samples)}
@@ -201,6 +210,7 @@ def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
         "objects": job.objects,
         "gpu": job.gpu,
         "result": str(answer),
+        "parent": os.getpid(),
     }
 
 

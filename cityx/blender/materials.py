@@ -25,8 +25,10 @@ SNOW_COLOR = (0.82, 0.84, 0.88, 1.0)
 WET_LOSS = 0.55  # share of light a soaked porous surface loses; wet concrete keeps about half
 GLASS_IOR = 1.9  # a coated double pane mirrors twice as much as plain glass
 JPEG_QUALITY = 92
+# From a material's emission to radiance under a camera opened by three stops, as at night.
+EMISSION_SCALE = 0.15
 # Share of the emission of a lit window that leaves through its curtains.
-ROOM_GLOW = 0.25
+ROOM_GLOW = 0.3
 
 Socket = Any
 Tree = Any
@@ -156,7 +158,7 @@ class MaterialLibrary:
         elif wall:
             tree.links.new(_cell_noise(tree), lights.inputs["Seed"])
         glow = record.emission or MATERIALS["window_lit"].emission * ROOM_GLOW
-        lights.inputs["Strength"].default_value = glow
+        lights.inputs["Strength"].default_value = glow * EMISSION_SCALE
         shader.inputs["Emission Color"].default_value = (*record.color, 1.0)
         if room or wall:
             tree.links.new(lights.outputs["Room color"], shader.inputs["Emission Color"])

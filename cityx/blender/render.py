@@ -47,9 +47,7 @@ def core_count() -> int:
         return os.cpu_count() or 1
 
 
-def set_up(
-    scene: bpy.types.Scene, *, samples: int, gpu: bool = True, lamps: bool = False
-) -> str:
+def set_up(scene: bpy.types.Scene, *, samples: int, gpu: bool = True, lamps: bool = False) -> str:
     """Choose engine, quality and device.
 
     Parameters
@@ -125,7 +123,7 @@ def render_picture(scene: bpy.types.Scene, camera: bpy.types.Object, path: Path)
     scene.render.resolution_x = int(camera["width"])
     scene.render.resolution_y = int(camera["height"])
     scene.render.resolution_percentage = 100
-    temporary = path.with_name(f".{path.stem}.partial.png")
+    temporary = path.with_name(f".{path.stem}.partial{path.suffix}")
     path.parent.mkdir(parents=True, exist_ok=True)
     scene.render.filepath = str(temporary)
     scene.render.use_file_extension = False

@@ -21,9 +21,10 @@ _CLEAR = (1e-7, 0.0016, 0.052, 0.21, 0.35, 0.86, 2.3, 5.6, 13.1, 27.0, 37.5, 43.
 OVERCAST_SHARE = 0.22  # a closed cloud layer lets through about a fifth of sun and sky
 GROUND_ALBEDO = (0.13, 0.125, 0.105)  # of the land beyond the site
 CONTRAST_LOG = 3.912  # -ln 0.02: visibility is where contrast falls to 2 %
-NIGHT_SKY = (0.008, 0.012, 0.023)  # a city's night sky as pictures show it, brighter than real
-MOON_IRRADIANCE = 0.1
-LAMP_WATTS = 450.0  # radiant, as Blender counts; a lamp post then stands in a readable pool
+# The light of a night is balanced for a camera opened by about three stops.
+NIGHT_SKY = (0.0012, 0.0018, 0.0035)  # a city's night sky as pictures show it, brighter than real
+MOON_IRRADIANCE = 0.015
+LAMP_WATTS = 90.0  # radiant, as Blender counts; a lamp post then stands in a readable pool
 LAMP_COLOR = (1.0, 0.72, 0.42)  # about 3000 K
 MAX_LAMPS = 60  # more lights cost noise, and beyond 150 m only the lamp itself is seen
 LAMP_REACH = 150.0  # metres

@@ -7,7 +7,9 @@ standard output as lines that begin with ``@cityx``; the result goes to the file
 from __future__ import annotations
 
 import json
+import os
 import resource
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from cityx.city.store import View
 
 PROGRESS = "@cityx "
+PR_SET_PDEATHSIG = 1  # of Linux's prctl
 
 
 def say(share: float, text: str) -> None:
@@ -103,7 +106,7 @@ def _save(path: Path) -> float:
 
     from cityx.blender.operators import call
 
-    temporary = path.with_name(f".{path.stem}.partial.blend")
+    temporary = path.with_name(f".{path.stem}.partial{path.suffix}")
     path.parent.mkdir(parents=True, exist_ok=True)
     bpy.context.preferences.filepaths.save_version = 0
     call(
@@ -117,9 +120,20 @@ def _save(path: Path) -> float:
     return round(path.stat().st_size / 1e6, 2)
 
 
+def end_with_parent(parent: int) -> None:
+    """End this process when the caller ends, even if it is killed: no render goes on for nobody."""
+    if sys.platform == "linux":
+        import ctypes
+
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:  # it ended while this one started
+        os._exit(3)
+
+
 def main(arguments: list[str]) -> int:
     """Run one job."""
     job = json.loads(Path(arguments[0]).read_text())
+    end_with_parent(job["parent"])
     result: dict[str, Any] = {}
     clock = Clock()
     status = 0

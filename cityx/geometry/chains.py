@@ -1,4 +1,4 @@
-"""Graphs as arrays of node pairs: chains, connected components, distances."""
+"""Graphs as arrays of node pairs: chains, components, distances, interpolation."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 IntArray = NDArray[np.int64]
+EVEN = 1e-12  # squared slope left per node at which interpolation is done
 
 
 def join_segments(segments: ArrayLike, section: ArrayLike) -> tuple[IntArray, IntArray]:
@@ -128,3 +129,53 @@ def walking_distance(
                 distance[other] = done + length
                 heappush(queue, (done + length, other))
     return np.array(distance)
+
+
+def interpolate(
+    pairs: ArrayLike, length: ArrayLike, known: ArrayLike, values: ArrayLike
+) -> NDArray[np.float64]:
+    """Spread values along a graph so that they change evenly from one known node to the next.
+
+    Parameters
+    ----------
+    pairs, length
+        (m, 2) int and (m,) float, edges and their lengths, above zero.
+    known
+        (n,) bool, nodes whose value is given; every component needs one.
+    values
+        (n,) float, read at the known nodes, a first guess elsewhere.
+
+    Returns
+    -------
+    values
+        (n,) float; linear along a chain, and balanced by inverse length where chains meet.
+
+    References
+    ----------
+    Hestenes and Stiefel, "Methods of conjugate gradients for solving linear systems", 1952.
+    """
+    pairs = np.asarray(pairs, dtype=np.int64).reshape(-1, 2)
+    pull = 1.0 / np.asarray(length, dtype=float)
+    known = np.asarray(known, dtype=bool)
+    size = len(known)
+    a, b = pairs.T
+
+    def tension(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        flow = pull * (x[a] - x[b])
+        total = np.bincount(a, flow, minlength=size) - np.bincount(b, flow, minlength=size)
+        return np.asarray(np.where(known, 0.0, total))
+
+    x = np.asarray(values, dtype=float).copy()
+    rest = -tension(x)
+    step = rest.copy()
+    energy = float(rest @ rest)
+    for _ in range(4 * size):
+        if energy < EVEN * size:
+            break
+        pulled = tension(step)
+        stride = energy / float(step @ pulled)
+        x += stride * step
+        rest -= stride * pulled
+        energy, before = float(rest @ rest), energy
+        step = rest + (energy / before) * step
+    return x

@@ -13,7 +13,7 @@ from cityx.geometry.polygons import (
     FloatArray,
     IntArray,
     Rings,
-    largest_parts,
+    clean_polygons,
     longest_edge,
     rings_of,
     run_along,
@@ -322,7 +322,7 @@ def prisms(
         closed = join_solids([closed, welded.of_parts(~wrong)])
         rows = np.flatnonzero(wrong)
         loose = np.full(count, shapely.Polygon(), dtype=object)
-        loose[rows] = largest_parts(shapely.buffer(polygons[rows], -LOOSEN, join_style="mitre"))
+        loose[rows] = clean_polygons(shapely.buffer(polygons[rows], -LOOSEN, join_style="mitre"))
         last = extrude(plan_of(loose), low, high, zero)
         wrong = open_parts(last, count)
         solids = join_solids([closed, last.of_parts(~wrong)])

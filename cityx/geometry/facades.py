@@ -39,7 +39,6 @@ SHOP_PIER = 0.34  # metres between shopfronts
 SHOP_MARGIN = 0.30  # metres between the corner and the first shopfront
 ROOM_FOR_SIGN = 0.75  # metres between a shopfront and the floor above
 MIN_GROUND = 2.35  # metres; a lower strip above sloping ground is no storey
-CLOSE = 1.3  # metres; a wall nearer to the next building has no windows
 
 
 @dataclass(frozen=True)
@@ -62,6 +61,8 @@ class Fronts:
         (w,) bool: it faces a street; shops are on its ground floor; it may have balconies.
     free
         (w,) metres to the next building in front.
+    screened
+        (w,) height below which there are no windows for want of light, -inf where there is light.
     bay, width, height, sill
         (w,) metres: bay, window and height of its sill above the floor.
     ground_storey
@@ -85,6 +86,7 @@ class Fronts:
     shop: NDArray[np.bool_]
     balcony: NDArray[np.bool_]
     free: FloatArray
+    screened: FloatArray
     bay: FloatArray
     width: FloatArray
     height: FloatArray
@@ -256,8 +258,7 @@ def _joined(tables: list[Openings]) -> Openings:
 def _windows(walls: WallTable, fronts: Fronts, storeys: Storeys, seed: int) -> Openings:
     """Windows of all storeys, ground floor included."""
     bays, margin, bay_width, width = bays_of(walls, fronts)
-    alone = (fronts.mode == CURTAIN) | ((fronts.free < CLOSE) & ~fronts.street)
-    bays = np.where(alone, 0, bays)
+    bays = np.where(fronts.mode == CURTAIN, 0, bays)
     number = np.maximum(storeys.count - storeys.first, 0) * bays
     wall = np.repeat(np.arange(walls.count), number)
     cell = np.arange(len(wall)) - np.repeat(np.cumsum(number) - number, number)
@@ -308,6 +309,7 @@ def _windows(walls: WallTable, fronts: Fronts, storeys: Storeys, seed: int) -> O
     low = np.where(nave, floor + np.clip(0.24 * room, 1.0, 4.0), low)
     height = np.where(nave, np.clip(0.52 * room, 0.8, 7.5), height)
     wide = np.where(nave, np.minimum(wide, 0.45 * height), wide)
+    kept &= (low > fronts.screened[wall]) | street
     shed = mode == SHED
     kept &= ~(
         shed & ((uniform(seed, "facade/shed", wall_key(walls)[wall], bay) < 0.72) | (room < 2))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.walls import WallTable
 
+CLOSE = 1.3  # metres; nobody puts a window so near to the next building
 REACH = 22.0  # metres; a street further off than that is not the one the wall stands on
 EYE = 0.35  # metres before the wall where a look begins, past neighbours that touch
 MIN_LOOK = 1.2  # metres; shorter walls have no openings, so what they face does not matter
@@ -32,11 +33,14 @@ class Frontage:
         (w,) float64, metres to its centreline, inf where there is none.
     free
         (w,) float64, metres to the next building, at most `REACH`.
+    screened
+        (w,) float64, height up to which a building stands closer than `CLOSE`, -inf for none.
     """
 
     street: IntArray
     distance: FloatArray
     free: FloatArray
+    screened: FloatArray
 
 
 def frontage_of(
@@ -60,9 +64,10 @@ def frontage_of(
     street = np.full(walls.count, NONE, np.int64)
     distance = np.full(walls.count, np.inf)
     free = np.full(walls.count, REACH)
+    screened = np.full(walls.count, -np.inf)
     wall, eye = _eyes(walls)
     if not len(wall):
-        return Frontage(street, distance, free)
+        return Frontage(street, distance, free, screened)
     # A foot of 1 mm keeps rounding from asking whether the eye touches its own wall.
     rays = shapely.linestrings(np.stack([eye, eye + walls.normal[wall] * REACH], axis=1))
     shapely.prepare(rays)
@@ -78,6 +83,8 @@ def frontage_of(
     clear = np.full(len(wall), REACH)
     np.minimum.at(clear, look, seen + EYE)
     np.minimum.at(free, wall, clear)
+    close = seen + EYE < CLOSE
+    np.maximum.at(screened, wall[look[close]], z_high[hit[close]])
 
     tree = shapely.STRtree(roads)
     look, road = tree.query(rays, predicate="intersects")
@@ -91,7 +98,7 @@ def frontage_of(
     first[1:] = row[1:] != row[:-1]
     street[row[first]] = road[order][first]
     distance[row[first]] = away[order][first]
-    return Frontage(street, distance, free)
+    return Frontage(street, distance, free, screened)
 
 
 def _eyes(walls: WallTable) -> tuple[IntArray, FloatArray]:

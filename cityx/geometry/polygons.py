@@ -14,6 +14,7 @@ IntArray = NDArray[np.int64]
 
 GRID = 1e-3  # metres; finer than any survey, coarse enough to hide differences between machines
 STRAY = 2e-3  # metres; a point this near to the line between its neighbours makes only slivers
+SLIT = 5e-3  # metres; outlines that come closer to themselves are snapped until they do not
 MIN_AREA = 0.05  # square metres; smaller outlines are slips of the pen
 STRAIGHT = np.radians(3.0)  # a bend below this is drawing noise, not a corner
 MAX_MITRE = 3.0  # times the distance; a sharper corner would grow a spike
@@ -112,6 +113,9 @@ def clean_polygons(polygons: ArrayLike) -> NDArray[Any]:
     )
     for row in np.flatnonzero(wrong):
         cleaned[row] = _largest(rounded[row])
+    tight = shapely.minimum_clearance(cleaned) < SLIT
+    for row in np.flatnonzero(tight):
+        cleaned[row] = _largest(shapely.set_precision(cleaned[row], 4 * SLIT))
     return cleaned
 
 
@@ -174,17 +178,6 @@ def _kept_around(rings: Rings, kept: NDArray[np.bool_]) -> tuple[IntArray, IntAr
     before = np.where(place - 1 < first[ring], last[ring], place - 1)
     after = np.where(place > last[ring], first[ring], place)
     return index[before], index[after]
-
-
-def largest_parts(shapes: NDArray[Any]) -> NDArray[Any]:
-    """Return the largest polygon of each geometry, (n,), empty where there is none."""
-    found = np.full(len(shapes), shapely.Polygon(), dtype=object)
-    pieces, row = shapely.get_parts(shapes, return_index=True)
-    solid = (shapely.get_type_id(pieces) == 3) & ~shapely.is_empty(pieces)
-    pieces, row = pieces[solid], row[solid]
-    order = np.argsort(shapely.area(pieces), kind="stable")
-    found[row[order]] = pieces[order]
-    return found
 
 
 @dataclass(frozen=True)

@@ -103,9 +103,7 @@ def loft_roofs(
     )
 
 
-def inset(
-    polygons: NDArray[Any], distance: FloatArray
-) -> tuple[Plan, FloatArray, Plan, NDArray[np.bool_]]:
+def inset(polygons: NDArray[Any], distance: FloatArray) -> tuple[Plan, Plan]:
     """Draw outlines in by a distance, corner for corner.
 
     Parameters
@@ -117,9 +115,9 @@ def inset(
 
     Returns
     -------
-    outer, points, inner, sound
-        The outlines whose inset is an outline of the same rings inside them, the m points of the
-        inset in the order of the outer points, the inset's own triangles, and (n,) bool.
+    outer, inner
+        The outlines whose inset is an outline of the same rings inside them, and those insets,
+        point for point; the other outlines are empty in both.
     """
     polygons = shapely.orient_polygons(np.asarray(polygons, dtype=object))
     count = len(polygons)
@@ -136,7 +134,7 @@ def inset(
     sound[inside] = shapely.contains_properly(polygons[inside], shapes[inside])
     outer = plan_of(np.where(sound, polygons, shapely.Polygon()))
     inner = plan_of(np.where(sound, shapes, shapely.Polygon()))
-    return outer, inner.rings.points, inner, sound
+    return outer, inner
 
 
 def _deck(
@@ -203,7 +201,7 @@ def parapet_roofs(
     low, top, zero
         (n,) foot, head of the parapet, zero of the wall texture.
     """
-    outer, _, inner, _ = inset(polygons, thickness)
+    outer, inner = inset(polygons, thickness)
     return _deck(outer, inner, low, top, top, top - height, zero, TRIM)
 
 
@@ -226,5 +224,5 @@ def rimmed_roofs(
     low, eave, rise, zero
         (n,) metres, as in `cityx.geometry.roof_profiles.profile_roofs`.
     """
-    outer, _, inner, _ = inset(polygons, run)
+    outer, inner = inset(polygons, run)
     return _deck(outer, inner, low, eave, eave + rise, None, zero, ROOF)

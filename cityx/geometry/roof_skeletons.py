@@ -1,7 +1,7 @@
-"""Roofs whose planes rise from every eave: hipped, half-hipped, side-hipped, gabled wings.
+"""Roofs over the straight skeleton: every point is as high as it is far from its own eave.
 
-Rectangles have a closed form. Other outlines take the straight skeleton of CGAL, in which every
-point is as high as it is far from its own eave.
+Hipped roofs of any outline; the ends of wings may be raised to half hips or gables. The skeleton
+is CGAL's.
 
 References
 ----------
@@ -20,167 +20,16 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.extrude import Plan, plan_of, roofed
+from cityx.geometry.extrude import plan_of, roofed
 from cityx.geometry.polygons import FloatArray, IntArray, Rings, rings_of, triangulate
-from cityx.geometry.solids import MIN_FACE, NO_VERTEX, Solids, as_quads, no_solids
+from cityx.geometry.roof_rectangles import PitchedRoofs
+from cityx.geometry.solids import MIN_FACE, NO_VERTEX, as_quads, no_solids
 
-SQUARE_CORNER = np.sin(np.radians(3.0))  # a corner this close to square counts as square
 MIN_CLEARANCE = 0.01  # metres between any two parts of an outline
 MAX_POINTS = 400  # an outline with more takes CGAL seconds
 MERGE = 0.02  # metres; roofs need not be planar to less
-MIN_RIDGE = 0.05  # metres; the ridge of a square roof, so that no face collapses
 MAX_RIDGE_FALL = 0.15  # rise over run of a ridge that still ends in a gable
 END_ROOM = 0.12  # share of an end wall left on either side of its gable
-HALF = 0.5  # share of its height at which a half hip starts
-
-
-def is_rectangle(rings: Rings, count: int) -> NDArray[np.bool_]:
-    """Mark the polygons of one ring, four points and square corners, (count,) bool."""
-    number = np.bincount(rings.polygon, minlength=count)
-    ring = np.flatnonzero((np.diff(rings.start) == 4) & (number[rings.polygon] == 1))
-    corner = rings.points[rings.start[ring][:, None] + np.arange(4)]
-    edge = np.roll(corner, -1, axis=1) - corner
-    edge /= np.maximum(np.linalg.norm(edge, axis=2), 1e-9)[:, :, None]
-    cosine = (edge * np.roll(edge, -1, axis=1)).sum(axis=2)
-    found = np.zeros(count, bool)
-    found[rings.polygon[ring[(np.abs(cosine) < SQUARE_CORNER).all(axis=1)]]] = True
-    return found
-
-
-# Faces over the numbered points of a rectangle p0..p3 whose first edge is long. A and B are the
-# ends of the ridge near p3-p0 and p1-p2. "ring" lists the wall heads in order.
-@dataclass(frozen=True)
-class _Template:
-    bottom: tuple[tuple[int, int, int], ...]
-    roof: tuple[tuple[int, int, int], ...]
-
-
-_HIPPED = _Template(  # 0..3 corners, 4 = A, 5 = B
-    ((0, 1, 2), (0, 2, 3)),
-    ((0, 1, 5), (0, 5, 4), (1, 2, 5), (2, 3, 4), (2, 4, 5), (3, 0, 4)),
-)
-_SIDE_HIPPED = _Template(  # ring p0 p1 p2 p3 gable, 5 = B
-    ((0, 1, 4), (4, 1, 2), (4, 2, 3)),
-    ((0, 1, 5), (0, 5, 4), (1, 2, 5), (2, 3, 4), (2, 4, 5)),
-)
-_HALF_HIPPED = _Template(  # ring p0 p1 a1 a2 p2 p3 b1 b2, 8 = A, 9 = B
-    ((0, 1, 2), (0, 2, 7), (7, 2, 3), (7, 3, 6), (6, 3, 4), (6, 4, 5)),
-    (
-        (0, 1, 2), (0, 2, 9), (0, 9, 8), (0, 8, 7),
-        (4, 5, 6), (4, 6, 8), (4, 8, 9), (4, 9, 3),
-        (2, 3, 9), (6, 7, 8),
-    ),
-)  # fmt: skip
-
-
-@dataclass(frozen=True)
-class SkeletonRoofs:
-    """Roofs over n outlines.
-
-    Attributes
-    ----------
-    solids
-        Shells; an outline without a usable skeleton has none.
-    rings
-        The wall heads, m points; gables add points to the outline.
-    eave_z
-        (m,) height of the wall head at each ring point.
-    level_edge
-        (m,) bool, whether the edge that starts at a point is a level eave.
-    slope
-        (n,) rise over run of the roof planes.
-    """
-
-    solids: Solids
-    rings: Rings
-    eave_z: FloatArray
-    level_edge: NDArray[np.bool_]
-    slope: FloatArray
-
-
-def rectangle_roofs(
-    polygons: NDArray[Any],
-    kind: str,
-    angle: FloatArray,
-    low: FloatArray,
-    eave: FloatArray,
-    rise: FloatArray,
-    zero: FloatArray,
-) -> SkeletonRoofs:
-    """Raise rectangles under a roof of one kind.
-
-    Parameters
-    ----------
-    polygons
-        (n,) rectangles, see `is_rectangle`; empty ones are passed over.
-    kind
-        "hipped", "side_hipped" or "half-hipped".
-    angle
-        (n,) radians, direction of the ridge; the nearer pair of sides carries it.
-    low, eave, rise, zero
-        (n,) metres, as in `cityx.geometry.roof_profiles.profile_roofs`.
-    """
-    count = len(polygons)
-    source = rings_of(polygons)
-    rows = source.polygon
-    k = len(rows)
-    p = source.points.reshape(k, 4, 2)
-    first = p[:, 1] - p[:, 0]
-    cosine = first[:, 0] * np.cos(angle[rows]) + first[:, 1] * np.sin(angle[rows])
-    along = np.abs(cosine) >= np.linalg.norm(first, axis=1) * np.sqrt(0.5)
-    p = np.where(along[:, None, None], p, np.roll(p, -1, axis=1))
-    width = np.linalg.norm(p[:, 2] - p[:, 1], axis=1)
-    length = np.linalg.norm(p[:, 1] - p[:, 0], axis=1)
-    a, b = (p[:, 3] + p[:, 0]) / 2, (p[:, 1] + p[:, 2]) / 2
-    axis = (b - a) / np.maximum(length, 1e-9)[:, None]
-    share = HALF if kind == "half-hipped" else 1.0
-    inset = np.minimum(width / 2 * share, length / 2 - MIN_RIDGE / 2)[:, None]
-    ridge_a, ridge_b = a + axis * inset, b - axis * inset
-    base, summit = eave[rows], (eave + rise)[rows]
-    if kind == "hipped":
-        template, ring, extra = _HIPPED, p, [ridge_a, ridge_b]
-        head = np.repeat(base[:, None], 4, axis=1)
-        level = np.ones((k, 4), bool)
-    elif kind == "side_hipped":
-        template, extra = _SIDE_HIPPED, [ridge_b]
-        ring = np.concatenate([p, a[:, None]], axis=1)
-        head = np.column_stack([np.repeat(base[:, None], 4, axis=1), summit])
-        level = np.tile([True, True, True, False, False], (k, 1))
-    else:
-        template, extra = _HALF_HIPPED, [ridge_a, ridge_b]
-        near, far = HALF / 2, 1 - HALF / 2
-        ends = [p[:, 1] + (p[:, 2] - p[:, 1]) * near, p[:, 1] + (p[:, 2] - p[:, 1]) * far]
-        ends += [p[:, 3] + (p[:, 0] - p[:, 3]) * near, p[:, 3] + (p[:, 0] - p[:, 3]) * far]
-        ring = np.stack([p[:, 0], p[:, 1], *ends[:2], p[:, 2], p[:, 3], *ends[2:]], axis=1)
-        middle = base + (summit - base) * HALF
-        head = np.stack([base, base, middle, middle, base, base, middle, middle], axis=1)
-        level = np.tile([True, False, False, False, True, False, False, False], (k, 1))
-    size = ring.shape[1]
-    rings = Rings(ring.reshape(-1, 2), np.arange(k + 1) * size, rows, np.zeros(k, bool))
-    bottom = (np.array(template.bottom) + (np.arange(k) * size)[:, None, None]).reshape(-1, 3)
-    plan = Plan(rings, bottom, np.repeat(rows, len(template.bottom)), count)
-    tops = np.stack(extra, axis=1)  # (k, e, 2)
-    number = tops.shape[1]
-    faces = np.array(template.roof)  # (t, 3) over ring then extras
-    on_ring = faces < size
-    index = np.where(
-        on_ring,
-        faces + (np.arange(k) * size)[:, None, None],
-        faces - size + k * size + (np.arange(k) * number)[:, None, None],
-    ).reshape(-1, 3)
-    solids = roofed(
-        plan,
-        low,
-        head.ravel(),
-        zero,
-        as_quads(index),
-        np.repeat(rows, len(template.roof)),
-        extra=np.column_stack([tops.reshape(-1, 2), np.repeat(summit, number)]),
-        extra_part=np.repeat(rows, number),
-    )
-    slope = np.zeros(count)
-    slope[rows] = rise[rows] / np.maximum(width / 2, 0.1)
-    return SkeletonRoofs(solids, rings, head.ravel(), level.ravel(), slope)
 
 
 @contextmanager
@@ -217,6 +66,10 @@ def _admitted(polygons: NDArray[Any]) -> NDArray[np.bool_]:
     admitted[rows] = shapely.is_valid(polygons[rows])
     rows = np.flatnonzero(admitted)
     admitted[rows] = shapely.minimum_clearance(polygons[rows]) >= MIN_CLEARANCE
+    # Clearance passes over rings that share a point.
+    for row in np.flatnonzero(admitted & (shapely.get_num_interior_rings(polygons) > 0)).tolist():
+        rings = rings_of(polygons[row : row + 1])
+        admitted[row] = len(np.unique(rings.points, axis=0)) == len(rings.points)
     return np.asarray(admitted)
 
 
@@ -429,7 +282,7 @@ def skeleton_roofs(
     eave: FloatArray,
     rise: FloatArray,
     zero: FloatArray,
-) -> SkeletonRoofs:
+) -> PitchedRoofs:
     """Raise outlines under hipped roofs of one pitch, their ends raised where asked.
 
     Parameters
@@ -461,7 +314,7 @@ def _gathered(
     eave: FloatArray,
     rise: FloatArray,
     zero: FloatArray,
-) -> SkeletonRoofs:
+) -> PitchedRoofs:
     """Join skeletons to solids."""
     slope = np.zeros(count)
     outlines = np.full(count, shapely.Polygon(), dtype=object)
@@ -496,7 +349,7 @@ def _gathered(
         face_part += [row] * len(skeleton.faces)
     if not found:
         none = np.zeros(0)
-        return SkeletonRoofs(no_solids(), rings_of(outlines), none, none.astype(bool), slope)
+        return PitchedRoofs(no_solids(), rings_of(outlines), none, none.astype(bool), slope)
     rings = rings_of(outlines)
     plan = plan_of(outlines)
     head = np.concatenate(heads)
@@ -513,7 +366,7 @@ def _gathered(
         extra=extra,
         extra_part=np.array(extra_part, np.int64),
     )
-    return SkeletonRoofs(solids, rings, head, np.array(levels, bool), slope)
+    return PitchedRoofs(solids, rings, head, np.array(levels, bool), slope)
 
 
 def _as_faces(

@@ -16,7 +16,8 @@ from cityx.geometry.extrude import aligned, prisms, weld_touching
 from cityx.geometry.polygons import FloatArray, IntArray, Rings, rings_of
 from cityx.geometry.roof_lofts import LOFTS, loft_roofs, parapet_roofs, rimmed_roofs
 from cityx.geometry.roof_profiles import PROFILES, Frames, profile_roofs
-from cityx.geometry.roof_skeletons import HALF, is_rectangle, rectangle_roofs, skeleton_roofs
+from cityx.geometry.roof_rectangles import HALF, is_rectangle, rectangle_roofs
+from cityx.geometry.roof_skeletons import skeleton_roofs
 from cityx.geometry.solids import (
     ROOF,
     Solids,

@@ -1,3 +1,5 @@
+import subprocess
+import sys
 from dataclasses import replace
 
 import pytest
@@ -47,6 +49,14 @@ def test_a_hanging_worker_is_killed(monkeypatch, tmp_path):
         run_worker(job, timeout_s=1)
 
 
+def test_a_killed_worker_leaves_no_half_file(monkeypatch, tmp_path):
+    half = "open(os.path.join(job['store'], '.a.partial.blend'), 'w').close(); time.sleep(60)"
+    job = replace(scripted(monkeypatch, tmp_path, half), blend=tmp_path / "a.blend")
+    with pytest.raises(EngineError):
+        run_worker(job, timeout_s=1)
+    assert [path.name for path in tmp_path.iterdir()] == ["worker.py"]
+
+
 def test_a_crash_is_an_engine_error_with_the_last_words(monkeypatch, tmp_path):
     job = scripted(monkeypatch, tmp_path, "print('Segmentation', flush=True); os.abort()")
     with pytest.raises(EngineError, match=r"ended by signal 6[\s\S]*Segmentation"):
@@ -63,3 +73,18 @@ def test_a_library_missing_in_the_worker_is_a_missing_dependency(monkeypatch, tm
 def test_a_folder_without_a_city_is_an_engine_error(tmp_path):
     with pytest.raises(EngineError, match="holds no city"):
         run_worker(replace(BlenderJob(tmp_path), gpu=False), timeout_s=120)
+
+
+@pytest.mark.blender
+@pytest.mark.skipif(sys.platform != "linux", reason="uses prctl")
+def test_the_worker_ends_when_its_caller_is_killed():
+    worker = "import os, time; from cityx.blender.worker import end_with_parent as end; "
+    worker += "end(os.getppid()); print(os.getpid(), flush=True); time.sleep(60)"
+    caller = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {worker!r}])"
+    process = subprocess.Popen([sys.executable, "-c", caller], stdout=subprocess.PIPE, text=True)
+    with process.stdout as words:
+        number = int(words.readline())
+        process.kill()
+        process.wait()
+        assert words.read() == ""  # the pipe closes only when the worker has ended too
+    assert number > 0

@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cityx.geometry.chains import components, join_segments, walking_distance
+from cityx.geometry.chains import components, interpolate, join_segments, walking_distance
 
 
 def test_segments_join_through_a_node_where_nothing_branches():
@@ -38,3 +38,9 @@ def test_components_do_not_depend_on_the_order_of_edges(pairs):
 def test_distance_takes_the_shorter_way_round():
     distance = walking_distance([[0, 1], [1, 2], [0, 2]], [1.0, 1.0, 5.0], [0], 4)
     assert distance.tolist() == [0.0, 1.0, 2.0, np.inf]
+
+
+def test_values_spread_evenly_between_known_nodes():
+    pairs, length = [[0, 1], [1, 2], [2, 3]], [1.0, 2.0, 1.0]
+    found = interpolate(pairs, length, [True, False, False, True], [0.0, 9.0, 9.0, 8.0])
+    assert np.allclose(found, [0, 2, 6, 8], atol=1e-4)

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from cityx.geometry.polygons import (
     clean_polygons,
     corners,
-    largest_parts,
     offset_points,
     polygons_of,
     rings_of,
@@ -103,6 +102,13 @@ def test_an_offset_that_turns_an_edge_round_is_unsound():
     assert not sound.any()
 
 
-def test_largest_part_of_a_collection_is_a_polygon():
+def test_of_several_pieces_the_largest_is_kept():
     both = shapely.MultiPolygon([shapely.box(0, 0, 1, 1), shapely.box(2, 0, 5, 3)])
-    assert largest_parts(np.array([both]))[0].area == 9.0
+    assert clean_polygons([both])[0].area == 9.0
+
+
+def test_an_outline_that_almost_touches_itself_is_snapped_open_or_shut():
+    slit = shapely.box(0, 0, 9, 9).difference(shapely.box(0, 4, 8, 4.002))
+    cleaned = clean_polygons([slit])[0]
+    assert cleaned.is_valid
+    assert shapely.minimum_clearance(cleaned) > 0.005

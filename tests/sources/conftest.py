@@ -40,9 +40,7 @@ class Drawing:
 
     def relation(self, members, /, **tags):
         self.ids += 1
-        inside = "".join(
-            f'<member type="way" ref="{ref}" role="{role}"/>' for ref, role in members
-        )
+        inside = "".join(f'<member type="way" ref="{ref}" role="{role}"/>' for ref, role in members)
         self.elements.append(f'<relation id="{self.ids}">{inside}{_tags(tags)}</relation>')
         return self.ids
 

@@ -384,4 +384,3 @@ def corner_reach(walls: WallTable) -> tuple[FloatArray, FloatArray]:
     before = np.zeros(walls.count)
     before[following[meets]] = np.where(free, mitre, 0.0)[meets]
     return before, after
-

@@ -15,7 +15,7 @@ from cityx.assets.palettes import GROUPS, groups_of, landuse_of, owner_rows
 from cityx.city.ground import KERB_HEIGHT
 from cityx.geometry import facades
 from cityx.geometry.facades import Fronts
-from cityx.geometry.frontage import door_walls, frontage_of
+from cityx.geometry.frontage import CLOSE, door_walls, frontage_of
 from cityx.geometry.identity import choose, uniform
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.walls import WallTable
@@ -23,6 +23,7 @@ from cityx.plugins.building.shell import PARAPET_HIGH, PARAPET_LOW, PARAPET_SHAR
 
 if TYPE_CHECKING:
     from cityx.city.city import City
+    from cityx.city.layout import Layout
     from cityx.plugins.building.volumes import Volumes
 
 Words = NDArray[np.str_]
@@ -42,6 +43,7 @@ GROUNDED = 0.5  # metres; parts that begin lower stand on the ground
 MIN_DOOR_WALL = 1.4  # metres
 MIN_DOOR_ROOM = 2.05  # metres of height a door needs
 EAVE_ROOM = 0.25  # metres under the eave of a pitched roof, where the overhang hides the wall
+QUARTER = 120.0  # metres around a building in which trade draws trade
 MIN_SHOP_STOREY = 2.9  # metres
 
 
@@ -160,7 +162,7 @@ def fronts_of(city: City, volumes: Volumes, walls: WallTable, designs: Designs) 
     usable = grounded & (walls.length >= MIN_DOOR_WALL) & (room >= MIN_DOOR_ROOM)
     usable &= walls.blind_to <= walls.z_low + 0.05
     score = 10 * worth + np.minimum(walls.length, 14.0) - 0.4 * np.minimum(front.distance, 20.0)
-    score = score + np.minimum(front.free, 6.0) - 25.0 * (front.free < facades.CLOSE)
+    score = score + np.minimum(front.free, 6.0) - 25.0 * (front.free < CLOSE)
     entrances, rank = _entrances(layout.points)
     rows, along = door_walls(walls, building, usable, np.round(score, 3), entrances, rank)
     door = np.zeros(walls.count, bool)
@@ -178,7 +180,7 @@ def fronts_of(city: City, volumes: Volumes, walls: WallTable, designs: Designs) 
     door_width, door_height = _door_sizes(designs.door[part], seed, building)
     return Fronts(
         building, mode, levels, foot, grounded,
-        worth >= 2.0, shop, designs.balcony[part], front.free,
+        worth >= 2.0, shop, designs.balcony[part], front.free, front.screened,
         size["bay"], size["width"], size["height"], size["sill"], ground_storey, size["corner"],
         door, door_along, door_width, door_height,
     )  # fmt: skip
@@ -225,6 +227,7 @@ def _shops(
     use = landuse_of(layout)
     index = {name: number for number, name in enumerate(GROUPS)}
     share = share * np.select([place == "core", place == "urban"], [1.7, 1.0], 0.12)[part]
+    share = share * _trade(layout, np.isin(group, [index["retail"], index["office"]]))[part]
     share = np.where(np.isin(use, ["retail"])[part], np.maximum(share, 0.85), share)
     share = np.where(np.isin(use, ["commercial"])[part], np.maximum(share, 0.5), share)
     share = np.where((group == index["retail"])[part], 1.0, share)
@@ -233,6 +236,19 @@ def _shops(
     share = np.where(no[part], 0.0, share)
     fit = np.isin(mode, [facades.PUNCHED, facades.STRIP, facades.CURTAIN]) & (worth >= 2.0)
     return np.asarray(fit & (uniform(city.seed, "facade/shop", building) < share))
+
+
+def _trade(layout: Layout, trading: NDArray[np.bool_]) -> FloatArray:
+    """Factor on the share of shops, (n,): up to 2 where a quarter of the buildings trade."""
+    from scipy.spatial import cKDTree
+
+    if not trading.any():
+        return np.ones(len(trading))
+    centroid = shapely.centroid(layout.parts.geometry.to_numpy())
+    middle = np.nan_to_num(np.column_stack([shapely.get_x(centroid), shapely.get_y(centroid)]))
+    around = cKDTree(middle).query_ball_point(middle, QUARTER, return_length=True)
+    traders = cKDTree(middle[trading]).query_ball_point(middle, QUARTER, return_length=True)
+    return np.asarray(1 + 4 * np.minimum(traders / np.maximum(around, 1), 0.25))
 
 
 def _sizes(

@@ -8,9 +8,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city.ground import LABEL, Ground
+from cityx.city.ground import LABEL, SURFACES, Ground
 from cityx.city.layout import Layout
-from cityx.geometry.arrangement import BEYOND, face_areas
+from cityx.geometry.arrangement import BEYOND, Regions, face_areas, regions
 from cityx.geometry.chains import components
 
 IntArray = NDArray[np.int64]
@@ -27,6 +27,7 @@ HARD = (
 NARROW = 1.5  # metres; narrower islands between carriageways are not built
 DENSE = 0.35  # share of a block that is built over; gardens fill the rest of a looser one
 DENSE_URBAN = 0.12  # the same where most of what is built stands in urban surroundings
+TOWN_CELL = 50.0  # metres; about half a block
 STRIP = 5.0  # metres; narrower leftovers between pavements are paved in town
 ENCLOSED = 0.6  # share of such a strip's rim that pavement or walls take
 TOWN_REACH = 25.0  # metres within which an urban building makes a place a part of the town
@@ -39,6 +40,26 @@ def pave_blocks(ground: Ground, layout: Layout) -> Ground:
     block = _blocks(ground, road)
     ground = _paved(_filled(ground, road, block), layout, block)
     return _strips_paved(ground, layout)
+
+
+def town_regions(layout: Layout) -> Regions:
+    """Return dense ground as cells of a grid, for an arrangement that holds no houses."""
+    buildings = layout.buildings
+    urban = np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))
+    shapes = buildings.geometry.to_numpy()[urban]
+    if not len(shapes):
+        return Regions()
+    box = shapely.bounds(shapes)
+    cell = np.floor((box[:, :2] + box[:, 2:]) / (2 * TOWN_CELL)).astype(np.int64)
+    # A cell is dense by what stands in it and in its eight neighbours.
+    spread = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)])
+    around = (cell[:, None] + spread).reshape(-1, 2)
+    cells, index = np.unique(around, axis=0, return_inverse=True)
+    built = np.bincount(index.ravel(), np.repeat(shapely.area(shapes), 9), minlength=len(cells))
+    low = cells[built > DENSE_URBAN * 9 * TOWN_CELL**2] * TOWN_CELL
+    squares = shapely.box(low[:, 0], low[:, 1], low[:, 0] + TOWN_CELL, low[:, 1] + TOWN_CELL)
+    label = LABEL["courtyard"]
+    return regions(shapely.unary_union(squares), label, SURFACES[label].priority)
 
 
 def _blocks(ground: Ground, road: NDArray[np.bool_]) -> IntArray:

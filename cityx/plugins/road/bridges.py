@@ -13,7 +13,7 @@ from cityx.city.ground import KERB_HEIGHT
 from cityx.city.layout import Layout
 from cityx.city.mesh import MeshBatch, empty_batch
 from cityx.city.terrain import Terrain
-from cityx.geometry.chains import components, walking_distance
+from cityx.geometry.chains import components, interpolate, walking_distance
 from cityx.geometry.polylines import Polylines, arc_lengths, miters, pack, to_linestrings
 
 FloatArray = NDArray[np.float64]
@@ -47,14 +47,17 @@ class Decks:
         (n,) rows of ``Layout.roads``.
     lines
         Their centrelines, with a point every few metres.
+    z
+        (p,) height of the deck at each point, metres.
     climb
-        (p,) metres of each point above the terrain.
+        (p,) the same above the terrain.
     half_width
         (n,) half the clear width, metres.
     """
 
     rows: IntArray
     lines: Polylines
+    z: FloatArray
     climb: FloatArray
     half_width: FloatArray
 
@@ -106,11 +109,11 @@ def _chains(lines: NDArray[Any]) -> IntArray:
     return np.asarray(components(ends, int(ends.max()) + 1)[ends[:, 0]])
 
 
-def plan_decks(layout: Layout, rows: NDArray[np.bool_]) -> Decks | None:
+def plan_decks(layout: Layout, terrain: Terrain, rows: NDArray[np.bool_]) -> Decks | None:
     """Set the heights of all decks; None when there is none.
 
-    A deck rises towards what it crosses as far as the grade from the nearest place where it leaves
-    the ground allows, and no further.
+    A deck spans evenly from one place where it leaves the ground to the next. It rises towards
+    what it crosses as far as the grade from the nearest such place allows, and no further.
     """
     chosen = np.flatnonzero(rows)
     geometry = shapely.intersection(layout.roads.geometry.to_numpy()[chosen],
@@ -129,13 +132,19 @@ def plan_decks(layout: Layout, rows: NDArray[np.bool_]) -> Decks | None:
     walk = table["sidewalk_left"].to_numpy() + table["sidewalk_right"].to_numpy()
     half = (np.maximum(table["width"].to_numpy(), 2.0) + walk) / 2
     half = np.where(np.isin(kind, RAILS), 2.25, half)
-    climb = _climb(layout, rows, chosen, lines, grade)
-    climb += np.where(np.isin(kind, ON_FOOT), KERB_HEIGHT, 0.0)[lines.line_of_point()] + LIFT
-    return Decks(chosen, lines, np.round(climb, 4), half)
+    z = _profile(layout, terrain, rows, chosen, lines, grade)
+    z += np.where(np.isin(kind, ON_FOOT), KERB_HEIGHT, 0.0)[lines.line_of_point()] + LIFT
+    climb = z - terrain.height_at(lines.points)
+    return Decks(chosen, lines, np.round(z, 4), np.round(climb, 4), half)
 
 
-def _climb(
-    layout: Layout, rows: NDArray[np.bool_], chosen: IntArray, lines: Polylines, grade: FloatArray
+def _profile(
+    layout: Layout,
+    terrain: Terrain,
+    rows: NDArray[np.bool_],
+    chosen: IntArray,
+    lines: Polylines,
+    grade: FloatArray,
 ) -> FloatArray:
     keys = np.rint(lines.points * 1000).astype(np.int64)
     places, place = np.unique(keys, axis=0, return_inverse=True)
@@ -148,7 +157,12 @@ def _climb(
     pairs = np.column_stack([a, b])
     degree = np.bincount(np.concatenate([a, b]), minlength=size)
     grounded = _grounded(layout, rows, places / 1000, degree)
-
+    soil = terrain.height_at(places / 1000)
+    span = soil
+    if not terrain.is_flat:
+        chain = components(pairs, size)
+        held = np.bincount(chain, grounded, minlength=size) > 0
+        span = interpolate(pairs, np.maximum(rise, 1e-3), grounded | ~held[chain], soil)
     ramp = walking_distance(pairs, rise, np.flatnonzero(grounded), size)
     room = np.hypot(ramp, EASE) - EASE
     wanted = np.zeros(size)
@@ -156,7 +170,8 @@ def _climb(
         near = np.unique(place[spots])
         far = walking_distance(pairs, rise, near, size)
         wanted = np.maximum(wanted, height - np.maximum(far - 0.5, 0.0))
-    return np.minimum(wanted, room)[place]
+    z = span + np.clip(soil + wanted - span, 0.0, room)
+    return np.asarray(np.maximum(z, soil)[place])
 
 
 def _grounded(
@@ -197,12 +212,12 @@ def _obstacles(layout: Layout, chosen: IntArray, lines: Polylines) -> list[tuple
     return found
 
 
-def deck_mesh(layout: Layout, terrain: Terrain, decks: Decks | None) -> MeshBatch:
+def deck_mesh(layout: Layout, decks: Decks | None) -> MeshBatch:
     """Sweep a slab with parapets along every deck: one closed solid each."""
     if decks is None:
         return empty_batch()
     lines, owner = decks.lines, decks.lines.line_of_point()
-    z = terrain.height_at(lines.points) + decks.climb
+    z = decks.z
     w = decks.half_width[owner]
     outer = w + PARAPET_WIDTH
     low, top = np.full(len(w), -THICKNESS), np.full(len(w), PARAPET)

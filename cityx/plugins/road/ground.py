@@ -13,11 +13,11 @@ from cityx.city.city import City
 from cityx.city.ground import Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
-from cityx.city.terrain import Terrain
+from cityx.city.terrain import Terrain, flat_terrain
 from cityx.geometry.arrangement import GRID, Regions, arrange, join_regions, take_regions
 from cityx.geometry.drape import drape, surroundings
 from cityx.geometry.polylines import Polylines, to_linestrings
-from cityx.plugins.road.blocks import pave_blocks
+from cityx.plugins.road.blocks import pave_blocks, town_regions
 from cityx.plugins.road.bridges import LOW, deck_mesh, deck_rows, plan_decks
 from cityx.plugins.road.carriageway import (
     build_carriageway,
@@ -55,13 +55,15 @@ def ground(city: City) -> City:
     network = city.network if city.network is not None else road_network(city.layout)
     lines = cell_lines(city.layout.extent, city.terrain)
     decks = deck_rows(city.layout)
-    plan = plan_decks(city.layout, decks)
+    plan = plan_decks(city.layout, city.terrain, decks)
     build = plain_regions if city.lod == 0 else detailed_regions
     found = build(city.layout, network, decks, plan)
-    arranged = pave_blocks(arrange(found, city.layout.extent, lines=lines), city.layout)
+    arranged = arrange(found, city.layout.extent, lines=lines)
+    if city.lod > 0:
+        arranged = pave_blocks(arranged, city.layout)
     scene = city.scene.with_mesh("ground", drape(arranged, city.terrain, city.seed))
     scene = scene.with_mesh("surroundings", surroundings(arranged, city.terrain))
-    bridges = deck_mesh(city.layout, city.terrain, plan)
+    bridges = deck_mesh(city.layout, plan)
     if bridges.count:
         scene = scene.with_mesh("bridges", bridges)
     return replace(city, network=network, ground=arranged, scene=scene)
@@ -80,6 +82,7 @@ def plain_regions(
     return join_regions([
         roads,
         area_regions(layout, COARSE),
+        town_regions(layout),
         take_regions(houses, np.unique(near)),
         deck_ground_regions(plan, LOW),
     ])  # fmt: skip
@@ -126,11 +129,10 @@ def ground_of(layout: Layout, *, terrain: Terrain | None = None, lod: int = 2) -
     """Arrange the ground of a layout without the rest of a city."""
     network = road_network(layout)
     decks = deck_rows(layout)
-    plan = plan_decks(layout, decks)
+    terrain = terrain if terrain is not None else flat_terrain()
+    plan = plan_decks(layout, terrain, decks)
     build = plain_regions if lod == 0 else detailed_regions
-    lines = cell_lines(layout.extent, terrain if terrain is not None else FLAT)
+    lines = cell_lines(layout.extent, terrain)
     found = build(layout, network, decks, plan)
-    return pave_blocks(arrange(found, layout.extent, lines=lines), layout)
-
-
-FLAT = Terrain((0.0, 0.0), 1.0, np.zeros((1, 1)))
+    arranged = arrange(found, layout.extent, lines=lines)
+    return pave_blocks(arranged, layout) if lod > 0 else arranged

@@ -34,6 +34,7 @@ BAR = 0.5  # metres, width of a zebra bar and of the gap after it
 ZEBRA = 3.0  # metres along the road
 PARKING = 2.1  # metres, width of a parking lane
 BAY = 5.5  # metres, length of a parking bay
+WIDE = 7.0  # metres; a narrower residential street has lines only if the map tells its lanes
 TWO_LANES = 5.5  # metres; narrower two-way streets have no centre line
 NARROWEST_LANE = 2.4  # metres
 EDGE_INSET = 0.35  # metres from the carriageway's edge to its edge line
@@ -58,12 +59,16 @@ def marking_regions(
     )
     urban = painted & ~np.isin(kind, UNMARKED)
     section = _Section(network, table)
+    tags = table["tags"].str
+    known = tags.contains('"lanes', regex=False).to_numpy().astype(bool)
+    quiet = (kind == "residential") & ~known & (network.half_width * 2 < WIDE)
+    bays = tags.contains('"parking', regex=False).to_numpy().astype(bool) | (kind != "residential")
     shapes = [
-        _lane_lines(network, lines, urban, kind, section),
+        _lane_lines(network, lines, urban & ~quiet, kind, section),
         _edge_lines(network, lines, urban & np.isin(kind, LONG_DASH)),
         _stop_lines(network, lines, urban, kind, section),
         _zebras(layout, network, lines, painted),
-        _parking_bays(network, lines, painted, table),
+        _parking_bays(network, lines, painted & bays, table),
     ]
     marks = np.concatenate([shape for shape, _ in shapes])
     edge = np.concatenate([edge for _, edge in shapes]).astype(np.int64)

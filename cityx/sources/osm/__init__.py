@@ -10,11 +10,16 @@ import shapely
 from cityx.city import City, Failure, Frame, Layout
 from cityx.errors import InputError
 from cityx.sources.osm.areas import area_table, land_kind
-from cityx.sources.osm.buildings import Shells, candidate_ways, read_shells
+from cityx.sources.osm.buildings import (
+    Shells,
+    building_kind,
+    candidate_ways,
+    read_shells,
+)
 from cityx.sources.osm.density import Density, measure_density
 from cityx.sources.osm.elements import FloatArray, IntArray, OsmMap
 from cityx.sources.osm.lines import line_kind, line_table
-from cityx.sources.osm.outlines import Report
+from cityx.sources.osm.outlines import Report, relation_rings
 from cityx.sources.osm.parts import building_tables, known_levels
 from cityx.sources.osm.points import point_table
 from cityx.sources.osm.reader import read_elements
@@ -51,13 +56,16 @@ def read_osm(path: Path, *, seed: int = 0, name: str = "") -> City:
     osm = read_elements(path)
     ways = candidate_ways(osm)
     roads, areas, lines = _other_ways(osm)
-    degrees = site_degrees(osm, np.concatenate(ways), roads, areas)
+    relations = relation_rings(osm, building_kind)
+    members = [way for ring in relations[0] for way in ring.ways]
+    solid = np.concatenate([*ways, np.array(members, np.int64)])
+    degrees = site_degrees(osm, solid, roads, areas)
     if degrees is None:
         raise InputError(_nothing(path, osm))
     frame = _frame(degrees)
     xy = _project(frame, osm.lonlat)
     report = Report()
-    shells, box = read_shells(osm, xy, ways, _local_box(frame, degrees), report)
+    shells, box = read_shells(osm, xy, ways, relations, _local_box(frame, degrees), report)
     road_lines, road_way = read_roads(osm, xy, roads, box, report)
     if len(shells.outlines.polygons) == 0 and len(road_lines) == 0:
         raise InputError(_nothing(path, osm))

@@ -18,9 +18,9 @@ from cityx.sources.osm.outlines import (
     Outlines,
     Owner,
     Report,
+    Ring,
     join_outlines,
     number_pieces,
-    relation_rings,
     ring_outlines,
     way_outlines,
 )
@@ -140,10 +140,20 @@ def read_shells(
     osm: OsmMap,
     xy: FloatArray,
     ways: tuple[IntArray, IntArray],
+    relations: tuple[list[Ring], set[int]],
     box: Box,
     report: Report,
 ) -> tuple[Shells, Box]:
     """Read outlines and parts, choose those of the site, and make the outlines disjoint.
+
+    Parameters
+    ----------
+    ways
+        Rows of the ways that are outlines and of those that are parts.
+    relations
+        What `relation_rings` finds for `building_kind`.
+    box
+        The site.
 
     Returns
     -------
@@ -151,7 +161,7 @@ def read_shells(
     box
         The site, grown to hold every building it keeps.
     """
-    rings, spoken = relation_rings(osm, building_kind)
+    rings, spoken = relations
     outer = [ring for ring in rings if building_kind(ring.owner.tags) == "building"]
     inner = [ring for ring in rings if building_kind(ring.owner.tags) == "part"]
     heard = np.array(sorted(spoken), np.int64)

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from cityx.geometry.identity import UInt64Array, choose, uniform
 from cityx.sources.osm.elements import FloatArray, IntArray
 
-REACH = 150.0  # metres within which buildings of a type resemble each other
-NEIGHBOURS = 8
-ENOUGH = 3  # known neighbours needed
+# Where levels are borrowed from: (metres, of how many neighbours, how many of them must be known,
+# share of the type that must be known). Where only a few are tagged those are the tallest, so that
+# they say nothing about the rest.
+LENDING = ((2000.0, 24, 6, 0.10), (150.0, 8, 3, 0.05))
 TINY = 20.0  # square metres; such a building has one level
 SLENDER = 8.0  # a building without height tags is at most this many times as high as its root area
 MAX_LEVELS = 200
@@ -187,9 +188,12 @@ def fill_levels(
     known = np.flatnonzero(~np.isnan(levels))
     area = shapely.area(polygons)
     if len(known) and len(unknown):
-        _copy_near(filled, unknown, known, polygons, types, ids, seed)
+        for rule in LENDING:
+            _copy_near(filled, unknown, known, polygons, types, ids, seed, rule)
         _copy_shared_walls(filled, unknown, known, polygons, types, ids, area, seed)
-    filled[unknown[area[unknown] < TINY]] = 1.0
+    # A flat's staircase or bay may be drawn as a small building of its own.
+    tiny = (area[unknown] < TINY) & (types[unknown] != TYPE["apartments"])
+    filled[unknown[tiny]] = 1.0
     storey, ground = storey_heights(types[unknown])
     limit = 1 + np.floor((SLENDER * np.sqrt(area[unknown]) - ground) / storey)
     filled[unknown] = np.minimum(filled[unknown], np.maximum(limit, 1.0))
@@ -204,22 +208,24 @@ def _copy_near(
     types: IntArray,
     ids: UInt64Array,
     seed: int,
+    rule: tuple[float, int, int, float],
 ) -> None:
     """Draw the levels of one of the nearest known buildings of the type."""
     from scipy.spatial import KDTree
 
+    reach, neighbours, needed, share = rule
     centres = shapely.get_coordinates(shapely.centroid(polygons))
     for kind in np.unique(types[unknown]).tolist():
         asking, lending = unknown[types[unknown] == kind], known[types[known] == kind]
-        if len(lending) < ENOUGH:
+        if len(lending) < max(needed, share * (len(lending) + len(asking))):
             continue
         lending = lending[np.argsort(ids[lending])]
         tree = KDTree(centres[lending])
         distance, index = tree.query(
-            centres[asking], k=min(NEIGHBOURS, len(lending)), distance_upper_bound=REACH
+            centres[asking], k=min(neighbours, len(lending)), distance_upper_bound=reach
         )
         found = np.isfinite(distance)
-        enough = found.sum(axis=1) >= ENOUGH
+        enough = found.sum(axis=1) >= needed
         asking, distance, index, found = (
             asking[enough], distance[enough], index[enough], found[enough],
         )  # fmt: skip

@@ -39,6 +39,8 @@ MIN_HEIGHT = 0.5  # metres of any volume
 ROOF_SHARE = 0.5  # of its height that a roof nobody measured may take
 POSTS = 4.0  # metres to the top of a canopy without tags
 HIGH_SHARE = 0.95  # an outline as high as its highest part names the part's height, not its own
+PODIUM = 0.35  # of the height of the only part on the ground, how high the rest beside it is
+PODIUM_HEIGHT = 4.0  # metres at least
 BODY, PART, REST = 0, 1, 2
 
 
@@ -326,18 +328,22 @@ def _own_or_parent(parent: Vertical, said_parts: Vertical, pieces: Pieces) -> Ve
 
 
 def _rest_height(pieces: Pieces, own: Vertical, parent: Vertical) -> FloatArray:
-    """Height of what parts leave uncovered.
+    """Return the height of what parts leave uncovered, NaN where its levels say more.
 
-    The height of an outline is usually that of its highest part. Where parts stand on the ground
-    besides, the rest is as high as the lowest of them.
+    The height of an outline is usually that of its highest part. Then the rest is as high as the
+    lowest of several parts on the ground, and a podium beside a single one.
     """
     size = int(pieces.building.max()) + 1 if len(pieces.building) else 0
     is_part = pieces.kind == PART
-    grounded = is_part & (np.nan_to_num(own.min_height) < 1.0) & ~np.isnan(own.height)
-    lowest, highest = np.full(size, np.inf), np.zeros(size)
-    np.minimum.at(lowest, pieces.building[grounded], own.height[grounded])
     tall = is_part & ~np.isnan(own.height)
+    grounded = tall & (np.nan_to_num(own.min_height) < 1.0)
+    lowest, highest, count = np.full(size, np.inf), np.zeros(size), np.zeros(size)
+    np.minimum.at(lowest, pieces.building[grounded], own.height[grounded])
+    np.add.at(count, pieces.building[grounded], 1)
     np.maximum.at(highest, pieces.building[tall], own.height[tall])
     low, high = lowest[pieces.building], highest[pieces.building]
-    named = np.isnan(parent.height) | (parent.height >= HIGH_SHARE * high)
-    return np.where(np.isfinite(low) & named & (high > 0), low, parent.height)
+    single = count[pieces.building] == 1
+    guess = np.where(single, np.maximum(PODIUM * low, PODIUM_HEIGHT), low)
+    unknown = np.isnan(parent.height) & np.isnan(parent.levels)
+    of_part = parent.height >= HIGH_SHARE * high
+    return np.where(np.isfinite(low) & (unknown | of_part), guess, parent.height)

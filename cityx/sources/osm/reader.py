@@ -64,6 +64,8 @@ def _reported(path: Path, position: Callable[[], int]) -> Iterator[None]:
         yield
     except expat.ExpatError as error:
         raise InputError(_explain(path, error)) from error
+    except LookupError as error:
+        raise InputError(f"{path} is not OpenStreetMap XML ({error}); give {FORMS}.") from error
     except EOFError as error:
         raise InputError(
             f"{path} is cut off: its packed data ends after {position():,} bytes of XML; "

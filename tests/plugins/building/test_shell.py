@@ -1,4 +1,5 @@
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -6,7 +7,7 @@ import shapely
 
 from cityx.city import City, Frame, Layout, Terrain, make_table
 from cityx.city.content import hash_mesh
-from cityx.geometry.solids import check_closed, plan_area, volume
+from cityx.geometry.solids import check_closed, degenerate_faces, plan_area, volume
 from cityx.plugins.building import shell as shells
 from cityx.plugins.building.prism import prism
 from cityx.plugins.building.shell import shell
@@ -133,3 +134,24 @@ def test_eaves_stay_clear_of_a_neighbour():
     batch = shell(City("pair", Frame(50.0, 10.0), layout)).scene.meshes["buildings"]
     assert batch.take([0]).vertices[:, 0].max() == pytest.approx(10.0)
     assert batch.take([0]).vertices[:, 0].min() == pytest.approx(-0.35)
+
+
+@pytest.mark.shared
+@pytest.mark.parametrize("place", ["london_soho", "haute_marne_village", "tokyo_yoyogi"])
+def test_real_buildings_are_closed_on_their_plan(place):
+    from cityx.sources.osm import read_osm
+
+    folder = Path(__file__).parents[3] / "../shared/data/osm"
+    files = sorted(folder.glob(f"{place}.osm*"))
+    if not files:
+        pytest.skip(f"the map {place} is not beside the repository")
+    city = shell(read_osm(files[0]))
+    batch = city.scene.meshes["buildings"]
+    volumes = volumes_of(city.layout, city.terrain)
+    owner = np.searchsorted(batch.object_id, volumes.building)
+    area = np.bincount(owner, shapely.area(volumes.polygons))
+    assert check_closed(batch).all()
+    assert plan_area(batch) == pytest.approx(area, rel=5e-3)
+    assert not degenerate_faces(batch).any()
+    simpler = [failure for failure in city.failures if failure.action == "building/shell-v1"]
+    assert len(simpler) < 0.015 * len(volumes.top)

@@ -13,7 +13,13 @@ STREET = {
 HOUSE = {"levels": 3, "height": 10.0, "place": "urban"}
 
 
-@pytest.fixture()
+def numbered(name, first, things):
+    ids = np.arange(first, first + len(things))
+    shapes = np.array([shape for shape, _ in things], dtype=object)
+    return make_table(name, shapes, id=ids, kind=[kind for _, kind in things])
+
+
+@pytest.fixture
 def layout_of():
     """Make a layout of streets, houses, areas and points given as coordinates."""
 
@@ -31,16 +37,14 @@ def layout_of():
         buildings = make_table("buildings", shells, id=ids, **house_columns)
         parts = make_table("parts", shells, id=ids, building=ids, base=[0.0] * size,
                            top=[10.0] * size, walls=[True] * size)  # fmt: skip
-        land = make_table("areas", [shapely.box(*box) for box, _ in areas],
-                          id=np.arange(2001, 2001 + len(areas)), kind=[k for _, k in areas])  # fmt: skip
-        spots = make_table("points", [shapely.Point(at) for at, _ in points],
-                           id=np.arange(3001, 3001 + len(points)), kind=[k for _, k in points])  # fmt: skip
+        land = numbered("areas", 2001, [(shapely.box(*box), kind) for box, kind in areas])
+        spots = numbered("points", 3001, [(shapely.Point(at), kind) for at, kind in points])
         return Layout(extent, buildings, parts, roads, land, points=spots)
 
     return make
 
 
-@pytest.fixture()
+@pytest.fixture
 def city_of():
     def make(layout, **options):
         return City("test", Frame(52.0, 13.0), layout, **options)

@@ -1,6 +1,7 @@
 import numpy as np
+import shapely
 
-from cityx.city.terrain import flat_terrain
+from cityx.city.terrain import Terrain, flat_terrain
 from cityx.plugins.road.bridges import THICKNESS, deck_mesh, deck_rows, plan_decks
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.network import network
@@ -40,7 +41,7 @@ def test_a_street_in_a_tunnel_needs_no_bridge(layout_of):
 
 def test_a_deck_starts_on_the_ground_clears_the_street_and_keeps_its_grade(layout_of):
     layout = ramped(layout_of)
-    decks = plan_decks(layout, deck_rows(layout))
+    decks = plan_decks(layout, flat_terrain(), deck_rows(layout))
     x = decks.lines.points[:, 0]
     assert decks.climb[np.argmin(x)] < 0.05
     assert decks.climb[np.argmin(np.abs(x))] > 5.0
@@ -49,17 +50,27 @@ def test_a_deck_starts_on_the_ground_clears_the_street_and_keeps_its_grade(layou
     assert np.abs(grade).max() < 0.081
 
 
+def test_a_deck_spans_a_valley(layout_of):
+    valley = Terrain(
+        (-400.0, -400.0), 100.0, 0.2 * np.abs(np.arange(-400.0, 401.0, 100.0)) * np.ones((9, 1))
+    )
+    layout = ramped(layout_of)
+    decks = plan_decks(layout, valley, deck_rows(layout))
+    assert np.allclose(decks.z, 30.0, atol=0.1)
+    assert decks.climb.max() > 29.0
+
+
 def test_a_short_bridge_rises_only_as_far_as_its_grade_allows(layout_of):
     streets = [([(-30, 0), (30, 0)], BRIDGE), ([(-90, 0), (-30, 0)], {}),
                ([(30, 0), (90, 0)], {}), ([(0, -90), (0, 90)], {})]  # fmt: skip
     layout = layout_of(streets)
-    decks = plan_decks(layout, deck_rows(layout))
+    decks = plan_decks(layout, flat_terrain(), deck_rows(layout))
     assert 1.0 < decks.climb.max() < 2.5
 
 
 def test_a_deck_is_a_closed_solid_with_a_bend(layout_of):
     layout = layout_of([([(-90, 0), (0, 10), (90, 0)], BRIDGE), UNDER])
-    mesh = deck_mesh(layout, flat_terrain(), plan_decks(layout, deck_rows(layout)))
+    mesh = deck_mesh(layout, plan_decks(layout, flat_terrain(), deck_rows(layout)))
     edges = {tuple(edge) for edge in edges_of(mesh, 0).tolist()}
     assert all((b, a) in edges for a, b in edges)
     triangles, _ = mesh.triangles()
@@ -71,7 +82,6 @@ def test_a_deck_is_a_closed_solid_with_a_bend(layout_of):
 def test_the_street_below_stays_part_of_the_ground(layout_of, city_of):
     city = ground(network(city_of(ramped(layout_of))))
     assert city.scene.meshes["bridges"].object_id.tolist() == [1]
-    centre = city.ground.vertices[city.ground.triangles].mean(axis=1)
-    under = np.abs(centre - [0, 0]).max(axis=1) < 2.5
-    names = set(city.ground.face_object[city.ground.triangle_face[under]].tolist())
-    assert names == {4}
+    corners = shapely.polygons(city.ground.vertices[city.ground.triangles])
+    under = shapely.contains(corners, shapely.Point(0.5, 0.4))
+    assert city.ground.face_object[city.ground.triangle_face[under]].tolist() == [4]

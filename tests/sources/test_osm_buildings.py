@@ -1,0 +1,208 @@
+import numpy as np
+import pytest
+import shapely
+
+from cityx.geometry.identity import stable_id
+
+TOWER = {"building__part": "yes", "height": 40}
+
+
+def parts_of(city):
+    return city.layout.parts.sort_values("top").reset_index(drop=True)
+
+
+def test_a_building_keeps_its_courtyard_and_its_id(drawing):
+    outer = drawing.box(0, 0, 30, 30)
+    inner = drawing.box(10, 10, 10, 10)
+    key = drawing.relation(
+        [(outer, "outer"), (inner, "inner")], type="multipolygon", building="apartments"
+    )
+    building = drawing.city().layout.buildings.iloc[0]
+    assert building["id"] == stable_id("osm", "relation", key)
+    assert building["source"] == f"osm/relation/{key}"
+    assert building.geometry.area == pytest.approx(800, rel=0.01)
+
+
+def test_a_relation_without_tags_takes_those_of_its_outer_way(drawing):
+    outer = drawing.box(0, 0, 30, 30, building="yes", height=9)
+    inner = drawing.box(10, 10, 10, 10)
+    drawing.relation([(outer, "outer"), (inner, "inner")], type="multipolygon")
+    buildings = drawing.city().layout.buildings
+    assert len(buildings) == 1
+    assert buildings.geometry.iloc[0].area == pytest.approx(800, rel=0.01)
+    assert buildings["height"].iloc[0] == 9
+
+
+def test_parts_replace_the_outline(drawing):
+    way = drawing.box(0, 0, 20, 10, building="office", height=40)
+    drawing.box(0, 0, 10, 10, height=12, building__part="yes")
+    drawing.box(10, 0, 10, 10, **TOWER)
+    city = drawing.city()
+    parts = parts_of(city)
+    assert parts["top"].tolist() == [12, 40]
+    assert set(parts["building"]) == {stable_id("osm", "way", way)}
+    assert city.layout.buildings["height"].tolist() == [40]
+
+
+def test_what_parts_leave_uncovered_is_raised_too(drawing):
+    drawing.box(0, 0, 40, 10, building="office", building__levels=3, roof__shape="flat")
+    drawing.box(0, 0, 10, 10, **TOWER)
+    parts = parts_of(drawing.city())
+    assert len(parts) == 2
+    assert parts["levels"].iloc[0] == 3
+    assert parts.geometry.area.tolist() == pytest.approx([300, 100], rel=0.01)
+
+
+def test_less_than_a_tenth_uncovered_is_left_alone(drawing):
+    drawing.box(0, 0, 20, 10, building="office", height=40)
+    drawing.box(0, 0, 19, 10, **TOWER)
+    assert len(drawing.city().layout.parts) == 1
+
+
+def test_parts_may_stand_on_each_other(drawing):
+    drawing.box(0, 0, 20, 20, building="office", height=40)
+    drawing.box(0, 0, 20, 20, building__part="yes", height=10)
+    drawing.box(5, 5, 10, 10, building__part="yes", min_height=10, height=40)
+    parts = parts_of(drawing.city())
+    assert parts["base"].tolist() == [0, 10]
+    assert parts.geometry.area.tolist() == pytest.approx([400, 100], rel=0.01)
+
+
+def test_parts_that_overlap_in_height_too_become_disjoint_with_the_same_union(drawing):
+    drawing.box(0, 0, 20, 20, building="office", height=40)
+    drawing.box(0, 0, 20, 20, building__part="yes", height=10)
+    drawing.box(5, 5, 10, 10, building__part="yes", height=40)
+    parts = parts_of(drawing.city())
+    volume = (parts.geometry.area * (parts["top"] - parts["base"])).sum()
+    assert volume == pytest.approx(300 * 10 + 100 * 40, rel=0.01)
+    assert shapely.area(shapely.intersection(*parts.geometry)) < 0.5
+
+
+def test_parts_without_an_outline_form_a_building(drawing):
+    drawing.box(0, 0, 10, 10, **TOWER)
+    drawing.box(10, 0, 10, 10, building__part="yes", height=5)
+    drawing.box(100, 0, 10, 10, building__part="yes", height=5)
+    city = drawing.city()
+    assert len(city.layout.buildings) == 2
+    assert set(city.layout.parts["building"]) == set(city.layout.buildings["id"])
+
+
+def test_the_height_includes_the_roof(drawing):
+    drawing.box(
+        0, 0, 10, 8, building="house", height="9 m", roof__height=3, roof__shape="gabled"
+    )  # fmt: skip
+    part = drawing.city().layout.parts.iloc[0]
+    assert (part["top"], part["roof_height"], part["roof_shape"]) == (9, 3, "gabled")
+    assert part["levels"] == 2
+
+
+def test_levels_do_not_include_the_roof(drawing):
+    drawing.box(0, 0, 10, 8, building="house", building__levels=2, roof__shape="gabled",
+                roof__angle=45)  # fmt: skip
+    part = drawing.city().layout.parts.iloc[0]
+    assert part["top"] - part["roof_height"] == pytest.approx(5.6)
+    assert part["roof_height"] == pytest.approx(4, rel=0.02)
+    assert part["levels"] == 2
+
+
+@pytest.mark.parametrize(
+    "tags",
+    [
+        {"height": "1e9"}, {"height": "-5"}, {"building__levels": "1000000"}, {"height": "nan"},
+        {"min_height": "50", "height": "10"}, {"roof__height": "99", "height": "5"},
+        {"building__levels": "0"}, {"building__levels": "0", "roof__shape": "gabled"},
+        {"building__min_level": "9", "building__levels": "3"}, {"building__levels": "nan"},
+    ],
+)  # fmt: skip
+def test_senseless_heights_become_sane_ones(tags, drawing):
+    drawing.box(0, 0, 10, 8, building="yes", **tags)
+    part = drawing.city().layout.parts.iloc[0]
+    assert 0 <= part["base"] < part["top"] <= 120
+    assert 0 <= part["roof_height"] < part["top"] - part["base"]
+    assert part["levels"] >= 1
+
+
+def test_what_lies_underground_is_not_built(drawing):
+    drawing.box(0, 0, 10, 10, building="yes")
+    drawing.box(20, 0, 10, 10, building="parking", location="underground")
+    drawing.box(40, 0, 10, 10, building="yes", layer=-1)
+    drawing.box(60, 0, 10, 10, building="no")
+    assert len(drawing.city().layout.buildings) == 1
+
+
+def test_canopies_have_no_walls(drawing):
+    drawing.box(0, 0, 10, 10, building="roof")
+    part = drawing.city().layout.parts.iloc[0]
+    assert not part["walls"]
+    assert part["roof_shape"] == "flat"
+
+
+def test_towers_are_raised_from_outlines_and_points(drawing):
+    drawing.box(0, 0, 5, 5, man_made="chimney", height=60)
+    drawing.node(8, -6, man_made="water_tower")
+    buildings = drawing.city().layout.buildings.sort_values("height")
+    assert buildings["use"].tolist() == ["water_tower", "chimney"]
+    assert buildings["height"].tolist() == [30, 60]
+
+
+def test_a_building_drawn_twice_is_built_once(drawing):
+    drawing.box(0, 0, 10, 10, building="yes")
+    drawing.box(0, 0, 10, 10.2, building="yes", height=12)
+    city = drawing.city()
+    assert city.layout.buildings["height"].tolist() == [12]
+    assert "map: 1 buildings drawn twice" in city.notes
+
+
+def test_overlapping_outlines_become_disjoint(drawing):
+    drawing.box(0, 0, 20, 10, building="yes")
+    drawing.box(15, 0, 10, 10, building="yes")
+    drawing.box(2, 2, 3, 3, building="yes")
+    shapes = drawing.city().layout.buildings.geometry
+    assert shapely.area(shapely.union_all(shapes)) == pytest.approx(250, rel=0.01)
+    assert shapes.area.sum() == pytest.approx(250, rel=0.01)
+
+
+def test_colours_and_materials_are_kept_and_inherited(drawing):
+    drawing.box(0, 0, 20, 10, building="yes", building__colour="#aabbcc",
+                building__material="Brick", roof__colour="red")  # fmt: skip
+    drawing.box(0, 0, 10, 10, building__part="yes", height=8, building__colour="white")
+    drawing.box(10, 0, 10, 10, building__part="yes", height=9)
+    parts = parts_of(drawing.city())
+    assert parts["wall_color"].tolist() == [0xFFFFFF, 0xAABBCC]
+    assert parts["roof_color"].tolist() == [0xFF0000] * 2
+    assert parts["wall_material"].tolist() == ["brick"] * 2
+
+
+def test_a_bow_tie_becomes_its_two_triangles(drawing):
+    drawing.way([(0, 0), (20, 20), (20, 0), (0, 20), (0, 0)], building="yes")
+    buildings = drawing.city().layout.buildings
+    assert len(buildings) == 2
+    assert shapely.is_valid(buildings.geometry).all()
+    assert buildings["id"].is_unique
+
+
+def test_an_outline_of_two_points_is_reported(drawing):
+    drawing.box(0, 0, 10, 10, building="yes")
+    way = drawing.way([(30, 0), (40, 0)], building="yes")
+    failure = drawing.city().failures[0]
+    assert failure.object_id == stable_id("osm", "way", way)
+    assert "fewer than three" in failure.error
+
+
+def test_other_tags_tell_the_type_of_a_building_that_only_says_yes(drawing):
+    drawing.box(0, 0, 20, 40, building="yes", amenity="place_of_worship")
+    part = drawing.city(seed=3).layout.parts.iloc[0]
+    assert part["top"] - part["roof_height"] >= 8
+
+
+def test_random_choices_depend_on_the_building_alone(drawing):
+    for index in range(20):
+        drawing.box(30 * index, 0, 12, 9, building="house")
+    alone = drawing.city(seed=5).layout.parts.set_index("id")
+    for index in range(20):
+        drawing.box(30 * index, 60, 12, 9, building="house")
+    more = drawing.city(seed=5).layout.parts.set_index("id").loc[alone.index]
+    for column in ("roof_shape", "levels"):
+        assert more[column].tolist() == alone[column].tolist()
+    other = drawing.city(seed=6).layout.parts.set_index("id").loc[alone.index]
+    assert not np.allclose(other["roof_height"], more["roof_height"])
