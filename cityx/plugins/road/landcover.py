@@ -95,8 +95,14 @@ def way_regions(layout: Layout, decks: NDArray[np.bool_], strips: Shapes) -> Reg
     open_air = ~decks & ~roads["tunnel"].to_numpy() & (roads["layer"].to_numpy() >= 0)
     lines, width = roads.geometry.to_numpy(), roads["width"].to_numpy()
     found = []
-    for kinds, label, least in ((PATHS, "path", 1.2), (("pedestrian",), "plaza", 3.0)):
-        rows = np.flatnonzero(np.isin(kind, kinds) & open_air)
+    on_foot = np.isin(kind, PATHS)
+    paved = on_foot & roads["tags"].str.contains('"sidewalk"', regex=False).to_numpy().astype(bool)
+    for chosen, label, least in (
+        (on_foot & ~paved, "path", 1.2),
+        (paved, "sidewalk", 1.2),
+        (kind == "pedestrian", "plaza", 3.0),
+    ):
+        rows = np.flatnonzero(chosen & open_air)
         half = np.maximum(np.nan_to_num(width[rows], nan=2.0), least) / 2
         bands = shapely.buffer(shapely.simplify(lines[rows], FINE), half, quad_segs=ROUND,
                                join_style="mitre", mitre_limit=MITRE)  # fmt: skip
