@@ -72,7 +72,7 @@ def row_of(path: Path, lod: int, reports: list[dict[str, Any]]) -> dict[str, Any
         )
 
     report = reports[0]
-    other = ("parse", "store", "glb", "check", "blender")
+    other = ("import", "parse", "store", "glb", "check", "blender")
     actions = [step for step in report["cpu_s"] if not step.startswith(other)]
     buildings = max(report["counts"]["buildings"], 1)
     parse, generate = median("parse"), median(*actions)

@@ -110,5 +110,6 @@ def floating_gap(city: City) -> NDArray[np.float64]:
     surface = city.terrain.height_at(batch.vertices[:, :2])
     lowest = np.minimum.reduceat(surface, batch.vertex_start[:-1])
     parts = city.layout.parts
-    standing = parts["building"].to_numpy()[parts["base"].to_numpy() < GROUND_LEVEL]
+    grounded = (parts["base"].to_numpy() < GROUND_LEVEL) & parts["walls"].to_numpy()
+    standing = parts["building"].to_numpy()[grounded]
     return np.where(np.isin(batch.object_id, standing), np.maximum(bottom - lowest, 0.0), 0.0)
