@@ -35,6 +35,7 @@ AREA_PRIORITY: Mapping[str, int] = MappingProxyType({
     "pool": 33,
     "road_area": 27,  # less exact than the carriageways themselves
 })  # fmt: skip
+KERBSIDE_PRIORITY = 53  # parking beside the carriageway lies inside of the kerb
 PATHS = ("footway", "path", "cycleway", "steps", "bridleway", "corridor")
 TRACKS = ("rail", "light_rail", "subway", "narrow_gauge")
 TRAM_BED_PRIORITY = 69  # just below carriageways, which trams share
@@ -60,10 +61,12 @@ def area_regions(layout: Layout, simplify: float = 0.0) -> Regions:
     priority = [
         AREA_PRIORITY.get(w, SURFACES[k].priority) for w, k in zip(kind, label, strict=True)
     ]
+    kerbside = layout.areas["tags"].str.contains('"street_side"', regex=False).to_numpy()[known]
+    ranks = np.where(kerbside.astype(bool), KERBSIDE_PRIORITY, priority)
     shapes = layout.areas.geometry.to_numpy()[known]
     if simplify:
         shapes = shapely.simplify(shapes, simplify)
-    return regions(shapes, label, priority, layout.areas["id"].to_numpy()[known])
+    return regions(shapes, label, ranks, layout.areas["id"].to_numpy()[known])
 
 
 def building_regions(layout: Layout) -> Regions:
