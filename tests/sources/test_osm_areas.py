@@ -38,6 +38,11 @@ def test_a_coast_that_ends_within_the_site_floods_nothing():
     assert len(sea_polygons(np.array([line((200, 200), (300, 300))]), BOX)) == 0
 
 
+def test_a_coast_cut_off_at_the_border_is_taken_to_reach_it():
+    sea = sea_polygons(np.array([line((8, 40), (50, 40)), line((50, 40), (93, 40))]), BOX)
+    assert shapely.area(sea).sum() == pytest.approx(4000)
+
+
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.lists(st.tuples(st.floats(0.05, 0.95), st.booleans()), min_size=1, max_size=4))
 def test_parallel_coasts_leave_the_sea_on_their_right(coasts):

@@ -12,6 +12,12 @@ from cityx.sources.osm.multipolygons import MIN_AREA
 from cityx.sources.osm.site import Box, clip_lines
 
 PROBE = 0.05  # metres beside a coast segment at which its two sides are looked up
+# An extract cuts ways at the last node inside it; the next one lies about a segment further.
+REACH = 120.0
+REACH_SHARE = 0.1  # of the site's shorter side, where that is less
+# Of the coast along a face, the share by which one side must win: a coastline that ends within a
+# face has both sides in it and decides nothing.
+MARGIN = 0.2
 
 
 def sea_polygons(coast: NDArray[Any], box: Box) -> NDArray[Any]:
@@ -19,7 +25,8 @@ def sea_polygons(coast: NDArray[Any], box: Box) -> NDArray[Any]:
 
     Land lies to the left of a coastline. The lines and the border of the site divide it into
     faces; each face asks the coast segments along it on which side it lies, and the longer side
-    wins. A coastline that ends within the site divides nothing.
+    wins. A coastline cut off near the border is taken to reach it; one that ends farther within
+    the site divides nothing.
 
     Parameters
     ----------
@@ -30,6 +37,7 @@ def sea_polygons(coast: NDArray[Any], box: Box) -> NDArray[Any]:
     if len(lines) == 0:
         return np.zeros(0, object)
     frame = shapely.box(*box)
+    lines = np.array([*lines, *_to_border(lines, frame)], object)
     noded = shapely.node(shapely.geometrycollections([*lines, frame.exterior]))
     faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))
     points, row = shapely.get_coordinates(lines, return_index=True)
@@ -40,8 +48,22 @@ def sea_polygons(coast: NDArray[Any], box: Box) -> NDArray[Any]:
     middle = ((points[1:] + points[:-1]) / 2)[usable]
     left = np.column_stack([-step[:, 1], step[:, 0]]) / length[:, None] * PROBE
     tree = shapely.STRtree(faces)
-    votes = np.zeros(len(faces))
+    votes, heard = np.zeros(len(faces)), np.zeros(len(faces))
     for side, sign in ((left, -1.0), (-left, 1.0)):
         probe, face = tree.query(shapely.points(middle + side), predicate="within")
         np.add.at(votes, face, sign * length[probe])
-    return np.asarray(faces[(votes > 0) & (shapely.area(faces) > MIN_AREA)], object)
+        np.add.at(heard, face, length[probe])
+    sea = (votes > MARGIN * heard) & (shapely.area(faces) > MIN_AREA)
+    return np.asarray(faces[sea], object)
+
+
+def _to_border(lines: NDArray[Any], frame: shapely.Polygon) -> list[shapely.LineString]:
+    """Return straight pieces from the loose ends of the coastline to a border close by."""
+    merged = shapely.get_parts(shapely.line_merge(shapely.multilinestrings(lines)))
+    loose = merged[~shapely.is_closed(merged)]
+    ends = np.concatenate([shapely.get_point(loose, 0), shapely.get_point(loose, -1)])
+    gap = shapely.distance(ends, frame.exterior)
+    xmin, ymin, xmax, ymax = frame.bounds
+    reach = min(REACH, REACH_SHARE * min(xmax - xmin, ymax - ymin))
+    near = ends[(gap > 0) & (gap <= reach)]
+    return list(shapely.shortest_line(near, frame.exterior))
