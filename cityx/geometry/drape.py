@@ -23,6 +23,8 @@ SHORE_QUANTILE = 10.0  # percent; most of the shore stands above the water
 SURROUNDINGS = 1500.0  # metres of open land beyond the site, so that views do not end in a void
 SKIRT = 2.0  # metres the border reaches down
 OPEN_LAND = (0.95, 0.95, 0.90)  # tint of the land beyond
+TOWN_LAND = (0.55, 0.55, 0.53)  # the same where the site is a piece of a city
+OPEN_LABELS = ("block", "farmland", "grass", "meadow", "wood", "park", "sand", "bare", "pitch")
 
 
 @dataclass(frozen=True)
@@ -241,7 +243,19 @@ def surroundings(ground: Ground, terrain: Terrain, reach: float = SURROUNDINGS) 
     inside = faces != NO_VERTEX
     uv[inside] = vertices[faces[inside], :2]
     material = np.repeat([0, 0, 1], len(a))
+    name, tint = ("concrete", TOWN_LAND) if _in_town(ground) else ("grass", OPEN_LAND)
     return one_mesh(
         stable_id("ground", "surroundings"), vertices, faces, material=material,
-        materials=("grass", "soil"), uv=uv, tint=OPEN_LAND,
+        materials=(name, "soil"), uv=uv, tint=tint,
     )  # fmt: skip
+
+
+def _in_town(ground: Ground) -> bool:
+    """Whether most of the site's land is paved, so that the land beyond it is a city too."""
+    area = np.zeros(len(ground.face_label))
+    a, b, c = ground.vertices[ground.triangles].transpose(1, 0, 2)
+    cross = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    np.add.at(area, ground.triangle_face, np.abs(cross) / 2)
+    by_label = np.bincount(ground.face_label, weights=area, minlength=len(SURFACES))
+    open_land = by_label[[LABEL[name] for name in OPEN_LABELS]].sum()
+    return bool(by_label.sum() - by_label[LABEL["water"]] > 2 * open_land)

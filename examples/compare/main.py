@@ -21,7 +21,7 @@ from cityx.agents.views import render_views
 SHARED = Path(__file__).parents[2] / ".." / "shared"
 CAMERAS = SHARED / "reference" / "cameras.json"
 VIEWS = ("street", "junction", "aerial")
-WIDTH, HEIGHT, GAP, TITLE = 640, 360, 8, 26
+WIDTH, HEIGHT, GAP, TITLE = 480, 270, 8, 24
 
 
 def render_place(name: str, osm: Path, work: Path, samples: int) -> dict[str, Path]:

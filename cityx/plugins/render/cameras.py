@@ -21,6 +21,7 @@ STREET_FOV = radians(70)
 STREET_PITCH = radians(3)  # a little up: more facade, less road
 STEP = 12.0  # metres between eye points tried along a street
 SIGHT = 120.0  # metres of open view along the street that are as good as endless
+DEPTH = 350.0  # metres of city ahead that fill the view to its vanishing point
 SIDE_REACH = 30.0  # metres within which a facade lines the street
 WALL_BAND = 3.0  # metres above a building's foot: the walls that a person at the kerb sees
 CLEAR_OBJECT = 3.0  # metres to the nearest tree, lamp or car
@@ -46,6 +47,9 @@ def street_camera(
         return _without_street(view, width, height)
     eyes, headings, length = candidates
     score = np.minimum(length, SIGHT) / SIGHT
+    # A view that runs off the map ends in open land; one through the city ends in the city.
+    depth = _to_border(eyes, headings, view.extent)
+    score += 1.5 * np.minimum(depth, DEPTH) / DEPTH
     if len(walls):
         tree = shapely.STRtree(walls)
         sides = np.stack(
@@ -67,6 +71,18 @@ def street_camera(
     score += _greenery(view, eyes, headings)
     best = int(np.argmax(np.round(score, 6)))  # the first of equals; rows are in order of id
     return _standing(view, "street", eyes[best], float(headings[best]), width, height)
+
+
+def _to_border(
+    eyes: NDArray[np.float64],
+    headings: NDArray[np.float64],
+    extent: tuple[float, float, float, float],
+) -> NDArray[np.float64]:
+    """(n,) metres from each eye along its heading to the border of the site."""
+    way = np.column_stack([np.sin(headings), np.cos(headings)])
+    way = np.where(np.abs(way) < 1e-9, 1e-9, way)
+    low, high = np.array(extent[:2]), np.array(extent[2:])
+    return np.where(way > 0, (high - eyes) / way, (low - eyes) / way).min(axis=1)
 
 
 # Rays to the left (first three) and right that a lined street stops.

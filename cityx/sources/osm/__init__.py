@@ -73,7 +73,7 @@ def read_osm(path: Path, *, seed: int = 0, name: str = "") -> City:
     area_rows = area_table(osm, xy, areas, box, report, shapely.centroid(shells.outlines.polygons))
     industrial = area_rows.geometry.to_numpy()[area_rows["kind"].to_numpy() == "industrial"]
     buildings, parts = building_tables(
-        shells, density, industrial, latitude=frame.latitude, seed=seed
+        shells, density, industrial, at=(frame.latitude, frame.longitude), seed=seed
     )
     layout = Layout(
         box,

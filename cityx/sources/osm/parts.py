@@ -71,7 +71,7 @@ def building_tables(
     density: Density,
     industrial: NDArray[Any],
     *,
-    latitude: float,
+    at: tuple[float, float],
     seed: int,
 ) -> tuple[GeoDataFrame, GeoDataFrame]:
     """Resolve every building and make the tables of buildings and parts.
@@ -82,8 +82,8 @@ def building_tables(
         Of the site.
     industrial
         Polygons of industrial land.
-    latitude
-        Of the site, degrees.
+    at
+        Latitude and longitude of the site. Of the site, degrees.
     """
     outlines = shells.outlines
     if len(outlines.polygons) == 0:
@@ -107,7 +107,7 @@ def building_tables(
     levels = fill_levels(known, outlines.polygons, types, place, ids, seed=seed)
     parts = _resolve(
         shells, pieces, said, said_parts, uses, types, place, levels, ids,
-        latitude=latitude, seed=seed,
+        at=at, seed=seed,
     )  # fmt: skip
     highest = np.zeros(len(ids))
     np.maximum.at(highest, parts["row"], parts["top"])
@@ -197,7 +197,7 @@ def _resolve(
     levels_of: FloatArray,
     building_ids: UInt64Array,
     *,
-    latitude: float,
+    at: tuple[float, float],
     seed: int,
 ) -> dict[str, Any]:
     """Resolve the heights, roofs and surfaces of all pieces; columns of the table of parts."""
@@ -234,9 +234,7 @@ def _resolve(
     raised = (np.nan_to_num(own.roof_height) > 0) | (np.nan_to_num(own.roof_levels) > 0)
     raised |= ~np.isnan(own.roof_angle)
     shapes = np.where((own.roof_shape < 0) & ~raised & (~walls | ~np.isnan(tower)), SHAPE["flat"], shapes)  # fmt: skip  # noqa: E501
-    shapes = fill_shapes(
-        shapes, pieces.polygons, types, place, levels, ids, latitude=latitude, seed=seed
-    )
+    shapes = fill_shapes(shapes, pieces.polygons, types, place, levels, ids, at=at, seed=seed)
     shapes = np.where(raised & (own.roof_shape < 0), _raised_shape(shapes), shapes)
     usual = roof_heights(shapes, pieces.polygons, types, ids, own.roof_angle, seed=seed)
     measured = ~np.isnan(own.roof_height)

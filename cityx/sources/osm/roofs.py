@@ -18,6 +18,7 @@ SHAPES = (
 )  # fmt: skip
 SHAPE = {name: index for index, name in enumerate(SHAPES)}
 WARM = 33.0  # degrees of latitude below which most roofs are flat
+EAST_ASIA = (18.0, 46.0, 100.0, 146.0)  # south, north, west, east; towns of concrete, decked flat
 MANY_LEVELS = 7  # a higher building has a flat roof
 WIDE = 24.0  # metres; a broader building has a flat or shallow roof
 LEARN = 20  # tagged roofs of a type from which a map's own habit counts
@@ -59,7 +60,7 @@ def fill_shapes(
     levels: FloatArray,
     ids: UInt64Array,
     *,
-    latitude: float,
+    at: tuple[float, float],
     seed: int,
 ) -> IntArray:
     """Give a roof shape to the volumes whose tags name none.
@@ -68,15 +69,19 @@ def fill_shapes(
     ----------
     shapes
         (n,) index into `SHAPES`, -1 where unknown.
-    latitude
-        Degrees; near the equator roofs are flat.
+    at
+        Latitude and longitude, degrees; in warm places and in the towns of East Asia roofs are flat.
     """
     unknown = np.flatnonzero(shapes < 0)
     filled = shapes.copy()
     weights = _TABLE.copy()
+    latitude, longitude = at
+    houses = np.array([found.name != "church" for found in TYPES])
     if abs(latitude) < WARM:
-        houses = np.array([found.name != "church" for found in TYPES])
         weights[houses, :, 0] += 2.0 * weights[houses].sum(axis=2)
+    south, north, west, east = EAST_ASIA
+    if south < latitude < north and west < longitude < east:
+        weights[houses, 1:, 0] += 5.0 * weights[houses, 1:].sum(axis=2)
     for kind, place_class in np.unique(np.column_stack([types, place])[unknown], axis=0).tolist():
         rows = unknown[(types[unknown] == kind) & (place[unknown] == place_class)]
         drawn = choose(seed, "osm/roof", ids[rows], weights[kind, place_class])
