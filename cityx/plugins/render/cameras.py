@@ -82,7 +82,8 @@ def _to_border(
     way = np.column_stack([np.sin(headings), np.cos(headings)])
     way = np.where(np.abs(way) < 1e-9, 1e-9, way)
     low, high = np.array(extent[:2]), np.array(extent[2:])
-    return np.where(way > 0, (high - eyes) / way, (low - eyes) / way).min(axis=1)
+    ahead: NDArray[np.float64] = np.where(way > 0, high - eyes, low - eyes) / way
+    return np.asarray(ahead.min(axis=1))
 
 
 # Rays to the left (first three) and right that a lined street stops.

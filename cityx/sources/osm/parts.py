@@ -83,7 +83,7 @@ def building_tables(
     industrial
         Polygons of industrial land.
     at
-        Latitude and longitude of the site. Of the site, degrees.
+        Latitude and longitude of the site, degrees.
     """
     outlines = shells.outlines
     if len(outlines.polygons) == 0:

@@ -70,7 +70,7 @@ def fill_shapes(
     shapes
         (n,) index into `SHAPES`, -1 where unknown.
     at
-        Latitude and longitude, degrees; in warm places and in the towns of East Asia roofs are flat.
+        Latitude and longitude, degrees; warm places and towns of East Asia have flat roofs.
     """
     unknown = np.flatnonzero(shapes < 0)
     filled = shapes.copy()
