@@ -19,6 +19,7 @@ from cityx.errors import ActionFailed, ActionRejected, InputError, UsageError
 from cityx.sources.inputs import KINDS, Input, classify
 
 FORMATS = ("blend", "glb")
+DEFAULT_WINDOW = (1000.0, 1000.0)  # metres, when --at comes without --size
 PRODUCTS = ("city", "city.blend", "city.glb", "renders", "report.json", "report.html")
 
 Say = Callable[[str], None]
@@ -83,18 +84,50 @@ def quiet(_: str) -> None:
     """Say nothing."""
 
 
-def read_inputs(
-    paths: list[Path], options: BuildOptions, watch: Stopwatch
-) -> tuple[City, list[Input]]:
-    """Read every input into one city with layout and terrain.
+@dataclass
+class Run:
+    """One run of actions on a city: gate, journal and clock around every step.
+
+    A step that fails is rolled back: the city stays as it was and the journal says why.
+    """
+
+    journal: Journal
+    number: int
+    state: str
+    watch: Stopwatch
+
+    def do(self, city: City, action: str, args: dict[str, Any]) -> City:
+        """Run one action and return the new city."""
+        from cityx.protocol import registry
+        from cityx.protocol.run import Call, run_action
+
+        index = self.journal.start_step(self.number, action, args, self.state)
+        begin = time.perf_counter()
+        try:
+            with self.watch.step(action.rsplit("-v", 1)[0]):
+                outcome = run_action(city, Call(action, args), registry())
+        except (ActionRejected, ActionFailed) as error:
+            status = "rejected" if isinstance(error, ActionRejected) else "rolled_back"
+            self.journal.end_step(self.number, index, status, state=self.state, error=str(error))
+            raise
+        self.state = derivation_key(self.state, action, args)
+        spent = round((time.perf_counter() - begin) * 1000)
+        self.journal.end_step(self.number, index, "done", state=self.state, ms=spent)
+        for port, path in outcome.conversions.items():
+            for name in path.steps:
+                step = self.journal.start_step(self.number, name, {"fills": port}, self.state)
+                self.journal.end_step(self.number, step, "done", state=self.state)
+        return outcome.city
+
+
+def sort_inputs(paths: list[Path]) -> tuple[Input, Input | None]:
+    """Tell the map from the height file.
 
     Raises
     ------
     InputError, UsageError
-        If a file cannot be used or the files do not make a city together.
+        If a file is of no use or the files do not make a city together.
     """
-    from cityx.sources.osm import read_osm
-
     inputs = [classify(path) for path in paths]
     maps = [item for item in inputs if item.kind == "osm"]
     heights = [item for item in inputs if item.kind == "height"]
@@ -103,27 +136,57 @@ def read_inputs(
             f"Give one map and at most one height file ({KINDS}); "
             f"given: {len(maps)} maps, {len(heights)} height files."
         )
+    return maps[0], heights[0] if heights else None
+
+
+def read_map(item: Input, options: BuildOptions, watch: Stopwatch) -> City:
+    """Read the map into a city that has a layout.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds no city.
+    """
+    from cityx.sources.osm import read_osm
+
     with watch.step("parse"):
-        name = maps[0].path.name.split(".")[0].replace("_", " ")
-        city = read_osm(maps[0].path, seed=options.seed, name=name)
-        city = replace(city, seed=options.seed, lod=options.lod, style=options.style)
+        name = item.path.name.split(".")[0].replace("_", " ")
+        city = read_osm(item.path, seed=options.seed, name=name)
+    return replace(city, seed=options.seed, lod=options.lod, style=options.style)
+
+
+def generate(
+    city: City, heights: Input | None, options: BuildOptions, run: Run, say: Say = quiet
+) -> City:
+    """Cut the window out, lay the terrain and run the default workflow.
+
+    Raises
+    ------
+    InputError, UsageError
+        If the window or the height file does not fit the map.
+    ActionFailed
+        If an action cannot do its work.
+    """
     if options.size or options.at:
-        with watch.step("crop"):
-            city = _cropped(city, options)
-    if heights:
+        city = run.do(city, "layout/crop-v1", _window(city, options))
+        if not len(city.layout.buildings) and not len(city.layout.roads):
+            raise InputError("The window holds no building and no road; move --at, enlarge --size.")
+    if heights is not None:
         from cityx.sources.height_field import read_height
 
-        with watch.step("terrain"):
-            terrain = read_height(heights[0].path, city.frame, city.layout.extent)
-            stages = city.stages_done | {"terrain"}
-            city = replace(city, terrain=terrain, stages_done=stages)
-    return replace(city, stages_done=city.stages_done | {"layout", "terrain"}), inputs
+        with run.watch.step("terrain"):
+            terrain = read_height(heights.path, city.frame, city.layout.extent)
+            city = replace(city, terrain=terrain)
+    city = replace(city, stages_done=city.stages_done | {"layout", "terrain"})
+    calls = calls_of(MAP_TO_CITY, options.lod, asdict(options))
+    for position, (action, args) in enumerate(calls, start=1):
+        say(f"{position}/{len(calls)} {action}")
+        city = run.do(city, action, args)
+    return city
 
 
-def _cropped(city: City, options: BuildOptions) -> City:
-    from cityx.protocol import registry
-    from cityx.protocol.run import Call, run_step
-
+def _window(city: City, options: BuildOptions) -> dict[str, float]:
+    """Arguments of the crop for the options ``at`` and ``size``."""
     xmin, ymin, xmax, ymax = city.layout.extent
     x, y = (xmin + xmax) / 2, (ymin + ymax) / 2
     if options.at:
@@ -135,44 +198,8 @@ def _cropped(city: City, options: BuildOptions) -> City:
                 f"--at {options.at[0]},{options.at[1]} lies outside the map, which covers "
                 f"latitude {south:.5f} to {north:.5f} and longitude {west:.5f} to {east:.5f}."
             )
-    width, depth = options.size or (1000.0, 1000.0)
-    window = {"x": float(x), "y": float(y), "width": width, "depth": depth}
-    cropped = run_step(city, Call("layout/crop-v1", window), registry())
-    if not len(cropped.layout.buildings) and not len(cropped.layout.roads):
-        raise InputError("The window holds no building and no road; move --at or enlarge --size.")
-    return cropped
-
-
-def run_workflow(
-    city: City, options: BuildOptions, journal: Journal, run: int, watch: Stopwatch, say: Say
-) -> City:
-    """Run the default workflow through the gate, step by step, into the journal.
-
-    A step that fails is rolled back: the city stays as it was, the report names the step.
-    """
-    from cityx.protocol import registry
-    from cityx.protocol.run import Call, run_step
-
-    actions = registry()
-    state = derivation_key("", "inputs", {"seed": options.seed, "lod": options.lod})
-    calls = calls_of(MAP_TO_CITY, options.lod, asdict(options))
-    for position, (action, args) in enumerate(calls, start=1):
-        say(f"{position}/{len(calls)} {action}")
-        index = journal.start_step(run, action, args, state)
-        begin = time.perf_counter()
-        try:
-            with watch.step(action.rsplit("-v", 1)[0]):
-                city = run_step(city, Call(action, args), actions)
-        except ActionRejected as error:
-            journal.end_step(run, index, "rejected", state=state, error=str(error))
-            raise
-        except ActionFailed as error:
-            journal.end_step(run, index, "rolled_back", state=state, error=str(error))
-            raise
-        state = derivation_key(state, action, args)
-        spent = round((time.perf_counter() - begin) * 1000)
-        journal.end_step(run, index, "done", state=state, ms=spent)
-    return city
+    width, depth = options.size or DEFAULT_WINDOW
+    return {"x": float(x), "y": float(y), "width": width, "depth": depth}
 
 
 def build(
@@ -210,7 +237,9 @@ def build(
     with watch.step("import"):
         _import_libraries()
     say("reading")
-    city, inputs = read_inputs(paths, options, watch)
+    source, heights = sort_inputs(paths)
+    records = [item.record() for item in (source, heights) if item is not None]
+    city = read_map(source, options, watch)
     out = out.absolute()
     staging = out.parent / f".{out.name}.partial"
     shutil.rmtree(staging, ignore_errors=True)
@@ -219,8 +248,9 @@ def build(
         journal_path = staging / "journal.sqlite"
         config = {**asdict(options), "formats": list(options.formats)}
         with Journal(journal_path) as journal:
-            run = journal.start_run([item.record() for item in inputs], config, options.seed)
-            city = run_workflow(city, options, journal, run, watch, say)
+            number = journal.start_run(records, config, options.seed)
+            state = derivation_key("", "inputs", {"files": records, "seed": options.seed})
+            city = generate(city, heights, options, Run(journal, number, state, watch), say)
             say("writing the store")
             with watch.step("store"):
                 write_city(city, staging / "city")
@@ -229,13 +259,13 @@ def build(
             with watch.step("check"):
                 report = make_report(
                     city,
-                    inputs=[item.record() for item in inputs],
+                    inputs=records,
                     brief=_brief(options),
                     timings_s=watch.wall,
                     peak_rss_mb=memory,
                 )
             report["cpu_s"] = {name: round(value, 3) for name, value in watch.cpu.items()}
-            journal.end_run(run, "done", report["hash"])
+            journal.end_run(number, "done", report["hash"])
         journal_path.rename(staging / "city" / "journal.sqlite")
         write_report(report, staging)
         _publish(staging, out)

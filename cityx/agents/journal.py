@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
@@ -78,7 +78,7 @@ class Journal:
         self._db.close()
 
     def start_run(
-        self, inputs: list[Mapping[str, Any]], config: Mapping[str, Any], seed: int
+        self, inputs: Sequence[Mapping[str, Any]], config: Mapping[str, Any], seed: int
     ) -> int:
         """Record a run and return its number."""
         row = (json.dumps(inputs), json.dumps(dict(config), sort_keys=True), seed)
