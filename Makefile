@@ -9,13 +9,15 @@ STYLE ?= european
 TIME ?= 17:00
 WEATHER ?= clear
 OUT ?= demo
+# Samples per pixel of its pictures; 128 and more for print.
+SAMPLES ?= 32
 
 export OMP_WAIT_POLICY = PASSIVE
 
 .PHONY: demo test core lint types format lock bench compare validator clean
 
 demo: $(READY)
-	$(BIN)/python examples/helsinki/main.py -o $(OUT) --style $(STYLE) --time $(TIME) --weather $(WEATHER)
+	$(BIN)/python examples/helsinki/main.py -o $(OUT) --style $(STYLE) --time $(TIME) --weather $(WEATHER) --samples $(SAMPLES)
 
 test: lint types
 	$(BIN)/pytest -q -n 2 -m "not blender" && $(BIN)/pytest -q -m blender

@@ -28,7 +28,8 @@ CLEAR_OBJECT = 3.0  # metres to the nearest tree, lamp or car
 MAX_CANDIDATES = 3000
 AERIAL_FOV = radians(55)
 AERIAL_PITCH = radians(-32)
-AERIAL_HEADING = radians(25)  # with the sun in the south-west most facades in view are lit
+# With the sun in the south most facades in view are lit; the one with most city ahead is taken.
+AERIAL_HEADINGS = np.radians([25.0, 0.0, -30.0, 55.0])
 TOP_FOV = radians(25)  # narrow: almost a map
 CELL = 50.0  # metres, of the grid on which density is measured
 OBSTACLES = ("trees", "street_furniture", "furniture", "vehicles", "parked_cars", "barriers")
@@ -294,15 +295,18 @@ def _without_street(view: View, width: int, height: int) -> Camera:
 def aerial_camera(
     view: View, *, width: int = DEFAULT_SIZE[0], height: int = DEFAULT_SIZE[1]
 ) -> Camera:
-    """Choose an oblique view from the south over the densest part of the city."""
+    """Choose an oblique view from the south over the densest part of the city, into the city."""
     target = _densest(view)
     xmin, ymin, xmax, ymax = view.extent
+    depth = _to_border(np.repeat(target[None, :2], len(AERIAL_HEADINGS), 0), AERIAL_HEADINGS,
+                       view.extent)  # fmt: skip
+    heading = float(AERIAL_HEADINGS[np.argmax(np.round(depth, 3))])
     span = min(max(min(xmax - xmin, ymax - ymin), 60.0), 450.0)
     distance = 0.55 * span / tan(AERIAL_FOV / 2) + 2 * target[2]
     ground = float(view.terrain.height_at(target[None, :2])[0])
     level = distance * float(np.cos(AERIAL_PITCH))
-    x = target[0] - level * float(np.sin(AERIAL_HEADING))
-    y = target[1] - level * float(np.cos(AERIAL_HEADING))
+    x = target[0] - level * float(np.sin(heading))
+    y = target[1] - level * float(np.cos(heading))
     z = ground + target[2] / 2 - distance * float(np.sin(AERIAL_PITCH))
     batch = _buildings(view)
     if batch is not None:  # never inside a tower
@@ -311,7 +315,13 @@ def aerial_camera(
         z = max(z, float(high[over, 2].max(initial=-np.inf)) + 25.0)
     pitch = -atan2(z - ground - target[2] / 2, level)
     return Camera(
-        "aerial", (float(x), float(y), float(z)), AERIAL_HEADING, pitch, AERIAL_FOV, width, height
+        "aerial",
+        (float(x), float(y), float(z)),
+        heading % (2 * pi),
+        pitch,
+        AERIAL_FOV,
+        width,
+        height,
     )
 
 

@@ -376,10 +376,13 @@ def _graph_without_edges() -> RoadNetwork:
 @action(
     "road/network-v1",
     limits=["Turn restrictions are not read.", "Ways in tunnels are left out."],
-    requires=("layout", has_layer("roads")),
+    requires=("layout",),
     takes=(Port("roads", "line", role="road_centerline"),),
     gives=(Port("network", "line", role="road_network"),),
 )
 def network(city: City) -> City:
-    """Join the ways that carry cars into a graph of edges and junctions with their widths."""
+    """Join the ways that carry cars into a graph of edges and junctions with their widths.
+
+    A map without such ways gets an empty graph.
+    """
     return replace(city, network=road_network(city.layout))

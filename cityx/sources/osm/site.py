@@ -17,6 +17,9 @@ MIN_DEGREES = 2e-5  # about 2 m; a smaller declared rectangle is a mistake
 OUTLIERS = 0.02  # share of points at either end that may be outliers
 OVERHANG = 0.25  # how far beyond the rest points still belong to the site, of the rest's span
 FEW_POINTS = 200  # fewer say nothing about outliers
+FEW_BUILDINGS = 50  # of so few none is an outlier, however finely another one is drawn
+WIDEST = 100e3  # metres; a plane does not stand for the Earth beyond, nor memory for its grids
+DEGREE = 111_320.0  # metres, of latitude
 LARGEST = 4000.0  # metres; no building is longer, so one that is was drawn wrongly
 
 
@@ -32,29 +35,42 @@ def site_degrees(osm: OsmMap, buildings: IntArray, roads: IntArray, others: IntA
     buildings, roads, others
         Rows of the ways.
     """
-    nodes = osm.nodes_of(np.concatenate([buildings, roads]))
-    places = osm.lonlat[nodes]
+    places = osm.lonlat[osm.nodes_of(np.concatenate([buildings, roads]))]
     if len(places) == 0:
         return None
+    reach = _reach(places)
+    places = _within_reach(places, reach)
     if osm.bounds is not None:
         low, high = np.array(osm.bounds[:2]), np.array(osm.bounds[2:])
         inside = ((places >= low) & (places <= high)).all(axis=1)
         if (high - low).min() > MIN_DEGREES and inside.any():
             every = osm.lonlat[osm.nodes_of(np.concatenate([buildings, roads, others]))]
+            every = _within_reach(every, reach)
             return _box(np.maximum(low, every.min(axis=0)), np.minimum(high, every.max(axis=0)))
-    focus = osm.lonlat[osm.nodes_of(buildings)]
-    if len(focus) < FEW_POINTS:
-        focus = places
+    focus = _within_reach(osm.lonlat[osm.nodes_of(buildings)], reach)
+    by_buildings = len(focus) >= max(FEW_POINTS, len(places) / 10)
     # Where roads lie denser than buildings (a map without houses) they decide.
-    if len(focus) < len(places) / 10:
+    if not by_buildings:
         focus = places
-    if len(focus) < FEW_POINTS:
+    if len(focus) < FEW_POINTS or (by_buildings and len(buildings) < FEW_BUILDINGS):
         return _box(focus.min(axis=0), focus.max(axis=0))
     low, high = np.quantile(focus, [OUTLIERS, 1 - OUTLIERS], axis=0)
-    reach = OVERHANG * (high - low)
+    overhang = OVERHANG * (high - low)
     return _box(
-        np.maximum(low - reach, focus.min(axis=0)), np.minimum(high + reach, focus.max(axis=0))
+        np.maximum(low - overhang, focus.min(axis=0)), np.minimum(high + overhang, focus.max(axis=0))
     )
+
+
+def _reach(places: FloatArray) -> FloatArray:
+    """Return the (2, 2) lowest and highest longitude and latitude that one site can span."""
+    away = places - np.median(places, axis=0)
+    middle = places[np.argmin((away**2).sum(axis=1))]  # between two far clusters lies nothing
+    half = WIDEST / 2 / DEGREE / np.array([max(np.cos(np.radians(middle[1])), 0.01), 1.0])
+    return np.array([middle - half, middle + half])
+
+
+def _within_reach(places: FloatArray, reach: FloatArray) -> FloatArray:
+    return places[((places >= reach[0]) & (places <= reach[1])).all(axis=1)]
 
 
 def _box(low: FloatArray, high: FloatArray) -> Box:

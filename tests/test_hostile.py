@@ -1,0 +1,306 @@
+"""Hostile and broken maps through the command line: a checked city, or one sentence and code 2."""
+
+import bz2
+import gzip
+import json
+import sys
+import tracemalloc
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+from town import Town
+
+from cityx.cli import main
+
+QUICK = ("--no-render", "--formats", "glb", "--lod", "2")
+OSM = b'<osm version="0.6">'
+
+
+def run(monkeypatch, capsys, path, out):
+    monkeypatch.setattr(sys, "argv", ["cityx", "build", str(path), "-o", str(out), *QUICK])
+    try:
+        main()
+        code = 0
+    except SystemExit as stop:
+        code = stop.code or 0
+    return code, capsys.readouterr()
+
+
+def plain():
+    """One street with two houses: what every odd map here also holds."""
+    town = Town()
+    town.way([town.node(-40, 0), town.node(0, 1), town.node(40, 0)], highway="residential")
+    town.box(-30, 8, 12, 10, building="house", building__levels="2")
+    town.box(5, 8, 12, 10, building="apartments", roof__shape="hipped")
+    return town
+
+
+def xml(town):
+    return (OSM + "".join(town.elements).encode() + b"</osm>").replace(b"\n", b" ")
+
+
+def jpeg():
+    target = BytesIO()
+    Image.fromarray(np.zeros((32, 32, 3), np.uint8)).save(target, "JPEG")
+    return target.getvalue()
+
+
+BOMB = (
+    b'<?xml version="1.0"?><!DOCTYPE osm [<!ENTITY a0 "ha">'
+    + b"".join(b'<!ENTITY a%d "%s">' % (i, b"&a%d;" % (i - 1) * 10) for i in range(1, 10))
+    + b'<!ENTITY x "">]><osm>&a9;</osm>'
+)
+EXTERNAL = (
+    b'<!DOCTYPE osm [<!ENTITY secret SYSTEM "file:///etc/passwd">]>'
+    b'<osm><node id="1" lat="1" lon="1"><tag k="name" v="a"/></node>&secret;</osm>'
+)
+NOISE = np.random.default_rng(3).integers(0, 256, 5000, np.uint8).tobytes()
+FILES = {
+    "bomb.osm": BOMB,
+    "bomb.osm.gz": gzip.compress(BOMB),
+    "external.osm": EXTERNAL,
+    "doctype.osm": b'<!DOCTYPE osm SYSTEM "http://localhost/osm.dtd">' + xml(plain()),
+    "parameter.osm": b'<!DOCTYPE osm [<!ENTITY % p SYSTEM "file:///etc/passwd"> %p;]><osm/>',
+    "undefined.osm": OSM + b"&nbsp;</osm>",
+    "cut.osm.gz": gzip.compress(xml(plain()))[:-40],
+    "head.osm.gz": gzip.compress(xml(plain()))[:9],
+    "cut.osm.bz2": bz2.compress(xml(plain()))[:-20],
+    "damaged.osm.gz": gzip.compress(xml(plain()))[:60] + bytes(200),
+    "cut.osm": xml(plain())[:-300],
+    "empty.osm": b"",
+    "empty.osm.pbf": b"",
+    "space.osm": b" \n \t ",
+    "byte.osm": b"<",
+    "byte.osm.gz": b"\x1f",
+    "noise.osm": NOISE,
+    "noise.osm.gz": NOISE,
+    "noise.osm.bz2": NOISE,
+    "noise.osm.pbf": NOISE,
+    "noise.pbf": NOISE,
+    "headed.osm.pbf": b"\x00\x00\x00\x0d\x0a\x09OSMHeader\x18\x7c" + NOISE,
+    "huge_block.osm.pbf": b"\x7f\xff\xff\xff\x0a\x09OSMHeader\x18\x7c" + NOISE,
+    "magic.osm.gz": b"\x1f\x8b" + NOISE,
+    "magic.osm.bz2": b"BZh9" + NOISE,
+    "photo.osm": jpeg(),
+    "photo.osm.gz": jpeg(),
+    "nulls.osm": bytes(4096),
+    "no_root.osm": b"hello world",
+    "html.osm": b"<!DOCTYPE html><html><body>429 Too Many Requests</body></html>",
+    "two_roots.osm": b"<osm/><osm/>",
+    "no_elements.osm": OSM + b"</osm>",
+    "encoding.osm": b'<?xml version="1.0" encoding="martian"?><osm/>',
+    "latin.osm": b'<?xml version="1.0" encoding="utf-8"?><osm><note>\xff\xfe</note></osm>',
+    "only_nodes.osm": OSM + b'<node id="1" lat="1" lon="1"/></osm>',
+    "only_ghosts.osm": OSM + b'<way id="1"><nd ref="2"/><nd ref="3"/>'
+    b'<tag k="building" v="yes"/></way></osm>',
+    "itself.osm": OSM + b'<way id="7"><nd ref="7"/><nd ref="7"/><nd ref="7"/><nd ref="7"/>'
+    b'<tag k="building" v="yes"/></way></osm>',
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_what_is_no_map_ends_with_one_sentence(monkeypatch, capsys, tmp_path, name):
+    path = tmp_path / name
+    path.write_bytes(FILES[name])
+    code, said = run(monkeypatch, capsys, path, tmp_path / "out")
+    refused(code, said, tmp_path, name)
+
+
+def refused(code, said, folder, name):
+    assert code == 2, said.err
+    (line,) = [line for line in said.err.splitlines() if line.startswith("error: ")]
+    assert said.err.endswith(line + "\n")
+    assert name in line
+    assert line.endswith(".")
+    assert "root:" not in said.err + said.out  # of /etc/passwd
+    assert [entry.name for entry in folder.iterdir()] == [name]
+
+
+@pytest.mark.parametrize(("suffix", "pack"), [(".gz", gzip.compress), (".bz2", bz2.compress)])
+def test_a_packed_bomb_is_refused_in_bounded_memory(monkeypatch, capsys, tmp_path, suffix, pack):
+    path = tmp_path / f"bomb.osm{suffix}"
+    path.write_bytes(pack(OSM + b" " * (80 << 20)))
+    assert path.stat().st_size < 300_000
+    tracemalloc.start()
+    code, said = run(monkeypatch, capsys, path, tmp_path / "out")
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    refused(code, said, tmp_path, path.name)
+    assert peak < 64e6
+
+
+def node(**given):
+    return "<node " + " ".join(f'{key}="{value}"' for key, value in given.items()) + "/>"
+
+
+def way(key, refs, **tags):
+    inner = "".join(f'<nd ref="{ref}"/>' for ref in refs)
+    inner += "".join(f'<tag k="{k.replace("__", ":")}" v="{v}"/>' for k, v in tags.items())
+    return f'<way id="{key}">{inner}</way>'
+
+
+def relation(key, members, **tags):
+    inner = "".join(f'<member type="{t}" ref="{r}" role="{role}"/>' for t, r, role in members)
+    inner += "".join(f'<tag k="{k}" v="{v}"/>' for k, v in tags.items())
+    return f'<relation id="{key}">{inner}</relation>'
+
+
+def ring(town, points, **tags):
+    """Add a closed building through points that may repeat or cross."""
+    nodes = [town.node(*point) for point in points]
+    return town.way([*nodes, nodes[0]], **{"building": "yes", **tags})
+
+
+def with_elements(*elements):
+    town = plain()
+    town.elements += elements
+    return town
+
+
+def with_box(**tags):
+    town = plain()
+    town.box(-8, -22, 12, 9, **tags)
+    return town
+
+
+def with_ring(*points, **tags):
+    town = plain()
+    ring(town, points, **tags)
+    return town
+
+
+def many_cornered():
+    angle = np.arange(5000) * 2 * np.pi / 5000
+    radius = 12 + 0.5 * np.sin(40 * angle)
+    return zip(radius * np.cos(angle), radius * np.sin(angle) - 24, strict=True)
+
+
+def twice(**tags):
+    town = plain()
+    for _ in range(2):
+        town.box(-8, -22, 12, 9, building="yes", **tags)
+    return town
+
+
+def street(*points, **tags):
+    town = plain()
+    town.way([town.node(*point) for point in points], **{"highway": "residential", **tags})
+    return town
+
+
+def far_town():
+    """Make as many houses again, 30 degrees away."""
+    for i in range(3):
+        low, high = 30 + i * 1e-3, 30 + i * 1e-3 + 1e-4
+        keys = [3000 + 4 * i + k for k in range(4)]
+        corners = ((low, 5), (low, 5.0001), (high, 5.0001), (high, 5))
+        yield from (node(id=k, lat=a, lon=b) for k, (a, b) in zip(keys, corners, strict=True))
+        yield way(3100 + i, [*keys, keys[0]], building="yes")
+
+
+PLACES = [("nan", "1"), ("inf", "1"), ("91", "1"), ("1", "181"), ("-1e308", "1e308"), ("", "")]
+BAD_NODES = [node(id=900 + i, lat=lat, lon=lon) for i, (lat, lon) in enumerate(PLACES)]
+BAD_IDS = [2**63, -(2**63) - 1, 2**64, 10**40, "x", "", "1.5"]
+TOWNS = {
+    "positions_that_are_none": lambda: with_elements(
+        *BAD_NODES, way(950, range(900, 906), highway="residential"),
+        way(951, [900, 901, 902, 900], building="yes"),
+    ),
+    "ids_beyond_64_bit": lambda: with_elements(
+        *(node(id=key, lat="60.17", lon="24.94") for key in BAD_IDS),
+        *(way(key, [1, 2, 3], highway="residential") for key in BAD_IDS),
+        *(relation(key, [("way", key, "outer")], type="multipolygon") for key in BAD_IDS),
+        way(960, BAD_IDS, highway="residential"), way(961, [2**63, 1, 2**63], building="yes"),
+    ),
+    "ways_of_themselves_and_of_nothing": lambda: with_elements(
+        way(970, [970, 970, 970, 970], building="yes"), way(971, [], highway="residential"),
+        way(972, [1], highway="residential"), way(973, [1, 1, 1], highway="residential"),
+        way(974, [1, 99999, 2, 99998, 3], highway="residential"), way(975, [1, 2], building="yes"),
+    ),
+    "relations_in_a_circle": lambda: with_elements(
+        relation(980, [("relation", 981, "outer")], type="multipolygon", building="yes"),
+        relation(981, [("relation", 980, "outer"), ("relation", 981, "")], type="building"),
+        relation(982, [("relation", 982, "outline"), ("way", 982, "outer")], type="multipolygon"),
+        relation(983, [], type="multipolygon", building="yes"),
+        relation(984, [("way", 4, "inner")] * 50, type="multipolygon", building="yes"),
+        relation(985, [("moon", 4, "outer"), ("node", 1, "outer")], type="multipolygon"),
+    ),
+    "a_billion_levels": lambda: with_box(building="yes", building__levels="1e9"),
+    "height_nan": lambda: with_box(building="yes", height="nan"),
+    "height_infinite": lambda: with_box(building="yes", height="1e999", min_height="-inf"),
+    "height_negative": lambda: with_box(building="yes", height="-5", building__levels="-3"),
+    "min_height_above_height": lambda: with_box(building="yes", height="6", min_height="40"),
+    "min_height_negative": lambda: with_box(building="yes", height="6", min_height="-20"),
+    "min_level_above_levels": lambda: with_box(
+        building="yes", building__levels="2", building__min_level="90"
+    ),
+    "roof_higher_than_the_house": lambda: with_box(
+        building="yes", height="5", roof__height="500", roof__shape="dome", roof__levels="-7"
+    ),
+    "tags_of_nonsense": lambda: with_box(
+        building="\U0001f3e0" * 200, height="12 parsecs", roof__shape="\x7f", building__colour="#",
+        building__levels="0", roof__angle="1e5", roof__direction="NaN", name="' OR 1=1; --",
+    ),
+    "a_million_lanes": lambda: street((-40, -30), (40, -30), lanes="1000000"),
+    "a_road_of_any_width": lambda: street((-40, -30), (40, -30), width="1e8", layer="1e99"),
+    "lanes_nan": lambda: street((-40, -30), (40, -30), lanes="nan", maxspeed="-inf", oneway="?"),
+    "a_road_with_two_equal_points": lambda: street((-40, -30), (0, -30), (0, -30), (40, -30)),
+    "a_road_of_no_length": lambda: street((5, -30), (5, -30)),
+    "a_road_there_and_back": lambda: street((-40, -30), (40, -30), (-40, -30)),
+    "a_road_to_the_other_side_of_the_earth": lambda: with_elements(
+        node(id=990, lat="-60.17", lon="-155.06"), node(id=991, lat="89.9999", lon="24"),
+        way(992, [1, 990, 991, 2], highway="motorway"),
+    ),
+    "a_house_of_5000_corners": lambda: with_ring(*many_cornered()),
+    "a_bow_tie": lambda: with_ring((-10, -30), (10, -10), (10, -30), (-10, -10)),
+    "a_house_without_area": lambda: with_ring((-10, -30), (0, -30), (10, -30), (0, -30)),
+    "a_house_in_one_point": lambda: with_ring((0, -30), (0, -30), (0, -30), (0, -30)),
+    "a_hair_of_a_house": lambda: with_ring((-10, -30), (10, -30), (10, -29.999), (-10, -29.999)),
+    "a_spike": lambda: with_ring((-10, -30), (0, -30), (0, -60), (0, -30), (10, -30), (10, -15)),
+    "two_equal_houses": twice,
+    "two_equal_houses_of_other_height": lambda: twice(height="30"),
+    "a_house_around_the_street": lambda: with_ring((-60, -40), (60, -40), (60, 40), (-60, 40)),
+    "a_house_of_the_size_of_a_country": lambda: with_elements(
+        node(id=1, lat="50", lon="10"), node(id=2001, lat="61", lon="10"),
+        node(id=2002, lat="61", lon="30"), way(2003, [1, 2001, 2002, 1], building="yes"),
+    ),
+    "a_town_on_either_side_of_the_earth": lambda: with_elements(*far_town()),
+    "a_forest_of_the_size_of_a_country": lambda: with_elements(
+        *(node(id=2010 + i, lat=60 + i // 2, lon=24 + (i in (1, 2))) for i in range(4)),
+        way(2015, [2010, 2011, 2012, 2013, 2010], natural="wood"),
+    ),
+    "tags_nested_a_thousand_deep": lambda: with_elements("<a>" * 1000 + "</a>" * 1000),
+    "an_attribute_of_a_million_letters": lambda: with_box(building="yes", name="x" * 1_000_000),
+    "a_million_digits": lambda: with_box(building="yes", height="9" * 1_000_000),
+    "an_element_of_another_kind": lambda: with_elements('<node id="1"><way id="2"><nd/></way></node>'),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TOWNS)
+def test_odd_things_in_a_map_keep_every_check(monkeypatch, capsys, tmp_path, name):
+    report = built(monkeypatch, capsys, tmp_path, TOWNS[name]())
+    assert report["counts"]["buildings"] >= 2
+    assert report["area_km2"] < 0.1
+
+
+def built(monkeypatch, capsys, folder, town):
+    path = town.write(folder / "odd.osm")
+    code, said = run(monkeypatch, capsys, path, folder / "out")
+    assert code == 0, said.out + said.err
+    assert "Traceback" not in said.err
+    assert sorted(entry.name for entry in folder.iterdir()) == ["odd.osm", "out"]
+    report = json.loads((folder / "out" / "report.json").read_text())
+    assert {check for check, item in report["checks"].items() if not item["ok"]} == set()
+    return report
+
+
+@pytest.mark.parametrize("kind", ["building", "highway"])
+def test_houses_without_streets_and_streets_without_houses_are_cities(
+    monkeypatch, capsys, tmp_path, kind
+):
+    town = plain()
+    town.elements = [e for e in town.elements if e.startswith("<node") or f'k="{kind}"' in e]
+    counts = built(monkeypatch, capsys, tmp_path, town)["counts"]
+    assert (counts["buildings"], counts["road_km"] > 0) == ((2, False), (0, True))[kind != "building"]
