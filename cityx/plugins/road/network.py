@@ -14,7 +14,7 @@ from cityx.city.roads import RoadNetwork
 from cityx.geometry.chains import components, join_segments
 from cityx.geometry.identity import mix
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, to_linestrings
-from cityx.protocol import Port, action, has_layer
+from cityx.protocol import Port, action
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout

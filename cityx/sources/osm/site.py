@@ -57,7 +57,8 @@ def site_degrees(osm: OsmMap, buildings: IntArray, roads: IntArray, others: IntA
     low, high = np.quantile(focus, [OUTLIERS, 1 - OUTLIERS], axis=0)
     overhang = OVERHANG * (high - low)
     return _box(
-        np.maximum(low - overhang, focus.min(axis=0)), np.minimum(high + overhang, focus.max(axis=0))
+        np.maximum(low - overhang, focus.min(axis=0)),
+        np.minimum(high + overhang, focus.max(axis=0)),
     )
 
 
