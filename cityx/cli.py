@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import traceback
+from math import isfinite
 from pathlib import Path
 from tempfile import gettempdir
 from typing import Annotated
@@ -56,13 +57,15 @@ def _pair(
         return None
     try:
         first, second = (float(word) for word in text.lower().split(separator))
+        if not (isfinite(first) and isfinite(second)):
+            raise ValueError(text)
     except ValueError:
         raise UsageError(f'{option} "{text}" is not of the form {example}.') from None
     return first, second
 
 
 def _pixels(text: str) -> tuple[int, int]:
-    pair = _pair(text, "x", "picture size", "960x540") or (0, 0)
+    pair = _pair(text, "x", "Picture size", "960x540") or (0, 0)
     width, height = int(pair[0]), int(pair[1])
     if not (16 <= width <= 16384 and 16 <= height <= 16384):
         raise UsageError(f'Picture size "{text}" is outside 16x16 to 16384x16384.')
@@ -75,7 +78,7 @@ def build(
         list[Path], typer.Argument(help="Map (.osm[.gz|.bz2|.pbf]) and optional height file.")
     ],
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder of the results.")],
-    seed: Annotated[int, typer.Option(help="Seed of all that is random.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, max=2**63 - 1, help="Key of all draws.")] = 0,
     workers: Annotated[int, typer.Option(min=1, max=64, help="Worker processes.")] = 1,
     lod: Annotated[int, typer.Option(min=0, max=3, help="Level of detail.")] = 2,
     style: Annotated[str, typer.Option(help="Style of buildings, e.g. european, brick.")] = "",

@@ -101,16 +101,15 @@ def test_two_workers_build_what_one_builds(built, town_map, tmp_path):
     assert two["hash"] == report["hash"]
 
 
-def test_hash_randomisation_of_python_does_not_count(built, town_map, tmp_path):
+def test_another_process_with_other_string_hashes_builds_the_same(built, town_map, tmp_path):
     _, report = built
-    for seed in ("0", "77"):
-        out = tmp_path / seed
-        subprocess.run(
-            [sys.executable, "-m", "cityx.cli", "build", str(town_map), "-o", str(out), "--seed",
-             "5", "--formats", "glb", "--no-render"],
-            check=True, capture_output=True, env={**os.environ, "PYTHONHASHSEED": seed},
-        )  # fmt: skip
-        assert json.loads((out / "report.json").read_text())["hash"] == report["hash"]
+    out = tmp_path / "other"
+    subprocess.run(
+        [sys.executable, "-m", "cityx.cli", "build", str(town_map), "-o", str(out), "--seed",
+         "5", "--formats", "glb", "--no-render"],
+        check=True, capture_output=True, env={**os.environ, "PYTHONHASHSEED": "77"},
+    )  # fmt: skip
+    assert json.loads((out / "report.json").read_text())["hash"] == report["hash"]
 
 
 @pytest.mark.parametrize("lod", [0, 1, 3])

@@ -149,12 +149,6 @@ def relation(key, members, **tags):
     return f'<relation id="{key}">{inner}</relation>'
 
 
-def ring(town, points, **tags):
-    """Add a closed building through points that may repeat or cross."""
-    nodes = [town.node(*point) for point in points]
-    return town.way([*nodes, nodes[0]], **{"building": "yes", **tags})
-
-
 def with_elements(*elements):
     town = plain()
     town.elements += elements
@@ -170,9 +164,12 @@ def with_boxes(houses):
     return town
 
 
-def with_ring(*points, **tags):
+def with_rings(*rings):
+    """Add houses, 20 m apart, through points that may repeat or cross."""
     town = plain()
-    ring(town, points, **tags)
+    for index, ring in enumerate(rings):
+        nodes = [town.node(x - 60 + 20 * index, y - 30) for x, y in ring]
+        town.way([*nodes, nodes[0]], building="yes")
     return town
 
 
@@ -273,15 +270,18 @@ TOWNS = {
         node(id=990, lat="-60.17", lon="-155.06"), node(id=991, lat="89.9999", lon="24"),
         way(992, [1, 990, 991, 2], highway="motorway"),
     ),
-    "a_house_of_5000_corners": lambda: with_ring(*many_cornered()),
-    "a_bow_tie": lambda: with_ring((-10, -30), (10, -10), (10, -30), (-10, -10)),
-    "a_house_without_area": lambda: with_ring((-10, -30), (0, -30), (10, -30), (0, -30)),
-    "a_house_in_one_point": lambda: with_ring((0, -30), (0, -30), (0, -30), (0, -30)),
-    "a_hair_of_a_house": lambda: with_ring((-10, -30), (10, -30), (10, -29.999), (-10, -29.999)),
-    "a_spike": lambda: with_ring((-10, -30), (0, -30), (0, -60), (0, -30), (10, -30), (10, -15)),
+    "a_house_of_5000_corners": lambda: with_rings(many_cornered()),
+    "rings_that_are_no_outlines": lambda: with_rings(
+        ((0, 0), (14, 14), (14, 0), (0, 14)),  # a bow tie
+        ((0, 0), (5, 0), (14, 0), (5, 0)),  # no area
+        ((0, 0), (0, 0), (0, 0), (0, 0)),  # one point
+        ((0, 0), (14, 0), (14, 0.001), (0, 0.001)),  # a hair
+        ((0, 0), (7, 0), (7, -16), (7, 0), (14, 0), (14, 14)),  # a spike
+        ((0, 0), (9, 9), (0, 9), (9, 0), (4, 14), (4, -5)),  # a tangle
+    ),
     "two_equal_houses": twice,
     "two_equal_houses_of_other_height": lambda: twice(height="30"),
-    "a_house_around_the_street": lambda: with_ring((-60, -40), (60, -40), (60, 40), (-60, 40)),
+    "a_house_around_the_street": lambda: with_rings(((0, 0), (120, 0), (120, 60), (0, 60))),
     "a_house_of_the_size_of_a_country": lambda: with_elements(
         node(id=1, lat="50", lon="10"), node(id=2001, lat="61", lon="10"),
         node(id=2002, lat="61", lon="30"), way(2003, [1, 2001, 2002, 1], building="yes"),

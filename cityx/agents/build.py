@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import shutil
@@ -84,6 +85,12 @@ def quiet(_: str) -> None:
     """Say nothing."""
 
 
+def _registry() -> Any:
+    from cityx.protocol import registry
+
+    return registry()
+
+
 @dataclass
 class Run:
     """One run of actions on a city: gate, journal and clock around every step.
@@ -95,20 +102,22 @@ class Run:
     number: int
     state: str
     watch: Stopwatch
+    actions: Any = field(default_factory=_registry)
 
     def do(self, city: City, action: str, args: dict[str, Any]) -> City:
         """Run one action and return the new city."""
-        from cityx.protocol import registry
         from cityx.protocol.run import Call, run_action
 
         index = self.journal.start_step(self.number, action, args, self.state)
         begin = time.perf_counter()
         try:
             with self.watch.step(action.rsplit("-v", 1)[0]):
-                outcome = run_action(city, Call(action, args), registry())
+                outcome = run_action(city, Call(action, args), self.actions)
         except (ActionRejected, ActionFailed) as error:
             status = "rejected" if isinstance(error, ActionRejected) else "rolled_back"
             self.journal.end_step(self.number, index, status, state=self.state, error=str(error))
+            if isinstance(error.__cause__, (InputError, UsageError)):
+                raise error.__cause__ from error  # what a user asked for; its words say it best
             raise
         self.state = derivation_key(self.state, action, args)
         spent = round((time.perf_counter() - begin) * 1000)
@@ -226,24 +235,29 @@ def build(
     EngineError, MissingDependency
         Blender failed or cannot start; nothing was written.
     """
-    from cityx.checks.report import make_report
-    from cityx.city.store import write_city
-
     options = options or BuildOptions()
     unknown = set(options.formats) - set(FORMATS)
     if unknown:
         raise UsageError(f"Unknown formats {sorted(unknown)}; this version writes {FORMATS}.")
+    out = _folder(out)
     watch = Stopwatch()
     with watch.step("import"):
-        _import_libraries()
+        _import_libraries(options)
+    with _rare_collection():
+        return _build(paths, out, options, watch, say)
+
+
+def _build(
+    paths: list[Path], out: Path, options: BuildOptions, watch: Stopwatch, say: Say
+) -> dict[str, Any]:
+    from cityx.checks.report import make_report
+    from cityx.city.store import write_city
+
     say("reading")
     source, heights = sort_inputs(paths)
     records = [item.record() for item in (source, heights) if item is not None]
     city = read_map(source, options, watch)
-    out = out.absolute()
-    staging = out.parent / f".{out.name}.partial"
-    shutil.rmtree(staging, ignore_errors=True)
-    staging.mkdir(parents=True)
+    staging = _staging(out)
     try:
         journal_path = staging / "journal.sqlite"
         config = {**asdict(options), "formats": list(options.formats)}
@@ -274,12 +288,40 @@ def build(
     return report
 
 
-def _import_libraries() -> None:
-    """Import what every build needs, so that the steps' times are their own."""
+LIBRARIES = (
+    "geopandas",
+    "pyarrow.parquet",
+    "scipy.spatial",
+    "scipy.sparse",
+    "rasterio",
+    "cityx.sources.osm",
+    "cityx.sources.osm.reader",
+    "cityx.checks.report",
+    "cityx.city.store",
+)
+
+
+def _import_libraries(options: BuildOptions | None = None) -> None:
+    """Import what the build needs, so that the steps' times are their own."""
     from importlib import import_module
 
-    for name in ("geopandas", "scipy.spatial", "scipy.sparse", "rasterio"):
+    for name in LIBRARIES:
         import_module(name)
+    options = options or BuildOptions()
+    actions = _registry()
+    for action, _ in calls_of(MAP_TO_CITY, options.lod, {}):
+        actions.function(action)
+
+
+@contextmanager
+def _rare_collection() -> Iterator[None]:
+    """Look for reference cycles seldom: a city has millions of objects, but hardly a cycle."""
+    before = gc.get_threshold()
+    gc.set_threshold(200_000, 20, 50)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
 
 
 def _brief(options: BuildOptions) -> dict[str, Any]:
@@ -336,13 +378,61 @@ def write_report(report: dict[str, Any], folder: Path) -> None:
         temporary.write_text(report_html(report, relative))
 
 
+def _folder(out: Path) -> Path:
+    """Return the folder of the results as an absolute path, without links.
+
+    Raises
+    ------
+    UsageError
+        If it is a file or no folder can have such a name.
+    """
+    try:
+        out = out.resolve()
+        taken = out.exists() and not out.is_dir()
+        _aside(out).exists()  # names have a limit, and this one is longer
+    except OSError as error:
+        raise UsageError(f"{out} cannot be a folder: {error.strerror}.") from error
+    if taken:
+        raise UsageError(f"{out} is a file; give a folder for the results.")
+    return out
+
+
+def _staging(out: Path) -> Path:
+    """Make the hidden folder beside `out`; what a killed build left there is cleared first."""
+    aside = _aside(out)
+    if aside.exists() and not out.exists():  # killed between the two renames of `_publish`
+        aside.rename(out)
+    shutil.rmtree(aside, ignore_errors=True)
+    staging = out.parent / f".{out.name}.partial"
+    shutil.rmtree(staging, ignore_errors=True)
+    try:
+        staging.mkdir(parents=True)
+    except OSError as error:
+        raise UsageError(f"{out} cannot be made: {error.strerror}.") from error
+    return staging
+
+
+def _aside(out: Path) -> Path:
+    return out.parent / f".{out.name}.old.partial"
+
+
 def _publish(staging: Path, out: Path) -> None:
-    """Move every finished product into place; products of an older city do not stay beside it."""
+    """Put the finished folder in the place of `out`; a kill leaves the older city or the new one.
+
+    A folder that holds other things too, or that this process stands in, stays; then products are
+    replaced one by one, and those of the older city do not stay beside them.
+    """
     from cityx.city.store import replace_folder
 
-    out.mkdir(parents=True, exist_ok=True)
-    for name in PRODUCTS:
-        if not (staging / name).exists() and (out / name).exists():
+    held = {entry.name for entry in out.iterdir()} if out.exists() else set()
+    if held <= set(PRODUCTS) and Path.cwd() != out:
+        if out.exists():
+            out.rename(_aside(out))
+        staging.rename(out)
+        shutil.rmtree(_aside(out), ignore_errors=True)
+        return
+    for name in held.intersection(PRODUCTS):
+        if not (staging / name).exists():
             old = out / name
             shutil.rmtree(old) if old.is_dir() else old.unlink()
     for product in sorted(staging.iterdir()):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from cityx.city.store import View
 
 MAX_OBJECTS = 20_000  # Blender's own bookkeeping grows faster than the count beyond this
-TILE = 500.0  # metres; a tile's own origin keeps float32 vertices exact to 0.03 mm
+TILE = 1000.0  # metres; a tile's own origin keeps float32 vertices exact to 0.06 mm
 LOW_32 = np.uint64(0xFFFFFFFF)
 OBJECT_LAYERS = frozenset({"buildings"})  # layers whose things a user wants to pick one by one
 # Kinds of prototype whose glass has a room behind it, so that it may be lit at night.
@@ -58,7 +58,9 @@ def build_scene(view: View, *, objects: bool | None = None) -> bpy.types.Scene:
             own = objects
         collection = _collection(title(layer), scene.collection)
         made = (
-            _separate(layer, batch, view.objects, library) if own else _tiles(layer, batch, library)
+            _separate(layer, batch, view.objects, library)
+            if own
+            else _tiles(layer, batch, library, plain=view.lod == 0)
         )
         _link(collection, made)
     _instance_layers(view.scene, view.seed, library, scene)
@@ -103,6 +105,9 @@ class _Corners:
 def _corners(batch: MeshBatch) -> _Corners:
     used = batch.faces != NO_VERTEX  # (f, 4)
     start = np.concatenate([[0], np.cumsum(used.sum(axis=1))])
+    if not used[:, 3].any():  # triangles alone
+        faces = np.ascontiguousarray(batch.faces[:, :3]).reshape(-1)
+        return _Corners(faces, np.ascontiguousarray(batch.uv[:, :3]).reshape(-1, 2), start)
     return _Corners(batch.faces[used], np.ascontiguousarray(batch.uv[used]), start)
 
 
@@ -119,15 +124,19 @@ class _Uploader:
     """Cuts meshes out of one batch and hands them to Blender.
 
     A class because the flattened arrays of the whole batch are shared by thousands of small meshes.
+    Plain meshes have no texture coordinates and one tint per face instead of one per corner.
     """
 
-    def __init__(self, batch: MeshBatch, library: MaterialLibrary, suffix: str = "") -> None:
+    def __init__(
+        self, batch: MeshBatch, library: MaterialLibrary, suffix: str = "", *, plain: bool = False
+    ) -> None:
         corners = _corners(batch)
         self.vertex, self.uv, self.corner_start = corners.vertex, corners.uv, corners.start
         self.points = batch.vertices
         self.material = batch.material.astype(np.int32)
-        sides = np.diff(corners.start)
-        self.tint = np.repeat(_encoded(batch.tint), sides, axis=0)  # (c, 4)
+        self.plain = plain
+        tint = _encoded(batch.tint)
+        self.tint = tint if plain else np.repeat(tint, np.diff(corners.start), axis=0)
         self.materials = [library.get(name, suffix) for name in batch.materials]
 
     def mesh(self, name: str, vertices: slice, faces: slice, origin: Any) -> bpy.types.Mesh:
@@ -149,10 +158,13 @@ class _Uploader:
         if len(used) > 1:
             local = np.searchsorted(used, material).astype(np.int32)
             mesh.polygons.foreach_set("material_index", local)
-        layer = mesh.attributes.new("UVMap", "FLOAT2", "CORNER")
-        layer.data.foreach_set("vector", self.uv[first:last].ravel())
-        color = mesh.attributes.new("tint", "BYTE_COLOR", "CORNER")
-        color.data.foreach_set("color_srgb", self.tint[first:last].ravel())
+        if not self.plain:
+            layer = mesh.attributes.new("UVMap", "FLOAT2", "CORNER")
+            layer.data.foreach_set("vector", self.uv[first:last].ravel())
+        color = mesh.attributes.new("tint", "BYTE_COLOR", "FACE" if self.plain else "CORNER")
+        color.data.foreach_set(
+            "color_srgb", self.tint[faces if self.plain else slice(first, last)].ravel()
+        )
         flat = mesh.attributes.new("sharp_face", "BOOLEAN", "FACE")
         flat.data.foreach_set("value", np.ones(faces.stop - faces.start, bool))
         mesh.update(calc_edges=True)
@@ -197,7 +209,9 @@ def _separate(
         yield item
 
 
-def _tiles(layer: str, batch: MeshBatch, library: MaterialLibrary) -> Iterator[bpy.types.Object]:
+def _tiles(
+    layer: str, batch: MeshBatch, library: MaterialLibrary, *, plain: bool = False
+) -> Iterator[bpy.types.Object]:
     """Objects merged per tile; faces keep the id of the thing they belong to."""
     filled = np.flatnonzero(np.diff(batch.vertex_start) > 0)
     if not len(filled):
@@ -208,8 +222,10 @@ def _tiles(layer: str, batch: MeshBatch, library: MaterialLibrary) -> Iterator[b
     cell = np.floor(middle[:, :2] / TILE).astype(np.int64)  # (k, 2)
     cells, which = np.unique(cell, axis=0, return_inverse=True)
     order = np.argsort(which, kind="stable")
-    sorted_batch = batch.take(filled[order])
-    upload = _Uploader(sorted_batch, library)
+    chosen = filled[order]
+    whole = np.array_equal(chosen, np.arange(batch.count))
+    sorted_batch = batch if whole else batch.take(chosen)
+    upload = _Uploader(sorted_batch, library, plain=plain)
     bounds = np.searchsorted(which[order], np.arange(len(cells) + 1))
     made = []
     for (i, j), first, last in zip(cells.tolist(), bounds[:-1], bounds[1:], strict=True):

@@ -141,9 +141,11 @@ def main(arguments: list[str]) -> int:
         say(0.0, "starting Blender")
         with clock.step("import"):
             import bpy
-        with clock.step("read"):
-            from cityx.city.store import read_view
+            import rasterio  # noqa: F401  the store reads terrain with it
 
+            from cityx.blender import render, scene, sky  # noqa: F401
+            from cityx.city.store import read_view
+        with clock.step("read"):
             view = read_view(Path(job["store"]))
         result = perform(job, view, clock, say)
         result["blender"] = bpy.app.version_string

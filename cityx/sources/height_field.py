@@ -254,7 +254,9 @@ def _read_geotiff(path: Path) -> Raster:
             inverse = ~dataset.transform
             values = _cleaned(dataset.read(1), dataset.nodata)
     except RasterioError as error:
-        raise InputError(f"{path} is no height file that can be read: {error}.") from error
+        raise InputError(
+            f"{path} is no height file that can be read ({str(error).rstrip('.')})."
+        ) from error
     coefficients = (
         inverse.a, inverse.b, inverse.c - 0.5, inverse.d, inverse.e, inverse.f - 0.5,
     )  # fmt: skip

@@ -47,14 +47,17 @@ def classify(path: Path) -> Input:
     InputError
         If the file is missing, empty or of no kind that can be read.
     """
-    if not path.exists():
-        raise InputError(f"{path} does not exist.")
-    if path.is_dir():
-        raise InputError(f"{path} is a folder; give a file: {KINDS}.")
-    size = path.stat().st_size
-    if size == 0:
-        raise InputError(f"{path} is empty.")
-    return Input(path, _kind(path), size, _digest(path))
+    try:
+        if not path.exists():
+            raise InputError(f"{path} does not exist.")
+        if path.is_dir():
+            raise InputError(f"{path} is a folder; give a file: {KINDS}.")
+        size = path.stat().st_size
+        if size == 0:
+            raise InputError(f"{path} is empty.")
+        return Input(path, _kind(path), size, _digest(path))
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror}.") from error
 
 
 def _kind(path: Path) -> str:

@@ -37,7 +37,8 @@ from cityx.protocol import Port, action, has_network
 CELLS = 250_000  # the most cells of terrain the faces are cut by
 FINEST_CELL = 20.0  # metres; smaller cells would not show between kerbs
 TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
-COARSE = 0.5  # metres by which land cover is simplified at detail level 0
+PLAIN_TILE = 1000.0  # the same at detail level 0, where faces have fewer corners
+COARSE = 1.0  # metres by which land cover is simplified at detail level 0
 
 
 @action(
@@ -45,6 +46,7 @@ COARSE = 0.5  # metres by which land cover is simplified at detail level 0
     limits=[
         "Ways that cross without a shared node at one level melt into one surface.",
         "Decks of branching bridges meet without a joint.",
+        "Detail level 0 leaves out tracks through fields and woods.",
     ],
     requires=("layout", has_network()),
     takes=(Port("network", "line", role="road_network"),),
@@ -53,7 +55,7 @@ COARSE = 0.5  # metres by which land cover is simplified at detail level 0
 def ground(city: City) -> City:
     """Lay roads, junctions, kerbs, sidewalks, markings, water and greens over the terrain."""
     network = city.network if city.network is not None else road_network(city.layout)
-    lines = cell_lines(city.layout.extent, city.terrain)
+    lines = cell_lines(city.layout.extent, city.terrain, _tile(city.lod))
     decks = deck_rows(city.layout)
     plan = plan_decks(city.layout, city.terrain, decks)
     build = plain_regions if city.lod == 0 else detailed_regions
@@ -73,7 +75,8 @@ def plain_regions(
     layout: Layout, network: RoadNetwork, decks: NDArray[np.bool_], plan: Any
 ) -> Regions:
     """Return roads and land cover without detail, and the houses that reach into a road."""
-    on_ground = ~decks[network.edge_road]
+    tracks = (layout.roads["kind"] == "track").to_numpy()
+    on_ground = ~(decks | tracks)[network.edge_road]
     roads, houses = plain_carriageways(layout, network, on_ground), building_regions(layout)
     lines = to_linestrings(Polylines(network.points, network.point_start))[on_ground]
     near = shapely.STRtree(houses.polygons).query(
@@ -104,11 +107,17 @@ def detailed_regions(
     ])  # fmt: skip
 
 
-def cell_lines(extent: tuple[float, float, float, float], terrain: Terrain) -> NDArray[Any]:
+def _tile(lod: int) -> float:
+    return TILE if lod > 0 else PLAIN_TILE
+
+
+def cell_lines(
+    extent: tuple[float, float, float, float], terrain: Terrain, tile: float = TILE
+) -> NDArray[Any]:
     """Lines at which faces are cut: cells of the terrain if it has relief, else large tiles."""
     west, south, east, north = extent
     if terrain.is_flat:
-        step, origin = TILE, (west, south)
+        step, origin = tile, (west, south)
     else:
         area = (east - west) * (north - south)
         least = max(FINEST_CELL, float(np.sqrt(area / CELLS)))
@@ -132,7 +141,7 @@ def ground_of(layout: Layout, *, terrain: Terrain | None = None, lod: int = 2) -
     terrain = terrain if terrain is not None else flat_terrain()
     plan = plan_decks(layout, terrain, decks)
     build = plain_regions if lod == 0 else detailed_regions
-    lines = cell_lines(layout.extent, terrain)
+    lines = cell_lines(layout.extent, terrain, _tile(lod))
     found = build(layout, network, decks, plan)
     arranged = arrange(found, layout.extent, lines=lines)
     return pave_blocks(arranged, layout) if lod > 0 else arranged

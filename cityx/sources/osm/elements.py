@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -90,6 +91,15 @@ def ragged_index(start: IntArray, rows: ArrayLike) -> tuple[IntArray, IntArray]:
     return np.arange(len(owner)) - begin[owner] + start[rows][owner], owner
 
 
+_ATTRIBUTES = rb'((?: \w+="[^"<&]*")*%s)'
+_PLAIN = rb'<node id="(-?\d{1,18})"%s lat="(-?\d[\d.]{0,30})" lon="(-?\d[\d.]{0,30})"%s ?/>'
+_DOUBLE = _PLAIN % (_ATTRIBUTES % b"?", _ATTRIBUTES % b"")
+# A node that has no tags, as every program writes it but for the quotes.
+_PLAIN_NODE = (re.compile(_DOUBLE), re.compile(_DOUBLE.replace(b'"', b"'")))
+_UNUSUAL = (b"action=", b'visible="false"', b"visible='false'")
+_VERSION = re.compile(rb"version=.(-?\d+)")
+
+
 class Collector:
     """Gathers elements in the order of the file; a class because a stream feeds it."""
 
@@ -97,7 +107,7 @@ class Collector:
         self.node_id: list[int] = []
         self.lat: list[float] = []
         self.lon: list[float] = []
-        self.node_version: list[str] = []
+        self.node_version: list[str | tuple[bytes, ...]] = []
         self.node_tags: dict[int, Tags] = {}
         self.way_id: list[int] = []
         self.way_end: list[int] = []
@@ -121,9 +131,10 @@ class Collector:
         tags: Tags | None = None  # of the open element, None before a node's first tag
         members: list[Member] = []
         inside = ""
+        row = -1  # of the open node
 
         def start(name: str, given: dict[str, str]) -> None:
-            nonlocal tags, members, inside
+            nonlocal tags, members, inside, row
             try:
                 if name == "nd":
                     if inside == "way":
@@ -133,18 +144,18 @@ class Collector:
                     key, y, x = int(given["id"]), float(given["lat"]), float(given["lon"])
                     if not (-90 <= y <= 90 and -180 <= x <= 180):
                         raise ValueError(name)
-                    inside, tags = name, None
+                    inside, tags, row = name, None, len(node_id)
                     node_id.append(key)
                     lat.append(y)
                     lon.append(x)
                     version.append(given.get("version", "0"))
                     if "visible" in given or "action" in given:
-                        self._bury(name, given, len(node_id) - 1)
+                        self._bury(name, given, row)
                 elif name == "tag":
                     if tags is None:
                         if inside != "node":
                             return
-                        tags = node_tags[len(node_id) - 1] = {}
+                        tags = node_tags[row] = {}
                     tags[given["k"]] = given["v"]
                 elif name == "member":
                     if inside == "relation":
@@ -209,6 +220,27 @@ class Collector:
         if tags:
             self.node_tags[len(self.node_id) - 1] = tags
 
+    def take_plain_nodes(self, block: bytes) -> bytes:
+        """Take the nodes without tags out of a block of XML and return the rest of it.
+
+        They are nine tenths of a map, and this reads them three times as fast as a parser that
+        calls back. Whatever is written in another way stays in the block.
+        """
+        if any(word in block for word in _UNUSUAL):
+            return block
+        for pattern in _PLAIN_NODE:
+            pieces = pattern.split(block)
+            if len(pieces) > 1:
+                lat, lon = list(map(float, pieces[3::6])), list(map(float, pieces[4::6]))
+                if not (-90 <= min(lat) <= max(lat) <= 90 and -180 <= min(lon) <= max(lon) <= 180):
+                    return block
+                self.node_id += map(int, pieces[1::6])
+                self.lat += lat
+                self.lon += lon
+                self.node_version += zip(pieces[2::6], pieces[5::6], strict=True)
+                block = b"".join(pieces[::6])
+        return block
+
     def add_way(self, key: int, refs: list[int], tags: Tags, version: int = 0) -> None:
         """Add a way with the ids of its nodes."""
         self._open("way", key, version, tags, [])
@@ -258,12 +290,13 @@ class Collector:
             {reason: count for reason, count in sorted(self.skipped.items()) if count > 0},
         )
 
-    def _alive(self, kind: str, ids: IntArray, versions: Sequence[str | int]) -> IntArray:
+    def _alive(
+        self, kind: str, ids: IntArray, versions: Sequence[str | int | tuple[bytes, ...]]
+    ) -> IntArray:
         """Return the positions to keep, ascending by id."""
-        if np.all(ids[1:] > ids[:-1]):
-            order = np.arange(len(ids))
-        else:
-            version = np.array([_version({"version": str(text)}) for text in versions], np.int64)
+        order = np.argsort(ids, kind="stable")
+        if np.any(ids[order][1:] == ids[order][:-1]):
+            version = np.array([_version_of(held) for held in versions], np.int64)
             order = np.lexsort((np.arange(len(ids)), version, ids))
             last = np.ones(len(ids), bool)
             last[:-1] = ids[order][1:] != ids[order][:-1]
@@ -288,6 +321,14 @@ def _int_array(values: list[int]) -> IntArray:
         return np.array(values, np.int64)
     except OverflowError:
         return np.array([v if abs(v) < ID_LIMIT else -ID_LIMIT for v in values], np.int64)
+
+
+def _version_of(held: str | int | tuple[bytes, ...]) -> int:
+    """Return the version of an element from a number, its text or the attributes with it."""
+    if isinstance(held, tuple):
+        found = _VERSION.search(b" ".join(held))
+        held = found[1].decode() if found else "0"
+    return _version({"version": str(held)})
 
 
 def _version(given: Mapping[str, str]) -> int:

@@ -91,6 +91,7 @@ def _read_xml(path: Path, unpack: Callable[..., Any] | None) -> OsmMap:
     parser = _parser(path, collector)
     limit = max(RATIO_FREE, path.stat().st_size * MAX_RATIO) if unpack else MAX_BYTES
     done = 0
+    feed = _Feed(parser, collector)
     with _reported(path, lambda: done):
         opened: BinaryIO = unpack(path, "rb") if unpack else path.open("rb")
         with opened as file:
@@ -98,14 +99,56 @@ def _read_xml(path: Path, unpack: Callable[..., Any] | None) -> OsmMap:
                 done += len(block)
                 if done > min(limit, MAX_BYTES):
                     raise InputError(_too_big(path, done))
-                parser.Parse(block, False)
-                if done - parser.CurrentByteIndex > MAX_TOKEN:
+                feed(block)
+                if feed.waiting > MAX_TOKEN:
                     raise InputError(
                         f"{path} has one tag of over {MAX_TOKEN >> 20} MB near byte "
-                        f"{parser.CurrentByteIndex:,}; this is not map data."
+                        f"{done - feed.waiting:,}; this is not map data."
                     )
-        parser.Parse(b"", True)
+        feed.close()
     return collector.finish()
+
+
+class _Feed:
+    """Gives blocks of XML to the parser, less the nodes that the collector takes by itself.
+
+    A class because the end of a block waits for the next one. Comments, character data and
+    processing instructions may hold what looks like a node: from the first one on, and before the
+    root, the parser gets everything.
+    """
+
+    def __init__(self, parser: Any, collector: Collector) -> None:
+        self.parser, self.collector = parser, collector
+        self.rest = b""
+        self.plain = True
+        self.fed = 0
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that wait for the end of their tag."""
+        return self.fed - int(self.parser.CurrentByteIndex) + len(self.rest)
+
+    def __call__(self, block: bytes) -> None:
+        block, self.rest = self.rest + block, b""
+        if self.plain and self.parser.StartElementHandler is not self.collector.start:
+            root = block.find(b">", block.find(b"<osm") + 1) + 1 if b"<osm" in block else 0
+            self.plain = root > 0
+            self._parse(block[:root])
+            block = block[root:]
+        if self.plain:
+            end = block.rfind(b">") + 1
+            self.plain = end > 0 and b"<!" not in block and b"<?" not in block
+            if self.plain:
+                block, self.rest = self.collector.take_plain_nodes(block[:end]), block[end:]
+        self._parse(block)
+
+    def _parse(self, block: bytes) -> None:
+        self.fed += len(block)
+        self.parser.Parse(block, False)
+
+    def close(self) -> None:
+        """Give the parser what is left and end the document."""
+        self.parser.Parse(self.rest, True)
 
 
 def _too_big(path: Path, size: int) -> str:
