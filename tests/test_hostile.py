@@ -19,8 +19,9 @@ QUICK = ("--no-render", "--formats", "glb", "--lod", "2")
 OSM = b'<osm version="0.6">'
 
 
-def run(monkeypatch, capsys, path, out):
-    monkeypatch.setattr(sys, "argv", ["cityx", "build", str(path), "-o", str(out), *QUICK])
+def run(monkeypatch, capsys, path, out, *more):
+    words = ["cityx", "build", path, "-o", out, *QUICK, *more]
+    monkeypatch.setattr(sys, "argv", [str(word) for word in words])
     try:
         main()
         code = 0
@@ -325,3 +326,29 @@ def test_houses_without_streets_and_streets_without_houses_are_cities(
     counts = built(monkeypatch, capsys, tmp_path, town)["counts"]
     found = {"building": counts["buildings"] == 2, "highway": counts["road_km"] > 0}
     assert found == {"building": kind == "building", "highway": kind == "highway"}
+
+
+@pytest.mark.parametrize(
+    ("name", "out", "more", "words"),
+    [
+        ("x" * 300 + ".osm", "out", (), ".osm: File name too long."),
+        ("map.osm", "map.osm", (), "map.osm is a file; give a folder for the results."),
+        ("map.osm", "map.osm/out", (), "map.osm/out cannot be made: Not a directory."),
+        ("map.osm", "x" * 300, (), "x cannot be a folder: File name too long."),
+        ("map.osm", "out", ("--size", "nanx5"), '--size "nanx5" is not of the form 800x600.'),
+        ("map.osm", "out", ("--picture", "infx9"), '"infx9" is not of the form 960x540.'),
+        ("map.osm", "out", ("--time", "99:99"), '"99:99" is no time of day; write HH:MM or one of'),
+        ("map.osm", "out", ("--weather", "hail"), '"hail" is no weather; one of clear, cloudy,'),
+        ("map.osm", "out", ("--style", "zzz"), 'There is no style "zzz". Known: european, brick,'),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_done_is_said_in_one_sentence(
+    monkeypatch, capsys, tmp_path, name, out, more, words
+):
+    plain().write(tmp_path / "map.osm")
+    code, said = run(monkeypatch, capsys, tmp_path / name, tmp_path / out, *more)
+    assert code == 2, said.err
+    (line,) = [line for line in said.err.splitlines() if line.startswith("error: ")]
+    assert words in line
+    assert said.err.endswith(line + "\n")
+    assert [entry.name for entry in tmp_path.iterdir()] == ["map.osm"]

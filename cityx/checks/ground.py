@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.check import Check
 from cityx.city import City
 from cityx.city.ground import LABEL
 from cityx.geometry.arrangement import check_arrangement
+from cityx.geometry.clearance import in_triangles
 
 AREA_ERROR = 1e-6  # relative; rounding to the grid moves the border by half a centimetre at most
 _NO_TRUNK = ("carriageway", "setts", "junction", "marking", "water")
@@ -39,6 +39,4 @@ def _standing_on(city: City, points: NDArray[np.float64], labels: tuple[str, ...
         return 0
     wanted = np.isin(ground.face_label, [LABEL[name] for name in labels])
     triangles = ground.triangles[wanted[ground.triangle_face]]
-    tree = shapely.STRtree(shapely.polygons(ground.vertices[triangles]))
-    rows, _ = tree.query(shapely.points(points), predicate="within")
-    return len(np.unique(rows))
+    return int(np.count_nonzero(in_triangles(points, ground.vertices, triangles)))

@@ -27,6 +27,7 @@ SLIVER_AREA = 0.02  # square metres; smaller faces take the label of their longe
 SLIVER_WIDTH = 0.02  # metres; so do thinner ones
 SMALL = 40  # vertices; polygons up to this size are tried one by one for standing apart
 RUN = 16  # segments of a stroke that are compared at once
+BATCH = 5000  # faces that are triangulated at once; a triangle as a polygon takes 500 bytes
 MARGIN = 3 * GRID  # nothing that snapping moves reaches across it
 BEYOND = -1  # the face on the far side of the site's border
 
@@ -201,12 +202,17 @@ def _stand_apart(polygons: NDArray[Any], strokes: NDArray[Any]) -> NDArray[np.bo
 
 def _triangulate(faces: NDArray[Any]) -> tuple[IntArray, IntArray, IntArray]:
     """Triangulate faces on their own vertices: (n, 2) grid points, (t, 3) corners, (t,) face."""
-    cut, face = shapely.get_coordinates(
-        shapely.constrained_delaunay_triangles(faces), return_index=True
-    )
-    face = face[::4]  # a triangle is a closed ring of four points
-    corners = np.delete(cut.reshape(-1, 4, 2), 3, axis=1).reshape(-1, 2)
-    vertices, index = _places(np.rint(corners * PER_METRE).astype(np.int64))
+    corners, owners = [np.zeros((0, 2), np.int64)], [np.zeros(0, np.int64)]
+    for begin in range(0, len(faces), BATCH):
+        cut, owner = shapely.get_coordinates(
+            shapely.constrained_delaunay_triangles(faces[begin : begin + BATCH]), return_index=True
+        )
+        # A triangle is a closed ring of four points.
+        three = cut.reshape(-1, 4, 2)[:, :3].reshape(-1, 2)
+        corners.append(np.rint(three * PER_METRE).astype(np.int64))
+        owners.append(owner[::4] + begin)
+    face = np.concatenate(owners)
+    vertices, index = _places(np.concatenate(corners))
     triangles = index.reshape(-1, 3)
     clockwise = doubled_areas(vertices, triangles) < 0
     triangles[clockwise] = triangles[clockwise][:, ::-1]

@@ -120,25 +120,55 @@ def push_off(
     return moved, free
 
 
-CELL = 20.0  # metres; triangles far from every point are sorted out by such cells first
+CELL = 20.0  # metres; points are looked up by such cells
+MOST_CELLS = 64  # that a triangle's box may meet; larger triangles ask a search tree
 
 
 def in_triangles(
     xy: ArrayLike, vertices: NDArray[np.float64], triangles: NDArray[np.int32]
 ) -> BoolArray:
-    """Tell which of (n, 2) points lie in one of (t, 3) triangles over (v, 2) vertices."""
+    """Tell which of (n, 2) points lie in or on one of (t, 3) triangles over (v, 2) vertices."""
     spots = np.asarray(xy, float).reshape(-1, 2)
     inside = np.zeros(len(spots), bool)
     if not len(spots) or not len(triangles):
         return inside
     corners = vertices[triangles]  # (t, 3, 2)
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    around = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)])
-    cells = (np.floor(spots / CELL).astype(np.int64)[:, None, :] + around).reshape(-1, 2)
-    middle = np.floor((low + high) / 2 / CELL).astype(np.int64)
+    low = np.floor(corners.min(axis=1) / CELL).astype(np.int64)
+    size = np.floor(corners.max(axis=1) / CELL).astype(np.int64) - low + 1
+    cells = size[:, 0] * size[:, 1]
+    large = cells > MOST_CELLS
+    if large.any():
+        shapes = shapely.polygons(corners[large])
+        tree = shapely.STRtree(shapely.points(spots))
+        inside[tree.query(shapes, predicate="intersects")[1]] = True
+    small = np.flatnonzero(~large)
+    triangle, part = _counted(cells[small])
+    triangle = small[triangle]
+    across = size[triangle, 1]
+    i, j = low[triangle, 0] + part // across, low[triangle, 1] + part % across
     width = np.int64(1 << 24)
-    close = np.isin(middle[:, 0] * width + middle[:, 1], cells[:, 0] * width + cells[:, 1])
-    close |= (high - low).max(axis=1) > 2 * CELL
-    shapes = shapely.polygons(corners[close])
-    inside[shapely.STRtree(shapely.points(spots)).query(shapes, predicate="intersects")[1]] = True
+    cell = np.floor(spots / CELL).astype(np.int64)
+    key = cell[:, 0] * width + cell[:, 1]
+    order = np.argsort(key, kind="stable")
+    known, start, count = np.unique(key[order], return_index=True, return_counts=True)
+    wanted = i * width + j
+    at = np.minimum(np.searchsorted(known, wanted), len(known) - 1)
+    met = known[at] == wanted
+    pair, number = _counted(count[at[met]])
+    spot = order[start[at[met]][pair] + number]
+    a, b, c = corners[triangle[met][pair]].transpose(1, 0, 2)
+    turns = np.stack([_turn(a, b, spots[spot]), _turn(b, c, spots[spot]), _turn(c, a, spots[spot])])
+    inside[spot[(turns >= 0).all(axis=0) | (turns <= 0).all(axis=0)]] = True
     return inside
+
+
+def _counted(count: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return each row as often as it counts, and the running number within it."""
+    row = np.repeat(np.arange(len(count)), count)
+    return row, np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+
+
+def _turn(a: FloatArray, b: FloatArray, p: FloatArray) -> FloatArray:
+    """Twice the area of the triangles a, b, p: positive where they turn left."""
+    return np.asarray((b[:, 0] - a[:, 0]) * (p[:, 1] - a[:, 1])
+                      - (b[:, 1] - a[:, 1]) * (p[:, 0] - a[:, 0]))  # fmt: skip

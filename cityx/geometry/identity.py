@@ -29,7 +29,7 @@ def stable_id(*parts: object) -> int:
 
     The same parts give the same id on every machine. Zero is never returned: it means "no object".
     """
-    text = "\x1f".join(str(part) for part in parts).encode()
+    text = "\x1f".join(map(str, parts)).encode()
     return int.from_bytes(blake2b(text, digest_size=8).digest(), "little") or 1
 
 

@@ -11,8 +11,14 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City, Instances, Prototype
-from cityx.city.ground import KERB_HEIGHT
-from cityx.geometry.clearance import distance_within, near_any, push_off, spots_of
+from cityx.city.ground import KERB_HEIGHT, LABEL
+from cityx.geometry.clearance import (
+    distance_within,
+    in_triangles,
+    near_any,
+    push_off,
+    spots_of,
+)
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import arc_lengths, every, locate, pack, to_linestrings
 from cityx.geometry.scatter import Points, cell_ids, cells_of_polygons, poisson_in
@@ -34,6 +40,8 @@ FACADE_CLEARANCE = 2.5  # metres from trunk to facade for trees nobody mapped
 LEAST_FACADE = 0.6  # metres, the same for mapped ones: they are where they are
 CROWN_REACH = 7.0  # metres, the widest crown
 MOST_PUSH = 1.6  # metres a mapped tree may be moved out of a carriageway
+# Surfaces of the ground on which no trunk stands, whatever the map says.
+TREELESS = ("carriageway", "setts", "junction", "marking", "tramway", "water")
 SNOWED = 0.3  # snow cover from which deciduous trees are bare
 STREET_SPACING = 10.0  # metres; every third place is left to a lamp
 STREET_SHARE = 1 / 3
@@ -384,6 +392,10 @@ def _cleared(city: City, stand: _Stand) -> tuple[_Stand, FloatArray]:
         keep &= ~near_any(after, nodes, radius[joint] + 1.8)
     if changed:
         keep &= ~near_any(after, houses, LEAST_FACADE)
+    if city.ground is not None:
+        ground = city.ground
+        bare = np.isin(ground.face_label, [LABEL[name] for name in TREELESS])
+        keep &= ~in_triangles(xy, ground.vertices, ground.triangles[bare[ground.triangle_face]])
     return _rows(replace(stand, xy=xy), keep), facade[keep]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+from json.encoder import encode_basestring as _quote
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -107,12 +107,10 @@ def area_table(
     )
 
 
-_encode = json.JSONEncoder(sort_keys=True, ensure_ascii=False).encode
-
-
 def tags_text(tags: Tags) -> str:
-    """Return tags as the JSON object that the tables keep."""
-    return _encode(tags)
+    """Return tags as the JSON object that the tables keep, keys in order."""
+    quoted = [f"{_quote(key)}: {_quote(tags[key])}" for key in sorted(tags)]
+    return f"{{{', '.join(quoted)}}}"
 
 
 def _sea(osm: OsmMap, xy: FloatArray, box: Box) -> Outlines:

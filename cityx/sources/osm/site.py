@@ -71,7 +71,8 @@ def _reach(places: FloatArray) -> FloatArray:
 
 
 def _within_reach(places: FloatArray, reach: FloatArray) -> FloatArray:
-    return places[((places >= reach[0]) & (places <= reach[1])).all(axis=1)]
+    inside = ((places >= reach[0]) & (places <= reach[1])).all(axis=1)
+    return np.asarray(places[inside], np.float64)
 
 
 def _box(low: FloatArray, high: FloatArray) -> Box:
