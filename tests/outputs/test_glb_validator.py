@@ -1,4 +1,4 @@
-"""The Khronos validator on our files: ``npm install`` at the project root brings it."""
+"""The Khronos validator on our files: ``make validator`` brings it."""
 
 import json
 import os
@@ -6,10 +6,14 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
-from glb_scenes import box, small_city, view
+from glb_scenes import box, read_glb, small_city, view
+from town import small_town
 
+from cityx.agents.build import BuildOptions, build
 from cityx.city import Environment, Scene, concatenate
+from cityx.city.store import read_city
 from cityx.outputs import glb as glb_module
 from cityx.outputs.glb import write_glb
 
@@ -30,7 +34,7 @@ def validator():
     for place in (folder, folder / "gltf-validator", folder / "node_modules" / "gltf-validator"):
         if (place / "package.json").is_file() and place.name == "gltf-validator":
             return place
-    pytest.skip(f"no npm package gltf-validator in {folder}; run: npm install")
+    pytest.skip(f"no npm package gltf-validator in {folder}; run: make validator")
     return folder
 
 
@@ -59,3 +63,40 @@ def test_merged_tiles_are_valid(tmp_path, monkeypatch):
 def test_an_empty_city_is_valid(tmp_path):
     write_glb(view(Scene()), tmp_path / "city.glb")
     assert messages(tmp_path / "city.glb") <= EXPECTED
+
+
+@pytest.fixture(scope="module")
+def town(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("town")
+    options = BuildOptions(formats=("glb",), render=False, weather="rain", time="21:30")
+    build([small_town().write(folder / "town.osm")], folder / "city", options)
+    return folder / "city"
+
+
+def test_a_town_as_built_is_valid(town):
+    glb = read_glb(town / "city.glb")
+    assert glb.json["extensionsRequired"] == ["EXT_mesh_gpu_instancing"]
+    assert len(glb.json["images"]) > 10
+    assert messages(town / "city.glb") <= EXPECTED
+
+
+def test_a_town_without_the_extension_is_valid(town, tmp_path):
+    write_glb(read_city(town / "city"), tmp_path / "city.glb", instancing=False, texture_size=64)
+    assert messages(tmp_path / "city.glb") <= {"MESH_PRIMITIVE_GENERATED_TANGENT_SPACE"}
+
+
+def test_what_the_validator_cannot_see_of_instances_holds(town):
+    """EXT_mesh_gpu_instancing: equal counts, unit turns, finite numbers, no node without rows."""
+    glb = read_glb(town / "city.glb")
+    owned = [node for node in glb.json["nodes"] if "extensions" in node]
+    assert owned
+    for node in owned:
+        attributes = node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]
+        arrays = {name: glb.array(number) for name, number in attributes.items()}
+        assert {"TRANSLATION", "ROTATION", "SCALE", "_CITYX_ID"} <= set(arrays)
+        assert len({len(array) for array in arrays.values()}) == 1
+        assert len(arrays["TRANSLATION"]) > 0
+        assert np.isfinite(arrays["TRANSLATION"]).all()
+        assert (arrays["SCALE"] > 0).all()
+        np.testing.assert_allclose(np.linalg.norm(arrays["ROTATION"], axis=1), 1, atol=1e-6)
+        assert [arrays[kind].shape[1] for kind in ("TRANSLATION", "ROTATION", "SCALE")] == [3, 4, 3]

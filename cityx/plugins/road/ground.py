@@ -19,6 +19,7 @@ from cityx.geometry.drape import drape, surroundings
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.plugins.road.blocks import pave_blocks, town_regions
 from cityx.plugins.road.bridges import LOW, deck_mesh, deck_rows, plan_decks
+from cityx.plugins.road.carriageway import COARSE as ROAD_COARSE
 from cityx.plugins.road.carriageway import (
     build_carriageway,
     carriageway_regions,
@@ -38,7 +39,7 @@ CELLS = 250_000  # the most cells of terrain the faces are cut by
 FINEST_CELL = 20.0  # metres; smaller cells would not show between kerbs
 TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
 PLAIN_TILE = 1000.0  # the same at detail level 0, where faces have fewer corners
-COARSE = 1.0  # metres by which land cover is simplified at detail level 0
+COARSE = 2.0  # metres by which land cover is simplified at detail level 0
 
 
 @action(
@@ -80,7 +81,7 @@ def plain_regions(
     roads, houses = plain_carriageways(layout, network, on_ground), building_regions(layout)
     lines = to_linestrings(Polylines(network.points, network.point_start))[on_ground]
     near = shapely.STRtree(houses.polygons).query(
-        lines, predicate="dwithin", distance=network.half_width[on_ground] + GRID
+        lines, predicate="dwithin", distance=network.half_width[on_ground] + ROAD_COARSE + GRID
     )[1]
     return join_regions([
         roads,
