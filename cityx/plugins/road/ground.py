@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.city import City
-from cityx.city.ground import Ground
+from cityx.city.ground import LABEL, Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.terrain import Terrain, flat_terrain
@@ -39,6 +39,7 @@ CELLS = 250_000  # the most cells of terrain the faces are cut by
 FINEST_CELL = 20.0  # metres; smaller cells would not show between kerbs
 TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
 PLAIN_TILE = 1000.0  # the same at detail level 0, where faces have fewer corners
+ROADWAY = tuple(LABEL[name] for name in ("carriageway", "setts", "gravel_road"))
 COARSE = 2.0  # metres by which land cover is simplified at detail level 0
 
 
@@ -79,16 +80,20 @@ def plain_regions(
     tracks = (layout.roads["kind"] == "track").to_numpy()
     on_ground = ~(decks | tracks)[network.edge_road]
     roads, houses = plain_carriageways(layout, network, on_ground), building_regions(layout)
+    areas, under_decks = area_regions(layout, COARSE), deck_ground_regions(plan, LOW)
     lines = to_linestrings(Polylines(network.points, network.point_start))[on_ground]
-    near = shapely.STRtree(houses.polygons).query(
-        lines, predicate="dwithin", distance=network.half_width[on_ground] + ROAD_COARSE + GRID
-    )[1]
+    tree = shapely.STRtree(houses.polygons)
+    reach = network.half_width[on_ground] + ROAD_COARSE + GRID
+    near = [tree.query(lines, predicate="dwithin", distance=reach)[1]]
+    for paved in (areas, under_decks):
+        shapes = paved.polygons[np.isin(paved.label, ROADWAY)]
+        near.append(tree.query(shapes, predicate="dwithin", distance=GRID)[1])
     return join_regions([
         roads,
-        area_regions(layout, COARSE),
+        areas,
         town_regions(layout),
-        take_regions(houses, np.unique(near)),
-        deck_ground_regions(plan, LOW),
+        take_regions(houses, np.unique(np.concatenate(near))),
+        under_decks,
     ])  # fmt: skip
 
 
