@@ -31,7 +31,7 @@ from cityx.geometry.solids import (
 )
 
 LEVEL_TILT = 1e-3  # sine; a flatter face has no direction of slope
-LOOSEN = 0.004  # metres an outline is drawn in where its rings touch each other
+LOOSEN = (0.004, 0.02)  # metres an outline is drawn in where its rings touch; more if need be
 
 
 @dataclass(frozen=True)
@@ -320,12 +320,14 @@ def prisms(
         welded = weld_touching(solids.of_parts(wrong))
         wrong = open_parts(welded, count)
         closed = join_solids([closed, welded.of_parts(~wrong)])
-        rows = np.flatnonzero(wrong)
-        loose = np.full(count, shapely.Polygon(), dtype=object)
-        loose[rows] = clean_polygons(shapely.buffer(polygons[rows], -LOOSEN, join_style="mitre"))
-        last = extrude(plan_of(loose), low, high, zero)
-        wrong = open_parts(last, count)
-        solids = join_solids([closed, last.of_parts(~wrong)])
+        for reach in LOOSEN:
+            rows = np.flatnonzero(wrong)
+            loose = np.full(count, shapely.Polygon(), dtype=object)
+            loose[rows] = clean_polygons(shapely.buffer(polygons[rows], -reach, join_style="mitre"))
+            drawn_in = extrude(plan_of(loose), low, high, zero)
+            wrong = open_parts(drawn_in, count)
+            closed = join_solids([closed, drawn_in.of_parts(~wrong)])
+        solids = closed
     failed = np.ones(count, bool)
     failed[solids.face_part] = False
     return solids, failed

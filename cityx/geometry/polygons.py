@@ -119,6 +119,25 @@ def clean_polygons(polygons: ArrayLike) -> NDArray[Any]:
     return cleaned
 
 
+def cut_at_waists(polygons: NDArray[Any]) -> NDArray[Any]:
+    """Take polygons apart where two of their edges come nearer than `SLIT`.
+
+    Such a polygon falls apart when it is rounded, and `clean_polygons` keeps the largest piece.
+
+    Returns
+    -------
+    cut
+        (n,) the polygons, a multipolygon where there are several pieces of `MIN_AREA` or more.
+    """
+    cut = np.asarray(polygons, dtype=object).copy()
+    for row in np.flatnonzero(shapely.minimum_clearance(cut) < SLIT):
+        pieces = shapely.get_parts(shapely.set_precision(cut[row], 4 * SLIT))
+        pieces = pieces[shapely.area(pieces) >= MIN_AREA]
+        if len(pieces) > len(shapely.get_parts(cut[row])):
+            cut[row] = shapely.multipolygons(pieces)
+    return cut
+
+
 def _largest(shape: Any) -> Any:
     """Return the largest polygon of whatever a broken outline holds, or an empty polygon."""
     empty = shapely.Polygon()

@@ -48,6 +48,18 @@ def test_a_courtyard_that_touches_the_outline_still_closes():
     assert not open_parts(solids, 2).any()
 
 
+def test_a_wide_outline_with_a_courtyard_at_a_corner_closes_too():
+    shell = [(-1052, -1041), (-931, -1030), (1103, 1058), (-957, -949), (-971, -1006),
+             (-982.633, -1009.019), (-963, -955)]  # fmt: skip
+    holes = [[(-1021, -1018.2), (-982.633, -1009.019), (-986, -1018.2)],
+             [(-945, -992), (-945, -1016), (-961, -1016), (-961, -992)]]  # fmt: skip
+    outline = shapely.Polygon(shell, holes)
+    assert outline.is_valid
+    solids, failed = raised([outline])
+    assert not failed.any()
+    assert volumes(solids, 1) == pytest.approx([outline.area * 5.0], rel=0.002)
+
+
 def test_wall_texture_runs_round_the_corners_in_metres():
     solids, _ = raised([shapely.box(0, 0, 4, 3)])
     walls = solids.uv[solids.role == WALL][:4]

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from cityx.geometry.polygons import (
     clean_polygons,
     corners,
+    cut_at_waists,
     offset_points,
     polygons_of,
     rings_of,
@@ -112,3 +113,12 @@ def test_an_outline_that_almost_touches_itself_is_snapped_open_or_shut():
     cleaned = clean_polygons([slit])[0]
     assert cleaned.is_valid
     assert shapely.minimum_clearance(cleaned) > 0.005
+
+
+def test_a_waist_of_a_millimetre_is_cut_and_nothing_is_lost():
+    hourglass = shapely.Polygon([(0, 0), (9, 0), (4.5003, 5), (9, 10), (0, 10), (4.4998, 5)])
+    cut = cut_at_waists(np.array([hourglass, FRAME], object))
+    pieces = clean_polygons(shapely.get_parts(cut[0]))
+    assert shapely.area(pieces).sum() == pytest.approx(hourglass.area, rel=0.001)
+    assert len(pieces) == 2
+    assert shapely.equals_exact(cut[1], FRAME)

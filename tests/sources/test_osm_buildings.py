@@ -68,6 +68,12 @@ def test_parts_may_stand_on_each_other(drawing):
     assert parts.geometry.area.tolist() == pytest.approx([400, 100], rel=0.01)
 
 
+def test_what_begins_lower_than_a_step_stands_on_the_ground(drawing):
+    drawing.box(0, 0, 20, 20, building="house", min_height="0.1", height=6)
+    drawing.box(40, 0, 20, 20, building="roof", min_height="2.5", height=6)
+    assert sorted(drawing.city().layout.parts["base"]) == [0.0, 2.5]
+
+
 def test_parts_that_overlap_in_height_too_become_disjoint_with_the_same_union(drawing):
     drawing.box(0, 0, 20, 20, building="office", height=40)
     drawing.box(0, 0, 20, 20, building__part="yes", height=10)

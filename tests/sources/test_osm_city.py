@@ -213,3 +213,20 @@ def test_a_map_with_only_roads_is_a_city(drawing):
     assert len(city.layout.roads) == 1
     assert city.name == "Roadville"
     assert abs(city.frame.latitude - 52.5) < 0.01
+
+
+def test_a_finely_drawn_building_does_not_make_outliers_of_the_others(drawing):
+    angles = np.linspace(0, 2 * np.pi, 2000)
+    ring = np.round(np.column_stack([9 * np.cos(angles), 9 * np.sin(angles)]), 4).tolist()
+    drawing.way([*map(tuple, ring[:-1]), tuple(ring[0])], building="yes")
+    drawing.box(60, 40, 10, 10, building="yes")
+    assert len(drawing.city().layout.buildings) == 2
+
+
+def test_a_site_is_never_wider_than_a_plane_can_be(drawing):
+    drawing.box(0, 0, 10, 10, building="yes")
+    drawing.way([(0, -5), (3e6, 2e6)], highway="motorway")
+    drawing.way([(0, -5), (40, -5)], highway="residential")
+    layout = drawing.city().layout
+    assert len(layout.buildings) == 1
+    assert layout.extent[2] - layout.extent[0] < 200

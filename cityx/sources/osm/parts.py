@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city.layout import make_table
 from cityx.geometry.identity import UInt64Array, hash_ids
+from cityx.geometry.polygons import cut_at_waists
 from cityx.sources.osm.areas import tags_text
 from cityx.sources.osm.buildings import Shells, type_word, use_of
 from cityx.sources.osm.density import PLACES, Density
@@ -36,6 +37,7 @@ UNCOVERED = 0.10  # share of an outline without parts from which the rest is rai
 OPENING = 0.2  # metres; thinner leftovers between parts and outline are drawing noise
 MIN_EAVE = 0.1  # metres between a base and its eave
 MIN_HEIGHT = 0.5  # metres of any volume
+STEP = 0.5  # metres; what begins lower stands on the ground, which is no more even than that
 ROOF_SHARE = 0.5  # of its height that a roof nobody measured may take
 POSTS = 4.0  # metres to the top of a canopy without tags
 HIGH_SHARE = 0.95  # an outline as high as its highest part names the part's height, not its own
@@ -251,6 +253,7 @@ def _resolve(
     lifted = ~stated & (top <= base + MIN_HEIGHT)
     top = np.where(lifted, base + eave + roof, np.maximum(top, base + MIN_HEIGHT))
     base = np.where(stated & (base >= height - MIN_HEIGHT), 0.0, base)
+    base = np.where(base < STEP, 0.0, base)
     span = top - base
     guessed = stated & ~measured & np.isnan(own.roof_angle)
     roof = np.where(guessed, np.minimum(roof, ROOF_SHARE * span), roof)
@@ -263,7 +266,7 @@ def _resolve(
         levels_of_height(top - roof - base, types, on_ground=base < 0.1),
     )
     gone = top - base < MIN_HEIGHT
-    polygons = np.where(gone, shapely.Polygon(), polygons)
+    polygons = cut_at_waists(np.where(gone, shapely.Polygon(), polygons))
     split, row = polygons_of(polygons, least=MIN_SOLID)
     k = number_pieces(row)
     numbered = np.where(k > 0, hash_ids(0, "osm/piece", ids[row], k), ids[row])
