@@ -94,7 +94,9 @@ def build(
     """Build a city from a map."""
     from cityx.agents.build import BuildOptions
     from cityx.agents.build import build as build_city
+    from cityx.allocator import keep_freed_memory
 
+    keep_freed_memory()
     options = BuildOptions(
         seed=seed,
         workers=workers,

@@ -317,11 +317,13 @@ def _import_libraries(options: BuildOptions | None = None) -> None:
 def _rare_collection() -> Iterator[None]:
     """Look for reference cycles seldom: a city has millions of objects, but hardly a cycle."""
     before = gc.get_threshold()
+    gc.freeze()  # the libraries just imported hold no garbage
     gc.set_threshold(200_000, 20, 50)
     try:
         yield
     finally:
         gc.set_threshold(*before)
+        gc.unfreeze()
 
 
 def _brief(options: BuildOptions) -> dict[str, Any]:

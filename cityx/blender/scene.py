@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from cityx.city.store import View
 
 MAX_OBJECTS = 20_000  # Blender's own bookkeeping grows faster than the count beyond this
-TILE = 1000.0  # metres; a tile's own origin keeps float32 vertices exact to 0.06 mm
+TILE = 2000.0  # metres; a tile's own origin keeps float32 vertices exact to 0.12 mm
 LOW_32 = np.uint64(0xFFFFFFFF)
 OBJECT_LAYERS = frozenset({"buildings"})  # layers whose things a user wants to pick one by one
 # Kinds of prototype whose glass has a room behind it, so that it may be lit at night.
@@ -147,17 +147,20 @@ class _Uploader:
         mesh.vertices.add(len(points))
         mesh.attributes["position"].data.foreach_set("vector", points.ravel())
         mesh.loops.add(last - first)
-        mesh.loops.foreach_set("vertex_index", self.vertex[first:last] - np.int32(vertices.start))
+        # Attributes are filled by one copy, two hundred times as fast as the properties of loops.
+        corner = mesh.attributes[".corner_vert"].data
+        corner.foreach_set("value", self.vertex[first:last] - np.int32(vertices.start))
         mesh.polygons.add(faces.stop - faces.start)
         starts = self.corner_start[faces.start : faces.stop] - first
         mesh.polygons.foreach_set("loop_start", starts.astype(np.int32))
         material = self.material[faces]
         used = np.flatnonzero(np.bincount(material, minlength=1))
-        for index in used.tolist():
-            mesh.materials.append(self.materials[index])
+        for slot in used.tolist():
+            mesh.materials.append(self.materials[slot])
         if len(used) > 1:
             local = np.searchsorted(used, material).astype(np.int32)
-            mesh.polygons.foreach_set("material_index", local)
+            index = mesh.attributes.new("material_index", "INT", "FACE")
+            index.data.foreach_set("value", local)
         if not self.plain:
             layer = mesh.attributes.new("UVMap", "FLOAT2", "CORNER")
             layer.data.foreach_set("vector", self.uv[first:last].ravel())

@@ -18,6 +18,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cityx.allocator import keep_freed_memory
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 
@@ -134,6 +135,7 @@ def main(arguments: list[str]) -> int:
     """Run one job."""
     job = json.loads(Path(arguments[0]).read_text())
     end_with_parent(job["parent"])
+    keep_freed_memory()
     result: dict[str, Any] = {}
     clock = Clock()
     status = 0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.city.ground import LABEL, SURFACES, Ground
+from cityx.city.ground import KERB_HEIGHT, LABEL, SURFACES, Ground
 from cityx.city.mesh import NO_VERTEX, MeshBatch, concatenate, empty_batch, one_mesh
 from cityx.city.terrain import Terrain
 from cityx.geometry.arrangement import BEYOND
@@ -40,10 +40,12 @@ class _Levels:
         return np.asarray(np.where(self.flat[level], 0.0, terrain[vertex]) + self.height[level])
 
 
-def _levels(ground: Ground, terrain: FloatArray) -> _Levels:
+def _levels(ground: Ground, terrain: FloatArray, flush: bool) -> _Levels:
     """One level per label, and one per body of water where the terrain is not flat."""
     labels = np.arange(len(SURFACES))
     offsets = np.array([surface.offset for surface in SURFACES])
+    if flush:
+        offsets[labels != LABEL["water"]] = KERB_HEIGHT
     of_face = ground.face_label.astype(np.int64)
     flat = np.zeros(len(labels), bool)
     if not len(terrain) or np.ptp(terrain) == 0.0:
@@ -81,7 +83,9 @@ def _levels(ground: Ground, terrain: FloatArray) -> _Levels:
     )
 
 
-def drape(ground: Ground, terrain: Terrain, seed: int = 0) -> MeshBatch:
+def drape(
+    ground: Ground, terrain: Terrain, seed: int = 0, *, flush: bool = False
+) -> MeshBatch:
     """Raise the faces onto the terrain: one object per surface, with its vertical edges.
 
     Parameters
@@ -92,6 +96,8 @@ def drape(ground: Ground, terrain: Terrain, seed: int = 0) -> MeshBatch:
         Heights; each surface lies its offset above them. A body of water is level.
     seed
         Of the slight variation in brightness from piece to piece.
+    flush
+        Lay all land on one level, without kerbs and other small steps.
 
     Returns
     -------
@@ -99,7 +105,7 @@ def drape(ground: Ground, terrain: Terrain, seed: int = 0) -> MeshBatch:
         Objects in the order of `SURFACES`, ids ``stable_id("ground", name)``.
     """
     base = np.round(terrain.height_at(ground.vertices), 4)
-    levels = _levels(ground, base)
+    levels = _levels(ground, base, flush)
     brightness = 1.0 + TINT_RANGE * (uniform(seed, "ground/tint", ground.face_object) - 0.5)
     brightness[ground.face_object == 0] = 1.0
     tops = _Tops(ground, levels, base, brightness)

@@ -31,7 +31,8 @@ from cityx.geometry.solids import (
 )
 
 LEVEL_TILT = 1e-3  # sine; a flatter face has no direction of slope
-LOOSEN = (0.004, 0.02)  # metres an outline is drawn in where its rings touch; more if need be
+NICK = 0.02  # metres around a point where two rings touch that are cut out of an outline
+LOOSEN = 0.004  # metres an outline is drawn in if that does not help
 
 
 @dataclass(frozen=True)
@@ -295,6 +296,22 @@ def weld_touching(solids: Solids) -> Solids:
     )
 
 
+def _nicked(polygons: NDArray[Any]) -> NDArray[Any]:
+    """Cut a small square out of each polygon at every point where two of its rings touch."""
+    nicked = polygons.copy()
+    for row, polygon in enumerate(polygons):
+        rings = [shapely.get_coordinates(ring)[:-1] for ring in shapely.get_rings(polygon)]
+        places, number = np.unique(np.concatenate(rings), axis=0, return_counts=True)
+        touching = shapely.points(places[number > 1])
+        squares = shapely.union_all(shapely.buffer(touching, NICK, quad_segs=1))
+        nicked[row] = shapely.difference(polygon, squares)
+    return nicked
+
+
+def _drawn_in(polygons: NDArray[Any]) -> NDArray[Any]:
+    return np.asarray(shapely.buffer(polygons, -LOOSEN, join_style="mitre"), dtype=object)
+
+
 def prisms(
     polygons: NDArray[Any], low: FloatArray, high: FloatArray, zero: FloatArray
 ) -> tuple[Solids, NDArray[np.bool_]]:
@@ -320,13 +337,13 @@ def prisms(
         welded = weld_touching(solids.of_parts(wrong))
         wrong = open_parts(welded, count)
         closed = join_solids([closed, welded.of_parts(~wrong)])
-        for reach in LOOSEN:
+        for loosen in (_nicked, _drawn_in):
             rows = np.flatnonzero(wrong)
             loose = np.full(count, shapely.Polygon(), dtype=object)
-            loose[rows] = clean_polygons(shapely.buffer(polygons[rows], -reach, join_style="mitre"))
-            drawn_in = extrude(plan_of(loose), low, high, zero)
-            wrong = open_parts(drawn_in, count)
-            closed = join_solids([closed, drawn_in.of_parts(~wrong)])
+            loose[rows] = clean_polygons(loosen(polygons[rows]))
+            apart = extrude(plan_of(loose), low, high, zero)
+            wrong = open_parts(apart, count)
+            closed = join_solids([closed, apart.of_parts(~wrong)])
         solids = closed
     failed = np.ones(count, bool)
     failed[solids.face_part] = False

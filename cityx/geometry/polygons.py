@@ -141,7 +141,8 @@ def cut_at_waists(polygons: NDArray[Any]) -> NDArray[Any]:
 def _largest(shape: Any) -> Any:
     """Return the largest polygon of whatever a broken outline holds, or an empty polygon."""
     empty = shapely.Polygon()
-    pieces = shapely.get_parts(shapely.get_parts(shapely.make_valid(shape)))
+    pieces = shapely.get_parts(shapely.make_valid(shape, method="structure"))
+    pieces = shapely.get_parts(pieces)
     pieces = pieces[shapely.get_type_id(pieces) == 3]
     pieces = pieces[shapely.area(pieces) >= MIN_AREA]
     if len(pieces) == 0:

@@ -34,6 +34,7 @@ ROUND = 4  # chords per quarter circle; 3 cm off at the radius of a kerb return
 BUILDING_PRIORITY = 74  # a facade wins over a carriageway drawn too wide
 PASSAGE_PRIORITY = 76  # but not where the carriageway runs through the house
 MITRE = 2.0  # longest mitre, in half widths; sharper bends are cut off
+BATCH = 500.0  # metres; carriageways are joined in squares of this size
 FINE, COARSE = 0.03, 1.0  # metres by which centrelines are simplified, in detail and without
 OVERLAP = 0.05  # metres that a carriageway reaches into the junction surface
 BETWEEN_HOUSES = 20.0  # metres from a centreline to the houses that make its road a street
@@ -85,10 +86,15 @@ def plain_carriageways(
     strips = shapely.buffer(shapely.simplify(lines, COARSE), network.half_width[edges],
                             quad_segs=1, join_style="mitre", mitre_limit=MITRE)  # fmt: skip
     label = road_labels(layout.roads["surface"].to_numpy()[network.edge_road[edges]])
-    return join_regions([
-        regions(shapely.unary_union(strips[label == kind]), kind, SURFACES[kind].priority)
-        for kind in np.unique(label)
-    ])  # fmt: skip
+    # Joined batch by batch: what still overlaps costs less than one large union.
+    middle = (shapely.bounds(strips)[:, :2] + shapely.bounds(strips)[:, 2:]) / 2
+    keys = np.column_stack([label, np.floor(middle / BATCH)])
+    batches, batch = np.unique(keys, axis=0, return_inverse=True)
+    order = np.argsort(batch, kind="stable")
+    parts = np.split(strips[order], np.searchsorted(batch[order], np.arange(1, len(batches))))
+    kinds = batches[:, 0].astype(np.uint8)
+    priority = [SURFACES[kind].priority for kind in kinds]
+    return regions([shapely.unary_union(part) for part in parts], kinds, priority)
 
 
 def build_carriageway(network: RoadNetwork, on_ground: NDArray[np.bool_]) -> Carriageway:

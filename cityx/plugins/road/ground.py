@@ -48,7 +48,7 @@ COARSE = 2.0  # metres by which land cover is simplified at detail level 0
     limits=[
         "Ways that cross without a shared node at one level melt into one surface.",
         "Decks of branching bridges meet without a joint.",
-        "Detail level 0 leaves out tracks through fields and woods.",
+        "Detail level 0 leaves out kerbs, and tracks through fields and woods.",
     ],
     requires=("layout", has_network()),
     takes=(Port("network", "line", role="road_network"),),
@@ -65,7 +65,8 @@ def ground(city: City) -> City:
     arranged = arrange(found, city.layout.extent, lines=lines)
     if city.lod > 0:
         arranged = pave_blocks(arranged, city.layout)
-    scene = city.scene.with_mesh("ground", drape(arranged, city.terrain, city.seed))
+    draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0)
+    scene = city.scene.with_mesh("ground", draped)
     scene = scene.with_mesh("surroundings", surroundings(arranged, city.terrain))
     bridges = deck_mesh(city.layout, plan)
     if bridges.count:
