@@ -29,4 +29,4 @@ def keep_freed_memory() -> bool:
     if tell is None:
         return False
     wanted = ((MMAP_THRESHOLD, LARGEST), (TRIM_THRESHOLD, KEPT), (TOP_PAD, STEP))
-    return all([tell(name, value) == 1 for name, value in wanted])
+    return all(tell(name, value) == 1 for name, value in wanted)

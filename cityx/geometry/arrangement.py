@@ -159,10 +159,13 @@ def _faces(polygons: NDArray[Any], lines: NDArray[Any], site: Any) -> NDArray[An
     strokes = np.concatenate([shapely.boundary(polygons), lines.ravel(), [site.exterior]])
     apart = np.zeros(len(strokes), bool)
     apart[: len(polygons)] = _stand_apart(polygons, strokes)
-    noded = shapely.unary_union(strokes[~apart], grid_size=GRID)
     rings = shapely.transform(shapely.get_parts(strokes[apart]), _to_grid)
-    edges = np.concatenate([shapely.get_parts(noded), rings])
+    noded = shapely.get_parts(shapely.unary_union(strokes[~apart], grid_size=GRID))
+    del strokes  # the largest arrays of a large site: none is held longer than it is needed
+    edges = np.concatenate([noded, rings])
+    del noded, rings
     faces = shapely.normalize(shapely.get_parts(shapely.polygonize(edges)))
+    del edges
     # The order in which regions were given must not show in the order of faces and triangles.
     keys = np.column_stack([shapely.area(faces), shapely.bounds(faces)])
     return np.asarray(faces[np.lexsort(np.round(keys, 3).T)])

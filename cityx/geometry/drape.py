@@ -83,9 +83,7 @@ def _levels(ground: Ground, terrain: FloatArray, flush: bool) -> _Levels:
     )
 
 
-def drape(
-    ground: Ground, terrain: Terrain, seed: int = 0, *, flush: bool = False
-) -> MeshBatch:
+def drape(ground: Ground, terrain: Terrain, seed: int = 0, *, flush: bool = False) -> MeshBatch:
     """Raise the faces onto the terrain: one object per surface, with its vertical edges.
 
     Parameters

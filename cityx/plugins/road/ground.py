@@ -15,6 +15,7 @@ from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.terrain import Terrain, flat_terrain
 from cityx.geometry.arrangement import GRID, Regions, arrange, join_regions, take_regions
+from cityx.geometry.cells import relief_lines, tile_lines
 from cityx.geometry.drape import drape, surroundings
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.plugins.road.blocks import pave_blocks, town_regions
@@ -35,8 +36,6 @@ from cityx.plugins.road.markings import marking_regions
 from cityx.plugins.road.network import road_network
 from cityx.protocol import Port, action, has_network
 
-CELLS = 250_000  # the most cells of terrain the faces are cut by
-FINEST_CELL = 20.0  # metres; smaller cells would not show between kerbs
 TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
 PLAIN_TILE = 1000.0  # the same at detail level 0, where faces have fewer corners
 ROADWAY = tuple(LABEL[name] for name in ("carriageway", "setts", "gravel_road"))
@@ -57,7 +56,7 @@ COARSE = 2.0  # metres by which land cover is simplified at detail level 0
 def ground(city: City) -> City:
     """Lay roads, junctions, kerbs, sidewalks, markings, water and greens over the terrain."""
     network = city.network if city.network is not None else road_network(city.layout)
-    lines = cell_lines(city.layout.extent, city.terrain, _tile(city.lod))
+    lines = cell_lines(city.layout, city.terrain, city.lod)
     decks = deck_rows(city.layout)
     plan = plan_decks(city.layout, city.terrain, decks)
     build = plain_regions if city.lod == 0 else detailed_regions
@@ -114,31 +113,11 @@ def detailed_regions(
     ])  # fmt: skip
 
 
-def _tile(lod: int) -> float:
-    return TILE if lod > 0 else PLAIN_TILE
-
-
-def cell_lines(
-    extent: tuple[float, float, float, float], terrain: Terrain, tile: float = TILE
-) -> NDArray[Any]:
-    """Lines at which faces are cut: cells of the terrain if it has relief, else large tiles."""
-    west, south, east, north = extent
+def cell_lines(layout: Layout, terrain: Terrain, lod: int) -> NDArray[Any]:
+    """Lines at which faces are cut: large tiles, and smaller cells where there is relief."""
     if terrain.is_flat:
-        step, origin = tile, (west, south)
-    else:
-        area = (east - west) * (north - south)
-        least = max(FINEST_CELL, float(np.sqrt(area / CELLS)))
-        step, origin = terrain.cell * max(1.0, np.ceil(least / terrain.cell)), terrain.origin
-    lines = []
-    for axis, (low, high) in enumerate(((west, east), (south, north))):
-        first = np.floor((low - origin[axis]) / step) + 1
-        last = np.ceil((high - origin[axis]) / step)
-        places = origin[axis] + step * np.arange(first, last)
-        ends = np.zeros((len(places), 2, 2))
-        ends[:, :, axis] = places[:, None]
-        ends[:, :, 1 - axis] = (south, north) if axis == 0 else (west, east)
-        lines.append(shapely.linestrings(ends))
-    return np.concatenate(lines)
+        return tile_lines(layout.extent, TILE if lod > 0 else PLAIN_TILE)
+    return relief_lines(layout.extent, terrain, TILE)[0]
 
 
 def ground_of(layout: Layout, *, terrain: Terrain | None = None, lod: int = 2) -> Ground:
@@ -148,7 +127,7 @@ def ground_of(layout: Layout, *, terrain: Terrain | None = None, lod: int = 2) -
     terrain = terrain if terrain is not None else flat_terrain()
     plan = plan_decks(layout, terrain, decks)
     build = plain_regions if lod == 0 else detailed_regions
-    lines = cell_lines(layout.extent, terrain, _tile(lod))
+    lines = cell_lines(layout, terrain, lod)
     found = build(layout, network, decks, plan)
     arranged = arrange(found, layout.extent, lines=lines)
     return pave_blocks(arranged, layout) if lod > 0 else arranged
