@@ -94,7 +94,9 @@ def row_of(path: Path, lod: int, reports: list[dict[str, Any]]) -> dict[str, Any
         "peak MB": f"{max(r['peak_rss_mb'] for r in reports):.0f}",
         ".blend MB": f"{report['blend_mb']:.1f}",
         "triangles unique": f"{report['triangles']['unique']:,}",
+        "unique/s": f"{report['triangles']['unique'] / total:,.0f}",
         "as seen": f"{report['triangles']['instanced']:,}",
+        "M seen/km2": f"{report['triangles']['instanced'] / report['area_km2'] / 1e6:.1f}",
     }
 
 
@@ -125,7 +127,7 @@ def main() -> None:
     args = parser.parse_args()
     maps = args.maps or default_maps()
     rows = []
-    for lod in args.lod or [0, 2]:
+    for lod in args.lod or [0, 2, 3]:
         for path in maps:
             reports = [build_once(path, lod, args.workers) for _ in range(args.repeat)]
             rows.append(row_of(path, lod, reports))

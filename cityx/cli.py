@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from cityx import __version__
+from cityx.assets.library.commands import assets
 from cityx.errors import CityxError, UsageError
 
 # Two threaded libraries on few cores spin against each other unless they sleep while they wait.
@@ -32,6 +33,7 @@ app = typer.Typer(
 )
 plugins = typer.Typer(help="List, show, check and make plugins.", no_args_is_help=True)
 app.add_typer(plugins, name="plugins")
+app.add_typer(assets, name="assets")
 
 
 def _version(value: bool) -> None:

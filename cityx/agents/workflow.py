@@ -34,6 +34,7 @@ MAP_TO_CITY: tuple[WorkflowStep, ...] = (
     WorkflowStep("road/network-v1"),
     WorkflowStep("road/ground-v1"),
     WorkflowStep("building/prism-v1", lods=(0,)),
+    WorkflowStep("building/design-v1", lods=(1, 2, 3)),
     WorkflowStep("building/shell-v1", lods=(1, 2, 3), options={"workers": "workers"}),
     WorkflowStep("building/facade-v1", lods=(2, 3)),
     WorkflowStep("nature/trees-v1", lods=(1, 2, 3)),

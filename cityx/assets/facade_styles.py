@@ -1,12 +1,109 @@
-"""Facade styles: the sizes and prototypes the facade grammar works with."""
+"""Facade styles: the measures and prototypes the facade grammar works with."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 Weighted = tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True)
+class Strip:
+    """A straight member that repeats over a front: a fin, a mullion, a spandrel, a joint.
+
+    Attributes
+    ----------
+    name
+        Prototype of unit size: "band_box", "band_paint" or "band_frame" (`cityx.assets.trims`).
+    breadth, depth
+        Metres along the wall (fins) or up it (slabs), and metres it stands out.
+    tint
+        Whose colour it has: "wall", "trim", "frame" or "accent".
+    shade
+        Multiplies that colour.
+    spacing
+        Metres between fins where they do not follow the bays; 0 follows them.
+    every
+        Of bays or storeys, each so-manyth has one.
+    lobby
+        Whether fins and slabs leave out the ground floor.
+    share
+        Share of buildings that have it.
+    """
+
+    name: str
+    breadth: float
+    depth: float
+    tint: str = "trim"
+    shade: float = 1.0
+    spacing: float = 0.0
+    every: int = 1
+    lobby: bool = True
+    share: float = 1.0
+
+
+@dataclass(frozen=True)
+class Fixture:
+    """A thing of real size that a style puts on its walls, roofs or plot.
+
+    Attributes
+    ----------
+    name
+        Prototype (`cityx.assets.fixtures`); it stands at its origin, -y outward, z up.
+    at
+        "door": at the main door. "front": once, in the middle of the wall of the main door.
+        "bay": in every bay of the storeys `first` to `last`. "pier": between the bays. "corner":
+        at free outer corners. "top": on the middle of the roof of each part. "edge": along the
+        walls' upper ends. "foot": along their feet, clear of doors. "gable": at the eaves in the
+        middle of the walls under the ends of a ridge along the longer side. "ground": in a row over
+        the middle of the plan, on the ground. "window": at the foot of the windows of the storeys
+        `first` to `last`. "head": over the bays, at the upper end of the wall. "side": along the
+        upper ends of the walls beside the front, whether or not a neighbour covers them.
+    tint
+        Whose colour it has: "wall", "trim", "frame", "accent", "sign" (a colour of its own per
+        building) or "" for its own.
+    first, last
+        Storeys, counted from the ground floor 0; negative counts from the top one, -1.
+    every
+        Each so-manyth bay, pier, or storey has one.
+    floors
+        Of the storeys from `first` on, each so-manyth has one.
+    spacing
+        Metres between things along an edge or a plan; 0 for one alone.
+    lift, out
+        Metres above and before where it would stand.
+    stretch
+        "" for real size; "wall" as wide as the wall, "bay" as wide as a bay (drawn 1 m wide),
+        "height" from the foot to the top of the wall (drawn 1 m high), "gable" as wide as the wall
+        and as high as the roof above it, "plan" as large as the plan (drawn 1 m by 1 m), "along"
+        and "across" only as long or as wide as it; "storey" as high as a storey (drawn 1 m high),
+        "cell" that and as wide as a bay, "opening" as wide and high as a window (drawn 1 m by 1 m),
+        "round" as wide as the wall and on round its outer corners, as far as it stands out.
+    street
+        True: only walls at a street. False: only others. None: all.
+    share
+        Share of buildings, or with `scattered` of places, that have it.
+    scattered
+        Whether the share is drawn for each place.
+    before
+        Whether it may stand before doors and shopfronts, as an arcade does.
+    """
+
+    name: str
+    at: str
+    tint: str = ""
+    first: int = 0
+    last: int = 0
+    every: int = 1
+    floors: int = 1
+    spacing: float = 0.0
+    lift: float = 0.0
+    out: float = 0.0
+    stretch: str = ""
+    street: bool | None = None
+    share: float = 1.0
+    scattered: bool = False
+    before: bool = False
 
 
 @dataclass(frozen=True)
@@ -35,6 +132,14 @@ class FacadeStyle:
         Share of windows with an outdoor unit beneath.
     pipe
         Whether rain pipes run down between houses.
+    quoins
+        Share of buildings with dressed stones, long and short in turn, up their free corners.
+    fins, slabs
+        Upright members between the bays, and level ones at the floors.
+    fixtures
+        Things of real size on walls, roofs and plots.
+    entrance
+        Whether the main door belongs here rather than in other zones.
     """
 
     mode: str
@@ -54,110 +159,9 @@ class FacadeStyle:
     base: Weighted = (("", 1.0),)
     cooling: float = 0.0
     pipe: bool = False
+    quoins: float = 0.0
+    fins: tuple[Strip, ...] = ()
+    slabs: tuple[Strip, ...] = ()
+    fixtures: tuple[Fixture, ...] = ()
+    entrance: bool = False
 
-
-_S = FacadeStyle
-FACADE_STYLES: Mapping[str, FacadeStyle] = MappingProxyType(
-    {
-        "classic": _S(
-            "punched", 2.35, (("window_casement", 7), ("window_sash", 2)),
-            (("door_double", 5), ("door_panel", 1)), sill=0.75, ground_storey=3.9, corner=0.45,
-            surrounds=(("surround_flat", 4), ("surround_cap", 4), ("surround_pediment", 2),
-                       ("surround_block", 1)),
-            heads=(("cornice", 6), ("coping", 1)), balcony=0.4,
-            balconies=(("balcony_iron", 3), ("balcony_rail", 1)), string=0.85,
-            base=(("stone", 3), ("paint", 4), ("", 3)), pipe=True,
-        ),
-        "georgian": _S(
-            "punched", 2.3, (("window_sash", 9), ("window_casement", 1)),
-            (("door_panel", 6), ("door_glass", 1)), sill=0.8, ground_storey=3.7, corner=0.45,
-            surrounds=(("surround_lintel", 5), ("surround_block", 3), ("surround_flat", 2),
-                       ("surround_cap", 1)),
-            heads=(("coping", 5), ("cornice", 4)), balcony=0.12, balconies=(("balcony_rail", 1),),
-            string=0.6, base=(("paint", 4), ("stone", 2), ("", 4)), pipe=True,
-        ),
-        "plain": _S(
-            "punched", 2.6, (("window_single", 3), ("window_casement", 4)),
-            (("door_glass", 3), ("door_double", 2)), sill=0.85, ground_storey=3.2,
-            surrounds=(("sill", 5), ("sill_metal", 3), ("surround_flat", 2)),
-            heads=(("eaves_board", 3), ("coping", 2)), balcony=0.4,
-            balconies=(("balcony_iron", 1), ("balcony_solid", 1), ("balcony_bars", 2)), string=0.3,
-            base=(("paint", 3), ("", 5)), pipe=True,
-        ),
-        "modern": _S(
-            "punched", 3.0, (("window_single", 4), ("window_office", 2)), (("door_glass", 1),),
-            sill=0.55, ground_storey=3.6, corner=0.6, scale=(1.1, 1.2),
-            surrounds=(("", 3), ("sill_metal", 3)), heads=(("coping", 1),), back="sill_metal",
-            balcony=0.45, balconies=(("balcony_glass", 3), ("balcony_bars", 3),
-                                     ("balcony_solid", 1)),
-        ),
-        "office": _S(
-            "strip", 3.1, (("window_strip", 2), ("window_office", 3)), (("door_glass", 1),),
-            sill=0.85, ground_storey=4.2, corner=0.4, scale=(1.0, 1.15),
-            surrounds=(("", 1),), heads=(("coping", 1),), back="",
-        ),
-        "curtain": _S(
-            "curtain", 1.5, (("window_office", 1),), (("door_glass", 1),), ground_storey=4.5,
-            surrounds=(("", 1),), heads=(("coping", 1),), back="",
-        ),
-        "slab": _S(
-            "punched", 3.1, (("window_single", 4), ("window_slider", 2)), (("door_glass", 1),),
-            sill=0.9, ground_storey=3.0, surrounds=(("sill_metal", 1),), heads=(("coping", 1),),
-            back="sill_metal", balcony=0.65, balconies=(("balcony_solid", 2), ("balcony_bars", 3),
-                                     ("balcony_glass", 1)),
-        ),
-        "asian": _S(
-            "punched", 2.5, (("window_slider", 5), ("window_single", 2)), (("door_glass", 1),),
-            sill=0.9, ground_storey=3.4, corner=0.35, scale=(0.95, 1.1),
-            surrounds=(("sill_metal", 3), ("", 2)), heads=(("coping", 1),), back="sill_metal",
-            balcony=0.45, balconies=(("balcony_solid", 2), ("balcony_glass", 1),
-                                     ("balcony_bars", 2),
-                                     ("balcony_rail", 1)),
-            cooling=0.3, pipe=True,
-        ),
-        "mediterranean": _S(
-            "punched", 2.9, (("window_shuttered", 6), ("window_casement", 1)),
-            (("door_double", 2), ("door_panel", 1)), sill=0.8, ground_storey=3.6,
-            surrounds=(("sill", 3), ("surround_flat", 2)),
-            heads=(("eaves_board", 3), ("cornice", 1), ("coping", 1)), balcony=0.6,
-            balconies=(("balcony_iron", 4), ("balcony_rail", 2)), string=0.3,
-            base=(("paint", 3), ("stone", 1), ("", 5)), cooling=0.06, pipe=True,
-        ),
-        "house": _S(
-            "punched", 3.3, (("window_single", 4), ("window_casement", 1), ("window_cottage", 1)),
-            (("door_house", 1),), ground_storey=2.7, corner=0.7, scale=(0.9, 0.9),
-            surrounds=(("sill", 2), ("sill_metal", 2)), heads=(("eaves_board", 1),), balcony=0.15,
-            balconies=(("balcony_solid", 1),), pipe=True,
-        ),
-        "cottage": _S(
-            "punched", 3.0, (("window_sash", 2), ("window_cottage", 3)), (("door_house", 1),),
-            ground_storey=2.7, corner=0.6, scale=(0.95, 0.85),
-            surrounds=(("surround_block", 2), ("sill", 2), ("surround_lintel", 1)),
-            heads=(("eaves_board", 1),), pipe=True,
-        ),
-        "warehouse": _S(
-            "hall", 5.5, (("window_factory", 2), ("window_strip", 1)), (("door_service", 1),),
-            ground_storey=4.0, corner=0.8, surrounds=(("", 1),), heads=(("coping", 1),), back="",
-            scale=(1.25, 0.8),
-        ),
-        "box": _S(
-            "punched", 4.0, (("window_office", 2), ("window_single", 1)), (("door_glass", 1),),
-            ground_storey=4.0, corner=0.7, surrounds=(("", 1),), heads=(("coping", 1),), back="",
-        ),
-        "worship": _S(
-            "nave", 4.5, (("window_arched", 1),), (("door_portal", 1),), corner=1.0,
-            surrounds=(("", 1),), heads=(("cornice", 2), ("", 1)), back="",
-        ),
-        "shed": _S(
-            "shed", 2.6, (("window_small", 1),), (("door_service", 1),), ground_storey=2.2,
-            corner=0.3, surrounds=(("", 1),), back="",
-        ),
-        "walkup": _S(
-            "punched", 2.5, (("window_sash", 6), ("window_single", 2)),
-            (("door_panel", 3), ("door_glass", 2)), sill=0.8, ground_storey=3.7, corner=0.5,
-            surrounds=(("surround_block", 6), ("surround_lintel", 2), ("surround_cap", 1)),
-            heads=(("cornice", 5), ("coping", 3)), string=0.6,
-            base=(("stone", 2), ("paint", 2), ("", 4)), cooling=0.08,
-        ),
-    }
-)  # fmt: skip

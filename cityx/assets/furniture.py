@@ -18,6 +18,7 @@ from cityx.assets.shapes import (
     cards,
     cylinder,
     disc,
+    fine_shapes,
     lathe,
     loft,
     moved,
@@ -30,6 +31,7 @@ from cityx.city.scene import Prototype
 from cityx.geometry.identity import rng_for
 
 Shapes = list[MeshBatch]
+FINE = 3  # level of detail from which edges are chamfered and round things round
 BURIED = -0.15  # metres below ground to which posts reach, against gaps on slopes
 
 RED: Color = (0.80, 0.05, 0.04)
@@ -462,8 +464,8 @@ MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
 )  # fmt: skip
 
 
-@lru_cache(maxsize=64)
-def furniture(name: str) -> Prototype:
+@lru_cache(maxsize=128)
+def furniture(name: str, *, detail: int = 2) -> Prototype:
     """Make one piece of street furniture; `name` is a key of `MAKERS`.
 
     Raises
@@ -471,4 +473,8 @@ def furniture(name: str) -> Prototype:
     KeyError
         If there is no such piece.
     """
-    return prototype(name, "vehicle" if name == "bus" else "furniture", MAKERS[name]())
+    kind = "vehicle" if name == "bus" else "furniture"
+    if detail >= FINE:
+        with fine_shapes():
+            return prototype(f"{name}_fine", kind, MAKERS[name]())
+    return prototype(name, kind, MAKERS[name]())

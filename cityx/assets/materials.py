@@ -94,6 +94,16 @@ MATERIALS: Mapping[str, Material] = _table(
        porosity=0.0),
     # things
     _M("glass", (0.030, 0.040, 0.045), 0.04, 0.1, takes_tint=False, porosity=0.0),
+    _M("pane", (0.030, 0.040, 0.045), 0.03, takes_tint=False, alpha=0.30, porosity=0.0),
+    # Steps and jambs of doors, which the colour of the door must not tint.
+    _M("step_stone", (0.42, 0.41, 0.38), 0.85, texture="concrete", tile=2.0, takes_tint=False),
+    _M("curtain", (0.70, 0.68, 0.62), 0.9, takes_tint=False, porosity=0.0),
+    # Goods in shop windows, which the colour of the shop must not tint.
+    _M("ware_cream", (0.72, 0.69, 0.60), 0.5, takes_tint=False, porosity=0.0),
+    _M("ware_red", (0.55, 0.14, 0.09), 0.4, takes_tint=False, porosity=0.0),
+    _M("ware_ochre", (0.66, 0.46, 0.14), 0.5, takes_tint=False, porosity=0.0),
+    _M("ware_blue", (0.16, 0.28, 0.42), 0.4, takes_tint=False, porosity=0.0),
+    _M("ware_green", (0.20, 0.34, 0.20), 0.4, takes_tint=False, porosity=0.0),
     _M("window_lit", (0.60, 0.45, 0.25), 0.5, emission=6.0, porosity=0.0),
     _M("frame_paint", (0.80, 0.80, 0.80), 0.5, porosity=0.0),
     _M("door_paint", (0.80, 0.80, 0.80), 0.45, porosity=0.0),

@@ -2,19 +2,34 @@
 
 Every prototype stands with its bottom centre at the origin on the wall plane: x along the wall (to
 the right seen from outside), -y outward, z up. Walls have no holes, so frames stand out from the
-wall and panes lie a finger's breadth before it. `SIZES` gives the opening each was drawn for.
+wall and panes lie a finger's breadth before it. `WINDOWS` and `DOORS` give the opening each was
+drawn for. At the finest level of detail they fill niches: y runs from the wall plane, 0, to the
+back of the niche, `NICHE_DEPTH`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
+from importlib import import_module
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.shapes import WHITE, Color, box, disc, moved, prism, prototype
+from cityx.assets.shapes import (
+    WHITE,
+    Color,
+    bevelled,
+    box,
+    disc,
+    fine_shapes,
+    is_fine,
+    moved,
+    prism,
+    prototype,
+)
+from cityx.assets.windows_halls import HALL_DOORS, HALL_WINDOWS, OUTLINES
 from cityx.city.mesh import MeshBatch, one_mesh
 from cityx.city.scene import Prototype
 
@@ -22,6 +37,8 @@ Shapes = list[MeshBatch]
 PANE = -0.022  # metres before the wall; enough for the depth buffers of viewers 500 m away
 FRAME = -0.075  # how far the fixed frame stands out
 SASH = -0.050  # how far sashes and bars stand out
+NICHE_DEPTH = 0.15  # metres, of the niche that fine windows, doors and shopfronts are drawn for
+FINE = 3  # level of detail from which fine forms are made
 GLASS, LIT = "glass", "window_lit"
 DARK: Color = (0.30, 0.30, 0.30)
 PALE: Color = (0.92, 0.91, 0.88)
@@ -33,6 +50,8 @@ def slab(
 ) -> MeshBatch:  # fmt: skip
     """Make a box against the wall without its back: five faces between `back` and `front` in y."""
     low, high = (x0, front, z0), (x1, back, z1)
+    if is_fine():
+        return bevelled(low, high, material, tint, hidden=("+y",))
     whole = box(low, high, material, tint)
     keep = np.array([0, 1, 2, 4, 5])  # all but the face towards the wall
     return one_mesh(0, whole.vertices, whole.faces[keep], materials=(material,),
@@ -92,6 +111,11 @@ def glazing(
     blind, curtain
         Share of the height covered by a roller blind, of the width by each of two curtains.
     """
+    if is_fine():
+        from cityx.assets.fine_windows import fine_glazing
+
+        return fine_glazing(width, height, glass, columns=columns, rows=rows, frame_width=frame,
+                            bar_width=bar, bottom=bottom, blind=blind, drawn=curtain)  # fmt: skip
     w = width / 2
     shapes = surround(width, height, frame, FRAME, "frame_paint", bottom=bottom)
     shapes.append(pane(-w + frame / 2, w - frame / 2, 0.0, height - frame / 2, glass))
@@ -238,6 +262,21 @@ def window_arched(glass: str, blind: float, curtain: float) -> Shapes:
     return shapes
 
 
+def _made_in(module: str, name: str) -> Callable[..., Shapes]:
+    """Return a maker of a module that builds on this one, imported when it is first used."""
+
+    def make(*options: object) -> Shapes:
+        shapes: Shapes = getattr(import_module(f"cityx.assets.{module}"), name)(*options)
+        return shapes
+
+    return make
+
+
+_towers = partial(_made_in, "windows_towers")
+_houses = partial(_made_in, "windows_houses")
+_old_town = partial(_made_in, "windows_old_town")
+
+
 # Name -> maker and the width and height it was drawn for.
 WINDOWS: Mapping[str, tuple[Maker, float, float]] = MappingProxyType(
     {
@@ -253,6 +292,28 @@ WINDOWS: Mapping[str, tuple[Maker, float, float]] = MappingProxyType(
         "window_slider": (window_slider, 1.7, 1.2),
         "window_factory": (window_factory, 2.4, 1.8),
         "window_arched": (window_arched, 1.5, 4.0),
+        "window_pair": (_towers("window_pair"), 2.0, 1.8),
+        "window_deep": (_towers("window_deep"), 2.4, 2.0),
+        "window_slit": (_towers("window_slit"), 0.5, 2.3),
+        "window_wide": (_towers("window_wide"), 2.6, 2.4),
+        "window_lattice": (_towers("window_lattice"), 1.9, 1.9),
+        "window_grille": (_towers("window_grille"), 3.0, 1.3),
+        "window_picture": (_houses("window_picture"), 2.7, 1.55),
+        "window_grid": (_houses("window_grid"), 0.95, 1.5),
+        "window_leaded": (_houses("window_leaded"), 1.3, 1.0),
+        "window_terrace": (_houses("window_terrace"), 1.75, 1.95),
+        "window_prow": (_houses("window_prow"), 1.8, 1.6),
+        "window_temple": (_houses("window_temple"), 2.3, 2.5),
+        "window_barn": (_houses("window_barn"), 0.8, 0.8),
+        "window_parisian": (_old_town("window_parisian"), 1.15, 2.3),
+        "window_persiana": (_old_town("window_persiana"), 1.0, 1.7),
+        "window_georgian": (_old_town("window_georgian"), 1.05, 1.95),
+        "window_tenement": (_old_town("window_tenement"), 1.0, 1.75),
+        "window_block": (_old_town("window_block"), 1.7, 1.75),
+        "window_cross": (_old_town("window_cross"), 1.1, 1.9),
+        "window_mullioned": (_old_town("window_mullioned"), 1.5, 2.6),
+        "window_panel": (_old_town("window_panel"), 1.8, 1.4),
+        **HALL_WINDOWS,
     }
 )
 # What is drawn behind the pane: nothing, a blind half down, curtains, a blind nearly closed.
@@ -377,12 +438,54 @@ DOORS: Mapping[str, tuple[Callable[[], Shapes], float, float]] = MappingProxyTyp
         "door_garage": (door_garage, 2.6, 2.25),
         "door_roller": (door_roller, 4.0, 4.2),
         "door_portal": (door_portal, 2.7, 4.0),
+        "door_lobby": (_towers("door_lobby"), 5.2, 3.5),
+        "door_parking": (_towers("door_parking"), 7.8, 3.05),
+        "door_bronze": (_towers("door_bronze"), 8.3, 8.3),
+        "door_sidelight": (_houses("door_sidelight"), 1.66, 2.25),
+        "door_boards": (_houses("door_boards"), 1.1, 2.1),
+        "door_carriage": (_houses("door_carriage"), 2.55, 2.3),
+        "door_barn": (_houses("door_barn"), 3.7, 3.3),
+        "door_flat": (_houses("door_flat"), 1.9, 2.3),
+        "door_greenhouse": (_houses("door_greenhouse"), 2.2, 2.3),
+        "door_fanlight": (_old_town("door_fanlight"), 2.2, 2.95),
+        "door_gateway": (_old_town("door_gateway"), 2.9, 3.7),
+        "door_stoop": (_old_town("door_stoop"), 2.2, 4.1),
+        "door_planks": (_old_town("door_planks"), 2.0, 2.9),
+        "door_council": (_old_town("door_council"), 3.4, 4.4),
+        "door_stairwell": (_old_town("door_stairwell"), 2.4, 2.6),
+        **HALL_DOORS,
     }
 )
 
 
-@lru_cache(maxsize=256)
-def window(name: str, dressing: int = 0, *, lit: bool = False) -> Prototype:
+# Outlines of niches as shares of the opening's width and height, where they are not all of it:
+# portals and pilasters stand on the wall beside the door.
+_FULL = ((-0.5, 0.0), (0.5, 0.0), (0.5, 1.0), (-0.5, 1.0))
+_LEAVES = {"door_panel": (1.2 / 1.7, 2.75 / 3.0), "door_double": (1.68 / 2.0, 2.94 / 3.1)}
+
+
+def rim_of(name: str) -> NDArray[np.float64]:
+    """Outline (p, 2) of the niche for a window, door or shopfront, in shares of the opening.
+
+    Metres from the middle over the width, metres above the foot over the height; convex and
+    counter-clockwise seen from outside.
+    """
+    if name == "window_arched":
+        return arch(1.5, 4.0, 16) / [1.5, 4.0]
+    if name == "door_portal":
+        return arch(1.8, 3.45, 20) / [2.7, 4.0]
+    if name in OUTLINES:
+        return OUTLINES[name]
+    return np.array(_FULL) * _LEAVES.get(name, (1.0, 1.0))
+
+
+def set_back(shapes: Shapes) -> Shapes:
+    """Move what was drawn for the wall plane to the back of a niche, where it has no fine form."""
+    return [moved(shape, (0.0, NICHE_DEPTH, 0.0)) for shape in shapes]
+
+
+@lru_cache(maxsize=512)
+def window(name: str, dressing: int = 0, *, lit: bool = False, detail: int = 2) -> Prototype:
     """Make a window prototype.
 
     Parameters
@@ -393,6 +496,8 @@ def window(name: str, dressing: int = 0, *, lit: bool = False) -> Prototype:
         Index into `DRESSINGS`.
     lit
         Whether the room behind is lit.
+    detail
+        Level of detail; from `FINE` on it fills a niche.
 
     Raises
     ------
@@ -401,10 +506,29 @@ def window(name: str, dressing: int = 0, *, lit: bool = False) -> Prototype:
     """
     maker = WINDOWS[name][0]
     suffix = f"_{dressing}" + ("_lit" if lit else "")
-    return prototype(name + suffix, "window", maker(LIT if lit else GLASS, *DRESSINGS[dressing]))
+    glass = LIT if lit else GLASS
+    if detail >= FINE:
+        from cityx.assets.fine_windows import PATTERNS, fine_window
+
+        if name == "window_arched" or name in PATTERNS:
+            shapes = fine_window(name, glass, dressing)
+        else:
+            with fine_shapes():
+                shapes = set_back(maker(glass, *DRESSINGS[dressing]))
+        return prototype(f"{name}{suffix}_fine", "window", shapes)
+    return prototype(name + suffix, "window", maker(glass, *DRESSINGS[dressing]))
 
 
 @lru_cache(maxsize=32)
-def door(name: str) -> Prototype:
-    """Make a door prototype; `name` is a key of `DOORS`."""
+def door(name: str, *, detail: int = 2) -> Prototype:
+    """Make a door prototype; `name` is a key of `DOORS`, `detail` as of `window`."""
+    if detail >= FINE:
+        from cityx.assets.fine_doors import FINE_DOORS
+
+        if name in FINE_DOORS:
+            shapes = FINE_DOORS[name]()
+        else:
+            with fine_shapes():
+                shapes = set_back(DOORS[name][0]())
+        return prototype(f"{name}_fine", "door", shapes)
     return prototype(name, "door", DOORS[name][0]())

@@ -23,7 +23,7 @@ GROUP_WORDS: Mapping[str, str] = MappingProxyType(
         "civic": "school university college hospital public civic townhall museum kindergarten "
         "train_station library theatre clinic fire_station castle palace courthouse",
         "shed": "garage garages shed carport roof hut greenhouse outbuilding service stable barn "
-        "farm_auxiliary sty cowshed container toilets bunker boathouse ruins storage tent",
+        "parking farm_auxiliary sty cowshed container toilets bunker boathouse ruins storage tent",
     }
 )
 GROUP_OF = {word: GROUPS.index(name) for name, text in GROUP_WORDS.items() for word in text.split()}
@@ -31,88 +31,19 @@ SHED_AREA = 32.0  # square metres; a smaller untyped building of one storey is n
 HOUSE_AREA = 420.0  # square metres; a larger untyped building is no single house
 HALL_AREA = 1800.0  # square metres; a larger untyped low building is a hall
 
-# Facade styles of the grammar, one word per style.
-FACADES = (
-    "classic", "georgian", "plain", "modern", "office", "curtain", "slab", "asian",
-    "mediterranean", "house", "cottage", "warehouse", "box", "worship", "shed", "walkup",
+# Style families: what a brief or a region can ask of a whole town.
+STYLES = (
+    "european", "brick", "mediterranean", "american", "asian", "modern", "industrial", "house",
 )  # fmt: skip
-
-# Style family -> group -> facade styles and weights.
-Choice = Mapping[str, float]
-FAMILIES: Mapping[str, Mapping[str, Choice]] = MappingProxyType(
-    {
-        "european": {
-            "house": {"house": 6, "cottage": 1},
-            "flats": {"classic": 11, "plain": 7, "modern": 2, "slab": 1},
-            "office": {"office": 5, "modern": 3, "classic": 3, "curtain": 2},
-            "retail": {"box": 3, "modern": 2, "classic": 2},
-            "civic": {"classic": 5, "plain": 3, "modern": 2},
-        },
-        "brick": {
-            "house": {"cottage": 5, "house": 3},
-            "flats": {"georgian": 13, "classic": 3, "modern": 2, "slab": 1, "walkup": 1},
-            "office": {"georgian": 3, "office": 4, "modern": 2, "curtain": 3, "classic": 2},
-            "retail": {"georgian": 4, "box": 2, "modern": 2, "classic": 2},
-            "civic": {"georgian": 4, "classic": 3, "modern": 1},
-        },
-        "mediterranean": {
-            "house": {"mediterranean": 3, "house": 2},
-            "flats": {"mediterranean": 10, "slab": 3, "modern": 2, "classic": 2},
-            "office": {"office": 4, "curtain": 2, "mediterranean": 2},
-            "retail": {"mediterranean": 3, "box": 3, "modern": 1},
-            "civic": {"mediterranean": 4, "classic": 3, "slab": 1},
-        },
-        "american": {
-            "house": {"cottage": 2, "house": 5},
-            "flats": {"walkup": 9, "modern": 4, "slab": 2},
-            "office": {"office": 4, "curtain": 4, "walkup": 2, "modern": 2},
-            "retail": {"box": 5, "walkup": 3, "modern": 2},
-            "civic": {"walkup": 4, "classic": 2, "office": 2},
-        },
-        "asian": {
-            "house": {"house": 3, "asian": 3},
-            "flats": {"asian": 11, "modern": 3, "slab": 2, "office": 1},
-            "office": {"office": 5, "asian": 4, "curtain": 3, "modern": 2},
-            "retail": {"asian": 5, "office": 2, "box": 2, "modern": 1},
-            "civic": {"asian": 4, "slab": 2, "office": 2},
-        },
-        "modern": {
-            "house": {"modern": 1},
-            "flats": {"modern": 6, "slab": 2, "office": 1},
-            "office": {"curtain": 4, "office": 3, "modern": 2},
-            "retail": {"modern": 3, "curtain": 1, "box": 1},
-            "civic": {"modern": 3, "office": 2},
-        },
-        "industrial": {
-            "house": {"cottage": 1},
-            "flats": {"walkup": 4, "warehouse": 2},
-            "office": {"walkup": 2, "office": 2},
-            "retail": {"walkup": 2, "box": 2},
-            "civic": {"walkup": 3, "slab": 1},
-        },
-        "house": {
-            "house": {"house": 2, "cottage": 1},
-            "flats": {"house": 1, "plain": 1},
-            "office": {"plain": 1},
-            "retail": {"box": 1},
-            "civic": {"plain": 1},
-        },
-    }
-)
-ALWAYS: Mapping[str, Choice] = MappingProxyType(
-    {
-        "industry": {"warehouse": 1},
-        "worship": {"worship": 1},
-        "shed": {"shed": 1},
-    }
-)
-STYLES = tuple(FAMILIES)
 SYNONYMS = {
     "classical": "european", "classic": "european", "georgian": "brick", "british": "brick",
     "london": "brick", "contemporary": "modern", "glass": "modern", "futuristic": "modern",
     "american": "american", "suburban": "house", "rural": "house", "japanese": "asian",
     "chinese": "asian", "southern": "mediterranean", "italian": "mediterranean",
+    "haussmann": "european", "victorian": "brick",
 }  # fmt: skip
+# Styles that shift the choice of buildings within the family of the region.
+REGIONAL = ("brutalist", "soviet", "art_deco", "postmodern")
 
 REGIONS: Mapping[str, str] = MappingProxyType(
     {
@@ -127,7 +58,7 @@ REGIONS: Mapping[str, str] = MappingProxyType(
     }
 )
 
-# Facade style -> wall materials with their colours (sRGB, as seen) and weights.
+# Weight, material, and colours (sRGB, as seen).
 Surfaces = Sequence[tuple[float, str, tuple[int, ...]]]
 PLASTERS = (
     0xE0D3B4, 0xD6B878, 0xC7B69A, 0xD0A56E, 0xC4977A, 0xDDD3C4, 0xADA79B, 0xC98D74, 0xB3BCA4,
@@ -148,57 +79,6 @@ TILES = (
 GREYS = (0xB4B3AF, 0xA3A29E, 0xC2C0BA, 0x93928F, 0xCBC8C0)
 LIGHTS = (0xE2E0DB, 0xD3CFC7, 0xC4C1BB, 0xB4AFA6, 0xDAD2C4, 0x9C9A97, 0x85827E)
 BOARDS = (0xD9D5CA, 0xB8BDB8, 0xC9BFA5, 0x9FAAB0, 0xA6A58F, 0xDCD8D2, 0x8E9A92, 0xB59A7C, 0xCDC8B4)
-WALLS: Mapping[str, Surfaces] = MappingProxyType(
-    {
-        "classic": ((7, "plaster", PLASTERS), (2, "stone", STONES), (1.2, "brick", REDS)),
-        "georgian": (
-            (8, "brick", STOCK),
-            (2, "plaster", (0xE6E1D5, 0xDAD3C2, 0xE9E6DF, 0xCFC8B8)),
-            (1.6, "stone", STONES),
-        ),
-        "plain": ((8, "plaster", PLASTERS), (1.5, "brick", REDS)),
-        "modern": (
-            (4, "plaster", LIGHTS),
-            (2, "concrete", GREYS),
-            (2, "brick", (0x5E5048, 0x8B7B6C, 0x6D5A50, 0xA8988A)),
-            (2, "metal_panel", (0x8D9194, 0x6B6E70, 0xA9A79F, 0x7A6A5A)),
-        ),
-        "office": (
-            (4, "concrete", GREYS),
-            (4, "stone", (0xBDB4A4, 0xA79E90, 0xC9C3B8, 0x8F8A82)),
-            (2, "metal_panel", (0x9DA1A3, 0x7C8083, 0xB5B3AC)),
-        ),
-        "curtain": ((1, "glass_wall", (0xFFFFFF, 0xE6F2FF, 0xE8FFF4, 0xFFF4E4)),),
-        "slab": ((5, "plaster", LIGHTS + PLASTERS[:6]), (4, "concrete", GREYS)),
-        "asian": (
-            (7, "plaster", TILES),
-            (3, "concrete", GREYS),
-            (2, "brick", (0x8B6650, 0xA58A74, 0x7B5646, 0xB09C86)),
-        ),
-        "mediterranean": ((9, "plaster", WARM), (1.5, "stone", STONES)),
-        "house": ((8, "plaster", (0xEAE6DC, *PLASTERS)), (2, "brick", REDS), (1, "wood", BOARDS)),
-        "cottage": ((6, "brick", REDS + STOCK), (2, "wood", BOARDS), (1, "stone", STONES)),
-        "warehouse": (
-            (5, "metal_panel", (0xA7AAAB, 0x8C9398, 0xB9B6AB, 0x6F7B82, 0x9B9484)),
-            (3, "brick", REDS),
-            (2, "concrete", GREYS),
-        ),
-        "box": (
-            (3, "metal_panel", (0xC2C2BE, 0xA2A5A6, 0x868A8C)),
-            (4, "plaster", LIGHTS),
-            (2, "brick", REDS),
-        ),
-        "worship": ((6, "stone", STONES), (3, "plaster", (0xE5DFD0, 0xD9CFB6)), (2, "brick", REDS)),
-        "shed": (
-            (4, "wood", (0x8A7256, 0x6F5B46, 0x9A8B78, 0x7F7F78)),
-            (5, "plaster", LIGHTS),
-            (2, "concrete", GREYS),
-            (2, "metal_panel", GREYS),
-        ),
-        "walkup": ((9, "brick", REDS + STOCK[:3]), (2, "stone", STONES), (1, "plaster", LIGHTS)),
-    }
-)  # fmt: skip
-
 RED_TILES = (0x8E4B36, 0x9A5740, 0x7B4434, 0x86523F, 0xA26248, 0x6C4236, 0x74503F, 0x5E4038)
 SLATES = (0x50545A, 0x5C6064, 0x474A50, 0x66676A, 0x55504F)
 CLAY = (0xB47A55, 0xA96C4B, 0xC08B66, 0x9C6346, 0xB5835F)
@@ -230,20 +110,6 @@ FLAT: Surfaces = (
 HALL_ROOF: Surfaces = ((5, "roof_metal", (0x9A9D9E, 0x85898B, 0xAEB0AF)), (3, "bitumen", MEMBRANE))
 
 TRIMS = (0xE4DFD3, 0xD6CFC0, 0xC9BFAC, 0xEAE8E2, 0xBDB3A2)
-FRAMES: Mapping[str, tuple[int, ...]] = MappingProxyType(
-    {
-        "classic": (0xEDEBE6, 0xE8E4DA, 0xF0EFEC, 0x7A5B43, 0xD9D2C2),
-        "georgian": (0xF0EFEC, 0xEDEBE6, 0xF2F1EE, 0x33363A, 0xE4E1D8),
-        "mediterranean": (0x5C6E5A, 0x6B4A33, 0x7B8C93, 0xE8E4DA, 0x4F6470, 0x8A6A4A, 0x3F5548),
-        "modern": (0x3A3D40, 0x55585A, 0x2E3032, 0xD8D8D5, 0x6A5D50),
-        "office": (0x4A4D50, 0x6E7173, 0x383A3D, 0xB4B5B4),
-        "curtain": (0x8E9294, 0x55585B, 0xB4B6B7, 0x3E4144),
-        "asian": (0x9A9C9C, 0x6E6F70, 0xB8B8B5, 0x4A4440, 0xD3D3D0),
-        "warehouse": (0x3F4447, 0x5A5D5F, 0x6B3A30, 0x2F4A44),
-        "box": (0x3A3D40, 0x8E9294),
-        "walkup": (0x2F3234, 0xE8E6E1, 0x4A3A30, 0x38463F, 0xD6D2C8),
-    }
-)
 PLAIN_FRAMES = (0xEFEDE8, 0xF2F1EE, 0xE6E2D8, 0x6B4F3A, 0xD9D6CE)
 ACCENTS = (
     0x6B2A22, 0x22402F, 0x1F2E48, 0x2B2B2C, 0x5B4630, 0x7A6A3A, 0x8A2E2A, 0x2F5560, 0x44533A,

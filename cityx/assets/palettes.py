@@ -1,4 +1,4 @@
-"""Finishes of buildings: materials and colours by use, place and style family.
+"""Finishes of buildings: materials and colours by generator, place and style family.
 
 What the input says wins; the rest is drawn by the hash of the building's id, so that neighbours
 differ and nothing depends on order.
@@ -17,19 +17,13 @@ from numpy.typing import NDArray
 from cityx.assets.materials import MATERIALS, srgb_to_linear
 from cityx.assets.palette_tables import (
     ACCENTS,
-    ALWAYS,
-    FACADES,
-    FAMILIES,
-    FLAT,
-    FRAMES,
     GROUP_OF,
     GROUPS,
     HALL_AREA,
-    HALL_ROOF,
     HOUSE_AREA,
     OWN_COLORS,
     PITCHED,
-    PLAIN_FRAMES,
+    REGIONAL,
     REGIONS,
     ROOF_WORDS,
     SELF_COLORED,
@@ -38,17 +32,16 @@ from cityx.assets.palette_tables import (
     SYNONYMS,
     TRIMS,
     WALL_WORDS,
-    WALLS,
     Surfaces,
 )
 from cityx.errors import UsageError, nearest
 from cityx.geometry.identity import choose, hash_ids, uniform
 
 if TYPE_CHECKING:
+    from cityx.assets.generators import Generator, Look
     from cityx.city.layout import Layout
 
 __all__ = [
-    "FACADES",
     "GROUPS",
     "REGIONS",
     "STYLES",
@@ -89,8 +82,6 @@ class Finishes:
         (n, 3) float32, linear RGB, multiplies the material's base colour.
     trim_tint, frame_tint, accent_tint
         (n, 3) float32, of cornices and sills; of window frames; of doors and shopfronts.
-    facade
-        (n,) str, facade style, one of `FACADES`.
     """
 
     wall_material: Words
@@ -100,7 +91,6 @@ class Finishes:
     trim_tint: Colors
     frame_tint: Colors
     accent_tint: Colors
-    facade: Words
 
 
 def region_of(latitude: float, longitude: float) -> str:
@@ -130,11 +120,11 @@ def family_of(style: str, region: str = "") -> str:
         If there is no such style.
     """
     word = style.strip().lower().replace(" ", "_")
-    if not word:
+    if not word or word in REGIONAL:
         return REGIONS.get(region, "european")
     word = SYNONYMS.get(word, word)
     if word not in STYLES:
-        hint = nearest(word, [*STYLES, *SYNONYMS])
+        hint = nearest(word, [*STYLES, *SYNONYMS, *REGIONAL])
         raise UsageError(f'There is no style "{style}". Known: {", ".join(STYLES)}.{hint}')
     return word
 
@@ -216,8 +206,16 @@ def landuse_of(layout: Layout) -> Words:
     return found
 
 
-def finishes_for(layout: Layout, seed: int, style: str = "", *, region: str = "") -> Finishes:
-    """Choose facade style, materials and colours of every part.
+def finishes_for(
+    layout: Layout,
+    seed: int,
+    design: Words,
+    generators: Mapping[str, Generator],
+    *,
+    style: str = "",
+    region: str = "",
+) -> Finishes:
+    """Choose materials and colours of every part.
 
     Parameters
     ----------
@@ -225,8 +223,12 @@ def finishes_for(layout: Layout, seed: int, style: str = "", *, region: str = ""
         The layout; colours and materials of its parts win over any choice.
     seed
         Seed of the city.
+    design
+        (n,) generator of each part, with its zone where it has one: "church", "church/tower".
+    generators
+        Generators by name.
     style
-        One of `STYLES`, or "" for the region's own.
+        Style word asked for, or "" for the region's own.
     region
         One of `REGIONS` (see `region_of`), or "" when the place is unknown.
 
@@ -238,33 +240,36 @@ def finishes_for(layout: Layout, seed: int, style: str = "", *, region: str = ""
     family = family_of(style, region)
     parts = layout.parts
     ids = parts["building"].to_numpy(np.uint64)
-    group = groups_of(layout, seed)
-    facade = _facades(seed, ids, group, family, layout)
-    wall, wall_rgb = _draw_by(seed, "wall", ids, facade, WALLS)
+    looks = {key: look for each in generators.values() for key, look in each.looks().items()}
+    present, index = np.unique(design, return_inverse=True)
+
+    def flag(name: str) -> NDArray[np.bool_]:
+        values = [bool(getattr(looks[key], name)) for key in present.tolist()]
+        return np.array(values, bool)[index] if len(design) else np.zeros(0, bool)
+
+    wall, wall_rgb = _draw_by(seed, "wall", ids, *_walls_of(design, looks))
     given = _given(parts["wall_material"].to_numpy(str), _WALL_OF)
     wall, wall_rgb = _with_material(seed, "wall", ids, wall, wall_rgb, given)
     color = parts["wall_color"].to_numpy(np.int64)
     # A colour without a material is paint; reddish ones in brick country are brick.
     said = (color >= 0) & (given == "")
     reddish = ((color >> 16) & 255) > 1.25 * ((color & 255) + 8)
-    painted = np.where(reddish & np.isin(facade, ["georgian", "walkup", "cottage"]), "brick", wall)
+    painted = np.where(reddish & flag("bricks"), "brick", wall)
     wall = np.where(said, np.where(painted == "glass_wall", "plaster", painted), wall)
     wall_rgb = _with_color(wall_rgb, color, bricks=wall == "brick")
-    glazed = (wall == "glass_wall") & (given == "glass_wall") & (group != GROUPS.index("shed"))
-    facade = np.where(glazed, "curtain", facade)
-    facade = np.where((facade == "curtain") & (wall != "glass_wall"), "office", facade)
 
-    roof, roof_rgb = _roofs(seed, ids, layout, group, family)
+    roof, roof_rgb = _roofs(seed, ids, layout, design, generators, family)
     given = _given(parts["roof_material"].to_numpy(str), _ROOF_OF)
     roof, roof_rgb = _with_material(seed, "roof", ids, roof, roof_rgb, given)
     roof_rgb = _with_color(roof_rgb, parts["roof_color"].to_numpy(np.int64))
 
     trim = _linear(TRIMS)[_index(seed, "trim", ids, len(TRIMS))]
     # Stone dressings of a plastered front are the wall's own colour, a shade lighter or darker.
-    own = np.isin(facade, ["plain", "mediterranean", "slab", "modern", "asian", "house"])
+    own = flag("own_trim")
     near = uniform(seed, "palette/trim shade", ids)[:, None]
     trim = np.where(own[:, None], wall_rgb * np.where(near < 0.6, 1.18, 0.72), trim)
-    frame = _pick(seed, "frame", ids, facade, FRAMES, PLAIN_FRAMES)
+    frames = {key: looks[key].frames for key in present.tolist()}
+    frame = _pick(seed, "frame", ids, design, frames)
     accent = _linear(ACCENTS)[_index(seed, "accent", ids, len(ACCENTS))]
     return Finishes(
         wall,
@@ -274,32 +279,21 @@ def finishes_for(layout: Layout, seed: int, style: str = "", *, region: str = ""
         _over_base(trim, np.full(len(ids), "trim")),
         _over_base(frame, np.full(len(ids), "frame_paint")),
         _over_base(accent, np.full(len(ids), "door_paint")),
-        facade,
     )
 
 
-def _facades(
-    seed: int, ids: NDArray[np.uint64], group: NDArray[np.int64], family: str, layout: Layout
-) -> Words:
-    facade = np.full(len(ids), "plain", "U16")
-    table = {**FAMILIES[family], **ALWAYS}
-    for row, name in enumerate(GROUPS):
-        of = np.flatnonzero(group == row)
-        choice = table[name]
-        drawn = choose(seed, f"palette/facade/{name}", ids[of], list(choice.values()))
-        facade[of] = np.array(list(choice), "U16")[drawn]
-    # Towers of the core are glass and grid, not plaster with cornices.
-    owner, described = owner_rows(layout)
-    levels = layout.parts["levels"].to_numpy(np.int64)
-    if len(layout.buildings):
-        whole = layout.buildings["levels"].to_numpy(np.int64)[owner]
-        levels = np.where(described, whole, levels)
-    tall = (levels >= 10) & np.isin(facade, ["classic", "plain", "georgian", "mediterranean"])
-    towers = np.array(["slab", "office", "modern", "curtain"], "U16")
-    facade[tall] = towers[choose(seed, "palette/tower", ids[tall], [3, 3, 3, 2])]
-    low = (levels <= 2) & np.isin(facade, ["curtain", "office"])
-    facade[low] = "modern"
-    return facade
+def _walls_of(design: Words, looks: Mapping[str, Look]) -> tuple[Words, dict[str, Surfaces]]:
+    """Key of the draw of each part's walls, and the surfaces of each key.
+
+    Zones of the same surfaces as the main look share its draw: a tower is built of one stone.
+    """
+    known, index = np.unique(design, return_inverse=True)
+    keys = []
+    for key in known.tolist():
+        main = key.partition("/")[0]
+        keys.append(main if looks[key].walls == looks[main].walls else key)
+    words = np.array(keys, design.dtype)[index] if len(design) else design
+    return words, {key: looks[key].walls for key in keys}
 
 
 def _draw_by(
@@ -327,15 +321,26 @@ def _draw(
 
 
 def _roofs(
-    seed: int, ids: NDArray[np.uint64], layout: Layout, group: NDArray[np.int64], family: str
+    seed: int,
+    ids: NDArray[np.uint64],
+    layout: Layout,
+    design: Words,
+    generators: Mapping[str, Generator],
+    family: str,
 ) -> tuple[Words, NDArray[np.float64]]:
     flat = layout.parts["roof_shape"].to_numpy(str) == "flat"
-    material, rgb = _draw(seed, "roof", ids, PITCHED[family])
-    level = _draw(seed, "flat roof", ids, FLAT)
-    material, rgb = np.where(flat, level[0], material), np.where(flat[:, None], level[1], rgb)
-    hall = group == GROUPS.index("industry")
-    wide = _draw(seed, "hall roof", ids, HALL_ROOF)
-    return np.where(hall, wide[0], material), np.where(hall[:, None], wide[1], rgb)
+    material = np.full(len(ids), "bitumen", "U16")
+    rgb = np.ones((len(ids), 3))
+    for key in np.unique(design).tolist():
+        kind = generators[key.partition("/")[0]]
+        rows = design == key
+        for purpose, of, surfaces in (
+            ("roof", np.flatnonzero(rows & ~flat), kind.pitched or PITCHED[family]),
+            ("flat roof", np.flatnonzero(rows & flat), kind.flat),
+        ):
+            if len(of):
+                material[of], rgb[of] = _draw(seed, purpose, ids[of], surfaces)
+    return material, rgb
 
 
 def _given(words: Words, table: Mapping[str, str]) -> Words:
@@ -396,12 +401,11 @@ def _pick(
     ids: NDArray[np.uint64],
     keys: Words,
     table: Mapping[str, tuple[int, ...]],
-    default: tuple[int, ...],
 ) -> NDArray[np.float64]:
     rgb = np.ones((len(ids), 3))
     for key in np.unique(keys).tolist():
         of = np.flatnonzero(keys == key)
-        colors = _linear(table.get(key, default))
+        colors = _linear(table[key])
         rgb[of] = colors[_index(seed, f"{purpose}/{key}", ids[of], len(colors))]
     return rgb
 

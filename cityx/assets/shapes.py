@@ -5,8 +5,11 @@ Every builder returns a `MeshBatch` of one object with id 0; `fuse` joins severa
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +19,32 @@ from cityx.city.scene import Prototype
 
 Color = tuple[float, float, float]
 WHITE: Color = (1.0, 1.0, 1.0)
+BEVEL = 0.005  # metres, the chamfer that makes an edge catch the light
+ROUND = 12  # sides of the thinnest tube that is looked at from near
 GRID = 1e-5  # metres; rounding to it removes the last bits in which maths libraries differ
+
+
+_FINE: ContextVar[bool] = ContextVar("fine", default=False)
+
+
+@contextmanager
+def fine_shapes() -> Iterator[None]:
+    """Within the block boxes have chamfered edges and round things more sides, for near views."""
+    token = _FINE.set(True)
+    try:
+        yield
+    finally:
+        _FINE.reset(token)
+
+
+def is_fine() -> bool:
+    """Whether shapes are being made for near views."""
+    return _FINE.get()
+
+
+def _sides(asked: int) -> int:
+    """Sides of something round; what is meant to be square stays square."""
+    return max(ROUND, 2 * asked) if _FINE.get() and asked > 4 else asked
 
 
 def fuse(shapes: Iterable[MeshBatch]) -> MeshBatch:
@@ -54,6 +82,8 @@ def tinted(shape: MeshBatch, tint: ArrayLike) -> MeshBatch:
 def box(low: Sequence[float], high: Sequence[float], material: str, tint: Color = WHITE,
         *, bottom: bool = True) -> MeshBatch:  # fmt: skip
     """Make a box between two corners; texture coordinates are metres on each side."""
+    if _FINE.get():
+        return bevelled(low, high, material, tint, hidden=() if bottom else ("-z",))
     lo, hi = np.asarray(low, float), np.asarray(high, float)
     pick = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0],
                      [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], bool)  # fmt: skip
@@ -64,6 +94,88 @@ def box(low: Sequence[float], high: Sequence[float], material: str, tint: Color 
     uv = np.stack([vertices[face][:, axis] for face, axis in zip(faces, axes, strict=True)])
     keep = slice(None) if bottom else slice(0, 5)
     return one_mesh(0, vertices, faces[keep], materials=(material,), uv=uv[keep], tint=tint)
+
+
+_CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0],
+                  [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])  # fmt: skip
+# Sides of a box, counter-clockwise from outside, with the axis and direction each looks along.
+_BOX_SIDES = {"+z": (4, 5, 6, 7), "-y": (0, 1, 5, 4), "+x": (1, 2, 6, 5), "+y": (2, 3, 7, 6),
+              "-x": (3, 0, 4, 7), "-z": (3, 2, 1, 0)}  # fmt: skip
+
+
+def bevelled(low: Sequence[float], high: Sequence[float], material: str, tint: ArrayLike = WHITE,
+             *, bevel: float = BEVEL, hidden: Sequence[str] = ()) -> MeshBatch:  # fmt: skip
+    """Make a box with chamfered edges.
+
+    Parameters
+    ----------
+    low, high
+        Two corners.
+    material, tint
+        As of `box`.
+    bevel
+        Metres; at most a fifth of the shortest side.
+    hidden
+        Sides such as "+y" that lie against something: no face and no chamfer there.
+    """
+    lo, hi = np.asarray(low, float), np.asarray(high, float)
+    cut = min(bevel, 0.2 * float(np.abs(hi - lo).min()))
+    corner, inward, faces, plane = _bevel_pattern(tuple(hidden))
+    vertices = np.where(_CUBE[corner] == 1, hi, lo) + cut * inward
+    at = vertices[np.where(faces == NO_VERTEX, 0, faces)]  # (f, 4, 3)
+    uv = np.take_along_axis(at, plane[:, None, :].repeat(4, axis=1), axis=2)
+    return one_mesh(0, vertices, faces, materials=(material,), uv=uv, tint=tint)
+
+
+@lru_cache(maxsize=32)
+def _bevel_pattern(
+    hidden: tuple[str, ...],
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
+    """Corner and drawing in of every vertex of a bevelled box, its faces and their plane."""
+    axes = {"x": 0, "y": 1, "z": 2}
+    bare = np.zeros((3, 2), bool)
+    for word in hidden:
+        bare[axes[word[1]], int(word[0] == "+")] = True
+    corners: list[int] = []
+    inward: list[list[int]] = []
+    faces: list[list[int]] = []
+    plane: list[tuple[int, int]] = []
+    number: dict[tuple[int, int], int] = {}
+    for word, ring in _BOX_SIDES.items():
+        axis = axes[word[1]]
+        if bare[axis, int(word[0] == "+")]:
+            continue
+        first, second = (a for a in range(3) if a != axis)
+        for corner in ring:
+            # A corner of a side is drawn in along both axes, unless what lies there is hidden.
+            shift = [0, 0, 0]
+            for other in (first, second):
+                end = int(_CUBE[corner, other])
+                shift[other] = 0 if bare[other, end] else 1 - 2 * end
+            number[corner, axis] = len(corners)
+            corners.append(corner)
+            inward.append(shift)
+        faces.append([number[corner, axis] for corner in ring])
+        plane.append((first, second))
+    points = 10.0 * _CUBE[corners] + np.array(inward)
+
+    def facing_out(face: list[int]) -> list[int]:
+        a, b, c = points[face[:3]]
+        return face if np.dot(np.cross(b - a, c - a), a - 5.0) > 0 else face[::-1]
+
+    for first, second, third in ((0, 1, 2), (0, 2, 1), (1, 2, 0)):
+        for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):
+            if not (bare[first, i] or bare[second, j]):
+                edge = (_CUBE[:, first] == i) & (_CUBE[:, second] == j)
+                a, b = sorted(np.flatnonzero(edge).tolist(), key=lambda k: int(_CUBE[k, third]))
+                faces.append(facing_out([number[a, first], number[b, first],
+                                         number[b, second], number[a, second]]))  # fmt: skip
+                plane.append((third, second))
+    for corner in range(8):
+        if not any(bare[axis, _CUBE[corner, axis]] for axis in range(3)):
+            faces.append([*facing_out([number[corner, axis] for axis in range(3)]), NO_VERTEX])
+            plane.append((0, 1))
+    return np.array(corners), np.array(inward, float), np.array(faces), np.array(plane)
 
 
 def loft(rings: ArrayLike, material: str, tint: ArrayLike = WHITE,
@@ -111,7 +223,17 @@ def loft(rings: ArrayLike, material: str, tint: ArrayLike = WHITE,
         fan = np.column_stack([first, second, np.full(k, centre), np.full(k, NO_VERTEX)])
         flat = vertices[np.where(fan == NO_VERTEX, centre, fan)][:, :, :2]
         faces, uv = np.vstack([faces, fan]), np.concatenate([uv, flat])
-    return _without_slivers(one_mesh(0, vertices, faces, materials=(material,), uv=uv, tint=tint))
+    mesh = one_mesh(0, vertices, faces, materials=(material,), uv=uv, tint=tint)
+    still = np.abs(np.diff(ring, axis=0)).max(axis=2).min(initial=1.0) < GRID
+    thin = still or point.any() or edge.min() < 3 * GRID
+    return _without_slivers(mesh) if thin or _flat_fans(mesh) else mesh
+
+
+def _flat_fans(mesh: MeshBatch) -> bool:
+    """Whether some triangle has no area."""
+    a, b, c = (mesh.vertices[mesh.faces[mesh.faces[:, 3] == NO_VERTEX, k]] for k in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return bool((area <= 2 * GRID * GRID).any())
 
 
 def _without_slivers(mesh: MeshBatch) -> MeshBatch:
@@ -141,6 +263,7 @@ def _without_slivers(mesh: MeshBatch) -> MeshBatch:
 def tube(path: ArrayLike, radii: ArrayLike, material: str, tint: ArrayLike = WHITE,
          *, sides: int = 8, caps: tuple[bool, bool] = (True, True)) -> MeshBatch:  # fmt: skip
     """Sweep a circle of changing radius along a polyline, (m, 3) float and (m,) float."""
+    sides = _sides(sides)
     points = np.asarray(path, float)
     radius = np.broadcast_to(np.asarray(radii, float), (len(points),))
     ahead = np.gradient(points, axis=0)
@@ -167,6 +290,7 @@ def cylinder(low: Sequence[float], high: Sequence[float], radius: float, materia
 def lathe(profile: ArrayLike, material: str, tint: Color = WHITE, *, sides: int = 10,
           center: Sequence[float] = (0.0, 0.0)) -> MeshBatch:  # fmt: skip
     """Turn a profile, (m, 2) float of radius and z from below to above, about the z axis."""
+    sides = _sides(sides)
     line = np.asarray(profile, float)
     angle = np.arange(sides) * (2 * np.pi / sides)
     x = center[0] + line[:, :1] * np.cos(angle)
@@ -191,6 +315,7 @@ def prism(outline: ArrayLike, y_low: float, y_high: float, material: str,
 def disc(center: Sequence[float], radius: float, material: str, tint: Color = WHITE,
          *, sides: int = 12, thickness: float = 0.02) -> MeshBatch:  # fmt: skip
     """Make an upright round plate that faces -y; `thickness` reaches back from the centre."""
+    sides = sides if sides == 8 else _sides(sides)  # an octagon is a sign
     angle = np.arange(sides) * (2 * np.pi / sides) + np.pi / sides
     outline = np.column_stack([center[0] + radius * np.cos(angle),
                                center[2] + radius * np.sin(angle)])  # fmt: skip
@@ -227,4 +352,30 @@ def cards(centres: NDArray[np.float64], along: NDArray[np.float64], across: NDAr
     colors = np.broadcast_to(np.asarray(tint, float), (count, 3))
     return one_mesh(
         0, corners.reshape(-1, 3), faces, materials=(material,), tint=np.tile(colors, (2, 1))
+    )
+
+
+def leaf_blades(centres: NDArray[np.float64], along: NDArray[np.float64],
+                across: NDArray[np.float64], material: str,
+                tint: ArrayLike) -> MeshBatch:  # fmt: skip
+    """Make leaves of six triangles: pointed, folded along the midrib, the tip bent down.
+
+    Arguments are those of `cards`.
+    """
+    normal = np.cross(along, across)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), GRID)
+    broad = np.linalg.norm(across, axis=1, keepdims=True)
+    # (share along, share across, share of the breadth by which it sinks): midrib, then both sides.
+    places = ((-1.0, 0.0, 0.0), (0.05, 0.0, 0.06), (1.0, 0.0, 0.55), (-0.42, 0.92, 0.22),
+              (0.42, 0.72, 0.34), (-0.42, -0.92, 0.22), (0.42, -0.72, 0.34))  # fmt: skip
+    corners = np.stack(
+        [centres + a * along + b * across - c * broad * normal for a, b, c in places], axis=1
+    )
+    count = len(centres)
+    base = 7 * np.arange(count)[:, None]
+    fan = ((0, 3, 1), (1, 3, 4), (1, 4, 2), (0, 1, 5), (1, 6, 5), (1, 2, 6))
+    faces = np.vstack([base + np.array(each) for each in fan])
+    colors = np.broadcast_to(np.asarray(tint, float), (count, 3))
+    return one_mesh(
+        0, corners.reshape(-1, 3), faces, materials=(material,), tint=np.tile(colors, (6, 1))
     )

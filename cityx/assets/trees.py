@@ -24,9 +24,11 @@ from cityx.geometry.identity import rng_for, stable_id
 FloatArray = NDArray[np.float64]
 
 VARIANTS = 3  # individuals per species
-FORMS = ("near", "light", "bare", "bare_light")
-CARDS = {"near": 4800, "light": 900}  # leaf cards of a tree of middle size
-FILL = {"near": 220, "light": 60}  # large dark cards in the core that close the view through
+FORMS = ("near", "light", "bare", "bare_light", "fine")
+# Leaf cards of a tree of middle size; "fine" has leaves of six triangles, smaller and more of them.
+CARDS = {"near": 4800, "light": 900, "fine": 9000}
+# Large dark cards in the core that close the view through.
+FILL = {"near": 220, "light": 60, "fine": 220}
 BURIED = 0.4  # metres the trunk reaches into the ground, so that it never floats on a slope
 PIPE = 2.4  # exponent of the pipe model: area of a limb is the sum over its branches
 TWIG = 0.006  # metres, radius of a branch tip
@@ -278,7 +280,13 @@ def _wood(skeleton: _Skeleton, habit: Habit, *, thinnest: float, skip: int) -> l
 
 
 def _leaves(
-    skeleton: _Skeleton, habit: Habit, rng: np.random.Generator, count: int, size: float
+    skeleton: _Skeleton,
+    habit: Habit,
+    rng: np.random.Generator,
+    count: int,
+    size: float,
+    *,
+    blades: bool = False,
 ) -> MeshBatch:
     """Clumps of cards about the twigs, turned outward and up, dark within and light without."""
     children = np.bincount(skeleton.parent[1:], minlength=len(skeleton.parent))
@@ -319,7 +327,8 @@ def _leaves(
     light = (0.34 + 0.66 * depth**2.2) * (0.72 + 0.36 * low) * clump
     light *= rng.uniform(0.85, 1.15, count)
     tint = light[:, None] * habit.tint * (1 + np.outer(warm, [1.0, 0.25, -0.6]))
-    return shapes.cards(centre, along * length, across * length * 0.74, "leaf", tint)
+    draw = shapes.leaf_blades if blades else shapes.cards
+    return draw(centre, along * length, across * length * 0.74, "leaf", tint)
 
 
 def _core(habit: Habit, rng: np.random.Generator, count: int, size: float) -> MeshBatch:
@@ -353,8 +362,8 @@ def tree(species: str, variant: int = 0, form: str = "near") -> Prototype:
     variant
         Which individual, 0 to `VARIANTS` - 1.
     form
-        "near", "light" (fewer, larger leaf cards), "bare" or "bare_light" (without leaves).
-        Evergreens keep theirs.
+        "near", "light" (fewer, larger leaf cards), "bare" or "bare_light" (without leaves), "fine"
+        (more, smaller leaves with a blade of their own). Evergreens keep theirs.
 
     Returns
     -------
@@ -362,20 +371,23 @@ def tree(species: str, variant: int = 0, form: str = "near") -> Prototype:
         Prototype of the kind "tree", named ``tree_lime_0_near``.
     """
     habit = HABITS[species]
-    light = form.endswith("light")
+    light, fine = form.endswith("light"), form == "fine"
     bare = form.startswith("bare") and not habit.evergreen
     skeleton = _skeleton(species, variant)
     rng = rng_for(variant, "assets/leaves", stable_id("tree", species, light))
     thinnest = (0.02 if bare else 0.05) if light else (0.0 if bare else 0.014)
-    parts = _wood(skeleton, habit, thinnest=thinnest, skip=3 if light else 2)
+    if fine:
+        thinnest = 0.008
+    parts = _wood(skeleton, habit, thinnest=thinnest, skip=3 if light else 1 if fine else 2)
     if bare:
         parts.append(_twigs(skeleton, rng, 600 if light else 2600))
     else:
         bulk = np.clip(habit.radius * (habit.height - habit.clear) / 38.0, 0.55, 1.35)
-        count = int(CARDS["light" if light else "near"] * bulk)
-        size = habit.leaf * (2.1 if light else 0.95)
-        parts.append(_leaves(skeleton, habit, rng, count, size))
-        fill = int(FILL["light" if light else "near"] * bulk)
+        kind = "light" if light else "fine" if fine else "near"
+        count = int(CARDS[kind] * bulk)
+        size = habit.leaf * {"light": 2.1, "near": 0.95, "fine": 0.70}[kind]
+        parts.append(_leaves(skeleton, habit, rng, count, size, blades=fine))
+        fill = int(FILL[kind] * bulk)
         parts.append(_core(habit, rng, fill, 0.28 * min(habit.radius, 3.2)))
     return shapes.prototype(f"tree_{species}_{variant}_{form}", "tree", parts)
 
@@ -536,6 +548,8 @@ def _brush(rng: np.random.Generator, tall: float, broad: float) -> MeshBatch:
 
 def plant(name: str, variant: int, form: str) -> Prototype:
     """Make a tree, a shrub, a palm or a grove by name; see `tree` for the forms."""
+    if form == "fine" and name not in HABITS:
+        form = "near"
     if name == "shrub":
         return shrub(variant, "light" if form.endswith("light") else "near")
     if name == "palm":

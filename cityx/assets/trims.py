@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cityx.assets.openings import Shapes, arch, slab, surround
+from cityx.assets.openings import FINE, Shapes, arch, slab, surround
 from cityx.assets.shapes import box, cylinder, disc, loft, prism, prototype
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
@@ -300,7 +300,12 @@ TRIMS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
 )  # fmt: skip
 
 
-@lru_cache(maxsize=64)
-def trim(name: str) -> Prototype:
-    """Make a trim prototype; `name` is a key of `TRIMS`."""
+@lru_cache(maxsize=128)
+def trim(name: str, *, detail: int = 2) -> Prototype:
+    """Make a trim prototype; `name` is a key of `TRIMS`, `detail` as of windows."""
+    if detail >= FINE:
+        from cityx.assets.fine_trims import FINE_TRIMS
+
+        if name in FINE_TRIMS:
+            return prototype(f"{name}_fine", "trim", FINE_TRIMS[name]())
     return prototype(name, "trim", TRIMS[name]())

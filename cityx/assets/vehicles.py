@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.materials import srgb_to_linear
-from cityx.assets.shapes import box, cylinder, loft, prototype
+from cityx.assets.shapes import box, cylinder, fine_shapes, loft, prototype
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
 
@@ -90,16 +90,35 @@ BODIES: Mapping[str, Body] = MappingProxyType(
 BODY_SHARES = np.array([body.share for body in BODIES.values()])
 SILL = 0.20  # metres, lower edge of the body above the road
 ARCH_STEPS = 7
+FINE = 3  # level of detail from which the fine form is made
 
 
 def _lower_body(body: Body) -> MeshBatch:
-    """Loft cross-sections from front to rear; the lower edge rises over the wheels."""
+    """Loft cross-sections from front to rear."""
+    return loft(body_rings(body, ARCH_STEPS)[:, ::-1], "car_paint")
+
+
+def body_rings(
+    body: Body, arch_steps: int, more: NDArray[np.float64] | None = None
+) -> NDArray[np.float64]:
+    """Cross-sections (m, 12, 3) of the lower body; the lower edge rises over the wheels.
+
+    Parameters
+    ----------
+    arch_steps
+        Stations over each wheel.
+    more
+        Further stations, shares of the length.
+    """
     half, length = body.width / 2, body.length
     axle = np.array(body.axles) * length
     gap = body.wheel + 0.055  # half of the opening's width
-    around = np.concatenate([a + gap * -np.cos(np.linspace(0, np.pi, ARCH_STEPS)) for a in axle])
+    around = np.concatenate([a + gap * -np.cos(np.linspace(0, np.pi, arch_steps)) for a in axle])
     hood = np.array(body.hood)
-    stations = np.unique(np.round(np.concatenate([around, hood[:, 0] * length]), 4))
+    places = [around, hood[:, 0] * length]
+    if more is not None:
+        places.append(more * length)
+    stations = np.unique(np.round(np.concatenate(places), 4))
     rings = []
     for y in stations:
         top = float(np.interp(y / length, hood[:, 0], hood[:, 1]))
@@ -120,10 +139,10 @@ def _lower_body(body: Body) -> MeshBatch:
         ring = np.array([*right, *left, *inner])
         rings.append(np.column_stack([ring[:, 0], np.full(len(ring), y - length / 2), ring[:, 1]]))
     # Along +y, counter-clockwise seen from the rear is clockwise in (x, z).
-    return loft(np.stack(rings)[:, ::-1], "car_paint")
+    return np.stack(rings)
 
 
-def _cabin(body: Body) -> list[MeshBatch]:
+def cabin(body: Body) -> list[MeshBatch]:
     """Glasshouse with a painted roof: windscreen, side windows, rear window, pillars."""
     length, half = body.length, body.width / 2
     line = np.array(body.roof)
@@ -233,9 +252,17 @@ def _fittings(body: Body) -> list[MeshBatch]:
     return parts
 
 
-@lru_cache(maxsize=16)
-def car(body: str) -> Prototype:
-    """Make a parked car; `body` is a key of `BODIES`. The prototype's kind is "vehicle"."""
+@lru_cache(maxsize=32)
+def car(body: str, *, detail: int = 2) -> Prototype:
+    """Make a parked car; `body` is a key of `BODIES`. The prototype's kind is "vehicle".
+
+    From level of `detail` 3 on lines are rounded, wheels have spokes and joints are drawn.
+    """
     shape = BODIES[body]
-    parts = [_lower_body(shape), *_cabin(shape), *_wheels(shape), *_fittings(shape)]
+    if detail >= FINE:
+        from cityx.assets.fine_vehicles import fine_car
+
+        with fine_shapes():
+            return prototype(f"car_{body}_fine", "vehicle", fine_car(shape))
+    parts = [_lower_body(shape), *cabin(shape), *_wheels(shape), *_fittings(shape)]
     return prototype(f"car_{body}", "vehicle", parts)

@@ -214,14 +214,59 @@ def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
     }
 
 
+def run_module(
+    module: str,
+    request: Mapping[str, Any],
+    folder: Path,
+    *,
+    timeout_s: float = 3600.0,
+    progress: Callable[[float, str], None] | None = None,
+) -> tuple[int, str]:
+    """Run another job in a Blender process of its own and wait for it.
+
+    Parameters
+    ----------
+    module
+        Module of `cityx.blender` that is run with the file of the job.
+    request
+        The job; the id of this process is added as ``parent``.
+    folder
+        Where the file of the job is written.
+    timeout_s, progress
+        As in `run_worker`.
+
+    Returns
+    -------
+    code, log
+        Exit code, negative for a signal, and the last words of the process.
+
+    Raises
+    ------
+    MissingDependency
+        If Blender's module or a shared library it needs is absent; names the packages.
+    EngineError
+        If the process took too long.
+    """
+    path = folder / "job.json"
+    path.write_text(json.dumps({**request, "parent": os.getpid()}))
+    code, log = _run(path, timeout_s, progress, module)
+    missing = re.search(r"(ImportError|ModuleNotFoundError): (.*)", log.text())
+    if code and missing:
+        raise MissingDependency(explain_missing(missing.group(2)))
+    return code, log.text()
+
+
 def _run(
-    request: Path, timeout_s: float, progress: Callable[[float, str], None] | None
+    request: Path,
+    timeout_s: float,
+    progress: Callable[[float, str], None] | None,
+    module: str = "cityx.blender.worker",
 ) -> tuple[int, _Log]:
     """Start the process, follow its words, return its exit code and last lines."""
     # Idle threads that spin would take the cores from the ones that work.
     environment = {**os.environ, "OMP_WAIT_POLICY": "PASSIVE", "PYTHONUNBUFFERED": "1"}
     process = subprocess.Popen(
-        [sys.executable, "-m", "cityx.blender.worker", str(request)],
+        [sys.executable, "-m", module, str(request)],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

@@ -20,6 +20,10 @@ from cityx.city.environment import Environment
 PUDDLED = frozenset(
     {"asphalt", "asphalt_light", "setts", "paving", "concrete", "bitumen", "pitch", "soil"}
 )
+# Materials of outer walls, which weather: splashes above the ground, streaks of rain, blotches.
+AGED = frozenset({"plaster", "brick", "stone", "concrete", "wood", "trim"})
+SPLASH_HEIGHT = 1.3  # metres above the ground that rain throws soil up a wall
+SPLASH, STREAK, BLOTCH = 0.26, 0.16, 0.14  # shares of light they take at most
 GLAZED = frozenset({"glass", "glass_wall", "car_glass"})
 SNOW_COLOR = (0.82, 0.84, 0.88, 1.0)
 WET_LOSS = 0.55  # share of light a soaked porous surface loses; wet concrete keeps about half
@@ -89,6 +93,8 @@ class MaterialLibrary:
         weather.inputs["Puddles"].default_value = float(record.name in PUDDLED)
         weather.inputs["Snow cover"].default_value = float(record.name != "water")
         weather.inputs["Variation"].default_value = 1.0 if record.texture else 0.0
+        if record.name in AGED and self.textured:
+            weather.inputs["Age"].default_value = 1.0 if not variant else 0.3
         for name in ("Metallic", "Roughness"):
             tree.links.new(weather.outputs[name], shader.inputs[name])
         tree.links.new(weather.outputs["Color"], shader.inputs["Base Color"])
@@ -353,7 +359,7 @@ def _weather_group(environment: Environment) -> Tree:
     """
     inputs = {
         "Color": (0.8, 0.8, 0.8, 1.0), "Roughness": 0.8, "Metallic": 0.0, "Porosity": 0.5,
-        "Puddles": 0.0, "Snow cover": 1.0, "Variation": 0.0,
+        "Puddles": 0.0, "Snow cover": 1.0, "Variation": 0.0, "Age": 0.0,
     }  # fmt: skip
     outputs = {"Color": "Color", "Roughness": "Float", "Metallic": "Float"}
     tree, source, sink = _group("CityX Weather", inputs, outputs)
@@ -370,6 +376,10 @@ def _weather_group(environment: Environment) -> Tree:
     varied = _math(tree, "MULTIPLY", patches, given["Variation"])
     bright = _math(tree, "MULTIPLY_ADD", varied, 0.5, 1.0)
     color = _product(tree, given["Color"], bright)
+    dirt = _math(tree, "MULTIPLY", _dirt(tree), given["Age"])
+    level_share = _smoothstep(tree, up, 0.3, 0.6)
+    dirt = _math(tree, "MULTIPLY", dirt, _math(tree, "SUBTRACT", 1.0, level_share))
+    color = _product(tree, color, _math(tree, "SUBTRACT", 1.0, dirt))
 
     # Rain reaches level surfaces first, walls little.
     reach = _math(tree, "MULTIPLY_ADD", _smoothstep(tree, up, 0.1, 0.8), 0.65, 0.35)
@@ -406,6 +416,29 @@ def _weather_group(environment: Environment) -> Tree:
     tree.links.new(metallic, sink.inputs["Metallic"])
     _spread(tree)
     return tree
+
+
+def _dirt(tree: Tree) -> Socket:
+    """Return the share of light that the age of a wall takes, by its metres along and up."""
+    place = tree.nodes.new("ShaderNodeUVMap")
+    place.uv_map = "UVMap"
+    split = tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(place.outputs["UV"], split.inputs[0])
+    blotch = _smoothstep(tree, _noise(tree, 1.6, 4.0), 0.42, 0.7)
+    # Streaks run down: noise that is long in height and short along the wall.
+    stretch = tree.nodes.new("ShaderNodeCombineXYZ")
+    tree.links.new(_math(tree, "MULTIPLY", split.outputs["X"], 1.7), stretch.inputs["X"])
+    tree.links.new(_math(tree, "MULTIPLY", split.outputs["Y"], 0.11), stretch.inputs["Y"])
+    run = tree.nodes.new("ShaderNodeTexNoise")
+    run.inputs["Scale"].default_value = 1.0
+    run.inputs["Detail"].default_value = 3.0
+    tree.links.new(stretch.outputs[0], run.inputs["Vector"])
+    streak = _smoothstep(tree, run.outputs["Fac"], 0.52, 0.74)
+    # The edge of the splashes wavers.
+    height = _math(tree, "MULTIPLY_ADD", _noise(tree, 0.7, 3.0), -0.9, split.outputs["Y"])
+    low = _math(tree, "SUBTRACT", 1.0, _smoothstep(tree, height, -0.4, SPLASH_HEIGHT - 0.4))
+    total = _math(tree, "MULTIPLY_ADD", low, SPLASH, _math(tree, "MULTIPLY", blotch, BLOTCH))
+    return _math(tree, "MULTIPLY_ADD", streak, STREAK, total)
 
 
 def _lights_group(environment: Environment) -> Tree:

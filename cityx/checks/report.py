@@ -12,6 +12,7 @@ import shapely
 from cityx import __version__
 from cityx.checks.buildings import check_buildings
 from cityx.checks.check import Check
+from cityx.checks.facades import check_facades
 from cityx.checks.ground import check_ground
 from cityx.checks.meshes import check_meshes, triangle_counts
 from cityx.city import City
@@ -23,7 +24,13 @@ FAILED_SHARE = 0.01  # of all buildings; more, and something is wrong with the i
 
 def run_checks(city: City) -> list[Check]:
     """Measure a city against every limit."""
-    return [*check_buildings(city), *check_ground(city), *check_meshes(city), _failed(city)]
+    return [
+        *check_buildings(city),
+        *check_facades(city),
+        *check_ground(city),
+        *check_meshes(city),
+        _failed(city),
+    ]
 
 
 def _failed_buildings(city: City) -> int:
@@ -32,8 +39,9 @@ def _failed_buildings(city: City) -> int:
 
 
 def _built(city: City) -> int:
-    batch = city.scene.meshes.get("buildings")
-    return 0 if batch is None else batch.count
+    """Count buildings with a shape: shells of their own, and assets of the library."""
+    batch, rows = city.scene.meshes.get("buildings"), city.scene.instances.get("building_assets")
+    return (0 if batch is None else batch.count) + (0 if rows is None else rows.count)
 
 
 def _failed(city: City) -> Check:

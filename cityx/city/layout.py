@@ -29,6 +29,7 @@ SCHEMA: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "levels": "int16",  # storeys above ground, resolved (never missing)
             "height": "float64",  # metres above the building's ground, roof included, resolved
             "place": "str",  # class of the surroundings: "low", "urban", "core"
+            "generator": "str",  # name of the building generator, "" until one is chosen
             "tags": "str",  # JSON object of the source's own attributes
         },
         # One row per volume to raise (a building:part, the uncovered rest of an outline, or the
@@ -37,6 +38,7 @@ SCHEMA: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "id": "uint64",
             "building": "uint64",
             "use": "str",
+            "zone": "str",  # look within the generator: "podium", "tower", ..., "" for the main one
             "base": "float64",  # metres above the building's ground (min_height)
             "top": "float64",  # metres above the building's ground, roof included
             "levels": "int16",  # storeys between base and eave

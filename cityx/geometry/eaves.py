@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cityx.geometry.extrude import roof_uv
 from cityx.geometry.polygons import FloatArray, IntArray, Rings, offset_points, polygons_of
-from cityx.geometry.solids import NO_VERTEX, ROOF, TRIM, Solids, no_solids
+from cityx.geometry.solids import NO_VERTEX, ROOF, TRIM, WALL, Solids, no_solids
 
 THICKNESS = 0.16  # metres from the roof's surface to the soffit
 
@@ -91,6 +91,7 @@ def eave_bodies(
     corner = np.concatenate([here, here, here, here, first, last])
     role = np.full(len(faces), TRIM, np.int8)
     role[: len(here)] = ROOF
+    role[3 * len(here) : 4 * len(here)] = WALL  # hidden; the fascias alone are upright trim
     part: IntArray = part_of[corner]
     used = np.zeros(len(vertices), bool)
     used[faces] = True

@@ -10,6 +10,7 @@ Steele, Lea and Flood, "Fast splittable pseudorandom number generators", OOPSLA 
 
 from __future__ import annotations
 
+from functools import lru_cache
 from hashlib import blake2b
 
 import numpy as np
@@ -22,6 +23,7 @@ _MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
 _MIX_2 = np.uint64(0x94D049BB133111EB)
 # 53 bits fill the mantissa of a float64, so the quotient is uniform and exact.
 _MANTISSA = 53
+_ALL = 0xFFFFFFFFFFFFFFFF
 
 
 def stable_id(*parts: object) -> int:
@@ -49,9 +51,33 @@ def mix(values: ArrayLike) -> UInt64Array:
 
 def hash_ids(seed: int, purpose: str, ids: ArrayLike, k: ArrayLike = 0) -> UInt64Array:
     """Hash ids to 64 random bits each, for one purpose and draw number `k` (both broadcast)."""
-    key = mix(np.uint64(stable_id(seed & 0xFFFFFFFFFFFFFFFF, purpose)))
+    key = np.uint64(_purpose_key(seed, purpose))
     ids = np.asarray(ids, dtype=np.uint64)
     return mix(mix(ids ^ key) ^ mix(np.asarray(k, dtype=np.uint64)))
+
+
+@lru_cache(maxsize=4096)
+def _purpose_key(seed: int, purpose: str) -> int:
+    return int(mix(np.uint64(stable_id(seed & _ALL, purpose))))
+
+
+def _mix_one(value: int) -> int:
+    """Scramble one 64-bit integer as `mix` does."""
+    x = (value + int(_GOLDEN)) & _ALL
+    x = ((x ^ (x >> 30)) * int(_MIX_1)) & _ALL
+    x = ((x ^ (x >> 27)) * int(_MIX_2)) & _ALL
+    return x ^ (x >> 31)
+
+
+def hash_bits(seed: int, purpose: str, object_id: int, k: int = 0) -> int:
+    """Hash one id as `hash_ids` does, ten times as fast for a single one."""
+    key = _purpose_key(seed, purpose)
+    return _mix_one(_mix_one((int(object_id) & _ALL) ^ key) ^ _mix_one(int(k) & _ALL))
+
+
+def draw(seed: int, purpose: str, object_id: int, k: int = 0) -> float:
+    """Draw the number that `uniform` draws for one id."""
+    return (hash_bits(seed, purpose, object_id, k) >> (64 - _MANTISSA)) / (1 << _MANTISSA)
 
 
 def uniform(seed: int, purpose: str, ids: ArrayLike, k: ArrayLike = 0) -> NDArray[np.float64]:

@@ -19,6 +19,7 @@ from cityx.geometry.polygons import (
     rings_of,
     select_rings,
 )
+from cityx.geometry.roof_meshes import RoofMesh, raised
 from cityx.geometry.solids import ROOF, TRIM, WALL, Solids, as_quads, no_solids
 
 _QUARTER = np.linspace(0.0, np.pi / 2, 9)[1:-1]
@@ -31,6 +32,10 @@ LOFTS: Mapping[str, tuple[tuple[float, float], ...]] = MappingProxyType(
                   (0.55, 0.68), (0.3, 0.8), (0.12, 0.9)),
     }
 )  # fmt: skip
+# The same curve over the distance from the eave: (share of the way to the ridge, height).
+DOME = np.array([(0.0, 0.0), *((1 - float(np.cos(a)), float(np.sin(a))) for a in _QUARTER), (1, 1)])
+MAX_STAR = 60  # points of an outline for which a centre that sees all edges is looked for
+SEEN = 0.2  # metres such a centre keeps from the line of every edge
 STAR_SHARE = 1e-3  # square metres; the least triangle between the centre and an edge
 
 
@@ -41,8 +46,8 @@ def loft_roofs(
     eave: FloatArray,
     rise: FloatArray,
     zero: FloatArray,
-) -> Solids:
-    """Raise outlines under a roof that shrinks toward the centre.
+) -> tuple[Solids, RoofMesh | None]:
+    """Raise outlines under a roof that shrinks toward the centre; pyramids also as a mesh.
 
     An outline with a courtyard, or one whose centre does not see all of its edges, has no such
     roof and is left out.
@@ -54,7 +59,7 @@ def loft_roofs(
     kind
         Key of `LOFTS`.
     low, eave, rise, zero
-        (n,) metres, as in `cityx.geometry.roof_profiles.profile_roofs`.
+        (n,) foot, eave, height of the roof above it, zero of the wall texture; metres.
     """
     polygons = shapely.orient_polygons(np.asarray(polygons, dtype=object))
     count = len(polygons)
@@ -66,12 +71,17 @@ def loft_roofs(
     spoke = rings.points - full[part]
     sees = np.cross(spoke, spoke[rings.following()]) / 2
     blind = np.bincount(part, sees < STAR_SHARE, minlength=count) > 0
-    chosen = ~blind & (np.bincount(rings.polygon, minlength=count) == 1)
+    single = np.bincount(rings.polygon, minlength=count) == 1
+    for row in np.flatnonzero(blind & single & (np.bincount(part, minlength=count) <= MAX_STAR)):
+        seeing = _seeing_point(rings.points[part == row])
+        if seeing is not None:
+            full[row], blind[row] = seeing, False
+    chosen = ~blind & single
     outlines = np.where(chosen, polygons, shapely.Polygon())
     plan = plan_of(outlines)
     rings = plan.rings
     if len(rings.polygon) == 0:
-        return no_solids()
+        return no_solids(), None
     part = plan.part_of_point
     spoke = rings.points - full[part]
     size = len(rings.points)
@@ -91,7 +101,21 @@ def loft_roofs(
     last = len(levels) * size
     tip = (len(levels) + 1) * size + rings.ring_of_point
     faces.append(as_quads(np.column_stack([index + last, after + last, tip])))
-    return roofed(
+    if not levels:
+        mesh = RoofMesh(
+            rings,
+            eave[part],
+            np.ones(size, bool),
+            apex,
+            rows,
+            faces[0][:, :3],
+            part,
+            np.full(size, ROOF, np.int8),
+            count,
+            (plan.triangles, plan.owner),
+        )
+        return raised(mesh, low, zero), mesh
+    solids = roofed(
         plan,
         low,
         eave[part],
@@ -101,6 +125,26 @@ def loft_roofs(
         extra=np.concatenate([*steps, apex]),
         extra_part=np.concatenate([*([part] * len(steps)), rows]),
     )
+    return solids, None
+
+
+def _seeing_point(ring: FloatArray) -> FloatArray | None:
+    """Return a point that sees every edge of a counter-clockwise ring, or None."""
+    kernel = shapely.Polygon(ring)
+    reach = 4.0 * float(np.ptp(ring, axis=0).sum())
+    for a, b in zip(ring, np.roll(ring, -1, axis=0), strict=True):
+        length = float(np.hypot(*(b - a)))
+        if length < 1e-9:
+            continue
+        along = (b - a) / length
+        left = np.array([-along[1], along[0]])
+        corner = a + left * SEEN
+        sides = [corner - along * reach, corner + along * reach]
+        half = shapely.Polygon([*sides, sides[1] + left * reach, sides[0] + left * reach])
+        kernel = kernel.intersection(half)
+        if kernel.is_empty or kernel.area < STAR_SHARE:
+            return None
+    return np.asarray(shapely.get_coordinates(kernel.centroid)[0])
 
 
 def inset(polygons: NDArray[Any], distance: FloatArray) -> tuple[Plan, Plan]:
@@ -222,7 +266,7 @@ def rimmed_roofs(
     run
         (n,) metres in plan over which the rim rises.
     low, eave, rise, zero
-        (n,) metres, as in `cityx.geometry.roof_profiles.profile_roofs`.
+        (n,) metres, as of `loft_roofs`.
     """
     outer, inner = inset(polygons, run)
     return _deck(outer, inner, low, eave, eave + rise, None, zero, ROOF)

@@ -1,4 +1,4 @@
-"""Roofs that are a profile across a ridge: gabled, skillion, gambrel, round, sawtooth.
+"""Roofs that are a profile across a ridge: gabled, skillion, gambrel, round, sawtooth and others.
 
 The outline is cut along the lines at which the profile bends; every piece is then a plane, so any
 outline, with courtyards or not, gets an exact roof.
@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.extrude import Plan, aligned, roofed
+from cityx.geometry.extrude import aligned
 from cityx.geometry.polygons import (
     FloatArray,
     IntArray,
@@ -25,7 +25,8 @@ from cityx.geometry.polygons import (
     rings_of,
     triangulate,
 )
-from cityx.geometry.solids import ROOF, WALL, Solids, as_quads
+from cityx.geometry.roof_meshes import RoofMesh
+from cityx.geometry.solids import GLAZED, ROOF, WALL
 
 SNAP = 5e-3  # metres; an outline's point this close to a bend of the profile lies on it
 STEEP = 3.0  # rise over run above which a strip of roof is an upright wall (sawtooth glazing)
@@ -38,6 +39,21 @@ def _sawtooth(teeth: int) -> tuple[tuple[float, float], ...]:
     for tooth in range(teeth):
         points += [(tooth / teeth, 0.0), ((tooth + 1) / teeth - BREAK, 1.0)]
     return (*points, (1.0, 0.0))
+
+
+def _row(gables: int) -> tuple[tuple[float, float], ...]:
+    """Return a row of equal gables, valleys at the height of the eaves."""
+    return tuple((point / (2 * gables), float(point % 2)) for point in range(2 * gables + 1))
+
+
+def _pointed() -> tuple[tuple[float, float], ...]:
+    """Return two arcs that meet in a ridge, as of a lamella roof."""
+    lean = 0.7  # how far, in half widths, the centre of an arc lies beyond the ridge
+    x = np.array([0.0, 0.05, 0.16, 0.34, 0.62, 1.0])
+    height = np.sqrt((1 + lean) ** 2 - (1 + lean - x) ** 2)
+    height /= height[-1]
+    half = [(round(float(a) / 2, 9), round(float(b), 9)) for a, b in zip(x, height, strict=True)]
+    return (*half, *((1 - a, b) for a, b in half[-2::-1]))
 
 
 # Position across the ridge (0 to 1) and height (0 to 1) where the profile bends.
@@ -53,30 +69,15 @@ PROFILES: Mapping[str, tuple[tuple[float, float], ...]] = MappingProxyType(
             (round(0.5 - 0.5 * float(c), 9), round(float(s), 9))
             for c, s in zip(np.cos(_ARC), np.sin(_ARC), strict=True)
         ),
+        "zollinger": _pointed(),
+        # Two slopes that do not meet: a wall with lights stands between them.
+        "gabled_height_moved": ((0, 0.15), (0.5 - BREAK, 1), (0.5, 0.6), (1, 0)),
         **{f"sawtooth_{teeth}": _sawtooth(teeth) for teeth in range(1, 13)},
+        **{f"gabled_row_{gables}": _row(gables) for gables in range(2, 13)},
     }
 )
-SYMMETRIC = frozenset({"gabled", "gambrel", "round", "double_saltbox", "butterfly"})
-_NAMES = tuple(PROFILES)
-
-
-@dataclass(frozen=True)
-class ProfileRoofs:
-    """Roofs over n outlines and what else must follow them.
-
-    Attributes
-    ----------
-    solids
-        Shells; an outline that could not be cut has none.
-    rings
-        Rings with the points added where the profile bends, m of them.
-    eave_z
-        (m,) height of the wall head at each ring point.
-    """
-
-    solids: Solids
-    rings: Rings
-    eave_z: FloatArray
+# Those whose upright faces are of glass.
+GLASS = ("sawtooth", "gabled_height_moved")
 
 
 @dataclass(frozen=True)
@@ -135,12 +136,10 @@ def profile_roofs(
     polygons: NDArray[Any],
     names: NDArray[np.str_],
     angle: FloatArray,
-    low: FloatArray,
     eave: FloatArray,
     rise: FloatArray,
-    zero: FloatArray,
-) -> tuple[ProfileRoofs, Frames]:
-    """Raise outlines to walls under roofs with a profile across a ridge.
+) -> RoofMesh:
+    """Lay roofs with a profile across a ridge on outlines.
 
     Parameters
     ----------
@@ -151,8 +150,8 @@ def profile_roofs(
     angle
         (n,) radians from east, direction of the ridge. The profile runs from the right hand of
         that direction to the left; a skillion slopes down to the left.
-    low, eave, rise, zero
-        (n,) foot, eave, height of the roof above the eave, zero of the wall texture; metres.
+    eave, rise
+        (n,) eave and height of the roof above it; metres.
     """
     polygons = shapely.orient_polygons(np.asarray(polygons, dtype=object))
     count = len(polygons)
@@ -162,13 +161,19 @@ def profile_roofs(
     part = rings.polygon[rings.ring_of_point]
     triangles, owner, strip = _strips(Rings(local, rings.start, rings.polygon, rings.hole), frames)
     z = frames.z_at(local[:, 1], part)
-    at = np.arange(len(owner))
     run = frames.bends[owner, strip + 1] - frames.bends[owner, strip]
     slope = np.abs(frames.heights[owner, strip + 1] - frames.heights[owner, strip]) / run
-    role = np.where(slope[at] > STEEP, WALL, ROOF).astype(np.int8)
-    plan = Plan(rings, triangles, owner, count)
-    solids = roofed(plan, low, z, zero, as_quads(triangles), owner, role=role)
-    return ProfileRoofs(solids, rings, z), frames
+    glass = np.array([name.startswith(GLASS) for name in names.tolist()], bool)
+    upright = np.where(glass, GLAZED, WALL)[owner] if count else np.zeros(0, int)
+    # A slope is upright when it is steep and short; a steep roof is a roof.
+    role = np.where((slope > STEEP) & (run < 0.2), upright, ROOF).astype(np.int8)
+    after = rings.following()
+    level = np.abs(z - z[after]) < 1e-6
+    none = np.zeros(0, np.int64)
+    return RoofMesh(
+        rings, z, level, np.zeros((0, 3)), none, triangles, owner, role, count,
+        (triangles, owner),
+    )  # fmt: skip
 
 
 def _with_bends(rings: Rings, frames: Frames) -> tuple[Rings, FloatArray]:

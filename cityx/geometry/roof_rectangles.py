@@ -1,4 +1,4 @@
-"""Roofs over rectangles in closed form: hipped, side-hipped, half-hipped."""
+"""Roofs over rectangles in closed form: hips, half hips and gables at either end."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.geometry.extrude import Plan, roofed
 from cityx.geometry.polygons import FloatArray, Rings, rings_of
-from cityx.geometry.solids import Solids, as_quads
+from cityx.geometry.roof_meshes import RoofMesh
+from cityx.geometry.solids import ROOF, WALL
 
 SQUARE_CORNER = np.sin(np.radians(3.0))  # a corner this close to square counts as square
 MIN_RIDGE = 0.05  # metres; the ridge of a square roof, so that no face collapses
@@ -54,56 +54,43 @@ _HALF_HIPPED = _Template(  # ring p0 p1 a1 a2 p2 p3 b1 b2, 8 = A, 9 = B
         (2, 3, 9), (6, 7, 8),
     ),
 )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class PitchedRoofs:
-    """Roofs over n outlines.
-
-    Attributes
-    ----------
-    solids
-        Shells; an outline without a usable skeleton has none.
-    rings
-        The wall heads, m points; gables add points to the outline.
-    eave_z
-        (m,) height of the wall head at each ring point.
-    level_edge
-        (m,) bool, whether the edge that starts at a point is a level eave.
-    slope
-        (n,) rise over run of the roof planes.
-    """
-
-    solids: Solids
-    rings: Rings
-    eave_z: FloatArray
-    level_edge: NDArray[np.bool_]
-    slope: FloatArray
+_SIDE_HALF_HIPPED = _Template(  # ring p0 p1 a1 a2 p2 p3 gable, 7 = B
+    ((0, 1, 2), (0, 2, 6), (6, 2, 3), (6, 3, 5), (5, 3, 4)),
+    (
+        (0, 1, 2), (0, 2, 7), (0, 7, 6),
+        (4, 5, 6), (4, 6, 7), (4, 7, 3),
+        (2, 3, 7),
+    ),
+)  # fmt: skip
+_GABLET = _Template(  # 4 = A, 5 = B, 6 and 7 the hips' heads under A, 8 and 9 those under B
+    ((0, 1, 2), (0, 2, 3)),
+    (
+        (0, 1, 8), (0, 8, 6), (6, 8, 5), (6, 5, 4),
+        (2, 3, 7), (2, 7, 9), (9, 7, 4), (9, 4, 5),
+        (3, 0, 6), (3, 6, 7), (1, 2, 9), (1, 9, 8),
+        (7, 6, 4), (8, 9, 5),
+    ),
+)  # fmt: skip
+GABLETS = 2  # the last faces of `_GABLET` stand upright
+RECTANGULAR = ("hipped", "side_hipped", "half-hipped", "side_half-hipped", "hipped-and-gabled")
 
 
 def rectangle_roofs(
-    polygons: NDArray[Any],
-    kind: str,
-    angle: FloatArray,
-    low: FloatArray,
-    eave: FloatArray,
-    rise: FloatArray,
-    zero: FloatArray,
-) -> PitchedRoofs:
-    """Raise rectangles under a roof of one kind.
+    polygons: NDArray[Any], kind: str, angle: FloatArray, eave: FloatArray, rise: FloatArray
+) -> RoofMesh:
+    """Lay roofs of one kind on rectangles.
 
     Parameters
     ----------
     polygons
         (n,) rectangles, see `is_rectangle`; empty ones are passed over.
     kind
-        "hipped", "side_hipped" or "half-hipped".
+        A word of `RECTANGULAR`.
     angle
         (n,) radians, direction of the ridge; the nearer pair of sides carries it.
-    low, eave, rise, zero
-        (n,) metres, as in `cityx.geometry.roof_profiles.profile_roofs`.
+    eave, rise
+        (n,) metres.
     """
-    count = len(polygons)
     source = rings_of(polygons)
     rows = source.polygon
     k = len(rows)
@@ -116,51 +103,73 @@ def rectangle_roofs(
     length = np.linalg.norm(p[:, 1] - p[:, 0], axis=1)
     a, b = (p[:, 3] + p[:, 0]) / 2, (p[:, 1] + p[:, 2]) / 2
     axis = (b - a) / np.maximum(length, 1e-9)[:, None]
-    share = HALF if kind == "half-hipped" else 1.0
+    share = HALF if kind in ("half-hipped", "side_half-hipped", "hipped-and-gabled") else 1.0
     inset = np.minimum(width / 2 * share, length / 2 - MIN_RIDGE / 2)[:, None]
-    ridge_a, ridge_b = a + axis * inset, b - axis * inset
     base, summit = eave[rows], (eave + rise)[rows]
+    middle = base + (summit - base) * HALF
+
+    def at(point: FloatArray, z: FloatArray) -> FloatArray:
+        return np.column_stack([point, z])
+
+    ridge_a, ridge_b = at(a + axis * inset, summit), at(b - axis * inset, summit)
+    corner = [at(p[:, i], base) for i in range(4)]
+    near, far = HALF / 2, 1 - HALF / 2
+    end_b = [at(p[:, 1] + (p[:, 2] - p[:, 1]) * part, middle) for part in (near, far)]
+    end_a = [at(p[:, 3] + (p[:, 0] - p[:, 3]) * part, middle) for part in (near, far)]
+    gable = at(a, summit)
     if kind == "hipped":
-        template, ring, extra = _HIPPED, p, [ridge_a, ridge_b]
-        head = np.repeat(base[:, None], 4, axis=1)
-        level = np.ones((k, 4), bool)
+        template, ring, extra = _HIPPED, corner, [ridge_a, ridge_b]
+        level = [True] * 4
     elif kind == "side_hipped":
-        template, extra = _SIDE_HIPPED, [ridge_b]
-        ring = np.concatenate([p, a[:, None]], axis=1)
-        head = np.column_stack([np.repeat(base[:, None], 4, axis=1), summit])
-        level = np.tile([True, True, True, False, False], (k, 1))
-    else:
+        template, ring, extra = _SIDE_HIPPED, [*corner, gable], [ridge_b]
+        level = [True, True, True, False, False]
+    elif kind == "half-hipped":
         template, extra = _HALF_HIPPED, [ridge_a, ridge_b]
-        near, far = HALF / 2, 1 - HALF / 2
-        ends = [p[:, 1] + (p[:, 2] - p[:, 1]) * near, p[:, 1] + (p[:, 2] - p[:, 1]) * far]
-        ends += [p[:, 3] + (p[:, 0] - p[:, 3]) * near, p[:, 3] + (p[:, 0] - p[:, 3]) * far]
-        ring = np.stack([p[:, 0], p[:, 1], *ends[:2], p[:, 2], p[:, 3], *ends[2:]], axis=1)
-        middle = base + (summit - base) * HALF
-        head = np.stack([base, base, middle, middle, base, base, middle, middle], axis=1)
-        level = np.tile([True, False, False, False, True, False, False, False], (k, 1))
-    size = ring.shape[1]
-    rings = Rings(ring.reshape(-1, 2), np.arange(k + 1) * size, rows, np.zeros(k, bool))
-    bottom = (np.array(template.bottom) + (np.arange(k) * size)[:, None, None]).reshape(-1, 3)
-    plan = Plan(rings, bottom, np.repeat(rows, len(template.bottom)), count)
-    tops = np.stack(extra, axis=1)  # (k, e, 2)
-    number = tops.shape[1]
+        ring = [*corner[:2], *end_b, *corner[2:], *end_a]
+        level = [True, False, True, False, True, False, True, False]
+    elif kind == "side_half-hipped":
+        template, extra = _SIDE_HALF_HIPPED, [ridge_b]
+        ring = [*corner[:2], *end_b, *corner[2:], gable]
+        level = [True, False, True, False, True, False, False]
+    else:
+        template, ring = _GABLET, corner
+        level = [True] * 4
+        deep = (inset * axis)[:, :2]
+        heads = [
+            at(p[:, 0] + (p[:, 3] - p[:, 0]) * near + deep, middle),
+            at(p[:, 3] + (p[:, 0] - p[:, 3]) * near + deep, middle),
+            at(p[:, 1] + (p[:, 2] - p[:, 1]) * near - deep, middle),
+            at(p[:, 2] + (p[:, 1] - p[:, 2]) * near - deep, middle),
+        ]
+        extra = [ridge_a, ridge_b, *heads]
+    return _filled(template, kind, np.stack(ring, axis=1), np.stack(extra, axis=1), level, rows,
+                   len(polygons))  # fmt: skip
+
+
+def _filled(
+    template: _Template, kind: str, ring: FloatArray, tops: FloatArray, level: list[bool],
+    rows: NDArray[np.int64], count: int,
+) -> RoofMesh:  # fmt: skip
+    """Lay the faces of a template over the ring points (k, s, 3) and inner points (k, e, 3)."""
+    k, size, number = len(rows), ring.shape[1], tops.shape[1]
+    rings = Rings(ring[:, :, :2].reshape(-1, 2), np.arange(k + 1) * size, rows, np.zeros(k, bool))
+    block = (np.arange(k) * size)[:, None, None]
+    bottom = (np.array(template.bottom) + block).reshape(-1, 3)
     faces = np.array(template.roof)  # (t, 3) over ring then extras
-    on_ring = faces < size
-    index = np.where(
-        on_ring,
-        faces + (np.arange(k) * size)[:, None, None],
-        faces - size + k * size + (np.arange(k) * number)[:, None, None],
-    ).reshape(-1, 3)
-    solids = roofed(
-        plan,
-        low,
-        head.ravel(),
-        zero,
-        as_quads(index),
-        np.repeat(rows, len(template.roof)),
-        extra=np.column_stack([tops.reshape(-1, 2), np.repeat(summit, number)]),
-        extra_part=np.repeat(rows, number),
+    inner = faces - size + k * size + (np.arange(k) * number)[:, None, None]
+    index = np.where(faces < size, faces + block, inner).reshape(-1, 3)
+    role = np.full(len(faces), ROOF, np.int8)
+    if kind == "hipped-and-gabled":
+        role[-GABLETS:] = WALL
+    return RoofMesh(
+        rings,
+        ring[:, :, 2].ravel(),
+        np.tile(np.array(level, bool), k),
+        tops.reshape(-1, 3),
+        np.repeat(rows, number),
+        index,
+        np.repeat(rows, len(faces)),
+        np.tile(role, k),
+        count,
+        (bottom, np.repeat(rows, len(template.bottom))),
     )
-    slope = np.zeros(count)
-    slope[rows] = rise[rows] / np.maximum(width / 2, 0.1)
-    return PitchedRoofs(solids, rings, head.ravel(), level.ravel(), slope)

@@ -20,10 +20,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.extrude import plan_of, roofed
 from cityx.geometry.polygons import FloatArray, IntArray, Rings, rings_of, triangulate
-from cityx.geometry.roof_rectangles import PitchedRoofs
-from cityx.geometry.solids import MIN_FACE, NO_VERTEX, as_quads, no_solids
+from cityx.geometry.roof_meshes import RoofMesh, empty_mesh
+from cityx.geometry.solids import MIN_FACE, ROOF, WALL
 
 MIN_CLEARANCE = 0.01  # metres between any two parts of an outline
 MAX_POINTS = 400  # an outline with more takes CGAL seconds
@@ -56,6 +55,7 @@ class _Skeleton:
     points: FloatArray  # (v, 3)
     faces: list[list[int]]
     gables: set[int] = field(default_factory=set)  # points that became gables
+    upright: set[int] = field(default_factory=set)  # faces that stand upright
 
 
 def _admitted(polygons: NDArray[Any]) -> NDArray[np.bool_]:
@@ -96,22 +96,32 @@ def _skeleton_of(polygon: Any) -> _Skeleton | None:
     rings, vertices = numbered
     position = {v: (r, k) for r, ring in enumerate(rings) for k, v in enumerate(ring)}
     roof = []
+    place = vertices.tolist()
     for face in faces:
-        corner = vertices[list(face)]
-        if (corner[:, 2] <= 0.0).all():
+        corner = [place[v] for v in face]
+        if all(point[2] <= 0.0 for point in corner):
             continue
-        x, y = corner[:, 0], corner[:, 1]
-        area = float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
-        turned = list(face) if area > 0 else list(face)[::-1]
+        turned = list(face) if _plan_area(corner) > 0 else list(face)[::-1]
         roof.append(_with_dropped(turned, rings, position))
     vertices[:, :2] += origin
     return _Skeleton(rings, vertices, _merged(roof, vertices, position))
+
+
+def _plan_area(corner: list[list[float]]) -> float:
+    """Signed area of a face in plan; plain numbers are quicker than arrays for so few."""
+    return 0.5 * sum(
+        a[0] * b[1] - b[0] * a[1] for a, b in zip(corner, [*corner[1:], corner[0]], strict=True)
+    )
 
 
 def _merged(
     faces: list[list[int]], points: FloatArray, position: dict[int, tuple[int, int]]
 ) -> list[list[int]]:
     """Collapse edges shorter than `MERGE` between inner points; events at almost one time."""
+    here = [v for face in faces for v in face]
+    there = [v for face in faces for v in (*face[1:], face[0])]
+    if not (np.abs(points[here] - points[there]).max(axis=1) < MERGE).any():
+        return faces
     target: dict[int, int] = {}
 
     def root(v: int) -> int:
@@ -123,9 +133,9 @@ def _merged(
         place = points[face]
         short = np.abs(place - np.roll(place, -1, axis=0)).max(axis=1) < MERGE
         for k in np.flatnonzero(short).tolist():
-            here, there = root(face[k]), root(face[(k + 1) % len(face)])
-            if here != there and here not in position and there not in position:
-                target[max(here, there)] = min(here, there)
+            one, two = root(face[k]), root(face[(k + 1) % len(face)])
+            if one != two and one not in position and two not in position:
+                target[max(one, two)] = min(one, two)
     if not target:
         return faces
     merged = []
@@ -185,13 +195,16 @@ def _with_dropped(
     return full
 
 
-def _raise_ends(skeleton: _Skeleton, share: float) -> None:
+def _raise_ends(skeleton: _Skeleton, first: float, others: float, gablets: bool) -> int:
     """Raise the walls under hipped ends: to the ridge (share 1, a gable) or part of the way.
 
     The ridge runs on toward the wall by the same share; the planes beside it stay as they are.
+    With `gablets` the hip stays below and ends in a small upright gable. `first` is the share of
+    the first end that bears one, `others` that of the rest. Returns the number of ends.
     """
     points = skeleton.points
     kept: list[list[int]] = []
+    upright: list[list[int]] = []
     neighbours: dict[int, set[int]] = {}
     for face in skeleton.faces:
         for here, there in zip(face, [*face[1:], face[0]], strict=True):
@@ -206,8 +219,11 @@ def _raise_ends(skeleton: _Skeleton, share: float) -> None:
     moved: set[int] = set()
     for face in skeleton.faces:
         apex = _gable_apex(face, points, neighbours, following)
-        if apex is None or apex[0] in moved:
+        share = others if moved else first
+        if apex is None or apex[0] in moved or share <= 0.0:
             kept.append(face)
+            if apex is not None:
+                moved.add(apex[0])
             continue
         top, place, start = apex
         moved.add(top)
@@ -218,17 +234,25 @@ def _raise_ends(skeleton: _Skeleton, share: float) -> None:
             heads = [top]
         else:
             head = np.append(place, points[top, 2])
-            ends = points[[start, end]] + (head - points[[start, end]]) * share
+            sides = points[[start, end]]
+            ends = sides + ((points[top] if gablets else head) - sides) * share
             heads = [len(points), len(points) + 1]
-            points[top, :2] += (place - points[top, :2]) * share
+            points[top, :2] += (place - points[top, :2]) * (1 - share if gablets else share)
             points = np.concatenate([points, ends])
-            kept.append([*heads, top])
+            if gablets:
+                kept.append([start, end, heads[1], heads[0]])
+                upright.append([*heads, top])
+            else:
+                kept.append([*heads, top])
             between[(start, top)] = between[(top, start)] = heads[0]
             between[(end, top)] = between[(top, end)] = heads[1]
-        ring[ring.index(start) + 1 : ring.index(start) + 1] = heads
-        skeleton.gables.update(heads)
+        if not gablets:
+            ring[ring.index(start) + 1 : ring.index(start) + 1] = heads
+            skeleton.gables.update(heads)
     skeleton.points = points
-    skeleton.faces = [_with_between(face, between) for face in kept]
+    skeleton.upright = set(range(len(kept), len(kept) + len(upright)))
+    skeleton.faces = [_with_between(face, between) for face in kept] + upright
+    return len(moved)
 
 
 def _with_between(face: list[int], between: dict[tuple[int, int], int]) -> list[int]:
@@ -277,113 +301,106 @@ def _gable_apex(
 
 def skeleton_roofs(
     polygons: NDArray[Any],
-    ends: FloatArray,
-    low: FloatArray,
     eave: FloatArray,
     rise: FloatArray,
-    zero: FloatArray,
-) -> PitchedRoofs:
-    """Raise outlines under hipped roofs of one pitch, their ends raised where asked.
+    *,
+    first: float = 0.0,
+    others: float = 0.0,
+    gablets: bool = False,
+) -> RoofMesh:
+    """Lay hipped roofs of one pitch on outlines, the ends of their wings raised where asked.
 
     Parameters
     ----------
     polygons
         (n,) valid polygons; empty ones are passed over.
-    ends
-        (n,) how far up the wall is raised under the ends of wings: 0 for hips, 1 for gables.
-    low, eave, rise, zero
-        (n,) metres, as in `cityx.geometry.roof_profiles.profile_roofs`.
+    eave, rise
+        (n,) metres.
+    first, others
+        How far up the wall is raised under the ends of wings: 0 for hips, 1 for gables. An outline
+        that bears no such end is left out when `first` asks for one other than those of a plain
+        gabled roof.
+    gablets
+        Whether the ends stay hipped below and carry a small gable above.
     """
     polygons = shapely.orient_polygons(np.asarray(polygons, dtype=object))
-    count = len(polygons)
     found: list[tuple[int, _Skeleton]] = []
     with _silenced():
         for row in np.flatnonzero(_admitted(polygons)).tolist():
             skeleton = _skeleton_of(polygons[row])
-            if skeleton is not None and skeleton.points[:, 2].max() > 0:
-                if ends[row] > 0:
-                    _raise_ends(skeleton, float(ends[row]))
-                found.append((row, skeleton))
-    return _gathered(found, count, low, eave, rise, zero)
+            if skeleton is None or not skeleton.points[:, 2].max() > 0:
+                continue
+            if first > 0:
+                ends = _raise_ends(skeleton, first, others, gablets)
+                if ends == 0 and (others < 1.0 or gablets):
+                    continue
+            found.append((row, skeleton))
+    return _gathered(found, len(polygons), eave, rise)
 
 
 def _gathered(
-    found: list[tuple[int, _Skeleton]],
-    count: int,
-    low: FloatArray,
-    eave: FloatArray,
-    rise: FloatArray,
-    zero: FloatArray,
-) -> PitchedRoofs:
-    """Join skeletons to solids."""
-    slope = np.zeros(count)
-    outlines = np.full(count, shapely.Polygon(), dtype=object)
-    heads, levels, extras, extra_part = [], [], [], []
+    found: list[tuple[int, _Skeleton]], count: int, eave: FloatArray, rise: FloatArray
+) -> RoofMesh:
+    """Join skeletons to roofs."""
+    if not found:
+        return empty_mesh(count)
+    heads, places, levels, extras, extra_part = [], [], [], [], []
+    size: list[int] = []
+    polygon: list[int] = []
+    hole: list[bool] = []
     faces: list[list[int]] = []
     face_part: list[int] = []
+    face_role: list[int] = []
     ring_total = sum(len(ring) for _, skeleton in found for ring in skeleton.rings)
     ring_at, extra_at = 0, ring_total
     for row, skeleton in found:
         number: dict[int, int] = {}
-        for ring in skeleton.rings:
+        for position, ring in enumerate(skeleton.rings):
             number.update(zip(ring, range(ring_at, ring_at + len(ring)), strict=True))
             ring_at += len(ring)
+            size.append(len(ring))
+            polygon.append(row)
+            hole.append(position > 0)
             gable = [v in skeleton.gables for v in ring]
             levels += [
                 not (here or there)
                 for here, there in zip(gable, [*gable[1:], gable[0]], strict=True)
             ]
         order = [v for ring in skeleton.rings for v in ring]
-        summit = float(skeleton.points[:, 2].max())
-        slope[row] = rise[row] / summit
-        z = eave[row] + skeleton.points[:, 2] * slope[row]
+        z = eave[row] + skeleton.points[:, 2] * (rise[row] / float(skeleton.points[:, 2].max()))
         heads.append(z[order])
+        places.append(skeleton.points[order, :2])
         inner = sorted({v for face in skeleton.faces for v in face} - number.keys())
         number.update(zip(inner, range(extra_at, extra_at + len(inner)), strict=True))
         extra_at += len(inner)
         extras.append(np.column_stack([skeleton.points[inner, :2], z[inner]]))
         extra_part += [row] * len(inner)
-        shell, *holes = (skeleton.points[ring, :2] for ring in skeleton.rings)
-        outlines[row] = shapely.Polygon(shell, holes)
         faces += [[number[v] for v in face] for face in skeleton.faces]
         face_part += [row] * len(skeleton.faces)
-    if not found:
-        none = np.zeros(0)
-        return PitchedRoofs(no_solids(), rings_of(outlines), none, none.astype(bool), slope)
-    rings = rings_of(outlines)
-    plan = plan_of(outlines)
-    head = np.concatenate(heads)
+        face_role += [WALL if k in skeleton.upright else ROOF for k in range(len(skeleton.faces))]
+    start = np.concatenate([[0], np.cumsum(size)]).astype(np.int64)
+    rings = Rings(np.concatenate(places), start, np.array(polygon), np.array(hole, bool))
     extra = np.concatenate(extras)
-    places = np.concatenate([rings.points, extra[:, :2]])
-    roof, roof_part = _as_faces(faces, np.array(face_part, np.int64), places)
-    solids = roofed(
-        plan,
-        low,
-        head,
-        zero,
+    roof, source = _as_triangles(faces, np.concatenate([rings.points, extra[:, :2]]))
+    return RoofMesh(
+        rings,
+        np.concatenate(heads),
+        np.array(levels, bool),
+        extra,
+        np.array(extra_part, np.int64),
         roof,
-        roof_part,
-        extra=extra,
-        extra_part=np.array(extra_part, np.int64),
+        np.array(face_part, np.int64)[source],
+        np.array(face_role, np.int8)[source],
+        count,
     )
-    return PitchedRoofs(solids, rings, head, np.array(levels, bool), slope)
 
 
-def _as_faces(
-    faces: list[list[int]], part: IntArray, places: FloatArray
-) -> tuple[IntArray, IntArray]:
-    """Cut faces of many corners into triangles in plan; triangles stay as they are."""
+def _as_triangles(faces: list[list[int]], places: FloatArray) -> tuple[IntArray, IntArray]:
+    """Cut faces of many corners into triangles in plan; also return the face of each."""
     size = np.array([len(face) for face in faces])
     simple = np.flatnonzero(size == 3)
-    index = [
-        np.column_stack(
-            [
-                np.array([faces[f] for f in simple], np.int64).reshape(-1, 3),
-                np.full(len(simple), NO_VERTEX),
-            ]
-        )
-    ]
-    owner = [part[simple]]
+    index = [np.array([faces[f] for f in simple], np.int64).reshape(-1, 3)]
+    owner: list[IntArray] = [simple]
     many = np.flatnonzero(size > 3)
     if len(many):
         flat = np.concatenate([np.array(faces[f], np.int64) for f in many])
@@ -394,6 +411,6 @@ def _as_faces(
             places[closed], indices=np.repeat(np.arange(len(many)), size[many] + 1)
         )
         mesh = triangulate(shapely.polygons(lines), rings)
-        index.append(as_quads(flat[mesh.triangles]))
-        owner.append(part[many[mesh.polygon]])
+        index.append(flat[mesh.triangles])
+        owner.append(many[mesh.polygon])
     return np.concatenate(index), np.concatenate(owner)

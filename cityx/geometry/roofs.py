@@ -12,11 +12,19 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.geometry.eaves import eave_bodies, overhang_points
-from cityx.geometry.extrude import aligned, prisms, weld_touching
+from cityx.geometry.extrude import prisms, weld_touching
 from cityx.geometry.polygons import FloatArray, IntArray, Rings, rings_of
-from cityx.geometry.roof_lofts import LOFTS, loft_roofs, parapet_roofs, rimmed_roofs
-from cityx.geometry.roof_profiles import PROFILES, Frames, profile_roofs
-from cityx.geometry.roof_rectangles import HALF, is_rectangle, rectangle_roofs
+from cityx.geometry.roof_lofts import DOME, LOFTS, loft_roofs, parapet_roofs, rimmed_roofs
+from cityx.geometry.roof_meshes import (
+    RoofMesh,
+    bend_mesh,
+    crossed_mesh,
+    edge_slopes,
+    join_meshes,
+    raised,
+)
+from cityx.geometry.roof_profiles import PROFILES, profile_roofs
+from cityx.geometry.roof_rectangles import HALF, RECTANGULAR, is_rectangle, rectangle_roofs
 from cityx.geometry.roof_skeletons import skeleton_roofs
 from cityx.geometry.solids import (
     ROOF,
@@ -27,45 +35,84 @@ from cityx.geometry.solids import (
     volumes_by_group,
 )
 
-# Shapes that are built as such; "wings" is gabled with one ridge per wing, "block" has no roof.
+# Shapes that are built as such, besides "wings" (gabled with one ridge per wing) and "block".
 SHAPES = (
     "flat", "gabled", "skillion", "gambrel", "saltbox", "double_saltbox", "butterfly", "round",
-    "sawtooth", "hipped", "half-hipped", "side_hipped", "mansard", "rimmed", "pyramidal", "dome",
-    "onion",
+    "zollinger", "sawtooth", "gabled_row", "gabled_height_moved", "crosspitched", "hipped",
+    "half-hipped", "side_hipped", "side_half-hipped", "hipped-and-gabled", "mansard", "rimmed",
+    "pyramidal", "dome", "onion",
 )  # fmt: skip
 # Values of roof:shape that mean one of them. Anything else that is not known is flat.
 SYNONYMS: Mapping[str, str] = MappingProxyType(
     {
-        "lean_to": "skillion", "shed": "skillion", "mono_pitched": "skillion",
-        "pitched": "gabled", "gable": "gabled", "half_gabled": "gabled",
-        "crosspitched": "gabled", "cross_gabled": "gabled", "gabled_row": "gabled",
-        "gabled_height_moved": "saltbox", "dutch_gabled": "half-hipped",
-        "hip": "hipped", "hipped-and-gabled": "half-hipped", "half_hipped": "half-hipped",
-        "half-hip": "half-hipped", "jerkinhead": "half-hipped", "side_half-hipped": "side_hipped",
-        "side-hipped": "side_hipped", "tented": "pyramidal", "pyramid": "pyramidal",
+        "lean_to": "skillion", "lean-to": "skillion", "shed": "skillion", "pent": "skillion",
+        "mono_pitched": "skillion", "monopitch": "skillion",
+        "pitched": "gabled", "gable": "gabled", "half_gabled": "gabled", "side_gabled": "gabled",
+        "double_pitch": "gabled", "bellcast_gabled": "gabled",
+        "cross_gabled": "crosspitched", "cross-gabled": "crosspitched",
+        "cross_pitched": "crosspitched", "cross_hipped": "hipped",
+        "gabled-row": "gabled_row", "m-shaped": "gabled_row",
+        "dutch_gabled": "hipped-and-gabled", "hip-and-gable": "hipped-and-gabled",
+        "hipped_and_gabled": "hipped-and-gabled", "gablet": "hipped-and-gabled",
+        "hip": "hipped", "bellcast_hipped": "hipped",
+        "half_hipped": "half-hipped", "half-hip": "half-hipped", "jerkinhead": "half-hipped",
+        "side-hipped": "side_hipped", "side_half_hipped": "side_half-hipped",
+        "tented": "pyramidal", "pyramid": "pyramidal",
         "cone": "pyramidal", "conical": "pyramidal", "spire": "pyramidal",
-        "quadruple_saltbox": "rimmed", "mansard_hipped": "mansard", "zollinger": "round",
+        "triple_saltbox": "double_saltbox", "quadruple_saltbox": "rimmed",
+        "mansard_hipped": "mansard", "lamella": "zollinger",
         "barrel": "round", "arched": "round", "arch": "round", "vault": "round",
-        "dome_small": "dome", "hemisphere": "dome", "onion_dome": "onion",
-        "saw_tooth": "sawtooth", "sawtoothed": "sawtooth",
+        "vaulted": "round", "half_round": "round",
+        "dome_small": "dome", "hemisphere": "dome", "spherical": "dome", "cupola": "dome",
+        "onion_dome": "onion", "saw_tooth": "sawtooth", "sawtoothed": "sawtooth",
+    }
+)  # fmt: skip
+# How a shape is built where its plain form does not suit the outline, and what it still counts as.
+FORMS: Mapping[str, str] = MappingProxyType(
+    {
+        "gambrel_wings": "gambrel", "round_wings": "round", "zollinger_wings": "zollinger",
+        "cross_wings": "crosspitched", "dome_ridged": "dome", "mansard_deck": "mansard",
     }
 )  # fmt: skip
 # What is tried next when a shell does not close or its outline does not admit the shape.
 NEXT: Mapping[str, str] = MappingProxyType(
     {
-        "wings": "gabled", "half-hipped": "hipped", "side_hipped": "hipped", "hipped": "gabled",
-        "mansard": "hipped", "rimmed": "hipped", "pyramidal": "hipped", "dome": "hipped",
-        "onion": "dome", "flat": "block",
+        "onion": "dome", "dome": "dome_ridged", "dome_ridged": "hipped", "pyramidal": "hipped",
+        "mansard": "mansard_deck", "mansard_deck": "hipped", "rimmed": "hipped",
+        "side_half-hipped": "half-hipped", "half-hipped": "hipped", "side_hipped": "hipped",
+        "hipped-and-gabled": "hipped", "gambrel_wings": "gambrel", "round_wings": "round",
+        "zollinger_wings": "zollinger", "cross_wings": "crosspitched", "wings": "gabled",
+        "hipped": "gabled", "crosspitched": "gabled", "gabled_row": "gabled",
+        "gabled_height_moved": "gabled", "sawtooth": "gabled", "gambrel": "gabled",
+        "zollinger": "gabled", "round": "gabled", "saltbox": "gabled", "double_saltbox": "gabled",
+        "gabled": "skillion", "butterfly": "skillion", "skillion": "flat", "flat": "block",
     }
 )  # fmt: skip
-EAVED = frozenset({"gabled", "skillion", "gambrel", "saltbox", "double_saltbox", "wings",
-                   "hipped", "half-hipped", "side_hipped"})  # fmt: skip
+# Roofs that run out over their walls.
+EAVED = frozenset(
+    {
+        "gabled", "skillion", "gambrel", "saltbox", "double_saltbox", "wings", "gambrel_wings",
+        "cross_wings", "crosspitched", "gabled_row", "gabled_height_moved", "zollinger",
+        "zollinger_wings", "hipped", "half-hipped", "side_hipped", "side_half-hipped",
+        "hipped-and-gabled", "pyramidal",
+    }
+)  # fmt: skip
+WINGED = {"gabled": "wings", "gambrel": "gambrel_wings", "round": "round_wings",
+          "zollinger": "zollinger_wings", "crosspitched": "cross_wings"}  # fmt: skip
+# First end and other ends of roofs over the skeleton, see `skeleton_roofs`.
+ENDS = {"half-hipped": (HALF, HALF), "side_hipped": (1.0, 0.0), "side_half-hipped": (1.0, HALF),
+        "hipped-and-gabled": (HALF, HALF)}  # fmt: skip
 MIN_RISE = 0.15  # metres; a lower roof is level
 WING_FILL = 0.82  # share of its rectangle below which a gabled house has wings
 MAX_WING_POINTS = 40
 STEEP_RUN = 0.36  # plan metres per metre of rise of a mansard's rim (70 degrees)
+UPPER_SLOPE = 0.36  # rise over run above the rim of a mansard (20 degrees)
+STEEP_SHARE = 0.7  # of its rise that the rim of a mansard takes at least
+MAX_STEEP_RUN = 0.7  # of the way to the ridge that it takes at most
 RIM_SHARE = 0.22  # of the short side that a sloping rim takes at most
-TOOTH = 7.0  # metres, the usual bay of a sawtooth roof
+TOOTH = 7.0  # metres, the usual bay of a sawtooth roof and of a row of gables
+VERGE = 0.6  # share of its overhang that a roof has over a gable
+MAX_VERGE_RISE = 0.2  # rise over run outward of an edge that still gets an overhang
 SNAP_TURN = np.radians(10.0)  # a tagged direction this close to a wall means the wall's
 PARAPET_THICKNESS = 0.3  # metres
 AREA_TOLERANCE = 5e-3  # share of the plan by which a roof may miss it
@@ -119,14 +166,10 @@ class RoofBrief:
 
 @dataclass(frozen=True)
 class _Attempt:
-    """Shells of one shape and where its eaves run; `slope` is None for profiles."""
+    """Shells of one shape and, where its eaves may run out, the roofs they were raised from."""
 
     solids: Solids
-    rings: Rings | None = None
-    head: FloatArray | None = None
-    level: NDArray[np.bool_] | None = None
-    slope: FloatArray | None = None
-    frames: Frames | None = None
+    mesh: RoofMesh | None = None
 
 
 def shell_batch(brief: RoofBrief) -> tuple[Solids, NDArray[np.str_]]:
@@ -136,7 +179,7 @@ def shell_batch(brief: RoofBrief) -> tuple[Solids, NDArray[np.str_]]:
     -------
     solids, built
         The shells, and (n,) the shape each part got: its own, one further down `NEXT`, "block", or
-        "" where not even a block closes.
+        "" where not even a block closes. Forms of a shape (`FORMS`) count as the shape.
     """
     polygons = shapely.from_wkb(brief.outlines)
     count = len(polygons)
@@ -157,15 +200,20 @@ def shell_batch(brief: RoofBrief) -> tuple[Solids, NDArray[np.str_]]:
         accepted.append(solids.of_parts(good))
         if kind in EAVED:
             accepted.append(_eaves(attempt, brief, good, count))
-        built[good] = kind
+        built[good] = FORMS.get(kind, kind)
         pending[rows] = ""
         pending[rows & ~good] = NEXT.get(kind, "flat" if kind != "block" else "")
     return join_solids(accepted), np.array(built, dtype=str)
 
 
-_ORDER = ("onion", "dome", "pyramidal", "mansard", "rimmed", "half-hipped", "side_hipped",
-          "hipped", "wings", "gabled", "skillion", "gambrel", "saltbox", "double_saltbox",
-          "butterfly", "round", "sawtooth", "flat", "block")  # fmt: skip
+# Every shape stands before the one that follows it in `NEXT`.
+_ORDER = (
+    "onion", "dome", "dome_ridged", "pyramidal", "mansard", "mansard_deck", "rimmed",
+    "side_half-hipped", "half-hipped", "side_hipped", "hipped-and-gabled", "hipped",
+    "gambrel_wings", "round_wings", "zollinger_wings", "cross_wings", "wings", "crosspitched",
+    "gabled_row", "gabled_height_moved", "sawtooth", "gambrel", "zollinger", "round", "saltbox",
+    "double_saltbox", "gabled", "butterfly", "skillion", "flat", "block",
+)  # fmt: skip
 
 
 def _envelopes(polygons: NDArray[Any]) -> FloatArray:
@@ -207,13 +255,13 @@ def _first_shapes(brief: RoofBrief, polygons: NDArray[Any], envelope: FloatArray
     shape = np.where(brief.top - brief.eave < MIN_RISE, "flat", brief.shape)
     points = shapely.get_num_coordinates(polygons) - 1
     winged = (
-        (shape == "gabled")
+        np.isin(shape, list(WINGED))
         & ~np.isfinite(brief.direction)
         & (envelope[:, 3] < WING_FILL)
         & (points >= 6)
         & (points <= MAX_WING_POINTS)
     )
-    return np.where(winged, "wings", shape)
+    return [WINGED[word] if wing else word for word, wing in zip(shape, winged, strict=True)]
 
 
 def _attempt(
@@ -222,22 +270,11 @@ def _attempt(
     """Build the shells of one shape."""
     low, eave, zero = brief.low, brief.eave, brief.zero
     rise = np.maximum(brief.top - eave, 1e-3)
-    if kind in PROFILES or kind == "sawtooth":
-        names = np.full(len(polygons), kind, dtype="U16")
-        if kind == "sawtooth":
-            turned = np.abs(np.sin(angle - envelope[:, 0])) > np.sqrt(0.5)
-            width = np.where(turned, envelope[:, 1], envelope[:, 2])
-            teeth = np.clip(np.rint(width / TOOTH), 1, 12).astype(int)
-            names = np.array([f"sawtooth_{number}" for number in teeth.tolist()])
-        roofs, frames = profile_roofs(polygons, names, angle, low, eave, rise, zero)
-        level = np.ones(len(roofs.rings.points), bool)
-        return _Attempt(roofs.solids, roofs.rings, roofs.eave_z, level, None, frames)
-    if kind in ("hipped", "side_hipped", "half-hipped", "wings"):
-        return _hipped(kind, polygons, brief, angle, rise)
     if kind in LOFTS:
-        return _Attempt(loft_roofs(polygons, kind, low, eave, rise, zero))
-    if kind in ("mansard", "rimmed"):
-        steep = STEEP_RUN if kind == "mansard" else 1.0
+        solids, mesh = loft_roofs(polygons, kind, low, eave, rise, zero)
+        return _Attempt(solids, mesh)
+    if kind in ("mansard_deck", "rimmed"):
+        steep = STEEP_RUN if kind == "mansard_deck" else 1.0
         run = np.minimum(steep * rise, RIM_SHARE * envelope[:, 2])
         wide = rimmed_roofs(polygons, run, low, eave, rise, zero)
         rest = polygons.copy()
@@ -245,7 +282,67 @@ def _attempt(
         return _Attempt(join_solids([wide, rimmed_roofs(rest, run / 2, low, eave, rise, zero)]))
     if kind == "flat":
         return _flat(polygons, brief)
-    return _Attempt(prisms(polygons, low, brief.top, zero)[0])
+    if kind == "block":
+        return _Attempt(prisms(polygons, low, brief.top, zero)[0])
+    mesh = _mesh(kind, polygons, angle, eave, rise, envelope)
+    return _Attempt(raised(mesh, low, zero), mesh)
+
+
+def _mesh(
+    kind: str, polygons: NDArray[Any], angle: FloatArray, eave: FloatArray, rise: FloatArray,
+    envelope: FloatArray,
+) -> RoofMesh:  # fmt: skip
+    """Lay the roofs of one shape on their outlines."""
+    if kind in PROFILES or kind in ("sawtooth", "gabled_row"):
+        names = np.full(len(polygons), kind, dtype="U20")
+        if kind in ("sawtooth", "gabled_row"):
+            if kind == "gabled_row":  # the gables of a row look at the longer side
+                angle = angle + np.pi / 2
+            turned = np.abs(np.sin(angle - envelope[:, 0])) > np.sqrt(0.5)
+            width = np.where(turned, envelope[:, 1], envelope[:, 2])
+            least = 1 if kind == "sawtooth" else 2
+            teeth = np.clip(np.rint(width / TOOTH), least, 12).astype(int)
+            names = np.array([f"{kind}_{number}" for number in teeth.tolist()])
+        return profile_roofs(polygons, names, angle, eave, rise)
+    if kind == "crosspitched":
+        return crossed_mesh(polygons, angle, eave, rise)
+    if kind in WINGED.values():
+        mesh = skeleton_roofs(polygons, eave, rise, first=1.0, others=1.0)
+        profile = FORMS.get(kind, "gabled")
+        if profile in PROFILES and profile != "gabled":
+            knots = [(2 * at, height) for at, height in PROFILES[profile] if at <= 0.5]
+            mesh = _bent(mesh, eave, rise, np.array(knots))
+        return mesh
+    if kind == "dome_ridged":
+        return _bent(_hipped("hipped", polygons, angle, eave, rise), eave, rise, DOME)
+    if kind == "mansard":
+        return _mansard(_hipped("hipped", polygons, angle, eave, rise), eave, rise, envelope)
+    return _hipped(kind, polygons, angle, eave, rise)
+
+
+def _bent(mesh: RoofMesh, eave: FloatArray, rise: FloatArray, knots: FloatArray) -> RoofMesh:
+    """Bend all roofs alike; `knots` are (k, 2) shares of the way and of the height."""
+    count = mesh.count
+    return bend_mesh(
+        mesh, eave, rise, np.tile(knots[:, 0], (count, 1)), np.tile(knots[:, 1], (count, 1))
+    )
+
+
+def _mansard(mesh: RoofMesh, eave: FloatArray, rise: FloatArray, envelope: FloatArray) -> RoofMesh:
+    """Bend hipped roofs to a steep rim and a shallow slope above it."""
+    count = mesh.count
+    # Plan metres from an eave to the ridge: from the steepness of the faces beside the eaves.
+    slope = np.hypot(*edge_slopes(mesh).T)
+    part = mesh.rings.polygon[mesh.rings.ring_of_point]
+    steepest = np.zeros(count)
+    np.maximum.at(steepest, part, np.nan_to_num(slope))
+    depth = np.where(steepest > 0, rise / np.maximum(steepest, 1e-6), envelope[:, 2] / 2)
+    rim = np.maximum(STEEP_SHARE * rise, rise - UPPER_SLOPE * depth)
+    run = np.minimum(STEEP_RUN * rim, MAX_STEEP_RUN * depth) / np.maximum(depth, 1e-6)
+    none, whole = np.zeros(count), np.ones(count)
+    share = np.clip(rim / rise, 0.1, 0.95)
+    knots, heights = np.stack([none, run, whole], 1), np.stack([none, share, whole], 1)
+    return bend_mesh(mesh, eave, rise, knots, heights)
 
 
 def _flat(polygons: NDArray[Any], brief: RoofBrief) -> _Attempt:
@@ -272,38 +369,22 @@ def _flat(polygons: NDArray[Any], brief: RoofBrief) -> _Attempt:
 
 
 def _hipped(
-    kind: str, polygons: NDArray[Any], brief: RoofBrief, angle: FloatArray, rise: FloatArray
-) -> _Attempt:
+    kind: str, polygons: NDArray[Any], angle: FloatArray, eave: FloatArray, rise: FloatArray
+) -> RoofMesh:
     """Rectangles by their closed form, the others by their skeleton."""
-    count = len(polygons)
-    low, eave, zero = brief.low, brief.eave, brief.zero
-    rectangle = is_rectangle(rings_of(polygons), count)
-    if kind == "wings":
-        rectangle[:] = False
-    simple = rectangle_roofs(
-        np.where(rectangle, polygons, shapely.Polygon()), kind, angle, low, eave, rise, zero
+    none = shapely.Polygon()
+    rectangle = is_rectangle(rings_of(polygons), len(polygons)) & (kind in RECTANGULAR)
+    simple = rectangle_roofs(np.where(rectangle, polygons, none), kind, angle, eave, rise)
+    first, others = ENDS.get(kind, (0.0, 0.0))
+    general = skeleton_roofs(
+        np.where(rectangle, none, polygons),
+        eave,
+        rise,
+        first=first,
+        others=others,
+        gablets=kind == "hipped-and-gabled",
     )
-    others = np.where(rectangle, shapely.Polygon(), polygons)
-    if kind == "side_hipped":
-        others = np.full(count, shapely.Polygon(), dtype=object)
-    ends = np.full(count, {"wings": 1.0, "half-hipped": HALF}.get(kind, 0.0))
-    general = skeleton_roofs(others, ends, low, eave, rise, zero)
-    return _Attempt(
-        join_solids([simple.solids, general.solids]),
-        _join_rings(simple.rings, general.rings),
-        np.concatenate([simple.eave_z, general.eave_z]),
-        np.concatenate([simple.level_edge, general.level_edge]),
-        simple.slope + general.slope,
-    )
-
-
-def _join_rings(first: Rings, second: Rings) -> Rings:
-    return Rings(
-        np.concatenate([first.points, second.points]),
-        np.concatenate([first.start, second.start[1:] + first.start[-1]]),
-        np.concatenate([first.polygon, second.polygon]),
-        np.concatenate([first.hole, second.hole]),
-    )
+    return join_meshes(simple, general)
 
 
 def _welded(solids: Solids, count: int) -> Solids:
@@ -339,42 +420,34 @@ def _sound(
 
 
 def _eaves(attempt: _Attempt, brief: RoofBrief, good: NDArray[np.bool_], count: int) -> Solids:
-    """Eave bodies of the accepted parts."""
-    rings, head, level = attempt.rings, attempt.head, attempt.level
-    if rings is None or head is None or level is None or len(rings.points) == 0:
+    """Eave and verge bodies of the accepted parts, each edge in the plane of its own roof face."""
+    mesh = attempt.mesh
+    if mesh is None or len(mesh.head) == 0:
         return join_solids([])
+    rings, head = mesh.rings, mesh.head
     part = rings.polygon[rings.ring_of_point]
-    allowed = good[part] & level & _free_edges(rings, brief)
-    distance = np.where(allowed, brief.overhang[part], 0.0)
-    frames = attempt.frames
-    if frames is not None:
-        distance = np.where(_rises_outward(rings, frames), 0.0, distance)
-    outer, active = overhang_points(rings, distance, count)
-    if frames is not None:
-        turned = (
-            -np.sin(frames.angle)[part] * outer[:, 0] + np.cos(frames.angle)[part] * outer[:, 1]
-        )
-        outer_z = frames.z_at(turned, part)
-    else:
-        slope = np.zeros(count) if attempt.slope is None else attempt.slope
-        outer_z = head - slope[part] * brief.overhang[part]
-    # An eave that would reach the ground belongs to no house.
-    sunk = outer_z - 1.0 < brief.low[part] + 0.5
-    active &= ~sunk & ~sunk[rings.following()]
-    solids = eave_bodies(rings, outer, active, head, outer_z, count)
-    return solids.of_parts(~open_parts(solids, count))
-
-
-def _rises_outward(rings: Rings, frames: Frames) -> NDArray[np.bool_]:
-    """Whether the roof over an edge rises outward; an eave there would top the building."""
-    part = rings.polygon[rings.ring_of_point]
-    middle = (rings.points + rings.points[rings.following()]) / 2
-    vector = rings.points[rings.following()] - rings.points
+    after, before = rings.following(), rings.preceding()
+    slope = edge_slopes(mesh)
+    vector = rings.points[after] - rings.points
     normal = np.column_stack([vector[:, 1], -vector[:, 0]])
     normal /= np.maximum(np.hypot(*vector.T), 1e-9)[:, None]
-    inside = aligned(middle, part, frames.angle)[:, 1]
-    outside = aligned(middle + normal * 0.1, part, frames.angle)[:, 1]
-    return np.asarray(frames.z_at(outside, part) > frames.z_at(inside, part) + 1e-3)
+    outward = (slope * normal).sum(axis=1)
+    # Where a roof rises outward an eave would top the building.
+    allowed = good[part] & (outward < MAX_VERGE_RISE) & _free_edges(rings, brief)
+    reach = np.where(outward > -0.5 * np.hypot(*slope.T), VERGE, 1.0)
+    distance = np.where(allowed, reach * brief.overhang[part], 0.0)
+    outer, active = overhang_points(rings, distance, count)
+    # A corner lies in the planes of both of its edges, where both run out.
+    move = outer - rings.points
+    rise = (np.nan_to_num(slope) * move).sum(axis=1), (np.nan_to_num(slope[before]) * move).sum(1)
+    both = active & active[before]
+    change = np.where(both, (rise[0] + rise[1]) / 2, np.where(active, rise[0], rise[1]))
+    outer_z = np.minimum(head + change, brief.top[part])
+    # An eave that would reach the ground belongs to no house.
+    sunk = outer_z - 1.0 < brief.low[part] + 0.5
+    active &= ~sunk & ~sunk[after]
+    solids = eave_bodies(rings, outer, active, head, outer_z, count)
+    return solids.of_parts(~open_parts(solids, count))
 
 
 def _free_edges(rings: Rings, brief: RoofBrief) -> NDArray[np.bool_]:
@@ -425,5 +498,5 @@ def part_of_brief(brief: RoofBrief, rows: slice, points: IntArray) -> RoofBrief:
 def as_shapes(values: ArrayLike) -> NDArray[np.str_]:
     """Map (n,) values of roof:shape to words of `SHAPES`."""
     words, index = np.unique(np.asarray(values, dtype=str), return_inverse=True)
-    known = np.array([roof_shape(str(word)) for word in words], dtype="U16")
+    known = np.array([roof_shape(str(word)) for word in words], dtype=str)
     return np.asarray(known[index.ravel()])

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from cityx.city.mesh import MeshBatch
 
 NO_VERTEX = -1  # fourth index of a triangle
-WALL, ROOF, TRIM = 0, 1, 2  # roles of faces
+WALL, ROOF, TRIM, GLAZED = 0, 1, 2, 3  # roles of faces
 LEVEL = 0.999  # cosine; an underside is level within 2.5 degrees
 MIN_FACE = 1e-6  # square metres
 
@@ -33,7 +33,7 @@ class Solids:
     faces
         (f, 4) int64 into ``vertices``, counter-clockwise from outside, triangles with -1.
     role
-        (f,) int8: `WALL`, `ROOF` or `TRIM`.
+        (f,) int8: `WALL`, `ROOF`, `TRIM` or `GLAZED`.
     uv
         (f, 4, 2) float32, metres.
     """

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.geometry.identity import hash_ids, uniform
+from cityx.geometry.noise import gradient_noise
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -196,27 +196,8 @@ class NoiseFunction:
 
     def __call__(self, points: ArrayLike) -> NDArray[np.float64]:
         """Evaluate at (n, 2) points; returns (n,) values between -1 and 1."""
-        points = np.asarray(points, dtype=float).reshape(-1, 2)
-        total = np.zeros(len(points))
-        for octave in range(self.octaves):
-            total += 0.5**octave * self._layer(points * (2.0**octave / self.scale), octave)
-        return total / (2.0 - 0.5 ** (self.octaves - 1))
-
-    def _layer(self, points: NDArray[np.float64], octave: int) -> NDArray[np.float64]:
-        corner = np.floor(points).astype(np.int64)  # (n, 2)
-        offset = points - corner
-        fade = offset**3 * (offset * (offset * 6 - 15) + 10)
-        total = np.zeros(len(points))
-        for dx in (0, 1):
-            for dy in (0, 1):
-                cell = (corner + np.array([dx, dy])).astype(np.uint64)
-                ids = hash_ids(self.seed, "noise/cell", cell[:, 0], cell[:, 1])
-                angle = 2 * np.pi * uniform(self.seed, "noise/gradient", ids, octave)
-                slope = np.cos(angle) * (offset[:, 0] - dx) + np.sin(angle) * (offset[:, 1] - dy)
-                weight = np.abs(1 - dx - fade[:, 0]) * np.abs(1 - dy - fade[:, 1])
-                total += weight * slope
-        # Gradient noise of unit slopes stays within +-sqrt(1/2); scale to +-1.
-        return np.asarray(np.sqrt(2.0) * total)
+        points = np.asarray(points, dtype=float).reshape(-1, 2) / self.scale
+        return gradient_noise(self.seed, points, octaves=self.octaves)
 
 
 @dataclass(frozen=True)

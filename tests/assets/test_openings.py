@@ -16,11 +16,13 @@ ALL = [
     *map(roof_furniture, ROOF_FURNITURE),
 ]
 
+MOST = 900  # triangles of a window with tracery
+
 
 @pytest.mark.parametrize("made", ALL, ids=lambda made: made.name)
 def test_prototype_is_modest_and_of_known_materials(made):
     assert set(made.mesh.materials) <= set(MATERIALS)
-    assert 10 <= made.mesh.triangle_count <= 400
+    assert 10 <= made.mesh.triangle_count <= MOST
     assert np.isfinite(made.mesh.vertices).all()
 
 
@@ -28,10 +30,11 @@ def test_prototype_is_modest_and_of_known_materials(made):
 def test_window_fills_the_opening_it_is_drawn_for(name):
     _, width, height = WINDOWS[name]
     points = window(name).mesh.vertices
-    assert points[:, 2].min() == pytest.approx(0.0, abs=1e-6)
-    assert points[:, 2].max() == pytest.approx(height, abs=0.02)
-    frame = 0.0 if name != "window_shuttered" else 0.53
-    assert np.ptp(points[:, 0]) == pytest.approx(width + 2 * frame, abs=0.02)
+    # Sills, hoods and shutters reach beyond the opening; nothing falls short of it.
+    beyond = 0.62 if name in ("window_shuttered", "window_persiana") else 0.42
+    assert -beyond <= points[:, 2].min() <= 1e-6
+    assert height - 0.02 <= points[:, 2].max() <= height + beyond
+    assert width - 0.02 <= np.ptp(points[:, 0]) <= width + 2 * beyond
 
 
 @pytest.mark.parametrize("made", ALL, ids=lambda made: made.name)

@@ -2,11 +2,12 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.assets.facade_styles import FACADE_STYLES
 from cityx.assets.materials import MATERIALS
-from cityx.assets.palettes import FACADES, REGIONS, STYLES, family_of, finishes_for, region_of
+from cityx.assets.palettes import REGIONS, STYLES, family_of, finishes_for, region_of
 from cityx.city import Layout, make_table
 from cityx.errors import UsageError
+from cityx.plugins.building.catalogue import generators
+from cityx.plugins.building.selection import choose_generators
 
 COUNT = 60
 
@@ -24,14 +25,18 @@ def row_of_houses(**columns):
     return Layout((0, 0, 480, 12), buildings, parts)
 
 
+def finished(layout, seed, style="", region=""):
+    design = choose_generators(layout, seed, style=style, region=region)
+    return finishes_for(layout, seed, design, generators(), style=style, region=region)
+
+
 @pytest.mark.parametrize(
     ("style", "region"), [*((style, "") for style in STYLES), *(("", name) for name in REGIONS)]
 )
 def test_every_style_gives_known_materials_and_colours(style, region):
-    made = finishes_for(row_of_houses(), 3, style, region=region)
+    made = finished(row_of_houses(), 3, style, region=region)
     assert set(made.wall_material) <= set(MATERIALS)
     assert set(made.roof_material) <= set(MATERIALS)
-    assert set(made.facade) <= set(FACADES)
     for tint in (made.wall_tint, made.roof_tint, made.trim_tint, made.frame_tint, made.accent_tint):
         assert tint.shape == (COUNT, 3)
         assert tint.dtype == np.float32
@@ -39,10 +44,9 @@ def test_every_style_gives_known_materials_and_colours(style, region):
 
 
 def test_neighbours_differ():
-    made = finishes_for(row_of_houses(), 3, "european")
+    made = finished(row_of_houses(), 3, "european")
     same = np.abs(np.diff(made.wall_tint, axis=0)).max(axis=1) < 0.01
     assert same.mean() < 0.05
-    assert len(set(made.facade)) >= 2
 
 
 def test_the_input_wins():
@@ -50,7 +54,7 @@ def test_the_input_wins():
         wall_color=[0xFF0000] * COUNT, wall_material=["brick"] * COUNT,
         roof_material=["slate"] * COUNT,
     )  # fmt: skip
-    made = finishes_for(layout, 0, "european")
+    made = finished(layout, 0, "european")
     assert set(made.wall_material) == {"brick"}
     assert set(made.roof_material) == {"slate"}
     assert (made.wall_tint[:, 0] > 1.8 * made.wall_tint[:, 1:].max(axis=1)).all()
@@ -58,8 +62,8 @@ def test_the_input_wins():
 
 def test_unknown_material_words_change_nothing():
     layout = row_of_houses(wall_material=["unobtainium"] * COUNT)
-    plain = finishes_for(row_of_houses(), 0)
-    assert (finishes_for(layout, 0).wall_material == plain.wall_material).all()
+    plain = finished(row_of_houses(), 0)
+    assert (finished(layout, 0).wall_material == plain.wall_material).all()
 
 
 def test_unknown_style_names_the_nearest():
@@ -68,20 +72,16 @@ def test_unknown_style_names_the_nearest():
 
 
 def test_finishes_do_not_depend_on_the_other_buildings():
-    whole = finishes_for(row_of_houses(), 5)
+    whole = finished(row_of_houses(), 5)
     layout = row_of_houses()
     half = Layout(layout.extent, layout.buildings[:20].copy(), layout.parts[:20].copy())
-    some = finishes_for(half, 5)
+    some = finished(half, 5)
     assert np.array_equal(some.wall_tint, whole.wall_tint[:20])
-    assert np.array_equal(some.facade, whole.facade[:20])
+    assert np.array_equal(some.wall_material, whole.wall_material[:20])
 
 
 def test_an_empty_layout_has_no_finishes():
-    assert len(finishes_for(Layout((0, 0, 1, 1)), 0).wall_material) == 0
-
-
-def test_every_facade_style_is_described():
-    assert set(FACADES) == set(FACADE_STYLES)
+    assert len(finished(Layout((0, 0, 1, 1)), 0).wall_material) == 0
 
 
 @pytest.mark.parametrize(

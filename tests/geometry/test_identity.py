@@ -2,8 +2,10 @@ import subprocess
 import sys
 
 import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from cityx.geometry.identity import choose, hash_ids, id_text, rng_for, stable_id, uniform
+from cityx.geometry.identity import choose, draw, hash_ids, id_text, rng_for, stable_id, uniform
 
 IDS = np.arange(1, 20_001, dtype=np.uint64)
 
@@ -57,3 +59,9 @@ def test_a_generator_is_keyed_by_its_object():
 
 def test_an_id_is_written_with_sixteen_digits():
     assert id_text(255) == "00000000000000ff"
+
+
+@given(st.integers(-(2**40), 2**40), st.integers(0, 2**64 - 1), st.integers(0, 1000))
+@settings(max_examples=50, deadline=None, derandomize=True)
+def test_one_draw_is_the_draw_of_the_table(seed, object_id, k):
+    assert draw(seed, "x", object_id, k) == float(uniform(seed, "x", np.uint64(object_id), k))

@@ -8,21 +8,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.mesh import MeshBatch
-from cityx.geometry.solids import NO_VERTEX, ROOF, TRIM, Solids
+from cityx.geometry.solids import GLAZED, NO_VERTEX, ROOF, TRIM, Solids
 
 if TYPE_CHECKING:
     from cityx.assets.palettes import Finishes
     from cityx.city.city import City
 
 TRIM_MATERIAL = "trim"
+GLASS_MATERIAL = "glass_wall"  # of the upright faces of sawtooth roofs
 
 
 def finishes_of(city: City) -> Finishes:
     """Return materials and tints of every part of the city."""
     from cityx.assets.palettes import finishes_for, region_of
+    from cityx.plugins.building.catalogue import generators
+    from cityx.plugins.building.selection import designs_of_parts
 
     region = region_of(city.frame.latitude, city.frame.longitude)
-    return finishes_for(city.layout, city.seed, style=city.style, region=region)
+    design = designs_of_parts(city)
+    return finishes_for(
+        city.layout, city.seed, design, generators(), style=city.style, region=region
+    )
 
 
 def assemble(solids: Solids, building: NDArray[np.uint64], finishes: Finishes) -> MeshBatch:
@@ -51,36 +57,94 @@ def assemble(solids: Solids, building: NDArray[np.uint64], finishes: Finishes) -
     names, material_of = _material_table(finishes)
     role = solids.role[face_order].astype(np.int64)
     part = solids.face_part[face_order]
+    clear = np.ones_like(np.asarray(finishes.wall_tint, np.float32))
     tints = np.stack(
         [
             np.asarray(tint, np.float32).reshape(-1, 3)
-            for tint in (finishes.wall_tint, finishes.roof_tint, finishes.trim_tint)
+            for tint in (finishes.wall_tint, finishes.roof_tint, finishes.trim_tint, clear)
         ]
-    )  # (3, n, 3), in the order of the roles
+    )  # (4, n, 3), in the order of the roles
+    material, names = _used(material_of[role, part], names)
     return MeshBatch(
         ids,
         _starts(vertex_owner, len(ids)),
         _starts(face_owner, len(ids)),
         solids.vertices[vertex_order],
         faces,
-        material_of[role, part].astype(np.int16),
+        material,
         names,
         solids.uv[face_order],
         tints[role, part],
     )
 
 
+def merged_objects(batch: MeshBatch, added: MeshBatch) -> MeshBatch:
+    """Join two batches of objects sorted by id; those of the same id become one object."""
+    ids = np.union1d(batch.object_id, added.object_id)
+    names = list(dict.fromkeys((*batch.materials, *added.materials)))
+    layers = (batch, added)
+    at = [np.searchsorted(ids, each.object_id) for each in layers]
+    starts, shifts = [], []
+    for column in ("vertex_start", "face_start"):
+        size = [np.zeros(len(ids), np.int64) for _ in layers]
+        for own, each, row in zip(size, layers, at, strict=True):
+            own[row] = np.diff(getattr(each, column))
+        start = np.concatenate([[0], np.cumsum(size[0] + size[1])]).astype(np.int64)
+        first = (start[:-1], start[:-1] + size[0])  # what is added comes behind what is there
+        starts.append(start)
+        shifts.append(
+            [
+                begin[row] - getattr(each, column)[:-1]
+                for begin, each, row in zip(first, layers, at, strict=True)
+            ]
+        )
+    made = MeshBatch(
+        ids,
+        starts[0],
+        starts[1],
+        np.empty((starts[0][-1], 3)),
+        np.empty((starts[1][-1], 4), np.int32),
+        np.empty(starts[1][-1], np.int16),
+        tuple(names),
+        np.empty((starts[1][-1], 4, 2), np.float32),
+        np.empty((starts[1][-1], 3), np.float32),
+    )
+    for each, by_vertex, by_face in zip(layers, *shifts, strict=True):
+        number = np.diff(each.vertex_start)
+        made.vertices[np.arange(len(each.vertices)) + np.repeat(by_vertex, number)] = each.vertices
+        number = np.diff(each.face_start)
+        place = np.arange(len(each.faces)) + np.repeat(by_face, number)
+        shift = np.repeat(by_vertex, number).astype(np.int32)[:, None]
+        made.faces[place] = np.where(each.faces == NO_VERTEX, NO_VERTEX, each.faces + shift)
+        table = np.array([names.index(name) for name in each.materials], np.int16)
+        made.material[place] = table[each.material]
+        made.uv[place], made.tint[place] = each.uv, each.tint
+    return made
+
+
 def _starts(owner: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     return np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=count))]).astype(np.int64)
+
+
+def _used(
+    material: NDArray[np.int64], names: tuple[str, ...]
+) -> tuple[NDArray[np.int16], tuple[str, ...]]:
+    """Drop the names of materials that no face has."""
+    present = np.bincount(material, minlength=len(names)) > 0
+    number = np.cumsum(present) - 1
+    kept = tuple(name for name, used in zip(names, present.tolist(), strict=True) if used)
+    return number[material].astype(np.int16), kept
 
 
 def _material_table(finishes: Finishes) -> tuple[tuple[str, ...], NDArray[np.int64]]:
     """Names of all materials and the one of each (role, part)."""
     wall = np.asarray(finishes.wall_material, dtype=str)
     roof = np.asarray(finishes.roof_material, dtype=str)
-    words = np.concatenate([wall, roof, np.full(len(wall), TRIM_MATERIAL)])
+    words = np.concatenate(
+        [wall, roof, np.full(len(wall), TRIM_MATERIAL), np.full(len(wall), GLASS_MATERIAL)]
+    )
     names, index = np.unique(words, return_inverse=True)
-    table = np.asarray(index, np.int64).reshape(3, -1)
-    order = [0] * 3
-    order[ROOF], order[TRIM] = 1, 2
+    table = np.asarray(index, np.int64).reshape(4, -1)
+    order = [0] * 4
+    order[ROOF], order[TRIM], order[GLAZED] = 1, 2, 3
     return tuple(str(name) for name in names), table[order]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.materials import srgb_to_linear
-from cityx.assets.openings import DOORS
+from cityx.assets.openings import DOORS, FINE
 from cityx.assets.shopfronts import fitting
 from cityx.assets.trims import BALCONY_WIDTH, SURROUND_HEIGHT, SURROUND_WIDTH, trim
 from cityx.geometry import facades
@@ -17,6 +17,8 @@ from cityx.geometry.facades import Openings, bays_of
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.walls import WallTable
+from cityx.plugins.building.cornices import course_levels
+from cityx.plugins.building.facings import Facing
 from cityx.plugins.building.placing import Placing
 
 if TYPE_CHECKING:
@@ -27,13 +29,11 @@ PORTALS = {
     "door_panel": "portal_panel", "door_double": "portal_double", "door_house": "portal_house",
     "door_portal": "portal_church",
 }  # fmt: skip
-# How far heads stand out, so that their ends meet round corners.
-HEAD_DEPTH = {"cornice": 0.38, "coping": 0.07, "eaves_board": 0.15}
+# How far a fascia stands out, so that its ends meet round corners.
+HEAD_DEPTH = 0.15
 JOINT = 0.01  # metres by which the pieces of a band overlap where its wall bends
 SKIN = 0.012  # metres; a faced ground floor stands out less than the panes of its windows
 BLOCK = 3.6  # metres of dressed stone in one piece
-MULLION_BAY = 1.5
-SPANDREL = 0.45  # metres of spandrel at each floor of a curtain wall
 _SHOP_SRGB = (
     0x5E2420, 0x1F3B2C, 0x1C2A44, 0x262627, 0x4F3C2A, 0x6C5B30, 0x802B26, 0x2A4C57, 0x3C4A30,
     0x5B4A60, 0x8C6C34, 0x33302D, 0x9A9890, 0x6F7B80, 0xB0A88E, 0x47586B,
@@ -73,7 +73,6 @@ def dress(placing: Placing, found: Facade, city: City) -> None:
     _coolers(placing, found, city.seed)
     _signs(placing, found, city.seed)
     _bands(placing, found, city.seed)
-    _curtain_walls(placing, found)
 
 
 def _by_name(
@@ -208,36 +207,21 @@ def _signs(placing: Placing, found: Facade, seed: int) -> None:
 
 
 def _bands(placing: Placing, found: Facade, seed: int) -> None:
-    """Cornices, string courses, faced ground floors and rain pipes."""
+    """Fascias, faced ground floors and rain pipes."""
     walls, part = found.walls, found.walls.part.astype(np.int64)
-    fronts, storeys = found.fronts, found.storeys
+    fronts = found.fronts
     trims = found.finishes.trim_tint
     number = np.arange(walls.count)
     open_top = (walls.blind_to < walls.z_high - 0.4) & (walls.open_to > walls.z_high - 0.05)
     before, after = corner_reach(walls)
-    # Heads: the street gets the ornament, yards a plain coping.
-    head = found.designs.head[part]
-    head = np.where((head == "cornice") & ~fronts.street, "", head)
-    reserve = walls.z_high - found.storey_walls.z_high
+    # Fascias of flat roofs; cornices and copings are swept (`cityx.plugins.building.cornices`).
     height = walls.z_high - walls.z_low
-    wanted = open_top & (walls.length > 0.4) & (height > 2.6)
-    flat = _flat_roofs(found)[part]
-    wanted &= flat | (head == "cornice")
-    z = np.where(head == "cornice", found.storey_walls.z_high + 0.35 * reserve + 0.1, walls.z_high)
-    z = np.minimum(z, np.where(flat, walls.z_high, walls.z_high - 0.12))
-    for name, depth in HEAD_DEPTH.items():
-        of = number[wanted & (head == name)]
-        _band(placing, name, of, z[of], trims[part[of]], depth * before[of], depth * after[of])
-    # String course under the first upper floor.
-    first = np.minimum(storeys.first + 1, storeys.count)
-    level = storeys.floor_of(number, first)
-    base_free = (walls.blind_to < level - 0.2) & fronts.grounded & (storeys.count > 1)
-    base_free &= (level < found.storey_walls.z_high - 1.5) & fronts.street & (walls.length > 1.0)
-    base_free &= level - fronts.foot > 2.2
-    of = number[base_free & found.designs.string[part]]
-    start, end = 0.13 * before[of], 0.13 * after[of]
-    _band(placing, "string_course", of, level[of] + 0.02, trims[part[of]], start, end)
-    _faced(placing, found, base_free, level)
+    wanted = open_top & (walls.length > 0.4) & (height > 2.6) & _flat_roofs(found)[part]
+    of = number[wanted & (found.designs.head[part] == "eaves_board")]
+    band(placing, "eaves_board", of, walls.z_high[of], trims[part[of]],
+         HEAD_DEPTH * before[of], HEAD_DEPTH * after[of])  # fmt: skip
+    level, clear = course_levels(found)
+    _faced(placing, found, clear, level)
     pipe = found.designs.pipe[part] & (walls.edge_from < 0.01) & (walls.length > 3.2)
     pipe &= (walls.blind_to <= walls.z_low + 0.05) & fronts.grounded & open_top
     of = number[pipe]
@@ -248,7 +232,7 @@ def _bands(placing: Placing, found: Facade, seed: int) -> None:
     del seed
 
 
-def _band(
+def band(
     placing: Placing,
     name: str,
     wall: IntArray,
@@ -291,6 +275,22 @@ def _faced(placing: Placing, found: Facade, wanted: NDArray[np.bool_], level: Fl
     low = walls.z_low - 0.15
     wall_tint = found.finishes.wall_tint
     stone = np.flatnonzero(wanted & (base == "stone") & (walls.length > 1.2))
+    paint = np.flatnonzero(wanted & (base == "paint"))
+    pale = np.isin(found.designs.style[part[paint]], ["georgian", "walkup"])
+    tint = np.where(
+        pale[:, None], found.finishes.trim_tint[part[paint]], 0.72 * wall_tint[part[paint]]
+    )
+    if placing.detail >= FINE:  # a facing without holes would close the niches behind it
+        before, after = corner_reach(walls)
+        for material, rows, color in (
+            ("stone", stone, 0.9 * found.finishes.trim_tint[part[stone]]),
+            ("door_paint", paint, tint),
+        ):
+            placing.facings.append(
+                Facing(material, rows, low[rows], level[rows], np.asarray(color, np.float32),
+                       before[rows], after[rows])
+            )  # fmt: skip
+        return
     of_wall, begin, finish = placing.faces.pieces(walls, stone)
     count = np.maximum(1, np.round((finish - begin) / BLOCK)).astype(np.int64)
     of_piece = np.repeat(np.arange(len(begin)), count)
@@ -304,53 +304,9 @@ def _faced(placing: Placing, found: Facade, wanted: NDArray[np.bool_], level: Fl
         scale=(length / BLOCK, 1.0, high / BLOCK), tint=0.9 * found.finishes.trim_tint[part[row]],
         index=np.rint(1000 * along).astype(np.int64), reach=length / 2,
     )  # fmt: skip
-    paint = np.flatnonzero(wanted & (base == "paint"))
-    pale = np.isin(found.designs.style[part[paint]], ["georgian", "walkup"])
-    tint = np.where(
-        pale[:, None], found.finishes.trim_tint[part[paint]], 0.72 * wall_tint[part[paint]]
-    )
     none = np.zeros(len(paint))
-    _band(placing, "band_paint", paint, low[paint], tint, none, none, depth=SKIN,
+    band(placing, "band_paint", paint, low[paint], tint, none, none, depth=SKIN,
           height=level[paint] - low[paint])  # fmt: skip
-
-
-def _curtain_walls(placing: Placing, found: Facade) -> None:
-    """Mullions over the whole height and spandrels at the floors of glass walls."""
-    walls, part = found.walls, found.walls.part.astype(np.int64)
-    open_from = np.maximum(walls.blind_to, walls.z_low)
-    height = walls.z_high - open_from
-    rows = np.flatnonzero(
-        (found.fronts.mode == facades.CURTAIN) & (walls.length > 1.0) & (height > 2.0)
-    )
-    tint = found.finishes.frame_tint
-    count = np.maximum(1, np.round(walls.length[rows] / MULLION_BAY)).astype(np.int64) + 1
-    row = np.repeat(rows, count)
-    number = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
-    step = (walls.length[row] - 0.08) / np.repeat(count - 1, count)
-    # Mullions stop above the doors and shops of the ground floor.
-    storeys = found.storeys
-    clear = np.where(
-        found.fronts.grounded & (storeys.count > 1),
-        storeys.floor_of(np.arange(walls.count), np.minimum(storeys.first + 1, storeys.count)),
-        walls.z_low,
-    )
-    foot = np.maximum(open_from, clear)[row]
-    tall = walls.z_high[row] - foot
-    keep = tall > 0.5
-    placing.add(
-        "band_frame", partial(trim, "band_frame"), row[keep], (0.04 + number * step)[keep],
-        foot[keep], scale=(0.06, 0.11, tall[keep]), tint=tint[part[row[keep]]],
-        index=number[keep],
-    )  # fmt: skip
-    floors = storeys.count[rows] + 1
-    row = np.repeat(rows, floors)
-    floor = np.arange(len(row)) - np.repeat(np.cumsum(floors) - floors, floors)
-    z = storeys.floor_of(row, floor) - 0.5 * SPANDREL
-    keep = (floor > storeys.first[row]) & (z > open_from[row]) & (z < walls.z_high[row] - SPANDREL)
-    row, floor, z = row[keep], floor[keep], z[keep]
-    none = np.zeros(len(row))
-    _band(placing, "band_frame", row, z, 0.8 * tint[part[row]], none, none, depth=0.05,
-          height=np.full(len(row), SPANDREL), index=10_000 + floor)  # fmt: skip
 
 
 def corner_reach(walls: WallTable) -> tuple[FloatArray, FloatArray]:

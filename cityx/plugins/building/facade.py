@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
-from cityx.assets.openings import DOORS, WINDOWS, door, window
+from cityx.assets.openings import DOORS, NICHE_DEPTH, WINDOWS, door, window
 from cityx.assets.palettes import Finishes
 from cityx.assets.shopfronts import HEIGHT, WIDTH, shopfront
 from cityx.city.city import City
@@ -18,13 +20,29 @@ from cityx.city.scene import Prototype
 from cityx.geometry import facades
 from cityx.geometry.facades import Fronts, Openings, Storeys, lay_out, storeys_of, wall_key
 from cityx.geometry.identity import choose, hash_ids, mix, uniform
+from cityx.geometry.polygons import FloatArray
 from cityx.geometry.wall_faces import wall_faces
 from cityx.geometry.walls import WallTable
 from cityx.plugins.building.assembly import finishes_of
+from cityx.plugins.building.catalogue import looks
+from cityx.plugins.building.crown import crown, pitched_field
 from cityx.plugins.building.dressing import dress, opening_ids, tenants
-from cityx.plugins.building.fronts import Designs, designs_of, fronts_of, lowered, reserve_of
+from cityx.plugins.building.facings import facing_pieces
+from cityx.plugins.building.fixtures import fixtures
+from cityx.plugins.building.fronts import (
+    Designs,
+    designs_of,
+    fronts_of,
+    lowered,
+    reserve_of,
+    walled_up,
+)
+from cityx.plugins.building.growth import grown
+from cityx.plugins.building.niches import Setting, set_back
 from cityx.plugins.building.placing import Placing, used
 from cityx.plugins.building.rooftop import furnish_roofs
+from cityx.plugins.building.selection import designs_of_parts
+from cityx.plugins.building.strips import strips
 from cityx.plugins.building.volumes import Volumes, volumes_of, walls_of_volumes
 from cityx.protocol import action
 
@@ -35,12 +53,16 @@ LAYERS = {
     "trims": "trim",
 }
 MIN_LOD = 2
+FINE_LOD = 3  # from here on openings are set back into the walls and drawn in full
 # Shops burn their lights longer than flats.
 SHOP_LIGHTS = 2.0
 # The draw by which Blender lights rooms, so that a lit prototype and a lit pane never meet.
 LIT_DRAW = "blender/instance"
+FLAT_DEPTH = 0.06  # metres to which fine things are squeezed that have no niche
+FLAT_GAP = 0.016  # metres between their backs and the wall
 WINDOW_ROLES = (facades.WINDOW, facades.BACK, facades.GROUND, facades.FRENCH)
 DRESSING_SHARES = (0.52, 0.16, 0.22, 0.10)
+STONE_DOORS = ("door_bronze", "door_parking")  # entrances that are built rather than painted
 GATE_TINTS = ((0.75, 0.75, 0.74), (0.5, 0.52, 0.53), (0.85, 0.84, 0.8), (0.22, 0.24, 0.25),
               (0.32, 0.22, 0.16), (0.16, 0.22, 0.26))  # fmt: skip
 
@@ -76,11 +98,13 @@ def facade_of(city: City) -> Facade:
     volumes = volumes_of(city.layout, city.terrain)
     walls = walls_of_volumes(volumes)
     finishes = finishes_of(city)
-    designs = designs_of(finishes.facade, volumes.building, city.seed)
+    designs = designs_of(designs_of_parts(city), volumes.building, city.seed)
     reserve = reserve_of(volumes, city.layout.parts, city.seed)
     storey_walls = lowered(walls, reserve)
-    fronts = fronts_of(city, volumes, storey_walls, designs)
+    fronts = fronts_of(city, volumes, storey_walls, designs, finishes.wall_material)
     openings = lay_out(storey_walls, fronts, city.seed)
+    windows = np.isin(openings.role, WINDOW_ROLES)
+    openings = openings.take(~(windows & walled_up(volumes, storey_walls, openings)))
     openings = _on_the_pavement(city, storey_walls, openings)
     storeys = storeys_of(storey_walls, fronts)
     return Facade(volumes, walls, storey_walls, finishes, designs, fronts, storeys, openings)
@@ -90,7 +114,7 @@ def facade_of(city: City) -> Facade:
     "building/facade-v1",
     limits=[
         "Runs at level of detail 2 and above; below it changes nothing.",
-        "Openings lie on the walls; there are no rooms behind them.",
+        "Openings lie on the walls; at level 3 they are niches. There are no rooms behind them.",
         "Signs carry no text.",
     ],
     requires=("layout",),
@@ -110,17 +134,39 @@ def facade(city: City) -> City:
     # Parts that stand on one another have walls in the same place.
     own = city.layout.parts["id"].to_numpy(np.uint64)[found.walls.part]
     key = mix(wall_key(found.walls) ^ own)
-    placing = Placing(found.walls, wall_faces(walled), building, key)
-    _place_windows(placing, found, city)
-    _place_doors(placing, found, city)
-    _place_shopfronts(placing, found, city)
+    placing = Placing(found.walls, wall_faces(walled), building, key, detail=city.lod)
+    scene, notes = city.scene, city.notes
+    setting = Setting(np.zeros(found.openings.count))
+    shells = scene.meshes.get("buildings")
+    if city.lod >= FINE_LOD and shells is not None:
+        setting = set_back(placing, found, _names_of(found), city)
+        share = setting.recessed.mean() if found.openings.count else 1.0
+        notes += (f"Openings: {share:.2%} of {found.openings.count} are set back into the walls.",)
+    _place_windows(placing, found, setting, city)
+    _place_doors(placing, found, setting, city.seed)
+    _place_shopfronts(placing, found, setting, city)
     dress(placing, found, city)
-    scene = city.scene
+    strips(placing, found, city.seed)
+    fixtures(placing, found, city.seed)
+    if setting.piece is not None and shells is not None:
+        pieces = [setting.piece, *facing_pieces(shells, placing, found)]
+        scene = scene.with_mesh("buildings", grown(shells, pieces, setting.kept))
+    field = pitched_field(city, found)
+    scene = crown(placing, found, city, scene, field)
     for layer, kind in LAYERS.items():
         scene = scene.with_instances(layer, *used(*placing.layer(kind)))
-    prototypes, rows = furnish_roofs(city, found.volumes, found.finishes)
+    prototypes, rows = furnish_roofs(city, found.volumes, found.finishes, field, found.walls)
     scene = scene.with_instances("roof_furniture", *used(prototypes, rows))
-    return replace(city, scene=scene, stages_done=city.stages_done | {"building"})
+    return replace(city, scene=scene, stages_done=city.stages_done | {"building"}, notes=notes)
+
+
+def _names_of(found: Facade) -> NDArray[np.str_]:
+    """Return the name of what fills each opening, (k,)."""
+    names = np.full(found.openings.count, "shop", "U20")
+    for role, named in ((WINDOW_ROLES, _window_names), (facades.DOORS, _door_names)):
+        rows = np.flatnonzero(np.isin(found.openings.role, role))
+        names[rows] = named(found, found.openings.take(rows))
+    return names
 
 
 def _on_the_pavement(city: City, walls: WallTable, openings: Openings) -> Openings:
@@ -138,20 +184,42 @@ def _on_the_pavement(city: City, walls: WallTable, openings: Openings) -> Openin
     return replace(openings, low=low, height=height)
 
 
-def _place_windows(placing: Placing, found: Facade, city: City) -> None:
+def _set(
+    placing: Placing, depth: FloatArray, width: FloatArray, height: FloatArray, size: FloatArray
+) -> dict[str, Any]:
+    """Scale and offset of things in openings, drawn for `size` and, if fine, for a niche."""
+    if placing.detail < FINE_LOD:
+        return {"scale": (width / size[:, 0], 1.0, height / size[:, 1])}
+    # What has no niche is squeezed flat and stands before the wall.
+    deep = np.where(depth > 0, depth, FLAT_DEPTH) / NICHE_DEPTH
+    return {
+        "scale": (width / size[:, 0], deep, height / size[:, 1]),
+        "out": np.where(depth > 0, 0.0, FLAT_DEPTH + FLAT_GAP),
+    }
+
+
+def _window_names(found: Facade, table: Openings) -> NDArray[np.str_]:
+    """Return the name of the window in each opening."""
+    name = found.designs.window[found.walls.part[table.wall]]
+    name = np.where(table.role == facades.FRENCH, "window_french", name)
+    # Narrow walls and stairs take the small window rather than a squeezed one.
+    squeezed = (table.width < 0.62 * _window_sizes(name)[:, 0]) & (name != "window_arched")
+    return np.where(squeezed, "window_small", name)
+
+
+def _window_sizes(name: NDArray[np.str_]) -> FloatArray:
+    known, index = np.unique(name, return_inverse=True)
+    size = np.array([WINDOWS[word][1:] for word in known.tolist()], float).reshape(-1, 2)
+    return size[index] if len(name) else np.zeros((0, 2))
+
+
+def _place_windows(placing: Placing, found: Facade, setting: Setting, city: City) -> None:
     rows = np.flatnonzero(np.isin(found.openings.role, WINDOW_ROLES))
     table = found.openings.take(rows)
     ids = opening_ids(placing, table)
     part = found.walls.part[table.wall]
-    name = found.designs.window[part]
-    name = np.where(table.role == facades.FRENCH, "window_french", name)
-    # Narrow walls and stairs take the small window rather than a squeezed one.
-    known, index = np.unique(name, return_inverse=True)
-    size = np.array([WINDOWS[word][1:] for word in known.tolist()], float).reshape(-1, 2)
-    size = size[index] if len(name) else np.zeros((0, 2))
-    squeezed = (table.width < 0.62 * size[:, 0]) & (name != "window_arched")
-    name = np.where(squeezed, "window_small", name)
-    size[squeezed] = WINDOWS["window_small"][1:]
+    name = _window_names(found, table)
+    size = _window_sizes(name)
     dressing = choose(city.seed, "facade/dressing", ids, DRESSING_SHARES)
     lit = uniform(city.seed, LIT_DRAW, ids) < city.environment.night_lights
     dressing = np.where(lit & (dressing == 3), 0, dressing)
@@ -166,25 +234,30 @@ def _place_windows(placing: Placing, found: Facade, city: City) -> None:
         placing.add(
             f"{word}_{which}{'_lit' if on else ''}", make,
             table.wall[of], table.along[of], table.low[of],
-            scale=(table.width[of] / size[of, 0], 1.0, table.height[of] / size[of, 1]),
+            **_set(placing, setting.depth[rows[of]], table.width[of], table.height[of], size[of]),
             tint=tint[of], ids=ids[of], reach=table.width[of] / 2,
         )  # fmt: skip
 
 
-def _place_doors(placing: Placing, found: Facade, city: City) -> None:
+def _door_names(found: Facade, table: Openings) -> NDArray[np.str_]:
+    """Return the name of the door in each opening."""
+    fixed = {facades.SERVICE: "door_service", facades.GARAGE: "door_garage",
+             facades.ROLLER: "door_roller"}  # fmt: skip
+    name = found.designs.door[found.walls.part[table.wall]]
+    for role, word in fixed.items():
+        name = np.where(table.role == role, word, name)
+    name = np.where((name == "door_portal") & (table.height < 2.9), "door_panel", name)
+    return np.where((name == "door_double") & (table.width < 1.5), "door_panel", name)
+
+
+def _place_doors(placing: Placing, found: Facade, setting: Setting, seed: int) -> None:
     rows = np.flatnonzero(np.isin(found.openings.role, facades.DOORS))
     table = found.openings.take(rows)
     ids = opening_ids(placing, table)
     part = found.walls.part[table.wall]
-    fixed = {facades.SERVICE: "door_service", facades.GARAGE: "door_garage",
-             facades.ROLLER: "door_roller"}  # fmt: skip
-    name = found.designs.door[part]
-    for role, word in fixed.items():
-        name = np.where(table.role == role, word, name)
-    name = np.where((name == "door_portal") & (table.height < 2.9), "door_panel", name)
-    name = np.where((name == "door_double") & (table.width < 1.5), "door_panel", name)
+    name = _door_names(found, table)
     gates = np.array(GATE_TINTS)
-    gate = gates[hash_ids(city.seed, "facade/gate tint", placing.building[table.wall])
+    gate = gates[hash_ids(seed, "facade/gate tint", placing.building[table.wall])
                  % np.uint64(len(gates))]  # fmt: skip
     tint = np.where(
         (name == "door_glass")[:, None],
@@ -192,12 +265,13 @@ def _place_doors(placing: Placing, found: Facade, city: City) -> None:
         found.finishes.accent_tint[part],
     )
     tint = np.where(np.isin(name, ["door_garage", "door_roller"])[:, None], gate, tint)
+    tint = np.where(np.isin(name, STONE_DOORS)[:, None], found.finishes.trim_tint[part], tint)
     for word in np.unique(name).tolist():
         of = np.flatnonzero(name == word)
-        _, width, height = DOORS[word]
+        size = np.tile(DOORS[word][1:], (len(of), 1))
         placing.add(
             word, partial(door, word), table.wall[of], table.along[of], table.low[of],
-            scale=(table.width[of] / width, 1.0, table.height[of] / height),
+            **_set(placing, setting.depth[rows[of]], table.width[of], table.height[of], size),
             tint=tint[of], ids=ids[of], reach=table.width[of] / 2,
         )  # fmt: skip
 
@@ -205,16 +279,15 @@ def _place_doors(placing: Placing, found: Facade, city: City) -> None:
 _SHOP_KINDS = ("shop_classic", "shop_modern", "shop_window", "shop_cafe", "shop_shutter")
 _OLD = (0.42, 0.12, 0.20, 0.22, 0.04)
 _NEW = (0.06, 0.52, 0.20, 0.16, 0.06)
-_OLD_STYLES = ("classic", "georgian", "mediterranean", "plain", "walkup", "cottage", "house")
 
 
-def _place_shopfronts(placing: Placing, found: Facade, city: City) -> None:
+def _place_shopfronts(placing: Placing, found: Facade, setting: Setting, city: City) -> None:
     rows = np.flatnonzero(found.openings.role == facades.SHOP)
     table = found.openings.take(rows)
     ids = opening_ids(placing, table)
     part = found.walls.part[table.wall]
     tenant, tint = tenants(placing, table, city.seed)
-    old = np.isin(found.designs.style[part], _OLD_STYLES)
+    old = np.isin(found.designs.style[part], [key for key, look in looks().items() if look.old])
     kind = np.where(
         old,
         choose(city.seed, "facade/shop kind", tenant, _OLD),
@@ -227,9 +300,10 @@ def _place_shopfronts(placing: Placing, found: Facade, city: City) -> None:
     for value in np.unique(kind * 2 + lit).tolist():
         of = np.flatnonzero(kind * 2 + lit == value)
         word, on = _SHOP_KINDS[value // 2], bool(value % 2)
-        make: Callable[[], Prototype] = partial(shopfront, word, lit=on)
+        make: Callable[..., Prototype] = partial(shopfront, word, lit=on)
+        size = np.tile((WIDTH, HEIGHT), (len(of), 1))
         placing.add(
             word + ("_lit" if on else ""), make, table.wall[of], table.along[of], table.low[of],
-            scale=(table.width[of] / WIDTH, 1.0, table.height[of] / HEIGHT),
+            **_set(placing, setting.depth[rows[of]], table.width[of], table.height[of], size),
             tint=tint[of], ids=ids[of], reach=table.width[of] / 2,
         )  # fmt: skip

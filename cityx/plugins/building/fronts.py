@@ -9,16 +9,17 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.facade_styles import FACADE_STYLES, FacadeStyle, Weighted
+from cityx.assets.facade_styles import FacadeStyle, Weighted
 from cityx.assets.openings import DOORS, WINDOWS
 from cityx.assets.palettes import GROUPS, groups_of, landuse_of, owner_rows
 from cityx.city.ground import KERB_HEIGHT
 from cityx.geometry import facades
-from cityx.geometry.facades import Fronts
+from cityx.geometry.facades import Fronts, Openings
 from cityx.geometry.frontage import CLOSE, door_walls, frontage_of
 from cityx.geometry.identity import choose, uniform
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.walls import WallTable
+from cityx.plugins.building.catalogue import looks
 from cityx.plugins.building.shell import PARAPET_HIGH, PARAPET_LOW, PARAPET_SHARE
 
 if TYPE_CHECKING:
@@ -40,8 +41,10 @@ STREETS: dict[str, tuple[float, float]] = {
     "unclassified": (2.6, 0.36), "road": (2.0, 0.2), "service": (1.0, 0.0), "track": (0.4, 0.0),
 }  # fmt: skip
 GROUNDED = 0.5  # metres; parts that begin lower stand on the ground
+ENTRANCE = 15.0  # what a zone made for the entrance is worth as the place of the door
 MIN_DOOR_WALL = 1.4  # metres
 MIN_DOOR_ROOM = 2.05  # metres of height a door needs
+LOOK = 0.38  # metres before an opening that must be free
 EAVE_ROOM = 0.25  # metres under the eave of a pitched roof, where the overhang hides the wall
 QUARTER = 120.0  # metres around a building in which trade draws trade
 MIN_SHOP_STOREY = 2.9  # metres
@@ -54,13 +57,15 @@ class Designs:
     Attributes
     ----------
     style
-        (n,) name of the facade style.
+        (n,) key of the look (`cityx.plugins.building.catalogue.looks`).
     window, surround, back, door, head, railing, base
         (n,) names of prototypes, "" for none.
     string, pipe
         (n,) bool.
     cooling
         (n,) share of windows with an outdoor unit.
+    entrance
+        (n,) bool, whether the main door belongs to the part.
     """
 
     style: Words
@@ -75,6 +80,7 @@ class Designs:
     pipe: NDArray[np.bool_]
     balcony: NDArray[np.bool_]
     cooling: FloatArray
+    entrance: NDArray[np.bool_]
 
 
 def designs_of(style: Words, building: NDArray[np.uint64], seed: int) -> Designs:
@@ -87,10 +93,11 @@ def designs_of(style: Words, building: NDArray[np.uint64], seed: int) -> Designs
     made = Designs(
         style, words(), words(), words(), words(), words(), words(), words(),
         np.zeros(count, bool), np.zeros(count, bool), np.zeros(count, bool), np.zeros(count),
+        np.zeros(count, bool),
     )  # fmt: skip
     for name in np.unique(style).tolist():
         rows = np.flatnonzero(style == name)
-        rule: FacadeStyle = FACADE_STYLES[name]
+        rule: FacadeStyle = looks()[name].facade
         ids = building[rows]
 
         def draw(what: str, options: Weighted, ids: Any = ids) -> Words:
@@ -108,6 +115,7 @@ def designs_of(style: Words, building: NDArray[np.uint64], seed: int) -> Designs
         made.balcony[rows] = uniform(seed, "facade/balconies", ids) < rule.balcony
         made.pipe[rows] = rule.pipe
         made.cooling[rows] = rule.cooling
+        made.entrance[rows] = rule.entrance
     return made
 
 
@@ -132,20 +140,24 @@ def lowered(walls: WallTable, reserve: FloatArray) -> WallTable:
     )
 
 
-def fronts_of(city: City, volumes: Volumes, walls: WallTable, designs: Designs) -> Fronts:
+def fronts_of(
+    city: City, volumes: Volumes, walls: WallTable, designs: Designs, walled: Words
+) -> Fronts:
     """Gather the facts of all walls.
 
     Parameters
     ----------
     walls
         Walls up to the ceiling of the last storey (`lowered`).
+    walled
+        (n,) material of the walls of each part.
     """
     layout, seed = city.layout, city.seed
     parts = layout.parts
     part = walls.part.astype(np.int64)
     building = volumes.building[part]
     group = groups_of(layout, seed)
-    mode = np.array([MODES[FACADE_STYLES[name].mode] for name in designs.style.tolist()], int)[part]
+    mode = _modes(designs.style, walled)[part]
     kinds = layout.roads["kind"].to_numpy(str)
     blocked = layout.roads["tunnel"].to_numpy(bool) | layout.roads["passage"].to_numpy(bool)
     is_street = np.isin(kinds, list(STREETS)) & ~blocked
@@ -163,6 +175,7 @@ def fronts_of(city: City, volumes: Volumes, walls: WallTable, designs: Designs) 
     usable &= walls.blind_to <= walls.z_low + 0.05
     score = 10 * worth + np.minimum(walls.length, 14.0) - 0.4 * np.minimum(front.distance, 20.0)
     score = score + np.minimum(front.free, 6.0) - 25.0 * (front.free < CLOSE)
+    score = score + ENTRANCE * designs.entrance[part]
     entrances, rank = _entrances(layout.points)
     rows, along = door_walls(walls, building, usable, np.round(score, 3), entrances, rank)
     door = np.zeros(walls.count, bool)
@@ -184,6 +197,42 @@ def fronts_of(city: City, volumes: Volumes, walls: WallTable, designs: Designs) 
         size["bay"], size["width"], size["height"], size["sill"], ground_storey, size["corner"],
         door, door_along, door_width, door_height,
     )  # fmt: skip
+
+
+def walled_up(volumes: Volumes, walls: WallTable, openings: Openings) -> NDArray[np.bool_]:
+    """Tell which openings have another part right before them, (k,).
+
+    Walls that meet a neighbour at a sharp angle are free over a part of their length only.
+    """
+    unit = (walls.end - walls.start) / np.maximum(walls.length, 1e-9)[:, None]
+    polygons = np.where(volumes.walls, volumes.polygons, shapely.Polygon())
+    tree = shapely.STRtree(polygons)
+    ahead = np.stack([walls.start, walls.end], axis=1) + LOOK * walls.normal[:, None]
+    wall, part = tree.query(shapely.linestrings(ahead), predicate="dwithin", distance=LOOK - 0.01)
+    near = np.zeros(walls.count, bool)
+    near[wall[part != walls.part[wall]]] = True
+    rows = np.flatnonzero(near[openings.wall])
+    wall = openings.wall[rows]
+    half = np.maximum(openings.width[rows] / 2 - 0.05, 0.05)
+    middle = walls.start[wall] + unit[wall] * openings.along[rows, None]
+    a, b = middle - unit[wall] * half[:, None], middle + unit[wall] * half[:, None]
+    near_by, far = 0.06 * walls.normal[wall], LOOK * walls.normal[wall]
+    strips = shapely.polygons(np.stack([a + near_by, a + far, b + far, b + near_by], axis=1))
+    strip, part = tree.query(strips, predicate="intersects")
+    z = (openings.low + 0.3 * openings.height)[rows][strip]
+    hit = (z > volumes.base[part]) & (z < volumes.eave[part])
+    found = np.zeros(openings.count, bool)
+    found[rows[strip[hit]]] = True
+    return found
+
+
+def _modes(style: Words, walled: Words) -> IntArray:
+    """Return the mode of each part; what the input says is not of glass has windows, (n,)."""
+    known, index = np.unique(style, return_inverse=True)
+    table = np.array([MODES[looks()[name].facade.mode] for name in known.tolist()], int)
+    mode = table[index] if len(style) else np.zeros(0, int)
+    solid = (mode == facades.CURTAIN) & (walled != "glass_wall")
+    return np.where(solid, facades.STRIP, mode)
 
 
 def _ground_at(city: City, walls: WallTable) -> FloatArray:
@@ -257,7 +306,8 @@ def _sizes(
     """Measures of bays and windows per wall, each building a little different."""
     names = designs.style
     wanted = ("bay", "sill", "ground_storey", "corner")
-    rules = [FACADE_STYLES[name] for name in names.tolist()]
+    table_of = {name: looks()[name].facade for name in np.unique(names).tolist()}
+    rules = [table_of[name] for name in names.tolist()]
     drawn = [WINDOWS[name][1:] for name in designs.window.tolist()]
     table = {
         name: np.array([getattr(rule, name) for rule in rules], float)[part] for name in wanted

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,9 @@ from cityx.geometry.identity import hash_ids
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.wall_faces import WallFaces
 from cityx.geometry.walls import WallTable
+
+if TYPE_CHECKING:
+    from cityx.plugins.building.facings import Facing
 
 
 @dataclass
@@ -27,14 +30,20 @@ class Placing:
     walls, faces, building, key
         The walls; how their drawn faces leave the straight line; the building of each, (w,) uint64;
         and a stable key of each, (w,) uint64.
+    detail
+        Level of detail in which prototypes are made.
+    prototypes, rows, facings
+        What was put on the walls so far.
     """
 
     walls: WallTable
     faces: WallFaces
     building: NDArray[np.uint64]
     key: NDArray[np.uint64]
+    detail: int = 2
     prototypes: dict[str, Prototype] = field(default_factory=dict)
     rows: list[tuple[str, Instances]] = field(default_factory=list)
+    facings: list[Facing] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         """Work out the direction of every wall once."""
@@ -45,7 +54,7 @@ class Placing:
     def add(
         self,
         name: str,
-        make: Callable[[], Prototype],
+        make: Callable[..., Prototype],
         wall: IntArray,
         along: FloatArray,
         z: FloatArray,
@@ -62,7 +71,7 @@ class Placing:
         Parameters
         ----------
         name, make
-            Name of the prototype and how to make it; made once.
+            Name of the prototype and how to make it at a level of `detail`; made once.
         wall, along, z
             (k,) rows of walls, metres from their start, heights.
         scale
@@ -81,7 +90,7 @@ class Placing:
         if not len(wall):
             return
         if name not in self.prototypes:
-            self.prototypes[name] = make()
+            self.prototypes[name] = make(detail=self.detail)
         number = list(self.prototypes).index(name)
         size = len(wall)
         along = np.asarray(along, float)
@@ -108,6 +117,75 @@ class Placing:
             np.broadcast_to(np.asarray(tint, np.float32), (size, 3)).copy(),
         )
         self.rows.append((self.prototypes[name].kind, rows))
+
+    def add_free(
+        self,
+        name: str,
+        make: Callable[..., Prototype],
+        building: NDArray[np.uint64],
+        position: FloatArray,
+        yaw: FloatArray,
+        tint: NDArray[np.float32],
+        *,
+        index: NDArray[np.uint64],
+    ) -> None:
+        """Put a prototype anywhere on buildings: (k,) ids, (k, 3) metres, (k,) radians."""
+        if not len(building):
+            return
+        if name not in self.prototypes:
+            self.prototypes[name] = make(detail=self.detail)
+        size = len(building)
+        rotation = np.zeros((size, 3), np.float32)
+        rotation[:, 2] = yaw
+        rows = Instances(
+            np.full(size, list(self.prototypes).index(name), np.int32),
+            hash_ids(0, name, building, index),
+            building,
+            position,
+            rotation,
+            np.ones((size, 3), np.float32),
+            np.asarray(tint, np.float32),
+        )
+        self.rows.append((self.prototypes[name].kind, rows))
+
+    def put(
+        self,
+        made: Prototype,
+        ids: NDArray[np.uint64],
+        building: NDArray[np.uint64],
+        position: FloatArray,
+        rotation: FloatArray,
+        *,
+        scale: FloatArray | None = None,
+        tint: Any = 1.0,
+    ) -> None:
+        """Put a prototype anywhere, turned and scaled at will.
+
+        Parameters
+        ----------
+        ids, building
+            (k,) uint64 of the instances and of what they belong to.
+        position, rotation
+            (k, 3) metres, and XYZ Euler angles in radians.
+        scale
+            (k, 3), ones by default.
+        tint
+            (k, 3) linear RGB, or a number.
+        """
+        size = len(ids)
+        if not size:
+            return
+        self.prototypes.setdefault(made.name, made)
+        rows = Instances(
+            np.full(size, list(self.prototypes).index(made.name), np.int32),
+            ids,
+            building,
+            position,
+            np.asarray(rotation, np.float32),
+            np.ones((size, 3), np.float32) if scale is None else np.asarray(scale, np.float32),
+            np.broadcast_to(np.asarray(tint, np.float32), (size, 3)).copy(),
+        )
+        self.rows.append((made.kind, rows))
 
     def ids(self, purpose: str, wall: IntArray, index: Any) -> NDArray[np.uint64]:
         """Ids that follow from building, wall and `index` alone."""

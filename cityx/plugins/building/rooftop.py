@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.palettes import GROUPS, Finishes, groups_of
+from cityx.assets.palettes import GROUPS, Finishes, groups_of, owner_rows
 from cityx.assets.roof_furniture import REACH, roof_furniture
 from cityx.city.scene import Instances, Prototype
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polygons import FloatArray
+from cityx.plugins.building.catalogue import generators
 from cityx.plugins.building.fronts import reserve_of
 
 if TYPE_CHECKING:
     from cityx.city.city import City
+    from cityx.geometry.roof_heights import RoofField
+    from cityx.geometry.walls import WallTable
     from cityx.plugins.building.volumes import Volumes
 
 EDGE = 0.7  # metres between a piece and the inner face of the parapet
@@ -25,6 +29,10 @@ PER_PIECE = 110.0  # square metres of flat roof per piece
 MOST = 9  # pieces on one roof
 TRIES = 4
 CHIMNEY_TOP = 0.8  # metres a chimney stands above the ridge
+CHIMNEY_SUNK = 0.4  # metres of a chimney inside the roof
+MAX_STACK = 2.2  # metres a chimney stands above the slope it leaves
+PARTY_ROOM = 0.42  # metres between the middle of a chimney and the party wall it stands at
+NEAR_RIDGE = 0.8  # metres below the ridge at which such a chimney still stands
 CHIMNEY = 3.0  # metres, drawn height of chimneys
 
 PIECES = tuple(REACH)
@@ -41,9 +49,19 @@ _WEIGHTS = {  # by group; the order of the words is that of REACH
 
 
 def furnish_roofs(
-    city: City, volumes: Volumes, finishes: Finishes
+    city: City,
+    volumes: Volumes,
+    finishes: Finishes,
+    field: RoofField | None = None,
+    walls: WallTable | None = None,
 ) -> tuple[list[Prototype], Instances]:
     """Place everything that stands on roofs.
+
+    Parameters
+    ----------
+    field, walls
+        The roofs that chimneys stand on, where they are known, and the walls below: in a row of
+        houses a chimney stands where the ridge meets the party wall.
 
     Returns
     -------
@@ -53,7 +71,7 @@ def furnish_roofs(
     group = groups_of(city.layout, city.seed)
     flat = volumes.top - volumes.eave < 0.15
     level = _on_flat(city, volumes, group, flat)
-    pitched = _chimneys(city, volumes, group, flat)
+    pitched = _chimneys(city, volumes, group, flat, field, walls)
     part, piece, x, y, z, height, yaw, number = (
         np.concatenate(pair) for pair in zip(level, pitched, strict=True)
     )
@@ -140,7 +158,9 @@ def _on_flat(
     seed = city.seed
     area = np.where(volumes.usable, shapely.area(volumes.polygons), 0.0)
     words = np.array(GROUPS)[group]
-    rows = np.flatnonzero(flat & volumes.walls & (area > MIN_AREA) & np.isin(words, list(_WEIGHTS)))
+    tables, own = _tables(city), _kinds(city)
+    kind = np.where(np.isin(own, list(tables)), own, words)
+    rows = np.flatnonzero(flat & volumes.walls & (area > MIN_AREA) & np.isin(kind, list(tables)))
     deck = volumes.eave - reserve_of(volumes, city.layout.parts, seed)
     ids = city.layout.parts["id"].to_numpy(np.uint64)
     wanted = np.clip(
@@ -150,8 +170,8 @@ def _on_flat(
     part = np.repeat(rows, count)
     number = np.arange(len(part)) - np.repeat(np.cumsum(count) - count, count)
     piece = np.zeros(len(part), np.int64)
-    for name, weights in _WEIGHTS.items():
-        of = np.flatnonzero(words[part] == name)
+    for name, weights in tables.items():
+        of = np.flatnonzero(kind[part] == name)
         table = [float(weights.get(word, 0)) for word in PIECES]
         piece[of] = choose(seed, "roof/piece", ids[part[of]], table, number[of])
     # One stair head or lift house is enough for a roof of middle size.
@@ -194,6 +214,21 @@ def _on_flat(
     )  # fmt: skip
 
 
+def _tables(city: City) -> dict[str, Mapping[str, float]]:
+    """Weights of pieces by use group, and by generator where it has its own."""
+    named = set(city.layout.buildings["generator"].to_numpy(str).tolist())
+    own = {n: generators()[n].rooftop for n in sorted(named) if n and generators()[n].rooftop}
+    return {**_WEIGHTS, **own}
+
+
+def _kinds(city: City) -> NDArray[np.str_]:
+    """Return the generator of the building of each part, (n,)."""
+    owner, described = owner_rows(city.layout)
+    if not len(city.layout.buildings):
+        return np.full(len(city.layout.parts), "")
+    return np.where(described, city.layout.buildings["generator"].to_numpy(str)[owner], "")
+
+
 def _clear(
     part: NDArray[np.int64], number: NDArray[np.int64], x: FloatArray, y: FloatArray,
     reach: FloatArray, found: NDArray[np.bool_],
@@ -210,16 +245,18 @@ def _clear(
 
 
 def _chimneys(
-    city: City, volumes: Volumes, group: NDArray[np.int64], flat: NDArray[np.bool_]
-) -> tuple[Any, ...]:
+    city: City, volumes: Volumes, group: NDArray[np.int64], flat: NDArray[np.bool_],
+    field: RoofField | None, walls: WallTable | None,
+) -> tuple[Any, ...]:  # fmt: skip
     seed = city.seed
     parts = city.layout.parts
     ids = parts["id"].to_numpy(np.uint64)
     words = np.array(GROUPS)[group]
     shape = parts["roof_shape"].to_numpy(str)
     ridged = np.isin(
-        shape, ["gabled", "hipped", "half-hipped", "gambrel", "mansard", "side_hipped"]
-    )
+        shape, ["gabled", "hipped", "half-hipped", "gambrel", "mansard", "side_hipped", "saltbox",
+                "side_half-hipped", "hipped-and-gabled", "crosspitched"]
+    )  # fmt: skip
     rise = volumes.top - volumes.eave
     home = np.isin(words, ["house", "flats", "office", "civic"])
     area = np.where(volumes.usable, shapely.area(volumes.polygons), 0.0)
@@ -242,18 +279,66 @@ def _chimneys(
     run = np.where(across[:, None], short_axis[part], long_axis[part])
     lean = np.where(across[:, None], long_axis[part], short_axis[part])
     at = middle[part] + along[:, None] * run + 0.12 * side[:, None] * lean
+    yaw = np.arctan2(lean[:, 1], lean[:, 0])
+    shared = np.zeros(len(part), bool)
+    if field is not None and walls is not None:
+        known, place, turn = _at_party_walls(volumes, walls, field)
+        shared = known[part] & (number == 0)
+        at = np.where(shared[:, None], place[part], at)
+        yaw = np.where(shared, turn[part], yaw)
     large = uniform(seed, "roof/chimney kind", ids[part]) < np.where(
         words[part] == "house", 0.35, 0.75
     )
     piece = np.where(large, PIECES.index("chimney"), PIECES.index("chimney_small"))
     reach = np.array(list(REACH.values()))[piece]
     foot = volumes.eave[part] + 0.1 * rise[part]
-    height = volumes.top[part] + CHIMNEY_TOP - foot
-    good = _fits(volumes.polygons, part, at[:, 0], at[:, 1], reach + 0.2)
+    top = volumes.top[part] + CHIMNEY_TOP
+    good = shared | _fits(volumes.polygons, part, at[:, 0], at[:, 1], reach + 0.2)
+    if field is not None:
+        # A stack far below the ridge need not rise above it.
+        surface, slope = field.at(at, volumes.building[part])
+        surface = np.where(np.isfinite(surface), surface, foot)
+        sunk = reach * np.hypot(slope[:, 0], slope[:, 1]) + CHIMNEY_SUNK
+        foot = np.maximum(foot, surface - sunk)
+        top = np.minimum(top, surface + MAX_STACK)
+        good &= top - surface > 0.5 * CHIMNEY_TOP
+    height = top - foot
     if len(part):
-        good &= ~_covered(volumes, part, at[:, 0], at[:, 1], reach, volumes.top[part])
-    yaw = np.arctan2(lean[:, 1], lean[:, 0])
+        near = np.where(shared, PARTY_ROOM, reach)
+        clear = volumes.top[part] + np.where(shared, 0.5 * CHIMNEY_TOP, 0.0)
+        good &= ~_covered(volumes, part, at[:, 0], at[:, 1], near, clear)
     return (
         part[good], piece[good], at[good, 0], at[good, 1], foot[good], (height / CHIMNEY)[good],
         yaw[good], 100 + number[good],
     )  # fmt: skip
+
+
+def _at_party_walls(
+    volumes: Volumes, walls: WallTable, field: RoofField
+) -> tuple[NDArray[np.bool_], FloatArray, FloatArray]:
+    """Find for each part where its ridge meets a wall that a neighbour as high covers.
+
+    Returns
+    -------
+    known, place, yaw
+        (n,) bool, (n, 2) metres, (n,) radians along the wall.
+    """
+    count = len(volumes.top)
+    part = walls.part.astype(np.int64)
+    pitched = (volumes.top - volumes.eave > 0.8)[part]
+    rows = np.flatnonzero(pitched & (walls.blind_to > walls.z_high - 0.4) & (walls.length > 3.0))
+    # The middle of the wall's whole edge is where the ridge of a gabled house lies.
+    unit = (walls.end - walls.start)[rows] / walls.length[rows, None]
+    middle = (walls.start + walls.end)[rows] / 2
+    at = middle - walls.normal[rows] * PARTY_ROOM
+    z, _ = field.at(at, volumes.building[part[rows]])
+    ridge = volumes.top[part[rows]] - np.nan_to_num(z, nan=-np.inf) < NEAR_RIDGE
+    rows, at, unit = rows[ridge], at[ridge], unit[ridge]
+    # Of two such walls the western one carries the stack, for both houses.
+    order = np.lexsort((at[:, 1].round(2), -at[:, 0].round(2)))
+    known, place, yaw = np.zeros(count, bool), np.zeros((count, 2)), np.zeros(count)
+    mine = part[rows[order]]
+    known[mine] = True
+    place[mine] = at[order]
+    yaw[mine] = np.arctan2(unit[order, 1], unit[order, 0])
+    return known, place, yaw

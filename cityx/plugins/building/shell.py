@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 from cityx.city.city import City, Failure
 from cityx.geometry.extrude import prisms
 from cityx.geometry.identity import uniform
-from cityx.geometry.polygons import IntArray, Rings, corners, rings_of
+from cityx.geometry.polygons import FloatArray, IntArray, Rings, corners, rings_of
 from cityx.geometry.roofs import RoofBrief, as_shapes, chunks, part_of_brief, shell_batch
 from cityx.geometry.solids import TRIM, Solids, join_solids
 from cityx.plugins.building.assembly import assemble, finishes_of
+from cityx.plugins.building.catalogue import generators
+from cityx.plugins.building.selection import designs_of_parts
 from cityx.plugins.building.volumes import Volumes, volumes_of
 from cityx.protocol import Range, action
 
@@ -63,8 +65,9 @@ def shell(
         Number of processes; the result does not depend on it.
     """
     volumes = volumes_of(city.layout, city.terrain)
+    reach = overhang * _eaves_of(city)
     brief, points = roof_brief(
-        volumes, city.layout.parts, city.seed, parapet=parapet, overhang=overhang
+        volumes, city.layout.parts, city.seed, parapet=parapet, overhang=reach
     )
     solids, built = raise_shells(brief, points, workers=workers)
     posts = canopy_posts(volumes, brief)
@@ -86,9 +89,14 @@ def roof_brief(
     seed: int,
     *,
     parapet: bool = True,
-    overhang: float = 0.35,
+    overhang: FloatArray | float = 0.35,
 ) -> tuple[RoofBrief, IntArray]:
     """Gather what the shells of a layout's parts need.
+
+    Parameters
+    ----------
+    overhang
+        Metres, of all parts or (n,).
 
     Returns
     -------
@@ -106,7 +114,8 @@ def roof_brief(
     height = np.minimum(height, PARAPET_SHARE * (volumes.top - volumes.base))
     direction = parts["roof_direction"].to_numpy(float)
     across = parts["roof_across"].to_numpy(bool)
-    free = _free_edges(rings, volumes, overhang + CLEARANCE)
+    reach = np.broadcast_to(np.asarray(overhang, float), count)
+    free = _free_edges(rings, volumes, reach + CLEARANCE)
     terrace = _terraced(rings, free, outlines) & ~np.isfinite(direction)
     number = np.bincount(rings.polygon, np.diff(rings.start), minlength=count).astype(np.int64)
     brief = RoofBrief(
@@ -119,13 +128,22 @@ def roof_brief(
         direction,
         across | terrace,
         np.where(volumes.walls & parapet, height, 0.0),
-        np.where(volumes.walls, overhang, 0.0),
+        np.where(volumes.walls, reach, 0.0),
         free,
     )
     return brief, np.concatenate([[0], np.cumsum(number)]).astype(np.int64)
 
 
-def _free_edges(rings: Rings, volumes: Volumes, reach: float) -> NDArray[np.bool_]:
+def _eaves_of(city: City) -> FloatArray:
+    """Return how far the roofs of each part run out, relative to the usual, (n,)."""
+    design = designs_of_parts(city)
+    known, index = np.unique(design, return_inverse=True)
+    kinds = generators()
+    factor = np.array([kinds[key.partition("/")[0]].eaves for key in known.tolist()], float)
+    return factor[index] if len(design) else np.zeros(0)
+
+
+def _free_edges(rings: Rings, volumes: Volumes, reach: FloatArray) -> NDArray[np.bool_]:
     """Whether no other part as high as the eave lies beside the edge, (m,) bool."""
     free = np.ones(len(rings.points), bool)
     if len(free) == 0:
@@ -137,9 +155,8 @@ def _free_edges(rings: Rings, volumes: Volumes, reach: float) -> NDArray[np.bool
     # The strip of the eave, drawn in at its ends so that a neighbour round the corner is none.
     inner = vector / length * np.minimum(0.2, 0.25 * length)
     a, b = rings.points + inner, rings.points + vector - inner
-    strip = shapely.polygons(
-        np.stack([a + normal * 0.02, a + normal * reach, b + normal * reach, b + normal * 0.02], 1)
-    )
+    near, far = normal * 0.02, normal * reach[part, None]
+    strip = shapely.polygons(np.stack([a + near, a + far, b + far, b + near], 1))
     edge, other = shapely.STRtree(volumes.polygons).query(strip, predicate="intersects")
     mine = part[edge]
     beside = (

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city.ground import KERB_HEIGHT
+from cityx.city.levels import ground_levels
 from cityx.geometry.polygons import FloatArray, clean_polygons
 from cityx.geometry.roofs import as_shapes
 from cityx.geometry.walls import WallTable, party_spans, wall_table
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 PLINTH = 0.5  # metres a shell reaches below its ground, so that nothing floats
 MIN_STOREY = 0.5  # metres; a volume is at least this high
 MIN_EAVE = 0.1  # metres between the base of a part and its eave
+DECK = 1.2  # metres; deeper than any parapet
+TOUCH = 0.3  # metres between the top of a part and the foot of what stands on it
+HELD = 0.98  # share of a part's plan that others must carry; what overhangs keeps its foot
 MAX_TOP = 1000.0  # metres; higher than any building
 
 
@@ -63,7 +66,7 @@ def volumes_of(layout: Layout, terrain: Terrain) -> Volumes:
     parts = layout.parts
     polygons = clean_polygons(parts.geometry.to_numpy())
     building = parts["building"].to_numpy(np.uint64)
-    ground = _ground_levels(layout, terrain, polygons, building)
+    ground = ground_levels(layout, terrain)
     base = np.clip(np.nan_to_num(parts["base"].to_numpy(float)), 0.0, MAX_TOP - MIN_STOREY)
     top = np.nan_to_num(parts["top"].to_numpy(float), posinf=MAX_TOP)
     top = np.clip(top, base + MIN_STOREY, MAX_TOP)
@@ -71,6 +74,8 @@ def volumes_of(layout: Layout, terrain: Terrain) -> Volumes:
     roof = np.where(as_shapes(parts["roof_shape"].to_numpy()) == "flat", 0.0, roof)
     roof = np.clip(roof, 0.0, np.maximum(top - base - MIN_EAVE, 0.0))
     low = np.where(base > 0, base, -PLINTH)
+    # What stands on another part reaches down past its parapet to its deck.
+    low = np.where(_resting(polygons, building, base, top), base - DECK, low)
     return Volumes(
         polygons,
         building,
@@ -83,21 +88,23 @@ def volumes_of(layout: Layout, terrain: Terrain) -> Volumes:
     )
 
 
-def _ground_levels(
-    layout: Layout, terrain: Terrain, polygons: NDArray[Any], building: NDArray[np.uint64]
-) -> FloatArray:
-    """Lowest terrain under the outline of each part's building, plus the kerb; (n,)."""
-    outlines = layout.buildings.geometry.to_numpy()
-    ids = np.concatenate([layout.buildings["id"].to_numpy(np.uint64), building])
-    known, of_row = np.unique(ids, return_inverse=True)
-    described = np.isin(building, layout.buildings["id"].to_numpy(np.uint64))
-    shapes = np.concatenate([outlines, np.where(described, shapely.Polygon(), polygons)])
-    points, row = shapely.get_coordinates(shapes, return_index=True)
-    finite = np.isfinite(points).all(axis=1)
-    lowest = np.full(len(known), np.inf)
-    np.minimum.at(lowest, of_row[row[finite]], terrain.height_at(points[finite]))
-    lowest[~np.isfinite(lowest)] = 0.0
-    return np.asarray(lowest[of_row[len(outlines) :]] + KERB_HEIGHT)
+def _resting(
+    polygons: NDArray[Any], building: NDArray[np.uint64], base: FloatArray, top: FloatArray
+) -> NDArray[np.bool_]:
+    """Tell which parts stand on another part of their building, (n,)."""
+    resting = np.zeros(len(base), bool)
+    rows = np.flatnonzero(base > DECK + MIN_STOREY)
+    if not len(rows):
+        return resting
+    inner = shapely.buffer(polygons[rows], -0.05)
+    row, other = shapely.STRtree(polygons).query(inner, predicate="intersects")
+    row = rows[row]
+    under = (building[row] == building[other]) & (np.abs(top[other] - base[row]) < TOUCH)
+    under &= base[other] < base[row] - DECK
+    shared = shapely.area(shapely.intersection(polygons[row[under]], polygons[other[under]]))
+    held = np.bincount(row[under], shared, minlength=len(base))
+    area = np.where(shapely.is_empty(polygons), 1.0, shapely.area(polygons))
+    return np.asarray(held > HELD * area)
 
 
 def walls_of(layout: Layout, terrain: Terrain) -> WallTable:

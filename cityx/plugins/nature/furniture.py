@@ -359,7 +359,7 @@ def furniture(
         np.repeat(pieces.scale[order].astype(np.float32)[:, None], 3, axis=1),
         np.ones((total, 3), np.float32),
     )
-    prototypes = [make(str(name)) for name in names]
+    prototypes = [make(str(name), detail=city.lod) for name in names]
     return replace(
         city,
         scene=city.scene.with_instances("street_furniture", prototypes, rows),

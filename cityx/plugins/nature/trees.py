@@ -400,7 +400,7 @@ def _cleared(city: City, stand: _Stand) -> tuple[_Stand, FloatArray]:
 
 
 def _prototypes(
-    stand: _Stand, bare: bool, light: bool
+    stand: _Stand, bare: bool, light: bool, fine: bool
 ) -> tuple[list[Prototype], NDArray[np.int32]]:
     """Make the prototypes in use and number them for every tree."""
     from cityx.assets import trees
@@ -413,7 +413,7 @@ def _prototypes(
     for value in used.tolist():
         species, which = divmod(value // 2, trees.VARIANTS)
         form = ("bare" if bare else "") + ("_" if bare and value % 2 else "")
-        form += "light" if value % 2 else ("" if bare else "near")
+        form += "light" if value % 2 else "" if bare else "fine" if fine else "near"
         found.append(trees.plant(SPECIES[species], which, form))
     return found, number.astype(np.int32)
 
@@ -471,7 +471,7 @@ def trees(
     order = order[first]
     stand, facade = _rows(stand, order), facade[order]
     light = city.lod < 2 or int(np.count_nonzero(~stand.light)) > NEAR_LIMIT
-    prototypes, number = _prototypes(stand, city.environment.snow > SNOWED, light)
+    prototypes, number = _prototypes(stand, city.environment.snow > SNOWED, light, city.lod > 2)
 
     size = np.array([library.size_of(name) for name in SPECIES])[stand.species]  # (n, 2)
     draw = uniform(city.seed, f"{ACTION}/size", stand.id)

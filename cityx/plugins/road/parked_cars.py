@@ -233,7 +233,7 @@ def parked_cars(
         np.ones((len(ids), 3), np.float32),
         vehicles.PAINTS[paint].astype(np.float32),
     )
-    prototypes = [vehicles.car(name) for name in vehicles.BODIES]
+    prototypes = [vehicles.car(name, detail=city.lod) for name in vehicles.BODIES]
     return replace(
         city, scene=city.scene.with_instances("vehicles", prototypes, rows), stages_done=done
     )

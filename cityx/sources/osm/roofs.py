@@ -14,12 +14,15 @@ from cityx.sources.osm.heights import TYPES
 
 SHAPES = (
     "flat", "gabled", "hipped", "half-hipped", "pyramidal", "skillion", "gambrel", "mansard",
-    "dome", "onion", "round", "saltbox", "sawtooth", "cone",
+    "dome", "onion", "round", "saltbox", "sawtooth", "cone", "butterfly", "zollinger",
+    "crosspitched", "side_hipped", "side_half-hipped", "hipped-and-gabled", "gabled_row",
+    "gabled_height_moved", "double_saltbox", "quadruple_saltbox",
 )  # fmt: skip
 SHAPE = {name: index for index, name in enumerate(SHAPES)}
 WARM = 33.0  # degrees of latitude below which most roofs are flat
 EAST_ASIA = (18.0, 46.0, 100.0, 146.0)  # south, north, west, east; towns of concrete, decked flat
 MANY_LEVELS = 7  # a higher building has a flat roof
+WINGS = 20  # points of an outline with more wings than gables suit
 WIDE = 24.0  # metres; a broader building has a flat or shallow roof
 LEARN = 20  # tagged roofs of a type from which a map's own habit counts
 SHARE = 0.3  # and the share of the type's buildings they must be
@@ -48,7 +51,10 @@ _TO_SHAPE = np.array([SHAPE[name] for name in _DRAWN])
 _PITCH = {
     "gabled": (30, 45), "hipped": (25, 40), "half-hipped": (32, 45), "pyramidal": (25, 40),
     "skillion": (6, 14), "saltbox": (28, 38), "sawtooth": (22, 28), "gambrel": (40, 48),
-    "mansard": (40, 50), "cone": (30, 45),
+    "mansard": (40, 50), "cone": (30, 45), "butterfly": (8, 16), "zollinger": (42, 50),
+    "crosspitched": (30, 45), "side_hipped": (25, 40), "side_half-hipped": (32, 45),
+    "hipped-and-gabled": (28, 40), "gabled_row": (30, 45), "gabled_height_moved": (20, 30),
+    "double_saltbox": (25, 35), "quadruple_saltbox": (30, 40),
 }  # fmt: skip
 
 
@@ -107,9 +113,12 @@ def _possible(
     holes = shapely.get_num_interior_rings(polygons[unknown]) > 0
     drawn = shapes[unknown]
     drawn = np.where((high | wide) & ~church, SHAPE["flat"], drawn)
-    # Ridges of gabled roofs need an outline that is nearly a box.
-    gabled = np.isin(drawn, [SHAPE["gabled"], SHAPE["half-hipped"], SHAPE["skillion"]])
-    drawn = np.where(gabled & ((solidity < 0.85) | holes), SHAPE["hipped"], drawn)
+    # A single slope needs an outline that is nearly a box, gables a few clear wings.
+    bent = (solidity < 0.85) | holes
+    drawn = np.where((drawn == SHAPE["skillion"]) & bent, SHAPE["hipped"], drawn)
+    gabled = np.isin(drawn, [SHAPE["gabled"], SHAPE["half-hipped"]])
+    ragged = holes | (shapely.get_num_coordinates(polygons[unknown]) - 1 > WINGS)
+    drawn = np.where(gabled & bent & ragged, SHAPE["hipped"], drawn)
     pointed = drawn == SHAPE["pyramidal"]
     drawn = np.where(pointed & (area > 250.0), SHAPE["hipped"], drawn)
     drawn = np.where((solidity < 0.5) & ~church, SHAPE["flat"], drawn)
@@ -156,6 +165,7 @@ def roof_heights(
     full = np.isin(shapes, [SHAPE["skillion"]])
     run = np.where(full, side, side / 2)
     run = np.where(shapes == SHAPE["sawtooth"], np.minimum(side, 6.0), run)
+    run = np.where(shapes == SHAPE["gabled_row"], np.minimum(side / 2, 3.5), run)
     height = run * np.tan(np.radians(pitch))
     limit = np.where(church, 25.0, MAX_ROOF)
     height = np.where(np.isnan(angle), np.minimum(height, limit), np.minimum(height, 200.0))

@@ -1,0 +1,166 @@
+"""Checks of facades: blind windows, doors at the sidewalk, neighbours that look alike."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.check import Check
+from cityx.city import City
+from cityx.city.ground import KERB_HEIGHT, LABEL
+from cityx.city.levels import ground_levels
+from cityx.city.scene import Instances
+from cityx.geometry.identity import hash_ids
+
+RAY = (0.08, 0.35)  # metres before a window between which nothing may stand
+RAY_HEIGHT = 0.6  # metres above the lower edge of a window
+SAMPLE = 20_000  # windows; more say nothing new
+STREET_NEAR = 4.0  # metres between a building and a sidewalk that make it a street building
+LEAST_HOUSE = 30.0  # square metres; smaller ones are sheds
+LEAST_TALL = 2.6  # metres; lower ones are no houses
+STEP = 0.2  # metres between a door and the pavement before it
+DOOR_AT = 0.4  # metres before the wall where the pavement is measured
+NEIGHBOURS = 8
+NEAR = 120.0  # metres; a house further away is no neighbour
+COLOR_GRID = 0.03  # linear light; colours closer than that look alike
+
+
+def check_facades(city: City) -> list[Check]:
+    """Run every check on facades; none at levels of detail without them."""
+    windows = city.scene.instances.get("windows")
+    doors = city.scene.instances.get("doors")
+    if windows is None or doors is None or "buildings" not in city.scene.meshes:
+        return []
+    return [_blind(city, windows), _doors(city, doors), _alike(city, windows)]
+
+
+def outward_of(rows: Instances) -> NDArray[np.float64]:
+    """Return the direction that things on walls face, (k, 2)."""
+    yaw = rows.rotation[:, 2].astype(float)
+    return np.column_stack([np.sin(yaw), -np.cos(yaw)])
+
+
+def blind_windows(city: City, windows: Instances) -> NDArray[np.int64]:
+    """Return the sampled windows before which something stands, by rays; rows of `windows`."""
+    rows = np.arange(windows.count)
+    if windows.count > SAMPLE:
+        rows = np.sort(np.argsort(hash_ids(0, "check/window", windows.object_id))[:SAMPLE])
+    at = windows.position[rows]
+    out = outward_of(windows)[rows]
+    rays = shapely.linestrings(np.stack([at[:, :2] + reach * out for reach in RAY], axis=1))
+    parts = city.layout.parts
+    shapes = np.where(parts["walls"].to_numpy(bool), parts.geometry.to_numpy(), shapely.Polygon())
+    ground = ground_levels(city.layout, city.terrain)
+    base = ground + parts["base"].to_numpy(float)
+    eave = ground + parts["top"].to_numpy(float) - parts["roof_height"].to_numpy(float)
+    ray, part = shapely.STRtree(shapes).query(rays, predicate="intersects")
+    z = at[ray, 2] + RAY_HEIGHT * windows.scale[rows[ray], 2]
+    hidden = (z > base[part]) & (z < eave[part])
+    return np.asarray(rows[np.unique(ray[hidden])])
+
+
+def _blind(city: City, windows: Instances) -> Check:
+    return Check(
+        "windows_on_blind_walls",
+        float(len(blind_windows(city, windows))),
+        0,
+        f"windows, of up to {SAMPLE:,} sampled, that look at a wall less than {RAY[1]:g} m away",
+    )
+
+
+def street_buildings(city: City) -> NDArray[np.uint64]:
+    """Return the ids of houses that stand at a sidewalk, (k,)."""
+    if city.ground is None:
+        return np.zeros(0, np.uint64)
+    walks = city.ground.face_label == LABEL["sidewalk"]
+    triangles = city.ground.triangles[walks[city.ground.triangle_face]]
+    if not len(triangles):
+        return np.zeros(0, np.uint64)
+    surface = shapely.STRtree(shapely.polygons(city.ground.vertices[triangles][..., :2]))
+    parts = city.layout.parts
+    house = parts["walls"].to_numpy(bool) & (parts["base"].to_numpy(float) < 0.5)
+    house &= shapely.area(parts.geometry.to_numpy()) > LEAST_HOUSE
+    house &= (parts["top"] - parts["base"] - parts["roof_height"]).to_numpy(float) > LEAST_TALL
+    shapes = parts.geometry.to_numpy()[house]
+    near = surface.query(shapes, predicate="dwithin", distance=STREET_NEAR)[0]
+    return np.asarray(np.unique(parts["building"].to_numpy(np.uint64)[house][near]))
+
+
+def _doors(city: City, doors: Instances) -> Check:
+    ids = street_buildings(city)
+    at = doors.position[:, :2] + DOOR_AT * outward_of(doors)
+    gap = np.abs(doors.position[:, 2] - city.terrain.height_at(at) - KERB_HEIGHT)
+    served = np.unique(doors.owner[gap <= STEP])
+    missing = float((~np.isin(ids, served)).mean()) if len(ids) else 0.0
+    return Check(
+        "street_doors_missing",
+        missing,
+        0.02,
+        f"share of houses at a sidewalk without a door within {STEP:g} m of the pavement's height",
+    )
+
+
+def _alike(city: City, windows: Instances) -> Check:
+    return Check(
+        "identical_neighbours",
+        identical_share(city, windows),
+        0.01,
+        f"share of pairs of a house and its {NEIGHBOURS} nearest that share generator, storeys, "
+        "size, roof, colours and windows",
+    )
+
+
+def identical_share(city: City, windows: Instances) -> float:
+    """Return the share of pairs of neighbours that look the same."""
+    from scipy.spatial import cKDTree
+
+    buildings = city.layout.buildings
+    ids = buildings["id"].to_numpy(np.uint64)
+    shapes = buildings.geometry.to_numpy()
+    large = shapely.area(shapes) > LEAST_HOUSE
+    if large.sum() < 2:
+        return 0.0
+    looks = np.column_stack([*_facts(city, ids), *_finish(city, ids), _window_of(windows, ids)])
+    middle = shapely.get_coordinates(shapely.centroid(shapes[large]))
+    count = min(NEIGHBOURS + 1, len(middle))
+    distance, other = cKDTree(middle).query(middle, k=count)
+    own = looks[large]
+    same = (own[other[:, 1:]] == own[:, None]).all(axis=2)
+    near = distance[:, 1:] < NEAR
+    return float(same[near].mean()) if near.any() else 0.0
+
+
+def _facts(city: City, ids: NDArray[np.uint64]) -> list[NDArray[np.float64]]:
+    """Return generator, storeys, size of footprint and roof of each building, as numbers."""
+    buildings, parts = city.layout.buildings, city.layout.parts
+    _, generator = np.unique(buildings["generator"].to_numpy(str), return_inverse=True)
+    _, roof = np.unique(parts["roof_shape"].to_numpy(str), return_inverse=True)
+    first = np.full(len(ids), -1.0)
+    row = np.minimum(np.searchsorted(ids, parts["building"].to_numpy(np.uint64)), len(ids) - 1)
+    first[row[::-1]] = roof[::-1]
+    area = np.round(shapely.area(buildings.geometry.to_numpy()), -1)
+    return [generator.astype(float), buildings["levels"].to_numpy(float), area, first]
+
+
+def _finish(city: City, ids: NDArray[np.uint64]) -> list[NDArray[np.float64]]:
+    """Return material and colour of the first and the last face of each building's mesh."""
+    batch = city.scene.meshes["buildings"]
+    row = np.minimum(np.searchsorted(batch.object_id, ids), max(batch.count - 1, 0))
+    columns: list[NDArray[np.float64]] = []
+    for face in (batch.face_start[:-1], batch.face_start[1:] - 1):
+        columns.append(batch.material[face][row].astype(float))
+        columns += list(np.round(batch.tint[face][row] / COLOR_GRID).astype(float).T)
+    return columns
+
+
+def _window_of(windows: Instances, ids: NDArray[np.uint64]) -> NDArray[np.float64]:
+    """Return the prototype of the first window of each building and its width."""
+    found = np.full(len(ids), -1.0)
+    if windows.count:
+        row = np.minimum(np.searchsorted(ids, windows.owner), len(ids) - 1)
+        known = ids[row] == windows.owner
+        width = np.round(windows.scale[:, 0].astype(float) * 20)
+        value = windows.prototype // 4 * 1000 + width
+        found[row[known][::-1]] = value[known][::-1]
+    return found

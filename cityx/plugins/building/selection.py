@@ -1,0 +1,416 @@
+"""Selection: which generator a building gets.
+
+By purpose first (what the input's tags say it is), else drawn from the table of its use group and
+the style family of the brief or region. Footprint, storeys and width exclude what makes no sense
+there; words of the brief and the class of the place shift the weights; neighbours wall to wall
+share one draw where their generator builds rows.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.assets.palettes import GROUPS, family_of, groups_of, owner_rows, region_of
+from cityx.geometry.identity import hash_ids, uniform
+from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.plugins.building.catalogue import generators
+
+if TYPE_CHECKING:
+    from cityx.city.city import City
+    from cityx.city.layout import Layout
+
+Words = NDArray[np.str_]
+Weights = Mapping[str, float]
+
+# Style family -> use group -> generators and weights.
+TABLE: Mapping[str, Mapping[str, Weights]] = MappingProxyType(
+    {
+        "european": {
+            "house": {"suburban_house": 7, "cottage": 1, "bungalow": 1},
+            "flats": {
+                "palazzo": 8,
+                "perimeter_block": 9,
+                "mixed_use": 2,
+                "panel_slab": 1.5,
+                "brutalist": 0.3,
+                "shop_house": 0.5,
+            },
+            "office": {
+                "office_slab": 5,
+                "mixed_use": 2,
+                "palazzo": 3,
+                "glass_tower": 2,
+                "postmodern_tower": 1,
+                "brutalist": 0.7,
+            },
+            "retail": {"big_box": 3, "mixed_use": 2, "shop_house": 3, "palazzo": 1},
+            "civic": {"palazzo": 4, "perimeter_block": 2, "mixed_use": 2, "brutalist": 1},
+        },
+        "brick": {
+            "house": {"cottage": 5, "suburban_house": 3, "georgian_terrace": 2, "bungalow": 0.7},
+            "flats": {
+                "georgian_terrace": 12,
+                "palazzo": 2,
+                "mixed_use": 2.5,
+                "panel_slab": 1,
+                "walk_up": 1,
+                "brutalist": 0.8,
+                "shop_house": 1,
+            },
+            "office": {
+                "georgian_terrace": 3,
+                "office_slab": 4,
+                "mixed_use": 2,
+                "glass_tower": 3,
+                "palazzo": 2,
+                "postmodern_tower": 1.5,
+                "brutalist": 1,
+            },
+            "retail": {"georgian_terrace": 3, "shop_house": 3, "big_box": 2, "mixed_use": 2},
+            "civic": {"georgian_terrace": 3, "palazzo": 3, "mixed_use": 1, "brutalist": 1},
+        },
+        "mediterranean": {
+            "house": {"mediterranean_house": 5, "bungalow": 2, "suburban_house": 1},
+            "flats": {
+                "mediterranean_house": 10,
+                "panel_slab": 2,
+                "mixed_use": 3,
+                "palazzo": 2,
+                "perimeter_block": 1,
+            },
+            "office": {
+                "office_slab": 4,
+                "glass_tower": 2,
+                "mediterranean_house": 2,
+                "postmodern_tower": 1,
+            },
+            "retail": {"mediterranean_house": 2, "shop_house": 2, "big_box": 3, "mixed_use": 1},
+            "civic": {"mediterranean_house": 3, "palazzo": 3, "panel_slab": 1, "brutalist": 1},
+        },
+        "american": {
+            "house": {"suburban_house": 5, "bungalow": 3, "cottage": 1},
+            "flats": {"walk_up": 9, "mixed_use": 4, "panel_slab": 1.5, "brutalist": 0.4},
+            "office": {
+                "office_slab": 4,
+                "glass_tower": 4,
+                "setback_skyscraper": 4,
+                "postmodern_tower": 3,
+                "walk_up": 1.5,
+                "brutalist": 0.7,
+            },
+            "retail": {"big_box": 5, "walk_up": 2, "shop_house": 2, "mixed_use": 1.5},
+            "civic": {"walk_up": 2, "palazzo": 3, "office_slab": 2, "brutalist": 1},
+        },
+        "asian": {
+            "house": {"japanese_lowrise": 5, "suburban_house": 2, "bungalow": 0.5},
+            "flats": {
+                "asian_block": 8,
+                "japanese_lowrise": 6,
+                "mixed_use": 3,
+                "panel_slab": 1,
+                "office_slab": 0.7,
+            },
+            "office": {
+                "office_slab": 5,
+                "asian_block": 2,
+                "glass_tower": 3,
+                "mixed_use": 2,
+                "postmodern_tower": 1,
+                "japanese_lowrise": 1,
+            },
+            "retail": {"shop_house": 3, "japanese_lowrise": 4, "big_box": 2, "office_slab": 1},
+            "civic": {"asian_block": 2, "panel_slab": 1, "office_slab": 2, "brutalist": 1},
+        },
+        "modern": {
+            "house": {"bungalow": 2, "suburban_house": 1, "mixed_use": 1},
+            "flats": {"mixed_use": 7, "panel_slab": 1, "office_slab": 1, "asian_block": 1},
+            "office": {"glass_tower": 5, "office_slab": 3, "mixed_use": 2, "postmodern_tower": 2},
+            "retail": {"mixed_use": 3, "glass_tower": 1, "big_box": 2},
+            "civic": {"mixed_use": 3, "office_slab": 2, "brutalist": 1},
+        },
+        "industrial": {
+            "house": {"cottage": 2, "georgian_terrace": 1},
+            "flats": {"walk_up": 5, "warehouse": 1, "georgian_terrace": 1},
+            "office": {"walk_up": 2, "office_slab": 2},
+            "retail": {"walk_up": 2, "big_box": 2, "shop_house": 1},
+            "civic": {"walk_up": 3, "panel_slab": 1},
+        },
+        "house": {
+            "house": {"suburban_house": 3, "cottage": 1, "bungalow": 1},
+            "flats": {"suburban_house": 1, "perimeter_block": 1},
+            "office": {"perimeter_block": 1, "office_slab": 1},
+            "retail": {"big_box": 1, "shop_house": 1},
+            "civic": {"perimeter_block": 1},
+        },
+    }
+)
+ALWAYS: Mapping[str, Weights] = MappingProxyType(
+    {
+        "industry": {"warehouse": 6, "sawtooth_factory": 1.5},
+        "worship": {"church": 1},
+        "shed": {"shed": 1},
+    }
+)
+# What takes a building that nothing of its row of the table fits, first that fits.
+SPARE = ("mixed_use", "office_slab", "glass_tower", "suburban_house", "big_box", "shed")
+
+# Words of building=* (and of amenity, leisure, ...) that name the generator itself.
+PURPOSE: Mapping[str, str] = MappingProxyType(
+    {
+        word: name
+        for name, words in {
+            "church": "church cathedral chapel basilica monastery presbytery",
+            "mosque": "mosque",
+            "temple": "temple shrine pagoda buddhist hindu",
+            "school": "school kindergarten university college",
+            "hospital": "hospital clinic",
+            "stadium": "stadium",
+            "station_hall": "train_station station transportation",
+            "parking": "parking parking_garage multi-storey",
+            "petrol_station": "fuel",
+            "townhall": "townhall courthouse",
+            "greenhouse": "greenhouse conservatory",
+            "barn": "barn farm_auxiliary stable cowshed sty",
+            "big_box": "supermarket mall",
+            "warehouse": "warehouse hangar depot",
+            "sawtooth_factory": "factory manufacture works",
+            "bungalow": "bungalow static_caravan",
+            "cottage": "cabin cottage",
+            "suburban_house": "villa detached semidetached_house",
+        }.items()
+        for word in words.split()
+    }
+)
+_KEYS = ("amenity", "leisure", "tourism", "shop", "religion", "railway", "healthcare", "parking")
+_TELLING = re.compile("|".join(f'"{key}"' for key in _KEYS))
+_GENERAL = ("yes", "roof", "public", "civic", "religious", "retail", "commercial", "garage",
+            "garages", "service", "industrial", "farm")  # fmt: skip
+_FAITHS = {"muslim": "mosque", "buddhist": "temple", "shinto": "temple", "hindu": "temple",
+           "taoist": "temple", "sikh": "mosque"}  # fmt: skip
+
+# Words of a brief that favour generators, and by how much, whatever the family.
+STYLE_WORDS: Mapping[str, Weights] = MappingProxyType(
+    {
+        "brutalist": {"brutalist": 30, "panel_slab": 3},
+        "soviet": {"panel_slab": 30, "brutalist": 3},
+        "art_deco": {"setback_skyscraper": 30},
+        "postmodern": {"postmodern_tower": 30},
+        "haussmann": {"palazzo": 40},
+        "classical": {"palazzo": 10},
+        "georgian": {"georgian_terrace": 10},
+        "victorian": {"georgian_terrace": 6, "cottage": 3},
+        "glass": {"glass_tower": 12},
+        "futuristic": {"glass_tower": 12},
+        "suburban": {"suburban_house": 4, "bungalow": 3},
+        "japanese": {"japanese_lowrise": 6},
+        "chinese": {"asian_block": 6},
+    }
+)
+# Class of the surroundings -> generators that it favours or does not.
+PLACES: Mapping[str, Weights] = MappingProxyType(
+    {
+        "low": {"glass_tower": 0.3, "palazzo": 0.4, "setback_skyscraper": 0.2, "shop_house": 0.5,
+                "postmodern_tower": 0.3, "suburban_house": 1.5, "bungalow": 1.5},
+        "urban": {"bungalow": 0.4},
+        "core": {"bungalow": 0.1, "suburban_house": 0.5, "panel_slab": 0.5, "glass_tower": 1.3},
+    }
+)  # fmt: skip
+TOUCH = 0.3  # metres between neighbours wall to wall
+ROW_SHARE = 0.85  # of the houses of a row that follow its design
+ROW_REACH = 6  # neighbours along a row whose design is shared
+LARGE_PARKING = 250.0  # square metres; smaller garages are sheds
+
+
+def generators_of(city: City) -> Words:
+    """Return the name of the generator of every building, (n,).
+
+    Those that an earlier action chose stay.
+    """
+    layout = city.layout
+    chosen = layout.buildings["generator"].to_numpy(str)
+    if len(chosen) and (chosen != "").all():
+        return np.asarray(chosen)
+    found = choose_generators(
+        layout, city.seed, style=city.style,
+        region=region_of(city.frame.latitude, city.frame.longitude),
+    )  # fmt: skip
+    return np.where(chosen == "", found, chosen)
+
+
+def designs_of_parts(city: City) -> Words:
+    """Return the key of the look of every part: its generator, with its zone; (n,)."""
+    parts = city.layout.parts
+    owner, described = owner_rows(city.layout)
+    name = np.full(len(parts), "mixed_use", "U40")
+    if len(city.layout.buildings):
+        name = np.where(described, generators_of(city)[owner], name)
+    zone = parts["zone"].to_numpy(str)
+    zoned = np.char.add(np.char.add(name, "/"), zone)
+    known = [key for each in generators().values() for key in each.looks()]
+    return np.where((zone != "") & np.isin(zoned, known), zoned, name).astype("U40")
+
+
+def choose_generators(layout: Layout, seed: int, *, style: str = "", region: str = "") -> Words:
+    """Choose the generator of every building; see the tables of this module.
+
+    Raises
+    ------
+    UsageError
+        If there is no such style.
+    """
+    buildings = layout.buildings
+    names = np.array(list(generators()), "U32")
+    family = family_of(style, region)
+    if not len(buildings):
+        return np.zeros(0, "U32")
+    group = _group_of_buildings(layout, seed)
+    base = np.array([_row(family, word, names) for word in GROUPS])
+    weight = base[group]
+    weight = weight * _favoured(names, buildings["place"].to_numpy(str), PLACES)
+    word = style.strip().lower().replace(" ", "_")
+    boost = np.array([STYLE_WORDS.get(word, {}).get(name, 1.0) for name in names.tolist()])
+    weight = weight * boost + (boost > 1) * 0.02 * boost * (base[group] == 0)
+    fits = admitted(layout)
+    weight = np.where(fits, weight, 0.0)
+    lost = weight.sum(axis=1) <= 0
+    for name in reversed(SPARE):
+        column = int(np.flatnonzero(names == name)[0])
+        weight[lost & fits[:, column]] = 0.0
+        weight[lost & fits[:, column], column] = 1.0
+    lost = weight.sum(axis=1) <= 0
+    weight[lost, int(np.flatnonzero(names == SPARE[0])[0])] = 1.0
+    key = _row_keys(layout, seed)
+    edges = np.cumsum(weight, axis=1)
+    drawn = uniform(seed, "building/generator", key) * edges[:, -1]
+    found = names[np.minimum((edges <= drawn[:, None]).sum(axis=1), len(names) - 1)]
+    purpose = _purposes(layout)
+    known = np.isin(purpose, names)
+    number = {name: at for at, name in enumerate(names.tolist())}
+    columns = np.array([number.get(name, 0) for name in purpose.tolist()], np.int64)
+    known &= fits[np.arange(len(buildings)), columns]
+    return np.where(known, purpose, found)
+
+
+def admitted(layout: Layout, floors: int = 0) -> NDArray[np.bool_]:
+    """Tell which generators make sense on which footprints, (n, g) bool.
+
+    Parameters
+    ----------
+    floors
+        Storeys that all buildings shall have, 0 for their own.
+    """
+    shapes = layout.buildings.geometry.to_numpy()
+    area, width = shapely.area(shapes), widths_of(shapes)
+    levels = layout.buildings["levels"].to_numpy(float)
+    levels = np.full(len(levels), float(floors)) if floors else levels
+    glass = _said_wall(layout)
+    columns = []
+    for each in generators().values():
+        fit = (area >= each.area[0]) & (area <= each.area[1])
+        fit &= (levels >= each.levels[0]) & (levels <= each.levels[1])
+        fit &= (width >= each.width[0]) & (width <= each.width[1])
+        if each.look.facade.mode == "curtain" and each.look.walls[0][1] == "glass_wall":
+            fit &= np.isin(glass, ["", "glass"])
+        columns.append(fit)
+    return np.stack(columns, axis=1)
+
+
+def widths_of(shapes: NDArray[Any]) -> FloatArray:
+    """Return the shorter sides of the smallest boxes around outlines, (n,) metres."""
+    boxes = shapely.oriented_envelope(shapes)
+    good = (shapely.get_type_id(boxes) == 3) & ~shapely.is_empty(boxes)
+    width = np.zeros(len(shapes))
+    corner = shapely.get_coordinates(boxes[good]).reshape(-1, 5, 2)
+    width[good] = np.linalg.norm(np.diff(corner[:, :3], axis=1), axis=2).min(axis=1)
+    return width
+
+
+def _said_wall(layout: Layout) -> Words:
+    """Return the wall material that the input names for the first part of each building, (n,)."""
+    said = np.full(len(layout.buildings), "", "U32")
+    owner, described = owner_rows(layout)
+    rows = np.flatnonzero(described)[::-1]
+    said[owner[rows]] = layout.parts["wall_material"].to_numpy(str)[rows]
+    return said
+
+
+def _row(family: str, group: str, names: Words) -> FloatArray:
+    weights = ALWAYS.get(group) or TABLE[family][group]
+    return np.array([weights.get(name, 0.0) for name in names.tolist()])
+
+
+def _favoured(names: Words, words: Words, table: Mapping[str, Weights]) -> FloatArray:
+    known, index = np.unique(words, return_inverse=True)
+    rows = [[table.get(word, {}).get(name, 1.0) for name in names.tolist()] for word in known]
+    return np.asarray(np.array(rows)[index])
+
+
+def _group_of_buildings(layout: Layout, seed: int) -> IntArray:
+    """Use group of each building: that of its first part, (n,)."""
+    group = np.full(len(layout.buildings), GROUPS.index("flats"), np.int64)
+    owner, described = owner_rows(layout)
+    rows = np.flatnonzero(described)[::-1]
+    group[owner[rows]] = groups_of(layout, seed)[rows]
+    return group
+
+
+def _purposes(layout: Layout) -> Words:
+    """Return the generator that the tags of each building name, or "", (n,)."""
+    buildings = layout.buildings
+    use = buildings["use"].to_numpy(str)
+    known, index = np.unique(use, return_inverse=True)
+    found = np.array([PURPOSE.get(word, "") for word in known.tolist()], "U32")[index]
+    area = shapely.area(buildings.geometry.to_numpy())
+    tags = buildings["tags"].to_numpy(object)
+    vague = np.isin(use, _GENERAL) | (found == "church")
+    for row in np.flatnonzero(vague).tolist():
+        if not _TELLING.search(tags[row]):
+            continue
+        own = json.loads(tags[row])
+        faith = _FAITHS.get(str(own.get("religion", "")), "")
+        words = [str(own.get(key, "")) for key in _KEYS]
+        named = [PURPOSE[word] for word in words if word in PURPOSE]
+        if own.get("amenity") == "place_of_worship":
+            named.append("church")
+        named = [faith or name if name == "church" else name for name in named]
+        if found[row] == "church":
+            named.append(faith or "church")
+        if named:
+            found[row] = named[0]
+    many = np.isin(use, ["garages", "garage"]) & (area >= LARGE_PARKING)
+    many &= buildings["levels"].to_numpy(int) >= 2
+    found = np.where(many, "parking", found)
+    small = (found == "parking") & (area < LARGE_PARKING)
+    return np.where(small, "", found)
+
+
+def _row_keys(layout: Layout, seed: int) -> NDArray[np.uint64]:
+    """Key of the draw of each building: its own, or that of its row of houses, (n,).
+
+    Rows reach as far as `ROW_REACH` neighbours, so that a tile needs to know no more.
+    """
+    shapes = layout.buildings.geometry.to_numpy()
+    ids = layout.buildings["id"].to_numpy(np.uint64)
+    levels = layout.buildings["levels"].to_numpy(int)
+    area = shapely.area(shapes)
+    a, b = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=TOUCH)
+    # Houses of a row have about the same size and height.
+    alike = (np.abs(levels[a] - levels[b]) <= 1) & (area[a] < 1.7 * area[b])
+    alike &= area[b] < 1.7 * area[a]
+    a, b = a[alike], b[alike]
+    joins = uniform(seed, "building/row", ids) < ROW_SHARE
+    own = hash_ids(seed, "building/row rank", ids)
+    least = own.copy()
+    for _ in range(ROW_REACH):
+        reached = least.copy()
+        np.minimum.at(reached, a, least[b])
+        least = reached
+    return np.where(joins, least, own)

@@ -1,0 +1,152 @@
+"""Render every building generator on plots of its own and put the pictures on one sheet.
+
+    python examples/buildings/main.py [-o docs/buildings.png] [--only NAME ...] [--samples 24]
+
+Each row shows one generator with three seeds; the last row shows three streets made of them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import streets
+from PIL import Image, ImageDraw, ImageFont
+
+from cityx.agents.views import TIMEOUT_S
+from cityx.blender.client import BlenderJob, RenderRequest, run_worker
+from cityx.city.camera import Camera
+from cityx.city.city import City
+from cityx.city.store import write_city
+from cityx.plugins.background.sun import sun
+from cityx.plugins.background.weather import weather
+from cityx.plugins.building.catalogue import NAMES, generators
+from cityx.plugins.building.design import design
+from cityx.plugins.building.facade import facade
+from cityx.plugins.building.samples import Sample, sample_city, sheet_of
+from cityx.plugins.building.shell import shell
+from cityx.plugins.nature.trees import trees
+from cityx.plugins.road.ground import ground
+from cityx.plugins.road.network import network
+from cityx.plugins.road.parked_cars import parked_cars
+
+SEEDS = (1, 2, 3)
+TIME = "15:30"  # the sun stands before the fronts, to the left: sides lie in the shade
+CELL = (300, 225)  # pixels of one picture
+GAP, TITLE, COLUMNS = 6, 20, 2
+FOV = math.radians(46)
+ROUND = math.radians(32)  # the camera stands this far off the axis of the front
+
+
+def built(city: City, *, planted: bool = False) -> City:
+    """Run the actions that make a city of samples, with trees and cars if asked for."""
+    city = ground(network(weather(sun(city, time=TIME), preset="clear")))
+    city = facade(shell(design(city)))
+    return parked_cars(trees(city)) if planted else city
+
+
+def camera_of(sample: Sample, top: float, name: str) -> Camera:
+    """Return a camera that shows the front and one side of a building whole."""
+    length, width = sample.length, sample.width
+    middle = np.array([sample.x + length / 2, sample.y + width * 0.35, 0.46 * top])
+    seen = length * math.cos(ROUND) + width * math.sin(ROUND)
+    aspect = CELL[1] / CELL[0]
+    reach = max(0.56 * seen, 0.58 * top / aspect) / math.tan(FOV / 2) + 0.4 * width
+    high = 1.7 + 0.16 * reach + 0.12 * top
+    eye = middle + reach * np.array([math.sin(ROUND), -math.cos(ROUND), 0.0])
+    eye[2] = high
+    look = middle - eye
+    pitch = math.atan2(look[2], math.hypot(look[0], look[1]))
+    heading = math.atan2(look[0], look[1])
+    return Camera(name, tuple(eye.tolist()), heading, pitch, FOV, *CELL)
+
+
+def tops_of(city: City) -> dict[int, float]:
+    """Height of every building."""
+    parts = city.layout.parts
+    found: dict[int, float] = {}
+    for building, top in zip(parts["building"].tolist(), parts["top"].tolist(), strict=True):
+        found[int(building)] = max(found.get(int(building), 0.0), float(top))
+    return found
+
+
+def render(city: City, cameras: Sequence[Camera], folder: Path, samples: int) -> list[Path]:
+    """Store the city and render its cameras."""
+    store = folder / "city"
+    write_city(city, store)
+    requests = tuple(RenderRequest(each, folder / f"{each.name}.png", samples) for each in cameras)
+    run_worker(BlenderJob(store, renders=requests), timeout_s=TIMEOUT_S,
+               progress=lambda _, text: print(text))  # fmt: skip
+    return [request.path for request in requests]
+
+
+def compose(rows: Sequence[tuple[str, Sequence[Path]]], wide: Sequence[tuple[str, Path]],
+            out: Path) -> None:  # fmt: skip
+    """Write the sheet: `COLUMNS` generators side by side, then the streets."""
+    width, height = CELL
+    block = len(SEEDS) * (width + GAP) + 2 * GAP
+    lines = -(-len(rows) // COLUMNS)
+    street = block * COLUMNS // max(len(wide), 1) - GAP
+    tall = street * 9 // 16 if wide else 0
+    sheet = Image.new(
+        "RGB", (block * COLUMNS, lines * (height + TITLE + GAP) + tall + TITLE + GAP), "white"
+    )
+    draw = ImageDraw.Draw(sheet)
+    font = ImageFont.load_default(size=15)
+    for index, (title, pictures) in enumerate(rows):
+        left = GAP + (index // lines) * block
+        top = (index % lines) * (height + TITLE + GAP)
+        draw.text((left, top + 2), title, fill="black", font=font)
+        for column, path in enumerate(pictures):
+            with Image.open(path) as picture:
+                sheet.paste(picture.convert("RGB"), (left + column * (width + GAP), top + TITLE))
+    top = lines * (height + TITLE + GAP)
+    for index, (title, path) in enumerate(wide):
+        left = GAP + index * (street + GAP)
+        draw.text((left, top + 2), title, fill="black", font=font)
+        with Image.open(path) as picture:
+            small = picture.convert("RGB").resize((street, tall), Image.Resampling.LANCZOS)
+        sheet.paste(small, (left, top + TITLE))
+    out.parent.mkdir(parents=True, exist_ok=True)
+    sheet.save(out, optimize=True)
+
+
+def main() -> None:
+    """Build, render and compose."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("-o", "--out", type=Path, default=Path("docs/buildings.png"))
+    parser.add_argument("--only", nargs="*", choices=NAMES, default=list(NAMES))
+    parser.add_argument("--samples", type=int, default=24)
+    parser.add_argument("--lod", type=int, default=2, choices=(1, 2, 3))
+    parser.add_argument("--streets", nargs="*", choices=list(streets.STREETS),
+                        default=list(streets.STREETS))  # fmt: skip
+    parser.add_argument("--work", type=Path, help="folder to keep the pictures in")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as scratch:
+        work = options.work or Path(scratch)
+        rows, wide = [], []
+        if options.only:
+            samples = sheet_of(options.only, SEEDS)
+            city = built(sample_city(samples, lod=options.lod))
+            tops = tops_of(city)
+            cameras = [camera_of(s, tops[s.id], f"{s.generator}_{s.seed}") for s in samples]
+            paths = render(city, cameras, work / "sheet", options.samples)
+            rows = [
+                (generators()[name].title, paths[i * len(SEEDS) : (i + 1) * len(SEEDS)])
+                for i, name in enumerate(options.only)
+            ]
+        for name in options.streets:
+            city = built(streets.street_city(name, lod=options.lod), planted=True)
+            camera = streets.camera_of(name)
+            path = render(city, [camera], work / name, options.samples)[0]
+            wide.append((streets.STREETS[name].title, path))
+        compose(rows, wide, options.out)
+    print(options.out)
+
+
+if __name__ == "__main__":
+    main()

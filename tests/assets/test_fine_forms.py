@@ -1,0 +1,121 @@
+import numpy as np
+import pytest
+
+from cityx.assets.fine_doors import FINE_DOORS
+from cityx.assets.fine_shopfronts import FINE_FITTINGS, FINE_SHOPFRONTS
+from cityx.assets.fine_trims import FINE_TRIMS
+from cityx.assets.fine_windows import PATTERNS
+from cityx.assets.materials import MATERIALS
+from cityx.assets.mouldings import frame, ledge, rectangle, ring_moulding
+from cityx.assets.openings import DOORS, NICHE_DEPTH, WINDOWS, door, rim_of, window
+from cityx.assets.shapes import bevelled, fine_shapes, leaf_blades
+from cityx.assets.shopfronts import fitting, shopfront
+from cityx.assets.trees import tree
+from cityx.assets.trims import trim
+from cityx.assets.vehicles import BODIES, car
+from cityx.geometry.solids import area_vectors, check_closed, degenerate_faces, volume
+
+MADE = [
+    *(window(name, 2, detail=3) for name in [*PATTERNS, "window_arched"]),
+    *(door(name, detail=3) for name in FINE_DOORS),
+    *(shopfront(name, detail=3) for name in FINE_SHOPFRONTS),
+]
+ORNAMENT = [
+    *(window(name, 2, detail=3) for name in WINDOWS if name not in PATTERNS),
+    *(door(name, detail=3) for name in DOORS if name not in FINE_DOORS),
+    *(trim(name, detail=3) for name in FINE_TRIMS),
+    *(fitting(name, detail=3) for name in FINE_FITTINGS),
+]
+
+
+@pytest.mark.parametrize("made", [*MADE, *ORNAMENT], ids=lambda made: made.name)
+def test_fine_forms_are_sound_and_of_known_materials(made):
+    assert set(made.mesh.materials) <= set(MATERIALS)
+    assert np.isfinite(made.mesh.vertices).all()
+    assert np.isfinite(made.mesh.uv).all()
+    assert degenerate_faces(made.mesh, smallest=1e-12).mean() < 0.02
+    assert made.mesh.triangle_count < 40_000
+
+
+@pytest.mark.parametrize("made", MADE, ids=lambda made: made.name)
+def test_what_fills_a_niche_stays_before_its_back(made):
+    assert made.mesh.vertices[:, 1].max() <= NICHE_DEPTH + 1e-9
+
+
+@pytest.mark.parametrize("name", PATTERNS)
+@pytest.mark.parametrize("dressing", range(4))
+def test_a_fine_window_is_as_large_as_the_plain_one(name, dressing):
+    _, width, height = WINDOWS[name]
+    points = window(name, dressing, detail=3).mesh.vertices
+    inside = points[points[:, 1] > 0.001]
+    assert np.ptp(inside[:, 0]) == pytest.approx(width, abs=0.02)
+    assert inside[:, 2].max() == pytest.approx(height, abs=0.02)
+    assert inside[:, 2].min() > -1e-9
+
+
+@pytest.mark.parametrize("name", [*PATTERNS, *FINE_DOORS, "window_arched", "shop"])
+def test_rims_are_convex_and_within_the_opening(name):
+    rim = rim_of(name)
+    edge = np.roll(rim, -1, axis=0) - rim
+    after = np.roll(edge, -1, axis=0)
+    assert (edge[:, 0] * after[:, 1] - edge[:, 1] * after[:, 0] > -1e-12).all()
+    assert np.abs(rim[:, 0]).max() <= 0.5
+    assert rim[:, 1].min() == 0.0
+    assert rim[:, 1].max() <= 1.0
+
+
+def test_fine_forms_have_many_times_the_triangles():
+    for name in PATTERNS:
+        plain, fine = window(name, 2), window(name, 2, detail=3)
+        assert fine.mesh.triangle_count > 8 * plain.mesh.triangle_count
+    for body in BODIES:
+        assert car(body, detail=3).mesh.triangle_count > 4 * car(body).mesh.triangle_count
+    fine, near = tree("lime", 0, "fine"), tree("lime", 0, "near")
+    assert fine.mesh.triangle_count > 4 * near.mesh.triangle_count
+
+
+@pytest.mark.parametrize("hidden", [(), ("+y",), ("+y", "-z")])
+def test_a_bevelled_box_faces_outward(hidden):
+    mesh = bevelled((0, 0, 0), (1, 2, 3), "trim", hidden=hidden)
+    corner = mesh.vertices[mesh.faces[:, 0]]
+    outward = (area_vectors(mesh.vertices, mesh.faces) * (corner - [0.5, 1.0, 1.5])).sum(axis=1)
+    assert (outward > 0).all()
+    assert check_closed(mesh)[0] == (not hidden)
+
+
+def test_a_frame_covers_the_border_it_is_swept_over():
+    mesh = frame(0, 2, 0, 3, [(0, 0.05), (0.1, 0.05)], "trim")
+    vector = area_vectors(mesh.vertices, mesh.faces)
+    assert np.allclose(vector[:, [0, 2]], 0)
+    assert -vector[:, 1].sum() == pytest.approx(2 * 3 - 1.8 * 2.8)
+
+
+def test_a_moulding_runs_round_a_polygon_with_mitres():
+    angle = np.linspace(0, 2 * np.pi, 9)[:-1]
+    octagon = np.column_stack([np.cos(angle), np.sin(angle)])
+    mesh = ring_moulding(octagon, [(0, 0), (0.1, 0)], "trim")
+    apothem = np.cos(np.pi / 8)
+    shares = 1 - ((apothem - 0.1) / apothem) ** 2
+    area = -area_vectors(mesh.vertices, mesh.faces)[:, 1].sum()
+    assert area == pytest.approx(shares * 8 * apothem * np.sin(np.pi / 8))
+
+
+def test_a_ledge_is_a_closed_prism():
+    mesh = ledge(rectangle(-0.1, 0.0, 0.0, 0.2), -1, 1, "trim")
+    assert check_closed(mesh)[0]
+    assert volume(mesh)[0] == pytest.approx(0.04)
+
+
+def test_fine_shapes_end_with_their_block():
+    from cityx.assets.shapes import box
+
+    with fine_shapes():
+        assert box((0, 0, 0), (1, 1, 1), "trim").triangle_count == 44
+    assert box((0, 0, 0), (1, 1, 1), "trim").triangle_count == 12
+
+
+def test_leaves_have_six_triangles_each():
+    ones = np.ones((5, 1))
+    made = leaf_blades(np.zeros((5, 3)), ones * [1, 0, 0], ones * [0, 1, 0], "leaf", (1, 1, 1))
+    assert made.triangle_count == 30
+    assert (area_vectors(made.vertices, made.faces)[:, 2] < 0).all()

@@ -1,0 +1,69 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+from cityx.errors import ActionFailed
+from cityx.plugins.building.design import design
+from cityx.plugins.building.samples import sample_city, sheet_of
+from cityx.plugins.building.setback_skyscraper import setback_skyscraper
+from cityx.protocol.example_city import example_city
+
+
+def towers(**options):
+    return design(sample_city(sheet_of(["setback_skyscraper"], (1, 2, 3)), **options))
+
+
+def test_volumes_of_a_generator_replace_the_plain_part():
+    city = towers()
+    parts = city.layout.parts
+    assert len(parts) > 6
+    assert parts["id"].is_unique
+    assert set(parts["zone"]) >= {"", "tower"}
+    assert not city.failures
+    top = parts.groupby("building")["top"].max()
+    assert np.allclose(top.to_numpy(), city.layout.buildings["height"].to_numpy())
+
+
+def test_a_mapped_footprint_stays_covered():
+    city = towers()
+    for row in city.layout.buildings.itertuples():
+        own = city.layout.parts[city.layout.parts["building"] == row.id]
+        ground = shapely.union_all(own.geometry[own["base"] < 0.05].to_numpy())
+        assert ground.area > 0.97 * row.geometry.area
+
+
+def test_design_is_the_same_twice_and_differs_by_seed():
+    first, again, other = towers(), towers(), towers(seed=4)
+    assert first.layout.parts.equals(again.layout.parts)
+    assert not first.layout.parts["top"].equals(other.layout.parts["top"])
+
+
+def test_mapped_parts_keep_their_volumes():
+    city = sample_city(sheet_of(["setback_skyscraper"], (1,)))
+    parts = city.layout.parts
+    import pandas as pd
+
+    second = parts.copy()
+    second["id"] = second["id"] + np.uint64(1)
+    second["base"], second["top"] = 30.0, 60.0
+    both = pd.concat([parts, second], ignore_index=True).sort_values("id", ignore_index=True)
+    city = replace(city, layout=replace(city.layout, parts=both))
+    assert len(design(city).layout.parts) == 2
+
+
+def test_one_building_becomes_another_kind():
+    city = example_city()
+    made = setback_skyscraper(city, building="The Tower", floors=20, noise=0.0)
+    kinds = made.layout.buildings["generator"]
+    assert (kinds == "setback_skyscraper").sum() == 1
+    assert made.layout.buildings["height"].max() == pytest.approx(74.0)
+    assert "buildings" in made.scene.meshes
+    flat = setback_skyscraper(city, building="The Tower", floors=20, depth=0)
+    assert len(flat.layout.parts) < len(made.layout.parts)
+
+
+def test_a_city_without_room_for_it_is_told_so():
+    with pytest.raises(ActionFailed, match="Setback skyscraper"):
+        setback_skyscraper(example_city(), share=0.0)
