@@ -164,4 +164,3 @@ class FacadeStyle:
     slabs: tuple[Strip, ...] = ()
     fixtures: tuple[Fixture, ...] = ()
     entrance: bool = False
-

@@ -72,6 +72,8 @@ class Generator:
         How far its pitched roofs run out, relative to the usual overhang.
     rooftop
         Weights of roof furniture by name; empty for the usual of its use.
+    chimneys
+        Share of its houses with a sloping roof that have one.
     area, levels, width
         (least, greatest) footprint in square metres, storeys, and metres of the shorter side that
         it makes sense on.
@@ -96,6 +98,7 @@ class Generator:
     eaves: float = 1.0
     flat: Surfaces = FLAT
     rooftop: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    chimneys: float = 0.72
     area: tuple[float, float] = ANY
     levels: tuple[float, float] = ANY
     width: tuple[float, float] = ANY

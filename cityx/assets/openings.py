@@ -123,12 +123,12 @@ def glazing(
     if blind:
         low = height - frame - blind * (height - 2 * frame)
         shapes.append(
-            pane(-inner / 2, inner / 2, low, height - frame, "cloth", PALE, y=PANE - 0.006)
+            pane(-inner / 2, inner / 2, low, height - frame, "curtain", PALE, y=PANE - 0.006)
         )
     if curtain:
         reach = curtain * inner
         for x0, x1 in ((-inner / 2, -inner / 2 + reach), (inner / 2 - reach, inner / 2)):
-            shapes.append(pane(x0, x1, frame, height - frame, "cloth", PALE, y=PANE - 0.006))
+            shapes.append(pane(x0, x1, frame, height - frame, "curtain", PALE, y=PANE - 0.006))
     for share in columns:
         x = -w + share * width
         shapes.append(slab(x - bar / 2, x + bar / 2, frame, height - frame, SASH, "frame_paint",
@@ -342,7 +342,7 @@ def door_panel() -> Shapes:
         slab(-0.60, 0.60, 2.62, 2.75, -0.06, "frame_paint"),
         pane(-0.58, 0.58, 2.2, 2.62, GLASS),
         slab(-0.60, 0.60, 2.12, 2.2, -0.07, "frame_paint"),
-        slab(-0.80, 0.80, -0.35, 0.05, -0.42, "concrete"),
+        slab(-0.80, 0.80, -0.35, 0.05, -0.42, "step_stone"),
     ]
     shapes += _leaf(-0.60, 0.60, 0.05, 2.12, 3)
     shapes.append(disc((0.45, -0.07, 1.1), 0.035, "metal_grey", sides=6, thickness=0.03))
@@ -356,7 +356,7 @@ def door_double() -> Shapes:
         slab(-0.84, 0.84, 2.3, 2.4, -0.07, "door_paint"),
         pane(-0.84, 0.84, 2.4, 2.94, GLASS),
         slab(-0.03, 0.03, 2.4, 2.94, -0.05, "door_paint"),
-        slab(-0.95, 0.95, -0.35, 0.04, -0.30, "concrete"),
+        slab(-0.95, 0.95, -0.35, 0.04, -0.30, "step_stone"),
         slab(-0.025, 0.025, 0.04, 2.3, -0.06, "door_paint"),
     ]
     return shapes
@@ -373,7 +373,7 @@ def door_glass() -> Shapes:
         slab(-1.35, 1.35, 2.78, 2.92, -1.25, "frame_paint"),
         slab(0.10, 0.13, 0.9, 1.5, -0.11, "metal_grey", back=-0.06),
         slab(-0.13, -0.10, 0.9, 1.5, -0.11, "metal_grey", back=-0.06),
-        slab(-1.05, 1.05, -0.35, 0.02, -0.5, "concrete"),
+        slab(-1.05, 1.05, -0.35, 0.02, -0.5, "step_stone"),
     ]
     return shapes
 
@@ -384,7 +384,7 @@ def door_house() -> Shapes:
     shapes += _leaf(-0.49, 0.49, 0.05, 2.11, 2)
     shapes += [
         pane(-0.22, 0.22, 1.35, 1.85, GLASS, y=-0.052),
-        slab(-0.8, 0.8, -0.35, 0.05, -0.9, "concrete"),
+        slab(-0.8, 0.8, -0.35, 0.05, -0.9, "step_stone"),
     ]
     return shapes
 
@@ -424,7 +424,7 @@ def door_portal() -> Shapes:
     return [
         prism(arch(1.8, 3.45), -0.28, 0.0, "door_paint"),
         slab(-0.02, 0.02, 0.0, 3.4, -0.30, "metal_dark", back=-0.28),
-        slab(-1.5, 1.5, -0.35, 0.06, -0.8, "stone"),
+        slab(-1.5, 1.5, -0.35, 0.06, -0.8, "step_stone"),
     ]
 
 

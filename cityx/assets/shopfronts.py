@@ -48,7 +48,7 @@ def shop_classic(glass: str) -> Shapes:
         slab(-0.42, 0.42, 0.0, 0.75, -0.05, "door_paint", (0.85, 0.85, 0.85)),
         slab(-0.42, -0.32, 0.75, 2.28, -0.05, "door_paint", (0.85, 0.85, 0.85), back=-0.02),
         slab(0.32, 0.42, 0.75, 2.28, -0.05, "door_paint", (0.85, 0.85, 0.85), back=-0.02),
-        slab(-0.6, 0.6, -0.3, 0.02, -0.2, "concrete"),
+        slab(-0.6, 0.6, -0.3, 0.02, -0.2, "step_stone"),
     ]
     for x0, x1 in ((-_W + 0.22, -0.5), (0.5, _W - 0.22)):
         shapes.append(slab(x0, x1, -0.3, 0.55, STALL, "door_paint"))
@@ -70,7 +70,7 @@ def shop_modern(glass: str) -> Shapes:
         slab(0.67, _W - 0.06, 2.3, 2.35, -0.06, "frame_paint", back=-0.02),
         slab(-0.6, -0.56, 0.18, HEIGHT - 0.06, -0.055, "frame_paint", back=-0.02),
         slab(0.80, 0.83, 0.8, 1.5, -0.10, "metal_grey", back=-0.04),
-        slab(-_W, _W, -0.3, 0.0, -0.08, "concrete"),
+        slab(-_W, _W, -0.3, 0.0, -0.08, "step_stone"),
     ]
     return shapes + _goods("modern", -_W + 0.1, 0.55, 0.2, 4)
 
@@ -99,7 +99,7 @@ def shop_cafe(glass: str) -> Shapes:
         shapes.append(slab(x1 - 0.07, x1 - 0.01, 0.0, 2.4, -0.07, "door_paint", back=-0.02))
         shapes.append(slab(x0 + 0.07, x1 - 0.07, 0.0, 0.45, -0.065, "door_paint", back=-0.02))
     shapes.append(slab(-_W + 0.1, _W - 0.1, 2.4, 2.5, -0.08, "door_paint", back=-0.02))
-    shapes.append(slab(-_W, _W, -0.3, 0.0, -0.12, "concrete"))
+    shapes.append(slab(-_W, _W, -0.3, 0.0, -0.12, "step_stone"))
     return shapes
 
 

@@ -212,7 +212,9 @@ def window_ward(glass: str, blind: float, curtain: float) -> Shapes:
     ]
     if blind:
         low = 1.68 - 1.6 * blind
-        shapes.append(strip(-1.26, 0.5, low, 1.7, -0.055, "cloth", (0.82, 0.82, 0.80), back=-0.03))
+        shapes.append(
+            strip(-1.26, 0.5, low, 1.7, -0.055, "curtain", (0.82, 0.82, 0.80), back=-0.03)
+        )
     return shapes
 
 
@@ -227,7 +229,9 @@ def window_class(glass: str, blind: float, curtain: float) -> Shapes:
     ]
     if blind:
         low = 1.96 - 1.4 * blind
-        shapes.append(strip(-1.44, 1.44, low, 1.96, -0.032, "cloth", (0.86, 0.84, 0.78), back=PANE))
+        shapes.append(
+            strip(-1.44, 1.44, low, 1.96, -0.032, "curtain", (0.86, 0.84, 0.78), back=PANE)
+        )
     return shapes
 
 

@@ -99,7 +99,7 @@ def window_prow(glass: str, blind: float, curtain: float) -> Shapes:
     shapes.append(slab(-0.9, 0.9, 0.42, 0.47, -0.45, "frame_paint", back=-0.42))
     if curtain:
         for x0, x1 in ((-0.88, -0.45), (0.45, 0.88)):
-            shapes.append(pane(x0, x1, 0.0, 1.6, "cloth", PALE, y=-0.425))
+            shapes.append(pane(x0, x1, 0.0, 1.6, "curtain", PALE, y=-0.425))
     return shapes
 
 
@@ -111,7 +111,7 @@ def window_temple(glass: str, blind: float, curtain: float) -> Shapes:
         slab(-1.15, 1.15, 2.3, 2.5, -0.1, "frame_paint"),
         slab(-1.15, -1.04, 0.14, 2.3, -0.1, "frame_paint"),
         slab(1.04, 1.15, 0.14, 2.3, -0.1, "frame_paint"),
-        pane(-1.04, 1.04, 0.8, 2.3, "cloth", (0.85, 0.78, 0.62)),
+        pane(-1.04, 1.04, 0.8, 2.3, "curtain", (0.85, 0.78, 0.62)),
         slab(-1.04, 1.04, 0.14, 0.8, -0.03, "frame_paint", SHADE),
     ]
     for leaf in range(4):
@@ -153,7 +153,7 @@ def door_sidelight() -> Shapes:
         slab(0.30, 0.75, 0.7, 0.75, -0.05, "frame_paint", back=PANE),
         slab(0.30, 0.75, 1.4, 1.45, -0.05, "frame_paint", back=PANE),
         slab(0.12, 0.17, 0.95, 1.25, -0.09, "metal_grey", back=-0.035),
-        slab(-1.05, 1.05, -0.35, 0.04, -1.1, "concrete"),
+        slab(-1.05, 1.05, -0.35, 0.04, -1.1, "step_stone"),
     ]
     return shapes
 
@@ -169,7 +169,7 @@ def door_boards() -> Shapes:
         shapes.append(slab(-0.45, 0.2, z, z + 0.05, -0.045, "metal_dark", back=-0.035))
     shapes += [
         slab(0.32, 0.36, 0.95, 1.08, -0.07, "metal_dark", back=-0.035),
-        slab(-0.6, 0.6, -0.35, 0.02, -0.45, "stone"),
+        slab(-0.6, 0.6, -0.35, 0.02, -0.45, "step_stone"),
     ]
     return shapes
 
@@ -231,7 +231,7 @@ def door_flat() -> Shapes:
         slab(0.05, 0.9, 0.0, 2.24, -0.03, "frame_paint", SHADE),
         slab(0.5, 0.75, 1.72, 1.92, -0.06, "metal_dark", back=-0.03),
         disc((0.62, -0.075, 2.08), 0.07, "plastic", sides=8, thickness=0.04),
-        slab(-1.1, 1.1, -0.35, 0.03, -0.6, "concrete"),
+        slab(-1.1, 1.1, -0.35, 0.03, -0.6, "step_stone"),
         slab(-1.15, 1.15, 2.38, 2.5, -0.9, "frame_paint"),
     ]
     for row in range(3):

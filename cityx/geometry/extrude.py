@@ -64,7 +64,7 @@ class Plan:
 
 def plan_of(polygons: NDArray[Any]) -> Plan:
     """Triangulate (n,) valid polygons; empty ones have no triangle."""
-    polygons = shapely.orient_polygons(np.asarray(polygons, dtype=object))
+    polygons = np.asarray(polygons, dtype=object)
     rings = rings_of(polygons)
     mesh = triangulate(polygons, rings)
     return Plan(rings, mesh.triangles, mesh.polygon, len(polygons))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -70,7 +70,6 @@ def rings_of(polygons: ArrayLike) -> Rings:
     if len(polygons) == 0:
         none = np.zeros(0, np.int64)
         return Rings(np.zeros((0, 2)), np.zeros(1, np.int64), none, none.astype(bool))
-    polygons = shapely.orient_polygons(polygons)
     ring, polygon = shapely.get_rings(polygons, return_index=True)
     points, of_ring = shapely.get_coordinates(ring, return_index=True)
     closing = np.zeros(len(points), bool)
@@ -79,7 +78,23 @@ def rings_of(polygons: ArrayLike) -> Rings:
     first = np.ones(len(ring), bool)
     first[1:] = polygon[1:] != polygon[:-1]
     start = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
-    return Rings(points[~closing], start, polygon.astype(np.int64), ~first)
+    return _oriented(Rings(points[~closing], start, polygon.astype(np.int64), ~first))
+
+
+def _oriented(rings: Rings) -> Rings:
+    """Turn outer rings counterclockwise and holes clockwise; each keeps its first point."""
+    ring = rings.ring_of_point
+    first = rings.points[rings.start[:-1]][ring]
+    here, there = rings.points - first, rings.points[rings.following()] - first
+    crossed = here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0]
+    area = np.bincount(ring, crossed, minlength=len(rings.polygon))
+    wrong = np.where(rings.hole, area > 0, area < 0)
+    if not wrong.any():
+        return rings
+    count = np.diff(rings.start)[ring]
+    place = np.arange(len(ring)) - rings.start[ring]
+    place = np.where(wrong[ring], (count - place) % np.maximum(count, 1), place)
+    return replace(rings, points=rings.points[rings.start[ring] + place])
 
 
 def clean_polygons(polygons: ArrayLike) -> NDArray[Any]:

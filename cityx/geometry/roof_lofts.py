@@ -61,7 +61,7 @@ def loft_roofs(
     low, eave, rise, zero
         (n,) foot, eave, height of the roof above it, zero of the wall texture; metres.
     """
-    polygons = shapely.orient_polygons(np.asarray(polygons, dtype=object))
+    polygons = np.asarray(polygons, dtype=object)
     count = len(polygons)
     rings = rings_of(polygons)
     centre = np.nan_to_num(shapely.get_coordinates(shapely.centroid(polygons)))
@@ -163,7 +163,7 @@ def inset(polygons: NDArray[Any], distance: FloatArray) -> tuple[Plan, Plan]:
         The outlines whose inset is an outline of the same rings inside them, and those insets,
         point for point; the other outlines are empty in both.
     """
-    polygons = shapely.orient_polygons(np.asarray(polygons, dtype=object))
+    polygons = np.asarray(polygons, dtype=object)
     count = len(polygons)
     rings = rings_of(polygons)
     part = rings.polygon[rings.ring_of_point]

@@ -153,7 +153,7 @@ def profile_roofs(
     eave, rise
         (n,) eave and height of the roof above it; metres.
     """
-    polygons = shapely.orient_polygons(np.asarray(polygons, dtype=object))
+    polygons = np.asarray(polygons, dtype=object)
     count = len(polygons)
     rings = rings_of(polygons)
     frames = frames_of(rings, count, names, angle, eave, rise)

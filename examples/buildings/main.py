@@ -8,6 +8,7 @@ Each row shows one generator with three seeds; the last row shows three streets 
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 import tempfile
 from collections.abc import Sequence
@@ -32,37 +33,50 @@ from cityx.plugins.building.shell import shell
 from cityx.plugins.nature.trees import trees
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.network import network
-from cityx.plugins.road.parked_cars import parked_cars
 
 SEEDS = (1, 2, 3)
 TIME = "15:30"  # the sun stands before the fronts, to the left: sides lie in the shade
 CELL = (300, 225)  # pixels of one picture
 GAP, TITLE, COLUMNS = 6, 20, 2
 FOV = math.radians(46)
+EYE = 1.7  # metres
+FILL = 0.9  # share of the picture that a building fills
 ROUND = math.radians(32)  # the camera stands this far off the axis of the front
 
 
-def built(city: City, *, planted: bool = False) -> City:
-    """Run the actions that make a city of samples, with trees and cars if asked for."""
-    city = ground(network(weather(sun(city, time=TIME), preset="clear")))
+def built(city: City, *, time: str = TIME) -> City:
+    """Run the actions that make a city of samples, with trees where the layout has some."""
+    city = ground(network(weather(sun(city, time=time), preset="clear")))
     city = facade(shell(design(city)))
-    return parked_cars(trees(city)) if planted else city
+    return trees(city) if len(city.layout.points) else city
 
 
 def camera_of(sample: Sample, top: float, name: str) -> Camera:
     """Return a camera that shows the front and one side of a building whole."""
-    length, width = sample.length, sample.width
-    middle = np.array([sample.x + length / 2, sample.y + width * 0.35, 0.46 * top])
-    seen = length * math.cos(ROUND) + width * math.sin(ROUND)
-    aspect = CELL[1] / CELL[0]
-    reach = max(0.56 * seen, 0.58 * top / aspect) / math.tan(FOV / 2) + 0.4 * width
-    high = 1.7 + 0.16 * reach + 0.12 * top
-    eye = middle + reach * np.array([math.sin(ROUND), -math.cos(ROUND), 0.0])
-    eye[2] = high
-    look = middle - eye
+    low, high = np.zeros(3), np.array([sample.length, sample.width, top])
+    corners = np.array(list(itertools.product(*zip(low, high, strict=True))))
+    size = float(np.linalg.norm(high))
+    aim, reach = high / 2, size
+    for _ in range(12):  # move the aim to the middle of what is seen, and back until it fits
+        up = max(EYE + 0.05 * reach + 0.12 * top, 0.25 * (reach - size))
+        eye = aim + reach * np.array([math.sin(ROUND), -math.cos(ROUND), 0.0])
+        eye[2] = up
+        look = (aim - eye) / np.linalg.norm(aim - eye)
+        right = np.cross(look, [0.0, 0.0, 1.0])
+        right /= np.linalg.norm(right)
+        over = np.cross(right, look)
+        depth = (corners - eye) @ look
+        seen = np.column_stack([(corners - eye) @ right, (corners - eye) @ over]) / depth[:, None]
+        middle = (seen.max(axis=0) + seen.min(axis=0)) / 2
+        half = (seen.max(axis=0) - seen.min(axis=0)) / 2
+        far = float((aim - eye) @ look)
+        aim = aim + far * (middle[0] * right + middle[1] * over)
+        fill = max(half[0], half[1] * CELL[0] / CELL[1]) / (math.tan(FOV / 2) * FILL)
+        reach *= fill
     pitch = math.atan2(look[2], math.hypot(look[0], look[1]))
     heading = math.atan2(look[0], look[1])
-    return Camera(name, tuple(eye.tolist()), heading, pitch, FOV, *CELL)
+    at = eye + np.array([sample.x, sample.y, 0.0])
+    return Camera(name, tuple(at.tolist()), heading, pitch, FOV, *CELL)
 
 
 def tops_of(city: City) -> dict[int, float]:
@@ -140,7 +154,7 @@ def main() -> None:
                 for i, name in enumerate(options.only)
             ]
         for name in options.streets:
-            city = built(streets.street_city(name, lod=options.lod), planted=True)
+            city = built(streets.street_city(name, lod=3), time=streets.STREETS[name].time)
             camera = streets.camera_of(name)
             path = render(city, [camera], work / name, options.samples)[0]
             wide.append((streets.STREETS[name].title, path))

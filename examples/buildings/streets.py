@@ -33,6 +33,10 @@ class Street:
         (least, greatest) metres between neighbours.
     trees
         Metres between street trees, 0 for none.
+    widened
+        Metres added to the carriageway.
+    time
+        Of the picture; the street runs from west to east, and the camera looks east.
     eye, heading, pitch
         Camera: (x, y, z), radians from east towards north, radians.
     """
@@ -41,9 +45,11 @@ class Street:
     houses: Mapping[str, float]
     gap: tuple[float, float] = (0.0, 0.0)
     trees: float = 0.0
-    eye: tuple[float, float, float] = (2.0, -0.4, 1.8)
-    heading: float = 0.05
-    pitch: float = 0.06
+    widened: float = 0.0
+    time: str = "16:00"
+    eye: tuple[float, float, float] = (2.0, -2.4, 1.8)
+    heading: float = 0.12
+    pitch: float = 0.08
 
 
 STREETS = {
@@ -56,11 +62,11 @@ STREETS = {
         "Business district",
         {"glass_tower": 4, "setback_skyscraper": 3, "postmodern_tower": 3, "office_slab": 2,
          "brutalist": 1, "mixed_use": 1},
-        gap=(4.0, 12.0), trees=24.0, pitch=0.24,
+        gap=(4.0, 12.0), widened=10.0, time="17:15", eye=(2.0, -6.0, 2.2), heading=0.1, pitch=0.32,
     ),
     "suburb": Street(
-        "Suburb", {"suburban_house": 6, "bungalow": 3, "cottage": 2}, gap=(4.0, 9.0), trees=26.0,
-        heading=0.1,
+        "Suburb", {"suburban_house": 6, "bungalow": 3, "cottage": 2}, gap=(4.0, 9.0), trees=52.0,
+        eye=(26.0, -2.6, 2.6), heading=0.38, pitch=0.0,
     ),
 }  # fmt: skip
 
@@ -78,7 +84,7 @@ def street_city(name: str, *, lod: int = 2) -> City:
             key = np.uint64(stable_id(name, seed))
             word = words[int(choose(0, "street/house", key, weights))]
             each = Sample(word, stable_id(name, seed) & 0xFFFF).measured()
-            back = setback_of(generators()[word])
+            back = setback_of(generators()[word]) + street.widened / 2
             y = back if side > 0 else -back - each.width
             samples.append(replace(each, x=round(x, 2), y=round(y, 2)))
             low, high = street.gap
@@ -86,12 +92,12 @@ def street_city(name: str, *, lod: int = 2) -> City:
             number += 1
     city = sample_city(samples, lod=lod, streets=[0.0])
     roads = city.layout.roads.copy()
-    roads["parking_left"] = roads["parking_right"] = True
-    roads["width"] = STREET_WIDTH + 0.01
+    roads["width"] = STREET_WIDTH + street.widened
+    roads["lanes"] = 2 if street.widened < 6.0 else 4
     layout = replace(city.layout, roads=roads)
     if street.trees:
         xs = np.arange(-30.0, LENGTH + 30.0, street.trees)
-        y = STREET_WIDTH / 2 + 0.9
+        y = (STREET_WIDTH + street.widened) / 2 + 0.9
         places = [(x, side * y) for x in xs.tolist() for side in (1, -1)]
         count = len(places)
         points = make_table(

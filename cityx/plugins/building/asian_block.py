@@ -154,6 +154,7 @@ GENERATOR = Generator(
     area=(60.0, 5000.0),
     levels=(4, 60),
     plot=(20.0, 36.0, 17.0, 24.0),
+    chimneys=0.0,
     floors=(10, 24),
     storey=2.9,
     use="apartments",

@@ -78,50 +78,6 @@ def assemble(solids: Solids, building: NDArray[np.uint64], finishes: Finishes) -
     )
 
 
-def merged_objects(batch: MeshBatch, added: MeshBatch) -> MeshBatch:
-    """Join two batches of objects sorted by id; those of the same id become one object."""
-    ids = np.union1d(batch.object_id, added.object_id)
-    names = list(dict.fromkeys((*batch.materials, *added.materials)))
-    layers = (batch, added)
-    at = [np.searchsorted(ids, each.object_id) for each in layers]
-    starts, shifts = [], []
-    for column in ("vertex_start", "face_start"):
-        size = [np.zeros(len(ids), np.int64) for _ in layers]
-        for own, each, row in zip(size, layers, at, strict=True):
-            own[row] = np.diff(getattr(each, column))
-        start = np.concatenate([[0], np.cumsum(size[0] + size[1])]).astype(np.int64)
-        first = (start[:-1], start[:-1] + size[0])  # what is added comes behind what is there
-        starts.append(start)
-        shifts.append(
-            [
-                begin[row] - getattr(each, column)[:-1]
-                for begin, each, row in zip(first, layers, at, strict=True)
-            ]
-        )
-    made = MeshBatch(
-        ids,
-        starts[0],
-        starts[1],
-        np.empty((starts[0][-1], 3)),
-        np.empty((starts[1][-1], 4), np.int32),
-        np.empty(starts[1][-1], np.int16),
-        tuple(names),
-        np.empty((starts[1][-1], 4, 2), np.float32),
-        np.empty((starts[1][-1], 3), np.float32),
-    )
-    for each, by_vertex, by_face in zip(layers, *shifts, strict=True):
-        number = np.diff(each.vertex_start)
-        made.vertices[np.arange(len(each.vertices)) + np.repeat(by_vertex, number)] = each.vertices
-        number = np.diff(each.face_start)
-        place = np.arange(len(each.faces)) + np.repeat(by_face, number)
-        shift = np.repeat(by_vertex, number).astype(np.int32)[:, None]
-        made.faces[place] = np.where(each.faces == NO_VERTEX, NO_VERTEX, each.faces + shift)
-        table = np.array([names.index(name) for name in each.materials], np.int16)
-        made.material[place] = table[each.material]
-        made.uv[place], made.tint[place] = each.uv, each.tint
-    return made
-
-
 def _starts(owner: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     return np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=count))]).astype(np.int64)
 

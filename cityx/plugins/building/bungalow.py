@@ -142,6 +142,7 @@ GENERATOR = Generator(
     levels=(1, 3),
     width=(5.5, 40.0),
     plot=(14.0, 21.0, 9.0, 12.0),
+    chimneys=0.45,
     floors=(1, 1),
     storey=2.75,
     use="bungalow",

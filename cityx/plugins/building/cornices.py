@@ -16,13 +16,11 @@ from cityx.geometry.roof_heights import RoofField
 from cityx.geometry.roofs import EAVED, as_shapes
 from cityx.geometry.solids import Solids, join_solids
 from cityx.geometry.sweeps import Profile, following_pieces, profile_of, sweep
-from cityx.plugins.building.assembly import assemble, merged_objects
 from cityx.plugins.building.catalogue import looks
 from cityx.plugins.building.placing import Placing
 
 if TYPE_CHECKING:
     from cityx.city.city import City
-    from cityx.city.mesh import MeshBatch
     from cityx.plugins.building.facade import Facade
 
 BACK = -0.02  # metres that mouldings reach into the wall, so that none is seen through a joint
@@ -171,10 +169,3 @@ def corner_stones(placing: Placing, found: Facade, seed: int) -> None:
         scale=(1.0, 1.0, pitch / COURSE), tint=found.finishes.trim_tint[part[wall[row]]],
         index=step, reach=0.1,
     )  # fmt: skip
-
-
-def joined_to(batch: MeshBatch, solids: Solids, found: Facade) -> MeshBatch:
-    """Add bodies of parts to the objects of their buildings."""
-    if not len(solids.faces):
-        return batch
-    return merged_objects(batch, assemble(solids, found.volumes.building, found.finishes))

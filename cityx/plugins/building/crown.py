@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cityx.geometry.roof_heights import RoofField, roof_field
-from cityx.plugins.building.assembly import TRIM_MATERIAL
-from cityx.plugins.building.cornices import corner_stones, joined_to, mouldings
+from cityx.plugins.building.assembly import TRIM_MATERIAL, assemble
+from cityx.plugins.building.cornices import corner_stones, mouldings
 from cityx.plugins.building.dormers import dormers
 from cityx.plugins.building.gables import gable_windows
+from cityx.plugins.building.growth import Piece, piece_of
 from cityx.plugins.building.placing import Placing
 from cityx.plugins.building.roof_edges import roof_edges
 
 if TYPE_CHECKING:
     from cityx.city.city import City
-    from cityx.city.scene import Scene
     from cityx.plugins.building.facade import Facade
 
 SHELLS = "buildings"  # the layer of the shells
@@ -32,25 +32,24 @@ def pitched_field(city: City, found: Facade) -> RoofField | None:
     return roof_field(batch, objects, (TRIM_MATERIAL,))
 
 
-def crown(
-    placing: Placing, found: Facade, city: City, scene: Scene, field: RoofField | None
-) -> Scene:
-    """Put mouldings on the shells of a scene, and instances on roofs and corners.
+def crown(placing: Placing, found: Facade, city: City, field: RoofField | None) -> Piece | None:
+    """Put instances on roofs and corners, and return the mouldings to add to the shells.
 
     Parameters
     ----------
     placing
         Takes the instances.
-    scene
-        The scene that the mouldings are added to; its shells may have niches already.
+    city
+        With the shells as they were raised.
     field
-        Of the shells as they were raised, see `pitched_field`.
+        Of those shells, see `pitched_field`.
     """
     corner_stones(placing, found, city.seed)
     if field is None:
-        return scene
+        return None
+    shells = city.scene.meshes[SHELLS]
     dormers(placing, found, city, field)
     gable_windows(placing, found, city, field)
-    roof_edges(placing, city.scene.meshes[SHELLS])
+    roof_edges(placing, shells)
     solids = mouldings(placing, found, city, field)
-    return scene.with_mesh(SHELLS, joined_to(scene.meshes[SHELLS], solids, found))
+    return piece_of(assemble(solids, found.volumes.building, found.finishes), shells)

@@ -148,11 +148,14 @@ def facade(city: City) -> City:
     dress(placing, found, city)
     strips(placing, found, city.seed)
     fixtures(placing, found, city.seed)
+    pieces = []
     if setting.piece is not None and shells is not None:
         pieces = [setting.piece, *facing_pieces(shells, placing, found)]
-        scene = scene.with_mesh("buildings", grown(shells, pieces, setting.kept))
     field = pitched_field(city, found)
-    scene = crown(placing, found, city, scene, field)
+    mouldings = crown(placing, found, city, field)
+    if shells is not None:
+        pieces += [] if mouldings is None else [mouldings]
+        scene = scene.with_mesh("buildings", grown(shells, pieces, setting.kept))
     for layer, kind in LAYERS.items():
         scene = scene.with_instances(layer, *used(*placing.layer(kind)))
     prototypes, rows = furnish_roofs(city, found.volumes, found.finishes, field, found.walls)

@@ -200,7 +200,7 @@ def fronts_of(
 
 
 def walled_up(volumes: Volumes, walls: WallTable, openings: Openings) -> NDArray[np.bool_]:
-    """Tell which openings have another part right before them, (k,).
+    """Tell which openings have a part right before them, their own or another, (k,).
 
     Walls that meet a neighbour at a sharp angle are free over a part of their length only.
     """
@@ -208,9 +208,9 @@ def walled_up(volumes: Volumes, walls: WallTable, openings: Openings) -> NDArray
     polygons = np.where(volumes.walls, volumes.polygons, shapely.Polygon())
     tree = shapely.STRtree(polygons)
     ahead = np.stack([walls.start, walls.end], axis=1) + LOOK * walls.normal[:, None]
-    wall, part = tree.query(shapely.linestrings(ahead), predicate="dwithin", distance=LOOK - 0.01)
+    wall, _ = tree.query(shapely.linestrings(ahead), predicate="dwithin", distance=LOOK - 0.01)
     near = np.zeros(walls.count, bool)
-    near[wall[part != walls.part[wall]]] = True
+    near[wall] = True  # also where a narrow court of its own part lies before the wall
     rows = np.flatnonzero(near[openings.wall])
     wall = openings.wall[rows]
     half = np.maximum(openings.width[rows] / 2 - 0.05, 0.05)

@@ -41,6 +41,21 @@ class Piece:
     tint: NDArray[np.float32]
 
 
+def piece_of(added: MeshBatch, batch: MeshBatch) -> Piece:
+    """Turn a batch, whose objects are all in another, into what is added to that one."""
+    row = np.searchsorted(batch.object_id, added.object_id)
+    return Piece(
+        added.vertices,
+        np.repeat(row, np.diff(added.vertex_start)),
+        np.where(added.faces == NO_VERTEX, NO_VERTEX, added.faces + len(batch.vertices)),
+        np.repeat(row, np.diff(added.face_start)),
+        added.material,
+        added.materials,
+        added.uv,
+        added.tint,
+    )
+
+
 def grown(
     batch: MeshBatch, pieces: Sequence[Piece], kept: NDArray[np.bool_] | None = None
 ) -> MeshBatch:

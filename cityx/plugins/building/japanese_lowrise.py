@@ -98,6 +98,7 @@ GENERATOR = Generator(
     area=(20.0, 700.0),
     levels=(1, 6),
     plot=(7.0, 11.5, 9.0, 13.0),
+    chimneys=0.0,
     floors=(2, 4),
     storey=2.9,
     use="house",

@@ -134,6 +134,7 @@ GENERATOR = Generator(
     area=(30.0, 4000.0),
     levels=(1, 8),
     plot=(8.0, 18.0, 9.0, 14.0),
+    chimneys=0.5,
     floors=(2, 4),
     storey=3.3,
     use="apartments",

@@ -175,6 +175,7 @@ GENERATOR = Generator(
     area=(80.0, 9000.0),
     levels=(2, 18),
     plot=(20.0, 48.0, 14.0, 20.0),
+    chimneys=0.0,
     floors=(5, 9),
     storey=3.2,
     use="apartments",

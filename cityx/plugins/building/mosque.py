@@ -191,6 +191,7 @@ GENERATOR = Generator(
     flat=((1, "concrete", (0xC9C4B8, 0xBBB5A8)),),
     area=(60.0, 20000.0),
     plot=(22.0, 44.0, 20.0, 38.0),
+    chimneys=0.0,
     floors=(1, 2),
     storey=7.5,
     use="mosque",

@@ -10,7 +10,7 @@ from typing import Annotated
 import shapely
 
 from cityx.assets.facade_styles import FacadeStyle, Fixture, Strip
-from cityx.assets.fixtures.old_town import SPANDRELS
+from cityx.assets.fixtures.estates import SPANDRELS
 from cityx.assets.generators import Generator, Look
 from cityx.assets.palette_tables import GREYS
 from cityx.city.city import City
@@ -134,6 +134,7 @@ GENERATOR = Generator(
     area=(120.0, 9000.0),
     levels=(4, 26),
     plot=(40.0, 90.0, 11.0, 14.0),
+    chimneys=0.0,
     floors=(5, 12),
     storey=2.8,
     use="apartments",

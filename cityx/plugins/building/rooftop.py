@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.generators import Generator
 from cityx.assets.palettes import GROUPS, Finishes, groups_of, owner_rows
 from cityx.assets.roof_furniture import REACH, roof_furniture
 from cityx.city.scene import Instances, Prototype
@@ -229,6 +230,14 @@ def _kinds(city: City) -> NDArray[np.str_]:
     return np.where(described, city.layout.buildings["generator"].to_numpy(str)[owner], "")
 
 
+def _having_chimneys(city: City) -> FloatArray:
+    """Return the share of houses like that of each part that have a chimney, (n,)."""
+    known, index = np.unique(_kinds(city), return_inverse=True)
+    kinds = generators()
+    share = [kinds[name].chimneys if name else Generator.chimneys for name in known.tolist()]
+    return np.asarray(np.array(share, float)[index])
+
+
 def _clear(
     part: NDArray[np.int64], number: NDArray[np.int64], x: FloatArray, y: FloatArray,
     reach: FloatArray, found: NDArray[np.bool_],
@@ -261,7 +270,7 @@ def _chimneys(
     home = np.isin(words, ["house", "flats", "office", "civic"])
     area = np.where(volumes.usable, shapely.area(volumes.polygons), 0.0)
     rows = np.flatnonzero(~flat & ridged & home & volumes.walls & (rise > 0.8) & (area > 35))
-    rows = rows[uniform(seed, "roof/chimney", ids[rows]) < 0.72]
+    rows = rows[uniform(seed, "roof/chimney", ids[rows]) < _having_chimneys(city)[rows]]
     count = np.where(words[rows] == "house", 1, np.clip(np.round(area[rows] / 140), 1, 5)).astype(
         np.int64
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ SIDEWALK = 3.0
 HOUSE_GARDEN = 4.5  # metres between the sidewalk and detached houses
 LOW = ("detached", "house", "bungalow", "shed", "barn", "greenhouse")  # uses with a garden before
 PAVED = 9.0  # metres of paving around buildings of the town
+RISE = 0.5  # of the line of a sheet: metres to the north per metre to the east
 LONG = 7.0  # metres of street beyond the plot on either side
 
 
@@ -87,12 +89,17 @@ def setback_of(kind: Generator) -> float:
     return STREET_WIDTH / 2 + SIDEWALK + garden
 
 
-def sheet_of(names: Sequence[str], seeds: Sequence[int], spacing: float = 500.0) -> list[Sample]:
-    """Return one sample for each name (a row) and seed (a column), far from one another."""
+def sheet_of(names: Sequence[str], seeds: Sequence[int], spacing: float = 300.0) -> list[Sample]:
+    """Return one sample for each name and seed, far from one another.
+
+    They stand on a line to the east-north-east: who looks at one of them from the south and sees
+    its front and its east side sees no other.
+    """
+    pairs = list(itertools.product(names, seeds))
+    steps = np.arange(len(pairs)) - len(pairs) // 2
     return [
-        Sample(name, seed, column * spacing, -row * spacing).measured()
-        for row, name in enumerate(names)
-        for column, seed in enumerate(seeds)
+        Sample(name, seed, step * spacing, step * spacing * RISE).measured()
+        for (name, seed), step in zip(pairs, steps.tolist(), strict=True)
     ]
 
 

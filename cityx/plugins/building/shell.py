@@ -104,8 +104,7 @@ def roof_brief(
         The brief of all parts, and (n + 1,) offsets of each part's ring points in ``brief.free``.
     """
     count = len(volumes.top)
-    outlines = shapely.orient_polygons(volumes.polygons)
-    rings = rings_of(outlines)
+    rings = rings_of(volumes.polygons)
     ids = parts["id"].to_numpy(np.uint64)
     shape = as_shapes(parts["roof_shape"].to_numpy())
     low = np.where(volumes.walls, volumes.low, np.maximum(volumes.eave - SLAB, volumes.base))
@@ -116,10 +115,10 @@ def roof_brief(
     across = parts["roof_across"].to_numpy(bool)
     reach = np.broadcast_to(np.asarray(overhang, float), count)
     free = _free_edges(rings, volumes, reach + CLEARANCE)
-    terrace = _terraced(rings, free, outlines) & ~np.isfinite(direction)
+    terrace = _terraced(rings, free, volumes.polygons) & ~np.isfinite(direction)
     number = np.bincount(rings.polygon, np.diff(rings.start), minlength=count).astype(np.int64)
     brief = RoofBrief(
-        shapely.to_wkb(outlines),
+        shapely.to_wkb(volumes.polygons),
         shape,
         low,
         volumes.eave,

@@ -218,6 +218,7 @@ GENERATOR = Generator(
     levels=(1, 9),
     width=(7.6, 60.0),
     plot=(15.0, 22.0, 14.0, 17.0),
+    chimneys=0.0,
     floors=(1, 4),
     storey=4.2,
     use="temple",

@@ -24,7 +24,8 @@ DEEP = 12.0  # metres from which rooms in the middle need a shaft
 
 def masses(plot: Plot, *, front: str = "any", shaft: float = 1.6) -> tuple[Mass, ...]:
     """Cut light shafts into both sides of a deep plan, above the ground floor: a dumbbell."""
-    zone = plot.pick("front", FRONTS, (4, 3, 3)) if front == "any" else front
+    low = plot.levels <= 5  # brownstones are houses
+    zone = plot.pick("front", FRONTS, (4, 3 * low, 3)) if front == "any" else front
     zone = "" if zone == "flats" else zone
     body = replace(plot.body, zone=zone)
     site = site_of(plot)

@@ -12,12 +12,12 @@ from cityx.city.mesh import NO_VERTEX, concatenate, one_mesh
 from cityx.geometry.solids import check_closed, open_parts, volume
 from cityx.geometry.wall_faces import wall_faces
 from cityx.plugins.building import cornices
-from cityx.plugins.building.assembly import merged_objects
 from cityx.plugins.building.cornices import corner_stones, mouldings
 from cityx.plugins.building.crown import pitched_field
 from cityx.plugins.building.dormers import dormers
 from cityx.plugins.building.facade import facade, facade_of
 from cityx.plugins.building.gables import gable_windows
+from cityx.plugins.building.growth import grown, piece_of
 from cityx.plugins.building.placing import Placing
 from cityx.plugins.building.roof_edges import OVERLAP
 from cityx.plugins.building.shell import shell
@@ -222,7 +222,7 @@ def test_in_a_row_the_chimney_stands_where_the_ridge_meets_the_party_wall():
     assert all(abs(at[1] - 6) < 0.1 for at in inner)
 
 
-def test_objects_of_the_same_id_become_one_and_the_others_keep_their_faces():
+def test_what_is_added_to_objects_comes_behind_their_own_faces():
     def cube(number, material):
         rng = np.random.default_rng(number)
         faces = rng.integers(0, 8, (12, 4))
@@ -230,9 +230,9 @@ def test_objects_of_the_same_id_become_one_and_the_others_keep_their_faces():
         return one_mesh(number, rng.random((8, 3)), faces, materials=(material,))
 
     shells = concatenate([cube(number, "plaster") for number in (1, 3, 5, 9)])
-    added = concatenate([cube(number, "trim") for number in (3, 7, 9)])
-    both = merged_objects(shells, added)
-    assert both.object_id.tolist() == [1, 3, 5, 7, 9]
+    added = concatenate([cube(number, "trim") for number in (3, 9)])
+    both = grown(shells, [piece_of(added, shells)])
+    assert both.object_id.tolist() == [1, 3, 5, 9]
     for row, number in enumerate(both.object_id.tolist()):
         mine = both.take([row])
         own = [each.take(np.flatnonzero(each.object_id == number)) for each in (shells, added)]
