@@ -6,9 +6,11 @@ the slope. The same pattern serves materials of any base colour: see `Texture.me
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
@@ -23,7 +25,9 @@ from cityx.assets.textures.relief import (
     normal_bytes,
     srgb_bytes,
 )
+from cityx.cache import Arrays, cached_arrays
 from cityx.errors import UsageError, nearest
+from cityx.geometry import identity
 
 __all__ = ["PATTERNS", "Texture", "texture"]
 
@@ -92,20 +96,33 @@ def texture(name: str, size: int = 512) -> Texture:
     """
     if name not in PATTERNS:
         raise UsageError(f"there is no texture {name!r}.{nearest(name, PATTERNS)}")
+    held = cached_arrays(f"textures-{_edition()}/{name}-{size}", lambda: _drawn(name, size))
+    color, normal, roughness = (held[key] for key in ("color", "normal", "roughness"))
+    for pixels in (color, normal, roughness):
+        pixels.setflags(write=False)
+    mean, roughness_mean, tile = held["facts"].tolist()
+    return Texture(name, tile, color, mean, normal, roughness, roughness_mean)
+
+
+def _drawn(name: str, size: int) -> Arrays:
+    """Draw the maps of a pattern; ``facts`` are mean, mean of the roughness and tile."""
     relief = PATTERNS[name](size)
     color = srgb_bytes(neutral_albedo(relief.albedo.astype(np.float32), relief.brightness))[::-1]
     uneven = np.broadcast_to(np.asarray(relief.roughness, np.float32), (size, size))
     roughness = np.round(uneven / uneven.max() * 255).astype(np.uint8)[::-1]
-    maps = (color, normal_bytes(relief.height.astype(np.float32), relief.tile)[::-1], roughness)
-    color, normal, roughness = (np.ascontiguousarray(pixels) for pixels in maps)
-    for pixels in (color, normal, roughness):
-        pixels.setflags(write=False)
-    return Texture(
-        name,
-        relief.tile,
-        color,
-        exact_mean(linear_from_srgb_bytes(color).astype(np.float32)),
-        normal,
-        roughness,
-        int(roughness.astype(np.int64).sum()) / (255 * roughness.size),
-    )
+    mean = exact_mean(linear_from_srgb_bytes(color).astype(np.float32))
+    roughness_mean = int(roughness.astype(np.int64).sum()) / (255 * roughness.size)
+    normal = normal_bytes(relief.height.astype(np.float32), relief.tile)[::-1]
+    maps = {"color": color, "normal": normal, "roughness": roughness}
+    return {
+        **{key: np.ascontiguousarray(pixels) for key, pixels in maps.items()},
+        "facts": np.array([mean, roughness_mean, relief.tile], np.float64),
+    }
+
+
+@lru_cache(maxsize=1)
+def _edition() -> str:
+    """Hash of the code that draws, so that a cached texture is never that of other code."""
+    sources = [*sorted(Path(__file__).parent.glob("*.py")), Path(identity.__file__)]
+    text = b"".join(path.read_bytes() for path in sources)
+    return hashlib.sha256(text + np.__version__.encode()).hexdigest()[:16]

@@ -1,0 +1,61 @@
+"""A folder for what is slow to make and always comes out the same; deleting it loses nothing."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+VARIABLE = "CITYX_CACHE"  # another folder, or empty for none
+Arrays = dict[str, NDArray[Any]]
+
+
+def cache_folder() -> Path | None:
+    """Return the folder, which need not exist; None where the user wants none."""
+    given = os.environ.get(VARIABLE)
+    if given is not None:
+        return Path(given) if given else None
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA")
+    elif sys.platform == "darwin":
+        base = str(Path.home() / "Library" / "Caches")
+    else:
+        base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path.home() / ".cache") / "cityx"
+
+
+def cached_arrays(key: str, make: Callable[[], Arrays]) -> Arrays:
+    """Return what `make` returns, from the folder where an earlier run has left it there.
+
+    Parameters
+    ----------
+    key
+        File name below the folder; it must change with everything the arrays depend on.
+    make
+        Makes the arrays. A file that cannot be read is made anew; a folder that cannot be written
+        is passed over.
+    """
+    folder = cache_folder()
+    if folder is None:
+        return make()
+    path = folder / f"{key}.npz"
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as held:
+            return {name: held[name] for name in held.files}
+    except Exception:  # noqa: BLE001  (zipfile, zlib, NumPy and the system each have their own)
+        arrays = make()
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        number, partial = tempfile.mkstemp(dir=path.parent, suffix=".partial")
+        with os.fdopen(number, "wb") as target:
+            np.savez_compressed(target, **arrays)
+        Path(partial).replace(path)
+    except OSError:
+        pass
+    return arrays
