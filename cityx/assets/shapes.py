@@ -84,16 +84,10 @@ def box(low: Sequence[float], high: Sequence[float], material: str, tint: Color 
     """Make a box between two corners; texture coordinates are metres on each side."""
     if _FINE.get():
         return bevelled(low, high, material, tint, hidden=() if bottom else ("-z",))
-    lo, hi = np.asarray(low, float), np.asarray(high, float)
-    pick = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0],
-                     [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], bool)  # fmt: skip
-    vertices = np.where(pick, hi, lo)
-    faces = np.array([[4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7],
-                      [3, 2, 1, 0]], np.int32)  # fmt: skip
-    axes = np.array([[0, 1], [0, 2], [1, 2], [0, 2], [1, 2], [0, 1]])
-    uv = np.stack([vertices[face][:, axis] for face, axis in zip(faces, axes, strict=True)])
+    vertices = np.where(_CUBE == 1, np.asarray(high, float), np.asarray(low, float))
+    uv = vertices[_BOX_FACES[:, :, None], _BOX_AXES[:, None, :]]
     keep = slice(None) if bottom else slice(0, 5)
-    return one_mesh(0, vertices, faces[keep], materials=(material,), uv=uv[keep], tint=tint)
+    return one_mesh(0, vertices, _BOX_FACES[keep], materials=(material,), uv=uv[keep], tint=tint)
 
 
 _CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0],
@@ -101,6 +95,8 @@ _CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0],
 # Sides of a box, counter-clockwise from outside, with the axis and direction each looks along.
 _BOX_SIDES = {"+z": (4, 5, 6, 7), "-y": (0, 1, 5, 4), "+x": (1, 2, 6, 5), "+y": (2, 3, 7, 6),
               "-x": (3, 0, 4, 7), "-z": (3, 2, 1, 0)}  # fmt: skip
+_BOX_FACES = np.array(list(_BOX_SIDES.values()), np.int32)
+_BOX_AXES = np.array([[0, 1], [0, 2], [1, 2], [0, 2], [1, 2], [0, 1]])  # of a side's texture
 
 
 def bevelled(low: Sequence[float], high: Sequence[float], material: str, tint: ArrayLike = WHITE,
@@ -197,43 +193,69 @@ def loft(rings: ArrayLike, material: str, tint: ArrayLike = WHITE,
     ring = np.asarray(rings, float)
     m, k, _ = ring.shape
     vertices = ring.reshape(-1, 3)
+    faces, ends = _skin(m, k, caps)
+    # A ring that has shrunk to a point is one vertex, so that the solid stays closed.
+    point = (ring.max(axis=1) - ring.min(axis=1)).max(axis=1) < GRID
+    if point.any():
+        same = np.where(point[:, None], np.arange(m)[:, None] * k, np.arange(m * k).reshape(m, k))
+        faces = np.concatenate([same.ravel()[faces[: (m - 1) * k]], faces[(m - 1) * k :]])
+    edge = _lengths(np.concatenate([ring[:, 1:], ring[:, :1]], axis=1) - ring)  # (m, k)
+    around = np.zeros((m, k + 1))
+    np.cumsum(edge, axis=1, out=around[:, 1:])
+    middle = ring.mean(axis=1)
+    along = np.zeros(m)
+    np.cumsum(_lengths(middle[1:] - middle[:-1]), out=along[1:])
+    uv = np.empty((len(faces), 4, 2))
+    wall = uv[: (m - 1) * k].reshape(m - 1, k, 4, 2)
+    wall[:, :, (0, 3), 0] = around[:-1, :-1, None]
+    wall[:, :, (1, 2), 0] = around[:-1, 1:, None]
+    wall[:, :, :2, 1] = along[:-1, None, None]
+    wall[:, :, 2:, 1] = along[1:, None, None]
+    fans = faces[(m - 1) * k :]
+    if len(fans):
+        vertices = np.concatenate([vertices, middle[ends]])
+        uv[(m - 1) * k :] = vertices[np.where(fans == NO_VERTEX, fans[:, 2:3], fans)][:, :, :2]
+    mesh = one_mesh(0, vertices, faces, materials=(material,), uv=uv, tint=tint)
+    still = np.abs(ring[1:] - ring[:-1]).max(axis=2).min(initial=1.0) < GRID
+    thin = still or point.any() or edge.min() < 3 * GRID
+    return _without_slivers(mesh) if thin or _flat_fans(vertices, fans) else mesh
+
+
+@lru_cache(maxsize=512)
+def _skin(m: int, k: int, caps: tuple[bool, bool]) -> tuple[NDArray[np.int64], list[int]]:
+    """Faces of a loft of m rings of k corners, fans about the centres behind, and their rings."""
     row, column = np.meshgrid(np.arange(m - 1), np.arange(k), indexing="ij")
     a = (row * k + column).ravel()
     b = (row * k + (column + 1) % k).ravel()
-    # A ring that has shrunk to a point is one vertex, so that the solid stays closed.
-    point = np.ptp(ring, axis=1).max(axis=1) < GRID
-    same = np.where(point[:, None], np.arange(m)[:, None] * k, np.arange(m * k).reshape(m, k))
-    faces = same.ravel()[np.column_stack([a, b, b + k, a + k])]
-    edge = np.linalg.norm(np.roll(ring, -1, axis=1) - ring, axis=2)  # (m, k)
-    around = np.concatenate([np.zeros((m, 1)), np.cumsum(edge, axis=1)], axis=1)  # (m, k + 1)
-    step = np.linalg.norm(np.diff(ring.mean(axis=1), axis=0), axis=1)
-    along = np.concatenate([[0.0], np.cumsum(step)])
-    u0, u1 = around[:-1, :-1], around[:-1, 1:]
-    v0, v1 = np.repeat(along[:-1], k).reshape(m - 1, k), np.repeat(along[1:], k).reshape(m - 1, k)
-    uv = np.stack([np.stack([u0, v0], -1), np.stack([u1, v0], -1),
-                   np.stack([u1, v1], -1), np.stack([u0, v1], -1)], axis=2)  # fmt: skip
-    uv = uv.reshape(-1, 4, 2)
-    for end, wanted in ((0, caps[0]), (m - 1, caps[1])):
-        if not wanted:
-            continue
-        centre = len(vertices)
-        vertices = np.vstack([vertices, ring[end].mean(axis=0)])
+    parts = [np.column_stack([a, b, b + k, a + k])]
+    ends = [end for end, wanted in ((0, caps[0]), (m - 1, caps[1])) if wanted]
+    for number, end in enumerate(ends):
         i, j = end * k + np.arange(k), end * k + (np.arange(k) + 1) % k
         first, second = (j, i) if end == 0 else (i, j)
-        fan = np.column_stack([first, second, np.full(k, centre), np.full(k, NO_VERTEX)])
-        flat = vertices[np.where(fan == NO_VERTEX, centre, fan)][:, :, :2]
-        faces, uv = np.vstack([faces, fan]), np.concatenate([uv, flat])
-    mesh = one_mesh(0, vertices, faces, materials=(material,), uv=uv, tint=tint)
-    still = np.abs(np.diff(ring, axis=0)).max(axis=2).min(initial=1.0) < GRID
-    thin = still or point.any() or edge.min() < 3 * GRID
-    return _without_slivers(mesh) if thin or _flat_fans(mesh) else mesh
+        centre = np.full(k, m * k + number)
+        parts.append(np.column_stack([first, second, centre, np.full(k, NO_VERTEX)]))
+    faces = np.concatenate(parts)
+    faces.setflags(write=False)
+    return faces, ends
 
 
-def _flat_fans(mesh: MeshBatch) -> bool:
-    """Whether some triangle has no area."""
-    a, b, c = (mesh.vertices[mesh.faces[mesh.faces[:, 3] == NO_VERTEX, k]] for k in range(3))
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    return bool((area <= 2 * GRID * GRID).any())
+def _lengths(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(np.sqrt((vectors * vectors).sum(axis=-1)))
+
+
+def _crossed(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Cross product of (..., 3) vectors; `numpy.cross` takes ten times as long for a few."""
+    out = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    out[..., 0] = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
+    out[..., 1] = a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2]
+    out[..., 2] = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return out
+
+
+def _flat_fans(vertices: NDArray[np.float64], fans: NDArray[np.int64]) -> bool:
+    """Whether some triangle of the caps has no area."""
+    a, b, c = (vertices[fans[:, corner]] for corner in range(3))
+    return bool((_lengths(_crossed(b - a, c - a)) <= 2 * GRID * GRID).any())
 
 
 def _without_slivers(mesh: MeshBatch) -> MeshBatch:
@@ -250,7 +272,7 @@ def _without_slivers(mesh: MeshBatch) -> MeshBatch:
         faces[rows, :3], faces[rows, 3] = faces[rows][:, rest], NO_VERTEX
         uv[rows, :3] = uv[rows][:, rest]
     p = mesh.vertices[faces[:, :3]]
-    area = np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1)
+    area = _lengths(_crossed(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]))
     keep = (area > GRID * GRID) | (faces[:, 3] != NO_VERTEX)
     used = np.zeros(len(mesh.vertices), bool)
     used[faces[keep][faces[keep] != NO_VERTEX]] = True
@@ -271,12 +293,18 @@ def tube(path: ArrayLike, radii: ArrayLike, material: str, tint: ArrayLike = WHI
     # A fixed reference keeps the rings from twisting on paths that turn little.
     mean = points[-1] - points[0]
     reference = np.eye(3)[int(np.argmin(np.abs(mean)))]
-    side = np.cross(reference, ahead)
+    side = _crossed(reference, ahead)
     side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), GRID)
-    up = np.cross(ahead, side)
-    angle = np.arange(sides) * (2 * np.pi / sides)
-    spokes = np.cos(angle)[:, None] * side[:, None, :] + np.sin(angle)[:, None] * up[:, None, :]
+    up = _crossed(ahead, side)
+    cosine, sine = _circle(sides)
+    spokes = cosine[:, None] * side[:, None, :] + sine[:, None] * up[:, None, :]
     return loft(points[:, None, :] + radius[:, None, None] * spokes, material, tint, caps=caps)
+
+
+@lru_cache(maxsize=64)
+def _circle(sides: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    angle = np.arange(sides) * (2 * np.pi / sides)
+    return np.cos(angle), np.sin(angle)
 
 
 def cylinder(low: Sequence[float], high: Sequence[float], radius: float, material: str,
@@ -292,9 +320,9 @@ def lathe(profile: ArrayLike, material: str, tint: Color = WHITE, *, sides: int 
     """Turn a profile, (m, 2) float of radius and z from below to above, about the z axis."""
     sides = _sides(sides)
     line = np.asarray(profile, float)
-    angle = np.arange(sides) * (2 * np.pi / sides)
-    x = center[0] + line[:, :1] * np.cos(angle)
-    y = center[1] + line[:, :1] * np.sin(angle)
+    cosine, sine = _circle(sides)
+    x = center[0] + line[:, :1] * cosine
+    y = center[1] + line[:, :1] * sine
     z = np.broadcast_to(line[:, 1:], x.shape)
     caps = (bool(line[0, 0] > GRID), bool(line[-1, 0] > GRID))
     return loft(np.stack([x, y, z], axis=-1), material, tint, caps=caps)

@@ -39,7 +39,7 @@ class MeshBatch:
         (f, 4, 2) float32, texture coordinates per face corner **in metres** (walls: running length
         along the wall and height; ground: world x and y).
     tint
-        (f, 3) float32, linear RGB that multiplies the base colour of the material.
+        (f, 3) float32, linear RGB that multiplies the base color of the material.
     """
 
     object_id: NDArray[np.uint64]
@@ -122,16 +122,18 @@ def one_mesh(
     corners = corners.reshape(-1, 4)
     count = len(corners)
     flat = np.zeros((count, 4, 2), np.float32) if uv is None else np.asarray(uv, np.float32)
+    number, color = np.empty(count, np.int16), np.empty((count, 3), np.float32)
+    number[:], color[:] = material, tint
     return MeshBatch(
         np.array([object_id], np.uint64),
         np.array([0, len(points)], np.int64),
         np.array([0, count], np.int64),
         points,
         corners,
-        np.broadcast_to(np.asarray(material, np.int16), (count,)).copy(),
+        number,
         tuple(materials),
         flat.reshape(count, 4, 2),
-        np.broadcast_to(np.asarray(tint, np.float32), (count, 3)).copy(),
+        color,
     )
 
 
