@@ -21,6 +21,7 @@ LEAST_HOUSE = 30.0  # square metres; smaller ones are sheds
 LEAST_TALL = 2.6  # metres; lower ones are no houses
 STEP = 0.2  # metres between a door and the pavement before it
 DOOR_AT = 0.4  # metres before the wall where the pavement is measured
+DOOR_ROOM = 1.5  # metres of free wall that a door needs
 NEIGHBOURS = 8
 NEAR = 120.0  # metres; a house further away is no neighbour
 COLOR_GRID = 0.03  # linear light; colours closer than that look alike
@@ -91,14 +92,34 @@ def _doors(city: City, doors: Instances) -> Check:
     ids = street_buildings(city)
     at = doors.position[:, :2] + DOOR_AT * outward_of(doors)
     gap = np.abs(doors.position[:, 2] - city.terrain.height_at(at) - KERB_HEIGHT)
-    served = np.unique(doors.owner[gap <= STEP])
-    missing = float((~np.isin(ids, served)).mean()) if len(ids) else 0.0
+    served = np.isin(ids, doors.owner[gap <= STEP])
+    open_ids = np.concatenate([ids[served], _reachable(city, ids[~served])])
+    missing = 1.0 - served.sum() / len(open_ids) if len(open_ids) else 0.0
     return Check(
         "street_doors_missing",
         missing,
         0.02,
-        f"share of houses at a sidewalk without a door within {STEP:g} m of the pavement's height",
+        f"share of houses at a sidewalk without a door within {STEP:g} m of the pavement's height; "
+        "those that neighbours enclose are left out",
     )
+
+
+def _reachable(city: City, ids: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Return those of some houses that neighbours leave a piece of wall with room for a door."""
+    parts = city.layout.parts
+    owner = parts["building"].to_numpy(np.uint64)
+    standing = parts["walls"].to_numpy(bool) & (parts["base"].to_numpy(float) < LEAST_TALL)
+    shapes = np.where(standing, parts.geometry.to_numpy(), shapely.Polygon())
+    tree = shapely.STRtree(shapes)
+    found = []
+    for number in ids.tolist():
+        own = shapely.union_all(shapes[owner == number])
+        near = tree.query(own, predicate="dwithin", distance=DOOR_AT)
+        others = shapely.union_all(shapes[near[owner[near] != number]])
+        free = shapely.difference(own.boundary, shapely.buffer(others, DOOR_AT))
+        pieces = shapely.get_parts(shapely.line_merge(free))
+        found.append(bool((shapely.length(pieces) > DOOR_ROOM).any()))
+    return np.asarray(ids[np.array(found, bool)])
 
 
 def _alike(city: City, windows: Instances) -> Check:

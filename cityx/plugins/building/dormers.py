@@ -30,6 +30,7 @@ from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.roof_heights import RoofField
 from cityx.geometry.roofs import as_shapes
 from cityx.plugins.building.placing import Placing
+from cityx.plugins.building.volumes import covered
 
 if TYPE_CHECKING:
     from cityx.city.city import City
@@ -49,6 +50,7 @@ LEAST_RISE = {"steep": 1.9, "flats": 2.4, "house": 2.2}  # metres from eave to r
 SPACING = {"steep": 2.5, "flats": 4.0, "house": 4.2}  # metres between dormers, at least
 MOST = 24  # dormers over one wall
 SETBACK = {"steep": 0.12, "flats": 0.7, "house": 0.75}  # metres in plan from the wall to the front
+REACH = 0.5  # metres round a dormer's axis that no other part may cover
 SLOPES = (0.45, 4.5)  # rise over run of roofs that bear any
 STEEPEST_DORMER_DEPTH = 5.5  # metres; a longer one belongs to a shallow roof
 SIDE = 0.3  # metres of the same slope kept beside a dormer
@@ -154,6 +156,10 @@ def _slopes(
     slope = (far - near) / (SECOND - FIRST)
     eave = near - FIRST * slope
     good = (slope > SLOPES[0]) & (slope < SLOPES[1]) & (np.abs(eave - walls.z_high[wall]) < 0.3)
+    at = walls.start[wall] + placing.unit[wall] * along[:, None] - SECOND * walls.normal[wall]
+    reach = np.full(len(wall), REACH)
+    part = walls.part[wall].astype(np.int64)
+    good &= ~covered(found.volumes, part, at[:, 0], at[:, 1], reach, far)
     return Slopes(wall, along, index, eave, slope).take(good)
 
 

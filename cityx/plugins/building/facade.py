@@ -103,8 +103,12 @@ def facade_of(city: City) -> Facade:
     storey_walls = lowered(walls, reserve)
     fronts = fronts_of(city, volumes, storey_walls, designs, finishes.wall_material)
     openings = lay_out(storey_walls, fronts, city.seed)
-    windows = np.isin(openings.role, WINDOW_ROLES)
-    openings = openings.take(~(windows & walled_up(volumes, storey_walls, openings)))
+    windows = np.flatnonzero(np.isin(openings.role, WINDOW_ROLES))
+    table = openings.take(windows)
+    shut = walled_up(
+        volumes, storey_walls, table.wall, table.along, table.low, table.width, table.height
+    )
+    openings = openings.take(np.setdiff1d(np.arange(openings.count), windows[shut]))
     openings = _on_the_pavement(city, storey_walls, openings)
     storeys = storeys_of(storey_walls, fronts)
     return Facade(volumes, walls, storey_walls, finishes, designs, fronts, storeys, openings)

@@ -14,7 +14,7 @@ from cityx.assets.openings import DOORS, WINDOWS
 from cityx.assets.palettes import GROUPS, groups_of, landuse_of, owner_rows
 from cityx.city.ground import KERB_HEIGHT
 from cityx.geometry import facades
-from cityx.geometry.facades import Fronts, Openings
+from cityx.geometry.facades import Fronts
 from cityx.geometry.frontage import CLOSE, door_walls, frontage_of
 from cityx.geometry.identity import choose, uniform
 from cityx.geometry.polygons import FloatArray, IntArray
@@ -44,6 +44,7 @@ GROUNDED = 0.5  # metres; parts that begin lower stand on the ground
 ENTRANCE = 15.0  # what a zone made for the entrance is worth as the place of the door
 MIN_DOOR_WALL = 1.4  # metres
 MIN_DOOR_ROOM = 2.05  # metres of height a door needs
+LOWER_PART = 0.2  # share of an opening's height that nothing may stand before
 LOOK = 0.38  # metres before an opening that must be free
 EAVE_ROOM = 0.25  # metres under the eave of a pitched roof, where the overhang hides the wall
 QUARTER = 120.0  # metres around a building in which trade draws trade
@@ -199,29 +200,41 @@ def fronts_of(
     )  # fmt: skip
 
 
-def walled_up(volumes: Volumes, walls: WallTable, openings: Openings) -> NDArray[np.bool_]:
+def walled_up(
+    volumes: Volumes, walls: WallTable, wall: IntArray, along: FloatArray, low: FloatArray,
+    width: FloatArray, height: FloatArray,
+) -> NDArray[np.bool_]:  # fmt: skip
     """Tell which openings have a part right before them, their own or another, (k,).
 
     Walls that meet a neighbour at a sharp angle are free over a part of their length only.
+
+    Parameters
+    ----------
+    wall
+        (k,) wall of each opening.
+    along, low, width, height
+        (k,) metres: its middle from the wall's start, its lower edge, its size.
     """
     unit = (walls.end - walls.start) / np.maximum(walls.length, 1e-9)[:, None]
     polygons = np.where(volumes.walls, volumes.polygons, shapely.Polygon())
     tree = shapely.STRtree(polygons)
-    ahead = np.stack([walls.start, walls.end], axis=1) + LOOK * walls.normal[:, None]
-    wall, _ = tree.query(shapely.linestrings(ahead), predicate="dwithin", distance=LOOK - 0.01)
+    used = np.unique(wall)
+    ahead = np.stack([walls.start[used], walls.end[used]], axis=1)
+    ahead = ahead + LOOK * walls.normal[used][:, None]
+    hit, _ = tree.query(shapely.linestrings(ahead), predicate="dwithin", distance=LOOK - 0.01)
     near = np.zeros(walls.count, bool)
-    near[wall] = True  # also where a narrow court of its own part lies before the wall
-    rows = np.flatnonzero(near[openings.wall])
-    wall = openings.wall[rows]
-    half = np.maximum(openings.width[rows] / 2 - 0.05, 0.05)
-    middle = walls.start[wall] + unit[wall] * openings.along[rows, None]
-    a, b = middle - unit[wall] * half[:, None], middle + unit[wall] * half[:, None]
-    near_by, far = 0.06 * walls.normal[wall], LOOK * walls.normal[wall]
+    near[used[hit]] = True  # also where a narrow court of its own part lies before the wall
+    rows = np.flatnonzero(near[wall])
+    at = wall[rows]
+    half = np.maximum(width[rows] / 2 - 0.05, 0.05)
+    middle = walls.start[at] + unit[at] * along[rows, None]
+    a, b = middle - unit[at] * half[:, None], middle + unit[at] * half[:, None]
+    near_by, far = 0.06 * walls.normal[at], LOOK * walls.normal[at]
     strips = shapely.polygons(np.stack([a + near_by, a + far, b + far, b + near_by], axis=1))
     strip, part = tree.query(strips, predicate="intersects")
-    z = (openings.low + 0.3 * openings.height)[rows][strip]
+    z = (low + LOWER_PART * height)[rows][strip]
     hit = (z > volumes.base[part]) & (z < volumes.eave[part])
-    found = np.zeros(openings.count, bool)
+    found = np.zeros(len(wall), bool)
     found[rows[strip[hit]]] = True
     return found
 

@@ -13,6 +13,7 @@ from cityx.geometry.identity import uniform
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.roof_heights import RoofField
 from cityx.plugins.building.dormers import attic_windows
+from cityx.plugins.building.fronts import walled_up
 from cityx.plugins.building.placing import Placing
 
 if TYPE_CHECKING:
@@ -90,6 +91,9 @@ def _place(
     wall = wall[row]
     z = placing.walls.z_high[wall] + SILL
     one = np.ones(len(wall))
+    shut = walled_up(found.volumes, found.walls, wall, along, z, size[0] * one, size[1] * one)
+    free = np.flatnonzero(~shut)
+    wall, along, z, number, one = wall[free], along[free], z[free], number[free], one[free]
     attic_windows(
         placing, found, city, wall, along, z, (size[0] * one, size[1] * one), 3000 + number
     )

@@ -17,6 +17,7 @@ from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polygons import FloatArray
 from cityx.plugins.building.catalogue import generators
 from cityx.plugins.building.fronts import reserve_of
+from cityx.plugins.building.volumes import covered
 
 if TYPE_CHECKING:
     from cityx.city.city import City
@@ -139,20 +140,6 @@ def _fits(
     return np.asarray(inside & (away > reach))
 
 
-def _covered(
-    volumes: Volumes, part: NDArray[np.int64], x: FloatArray, y: FloatArray, reach: FloatArray,
-    z: FloatArray,
-) -> NDArray[np.bool_]:  # fmt: skip
-    """(k,) whether another part rises through or hangs over the place."""
-    row, other = shapely.STRtree(volumes.polygons).query(
-        shapely.buffer(shapely.points(x, y), reach, quad_segs=2), predicate="intersects"
-    )
-    hit = (other != part[row]) & (volumes.top[other] > z[row] + 0.05)
-    covered = np.zeros(len(part), bool)
-    covered[row[hit]] = True
-    return covered
-
-
 def _on_flat(
     city: City, volumes: Volumes, group: NDArray[np.int64], flat: NDArray[np.bool_]
 ) -> tuple[Any, ...]:
@@ -201,7 +188,7 @@ def _on_flat(
         x[hit], y[hit], found[hit] = at[good, 0], at[good, 1], True
     z = deck[part]
     if len(part):
-        found &= ~_covered(volumes, part, x, y, reach, z)
+        found &= ~covered(volumes, part, x, y, reach, z)
         found &= _clear(part, number, x, y, reach, found)
     yaw = np.arctan2(long_axis[part, 1], long_axis[part, 0])
     # Panels look south, whatever the house does.
@@ -315,7 +302,7 @@ def _chimneys(
     if len(part):
         near = np.where(shared, PARTY_ROOM, reach)
         clear = volumes.top[part] + np.where(shared, 0.5 * CHIMNEY_TOP, 0.0)
-        good &= ~_covered(volumes, part, at[:, 0], at[:, 1], near, clear)
+        good &= ~covered(volumes, part, at[:, 0], at[:, 1], near, clear)
     return (
         part[good], piece[good], at[good, 0], at[good, 1], foot[good], (height / CHIMNEY)[good],
         yaw[good], 100 + number[good],

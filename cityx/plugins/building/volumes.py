@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.levels import ground_levels
-from cityx.geometry.polygons import FloatArray, clean_polygons
+from cityx.geometry.polygons import FloatArray, IntArray, clean_polygons
 from cityx.geometry.roofs import as_shapes
 from cityx.geometry.walls import WallTable, party_spans, wall_table
 
@@ -121,3 +121,22 @@ def walls_of_volumes(volumes: Volumes) -> WallTable:
     walled = np.where(volumes.walls, volumes.polygons, shapely.Polygon())
     walls = wall_table(walled, volumes.base, volumes.eave)
     return party_spans(walls, walled, volumes.base, volumes.eave)
+
+
+def covered(
+    volumes: Volumes, part: IntArray, x: FloatArray, y: FloatArray, reach: FloatArray, z: FloatArray
+) -> NDArray[np.bool_]:
+    """(k,) whether a part other than `part` rises through a place or hangs over it.
+
+    Parameters
+    ----------
+    x, y, z, reach
+        (k,) metres: the place, and the radius round it that must be free.
+    """
+    row, other = shapely.STRtree(volumes.polygons).query(
+        shapely.buffer(shapely.points(x, y), reach, quad_segs=2), predicate="intersects"
+    )
+    hit = (other != part[row]) & (volumes.top[other] > z[row] + 0.05)
+    found = np.zeros(len(part), bool)
+    found[row[hit]] = True
+    return found

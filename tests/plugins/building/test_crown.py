@@ -6,9 +6,11 @@ import pytest
 import shapely
 
 from cityx.assets.dormers import DEPTH, DORMERS, dormer_front, dormer_roof
+from cityx.checks.facades import blind_windows
 from cityx.city import City, Frame, Layout, make_table
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.mesh import NO_VERTEX, concatenate, one_mesh
+from cityx.city.scene import Scene
 from cityx.geometry.solids import check_closed, open_parts, volume
 from cityx.geometry.wall_faces import wall_faces
 from cityx.plugins.building import cornices
@@ -241,3 +243,20 @@ def test_what_is_added_to_objects_comes_behind_their_own_faces():
         assert np.array_equal(mine.faces, whole.faces)
         names = [[each.materials[i] for i in each.material] for each in (mine, whole)]
         assert names[0] == names[1]
+
+
+def test_no_dormer_stands_below_a_part_that_covers_its_roof():
+    whole, half = BOX, shapely.box(12, 0, 24, 12)
+    for seed in range(4):
+        city = replace(city_of([whole, half], "mansard"), seed=seed)
+        parts = city.layout.parts.copy()
+        parts["building"] = parts["building"].to_numpy()[0]
+        parts["base"], parts["top"] = [0.0, EAVE], [EAVE + RISE, EAVE + 2 * RISE]
+        parts["roof_shape"], parts["roof_height"] = ["mansard", "flat"], [RISE, 0.0]
+        layout = replace(city.layout, parts=parts, buildings=city.layout.buildings.iloc[:1])
+        bare = replace(city, layout=layout, scene=Scene(), lod=2)
+        made = facade(shell(bare))
+        fronts = [at for name, at, _, _ in named(made.scene, "dormer_") if name.endswith("_front")]
+        assert fronts
+        assert all(at[0] < 12.0 for at in fronts)
+        assert not len(blind_windows(made, made.scene.instances["windows"]))
