@@ -6,17 +6,23 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 
-def y_up_quaternions(euler: ArrayLike) -> NDArray[np.float32]:
-    """Turn (n, 3) XYZ Euler angles in the scene frame to (n, 4) x, y, z, w quaternions, y up."""
+def quaternions(euler: ArrayLike) -> NDArray[np.float64]:
+    """Turn (n, 3) XYZ Euler angles to (n, 4) x, y, z, w quaternions in the same frame."""
     half = np.asarray(euler, dtype=np.float64).reshape(-1, 3) / 2
     (cx, cy, cz), (sx, sy, sz) = np.cos(half).T, np.sin(half).T
     x = sx * cy * cz - cx * sy * sz
     y = cx * sy * cz + sx * cy * sz
     z = cx * cy * sz - sx * sy * cz
     w = cx * cy * cz + sx * sy * sz
-    quaternion = np.column_stack([x, z, -y, w])
+    quaternion = np.column_stack([x, y, z, w])
     length = np.linalg.norm(quaternion, axis=1, keepdims=True)
-    return np.asarray(quaternion / np.maximum(length, 1e-12), dtype=np.float32)
+    return quaternion / np.maximum(length, 1e-12)
+
+
+def y_up_quaternions(euler: ArrayLike) -> NDArray[np.float32]:
+    """Turn (n, 3) XYZ Euler angles in the scene frame to (n, 4) x, y, z, w quaternions, y up."""
+    x, y, z, w = quaternions(euler).T
+    return np.column_stack([x, z, -y, w]).astype(np.float32)
 
 
 def tint_groups(tint: ArrayLike, most: int = 8) -> tuple[NDArray[np.int64], NDArray[np.float32]]:

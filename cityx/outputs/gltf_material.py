@@ -19,12 +19,19 @@ from cityx.outputs.gltf_mesh import material_named
 # JPEG without chroma subsampling: at this quality blocks do not show, also in normal maps.
 _QUALITY = 90
 # A map that varies less than this over the tile is left out.
-_FLAT = 3  # of 255
+FLAT = 3  # of 255
 # Made of thin sheets that are seen from both sides.
-_TWO_SIDED = frozenset({"leaf", "hedge", "cloth"})
+TWO_SIDED = frozenset({"leaf", "hedge", "cloth"})
 # Water darkens a porous surface to this share at most (Lekner and Dorf 1988 measure 0.5 to 0.7).
 _WETTEST = 0.55
 _FILM_ROUGHNESS = 0.12  # of a closed film of water
+
+
+def wet_look(material: Material, wetness: float) -> tuple[NDArray[np.float64], float]:
+    """Return the linear base colour, (3,), and the roughness of a surface in the rain."""
+    color = np.array(material.color) * (1 - (1 - _WETTEST) * wetness * material.porosity)
+    roughness = material.roughness + (_FILM_ROUGHNESS - material.roughness) * 0.6 * wetness
+    return color, roughness
 
 
 @dataclass
@@ -55,9 +62,7 @@ class GltfMaterials:
         return self._known[name]
 
     def _material(self, material: Material) -> dict[str, Any]:
-        wet = self.environment.wetness
-        color = np.array(material.color) * (1 - (1 - _WETTEST) * wet * material.porosity)
-        roughness = material.roughness + (_FILM_ROUGHNESS - material.roughness) * 0.6 * wet
+        color, roughness = wet_look(material, self.environment.wetness)
         surface: dict[str, Any] = {"metallicFactor": material.metallic}
         item: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface}
         if material.texture and self.size:
@@ -76,7 +81,7 @@ class GltfMaterials:
         surface["roughnessFactor"] = round(float(np.clip(roughness, 0, 1)), 4)
         if material.alpha < 1:
             item["alphaMode"] = "BLEND"
-        if material.name in _TWO_SIDED:
+        if material.name in TWO_SIDED:
             item["doubleSided"] = True
         if material.emission > 0 and self.environment.night_lights > 0:
             brightest = max(material.color)
@@ -115,7 +120,7 @@ def _encoded(name: str, size: int) -> dict[str, bytes]:
     return {
         kind: _jpeg(pixels)
         for kind, pixels in kinds.items()
-        if np.ptp(pixels, (0, 1)).max() > _FLAT
+        if np.ptp(pixels, (0, 1)).max() > FLAT
     }
 
 
