@@ -179,6 +179,8 @@ def cut_niches(
     """
     faces = np.asarray(faces, np.int64)
     strips = _strips_of(vertices, faces, wall, alike, uv)
+    if not niches.count or not strips.count:
+        return _nothing(np.zeros(niches.count, bool), len(faces))
     strip, along = _strip_of(vertices, faces, niches, strips, group)
     strip = _apart(niches, strip, along)
     chosen = np.flatnonzero(strip >= 0)
@@ -230,6 +232,8 @@ def _strips_of(
     vector = corner[:, 1, :2] - corner[:, 0, :2]
     upright &= np.hypot(*vector.T) > MIN_SIDE
     rows, corner, vector = rows[upright], corner[upright], vector[upright]
+    if not len(rows):
+        return _Strips(rows, np.zeros(1, np.int64), *np.zeros((2, 0, 2)), np.zeros(0))
     after = _next_in_plane(faces[rows], vector, alike[rows], uv[rows])
     chain, rank = _chains(after)
     order = np.lexsort((rank, chain))

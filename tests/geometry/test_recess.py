@@ -164,3 +164,21 @@ def test_other_groups_are_left_alone():
         solids.uv, asked,
     )  # fmt: skip
     assert not made.done.any()
+
+
+@pytest.mark.parametrize("asked", [[], [(5, 0, 0, -1, 1, 1, 1.5)]])
+def test_where_there_is_no_wall_nothing_is_cut(asked):
+    solids = shell(shapely.box(0, 0, 10, 8))
+    nowhere = cut_niches(
+        solids.vertices, solids.faces, solids.face_part, np.zeros(len(solids.faces), bool),
+        np.zeros(len(solids.faces), np.int64), solids.uv, niches(asked),
+    )  # fmt: skip
+    assert not nowhere.done.any()
+    assert nowhere.kept.all()
+    assert not len(nowhere.faces)
+
+
+def test_without_niches_a_shell_stays_as_it_is():
+    made = cut(shell(shapely.box(0, 0, 10, 8)), niches([]))
+    assert made.kept.all()
+    assert not len(made.faces)
