@@ -378,7 +378,7 @@ def neck(body: Body, skin: Color) -> list[Part]:
     wide = (0.0345 - 0.0055 * body.female) * (1 + 0.12 * body.build - 0.08 * body.child)
     z = heights(0.795, CHIN + 0.35 * body.skull, 4, 14)
     share = (z - z[0]) / (z[-1] - z[0])
-    flare = 1.0 + 1.1 * np.exp(-(share / 0.22) ** 2)
+    flare = 1.0 + 1.1 * np.exp(-((share / 0.22) ** 2))
     reach = np.column_stack([wide * flare, wide * 0.98 * (1 + 0.1 * (flare - 1)),
                              wide * 1.06 * (1 + 0.5 * (flare - 1))])  # fmt: skip
     centre = np.column_stack([np.zeros(len(z)), 0.016 - 0.014 * share])
@@ -435,7 +435,6 @@ def head(body: Body, skin: Color, brow: Color) -> list[Part]:
         solids += _features(skin, brow)
     nod = rigid("head")
     return [bound(replace(solid, vertices=on_head(body, solid.vertices)), nod) for solid in solids]
-
 
 
 def _features(skin: Color, brow: Color) -> list[MeshBatch]:

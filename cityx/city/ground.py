@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+KERB_WIDTH = 0.15  # metres
 KERB_HEIGHT = 0.12  # metres; the usual upstand of a city kerb
 WATER_LEVEL = -0.9  # metres below the terrain, so that quays and banks show
 

@@ -72,6 +72,7 @@ SCHEMA: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "tunnel": "bool",
             "passage": "bool",  # runs through a building (building_passage, covered)
             "roundabout": "bool",
+            "section": "str",  # cross-section (`cityx.city.section`), "" when the columns say all
             "surface": "str",  # "asphalt", "sett", "paving_stones", "gravel", ... resolved
             "lit": "bool",
             "maxspeed_kmh": "float64",
@@ -92,6 +93,14 @@ SCHEMA: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "kind": "str",  # "wall", "fence", "hedge", "city_wall", "tree_row", "retaining_wall"
             "height": "float64",
             "tags": "str",
+        },
+        # Turns that are forbidden, or the only ones allowed; geometry Point, the junction.
+        "restrictions": {
+            "id": "uint64",
+            "source": "str",
+            "from_source": "str",  # source of the road that traffic comes by
+            "to_source": "str",  # and of the road that it may not, or must, leave by
+            "only": "bool",
         },
         # Things at a place, geometry Point.
         "points": {
@@ -170,7 +179,7 @@ def empty_table(name: str) -> GeoDataFrame:
 
 @dataclass(frozen=True)
 class Layout:
-    """Six feature tables and the site's rectangle; see `SCHEMA` for the columns.
+    """Seven feature tables and the site's rectangle; see `SCHEMA` for the columns.
 
     Attributes
     ----------
@@ -185,6 +194,7 @@ class Layout:
     areas: GeoDataFrame = field(default_factory=lambda: empty_table("areas"))
     lines: GeoDataFrame = field(default_factory=lambda: empty_table("lines"))
     points: GeoDataFrame = field(default_factory=lambda: empty_table("points"))
+    restrictions: GeoDataFrame = field(default_factory=lambda: empty_table("restrictions"))
 
     @property
     def area_km2(self) -> float:

@@ -34,6 +34,8 @@ class RoadNetwork:
         (e, 2) float64, metres from start and end where the junction surfaces begin.
     crossing
         (e, 2) bool, whether a zebra crossing lies at the start and end of the edge.
+    left_hand
+        (e,) bool, whether traffic keeps to the left.
     """
 
     node_position: NDArray[np.float64]
@@ -46,6 +48,7 @@ class RoadNetwork:
     half_width: NDArray[np.float64]
     trim: NDArray[np.float64]
     crossing: NDArray[np.bool_]
+    left_hand: NDArray[np.bool_]
 
     @property
     def edge_count(self) -> int:

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cityx.city.frame import Frame
+
 # (south, west, north, east) in degrees of left-driving countries, drawn inwards at land borders
 # with countries that keep right.
 LEFT_DRIVING = (
@@ -74,6 +79,12 @@ LEFT_AGAIN = (
 
 def _in_any(latitude: float, longitude: float, boxes: tuple[tuple[float, ...], ...]) -> bool:
     return any(s <= latitude <= n and w <= longitude <= e for s, w, n, e in boxes)
+
+
+def keeps_left(frame: Frame, asked: str = "auto") -> bool:
+    """Tell whether traffic keeps to the left: as asked, or with "auto" as in the country."""
+    word = drives_on(frame.latitude, frame.longitude) if asked == "auto" else asked
+    return word == "left"
 
 
 def drives_on(latitude: float, longitude: float) -> str:

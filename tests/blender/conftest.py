@@ -117,6 +117,7 @@ def streets(side):
         half_width=np.full(count, 3.0),
         trim=np.zeros((count, 2)),
         crossing=np.zeros((count, 2), bool),
+        left_hand=np.zeros(count, bool),
     )
 
 

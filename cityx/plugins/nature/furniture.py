@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cityx.city import City, Instances
 from cityx.city.ground import KERB_HEIGHT, LABEL
 from cityx.geometry.clearance import in_triangles, near_any, push_off
-from cityx.geometry.driving import drives_on
+from cityx.geometry.driving import keeps_left
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import locate, to_linestrings
 from cityx.plugins.road.kerbs import (
@@ -326,9 +326,7 @@ def furniture(
     done = city.stages_done | {"nature"}
     if city.lod < 1:
         return replace(city, stages_done=done)
-    frame = city.frame
-    word = drives_on(frame.latitude, frame.longitude) if drive_on == "auto" else drive_on
-    drive = 1.0 if word == "right" else -1.0
+    drive = -1.0 if keeps_left(city.frame, drive_on) else 1.0
     roads = _Roads(city)
     mapped = _mapped(city, roads, drive)
     kind = city.layout.points["kind"].to_numpy().astype(str)

@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city.ground import LABEL, SURFACES
+from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrangement import GRID, Regions, join_regions, regions
@@ -29,7 +29,6 @@ LOOSE = (
     "gravel", "fine_gravel", "compacted", "unpaved", "dirt", "earth", "ground", "grass", "mud",
     "sand", "pebblestone", "rock", "woodchips", "grass_paver",
 )  # fmt: skip
-KERB_WIDTH = 0.15  # metres
 ROUND = 4  # chords per quarter circle; 3 cm off at the radius of a kerb return
 BUILDING_PRIORITY = 74  # a facade wins over a carriageway drawn too wide
 PASSAGE_PRIORITY = 76  # but not where the carriageway runs through the house

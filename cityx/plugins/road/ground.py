@@ -17,6 +17,7 @@ from cityx.city.terrain import Terrain, flat_terrain
 from cityx.geometry.arrangement import GRID, Regions, arrange, join_regions, take_regions
 from cityx.geometry.cells import relief_lines, tile_lines
 from cityx.geometry.drape import drape, surroundings
+from cityx.geometry.driving import keeps_left
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.plugins.road.blocks import pave_blocks, town_regions
 from cityx.plugins.road.bridges import LOW, deck_mesh, deck_rows, plan_decks
@@ -34,6 +35,7 @@ from cityx.plugins.road.landcover import (
 )
 from cityx.plugins.road.markings import marking_regions
 from cityx.plugins.road.network import road_network
+from cityx.plugins.road.sections import bands_of
 from cityx.protocol import Port, action, has_network
 
 TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
@@ -55,7 +57,9 @@ COARSE = 2.0  # metres by which land cover is simplified at detail level 0
 )
 def ground(city: City) -> City:
     """Lay roads, junctions, kerbs, sidewalks, markings, water and greens over the terrain."""
-    network = city.network if city.network is not None else road_network(city.layout)
+    network = city.network
+    if network is None:
+        network = road_network(city.layout, left_hand=keeps_left(city.frame))
     lines = cell_lines(city.layout, city.terrain, city.lod)
     decks = deck_rows(city.layout)
     plan = plan_decks(city.layout, city.terrain, decks)
@@ -105,7 +109,7 @@ def detailed_regions(
     road = build_carriageway(network, on_ground)
     return join_regions([
         carriageway_regions(layout, network, on_ground, road),
-        marking_regions(layout, network, on_ground, road),
+        marking_regions(layout, network, bands_of(layout, network), on_ground, road),
         area_regions(layout),
         building_regions(layout),
         way_regions(layout, decks, np.concatenate([road.strips, road.stars])),

@@ -43,6 +43,7 @@ TRAM_RAIL_PRIORITY = 73
 DECK_GROUND_PRIORITY = 29  # below water: a deck never fills the river it spans
 TRACK_BED = 4.5  # metres
 TRAM_BED = 2.9
+NEAR_STREET = 9.0  # metres from a kerb within which a footway belongs to the street
 GAUGE = 1.435
 RAIL_WIDTH = 0.07
 ROUND = 2  # chords per quarter circle at the ends of paths
@@ -99,7 +100,7 @@ def way_regions(layout: Layout, decks: NDArray[np.bool_], strips: Shapes) -> Reg
     lines, width = roads.geometry.to_numpy(), roads["width"].to_numpy()
     found = []
     on_foot = np.isin(kind, PATHS)
-    paved = on_foot & roads["tags"].str.contains('"sidewalk"', regex=False).to_numpy().astype(bool)
+    paved = on_foot & _beside_streets(layout)
     for chosen, label, least in (
         (on_foot & ~paved, "path", 1.2),
         (paved, "sidewalk", 1.2),
@@ -130,6 +131,31 @@ def way_regions(layout: Layout, decks: NDArray[np.bool_], strips: Shapes) -> Reg
         flush = shapely.intersection(rail_strips(lines[track]), shapely.unary_union(level))
         found.append(regions(flush, LABEL["tramway"], TRAM_RAIL_PRIORITY))
     return join_regions(found)
+
+
+def _beside_streets(layout: Layout) -> NDArray[np.bool_]:
+    """(n,) whether a way for people runs along or across streets and is paved like their walks.
+
+    What the map says of its purpose or surface decides; of the others, those that keep near a
+    street with sidewalks on most of their length.
+    """
+    roads = layout.roads
+    tags = roads["tags"].str
+    said = np.zeros(len(roads), bool)
+    for word in ('"sidewalk"', '"crossing"', '"traffic_island"'):
+        said |= tags.contains(word, regex=False).to_numpy().astype(bool)
+    untold = ~tags.contains('"surface"', regex=False).to_numpy().astype(bool)
+    lines = roads.geometry.to_numpy()
+    walked = roads["sidewalk_left"].to_numpy() + roads["sidewalk_right"].to_numpy() > 0
+    rows = np.flatnonzero(untold & (roads["kind"] == "footway").to_numpy())
+    reach = NEAR_STREET + roads["width"].to_numpy(float)[walked] / 2
+    tree = shapely.STRtree(shapely.buffer(lines[walked], reach, quad_segs=1, cap_style="flat"))
+    near = np.zeros((3, len(rows)), bool)
+    for number, share in enumerate((0.15, 0.5, 0.85)):
+        at = shapely.line_interpolate_point(lines[rows], share, normalized=True)
+        near[number, tree.query(at, predicate="intersects")[0]] = True
+    said[rows] |= near.sum(axis=0) >= 2
+    return said
 
 
 def rail_strips(lines: Shapes) -> Shapes:

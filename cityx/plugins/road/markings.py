@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cityx.city.ground import LABEL, SURFACES
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
+from cityx.city.section import CARRIAGEWAY, KIND, TRAVELLED
 from cityx.geometry.arrangement import Regions, regions
 from cityx.geometry.polylines import (
     Polylines,
@@ -22,6 +23,8 @@ from cityx.geometry.polylines import (
     to_linestrings,
 )
 from cityx.plugins.road.carriageway import Carriageway
+from cityx.plugins.road.sections import Bands
+from cityx.plugins.road.symbols import LENGTH, arrow, bicycle, bus, placed
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -32,21 +35,28 @@ LINE = 0.12  # metres, width of a longitudinal line
 STOP = 0.4  # metres, width of a stop line
 BAR = 0.5  # metres, width of a zebra bar and of the gap after it
 ZEBRA = 3.0  # metres along the road
-PARKING = 2.1  # metres, width of a parking lane
 BAY = 5.5  # metres, length of a parking bay
 WIDE = 7.0  # metres; a narrower residential street has lines only if the map tells its lanes
-TWO_LANES = 5.5  # metres; narrower two-way streets have no centre line
-NARROWEST_LANE = 2.4  # metres
+EVERY = 60.0  # metres between symbols on a bus or cycle lane
+LEAST_SYMBOL = 1.2  # metres of a lane with a symbol
 EDGE_INSET = 0.35  # metres from the carriageway's edge to its edge line
 LONG_DASH = ("motorway", "trunk", "motorway_link", "trunk_link")
 UNMARKED = ("service", "track", "living_street", "busway", "road", "raceway")
+_KERBED = [KIND[name] for name in CARRIAGEWAY]
+_MOVING = [KIND[name] for name in TRAVELLED]
+_FOR_CARS = [KIND[name] for name in ("drive", "bus")]
+_UNLINED = [KIND["parking"]]
 RANK = (
     "motorway", "trunk", "primary", "secondary", "tertiary", "unclassified", "residential",
 )  # fmt: skip
 
 
 def marking_regions(
-    layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bool_], road: Carriageway
+    layout: Layout,
+    network: RoadNetwork,
+    bands: Bands,
+    on_ground: NDArray[np.bool_],
+    road: Carriageway,
 ) -> Regions:
     """Paint lane lines, stop lines, zebra crossings and parking bays; none inside junctions."""
     lines = Polylines(network.points, network.point_start)
@@ -58,46 +68,24 @@ def marking_regions(
         table["surface"].to_numpy().astype(str), ("asphalt", "concrete", "paved", "")
     )
     urban = painted & ~np.isin(kind, UNMARKED)
-    section = _Section(network, table)
     tags = table["tags"].str
     known = tags.contains('"lanes', regex=False).to_numpy().astype(bool)
+    known |= table["section"].to_numpy() != ""
     quiet = (kind == "residential") & ~known & (network.half_width * 2 < WIDE)
     bays = tags.contains('"parking', regex=False).to_numpy().astype(bool) | (kind != "residential")
+    walked = (table["sidewalk_left"].to_numpy() + table["sidewalk_right"].to_numpy()) > 0
     shapes = [
-        _lane_lines(network, lines, urban & ~quiet, kind, section),
-        _edge_lines(network, lines, urban & np.isin(kind, LONG_DASH)),
-        _stop_lines(network, lines, urban, kind, section),
+        _lane_lines(network, lines, urban & ~quiet, kind, walked, bands),
+        _edge_lines(network, lines, urban & np.isin(kind, LONG_DASH), bands),
+        _stop_lines(network, lines, urban, kind, bands),
+        _symbols(network, lines, urban, bands),
         _zebras(layout, network, lines, painted),
-        _parking_bays(network, lines, painted & bays, table),
+        _parking_bays(network, lines, painted & bays, bands),
     ]
     marks = np.concatenate([shape for shape, _ in shapes])
     edge = np.concatenate([edge for _, edge in shapes]).astype(np.int64)
     marks = marks[_clear(marks, edge, layout, network, road)]
     return regions(marks, LABEL["marking"], SURFACES[LABEL["marking"]].priority)
-
-
-class _Section:
-    """Lanes across each edge: their number and where the first begins, seen along the edge."""
-
-    def __init__(self, network: RoadNetwork, table: Any) -> None:
-        half = network.half_width
-        left = PARKING * table["parking_left"].to_numpy()
-        right = PARKING * table["parking_right"].to_numpy()
-        narrow = 2 * half - left - right < 2.5
-        left, right = np.where(narrow, 0, left), np.where(narrow, 0, right)
-        self.right_edge = -half + right  # lateral position, left positive
-        self.width = 2 * half - left - right
-        tagged = np.maximum(table["lanes"].to_numpy().astype(int), 1)
-        oneway = table["oneway"].to_numpy()
-        two_way = ~oneway & (2 * half >= TWO_LANES) & (self.width >= 2 * NARROWEST_LANE)
-        wanted = np.where(two_way, np.maximum(tagged, 2), tagged)
-        self.lanes = np.clip(wanted, 1, np.maximum(self.width // NARROWEST_LANE, 1)).astype(int)
-        share = table["lanes_forward"].to_numpy() / tagged
-        forward = np.clip(np.rint(self.lanes * share), 1, np.maximum(self.lanes - 1, 1))
-        self.forward = np.where(oneway, self.lanes, forward).astype(int)
-        self.oneway = oneway
-        walk = table["sidewalk_left"].to_numpy() + table["sidewalk_right"].to_numpy()
-        self.walked = walk > 0
 
 
 def _free(network: RoadNetwork, length: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -111,20 +99,38 @@ def _lane_lines(
     lines: Polylines,
     chosen: NDArray[np.bool_],
     kind: NDArray[np.str_],
-    section: _Section,
+    walked: NDArray[np.bool_],
+    bands: Bands,
 ) -> Marks:
+    """Paint what parts two bands: dashes between lanes of cars, an unbroken line where none cross.
+
+    Unbroken are the middle of roads with four lanes and more, and the sides of bus lanes, cycle
+    lanes, shoulders and medians. Parked cars have no line of their own.
+    """
     begin, end = _free(network, arc_lengths(lines)[1])
-    dividers = np.where(chosen & (end - begin > 3.0), section.lanes - 1, 0)
-    edge = np.repeat(np.arange(len(chosen)), dividers)
-    number = np.arange(len(edge)) - np.repeat(np.cumsum(dividers) - dividers, dividers) + 1
-    lateral = section.right_edge[edge] + section.width[edge] * number / section.lanes[edge]
-    centre = ~section.oneway[edge] & (number == section.forward[edge])
-    solid = centre & (section.lanes[edge] >= 4)
-    gap = np.where(np.isin(kind[edge], LONG_DASH) | ~section.walked[edge], 9.0, 3.0)
-    rows = np.flatnonzero(solid)
-    at = edge[rows]
-    whole = pieces(lines, at, begin[at], end[at])
-    shapes, edges = [line_strips(whole, lateral[rows], LINE)], [at]
+    inside = np.flatnonzero(np.isin(bands.kind, _KERBED))
+    first, second = inside[:-1], inside[1:]
+    edge = bands.edge[first]
+    beside = edge == bands.edge[second]
+    codes = bands.kind[first], bands.kind[second]
+    beside &= ~(np.isin(codes[0], _UNLINED) | np.isin(codes[1], _UNLINED))
+    beside &= chosen[edge] & ((end - begin)[edge] > 3.0)
+    first, second, edge = first[beside], second[beside], edge[beside]
+    lateral = bands.right[first]
+    cars = np.isin(bands.kind, _FOR_CARS)
+    lanes = np.bincount(bands.edge[cars], minlength=len(chosen))
+    centre = bands.direction[first] * bands.direction[second] < 0
+    bus = (bands.kind[first] == KIND["bus"]) != (bands.kind[second] == KIND["bus"])
+    mixed = (bands.kind[first] != KIND["drive"]) | (bands.kind[second] != KIND["drive"])
+    solid = (centre & (lanes[edge] >= 4)) | mixed
+    gap = np.where(np.isin(kind[edge], LONG_DASH) | ~walked[edge], 9.0, 3.0)
+    shapes, edges = [], []
+    for wide in (False, True):
+        rows = np.flatnonzero(solid & (bus == wide))
+        at = edge[rows]
+        whole = pieces(lines, at, begin[at], end[at])
+        shapes.append(line_strips(whole, lateral[rows], LINE * (1 + wide)))
+        edges.append(at)
     for space in (3.0, 9.0):
         rows = np.flatnonzero(~solid & (gap == space))
         which, along = every((end - begin)[edge[rows]], 3.0 + space, 1.6)
@@ -136,13 +142,23 @@ def _lane_lines(
     return np.concatenate(shapes), np.concatenate(edges)
 
 
-def _edge_lines(network: RoadNetwork, lines: Polylines, chosen: NDArray[np.bool_]) -> Marks:
+def _edge_lines(
+    network: RoadNetwork, lines: Polylines, chosen: NDArray[np.bool_], bands: Bands
+) -> Marks:
+    """Paint lines along the sides of fast roads; a shoulder has its line where it meets a lane."""
     begin, end = _free(network, arc_lengths(lines)[1])
-    edge = np.flatnonzero(chosen & (end - begin > 3.0) & (network.half_width > 2.0))
-    solid = pieces(lines, edge, begin[edge], end[edge])
-    lateral = network.half_width[edge] - EDGE_INSET
-    sides = [line_strips(solid, sign * lateral, LINE) for sign in (1, -1)]
-    return np.concatenate(sides), np.concatenate([edge, edge])
+    usual = chosen & (end - begin > 3.0) & (network.half_width > 2.0)
+    shouldered = bands.kind == KIND["shoulder"]
+    shapes, edges = [], []
+    for sign in (1, -1):
+        with_shoulder = np.zeros(len(chosen), bool)
+        with_shoulder[bands.edge[shouldered & (sign * bands.middle > 0)]] = True
+        edge = np.flatnonzero(usual & ~with_shoulder)
+        solid = pieces(lines, edge, begin[edge], end[edge])
+        lateral = sign * (network.half_width[edge] - EDGE_INSET)
+        shapes.append(line_strips(solid, lateral, LINE))
+        edges.append(edge)
+    return np.concatenate(shapes), np.concatenate(edges)
 
 
 def _stop_lines(
@@ -150,7 +166,7 @@ def _stop_lines(
     lines: Polylines,
     chosen: NDArray[np.bool_],
     kind: NDArray[np.str_],
-    section: _Section,
+    bands: Bands,
 ) -> Marks:
     """Lines where traffic that arrives gives way: at crossings and at the mouths of minor roads."""
     length = arc_lengths(lines)[1]
@@ -164,18 +180,65 @@ def _stop_lines(
         node = network.edge_nodes[:, end]
         minor = (rank > best[node]) & (best[node] <= 4)
         stops = chosen & (network.node_degree[node] >= 3) & (minor | network.crossing[:, end])
-        stops &= (network.half_width * 2 >= TWO_LANES) | section.oneway
-        # Against the direction of the edge nobody arrives at a one-way street's start.
-        stops &= ~(section.oneway & (end == 0))
-        edge = np.flatnonzero(stops)
+        # Only where lanes arrive at this end: not at the start of a one-way street.
+        low, high = _spans(bands, len(chosen), 1 if end == 1 else -1)
+        edge = np.flatnonzero(stops & (high > low))
+        low, high = low[edge], high[edge]
         back = np.where(network.crossing[edge, end], ZEBRA + 1.5, 0.5) + STOP / 2
         back += network.trim[edge, end]
         along = back if end == 0 else length[edge] - back
-        cut = section.right_edge + section.width * section.forward / section.lanes
-        low = np.where(end == 1, section.right_edge, cut)[edge]
-        high = np.where(end == 1, cut, section.right_edge + section.width)[edge]
         shapes.append(_boxes(lines, edge, along, (low + high) / 2, STOP, high - low - 0.3))
     return _together(shapes)
+
+
+def _spans(bands: Bands, count: int, direction: int) -> tuple[FloatArray, FloatArray]:
+    """(e,) lateral bounds of the lanes of one direction; empty where there are none."""
+    rows = np.flatnonzero(np.isin(bands.kind, _MOVING) & (bands.direction == direction))
+    low, high = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(low, bands.edge[rows], bands.right[rows])
+    np.maximum.at(high, bands.edge[rows], bands.left[rows])
+    return low, high
+
+
+def _symbols(
+    network: RoadNetwork, lines: Polylines, chosen: NDArray[np.bool_], bands: Bands
+) -> Marks:
+    """Paint arrows before junctions, and what bus and cycle lanes are for behind them."""
+    length = arc_lengths(lines)[1]
+    begin, end = _free(network, length)
+    lanes = np.flatnonzero(np.isin(bands.kind, _MOVING) & (bands.direction != 0))
+    lanes = lanes[chosen[bands.edge[lanes]] & (bands.width[lanes] > LEAST_SYMBOL)]
+    edge = bands.edge[lanes]
+    ahead = bands.direction[lanes] > 0
+    room = (end - begin)[edge]
+    shapes, edges = [], []
+
+    def paint(outline: Any, rows: IntArray, along: FloatArray) -> None:
+        """Put an outline `along` metres into the free part of lanes, in their direction."""
+        own = edge[rows]
+        place = np.where(ahead[rows], begin[own] + along, end[own] - along)
+        position, direction = locate(lines, own, place)
+        sign = np.where(ahead[rows], 1.0, -1.0)
+        lateral = bands.middle[lanes[rows]] * sign
+        made = placed(outline, position, direction * sign[:, None], lateral)
+        shapes.append(made)
+        edges.append(np.repeat(own, len(made) // max(len(own), 1)))
+
+    turns = bands.turns[lanes]
+    at_node = np.where(ahead, network.edge_nodes[edge, 1], network.edge_nodes[edge, 0])
+    junction = network.node_degree[at_node] >= 3
+    for bits in np.unique(turns[turns > 0]).tolist():
+        for back in (STOP + 1.5 + LENGTH, STOP + 21.5 + LENGTH):
+            rows = np.flatnonzero((turns == bits) & junction & (room > back + 2.0))
+            paint(arrow(int(bits)), rows, room[rows] - back)
+    kind = bands.kind[lanes]
+    for name, outline in (("bus", bus()), ("cycle", bicycle())):
+        rows = np.flatnonzero(kind == KIND[name])
+        which, along = every(room[rows], EVERY, 6.0)
+        paint(outline, rows[which], along)
+    if not shapes:
+        return np.zeros(0, object), np.zeros(0, np.int64)
+    return np.concatenate(shapes), np.concatenate(edges).astype(np.int64)
 
 
 def _zebras(
@@ -220,19 +283,15 @@ def _mapped_crossings(
 
 
 def _parking_bays(
-    network: RoadNetwork, lines: Polylines, chosen: NDArray[np.bool_], table: Any
+    network: RoadNetwork, lines: Polylines, chosen: NDArray[np.bool_], bands: Bands
 ) -> Marks:
-    length = arc_lengths(lines)[1]
-    begin, end = _free(network, length)
-    shapes = []
-    for column, sign in (("parking_left", 1.0), ("parking_right", -1.0)):
-        edge = np.flatnonzero(chosen & table[column].to_numpy() & (network.half_width > PARKING))
-        which, along = every((end - begin)[edge], BAY, 4.0)
-        edge = edge[which]
-        lateral = sign * (network.half_width[edge] - PARKING / 2)
-        size = np.full(len(edge), PARKING - 0.1)
-        shapes.append(_boxes(lines, edge, begin[edge] + along, lateral, LINE, size))
-    return _together(shapes)
+    begin, end = _free(network, arc_lengths(lines)[1])
+    rows = np.flatnonzero((bands.kind == KIND["parking"]) & chosen[bands.edge])
+    which, along = every((end - begin)[bands.edge[rows]], BAY, 4.0)
+    rows = rows[which]
+    edge = bands.edge[rows]
+    return _boxes(lines, edge, begin[edge] + along, bands.middle[rows], LINE,
+                  bands.width[rows] - 0.1)  # fmt: skip
 
 
 def _together(marks: list[Marks]) -> Marks:

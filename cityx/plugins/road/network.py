@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import shapely
@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from cityx.city.city import City
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.chains import components, join_segments
+from cityx.geometry.driving import keeps_left
 from cityx.geometry.identity import mix
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, to_linestrings
-from cityx.protocol import Port, action
+from cityx.protocol import Choice, Port, action
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
@@ -35,7 +36,7 @@ MAJOR = (
 # A change in one of these columns is a change of the cross-section, so an edge ends there.
 SECTION = (
     "kind", "lanes", "lanes_forward", "width", "sidewalk_left", "sidewalk_right", "parking_left",
-    "parking_right", "oneway", "layer", "bridge", "passage", "roundabout", "surface",
+    "parking_right", "section", "oneway", "layer", "bridge", "passage", "roundabout", "surface",
 )  # fmt: skip
 
 PER_METRE = 1000.0  # nodes are shared coordinates to the millimetre
@@ -54,7 +55,7 @@ DENSE_REACH = 30.0  # metres within which buildings make a junction urban
 DENSE_COUNT = 4
 
 
-def road_network(layout: Layout) -> RoadNetwork:
+def road_network(layout: Layout, *, left_hand: bool = False) -> RoadNetwork:
     """Build the carriageway graph of a layout.
 
     Nodes are coordinates that ways share. A way that passes over another at the same coordinate
@@ -64,6 +65,8 @@ def road_network(layout: Layout) -> RoadNetwork:
     ----------
     layout
         Roads, and the buildings and points that bear on widths and crossings.
+    left_hand
+        Whether traffic keeps to the left.
 
     Returns
     -------
@@ -93,7 +96,7 @@ def road_network(layout: Layout) -> RoadNetwork:
         ends, way = ends[keep], way[keep]
     if not len(ends):
         return _graph_without_edges()
-    return _assemble(layout, rows, ends, way, head, rank, position)
+    return _assemble(layout, rows, ends, way, head, rank, position, left_hand=left_hand)
 
 
 def _carries_cars(layout: Layout) -> BoolArray:
@@ -179,6 +182,8 @@ def _assemble(
     head: IntArray,
     rank: IntArray,
     position: FloatArray,
+    *,
+    left_hand: bool,
 ) -> RoadNetwork:
     """Turn chains of segments into edges with all that is known of them."""
     order = np.lexsort((rank, head))
@@ -213,6 +218,7 @@ def _assemble(
         half,
         trim,
         crossing,
+        np.full(len(road), left_hand),
     )
 
 
@@ -369,7 +375,7 @@ def _graph_without_edges() -> RoadNetwork:
     return RoadNetwork(
         np.zeros((0, 2)), none.astype(np.int32), np.zeros((0, 2), np.int32), none.astype(np.int32),
         none.astype(np.uint64), np.zeros(1, np.int64), np.zeros((0, 2)), none, np.zeros((0, 2)),
-        np.zeros((0, 2), bool),
+        np.zeros((0, 2), bool), np.zeros(0, bool),
     )  # fmt: skip
 
 
@@ -380,9 +386,17 @@ def _graph_without_edges() -> RoadNetwork:
     takes=(Port("roads", "line", role="road_centerline"),),
     gives=(Port("network", "line", role="road_network"),),
 )
-def network(city: City) -> City:
+def network(
+    city: City, *, drive_on: Annotated[str, Choice("auto", "left", "right")] = "auto"
+) -> City:
     """Join the ways that carry cars into a graph of edges and junctions with their widths.
 
     A map without such ways gets an empty graph.
+
+    Parameters
+    ----------
+    drive_on
+        Side of the road that traffic keeps to; auto follows the country.
     """
-    return replace(city, network=road_network(city.layout))
+    left = keeps_left(city.frame, drive_on)
+    return replace(city, network=road_network(city.layout, left_hand=left))

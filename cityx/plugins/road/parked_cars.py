@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city import City, Instances
 from cityx.geometry.clearance import near_any
-from cityx.geometry.driving import drives_on
+from cityx.geometry.driving import keeps_left
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
 from cityx.plugins.road.kerbs import edge_lines, join_places, places_along
@@ -204,10 +204,8 @@ def parked_cars(
     done = city.stages_done | {"road"}
     if city.lod < 1:
         return replace(city, stages_done=done)
-    frame = city.frame
-    word = drives_on(frame.latitude, frame.longitude) if drive_on == "auto" else drive_on
     groups: list[Any] = [
-        _along_kerbs(city, occupancy, 1.0 if word == "right" else -1.0),
+        _along_kerbs(city, occupancy, -1.0 if keeps_left(city.frame, drive_on) else 1.0),
         _on_lots(city, lots),
     ]
     groups = [group for group in groups if group is not None and len(group.id)]

@@ -9,6 +9,7 @@ import shapely
 
 from cityx.city import City, Failure, Frame, Layout
 from cityx.errors import InputError
+from cityx.geometry.driving import keeps_left
 from cityx.sources.osm.areas import area_table, land_kind
 from cityx.sources.osm.buildings import (
     Shells,
@@ -23,6 +24,7 @@ from cityx.sources.osm.outlines import Report, relation_rings
 from cityx.sources.osm.parts import building_tables, known_levels
 from cityx.sources.osm.points import point_table
 from cityx.sources.osm.reader import read_elements
+from cityx.sources.osm.restrictions import restriction_table
 from cityx.sources.osm.roads import is_road_way, read_roads, road_table
 from cityx.sources.osm.site import Box, site_degrees
 from cityx.sources.osm.vertical import read_vertical
@@ -79,10 +81,11 @@ def read_osm(path: Path, *, seed: int = 0, name: str = "") -> City:
         box,
         buildings=buildings,
         parts=parts,
-        roads=road_table(osm, road_lines, road_way, density),
+        roads=road_table(osm, road_lines, road_way, density, left_hand=keeps_left(frame)),
         areas=area_rows,
         lines=line_table(osm, xy, lines, box),
         points=point_table(osm, xy, box, seed=seed),
+        restrictions=restriction_table(osm, xy, box),
     )
     return City(
         name or path.name.split(".")[0].replace("_", " "),

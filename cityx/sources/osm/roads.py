@@ -10,12 +10,14 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.layout import make_table
+from cityx.city.section import PARKING, carriageway_width, section_text
 from cityx.geometry.identity import stable_id
 from cityx.sources.osm import measures
 from cityx.sources.osm.areas import tags_text
 from cityx.sources.osm.density import Density
 from cityx.sources.osm.elements import FloatArray, IntArray, OsmMap, Tags, way_lines
 from cityx.sources.osm.outlines import Report, number_pieces
+from cityx.sources.osm.sections import bands_of_tags
 from cityx.sources.osm.site import Box, clip_lines
 from cityx.sources.osm.vocabulary import (
     CARS,
@@ -31,7 +33,6 @@ if TYPE_CHECKING:
 
 MAX_LANES = 12
 MAX_WIDTH = 60.0  # metres of carriageway
-PARKING = 2.1  # metres of a lane of parked cars
 TOWN = 0.10  # coverage from which streets have sidewalks
 DENSE = 0.16  # coverage from which cars park along residential streets
 SIDEWALK = 1.8  # metres, where a tag asks for one on a road whose class has none
@@ -74,7 +75,9 @@ def read_roads(
     return pieces, ways[index[row]]
 
 
-def road_table(osm: OsmMap, lines: NDArray[Any], way: IntArray, density: Density) -> GeoDataFrame:
+def road_table(
+    osm: OsmMap, lines: NDArray[Any], way: IntArray, density: Density, *, left_hand: bool = False
+) -> GeoDataFrame:
     """Resolve the cross-section of every road and make the table."""
     if len(lines) == 0:
         return make_table("roads", lines)
@@ -90,7 +93,9 @@ def road_table(osm: OsmMap, lines: NDArray[Any], way: IntArray, density: Density
         key = (row, share >= TOWN, share >= DENSE)
         if key not in cache:
             tags = osm.way_tags[row]
-            cache[key] = cross_section(tags, town=share >= TOWN, dense=share >= DENSE)
+            cache[key] = cross_section(
+                tags, town=share >= TOWN, dense=share >= DENSE, left_hand=left_hand
+            )
         backward[index] = cache[key][-1]
         osm_id = int(osm.way_id[row])
         parts = ("osm", "way", osm_id, k) if k else ("osm", "way", osm_id)
@@ -112,19 +117,24 @@ def road_table(osm: OsmMap, lines: NDArray[Any], way: IntArray, density: Density
 
 
 _COLUMNS = (
-    "kind", "lanes", "lanes_forward", "lane_width", "width", "sidewalk_left", "sidewalk_right",
+    "section", "kind", "lanes", "lanes_forward", "lane_width", "width",
+    "sidewalk_left", "sidewalk_right",
     "parking_left", "parking_right", "oneway", "layer", "bridge", "tunnel", "passage",
     "roundabout", "surface", "lit", "maxspeed_kmh",
 )  # fmt: skip
 
 
-def cross_section(tags: Tags, *, town: bool, dense: bool) -> tuple[Any, ...]:
+def cross_section(
+    tags: Tags, *, town: bool, dense: bool, left_hand: bool = False
+) -> tuple[Any, ...]:
     """Resolve one way: the values of `_COLUMNS`, and whether its direction is to be turned.
 
     Parameters
     ----------
     town, dense
         Whether the surroundings are built densely enough for sidewalks and for parked cars.
+    left_hand
+        Whether traffic keeps to the left.
     """
     kind = road_kind(tags)
     lane_width, class_lanes, class_sidewalk, class_surface = ROAD_TABLE[kind]
@@ -151,6 +161,12 @@ def cross_section(tags: Tags, *, town: bool, dense: bool) -> tuple[Any, ...]:
         lane_width = (width - parked) / lanes
     forward = lanes if oneway else _forward(tags, lanes)
     sidewalks = _sidewalks(tags, class_sidewalk, default=town) if cars else [0.0, 0.0]
+    bands = bands_of_tags(
+        tags, kind, lanes, forward, lane_width, (parking[_LEFT], parking[_RIGHT]),
+        oneway=oneway, backward=backward, left_hand=left_hand,
+    ) if cars else ()  # fmt: skip
+    if bands and known is None:
+        width = carriageway_width(bands)
     if backward:
         parking, sidewalks = parking[::-1], sidewalks[::-1]
     bridge = tags.get("bridge", "no") not in ("no", "")
@@ -167,7 +183,7 @@ def cross_section(tags: Tags, *, town: bool, dense: bool) -> tuple[Any, ...]:
         surface = class_surface
     lit = tags.get("lit")
     return (
-        kind, lanes, forward, lane_width, width, *sidewalks, *parking, oneway,
+        section_text(bands), kind, lanes, forward, lane_width, width, *sidewalks, *parking, oneway,
         _layer(tags, bridge=bridge, tunnel=tunnel), bridge, tunnel, passage, roundabout, surface,
         measures.is_yes(lit) or (lit is None and cars and town),
         measures.speed_kmh(tags.get("maxspeed")) if cars else nan, backward,

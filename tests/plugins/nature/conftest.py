@@ -27,6 +27,7 @@ def crossroads_network():
         half_width=np.full(4, HALF),
         trim=np.tile([TRIM, 0.0], (4, 1)),
         crossing=np.zeros((4, 2), bool),
+        left_hand=np.zeros(4, bool),
     )
 
 

@@ -41,6 +41,7 @@ def network(*lines):
         np.full(count, 4.0),
         np.zeros((count, 2)),
         np.zeros((count, 2), bool),
+        np.zeros(count, bool),
     )
 
 

@@ -1,0 +1,121 @@
+"""Symbols painted on lanes: arrows, BUS, bicycles, as outlines in metres, x ahead and y left."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.section import TURN
+
+FloatArray = NDArray[np.float64]
+STROKE = 0.15  # metres
+LENGTH = 5.0  # metres of an arrow
+LETTER = (2.4, 0.5)  # metres, long and wide: letters are drawn long for eyes that look along them
+WHEEL = 0.34  # metres, radius
+
+
+def _stroke(*points: tuple[float, float], width: float = STROKE) -> Any:
+    line = shapely.LineString(points)
+    return shapely.buffer(line, width / 2, cap_style="flat", join_style="mitre")
+
+
+def _head(tip: tuple[float, float], back: tuple[float, float], broad: float) -> Any:
+    """Triangle with its tip at a point, its base at another."""
+    axis = np.array(tip) - back
+    aside = np.array([-axis[1], axis[0]]) / np.hypot(*axis) * broad / 2
+    return shapely.Polygon([tip, np.array(back) + aside, np.array(back) - aside])
+
+
+@lru_cache(maxsize=16)
+def arrow(turns: int) -> Any:
+    """Return the arrow for bits of `TURN`, its foot at the origin."""
+    shapes = []
+    if turns & TURN["through"]:
+        shapes += [_stroke((0.0, 0.0), (3.5, 0.0)), _head((LENGTH, 0.0), (3.4, 0.0), 0.75)]
+    for name, side in (("left", 1.0), ("right", -1.0)):
+        if turns & TURN[name]:
+            bend = 1.6 if turns & TURN["through"] else 2.6
+            shapes.append(_stroke((0.0, 0.0), (bend, 0.0), (bend + 0.9, 0.55 * side)))
+            foot = (bend + 0.75, 0.42 * side)
+            shapes.append(_head((bend + 1.9, 0.95 * side), foot, 0.95))
+    if turns & TURN["reverse"]:
+        shapes.append(_stroke((0.0, 0.0), (2.6, 0.0), (2.6, 0.7), (1.6, 0.7)))
+        shapes.append(_head((0.5, 0.7), (1.7, 0.7), 0.6))
+    return shapely.union_all(shapes)
+
+
+@lru_cache(maxsize=1)
+def bus() -> Any:
+    """Return the word BUS, its foot at the origin."""
+    long, wide = LETTER
+    half = long / 2
+    glyphs = {
+        "B": [
+            [(0, 0), (long, 0), (long, 0.8), (half, 1), (0, 0.8), (0, 0)],
+            [(half, 0), (half, 1)],
+        ],
+        "U": [[(long, 0), (0.25, 0), (0, 0.5), (0.25, 1), (long, 1)]],
+        "S": [[(0, 0), (0, 1), (half, 1), (half, 0), (long, 0), (long, 1)]],
+    }
+    shapes = []
+    for number, letter in enumerate("BUS"):
+        left = wide * (2.1 - 1.6 * number)
+        for line in glyphs[letter]:
+            points = [(x, left - y * wide) for x, y in line]
+            shapes.append(_stroke(*points, width=0.12))
+    return shapely.union_all(shapes)
+
+
+@lru_cache(maxsize=1)
+def bicycle() -> Any:
+    """Return a bicycle seen from its side, 1.9 m long, its foot at the origin."""
+    rear, front = (0.0, 0.55), (0.0, -0.55)
+    ring = [
+        shapely.buffer(shapely.Point(*at), WHEEL, quad_segs=3).difference(
+            shapely.buffer(shapely.Point(*at), WHEEL - 0.1, quad_segs=3)
+        )
+        for at in (rear, front)
+    ]
+    crank, seat, head = (0.05, 0.05), (0.75, 0.22), (0.75, -0.38)
+    lines = [(rear, crank), (crank, seat), (seat, rear), (crank, head), (seat, head), (front, head),
+             (head, (0.95, -0.3))]  # fmt: skip
+    shapes = [_stroke(*line, width=0.08) for line in lines]
+    return shapely.union_all([*ring, *shapes])
+
+
+def placed(
+    outline: Any, position: FloatArray, ahead: FloatArray, lateral: FloatArray
+) -> NDArray[Any]:
+    """Put an outline at places: (k, 2) positions and unit directions, (k,) metres to the left."""
+    count = len(position)
+    if not count:
+        return np.zeros(0, object)
+    points, ring = shapely.get_coordinates(
+        shapely.get_rings(shapely.get_parts(outline)), return_index=True
+    )
+    left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    foot = position + left * lateral[:, None]
+    moved = (
+        foot[:, None]
+        + points[None, :, :1] * ahead[:, None]
+        + points[None, :, 1:] * left[:, None]
+    )  # fmt: skip
+    rings = int(ring.max()) + 1
+    number = (np.arange(count)[:, None] * rings + ring[None]).ravel()
+    made = shapely.linearrings(moved.reshape(-1, 2), indices=number)
+    return _polygons(outline, np.asarray(made, object).reshape(count, rings))
+
+
+def _polygons(outline: Any, rings: NDArray[Any]) -> NDArray[Any]:
+    """Assemble moved rings into the polygons of an outline, (k * parts,)."""
+    _, owner = shapely.get_rings(shapely.get_parts(outline), return_index=True)
+    made = []
+    for part in range(int(owner.max()) + 1):
+        own = np.flatnonzero(owner == part)
+        holes = rings[:, own[1:]] if len(own) > 1 else None
+        made.append(shapely.polygons(rings[:, own[0]], holes=holes))
+    return np.asarray(np.stack(made, axis=1).ravel(), object)
