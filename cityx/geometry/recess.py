@@ -233,7 +233,8 @@ def _strips_of(
     upright &= np.hypot(*vector.T) > MIN_SIDE
     rows, corner, vector = rows[upright], corner[upright], vector[upright]
     if not len(rows):
-        return _Strips(rows, np.zeros(1, np.int64), *np.zeros((2, 0, 2)), np.zeros(0))
+        none = np.zeros((0, 2))
+        return _Strips(rows, np.zeros(1, np.int64), none, none, np.zeros(0))
     after = _next_in_plane(faces[rows], vector, alike[rows], uv[rows])
     chain, rank = _chains(after)
     order = np.lexsort((rank, chain))
