@@ -1,4 +1,4 @@
-"""The bodies of people: measures, torso, limbs, hands, neck and head as stacks of rings.
+"""The bodies of people: measures, limbs and hands as stacks of rings.
 
 Lengths are in body units. One is the height of a grown person of seven and a half heads; a child
 has a smaller unit and a larger head. Everything is made in the rest pose, arms hanging, and by the
@@ -28,22 +28,21 @@ from cityx.city.mesh import NO_VERTEX, MeshBatch, one_mesh
 FloatArray = NDArray[np.float64]
 
 CHIN = 0.867  # height of the chin; the head above it is 1 / 7.5 of the whole
-EYES = 0.50  # the eyes lie halfway up the skull
 FRONT = -np.pi / 2  # angle of a ring's first column
 # (z, half width, reach to the front, reach to the back) of the trunk.
 _MALE = np.array([
     (0.455, 0.080, 0.050, 0.062), (0.500, 0.095, 0.061, 0.075), (0.535, 0.096, 0.063, 0.073),
     (0.570, 0.091, 0.062, 0.060), (0.610, 0.085, 0.061, 0.050), (0.650, 0.088, 0.062, 0.052),
     (0.690, 0.095, 0.067, 0.061), (0.730, 0.101, 0.070, 0.069), (0.765, 0.105, 0.065, 0.072),
-    (0.790, 0.108, 0.052, 0.070), (0.808, 0.099, 0.040, 0.064), (0.823, 0.074, 0.030, 0.056),
-    (0.836, 0.050, 0.024, 0.048), (0.852, 0.037, 0.021, 0.042),
+    (0.788, 0.105, 0.053, 0.069), (0.806, 0.100, 0.042, 0.064), (0.822, 0.081, 0.032, 0.057),
+    (0.837, 0.058, 0.025, 0.049), (0.852, 0.041, 0.022, 0.043),
 ])  # fmt: skip
 _FEMALE = np.array([
     (0.455, 0.086, 0.052, 0.064), (0.500, 0.103, 0.061, 0.079), (0.535, 0.102, 0.062, 0.076),
     (0.570, 0.093, 0.060, 0.060), (0.610, 0.076, 0.054, 0.045), (0.650, 0.077, 0.055, 0.047),
     (0.690, 0.084, 0.062, 0.056), (0.730, 0.091, 0.065, 0.063), (0.765, 0.095, 0.060, 0.065),
-    (0.790, 0.098, 0.046, 0.063), (0.808, 0.088, 0.036, 0.058), (0.823, 0.064, 0.026, 0.051),
-    (0.836, 0.043, 0.021, 0.044), (0.852, 0.032, 0.019, 0.038),
+    (0.788, 0.094, 0.047, 0.062), (0.806, 0.085, 0.037, 0.057), (0.822, 0.068, 0.028, 0.051),
+    (0.837, 0.048, 0.022, 0.045), (0.852, 0.034, 0.019, 0.039),
 ])  # fmt: skip
 # (z, half width, front, back) of a leg, and (z, radius across, radius along y) of an arm.
 _LEG = np.array([
@@ -54,23 +53,12 @@ _LEG = np.array([
     (0.510, 0.047, 0.050, 0.055), (0.540, 0.034, 0.038, 0.042), (0.552, 0.0, 0.0, 0.0),
 ])  # fmt: skip
 _ARM = np.array([
-    (0.483, 0.0125, 0.0170), (0.505, 0.0135, 0.0180), (0.545, 0.0185, 0.0205),
-    (0.590, 0.0235, 0.0235), (0.617, 0.0235, 0.0240), (0.640, 0.0215, 0.0230),
-    (0.680, 0.0250, 0.0270), (0.720, 0.0270, 0.0300), (0.760, 0.0300, 0.0340),
-    (0.793, 0.0300, 0.0350), (0.816, 0.0240, 0.0290), (0.829, 0.0140, 0.0170),
-    (0.834, 0.0, 0.0),
+    (0.477, 0.0125, 0.0165), (0.500, 0.0132, 0.0172), (0.540, 0.0175, 0.0195),
+    (0.585, 0.0220, 0.0225), (0.612, 0.0222, 0.0230), (0.636, 0.0205, 0.0222),
+    (0.676, 0.0235, 0.0255), (0.716, 0.0255, 0.0285), (0.752, 0.0275, 0.0320),
+    (0.774, 0.0265, 0.0320), (0.793, 0.0205, 0.0260), (0.805, 0.0110, 0.0150),
+    (0.809, 0.0, 0.0),
 ])  # fmt: skip
-# (z, half width, front, back) of the skull, in its height above the chin.
-_SKULL = np.array([
-    (-0.010, 0.060, 0.370, -0.250), (0.015, 0.120, 0.405, -0.160), (0.060, 0.180, 0.415, -0.030),
-    (0.120, 0.225, 0.405, 0.080), (0.200, 0.258, 0.400, 0.190), (0.280, 0.280, 0.395, 0.290),
-    (0.360, 0.298, 0.395, 0.365), (0.440, 0.310, 0.385, 0.410), (0.500, 0.314, 0.382, 0.432),
-    (0.570, 0.322, 0.405, 0.450), (0.660, 0.330, 0.405, 0.460), (0.750, 0.328, 0.385, 0.450),
-    (0.840, 0.300, 0.335, 0.405), (0.920, 0.238, 0.250, 0.318), (0.972, 0.145, 0.145, 0.195),
-    (1.000, 0.0, 0.0, 0.0),
-])  # fmt: skip
-_CROWN = 0.03  # y of the crown above the axis of the head, in heights of the skull
-HEAD_Y = -0.006  # axis of the head before that of the body
 
 
 @dataclass(frozen=True)
@@ -217,9 +205,11 @@ def creased(rings: FloatArray, folds: Sequence[tuple[float, float, float]]) -> F
     angle = np.arctan2(out[..., 1], out[..., 0])
     depth = np.zeros(z.shape)
     for place, reach, deep in folds:
-        wave = np.sin(2 * np.pi * (z - place) / 0.046 + 1.6 * np.sin(angle + 40 * place))
-        wave += 0.6 * np.sin(2 * np.pi * (z - place) / 0.075 + 2.0 * np.cos(2 * angle) + 1.0)
-        depth += deep * np.exp(-(((z - place) / reach) ** 2)) * wave
+        # Folds run aslant and die away around the limb; level ones would look like rings.
+        wave = np.sin(2 * np.pi * (z - place) / 0.055 + 2.6 * np.sin(angle + 40 * place))
+        wave *= 0.55 + 0.45 * np.sin(angle + 90 * place)
+        wave += 0.5 * np.sin(2 * np.pi * (z - place) / 0.085 + 3.0 * np.cos(angle + 1.0))
+        depth += 0.8 * deep * np.exp(-(((z - place) / reach) ** 2)) * wave
     length = np.maximum(np.hypot(out[..., 0], out[..., 1]), 1e-6)
     factor = 1.0 + depth / np.maximum(length, 0.01)
     out[..., 0] *= factor
@@ -281,7 +271,8 @@ def both(parts: Sequence[Part]) -> list[Part]:
 
 
 def ball(centre: Sequence[float], reach: Sequence[float], material: str, tint: Color, *,
-         plain: tuple[int, int] = (4, 6), fine: tuple[int, int] = (8, 12)) -> MeshBatch:  # fmt: skip
+         plain: tuple[int, int] = (4, 6),
+         fine: tuple[int, int] = (7, 10)) -> MeshBatch:  # fmt: skip
     """Make an ellipsoid of (half width, front, back, half height); counts are (rings, sides)."""
     rings, sides = fine if is_fine() else plain
     angle = np.linspace(-np.pi / 2, np.pi / 2, rings + 1)
@@ -296,12 +287,11 @@ def ball(centre: Sequence[float], reach: Sequence[float], material: str, tint: C
 LEG_BINDING = chained(("left_hip", "left_knee", "left_ankle"), ((0.285, 0.034), (0.050, 0.014)))
 ARM_BINDING = chained(
     ("chest", "left_shoulder", "left_elbow", "left_wrist"),
-    ((0.806, 0.034), (0.632, 0.030), (0.489, 0.010)),
+    ((0.798, 0.034), (0.628, 0.030), (0.483, 0.010)),
 )
 TRUNK_BINDING = chained(
     ("neck", "chest", "spine", "pelvis"), ((0.846, 0.012), (0.690, 0.045), (0.595, 0.035))
 )
-NECK_BINDING = chained(("head", "neck", "chest"), ((0.886, 0.016), (0.838, 0.014)))
 
 
 def limb_centre(body: Body, names: Sequence[str], z: FloatArray) -> FloatArray:
@@ -325,135 +315,47 @@ def arm_centre(body: Body, z: FloatArray) -> FloatArray:
 
 def bare_leg(body: Body, skin: Color, top: float = 0.552, *, material: str = "skin") -> list[Part]:
     """Left and right leg from the ankle up to a height, or to the hip."""
-    z = heights(0.030, top, 8, 34, domed=top > 0.5)
-    rings = stacked(z, leg_centre(body, z), body.leg(z), level(8, 18), power=2.1)
+    share = (top - 0.03) / 0.52
+    z = heights(0.030, top, 3 + round(4 * share), 8 + round(15 * share), domed=top > 0.5)
+    rings = stacked(z, leg_centre(body, z), body.leg(z), level(7, 14), power=2.1)
     return both([bound(loft(rings, material, skin), LEG_BINDING)])
 
 
-def bare_arm(body: Body, skin: Color, top: float = 0.834) -> list[Part]:
+def bare_arm(body: Body, skin: Color, top: float = 0.809) -> list[Part]:
     """Left and right arm from the wrist up to a height, or to the shoulder."""
-    z = heights(0.484, top, 6, 26, domed=top > 0.8)
-    rings = stacked(z, arm_centre(body, z), body.arm(z), level(6, 16), power=2.0)
+    z = heights(0.478, top, 6, 20, domed=top > 0.8)
+    rings = stacked(z, arm_centre(body, z), body.arm(z), level(6, 14), power=2.0)
     return both([bound(loft(rings, "skin", skin), ARM_BINDING)])
 
 
 def hands(body: Body, skin: Color) -> list[Part]:
     """Relaxed hands: a palm, fingers that curl a little, and a thumb."""
-    x, y = arm_centre(body, np.array([0.487]))[0]
-    size = 1.0 + 0.06 * body.build - 0.08 * body.female
+    x, y = arm_centre(body, np.array([0.481]))[0]
+    size = 1.05 + 0.06 * body.build - 0.08 * body.female
     palm_rows = np.array([
-        (0.428, 0.0085, 0.0225, 0.0215), (0.437, 0.0100, 0.0235, 0.0225),
-        (0.455, 0.0115, 0.0230, 0.0215), (0.475, 0.0120, 0.0190, 0.0185),
-        (0.492, 0.0125, 0.0165, 0.0165),
+        (0.420, 0.0085, 0.0225, 0.0215), (0.430, 0.0100, 0.0235, 0.0225),
+        (0.448, 0.0115, 0.0230, 0.0215), (0.469, 0.0120, 0.0190, 0.0185),
+        (0.486, 0.0122, 0.0162, 0.0162),
     ])  # fmt: skip
-    z = heights(0.428, 0.492, 4, 8)
+    z = heights(0.420, 0.486, 3, 6)
     reach = curve(palm_rows, z) * size
     wrist = rigid("left_wrist")
-    palm = stacked(z, np.array([x, y]), reach, level(6, 14), power=2.6)
+    palm = stacked(z, np.array([x, y]), reach, level(5, 12), power=2.6)
     solids = [loft(palm, "skin", skin)]
     # (y from the middle of the palm, length, radius) of the fingers from index to little.
     fingers = ((-0.0155, 0.044, 0.0056), (-0.005, 0.050, 0.0058), (0.0055, 0.046, 0.0055),
                (0.0155, 0.036, 0.0048)) if is_fine() else ((0.0, 0.045, 0.0068),)  # fmt: skip
     for place, length, radius in fingers:
-        share = np.linspace(0.0, 1.0, level(3, 6))[::-1]  # from the tip up
+        share = np.linspace(0.0, 1.0, level(3, 5))[::-1]  # from the tip up
         radii = radius * size * np.where(share > 0.9, 0.45, 1.0 - 0.22 * share)
         breadth = radii[:, None] * ([1.0, 1.0, 1.0] if is_fine() else [1.0, 2.9, 2.7])
         # Fingers hang half open: they bend towards the thigh the further down the more.
         middle = np.column_stack([x - 0.016 * share**1.6, y + place * (1.0 - 0.18 * share)])
-        tip = stacked(0.432 - length * size * share, middle, breadth, level(6, 8), power=2.2)
+        tip = stacked(0.424 - length * size * share, middle, breadth, level(5, 7), power=2.2)
         solids.append(loft(tip, "skin", skin))
-    share = np.linspace(0.0, 1.0, level(3, 7))[::-1]
+    share = np.linspace(0.0, 1.0, level(3, 5))[::-1]
     radii = np.where(share > 0.9, 0.0035, 0.0078 - 0.0018 * share)[:, None] * np.full(3, size)
     middle = np.column_stack([x - 0.004 - 0.008 * share, y - 0.014 - 0.017 * np.sqrt(share)])
-    solids.append(loft(stacked(0.474 - 0.048 * share, middle, radii, level(5, 8), power=2.1),
+    solids.append(loft(stacked(0.468 - 0.050 * share, middle, radii, level(4, 7), power=2.1),
                        "skin", skin))  # fmt: skip
     return both([bound(solid, wrist) for solid in solids])
-
-
-# --- neck and head --------------------------------------------------------------------------------
-
-
-def neck(body: Body, skin: Color) -> list[Part]:
-    """Neck with the top of the chest, which an open collar shows."""
-    wide = (0.0345 - 0.0055 * body.female) * (1 + 0.12 * body.build - 0.08 * body.child)
-    z = heights(0.795, CHIN + 0.35 * body.skull, 4, 14)
-    share = (z - z[0]) / (z[-1] - z[0])
-    flare = 1.0 + 1.1 * np.exp(-((share / 0.22) ** 2))
-    reach = np.column_stack([wide * flare, wide * 0.98 * (1 + 0.1 * (flare - 1)),
-                             wide * 1.06 * (1 + 0.5 * (flare - 1))])  # fmt: skip
-    centre = np.column_stack([np.zeros(len(z)), 0.016 - 0.014 * share])
-    rings = stacked(z, centre, reach, level(8, 24), power=2.0)
-    return [bound(loft(rings, "skin", skin), NECK_BINDING)]
-
-
-def skull_points(body: Body, z: FloatArray, angle: FloatArray) -> FloatArray:
-    """Points of the skull at heights (0 chin, 1 crown) and angles, broadcast, (..., 3)."""
-    height, turn = np.broadcast_arrays(z, angle)
-    reach = curve(_SKULL, height.ravel()).reshape(*height.shape, 3)
-    wide = 1.0 + 0.05 * body.build - 0.02 * body.female + 0.04 * body.child
-    face = np.clip(1.0 - height / 0.45, 0.0, 1.0)  # a woman's jaw and a child's are narrower
-    wide = wide * (1.0 - 0.10 * body.female * face + 0.05 * body.child * face)
-    c, s = np.cos(turn), np.sin(turn)
-    x = reach[..., 0] * wide * np.sign(c) * np.abs(c) ** 0.9
-    along = np.sign(s) * np.abs(s) ** 0.9
-    y = _CROWN * np.clip(height, 0, 1) ** 4
-    y = y + np.where(along < 0, reach[..., 1], reach[..., 2]) * along
-    if is_fine():  # sockets of the eyes, hollows beside the mouth
-        front = np.clip(-along, 0.0, 1.0)
-        for px, pz, rx, rz, deep in ((0.15, 0.495, 0.085, 0.050, 0.030),
-                                     (0.17, 0.27, 0.07, 0.07, 0.010)):  # fmt: skip
-            gap = ((np.abs(x) - px) / rx) ** 2 + ((height - pz) / rz) ** 2
-            y = y + deep * np.exp(-gap) * front
-    return np.stack([x, y, height], axis=-1)
-
-
-def on_head(body: Body, points: FloatArray) -> FloatArray:
-    """Move points from heights of the skull to the body's frame, (..., 3)."""
-    return np.asarray(points * body.skull + [0.0, HEAD_Y, CHIN])
-
-
-def head(body: Body, skin: Color, brow: Color) -> list[Part]:
-    """Skull, nose and ears; eyes, brows and a mouth at the fine level."""
-    z = np.concatenate([[-0.01, 0.015, 0.06], np.linspace(0.12, 0.84, level(5, 22)),
-                        [0.92, 0.972, 1.0] if not is_fine() else
-                        [0.88, 0.92, 0.95, 0.972, 0.99, 1.0]])  # fmt: skip
-    points = skull_points(body, z[:, None], ring_angles(level(10, 36))[None, :])
-    solids = [loft(points, "skin", skin)]
-    nose_rows = np.array([
-        (0.315, 0.018, 0.050, 0.02), (0.335, 0.050, 0.105, 0.02), (0.365, 0.052, 0.142, 0.02),
-        (0.395, 0.040, 0.135, 0.02), (0.450, 0.030, 0.100, 0.02), (0.510, 0.026, 0.066, 0.02),
-        (0.565, 0.030, 0.040, 0.02),
-    ])  # fmt: skip
-    height = heights(0.315, 0.565, 4, 12)
-    reach = curve(nose_rows, height) * [1.0, 1.0 - 0.25 * body.child, 1.0]
-    nose = stacked(height, np.array([0.0, -0.345]), reach, level(5, 12), power=2.0)
-    solids.append(loft(nose, "skin", skin))
-    for side in (1.0, -1.0):
-        solids.append(ball((0.318 * side, 0.045, 0.455), (0.030, 0.055, 0.070, 0.110), "skin", skin,
-                           plain=(3, 5)))  # fmt: skip
-    if is_fine():
-        solids += _features(skin, brow)
-    nod = rigid("head")
-    return [bound(replace(solid, vertices=on_head(body, solid.vertices)), nod) for solid in solids]
-
-
-def _features(skin: Color, brow: Color) -> list[MeshBatch]:
-    """Eyes, brows and lips, in heights of the skull."""
-    red, green, blue = skin
-    lips = (0.80 * red, 0.55 * green, 0.52 * blue)
-    solids = []
-    for side in (1.0, -1.0):
-        solids.append(ball((0.150 * side, -0.318, 0.492), (0.062, 0.045, 0.02, 0.024), "skin",
-                           (0.05, 0.035, 0.03), fine=(4, 10)))  # fmt: skip
-        path = np.array([(0.065, 0.555), (0.13, 0.580), (0.20, 0.578), (0.26, 0.545)])
-        rings = []
-        for x, z in path:
-            y = -0.392 + 0.42 * max(x - 0.06, 0.0) ** 1.4
-            thick = 0.017 if 0.1 < x < 0.22 else 0.011
-            rings.append([(x * side, y - 0.020, z), (x * side, y, z + thick),
-                          (x * side, y + 0.02, z), (x * side, y, z - thick)])  # fmt: skip
-        order = slice(None) if side > 0 else slice(None, None, -1)
-        solids.append(loft(np.array(rings)[order], "hair", brow))
-    solids.append(ball((0.0, -0.352, 0.205), (0.105, 0.062, 0.02, 0.026), "skin", lips,
-                       fine=(4, 12)))  # fmt: skip
-    return solids

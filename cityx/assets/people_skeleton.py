@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 JointArray = NDArray[np.int8]
 
-# Every joint after its parent. The lap has no bone: it turns by the mean of both hips and carries
-# what hangs over both thighs, such as a skirt.
+# Every joint after its parent. Three have no bone: the lap turns by the mean of both hips and
+# carries what hangs over both thighs, such as a skirt; a grip carries a bag, which hangs plumb.
 PARENTS: dict[str, str] = {
     "pelvis": "", "spine": "pelvis", "chest": "spine", "neck": "chest", "head": "neck",
     "left_shoulder": "chest", "left_elbow": "left_shoulder", "left_wrist": "left_elbow",
@@ -24,6 +24,7 @@ PARENTS: dict[str, str] = {
     "left_toes": "left_ankle",
     "right_hip": "pelvis", "right_knee": "right_hip", "right_ankle": "right_knee",
     "right_toes": "right_ankle", "lap": "pelvis",
+    "left_grip": "left_wrist", "right_grip": "right_wrist",
 }  # fmt: skip
 JOINTS = tuple(PARENTS)
 NUMBER = {name: number for number, name in enumerate(JOINTS)}
@@ -34,9 +35,10 @@ _MIDDLE = {
     "neck": (0.0, 0.018, 0.835), "head": (0.0, 0.004, 0.885), "lap": (0.0, 0.0, 0.525),
 }  # fmt: skip
 _LEFT = {
-    "shoulder": (0.107, 0.010, 0.800), "elbow": (0.131, 0.016, 0.632),
-    "wrist": (0.143, -0.010, 0.487), "hip": (0.050, 0.0, 0.525), "knee": (0.049, -0.003, 0.285),
+    "shoulder": (0.098, 0.012, 0.792), "elbow": (0.121, 0.018, 0.628),
+    "wrist": (0.133, -0.010, 0.481), "hip": (0.050, 0.0, 0.525), "knee": (0.049, -0.003, 0.285),
     "ankle": (0.047, 0.008, 0.048), "toes": (0.051, -0.070, 0.012),
+    "grip": (0.123, -0.010, 0.408),
 }  # fmt: skip
 
 
@@ -73,7 +75,7 @@ def rest_joints(unit: float, *, shoulder: float = 1.0, hip: float = 1.0) -> Floa
             continue
         side, part = name.split("_")
         x, y, z = _LEFT[part]
-        chain = "shoulder" if part in ("shoulder", "elbow", "wrist") else "hip"
+        chain = "shoulder" if part in ("shoulder", "elbow", "wrist", "grip") else "hip"
         x += (wider[chain] - 1.0) * _LEFT[chain][0]  # an arm or leg moves as a whole
         out[number] = (x if side == "left" else -x, y, z)
     return out * unit
@@ -176,7 +178,7 @@ def joint_motions(joints: FloatArray, rotations: FloatArray) -> tuple[FloatArray
         (j, 3) places at rest.
     rotations
         (j, 3) rotation vectors, radians, about the axes of the figure's frame, each relative to
-        the parent. That of the lap is not read.
+        the parent. Those of the lap and the grips are not read.
 
     Returns
     -------
@@ -194,6 +196,10 @@ def joint_motions(joints: FloatArray, rotations: FloatArray) -> tuple[FloatArray
         else:
             turn[number] = turn[parent] @ local[number]
             shift[number] = turn[parent] @ own + shift[parent]
+    for grip in (NUMBER["left_grip"], NUMBER["right_grip"]):
+        held = turn[grip] @ joints[grip] + shift[grip]
+        turn[grip] = local[NUMBER["pelvis"]]
+        shift[grip] = held - turn[grip] @ joints[grip]
     return turn, shift
 
 

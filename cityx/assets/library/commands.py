@@ -46,8 +46,8 @@ def grow(
     count: Annotated[int, typer.Option(min=1, max=1_000_000, help="Assets to add.")] = 200,
     seed: Annotated[int, typer.Option(min=0, max=2**63 - 1, help="Key of all draws.")] = 0,
     groups: Annotated[
-        str, typer.Option(help="Comma-separated: buildings, plants, vehicles, furniture.")
-    ] = "buildings,plants,vehicles,furniture",
+        str, typer.Option(help="Comma-separated: buildings, plants, vehicles, people, furniture.")
+    ] = "buildings,plants,vehicles,people,furniture",
     uses: Annotated[
         str, typer.Option(help="Uses of buildings, comma-separated: house, flats, office, ...")
     ] = "",

@@ -32,11 +32,12 @@ from cityx.errors import UsageError, nearest
 from cityx.geometry.identity import choose, stable_id, uniform
 from cityx.geometry.polygons import FloatArray
 
-GROWN_GROUPS = ("buildings", "plants", "vehicles", "furniture")
+GROWN_GROUPS = ("buildings", "plants", "vehicles", "people", "furniture")
 LICENCE = "CC0-1.0"  # of what our generators make; the program itself is Apache-2.0
 BATCH = 64  # buildings grown together; fixed, so that the number asked for changes nothing
 SPACING = 400.0  # metres between plots, further than anything looks about for neighbours
-SHARES = {"buildings": 0.93, "plants": 0.03, "vehicles": 0.025, "furniture": 0.015}
+SHARES = {"buildings": 0.92, "plants": 0.03, "vehicles": 0.025, "people": 0.01,
+          "furniture": 0.015}  # fmt: skip
 FRONT = np.pi  # compass radians; prototypes face -y, which is south
 STANDING = 0.5  # metres; parts that begin lower stand on the ground
 NEIGHBOUR = 5.0  # metres, width of the neighbours that make a side wall blind
@@ -405,7 +406,7 @@ def models_height(models: Models) -> FloatArray:
     return high
 
 
-# --- plants, vehicles, furniture ------------------------------------------------------------------
+# --- plants, vehicles, people, furniture ----------------------------------------------------------
 
 _PLANT_WORDS = {
     "lime": "lime tree, broadleaf street tree", "plane": "plane tree, broadleaf street tree",
@@ -452,6 +453,14 @@ def _painted(prototype: Prototype, paint: Any, name: str) -> Prototype:
     return Prototype(name, prototype.kind, replace(mesh, tint=tint.astype(np.float32)))
 
 
+def _people(numbers: Sequence[int]) -> tuple[list[Prototype], list[str], list[str]]:
+    from cityx.assets.people import person
+    from cityx.assets.people_looks import drawn_person, words_of
+
+    looks = [drawn_person(number) for number in numbers]
+    return [person(n) for n in numbers], [words_of(p) for p in looks], [p.age for p in looks]
+
+
 def _pieces() -> list[str]:
     from cityx.assets.furniture import MAKERS
 
@@ -465,7 +474,7 @@ def _furniture(numbers: Sequence[int]) -> tuple[list[Prototype], list[str], list
     return [furniture(n) for n in names], [n.replace("_", " ") for n in names], names
 
 
-_THINGS = {"plants": _plants, "vehicles": _vehicles, "furniture": _furniture}
+_THINGS = {"plants": _plants, "vehicles": _vehicles, "people": _people, "furniture": _furniture}
 
 
 def capacity(group: str) -> float:
@@ -478,7 +487,7 @@ def capacity(group: str) -> float:
 
 
 def grow_things(group: str, numbers: Sequence[int]) -> tuple[Catalogue, Models]:
-    """Make plants, vehicles or furniture by number."""
+    """Make plants, vehicles, people or furniture by number."""
     from cityx.assets.library.measure import outline_of, stable_outline
 
     made, words, uses = _THINGS[group](numbers)
@@ -514,9 +523,9 @@ def shares_of(count: int, groups: Sequence[str]) -> dict[str, int]:
     for group in groups:
         if group not in GROWN_GROUPS:
             hint = nearest(group, GROWN_GROUPS)
-            why = "no generator of people exists" if group == "people" else "there is no such group"
             raise UsageError(
-                f'Group "{group}" cannot be grown: {why}. Known: {", ".join(GROWN_GROUPS)}.{hint}'
+                f'Group "{group}" cannot be grown: there is no such group. '
+                f"Known: {', '.join(GROWN_GROUPS)}.{hint}"
             )
     wanted = [group for group in GROWN_GROUPS if group in groups]
     total = sum(SHARES[group] for group in wanted)
