@@ -25,7 +25,9 @@ def check_lanes(city: City) -> list[Check]:
     ends = np.where(graph.direction > 0, 1, 0)
     last = network.edge_nodes[graph.edge, ends]
     first = network.edge_nodes[graph.edge, 1 - ends]
-    of_map = _pieces_of_map(graph.edge[open_to_cars], first[open_to_cars], last[open_to_cars])
+    of_map = _pieces_of_map(
+        graph.edge[open_to_cars].astype(np.int64), first[open_to_cars], last[open_to_cars]
+    )
     at = network.node_position[last]
     inside = ~_leaves(at, city.layout.extent)
     joined = (network.node_degree[last] >= 2) & inside & open_to_cars
@@ -38,9 +40,8 @@ def check_lanes(city: City) -> list[Check]:
     fed[graph.connection[:, 1]] = True
     alone = network.node_degree[first] == 1
     entries = np.flatnonzero(open_to_cars & (_leaves(begin, city.layout.extent) | (alone & ~fed)))
-    exits = np.flatnonzero(
-        open_to_cars & (~inside | ((network.node_degree[last] == 1) & ~leads_on))
-    )
+    cut = (network.node_degree[last] == 1) & ~leads_on
+    exits = np.flatnonzero(open_to_cars & (~inside | cut))
     lost = len(stranded(graph, entries, exits))
     total = max(int(open_to_cars.sum()), 1)
     return [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -75,7 +76,7 @@ def side_by_side(graph: LaneGraph) -> IntArray:
     first = np.flatnonzero(cars(graph)[:-1] & cars(graph)[1:])
     same = graph.edge[first] == graph.edge[first + 1]
     same &= graph.direction[first] == graph.direction[first + 1]
-    return np.column_stack([first, first + 1])[same]
+    return np.asarray(np.column_stack([first, first + 1])[same])
 
 
 def route(graph: LaneGraph, origin: int, goal: int) -> Route | None:
@@ -106,7 +107,7 @@ def route(graph: LaneGraph, origin: int, goal: int) -> Route | None:
 
 def _path(graph: LaneGraph, lanes: list[int]) -> FloatArray:
     pieces = [graph.lane_points(lanes[0])]
-    for here, there in zip(lanes[:-1], lanes[1:], strict=True):
+    for here, there in pairwise(lanes):
         rows = np.flatnonzero((graph.connection == (here, there)).all(axis=1))
         if not len(rows):  # a change of lane: over the length of the first
             pieces[-1] = np.stack([pieces[-1][0], graph.lane_points(there)[-1]])

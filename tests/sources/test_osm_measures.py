@@ -100,7 +100,7 @@ def test_no_tags_break_the_reading(seed):
         closed_is_area(tags), is_underground(tags)
         if road_kind(tags):
             section = cross_section(tags, town=True, dense=True)
-            lanes, forward, lane_width, width = section[1:5]
+            lanes, forward, lane_width, width = section[2:6]
             assert 1 <= lanes <= 12
             assert 1 <= forward <= lanes
             assert 0 < lane_width <= width <= 60

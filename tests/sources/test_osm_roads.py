@@ -6,15 +6,16 @@ from cityx.sources.osm.roads import cross_section, road_kind
 from cityx.sources.osm.site import clip_lines
 
 NAMES = (
-    "kind", "lanes", "lanes_forward", "lane_width", "width", "left", "right", "park_left",
-    "park_right", "oneway", "layer", "bridge", "tunnel", "passage", "roundabout", "surface", "lit",
-    "speed", "backward",
+    "section", "kind", "lanes", "lanes_forward", "lane_width", "width", "left", "right",
+    "park_left", "park_right", "oneway", "layer", "bridge", "tunnel", "passage", "roundabout",
+    "surface", "lit", "speed", "backward",
 )  # fmt: skip
 
 
-def section(*, town=False, dense=False, **tags):
+def section(*, town=False, dense=False, left_hand=False, **tags):
     tags = {key.replace("__", ":"): value for key, value in tags.items()}
-    return dict(zip(NAMES, cross_section(tags, town=town, dense=dense), strict=True))
+    found = cross_section(tags, town=town, dense=dense, left_hand=left_hand)
+    return dict(zip(NAMES, found, strict=True))
 
 
 def test_streets_have_sidewalks_in_town_and_none_in_the_country():

@@ -144,10 +144,11 @@ def _connections(
     turns = _Turn(*(getattr(turns, name)[keep] for name in _Turn.__dataclass_fields__))
     movement = _movements(turns)
     pairs: list[tuple[int, int, int]] = []
-    for names in (("drive", "bus"), ("cycle",)):
-        codes = [KIND[name] for name in names]
-        arriving = _by_arm(bands, codes, leaving=False)
-        leaving = _by_arm(bands, codes, leaving=True)
+    streets = _by_arm(bands, KIND["drive"], leaving=True)
+    for name in TRAVELLED:
+        arriving = _by_arm(bands, KIND[name], leaving=False)
+        # Buses and bicycles go on among the cars where they have no lane of their own.
+        leaving = streets | _by_arm(bands, KIND[name], leaving=True)
         pairs += _paired(turns, movement, arriving, leaving, bands, network.left_hand)
     if not pairs:
         none = np.zeros(0, np.int64)
@@ -204,12 +205,12 @@ def _allowed(layout: Layout, network: RoadNetwork, turns: _Turn) -> NDArray[np.b
     return allowed
 
 
-def _by_arm(bands: Bands, codes: list[int], *, leaving: bool) -> dict[tuple[int, int], list[int]]:
+def _by_arm(bands: Bands, kind: int, *, leaving: bool) -> dict[tuple[int, int], list[int]]:
     """List the lanes of each arm from left to right as its traffic sees them.
 
     Keys are (edge, side); lanes that arrive at the end of an edge run along it.
     """
-    rows = np.flatnonzero(np.isin(bands.kind, codes) & (bands.direction != 0))
+    rows = np.flatnonzero((bands.kind == kind) & (bands.direction != 0))
     found: dict[tuple[int, int], list[int]] = {}
     for row, edge, direction in zip(
         rows.tolist(), bands.edge[rows].tolist(), bands.direction[rows].tolist(), strict=True

@@ -53,7 +53,7 @@ def bus() -> Any:
     """Return the word BUS, its foot at the origin."""
     long, wide = LETTER
     half = long / 2
-    glyphs = {
+    glyphs: dict[str, list[list[tuple[float, float]]]] = {
         "B": [
             [(0, 0), (long, 0), (long, 0.8), (half, 1), (0, 0.8), (0, 0)],
             [(half, 0), (half, 1)],

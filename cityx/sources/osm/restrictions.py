@@ -37,21 +37,21 @@ def restriction_table(osm: OsmMap, xy: FloatArray, box: Box) -> GeoDataFrame:
         place = _node_row(osm, via[0]) if via else -1
         if not begin or not end or place < 0:
             continue
-        x, y = xy[place].tolist()
-        if not (box[0] <= x <= box[2] and box[1] <= y <= box[3]):
+        place_x, place_y = xy[place].tolist()
+        if not (box[0] <= place_x <= box[2] and box[1] <= place_y <= box[3]):
             continue
         for origin in begin:
             for target in end:
-                rows.append((key, origin, target, kind == "only", x, y))
+                rows.append((key, origin, target, kind == "only", place_x, place_y))
     if not rows:
         return empty_table("restrictions")
-    relation, origin, target, only, x, y = zip(*rows, strict=True)
+    relations, origins, targets, only, x, y = zip(*rows, strict=True)
     ids = [stable_id("osm", "relation", *row[:3]) for row in rows]
     return make_table(
         "restrictions", shapely.points(np.array(x), np.array(y)), id=np.array(ids, np.uint64),
-        source=[f"osm/relation/{key}" for key in relation],
-        from_source=[f"osm/way/{key}" for key in origin],
-        to_source=[f"osm/way/{key}" for key in target], only=list(only),
+        source=[f"osm/relation/{key}" for key in relations],
+        from_source=[f"osm/way/{key}" for key in origins],
+        to_source=[f"osm/way/{key}" for key in targets], only=list(only),
     )  # fmt: skip
 
 

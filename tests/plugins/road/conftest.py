@@ -25,7 +25,8 @@ def layout_of():
 
     def make(streets, *, houses=(), areas=(), points=(), extent=(-100, -100, 100, 100)):
         rows = [STREET | options for _, options in streets]
-        columns = {key: [row.get(key, 0) for row in rows] for row in rows for key in row}
+        blank = {key: type(value)() for row in rows for key, value in row.items()}
+        columns = {key: [row.get(key, none) for row in rows] for key, none in blank.items()}
         roads = make_table(
             "roads", [shapely.LineString(line) for line, _ in streets],
             id=np.arange(1, len(rows) + 1), **columns,

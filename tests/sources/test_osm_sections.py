@@ -1,0 +1,109 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cityx.city.section import TURN, read_section
+from cityx.sources.osm.roads import cross_section
+
+
+def section(tags, **options):
+    return cross_section({"highway": "secondary"} | tags, town=False, dense=False, **options)
+
+
+def bands(tags, **options):
+    text = section(tags, **options)[0]
+    return read_section(text) if text else ()
+
+
+def words(found):
+    return [f"{band.kind}{'-0+'[band.direction + 1]}" for band in found]
+
+
+def test_a_street_without_such_tags_has_no_section_of_its_own():
+    assert bands({}) == ()
+    assert bands({"lanes": "4", "cycleway": "no"}) == ()
+
+
+def test_turn_lanes_are_read_from_left_to_right_in_the_direction_of_travel():
+    found = bands({
+        "lanes": "5", "lanes:forward": "3", "turn:lanes:forward": "left|through|through;right",
+        "turn:lanes:backward": "left|none",
+    })  # fmt: skip
+    assert words(found) == ["drive-"] * 2 + ["drive+"] * 3
+    left, through, right = (TURN[name] for name in ("left", "through", "right"))
+    assert [band.turns for band in found] == [0, left, left, through, through | right]
+
+
+def test_where_one_keeps_left_the_lanes_ahead_come_first():
+    tags = {"lanes": "3", "lanes:forward": "2", "turn:lanes:forward": "left|through"}
+    found = bands(tags, left_hand=True)
+    assert words(found) == ["drive+", "drive+", "drive-"]
+    assert found[0].turns == TURN["left"]
+
+
+def test_arrows_of_another_number_of_lanes_are_left_out():
+    assert bands({"lanes": "2", "oneway": "yes", "turn:lanes": "left|through|right"}) == ()
+
+
+@pytest.mark.parametrize(
+    ("tags", "expected"),
+    [
+        ({"cycleway": "lane"}, ["cycle-", "drive-", "drive+", "cycle+"]),
+        ({"cycleway:right": "lane"}, ["drive-", "drive+", "cycle+"]),
+        ({"cycleway": "lane", "oneway": "yes", "lanes": "1"}, ["drive+", "cycle+"]),
+        ({"cycleway": "opposite_lane", "oneway": "yes", "lanes": "1"}, ["cycle-", "drive+"]),
+        ({"cycleway:both": "track", "parking:both": "parallel"},
+         ["cycle-", "parking0", "drive-", "drive+", "parking0", "cycle+"]),
+        ({"cycleway:right": "lane", "parking:right": "parallel"},
+         ["drive-", "drive+", "cycle+", "parking0"]),
+        ({"lanes": "3", "lanes:forward": "2", "lanes:bus:forward": "1"},
+         ["drive-", "drive+", "bus+"]),
+        ({"lanes": "2", "oneway": "yes", "bus:lanes": "designated|no"}, ["bus+", "drive+"]),
+        ({"shoulder": "both"}, ["shoulder0", "drive-", "drive+", "shoulder0"]),
+        ({"shoulder": "right"}, ["drive-", "drive+", "shoulder0"]),
+    ],
+)  # fmt: skip
+def test_lanes_for_bicycles_and_buses_and_shoulders_lie_where_the_tags_say(tags, expected):
+    assert words(bands(tags)) == expected
+
+
+def test_a_motorway_has_a_shoulder_on_its_outer_side():
+    assert words(bands({"highway": "motorway"})) == ["drive+", "drive+", "shoulder0"]
+    left = bands({"highway": "motorway"}, left_hand=True)
+    assert words(left) == ["shoulder0", "drive+", "drive+"]
+
+
+def test_the_section_of_a_turned_way_is_mirrored():
+    found = bands({
+        "oneway": "-1", "lanes": "2", "turn:lanes:backward": "left|through",
+        "parking:left": "parallel",
+    })  # fmt: skip
+    assert words(found) == ["drive+", "drive+", "parking0"]
+    assert found[0].turns == TURN["left"]
+
+
+def test_what_lies_beside_the_lanes_widens_the_carriageway():
+    assert section({"cycleway": "lane"})[5] == pytest.approx(section({})[5] + 3.2)
+    assert section({"cycleway": "lane", "width": "9"})[5] == 9.0
+
+
+TAGS = st.dictionaries(
+    st.sampled_from([
+        "lanes", "lanes:forward", "lanes:backward", "turn:lanes", "turn:lanes:forward",
+        "turn:lanes:backward", "cycleway", "cycleway:left", "cycleway:both", "oneway", "shoulder",
+        "shoulder:left", "bus:lanes", "lanes:bus", "busway", "parking:both", "width",
+        "shoulder:width",
+    ]),
+    st.sampled_from([
+        "1", "2", "5", "-1", "0", "yes", "no", "lane", "track", "opposite_lane", "both", "left",
+        "left|through", "||", "|", "", "reverse;left|none", "designated|yes", "3.5", "nan", "1e9",
+    ]),
+)  # fmt: skip
+
+
+@given(TAGS, st.booleans())
+def test_no_tags_make_a_section_that_cannot_be_read(tags, left_hand):
+    found = section(tags, left_hand=left_hand)
+    if found[0]:
+        read_section(found[0])
+    assert 0 < found[5] <= 70
