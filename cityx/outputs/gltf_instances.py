@@ -16,7 +16,7 @@ def quaternions(euler: ArrayLike) -> NDArray[np.float64]:
     w = cx * cy * cz + sx * sy * sz
     quaternion = np.column_stack([x, y, z, w])
     length = np.linalg.norm(quaternion, axis=1, keepdims=True)
-    return quaternion / np.maximum(length, 1e-12)
+    return np.asarray(quaternion / np.maximum(length, 1e-12), np.float64)
 
 
 def y_up_quaternions(euler: ArrayLike) -> NDArray[np.float32]:

@@ -118,9 +118,7 @@ def _encoded(name: str, size: int) -> dict[str, bytes]:
     surface = np.stack([full, maps.roughness, full], axis=2)
     kinds = {"color": maps.color, "normal": maps.normal, "roughness": surface}
     return {
-        kind: _jpeg(pixels)
-        for kind, pixels in kinds.items()
-        if np.ptp(pixels, (0, 1)).max() > FLAT
+        kind: _jpeg(pixels) for kind, pixels in kinds.items() if np.ptp(pixels, (0, 1)).max() > FLAT
     }
 
 

@@ -15,18 +15,21 @@ from cityx.outputs.gltf_mesh import finite, material_named
 # its own. Tints are rounded on a fixed lattice of square roots, which is about as even to the eye:
 # an error of 0.04 at most below 1, and no object's tint depends on which others there are.
 TINT_STEPS = 24
-_BRIGHTEST = 2.0  # no tint is brighter; trees reach 1.4
+_NO_AREA = 1e-12  # square metres
+_BRIGHTEST = 4.0  # trees reach 1.4; a step fits in 6 bits
 
 
 def tint_steps(tint: ArrayLike) -> NDArray[np.int64]:
     """Round (n, 3) linear tints to steps of the lattice; what is not a number becomes white."""
     shown = np.nan_to_num(np.asarray(tint, np.float64).reshape(-1, 3), nan=1.0)
-    return np.round(np.sqrt(np.clip(shown, 0, _BRIGHTEST)) * TINT_STEPS).astype(np.int64)
+    steps: NDArray[np.float64] = np.round(np.sqrt(shown.clip(0, _BRIGHTEST)) * TINT_STEPS)
+    return steps.astype(np.int64)
 
 
 def tint_of(steps: ArrayLike) -> NDArray[np.float64]:
     """Linear tints, (..., 3), of steps of the lattice."""
-    return (np.asarray(steps, np.float64) / TINT_STEPS) ** 2
+    share = np.asarray(steps, np.float64) / TINT_STEPS
+    return share * share
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,8 @@ class UsdFaces:
     ----------
     points
         (n, 3) float32, metres from the object's origin, in the order of the batch.
+    normals
+        (f, 3) float32, unit.
     counts
         (f,) int32, corners of each face.
     indices
@@ -56,6 +61,7 @@ class UsdFaces:
     """
 
     points: NDArray[np.float32]
+    normals: NDArray[np.float32]
     counts: NDArray[np.int32]
     indices: NDArray[np.int32]
     st: NDArray[np.float32]
@@ -76,11 +82,12 @@ def usd_faces(batch: MeshBatch, origin: NDArray[np.float64]) -> UsdFaces:
         (k, 3) per object, scene frame.
     """
     owner = batch.face_object()
-    look = np.column_stack([batch.material, tint_steps(batch.tint)]).astype(np.int64)  # (f, 4)
-    look[~takes_tint(batch.materials)[batch.material], 1:] = TINT_STEPS
-    order = np.lexsort((*look.T[::-1], owner))
-    key = np.column_stack([owner, look])[order]  # (f, 5)
-    cuts = np.flatnonzero((np.diff(key, axis=0, prepend=-1) != 0).any(axis=1))
+    steps = tint_steps(batch.tint)
+    steps[~takes_tint(batch.materials)[batch.material]] = TINT_STEPS
+    key = packed(owner * len(batch.materials) + batch.material, steps)
+    order = np.argsort(key, kind="stable")
+    cuts = np.flatnonzero(np.diff(key[order], prepend=-1))
+    first = order[cuts]  # a face of each run
     faces = batch.faces[order].astype(np.int64)
     used = faces >= 0
     faces -= batch.vertex_start[owner][:, None]
@@ -91,16 +98,31 @@ def usd_faces(batch: MeshBatch, origin: NDArray[np.float64]) -> UsdFaces:
     shift = np.repeat(origin, np.diff(batch.vertex_start), axis=0)
     return UsdFaces(
         (finite(batch.vertices) - shift).astype(np.float32),
+        face_normals(finite(batch.vertices), batch.faces[order]),
         counts.astype(np.int32),
         faces[used].astype(np.int32),
         places[used],
         order,
         np.concatenate([[0], np.cumsum(counts)])[batch.face_start],
         np.append(cuts, len(faces)),
-        key[cuts, 0],
-        key[cuts, 1],
-        key[cuts, 2:],
+        owner[first],
+        batch.material[first].astype(np.int64),
+        steps[first],
     )
+
+
+def packed(number: ArrayLike, steps: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(n,) one integer for each number and (n, 3) tint, in the order of the numbers."""
+    return np.asarray(number, np.int64) << 18 | steps @ (1 << np.array([12, 6, 0]))
+
+
+def face_normals(points: NDArray[np.float64], faces: NDArray[np.int32]) -> NDArray[np.float32]:
+    """(f, 3) unit normals of triangles and quads; a face without area looks up."""
+    last = np.where(faces[:, 3] >= 0, faces[:, 3], faces[:, 0])
+    normal = np.cross(points[faces[:, 2]] - points[faces[:, 0]], points[last] - points[faces[:, 1]])
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    flat = length < _NO_AREA
+    return np.where(flat, [0.0, 0.0, 1.0], normal / np.where(flat, 1, length)).astype(np.float32)
 
 
 def takes_tint(materials: Sequence[str]) -> NDArray[np.bool_]:
