@@ -314,8 +314,11 @@ def _import_libraries(options: BuildOptions | None = None) -> None:
     """Import what the build needs, so that the steps' times are their own."""
     from importlib import import_module
 
+    from cityx.plugins.building.catalogue import generators
+
     for name in LIBRARIES:
         import_module(name)
+    generators()
     options = options or BuildOptions()
     actions = _registry()
     for action, _ in calls_of(MAP_TO_CITY, options.lod, {}):
