@@ -88,7 +88,7 @@ def build(
     weather: Annotated[str | None, typer.Option(help="clear, overcast, fog, rain, ...")] = None,
     size: Annotated[str | None, typer.Option(help="WxH of a window to cut out, metres.")] = None,
     at: Annotated[str | None, typer.Option(help="LAT,LON of the window's centre.")] = None,
-    formats: Annotated[str, typer.Option(help="Comma-separated: blend, glb.")] = "blend,glb",
+    formats: Annotated[str, typer.Option(help="Comma-separated: blend, glb, usd.")] = "blend,glb",
     render: Annotated[bool, typer.Option("--render/--no-render", help="Make pictures.")] = True,
     samples: Annotated[int, typer.Option(min=1, max=65536, help="Samples per pixel.")] = 48,
     picture: Annotated[str, typer.Option(help="Size of the pictures, pixels.")] = "960x540",

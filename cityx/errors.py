@@ -54,6 +54,12 @@ class MissingDependency(CityxError):
     """An optional library is absent; the message names the extra or system package to install."""
 
 
+class MissingExtra(MissingDependency):
+    """What was asked for needs an extra of this package; nothing was begun."""
+
+    exit_code = 2
+
+
 def nearest(word: str, known: Iterable[str], count: int = 3) -> str:
     """Return a hint such as `` Did you mean "a" or "b"?``, or an empty string."""
     close = get_close_matches(word, list(known), n=count, cutoff=0.5)

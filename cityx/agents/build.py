@@ -17,11 +17,16 @@ from cityx.agents.journal import Journal, derivation_key
 from cityx.agents.workflow import MAP_TO_CITY, calls_of
 from cityx.city import City
 from cityx.errors import ActionFailed, ActionRejected, InputError, UsageError
+from cityx.outputs.usd import require_usd
 from cityx.sources.inputs import KINDS, Input, classify
 
-FORMATS = ("blend", "glb")
+FORMATS = ("blend", "glb", "usd")
+DEFAULT_FORMATS = ("blend", "glb")  # what needs no extra
 DEFAULT_WINDOW = (1000.0, 1000.0)  # metres, when --at comes without --size
-PRODUCTS = ("city", "city.blend", "city.glb", "renders", "report.json", "report.html")
+PRODUCTS = (
+    "city", "city.blend", "city.glb", "city.usdc", "city_textures", "renders",
+    "report.json", "report.html",
+)  # fmt: skip
 
 Say = Callable[[str], None]
 
@@ -52,7 +57,7 @@ class BuildOptions:
     weather: str | None = None
     size: tuple[float, float] | None = None
     at: tuple[float, float] | None = None
-    formats: tuple[str, ...] = FORMATS
+    formats: tuple[str, ...] = DEFAULT_FORMATS
     render: bool = True
     samples: int = 48
     picture: tuple[int, int] = (960, 540)
@@ -234,11 +239,15 @@ def build(
         Nothing was written.
     EngineError, MissingDependency
         Blender failed or cannot start; nothing was written.
+    MissingExtra
+        A format needs an extra that is not installed; nothing was begun.
     """
     options = options or BuildOptions()
     unknown = set(options.formats) - set(FORMATS)
     if unknown:
         raise UsageError(f"Unknown formats {sorted(unknown)}; this version writes {FORMATS}.")
+    if "usd" in options.formats:
+        require_usd()
     out = _folder(out)
     watch = Stopwatch()
     with watch.step("import"):
@@ -305,8 +314,11 @@ def _import_libraries(options: BuildOptions | None = None) -> None:
     """Import what the build needs, so that the steps' times are their own."""
     from importlib import import_module
 
+    from cityx.plugins.building.catalogue import generators
+
     for name in LIBRARIES:
         import_module(name)
+    generators()
     options = options or BuildOptions()
     actions = _registry()
     for action, _ in calls_of(MAP_TO_CITY, options.lod, {}):
@@ -335,16 +347,21 @@ def _brief(options: BuildOptions) -> dict[str, Any]:
 def _make_views(
     city: City, staging: Path, options: BuildOptions, watch: Stopwatch, say: Say
 ) -> float:
-    """Write GLB, .blend and pictures; return the peak memory of any process, MB."""
+    """Write GLB, USD, .blend and pictures; return the peak memory of any process, MB."""
     from cityx.agents.views import VIEWS, blender_views
     from cityx.checks.report import peak_memory_mb
     from cityx.city.store import view_of
     from cityx.outputs.glb import write_glb
+    from cityx.outputs.usd import write_usd
 
     if "glb" in options.formats:
         say("writing city.glb")
         with watch.step("glb"):
             write_glb(view_of(city), staging / "city.glb")
+    if "usd" in options.formats:
+        say("writing city.usdc")
+        with watch.step("usd"):
+            write_usd(view_of(city), staging / "city.usdc")
     if "blend" in options.formats or options.render:
         blend = staging / "city.blend" if "blend" in options.formats else None
         views = VIEWS if options.render else ()
