@@ -12,6 +12,7 @@ from cityx.city.ground import LABEL, SURFACES, Ground
 from cityx.city.layout import Layout
 from cityx.geometry.arrangement import BEYOND, Regions, face_areas, regions
 from cityx.geometry.chains import components
+from cityx.geometry.identity import choose, mix
 
 IntArray = NDArray[np.int64]
 
@@ -31,6 +32,10 @@ TOWN_CELL = 50.0  # metres; about half a block
 STRIP = 5.0  # metres; narrower leftovers between pavements are paved in town
 ENCLOSED = 0.6  # share of such a strip's rim that pavement or walls take
 TOWN_REACH = 25.0  # metres within which an urban building makes a place a part of the town
+# What the ground of courts enclosed by houses is made of, and how often.
+YARDS = (("grass", 9), ("courtyard", 5), ("parking", 3), ("bare", 2))
+OPEN_YARD = 0.15  # share of its rim along streets from which a court belongs to the street
+LEAST_YARD = 25.0  # square metres
 LARGEST = 60_000.0  # square metres; more is open country with a town in it, not a block
 
 
@@ -39,7 +44,7 @@ def pave_blocks(ground: Ground, layout: Layout) -> Ground:
     road = np.isin(ground.face_label, ROAD)
     block = _blocks(ground, road)
     ground = _paved(_filled(ground, road, block), layout, block)
-    return _strips_paved(ground, layout)
+    return _yards(_strips_paved(ground, layout))
 
 
 def town_regions(layout: Layout) -> Regions:
@@ -117,6 +122,37 @@ def _paved(ground: Ground, layout: Layout, block: IntArray) -> Ground:
     paved = (ground.face_label == LABEL["block"]) & dense[block]
     label = np.where(paved, LABEL["courtyard"], ground.face_label).astype(np.uint8)
     return replace(ground, face_label=label)
+
+
+def _yards(ground: Ground) -> Ground:
+    """Give courts that houses enclose ground of their own: lawns, paving, asphalt, gravel."""
+    court = ground.face_label == LABEL["courtyard"]
+    if not court.any():
+        return ground
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inner = right != BEYOND
+    within = inner & court[left] & court[np.maximum(right, 0)]
+    yard = components(np.column_stack([left, right])[within], len(court))
+    size = len(court)
+    length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
+    rim, street = np.zeros(size), np.zeros(size)
+    outer = np.isin(ground.face_label, [*ROAD, LABEL["kerb"], LABEL["sidewalk"], LABEL["plaza"]])
+    for face, other in ((left, right), (right, left)):
+        mine = (face != BEYOND) & ~within
+        mine[mine] &= court[face[mine]]
+        np.add.at(rim, yard[face[mine]], length[mine])
+        open_side = (other[mine] == BEYOND) | outer[np.maximum(other[mine], 0)]
+        np.add.at(street, yard[face[mine]], length[mine] * open_side)
+    area = np.bincount(yard, np.where(court, face_areas(ground), 0.0), minlength=size)
+    enclosed = court & (street[yard] < OPEN_YARD * rim[yard]) & (area[yard] > LEAST_YARD)
+    corner = np.full((size, 2), np.inf)
+    faces = ground.triangle_face
+    np.minimum.at(corner, yard[faces], ground.vertices[ground.triangles[:, 0]])
+    place = np.round(np.where(np.isfinite(corner), corner, 0.0) * 100).astype(np.int64)
+    key = mix(mix(place[:, 0].view(np.uint64)) ^ np.ascontiguousarray(place[:, 1]).view(np.uint64))
+    kind = choose(0, "ground/yard", key, [weight for _, weight in YARDS])
+    labels = np.array([LABEL[name] for name, _ in YARDS], np.uint8)
+    return replace(ground, face_label=np.where(enclosed, labels[kind[yard]], ground.face_label))
 
 
 def _strips_paved(ground: Ground, layout: Layout) -> Ground:

@@ -31,6 +31,7 @@ from cityx.plugins.road.landcover import (
     area_regions,
     building_regions,
     deck_ground_regions,
+    kerbside_regions,
     way_regions,
 )
 from cityx.plugins.road.markings import marking_regions
@@ -111,6 +112,7 @@ def detailed_regions(
         carriageway_regions(layout, network, on_ground, road),
         marking_regions(layout, network, bands_of(layout, network), on_ground, road),
         area_regions(layout),
+        kerbside_regions(layout, np.concatenate([road.strips, road.stars])),
         building_regions(layout),
         way_regions(layout, decks, np.concatenate([road.strips, road.stars])),
         deck_ground_regions(plan, LOW),

@@ -33,8 +33,9 @@ AREA_PRIORITY: Mapping[str, int] = MappingProxyType({
     "railway": 8,  # a whole yard, with sheds and weeds: anything drawn inside of it wins
     "pier": 32,  # stands in the water
     "pool": 33,
-    "road_area": 27,  # less exact than the carriageways themselves
+    "road_area": 54,  # drawn kerb to kerb: no sidewalk or kerb of ours lies on it
 })  # fmt: skip
+BAY_GAP = 0.9  # metres between parking bays and the carriageway they belong to
 KERBSIDE_PRIORITY = 53  # parking beside the carriageway lies inside of the kerb
 PATHS = ("footway", "path", "cycleway", "steps", "bridleway", "corridor")
 TRACKS = ("rail", "light_rail", "subway", "narrow_gauge")
@@ -68,6 +69,23 @@ def area_regions(layout: Layout, simplify: float = 0.0) -> Regions:
     if simplify:
         shapes = shapely.simplify(shapes, simplify)
     return regions(shapes, label, ranks, layout.areas["id"].to_numpy()[known])
+
+
+def kerbside_regions(layout: Layout, strips: Shapes) -> Regions:
+    """Return what lies between parking bays beside a street and its carriageway: more asphalt.
+
+    Bays are seldom drawn to the very edge of the carriageway; no kerb runs through the gap.
+    """
+    areas = layout.areas
+    beside = areas["tags"].str.contains('"street_side"', regex=False).to_numpy().astype(bool)
+    rows = np.flatnonzero(beside & (areas["kind"] == "parking").to_numpy())
+    if not len(rows) or not len(strips):
+        return Regions()
+    shapes = shapely.buffer(areas.geometry.to_numpy()[rows], BAY_GAP, join_style="mitre")
+    bay, strip = shapely.STRtree(strips).query(shapes, predicate="intersects")
+    reach = shapely.buffer(strips[strip], BAY_GAP, join_style="mitre", quad_segs=ROUND)
+    gaps = shapely.intersection(shapes[bay], reach)
+    return regions(shapely.unary_union(gaps), LABEL["parking"], KERBSIDE_PRIORITY)
 
 
 def building_regions(layout: Layout) -> Regions:
