@@ -129,3 +129,33 @@ def test_real_streets_leave_no_gap_and_keep_out_of_houses(name):
     assert check_arrangement(found) == (0, 0, pytest.approx(0.0, abs=1e-9))
     area = areas(found)
     assert area["carriageway"] + area["junction"] > 500.0
+
+
+def test_a_court_that_houses_enclose_has_ground_of_its_own(layout_of):
+    streets = [([(-90, y), (90, y)], {}) for y in (-60, 60)]
+    streets += [([(x, -90), (x, 90)], {}) for x in (-60, 60)]
+    kinds = set()
+    for shift in range(8):
+        x = shift * 2.0
+        wings = [(-40 - x, -40, 40, -20), (-40 - x, 20, 40, 40), (-40 - x, -20, -20 - x, 20),
+                 (20, -20, 40, 20)]  # fmt: skip
+        found = ground_of(layout_of(streets, houses=wings))
+        assert check_arrangement(found) == (0, 0, 0.0)
+        inner = [face for face in np.unique(found.triangle_face) if face_holds(found, face, (0, 0))]
+        kinds.add(SURFACES[found.face_label[inner[0]]].name)
+    assert kinds <= {"grass", "courtyard", "parking", "bare"}
+    assert len(kinds) > 1
+
+
+def face_holds(found, face, at):
+    corners = found.vertices[found.triangles[found.triangle_face == face]]
+    return bool(shapely.intersects(shapely.polygons(corners), shapely.Point(at)).any())
+
+
+def test_no_kerb_crosses_a_mapped_road_area(layout_of):
+    layout = layout_of([([(-90, 0), (90, 0)], {"width": 6.0})],
+                       areas=[((-90, -6, 90, 6), "road_area")])  # fmt: skip
+    found = ground_of(layout)
+    rows = np.flatnonzero(found.face_label[found.triangle_face] == LABEL["kerb"])
+    middle = found.vertices[found.triangles[rows]].mean(axis=1)
+    assert not ((np.abs(middle[:, 1]) < 5.9) & (np.abs(middle[:, 0]) < 89)).any()

@@ -1,0 +1,62 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+from cityx.assets.covers import MAKERS, cover
+from cityx.city.ground import LABEL
+from cityx.plugins.road.covers import covers
+from cityx.plugins.road.ground import ground
+from cityx.plugins.road.network import network
+
+STREETS = [([(-90, 0), (0, 0), (90, 0)], {"kind": "secondary", "width": 8.0}),
+           ([(0, -90), (0, 0), (0, 90)], {})]  # fmt: skip
+
+
+def made(city):
+    rows = city.scene.instances["street_covers"]
+    names = [city.scene.prototypes[number].name for number in rows.prototype.tolist()]
+    return rows, np.array(names)
+
+
+def test_gullies_lie_at_the_kerb_and_manholes_in_the_lanes(layout_of, city_of):
+    city = covers(ground(network(city_of(layout_of(STREETS)))))
+    rows, names = made(city)
+    assert (names == "gully").sum() > 10
+    assert (names == "manhole").sum() > 5
+    found = city.ground
+    road = np.isin(found.face_label, [LABEL["carriageway"], LABEL["junction"], LABEL["marking"]])
+    triangles = found.triangles[road[found.triangle_face]]
+    surface = shapely.union_all(shapely.polygons(found.vertices[triangles][..., :2]))
+    spots = shapely.points(rows.position[:, :2])
+    assert shapely.intersects(surface, spots).all()
+    rim = shapely.distance(surface.boundary, spots)
+    assert np.allclose(rim[names == "gully"], 0.2, atol=0.06)
+    assert (rim[names == "manhole"] > 1.0).all()
+
+
+def test_covers_do_not_depend_on_the_order_of_the_streets(layout_of, city_of):
+    layout = layout_of(STREETS)
+    mixed = replace(layout, roads=layout.roads.iloc[::-1].reset_index(drop=True))
+    one, other = (made(covers(network(city_of(each))))[0] for each in (layout, mixed))
+    assert np.array_equal(one.object_id, other.object_id)
+    assert np.allclose(one.position, other.position)
+
+
+def test_below_level_two_there_are_none(layout_of, city_of):
+    city = network(city_of(layout_of(STREETS), lod=1))
+    assert "street_covers" not in covers(city).scene.instances
+
+
+def test_spacing_is_kept(layout_of, city_of):
+    city = network(city_of(layout_of([([(-90, 0), (90, 0)], {"width": 8.0})])))
+    few, many = ((made(covers(city, gullies=gap))[1] == "gully").sum() for gap in (60.0, 20.0))
+    assert many > 2 * few
+
+
+@pytest.mark.parametrize("name", list(MAKERS))
+def test_covers_are_flush(name):
+    vertices = cover(name).mesh.vertices
+    assert vertices[:, 2].max() < 0.02
+    assert np.abs(vertices[:, :2]).max() < 0.45
