@@ -154,8 +154,8 @@ def stranded(graph: LaneGraph, entries: IntArray, exits: IntArray) -> IntArray:
     Parameters
     ----------
     entries, exits
-        Lanes that traffic from beyond the site comes in by, and leaves by. A piece of the graph
-        without either counts as a whole: its largest circuit is home.
+        Lanes that traffic from beyond the site comes in by, and leaves by. In a piece of the graph
+        that lacks one of them its largest circuit is home.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -170,7 +170,7 @@ def stranded(graph: LaneGraph, entries: IntArray, exits: IntArray) -> IntArray:
     goal = np.concatenate([inner.col, np.full(len(exits), beyond), entries])
     whole = coo_array((np.ones(len(origin)), (origin, goal)), shape=(beyond + 1, beyond + 1))
     _, label = connected_components(whole, directed=True, connection="strong")
-    opened = np.isin(piece, piece[np.concatenate([entries, exits])])
+    opened = np.isin(piece, np.intersect1d(piece[entries], piece[exits]))
     length = lane_lengths(graph)
     size = np.bincount(label[rows], length[rows], minlength=int(label.max()) + 1)
     best = np.full(int(piece.max()) + 1, -1.0)

@@ -13,7 +13,9 @@ from cityx.assets.library.importers import import_folder
 from cityx.assets.library.local_text import LocalText
 from cityx.assets.library.measure import outline_of
 from cityx.assets.library.store import check_library
+from cityx.city.mesh import NO_VERTEX
 from cityx.errors import InputError, UsageError
+from cityx.geometry.extrude import prisms
 
 Y_UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
 ELL = shapely.Polygon([(0, 0), (20, 0), (20, 8), (8, 8), (8, 20), (0, 20)])
@@ -37,7 +39,10 @@ def write_house(path):
 
 
 def write_ell(path, scale=1.0):
-    made = trimesh.creation.extrude_polygon(ELL, 10.0)
+    solid, _ = prisms(np.array([ELL], object), np.zeros(1), np.full(1, 10.0), np.zeros(1))
+    quads = solid.faces[solid.faces[:, 3] != NO_VERTEX]
+    triangles = np.concatenate([solid.faces[:, :3], quads[:, [0, 2, 3]]])
+    made = trimesh.Trimesh(solid.vertices, triangles)
     made.apply_transform(Y_UP)
     made.apply_scale(scale)
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -67,11 +67,11 @@ def test_a_hundred_thousand_vectors_are_searched_quickly():
     index = BruteForceIndex("one", half, signs * np.int8(127), scale, error)
     spent = []
     for _ in range(4):
-        begin = time.perf_counter()
+        begin = time.process_time()
         rows, _ = index.search(unit(half[77:78]), 10, encoder="one")
-        spent.append(time.perf_counter() - begin)
+        spent.append(time.process_time() - begin)
     assert rows[0, 0] == 77
-    assert min(spent) < 0.5  # 0.05 s on an idle machine; a busy one must not fail the test
+    assert min(spent) < 1.0  # 0.05 s on an idle machine; a busy one must not fail the test
 
 
 def test_the_graph_index_agrees_with_the_exact_one(tmp_path):
