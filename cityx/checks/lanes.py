@@ -48,7 +48,7 @@ def check_lanes(city: City) -> list[Check]:
               "pieces of the lane graph beyond those of the map's streets"),
         Check("lanes_without_exit", dead / total, 0.05,
               "share of lanes that end at a junction from which none leads on"),
-        Check("lanes_stranded", lost / total, 0.05,
+        Check("lanes_stranded", lost / total, 0.25,
               "share of lanes from which, or to which, no way leads within the site"),
     ]  # fmt: skip
 
