@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import shapely
@@ -23,7 +23,7 @@ from cityx.plugins.road.kerbs import (
     yaw_facing,
     yaw_of_compass,
 )
-from cityx.protocol import Choice, Port, action
+from cityx.protocol import Port, action
 
 ACTION = "nature/furniture-v1"
 FloatArray = NDArray[np.float64]
@@ -308,7 +308,6 @@ def furniture(
     city: City,
     *,
     lamps: bool = True,
-    drive_on: Annotated[str, Choice("auto", "right", "left")] = "auto",
 ) -> City:
     """Place mapped street furniture, lamps along kerbs and signals at junctions.
 
@@ -318,15 +317,15 @@ def furniture(
         City with a layout; lamps and signals need the road network.
     lamps
         Whether lit streets get lamps when the map has next to none.
-    drive_on
-        Side of the road one drives on; "auto" follows the country.
     """
     from cityx.assets.furniture import furniture as make
 
     done = city.stages_done | {"nature"}
     if city.lod < 1:
         return replace(city, stages_done=done)
-    drive = -1.0 if keeps_left(city.frame, drive_on) else 1.0
+    network = city.network
+    left = keeps_left(city.frame) if network is None else bool(network.left_hand.any())
+    drive = -1.0 if left else 1.0
     roads = _Roads(city)
     mapped = _mapped(city, roads, drive)
     kind = city.layout.points["kind"].to_numpy().astype(str)

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from cityx.city import City, Instances
 from cityx.geometry.clearance import near_any
-from cityx.geometry.driving import keeps_left
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
 from cityx.plugins.road.kerbs import edge_lines, join_places, places_along
-from cityx.protocol import Choice, Port, Range, action
+from cityx.protocol import Port, Range, action
 
 ACTION = "road/parked_cars-v1"
 FloatArray = NDArray[np.float64]
@@ -38,7 +37,7 @@ class _Cars:
     yaw: FloatArray
 
 
-def _along_kerbs(city: City, occupancy: float, drive: float) -> _Cars | None:
+def _along_kerbs(city: City, occupancy: float) -> _Cars | None:
     """Cars in bays beside the kerb, facing the way their side drives."""
     network = city.network
     if network is None or not network.edge_count:
@@ -67,7 +66,8 @@ def _along_kerbs(city: City, occupancy: float, drive: float) -> _Cars | None:
     taken &= ~_near_junctions(city, places.xy, places.edge)
     places, ids = places.take(taken), ids[taken]
     # Where one drives on the right, cars on the right side face ahead; one-way streets throughout.
-    ahead = np.where(oneway[places.edge] | (places.side * drive < 0), 1.0, -1.0)
+    outer = places.side * np.where(network.left_hand[places.edge], -1.0, 1.0) < 0
+    ahead = np.where(oneway[places.edge] | outer, 1.0, -1.0)
     way = places.ahead * ahead[:, None]
     slack = uniform(city.seed, f"{ACTION}/slack", ids) - 0.5
     inward = uniform(city.seed, f"{ACTION}/inward", ids) - 0.5
@@ -184,7 +184,6 @@ def parked_cars(
     *,
     occupancy: Annotated[float, Range(0.0, 1.0)] = 0.7,
     lots: Annotated[float, Range(0.0, 1.0)] = 0.5,
-    drive_on: Annotated[str, Choice("auto", "right", "left")] = "auto",
 ) -> City:
     """Park cars along kerbs and on car parks.
 
@@ -196,8 +195,6 @@ def parked_cars(
         Share of the bays along kerbs that are taken.
     lots
         Share of the bays of car parks that are taken.
-    drive_on
-        Side of the road one drives on; "auto" follows the country.
     """
     from cityx.assets import vehicles
 
@@ -205,7 +202,7 @@ def parked_cars(
     if city.lod < 1:
         return replace(city, stages_done=done)
     groups: list[Any] = [
-        _along_kerbs(city, occupancy, -1.0 if keeps_left(city.frame, drive_on) else 1.0),
+        _along_kerbs(city, occupancy),
         _on_lots(city, lots),
     ]
     groups = [group for group in groups if group is not None and len(group.id)]

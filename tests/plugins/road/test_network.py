@@ -3,9 +3,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cityx.city.frame import Frame
 from cityx.city.layout import SCHEMA, make_table
 from cityx.geometry.polylines import Polylines, arc_lengths
-from cityx.plugins.road.network import junction_clusters, road_network
+from cityx.plugins.road.network import junction_clusters, network, road_network
 
 WEST, EAST, NORTH, SOUTH = (-90, 0), (90, 0), (0, 90), (0, -90)
 MIDDLE = (0, 0)
@@ -117,3 +118,15 @@ def test_a_layout_without_roads_has_a_network_without_edges(layout_of):
     network = road_network(layout_of([]))
     assert network.edge_count == 0
     assert network.point_start.tolist() == [0]
+
+
+@pytest.mark.parametrize(
+    ("frame", "asked", "left"),
+    [(Frame(52.5, 13.4), "auto", False), (Frame(-33.9, 151.2), "auto", True),
+     (Frame(52.5, 13.4), "left", True), (Frame(-33.9, 151.2), "right", False)],
+)  # fmt: skip
+def test_traffic_keeps_to_the_side_of_the_country_or_the_one_asked_for(
+    layout_of, city_of, frame, asked, left
+):
+    city = replace(city_of(layout_of([([WEST, EAST], {})])), frame=frame)
+    assert network(city, drive_on=asked).network.left_hand.tolist() == [left]
