@@ -33,7 +33,6 @@ MAP_TO_CITY: tuple[WorkflowStep, ...] = (
     WorkflowStep("background/weather-v1", options={"preset": "weather"}),
     WorkflowStep("road/network-v1"),
     WorkflowStep("road/lanes-v1"),
-    WorkflowStep("road/lanes-v1"),
     WorkflowStep("road/ground-v1"),
     WorkflowStep("building/prism-v1", lods=(0,)),
     WorkflowStep("building/design-v1", lods=(1, 2, 3)),
