@@ -32,6 +32,7 @@ MAP_TO_CITY: tuple[WorkflowStep, ...] = (
     WorkflowStep("background/sun-v1", options={"time": "time"}),
     WorkflowStep("background/weather-v1", options={"preset": "weather"}),
     WorkflowStep("road/network-v1"),
+    WorkflowStep("road/heights-v1"),
     WorkflowStep("road/lanes-v1"),
     WorkflowStep("road/ground-v1"),
     WorkflowStep("building/prism-v1", lods=(0,)),

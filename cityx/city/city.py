@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from cityx.city.environment import Environment
 from cityx.city.frame import Frame
 from cityx.city.ground import Ground
+from cityx.city.heights import WayHeights
 from cityx.city.lanes import LaneGraph
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
@@ -49,7 +50,7 @@ class City:
         Level of detail asked for, 0 to 3.
     style
         Style word asked for, or "".
-    layout, terrain, network, lanes, ground, scene, environment
+    layout, terrain, network, heights, lanes, ground, scene, environment
         The parts; None until the action that makes them has run.
     attribution
         Texts that must be shown with the data, e.g. "© OpenStreetMap contributors, ODbL 1.0".
@@ -67,6 +68,7 @@ class City:
     style: str = ""
     terrain: Terrain = field(default_factory=flat_terrain)
     network: RoadNetwork | None = None
+    heights: WayHeights | None = None
     lanes: LaneGraph | None = None
     ground: Ground | None = None
     scene: Scene = field(default_factory=Scene)

@@ -65,6 +65,7 @@ SURFACES: tuple[Surface, ...] = (
     Surface("marking", 80, 0.0, "marking_white", "concrete"),
     Surface("tramway", 78, 0.0, "rail_steel", "concrete"),
     Surface("rail", 36, KERB_HEIGHT + 0.14, "rail_steel", "rail_steel"),  # head above the ballast
+    Surface("void", 85, 0.0, "concrete"),  # no ground: a ramp, a cutting or the mouth of a tunnel
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
 

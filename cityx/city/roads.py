@@ -36,6 +36,10 @@ class RoadNetwork:
         (e, 2) bool, whether a zebra crossing lies at the start and end of the edge.
     left_hand
         (e,) bool, whether traffic keeps to the left.
+    z
+        (p,) float64, height of the carriageway at the points, metres; 0 until `road/heights`.
+    lift
+        (p,) float64, the same above the ground; negative in cuttings and tunnels.
     """
 
     node_position: NDArray[np.float64]
@@ -49,6 +53,8 @@ class RoadNetwork:
     trim: NDArray[np.float64]
     crossing: NDArray[np.bool_]
     left_hand: NDArray[np.bool_]
+    z: NDArray[np.float64]
+    lift: NDArray[np.float64]
 
     @property
     def edge_count(self) -> int:

@@ -1,8 +1,8 @@
 """The store: a city on disk, written whole or not at all, read back without loss.
 
 Layout of the folder: ``city.json`` (everything small), ``layout/*.parquet`` (GeoParquet),
-``terrain.tif`` (GeoTIFF), ``network.npz``, ``lanes.npz``, ``ground.npz``, ``meshes/*.npz``,
-``instances/*.npz``,
+``terrain.tif`` (GeoTIFF), ``network.npz``, ``heights.npz``, ``lanes.npz``, ``ground.npz``,
+``meshes/*.npz``, ``instances/*.npz``,
 ``prototypes.npz`` and ``objects.json`` (what each building is, for views that load no tables).
 """
 
@@ -22,6 +22,7 @@ from cityx.city.city import City, Failure
 from cityx.city.environment import Environment
 from cityx.city.frame import Frame
 from cityx.city.ground import Ground
+from cityx.city.heights import WayHeights
 from cityx.city.lanes import LaneGraph
 from cityx.city.layout import SCHEMA, Layout, make_table
 from cityx.city.mesh import MeshBatch, concatenate
@@ -34,7 +35,7 @@ from cityx.geometry.identity import id_text
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
-FORMAT = 2  # rises when an older program could not read the folder
+FORMAT = 3  # rises when an older program could not read the folder
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ def write_city(city: City, folder: Path) -> None:
     for name in SCHEMA:
         _write_table(getattr(city.layout, name), temporary / "layout" / f"{name}.parquet", city)
     _write_terrain(city.terrain, temporary / "terrain.tif", city.frame)
-    for name in ("network", "lanes", "ground"):
+    for name in ("network", "heights", "lanes", "ground"):
         value = getattr(city, name)
         if value is not None:
             _write_arrays(temporary / f"{name}.npz", _arrays(value))
@@ -169,6 +170,7 @@ def read_city(folder: Path) -> City:
         style=record["style"],
         terrain=_read_terrain(folder / "terrain.tif", record["terrain"]),
         network=_read_value(folder / "network.npz", RoadNetwork),
+        heights=_read_value(folder / "heights.npz", WayHeights),
         lanes=_read_value(folder / "lanes.npz", LaneGraph),
         ground=_read_value(folder / "ground.npz", Ground),
         scene=_read_scene(folder, record),

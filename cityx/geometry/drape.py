@@ -83,26 +83,40 @@ def _levels(ground: Ground, terrain: FloatArray, flush: bool) -> _Levels:
     )
 
 
-def drape(ground: Ground, terrain: Terrain, seed: int = 0, *, flush: bool = False) -> MeshBatch:
+def drape(
+    ground: Ground,
+    terrain: Terrain,
+    seed: int = 0,
+    *,
+    flush: bool = False,
+    base: FloatArray | None = None,
+    layer: str = "ground",
+) -> MeshBatch:
     """Raise the faces onto the terrain: one object per surface, with its vertical edges.
 
     Parameters
     ----------
     ground
-        The arrangement. Faces under buildings are left out; their walls go into the soil.
+        The arrangement. Faces under buildings are left out; their walls go into the soil. So are
+        openings, which other surfaces fill.
     terrain
         Heights; each surface lies its offset above them. A body of water is level.
     seed
         Of the slight variation in brightness from piece to piece.
     flush
         Lay all land on one level, without kerbs and other small steps.
+    base
+        (n,) heights of the vertices in place of the terrain's, metres.
+    layer
+        What the surfaces belong to, for their ids.
 
     Returns
     -------
     mesh
-        Objects in the order of `SURFACES`, ids ``stable_id("ground", name)``.
+        Objects in the order of `SURFACES`, ids ``stable_id(layer, name)``.
     """
-    base = np.round(terrain.height_at(ground.vertices), 4)
+    if base is None:
+        base = np.round(terrain.height_at(ground.vertices), 4)
     levels = _levels(ground, base, flush)
     brightness = 1.0 + TINT_RANGE * (uniform(seed, "ground/tint", ground.face_object) - 0.5)
     brightness[ground.face_object == 0] = 1.0
@@ -110,7 +124,7 @@ def drape(ground: Ground, terrain: Terrain, seed: int = 0, *, flush: bool = Fals
     sides = _Sides(ground, levels, base, brightness)
     batches = []
     for label, surface in enumerate(SURFACES):
-        if label == LABEL["building"]:
+        if label in (LABEL["building"], LABEL["void"]):
             continue
         parts = [part for part in (tops(label), sides(label)) if part is not None]
         if not parts:
@@ -118,7 +132,7 @@ def drape(ground: Ground, terrain: Terrain, seed: int = 0, *, flush: bool = Fals
         vertices, faces, material, uv, tint = _joined(parts)
         batches.append(
             one_mesh(
-                stable_id("ground", surface.name), vertices, faces, material=material,
+                stable_id(layer, surface.name), vertices, faces, material=material,
                 materials=(surface.material, surface.edge_material), uv=uv, tint=tint,
             )
         )  # fmt: skip
@@ -178,7 +192,7 @@ class _Sides:
     def __init__(
         self, ground: Ground, levels: _Levels, base: FloatArray, brightness: FloatArray
     ) -> None:
-        house = LABEL["building"]
+        closed = (LABEL["building"], LABEL["void"])
         left, right = ground.edge_faces.T.astype(np.int64)
         inner = np.flatnonzero(right != BEYOND)
         left, right = left[inner], right[inner]
@@ -186,7 +200,8 @@ class _Sides:
         za = [levels.z(levels.of_face[side], a, base) for side in (left, right)]
         zb = [levels.z(levels.of_face[side], b, base) for side in (left, right)]
         rise = (za[0] + zb[0]) - (za[1] + zb[1])
-        open_air = (ground.face_label[left] != house) & (ground.face_label[right] != house)
+        open_air = ~np.isin(ground.face_label[left], closed)
+        open_air &= ~np.isin(ground.face_label[right], closed)
         step = np.flatnonzero((np.abs(rise) > 2 * STEP) & open_air)
         up = rise[step] > 0
         a, b = np.where(up, a[step], b[step]), np.where(up, b[step], a[step])

@@ -102,6 +102,35 @@ def locate(lines: Polylines, line: ArrayLike, along: ArrayLike) -> tuple[FloatAr
     return position, direction
 
 
+def values_along(
+    lines: Polylines, values: ArrayLike, line: ArrayLike, along: ArrayLike
+) -> FloatArray:
+    """Interpolate values given at points.
+
+    Parameters
+    ----------
+    lines
+        The lines.
+    values
+        (p,) float, at their points.
+    line, along
+        (k,) line and metres from its start of each place, clipped to its length.
+    """
+    line = np.asarray(line, dtype=np.int64)
+    if not len(line):
+        return np.zeros(0)
+    values = np.asarray(values, dtype=float)
+    s, length = arc_lengths(lines)
+    shift = np.concatenate([[0.0], np.cumsum(length + 1.0)])[:-1]
+    keys = s + np.repeat(shift, np.diff(lines.start))
+    at = np.clip(np.asarray(along, dtype=float), 0.0, length[line])
+    after = np.searchsorted(keys, at + shift[line], side="left")
+    after = np.clip(after, lines.start[line] + 1, lines.start[line + 1] - 1)
+    gap = s[after] - s[after - 1]
+    share = np.clip((at - s[after - 1]) / np.where(gap > 0, gap, 1.0), 0.0, 1.0)
+    return np.asarray(values[after - 1] * (1 - share) + values[after] * share)
+
+
 def pieces(lines: Polylines, line: ArrayLike, begin: ArrayLike, end: ArrayLike) -> Polylines:
     """Cut pieces out of lines.
 

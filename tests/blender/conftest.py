@@ -118,6 +118,8 @@ def streets(side):
         trim=np.zeros((count, 2)),
         crossing=np.zeros((count, 2), bool),
         left_hand=np.zeros(count, bool),
+        z=np.zeros(len(points)),
+        lift=np.zeros(len(points)),
     )
 
 

@@ -10,33 +10,42 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.city import City
-from cityx.city.ground import LABEL, Ground
+from cityx.city.ground import LABEL, SURFACES, Ground
+from cityx.city.heights import WayHeights
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.terrain import Terrain, flat_terrain
-from cityx.geometry.arrangement import GRID, Regions, arrange, join_regions, take_regions
+from cityx.geometry.arrangement import (
+    GRID,
+    Regions,
+    arrange,
+    join_regions,
+    regions,
+    take_regions,
+)
 from cityx.geometry.cells import relief_lines, tile_lines
 from cityx.geometry.drape import drape, surroundings
 from cityx.geometry.driving import keeps_left
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.plugins.road.blocks import pave_blocks, town_regions
-from cityx.plugins.road.bridges import LOW, deck_mesh, deck_rows, plan_decks
 from cityx.plugins.road.carriageway import COARSE as ROAD_COARSE
 from cityx.plugins.road.carriageway import (
     build_carriageway,
     carriageway_regions,
     plain_carriageways,
 )
+from cityx.plugins.road.heights import way_heights
 from cityx.plugins.road.landcover import (
     area_regions,
     building_regions,
-    deck_ground_regions,
     kerbside_regions,
     way_regions,
 )
 from cityx.plugins.road.markings import marking_regions
 from cityx.plugins.road.network import road_network
 from cityx.plugins.road.sections import bands_of
+from cityx.plugins.road.structures import Structures, build_structures, grounded_lines
+from cityx.plugins.road.tiers import cut_network
 from cityx.protocol import Port, action, has_network
 
 TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
@@ -49,73 +58,107 @@ COARSE = 2.0  # metres by which land cover is simplified at detail level 0
     "road/ground-v1",
     limits=[
         "Ways that cross without a shared node at one level melt into one surface.",
-        "Decks of branching bridges meet without a joint.",
         "Detail level 0 leaves out kerbs, and tracks through fields and woods.",
+        "Underground ways are built as far as one sees into their mouths, if there is room.",
     ],
     requires=("layout", has_network()),
     takes=(Port("network", "line", role="road_network"),),
     gives=(Port("ground", "surface", role="ground"),),
 )
 def ground(city: City) -> City:
-    """Lay roads, junctions, kerbs, sidewalks, markings, water and greens over the terrain."""
+    """Lay roads, junctions, kerbs, sidewalks, markings, water and greens over the terrain.
+
+    Ways that leave it get decks, ramps, cuttings and tunnels.
+    """
+    city = _with_heights(city)
     network = city.network
-    if network is None:
-        network = road_network(city.layout, left_hand=keeps_left(city.frame))
+    assert network is not None
+    assert city.heights is not None
     lines = cell_lines(city.layout, city.terrain, city.lod)
-    decks = deck_rows(city.layout)
-    plan = plan_decks(city.layout, city.terrain, decks)
-    build = plain_regions if city.lod == 0 else detailed_regions
-    found = build(city.layout, network, decks, plan)
+    built = build_structures(
+        city.layout, network, city.heights, city.terrain, seed=city.seed, detail=city.lod > 0
+    )
+    found = _regions(city.layout, network, city.heights, built, city.lod)
     arranged = arrange(found, city.layout.extent, lines=lines)
     if city.lod > 0:
         arranged = pave_blocks(arranged, city.layout)
     draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0)
     scene = city.scene.with_mesh("ground", draped)
     scene = scene.with_mesh("surroundings", surroundings(arranged, city.terrain))
-    bridges = deck_mesh(city.layout, plan)
-    if bridges.count:
-        scene = scene.with_mesh("bridges", bridges)
-    return replace(city, network=network, ground=arranged, scene=scene)
+    for layer, mesh in (("decks", built.surfaces), ("structures", built.bodies)):
+        if mesh.count:
+            scene = scene.with_mesh(layer, mesh)
+    return replace(city, ground=arranged, scene=scene)
 
 
-def plain_regions(
-    layout: Layout, network: RoadNetwork, decks: NDArray[np.bool_], plan: Any
+def _with_heights(city: City) -> City:
+    """Return the city with a network and its heights, made now where they are missing."""
+    network = city.network
+    if network is None:
+        network = road_network(city.layout, left_hand=keeps_left(city.frame))
+        city = replace(city, heights=None)
+    if city.heights is not None:
+        return replace(city, network=network)
+    network, heights, terrain = way_heights(city.layout, network, city.terrain)
+    return replace(city, network=network, heights=heights, terrain=terrain)
+
+
+def _regions(
+    layout: Layout, network: RoadNetwork, heights: WayHeights, built: Structures, lod: int
 ) -> Regions:
+    """Return what covers the site: the pieces of roads on the ground, and openings for the rest."""
+    spans = built.spans
+    level = cut_network(network, spans, np.flatnonzero(~spans.off))
+    label = LABEL["void"]
+    opened = regions(built.opening, label, SURFACES[label].priority)
+    if lod == 0:
+        return join_regions([plain_regions(layout, level), opened])
+    ways = grounded_lines(layout, heights)
+    return join_regions([detailed_regions(layout, level, ways), opened])
+
+
+def plain_regions(layout: Layout, network: RoadNetwork) -> Regions:
     """Return roads and land cover without detail, and the houses that reach into a road."""
     tracks = (layout.roads["kind"] == "track").to_numpy()
-    on_ground = ~(decks | tracks)[network.edge_road]
+    on_ground = ~tracks[network.edge_road]
     roads, houses = plain_carriageways(layout, network, on_ground), building_regions(layout)
-    areas, under_decks = area_regions(layout, COARSE), deck_ground_regions(plan, LOW)
+    areas = area_regions(layout, COARSE)
     lines = to_linestrings(Polylines(network.points, network.point_start))[on_ground]
     tree = shapely.STRtree(houses.polygons)
     reach = network.half_width[on_ground] + ROAD_COARSE + GRID
     near = [tree.query(lines, predicate="dwithin", distance=reach)[1]]
-    for paved in (areas, under_decks):
-        shapes = paved.polygons[np.isin(paved.label, ROADWAY)]
-        near.append(tree.query(shapes, predicate="dwithin", distance=GRID)[1])
+    shapes = areas.polygons[np.isin(areas.label, ROADWAY)]
+    near.append(tree.query(shapes, predicate="dwithin", distance=GRID)[1])
     return join_regions([
         roads,
         areas,
         town_regions(layout),
         take_regions(houses, np.unique(np.concatenate(near))),
-        under_decks,
     ])  # fmt: skip
 
 
-def detailed_regions(
-    layout: Layout, network: RoadNetwork, decks: NDArray[np.bool_], plan: Any
-) -> Regions:
-    """Return every surface of the site, markings included."""
-    on_ground = ~decks[network.edge_road]
+def detailed_regions(layout: Layout, network: RoadNetwork, ways: NDArray[Any]) -> Regions:
+    """Return every surface of the site, markings included.
+
+    Parameters
+    ----------
+    layout
+        The layout.
+    network
+        The pieces of its roads that lie on the ground.
+    ways
+        (n,) what of each way of the layout does.
+    """
+    on_ground = np.ones(network.edge_count, bool)
     road = build_carriageway(network, on_ground)
+    strips = np.concatenate([road.strips, road.stars])
     return join_regions([
         carriageway_regions(layout, network, on_ground, road),
         marking_regions(layout, network, bands_of(layout, network), on_ground, road),
         area_regions(layout),
-        kerbside_regions(layout, np.concatenate([road.strips, road.stars])),
+        kerbside_regions(layout, strips),
         building_regions(layout),
-        way_regions(layout, decks, np.concatenate([road.strips, road.stars])),
-        deck_ground_regions(plan, LOW),
+        way_regions(layout, ways, strips),
     ])  # fmt: skip
 
 
@@ -128,12 +171,9 @@ def cell_lines(layout: Layout, terrain: Terrain, lod: int) -> NDArray[Any]:
 
 def ground_of(layout: Layout, *, terrain: Terrain | None = None, lod: int = 2) -> Ground:
     """Arrange the ground of a layout without the rest of a city."""
-    network = road_network(layout)
-    decks = deck_rows(layout)
     terrain = terrain if terrain is not None else flat_terrain()
-    plan = plan_decks(layout, terrain, decks)
-    build = plain_regions if lod == 0 else detailed_regions
-    lines = cell_lines(layout, terrain, lod)
-    found = build(layout, network, decks, plan)
-    arranged = arrange(found, layout.extent, lines=lines)
+    network, heights, terrain = way_heights(layout, road_network(layout), terrain)
+    built = build_structures(layout, network, heights, terrain, detail=lod > 0)
+    found = _regions(layout, network, heights, built, lod)
+    arranged = arrange(found, layout.extent, lines=cell_lines(layout, terrain, lod))
     return pave_blocks(arranged, layout) if lod > 0 else arranged

@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.roads import RoadNetwork
-from cityx.geometry.polylines import Polylines, arc_lengths, every, locate
+from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, values_along
 
 FloatArray = NDArray[np.float64]
+
+GROUNDED = 0.05  # metres; a street that is farther off the ground lies on a bridge or in a cutting
 
 
 @dataclass(frozen=True)
@@ -98,14 +100,18 @@ def places_along(
         along = along + phase * spacing
         keep = along <= free[row] - margin
         row, along = row[keep], along[keep]
-    first = np.searchsorted(row, row)
+    number = np.arange(len(row)) - np.searchsorted(row, row)
     edge = chosen[row]
-    position, ahead = locate(lines, edge, along + network.trim[edge, 0])
+    at = along + network.trim[edge, 0]
+    # What stands beside a street stands on the ground.
+    level = np.abs(values_along(lines, network.lift, edge, at)) < GROUNDED
+    edge, at = edge[level], at[level]
+    position, ahead = locate(lines, edge, at)
     left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
     offset = side * (network.half_width[edge] + beyond)
     sides = np.full(len(edge), side, np.int64)
     return KerbPlaces(position + left * offset[:, None], ahead, edge, sides,
-                      np.arange(len(row)) - first)  # fmt: skip
+                      number[level])  # fmt: skip
 
 
 def join_places(*groups: KerbPlaces) -> KerbPlaces:

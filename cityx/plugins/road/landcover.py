@@ -14,7 +14,6 @@ from cityx.city.ground import LABEL, SURFACES
 from cityx.city.layout import Layout
 from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.polylines import line_strips, pack
-from cityx.plugins.road.bridges import Decks
 from cityx.plugins.road.carriageway import BUILDING_PRIORITY, MITRE
 
 Shapes = NDArray[Any]
@@ -41,7 +40,6 @@ PATHS = ("footway", "path", "cycleway", "steps", "bridleway", "corridor")
 TRACKS = ("rail", "light_rail", "subway", "narrow_gauge")
 TRAM_BED_PRIORITY = 69  # just below carriageways, which trams share
 TRAM_RAIL_PRIORITY = 73
-DECK_GROUND_PRIORITY = 29  # below water: a deck never fills the river it spans
 TRACK_BED = 4.5  # metres
 TRAM_BED = 2.9
 NEAR_STREET = 9.0  # metres from a kerb within which a footway belongs to the street
@@ -100,22 +98,23 @@ def building_regions(layout: Layout) -> Regions:
     )
 
 
-def way_regions(layout: Layout, decks: NDArray[np.bool_], strips: Shapes) -> Regions:
+def way_regions(layout: Layout, lines: Shapes, strips: Shapes) -> Regions:
     """Return paths, pedestrian streets, railway tracks and tram rails.
 
     Parameters
     ----------
     layout
         The layout.
-    decks
-        (n,) bool, roads that run on decks and leave the ground alone.
+    lines
+        (n,) what of each way lies on the ground; empty where none of it does.
     strips
         Polygons of carriageways and junctions, in which rails lie flush.
     """
     roads = layout.roads
     kind = roads["kind"].to_numpy().astype(str)
-    open_air = ~decks & ~roads["tunnel"].to_numpy() & (roads["layer"].to_numpy() >= 0)
-    lines, width = roads.geometry.to_numpy(), roads["width"].to_numpy()
+    open_air = ~roads["tunnel"].to_numpy() & (roads["layer"].to_numpy() >= 0)
+    open_air &= ~shapely.is_empty(lines)
+    width = roads["width"].to_numpy()
     found = []
     on_foot = np.isin(kind, PATHS)
     paved = on_foot & _beside_streets(layout)
@@ -178,21 +177,7 @@ def _beside_streets(layout: Layout) -> NDArray[np.bool_]:
 
 def rail_strips(lines: Shapes) -> Shapes:
     """Return the two rails of each track as one geometry, so that crossing tracks merge."""
-    packed = pack(lines)
-    strips = [line_strips(packed, np.full(len(lines), s * GAUGE / 2), RAIL_WIDTH) for s in (-1, 1)]
+    single = shapely.get_parts(lines)
+    packed = pack(single)
+    strips = [line_strips(packed, np.full(len(single), s * GAUGE / 2), RAIL_WIDTH) for s in (-1, 1)]
     return np.array([shapely.unary_union(shapely.make_valid(np.concatenate(strips)))])
-
-
-def deck_ground_regions(decks: Decks | None, low: float) -> Regions:
-    """Pave the ground under decks where they lie lower than `low` metres above it."""
-    if decks is None:
-        return Regions()
-    owner = decks.lines.line_of_point()
-    first = np.flatnonzero(owner[1:] == owner[:-1])
-    first = first[np.minimum(decks.climb[first], decks.climb[first + 1]) < low]
-    pairs = np.stack([decks.lines.points[first], decks.lines.points[first + 1]], axis=1)
-    half = decks.half_width[owner[first]] + 0.3
-    bands = shapely.unary_union(
-        shapely.buffer(shapely.linestrings(pairs), half, cap_style="square")
-    )
-    return regions(bands, LABEL["carriageway"], DECK_GROUND_PRIORITY)

@@ -33,10 +33,12 @@ MAJOR = (
     "trunk", "primary", "secondary", "tertiary",
     "trunk_link", "primary_link", "secondary_link", "tertiary_link",
 )  # fmt: skip
+PRIVATE = ("service", "track")  # in a tunnel these lead into garages and mines
 # A change in one of these columns is a change of the cross-section, so an edge ends there.
 SECTION = (
     "kind", "lanes", "lanes_forward", "width", "sidewalk_left", "sidewalk_right", "parking_left",
-    "parking_right", "section", "oneway", "layer", "bridge", "passage", "roundabout", "surface",
+    "parking_right", "section", "oneway", "layer", "bridge", "tunnel", "passage", "roundabout",
+    "surface",
 )  # fmt: skip
 
 PER_METRE = 1000.0  # nodes are shared coordinates to the millimetre
@@ -76,13 +78,13 @@ def road_network(layout: Layout, *, left_hand: bool = False) -> RoadNetwork:
     roads = layout.roads
     rows = np.flatnonzero(_carries_cars(layout))
     geometry = shapely.force_2d(roads.geometry.to_numpy()[rows])
-    geometry, rows = _clip(geometry, rows, layout.extent)
+    geometry, rows = clip_lines(geometry, rows, layout.extent)
     lines = pack(geometry)
     if not lines.count:
         return _graph_without_edges()
     section = _codes(roads.iloc[rows], SECTION)
-    level = _codes(roads.iloc[rows], ("layer", "bridge"))
-    node, position = _shared_nodes(lines, level)
+    level = _codes(roads.iloc[rows], ("layer", "bridge", "tunnel"))
+    node, position = shared_nodes(lines, level)
     owner = lines.line_of_point()
     first = np.flatnonzero(owner[1:] == owner[:-1])
     ends, way = np.column_stack([node[first], node[first + 1]]), owner[first]
@@ -102,11 +104,12 @@ def road_network(layout: Layout, *, left_hand: bool = False) -> RoadNetwork:
 def _carries_cars(layout: Layout) -> BoolArray:
     roads = layout.roads
     tunnel = roads["tunnel"].to_numpy() & ~roads["passage"].to_numpy()
-    return np.asarray(roads["kind"].isin(DRIVABLE).to_numpy() & ~tunnel)
+    private = roads["kind"].isin(PRIVATE).to_numpy()
+    return np.asarray(roads["kind"].isin(DRIVABLE).to_numpy() & ~(tunnel & private))
 
 
-def _clip(geometry: NDArray[Any], rows: IntArray, extent: tuple[float, ...]) -> Any:
-    """Cut lines at the site's rectangle; a line may fall into several."""
+def clip_lines(geometry: NDArray[Any], rows: IntArray, extent: tuple[float, ...]) -> Any:
+    """Cut lines at the site's rectangle, with the row of each; a line may fall into several."""
     box = shapely.bounds(geometry)
     inside = (box[:, 0] >= extent[0]) & (box[:, 1] >= extent[1])
     inside &= (box[:, 2] <= extent[2]) & (box[:, 3] <= extent[3])
@@ -130,7 +133,7 @@ def _codes(table: Any, columns: tuple[str, ...]) -> IntArray:
     return code
 
 
-def _shared_nodes(lines: Polylines, level: IntArray) -> tuple[IntArray, FloatArray]:
+def shared_nodes(lines: Polylines, level: IntArray) -> tuple[IntArray, FloatArray]:
     """Find the node of each point, (p,), and their positions, (n, 2), sorted by position."""
     whole = np.rint(lines.points * PER_METRE).astype(np.int64)
     low = whole.min(axis=0)
@@ -219,6 +222,8 @@ def _assemble(
         trim,
         crossing,
         np.full(len(road), left_hand),
+        np.zeros(len(lines.points)),
+        np.zeros(len(lines.points)),
     )
 
 
@@ -375,13 +380,13 @@ def _graph_without_edges() -> RoadNetwork:
     return RoadNetwork(
         np.zeros((0, 2)), none.astype(np.int32), np.zeros((0, 2), np.int32), none.astype(np.int32),
         none.astype(np.uint64), np.zeros(1, np.int64), np.zeros((0, 2)), none, np.zeros((0, 2)),
-        np.zeros((0, 2), bool), np.zeros(0, bool),
+        np.zeros((0, 2), bool), np.zeros(0, bool), none, none,
     )  # fmt: skip
 
 
 @action(
     "road/network-v1",
-    limits=["Turn restrictions are not read.", "Ways in tunnels are left out."],
+    limits=["Turn restrictions are not read.", "Service roads and tracks in tunnels are left out."],
     requires=("layout",),
     takes=(Port("roads", "line", role="road_centerline"),),
     gives=(Port("network", "line", role="road_network"),),

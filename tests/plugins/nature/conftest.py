@@ -28,6 +28,8 @@ def crossroads_network():
         trim=np.tile([TRIM, 0.0], (4, 1)),
         crossing=np.zeros((4, 2), bool),
         left_hand=np.zeros(4, bool),
+        z=np.zeros(len(points)),
+        lift=np.zeros(len(points)),
     )
 
 

@@ -42,6 +42,8 @@ def network(*lines):
         np.zeros((count, 2)),
         np.zeros((count, 2), bool),
         np.zeros(count, bool),
+        np.zeros(len(points)),
+        np.zeros(len(points)),
     )
 
 

@@ -1,0 +1,66 @@
+"""Heights of ways that leave the ground: bridges and their ramps, cuttings and tunnels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class WayHeights:
+    """Pieces of ways off the ground, w of them, with p stations together.
+
+    Attributes
+    ----------
+    road
+        (w,) int32, row of ``Layout.roads``.
+    edge
+        (w,) int32, edge of the road network; -1 for paths and tracks.
+    begin, end
+        (w,) float64, metres along the edge, or along the way where there is none, at which the
+        piece begins and ends.
+    level
+        (w,) int16, which ways pass over which: 0 is the ground's own.
+    point_start
+        (w + 1,) int64; piece i has the stations ``point_start[i]:point_start[i + 1]``.
+    points
+        (p, 2) float64, centrelines, metres.
+    z
+        (p,) float64, height of the way's surface, metres.
+    ground
+        (p,) float64, height of the ground there, metres.
+    half_width
+        (w,) float64, half the width that is travelled, metres.
+    """
+
+    road: NDArray[np.int32]
+    edge: NDArray[np.int32]
+    begin: NDArray[np.float64]
+    end: NDArray[np.float64]
+    level: NDArray[np.int16]
+    point_start: NDArray[np.int64]
+    points: NDArray[np.float64]
+    z: NDArray[np.float64]
+    ground: NDArray[np.float64]
+    half_width: NDArray[np.float64]
+
+    @property
+    def count(self) -> int:
+        """Number of pieces."""
+        return len(self.road)
+
+    @property
+    def lift(self) -> NDArray[np.float64]:
+        """(p,) height above the ground, metres; negative in cuttings and tunnels."""
+        return self.z - self.ground
+
+
+def no_heights() -> WayHeights:
+    """Return the heights of a site where every way lies on the ground."""
+    none = np.zeros(0)
+    return WayHeights(
+        none.astype(np.int32), none.astype(np.int32), none, none, none.astype(np.int16),
+        np.zeros(1, np.int64), np.zeros((0, 2)), none, none, none,
+    )  # fmt: skip

@@ -1,0 +1,102 @@
+"""Heights along a graph of ways that no way climbs faster than it may."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import dijkstra
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+LEAST_RISE = 1e-6  # metres; a sparse graph takes an edge of weight zero for none
+
+
+def rise_to(
+    pairs: ArrayLike, rise: ArrayLike, wanted: ArrayLike, floor: float = -np.inf
+) -> FloatArray:
+    """Return the lowest heights that reach what is wanted and keep every grade.
+
+    Parameters
+    ----------
+    pairs
+        (m, 2) int, stations that follow each other on a way.
+    rise
+        (m,) float, metres by which the heights of a pair may differ at most.
+    wanted
+        (n,) float, metres that a station must reach; minus infinity where nothing is wanted.
+    floor
+        Heights below it are not looked for, which saves time on a large graph.
+
+    Returns
+    -------
+    height
+        (n,) float, ``max over w of wanted[w] - climb(v, w)``, where the climb is the least sum of
+        rises from v to w; minus infinity where that is below the floor or nothing is connected.
+    """
+    wanted = np.asarray(wanted, dtype=float)
+    count = len(wanted)
+    asked = np.flatnonzero(np.isfinite(wanted))
+    if not len(asked):
+        return np.full(count, -np.inf)
+    a, b, weight = _shortest_of_each(pairs, rise)
+    top = float(wanted[asked].max())
+    # A station above all others, as far from each as that one is below it.
+    rows = np.concatenate([a, np.full(len(asked), count)])
+    columns = np.concatenate([b, asked])
+    weights = np.concatenate([np.maximum(weight, LEAST_RISE), top - wanted[asked] + 1.0])
+    graph = coo_matrix((weights, (rows, columns)), shape=(count + 1, count + 1)).tocsr()
+    limit = max(top - floor, 0.0) + 2.0
+    drop = dijkstra(graph, directed=False, indices=count, limit=limit)[:count] - 1.0
+    return np.asarray(np.maximum(top - drop, np.where(np.isfinite(wanted), wanted, -np.inf)))
+
+
+def fall_to(
+    pairs: ArrayLike, rise: ArrayLike, wanted: ArrayLike, ceiling: float = np.inf
+) -> FloatArray:
+    """Return the highest heights that go down to what is wanted and keep every grade.
+
+    As `rise_to`, upside down; plus infinity where nothing is wanted.
+    """
+    return -rise_to(pairs, rise, -np.asarray(wanted, dtype=float), -ceiling)
+
+
+def graded(pairs: ArrayLike, rise: ArrayLike, height: ArrayLike) -> FloatArray:
+    """Return heights near the given ones that keep every grade, cut and fill in balance.
+
+    They lie halfway between the lowest such heights that are nowhere below the given ones, and the
+    highest that are nowhere above. Stations whose height is NaN are carried along.
+    """
+    height = np.asarray(height, dtype=float)
+    known = np.isfinite(height)
+    over = rise_to(pairs, rise, np.where(known, height, -np.inf))
+    under = fall_to(pairs, rise, np.where(known, height, np.inf))
+    # Far from every known station only the grades count, and the two differ without end.
+    return np.asarray(np.where(np.isfinite(over), (over + under) / 2, 0.0))
+
+
+def evened(pairs: ArrayLike, height: ArrayLike, free: ArrayLike, rounds: int) -> FloatArray:
+    """Round crests and sags off: each free station moves halfway to the mean of its neighbours.
+
+    No grade grows beyond the steepest of the pairs around it.
+    """
+    a, b = np.asarray(pairs, dtype=np.int64).reshape(-1, 2).T
+    z = np.asarray(height, dtype=float).copy()
+    near = np.bincount(a, minlength=len(z)) + np.bincount(b, minlength=len(z))
+    moved = np.asarray(free, bool) & (near > 0)
+    for _ in range(rounds):
+        total = np.bincount(a, z[b], minlength=len(z)) + np.bincount(b, z[a], minlength=len(z))
+        z[moved] = (z[moved] + total[moved] / near[moved]) / 2
+    return z
+
+
+def _shortest_of_each(pairs: ArrayLike, rise: ArrayLike) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return each pair of stations once, with the least of its rises."""
+    ends = np.sort(np.asarray(pairs, dtype=np.int64).reshape(-1, 2), axis=1)
+    weight = np.asarray(rise, dtype=float)
+    order = np.lexsort((weight, ends[:, 1], ends[:, 0]))
+    ends, weight = ends[order], weight[order]
+    first = np.r_[True, (ends[1:] != ends[:-1]).any(axis=1)][: len(ends)]
+    first &= ends[:, 0] != ends[:, 1]
+    return ends[first, 0], ends[first, 1], weight[first]

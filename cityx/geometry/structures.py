@@ -1,0 +1,218 @@
+"""Solids of bridges, ramps, cuttings and tunnels over the faces of an arrangement."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.city.ground import Ground
+from cityx.geometry.arrangement import BEYOND
+from cityx.geometry.chains import components, join_segments
+from cityx.geometry.polylines import Polylines, arc_lengths, miters
+from cityx.geometry.solids import NO_VERTEX
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """Closed bodies in one array, b of them.
+
+    Attributes
+    ----------
+    vertices
+        (n, 3) float64, metres.
+    faces
+        (f, 4) int64, triangles with -1.
+    uv
+        (f, 4, 2) float64, metres.
+    vertex_body, face_body
+        (n,) and (f,) int64, body of each, not in order.
+    key
+        (b,) int64, what each body was made of: a face or a chain, as the maker says.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    uv: FloatArray
+    vertex_body: IntArray
+    face_body: IntArray
+    key: IntArray
+
+
+def slabs(ground: Ground, group: IntArray, low: FloatArray, high: FloatArray) -> Bodies:
+    """Fill the space between two heights over groups of faces.
+
+    Parameters
+    ----------
+    ground
+        The arrangement.
+    group
+        (f,) whole number of each face; -1 for none. Faces of one group that share an edge make one
+        body.
+    low, high
+        (g, n) heights of each group at each vertex, metres, or (n,) for all groups.
+
+    Returns
+    -------
+    bodies
+        ``key`` is the lowest face of each.
+    """
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inner = right != BEYOND
+    same = inner & (group[left] >= 0) & (group[left] == group[np.where(inner, right, left)])
+    body_of_face = components(np.column_stack([left, right])[same], len(group))
+    face = ground.triangle_face.astype(np.int64)
+    chosen = np.flatnonzero(group[face] >= 0)
+    corner = ground.triangles[chosen].astype(np.int64)
+    body = body_of_face[face[chosen]]
+    count = len(ground.vertices)
+    keys, index = np.unique(body[:, None] * count + corner, return_inverse=True)
+    vertex, owner = keys % count, keys // count
+    low, high = np.atleast_2d(low), np.atleast_2d(high)
+    row = np.where(len(low) > 1, group[owner], 0)
+    bottom, top = low[row, vertex], high[np.where(len(high) > 1, group[owner], 0), vertex]
+    xy = ground.vertices[vertex]
+    size = len(keys)
+    vertices = np.concatenate([np.column_stack([xy, bottom]), np.column_stack([xy, top])])
+    index = index.reshape(-1, 3)
+    none = np.full(len(index), NO_VERTEX)
+    lids = np.column_stack([index + size, none])
+    floors = np.column_stack([index[:, ::-1], none])
+    a, b, at = _rim(ground, group, body_of_face)
+    low_a, low_b = np.searchsorted(keys, at * count + a), np.searchsorted(keys, at * count + b)
+    walls = np.column_stack([low_a, low_b, low_b + size, low_a + size])
+    faces = np.concatenate([lids, floors, walls])
+    uv = np.zeros((len(faces), 4, 2))
+    flat = len(lids) + len(floors)
+    uv[:flat, :3] = vertices[faces[:flat, :3], :2]
+    run = np.hypot(*(ground.vertices[b] - ground.vertices[a]).T)
+    uv[flat:, 1:3, 0] = run[:, None]
+    uv[flat:, :, 1] = vertices[walls, 2]
+    bodies = np.unique(body)
+    return Bodies(
+        vertices, faces, uv,
+        np.searchsorted(bodies, np.concatenate([owner, owner])),
+        np.searchsorted(bodies, np.concatenate([body, body, at])), bodies,
+    )  # fmt: skip
+
+
+def _rim(ground: Ground, group: IntArray, body: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Directed edges round the bodies, the body on the left, and the body of each."""
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inner = right != BEYOND
+    own = group[left]
+    other = np.where(inner, group[np.where(inner, right, left)], -1)
+    a, b = ground.edges.T.astype(np.int64)
+    differs = own != other
+    head = np.flatnonzero(differs & (own >= 0))
+    tail = np.flatnonzero(differs & (other >= 0))
+    return (
+        np.concatenate([a[head], b[tail]]),
+        np.concatenate([b[head], a[tail]]),
+        np.concatenate([body[left[head]], body[right[tail]]]),
+    )
+
+
+def rim_edges(ground: Ground, group: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Edges where a group of faces ends: (k, 2) vertices, the face within, and that beyond.
+
+    The group lies on the left; the face beyond is -1 past the border.
+    """
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inner = right != BEYOND
+    own = group[left] >= 0
+    other = inner & (group[np.where(inner, right, left)] >= 0)
+    head, tail = np.flatnonzero(own & ~other), np.flatnonzero(other & ~own)
+    edges = ground.edges.astype(np.int64)
+    return (
+        np.concatenate([edges[head], edges[tail][:, ::-1]]),
+        np.concatenate([left[head], right[tail]]),
+        np.concatenate([right[head], left[tail]]),
+    )
+
+
+def chains_of(edges: IntArray, kind: IntArray) -> tuple[IntArray, IntArray]:
+    """Join directed edges of one kind to chains: vertices in order, and (c + 1,) their starts."""
+    if not len(edges):
+        return np.zeros(0, np.int64), np.zeros(1, np.int64)
+    head, rank = join_segments(edges, kind)
+    order = np.lexsort((rank, head))
+    edges, head = edges[order], head[order]
+    first = np.flatnonzero(np.r_[True, head[1:] != head[:-1]])
+    size = np.diff(np.r_[first, len(head)])
+    start = np.concatenate([[0], np.cumsum(size + 1)]).astype(np.int64)
+    vertex = np.empty(start[-1], np.int64)
+    chain = np.repeat(np.arange(len(first)), size)
+    vertex[np.arange(len(edges)) + chain] = edges[:, 0]
+    vertex[start[1:] - 1] = edges[np.r_[first[1:], len(head)] - 1, 1]
+    return vertex, start
+
+
+def beams(lines: Polylines, low: FloatArray, high: FloatArray, inner: float,
+          outer: float) -> Bodies:  # fmt: skip
+    """Sweep an upright rectangle along lines: walls, parapets, rails.
+
+    Parameters
+    ----------
+    lines
+        The lines, with what they bound on the left.
+    low, high
+        (p,) heights at their points, metres.
+    inner, outer
+        Metres to the right of the lines at which the near and the far face stand.
+
+    Returns
+    -------
+    bodies
+        One per line; ``key`` is its number.
+    """
+    if not lines.count:
+        none = np.zeros(0, np.int64)
+        return Bodies(np.zeros((0, 3)), np.zeros((0, 4), np.int64), np.zeros((0, 4, 2)), none,
+                      none, none)  # fmt: skip
+    owner = lines.line_of_point()
+    right = -_ring_miters(lines)
+    near, far = lines.points + right * inner, lines.points + right * outer
+    ring = [(near, low), (far, low), (far, high), (near, high)]
+    vertices = np.stack([np.column_stack([xy, z]) for xy, z in ring], axis=1).reshape(-1, 3)
+    first = np.flatnonzero(owner[1:] == owner[:-1])
+    k, after = np.arange(4), np.roll(np.arange(4), -1)
+    a = first[:, None] * 4
+    sides = np.stack([a + k, a + 4 + k, a + 4 + after, a + after], axis=2).reshape(-1, 4)
+    head, tail = lines.start[:-1] * 4, (lines.start[1:] - 1) * 4
+    caps = np.concatenate([head[:, None] + k, tail[:, None] + k[::-1]])
+    along = arc_lengths(lines)[0]
+    girth = np.array([0.0, outer - inner])
+    u = np.stack([along[first], along[first + 1], along[first + 1], along[first]], axis=1)
+    u = np.repeat(u[:, None], 4, axis=1).reshape(-1, 4)
+    v = vertices[sides, 2]
+    flat = np.tile(np.array([True, False, True, False]), len(first))
+    v[flat] = girth[[0, 0, 1, 1]]
+    uv = np.stack([u, v], axis=2)
+    cap_uv = np.zeros((len(caps), 4, 2))
+    cap_uv[:, :, 1] = vertices[caps, 2]
+    return Bodies(
+        vertices, np.concatenate([sides, caps]), np.concatenate([uv, cap_uv]),
+        np.repeat(owner, 4),
+        np.concatenate([np.repeat(owner[first], 4), np.tile(np.arange(lines.count), 2)]),
+        np.arange(lines.count),
+    )  # fmt: skip
+
+
+def _ring_miters(lines: Polylines) -> FloatArray:
+    """Return left-hand vectors at the points; closed lines are mitred where they close too."""
+    found = miters(lines)
+    first, last = lines.start[:-1], lines.start[1:] - 1
+    ring = np.flatnonzero((lines.points[first] == lines.points[last]).all(axis=1)
+                          & (last - first >= 3))  # fmt: skip
+    if len(ring):
+        a, b = first[ring], last[ring]
+        around = np.stack([lines.points[b - 1], lines.points[a], lines.points[a + 1]], axis=1)
+        closing = Polylines(around.reshape(-1, 2), 3 * np.arange(len(ring) + 1))
+        found[a] = found[b] = miters(closing)[1::3]
+    return found

@@ -1,0 +1,639 @@
+"""Bridges with their ramps, cuttings and tunnels: surfaces like the ground's, on solid bodies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.ops import substring
+
+from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES, Ground
+from cityx.city.heights import WayHeights
+from cityx.city.layout import Layout
+from cityx.city.mesh import MeshBatch, concatenate, empty_batch, one_mesh
+from cityx.city.roads import RoadNetwork
+from cityx.city.terrain import Terrain
+from cityx.geometry.arrangement import Regions, arrange, join_regions, regions
+from cityx.geometry.clearance import in_triangles
+from cityx.geometry.drape import drape
+from cityx.geometry.identity import stable_id
+from cityx.geometry.polylines import (
+    Polylines,
+    arc_lengths,
+    every,
+    locate,
+    miters,
+    pack,
+    to_linestrings,
+    values_along,
+)
+from cityx.geometry.structures import Bodies, beams, chains_of, rim_edges, slabs
+from cityx.plugins.road.carriageway import (
+    MITRE,
+    STONE,
+    build_carriageway,
+    carriageway_regions,
+    road_labels,
+)
+from cityx.plugins.road.heights import DECK, FOOT_DECK, ON_FOOT, RAILS, WATER, way_levels
+from cityx.plugins.road.landcover import TRACK_BED, rail_strips
+from cityx.plugins.road.markings import marking_regions
+from cityx.plugins.road.sections import bands_of
+from cityx.plugins.road.tiers import Spans, cut_network, spans_of
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+Shapes = NDArray[Any]
+
+LOW = 2.2  # metres; a deck lower above the ground stands on fill
+FOOTING = 0.5  # metres that fill and piers reach into the ground
+ROOM = 5.2  # metres from a tunnel's carriageway to its ceiling
+CEILING = 0.4  # metres of its slab
+MOUTH = 60.0  # metres into a tunnel that anybody sees
+TOP_GAP = 0.04  # metres from a surface down to the slab, so that they never flicker
+SOFFIT = 0.06  # metres that a parapet's outside covers below the slab
+PARAPET, PARAPET_WIDTH = 0.95, 0.25  # metres above the surface; metres
+CUTTING_PARAPET, CUTTING_WALL = 1.0, 0.35  # metres above the ground; metres
+PARAPET_FROM = 0.6  # metres of drop that want a parapet
+WALL_FROM = 0.12  # metres of depth that want a retaining wall
+PIER_EVERY = 26.0  # metres
+PIER_FROM = 3.2  # metres of height
+PIER_SHIFTS = (0.0, 3.0, -3.0, 6.0, -6.0, 9.0, -9.0)  # metres along, clear of what passes below
+PIER_THICK = 1.0  # metres along the deck
+PIER_WIDE = 0.45  # of the deck's width
+WALKED = (*ON_FOOT, "steps")
+SAME_PLACE = 0.06  # metres
+PASSES_OVER = 1.0  # metres of difference in height from which ways side by side have no one surface
+BLEND = 3.0  # metres beyond the edge of a way in which its height still counts
+MATERIALS = ("concrete", "stone")
+
+
+@dataclass(frozen=True)
+class Structures:
+    """All that lies off the ground.
+
+    Attributes
+    ----------
+    spans
+        The pieces of the network's edges.
+    surfaces
+        Meshes of the carriageways, walks and markings, an object per surface.
+    bodies
+        Closed solids: slabs, fill, parapets, retaining walls, piers, ceilings.
+    opening
+        Polygons where there is no ground.
+    shade
+        Polygons of decks that the ground passes under.
+    """
+
+    spans: Spans
+    surfaces: MeshBatch
+    bodies: MeshBatch
+    opening: Shapes
+    shade: Shapes
+
+
+@dataclass(frozen=True)
+class _Tier:
+    """Ways off the ground that do not pass over each other: a network, paths and tracks, all lines.
+
+    ``network`` and ``others`` come one after the other in what is given for each of the w lines.
+    """
+
+    network: RoadNetwork
+    others: WayHeights
+    lines: Polylines
+    z: FloatArray  # (p,)
+    road: IntArray  # (w,) row of the layout
+    level: IntArray  # (w,)
+    reach: FloatArray  # (w,) half the width with kerbs and walks
+
+
+def build_structures(
+    layout: Layout,
+    network: RoadNetwork,
+    heights: WayHeights,
+    terrain: Terrain,
+    *,
+    seed: int = 0,
+    detail: bool = True,
+) -> Structures:
+    """Build everything that leaves the ground.
+
+    Parameters
+    ----------
+    layout, network, heights, terrain
+        The city's, with heights solved.
+    seed
+        Of the slight variation in brightness of surfaces.
+    detail
+        Whether to lay kerbs, walks and markings.
+    """
+    spans = spans_of(network, heights)
+    streets = _strips(network)
+    off = cut_network(network, spans, np.flatnonzero(spans.off))
+    others = _pieces(heights, np.flatnonzero(heights.edge < 0))
+    off, others = _with_room(layout, off, others, streets)
+    whole = _tier_of(layout, off, others)
+    surfaces, bodies, opening, shade = [], [], [], []
+    for number, rows in enumerate(_groups(whole)):
+        cars = rows[rows < off.edge_count]
+        part = _tier_of(
+            layout, _edges(off, cars), _pieces(others, rows[len(cars) :] - off.edge_count)
+        )
+        made = _build_tier(layout, part, terrain, seed, number, detail)
+        surfaces.append(made[0])
+        bodies.append(made[1])
+        opening.append(made[2])
+        shade.append(made[3])
+    return Structures(
+        spans,
+        concatenate(surfaces) if surfaces else empty_batch(),
+        concatenate(bodies) if bodies else empty_batch(),
+        np.concatenate(opening) if opening else np.zeros(0, object),
+        np.concatenate(shade) if shade else np.zeros(0, object),
+    )
+
+
+def _edges(network: RoadNetwork, rows: IntArray) -> RoadNetwork:
+    """Return some edges as a network of their own."""
+    length = arc_lengths(Polylines(network.points, network.point_start))[1]
+    off = np.ones(len(rows), bool)
+    return cut_network(network, Spans(rows, np.zeros(len(rows)), length[rows], off),
+                       np.arange(len(rows)))  # fmt: skip
+
+
+def _strips(network: RoadNetwork) -> Shapes:
+    """Carriageways of the edges that lie on the ground, roughly."""
+    lines = Polylines(network.points, network.point_start)
+    level = np.abs(network.lift) < WALL_FROM
+    whole = np.ones(network.edge_count, bool)
+    np.logical_and.at(whole, lines.line_of_point(), level)
+    shapes = to_linestrings(lines)[whole]
+    return np.asarray(shapely.buffer(shapes, network.half_width[whole], cap_style="flat"))
+
+
+def _tier_of(layout: Layout, sub: RoadNetwork, other: WayHeights) -> _Tier:
+    start = np.concatenate([sub.point_start, sub.point_start[-1] + other.point_start[1:]])
+    table = layout.roads.iloc[sub.edge_road]
+    walk = np.maximum(table["sidewalk_left"].to_numpy(), table["sidewalk_right"].to_numpy())
+    kind = layout.roads["kind"].to_numpy().astype(str)[other.road]
+    half = np.where(np.isin(kind, RAILS), TRACK_BED / 2, np.maximum(other.half_width, 0.75))
+    return _Tier(
+        sub, replace(other, half_width=half),
+        Polylines(np.concatenate([sub.points, other.points]), start),
+        np.concatenate([sub.z, other.z]),
+        np.concatenate([sub.edge_road, other.road]).astype(np.int64),
+        np.concatenate([way_levels(layout)[sub.edge_road], other.level.astype(np.int64)]),
+        np.concatenate([sub.half_width + KERB_WIDTH + walk, half]),
+    )  # fmt: skip
+
+
+def _groups(whole: _Tier) -> list[IntArray]:
+    """Divide ways into as few groups as can be of which none has one way pass over another.
+
+    Ways that meet stay together, so that they have one surface, unless that puts two into a group
+    of which one passes over the other.
+    """
+    count = whole.lines.count
+    if not count:
+        return []
+    joined, apart, near = _relations(whole)
+    above: list[set[int]] = [set() for _ in range(count)]
+    for a, b in apart.tolist():
+        above[a].add(b)
+        above[b].add(a)
+    owner = np.arange(count)
+    members = [{way} for way in range(count)]
+    for a, b in joined.tolist():
+        one, other = sorted((int(owner[a]), int(owner[b])))
+        if one == other or above[one] & members[other]:
+            continue
+        owner[list(members[other])] = one
+        members[one] |= members[other]
+        above[one] |= above[other]
+    beside: dict[int, set[int]] = {}
+    for a, b in np.unique(owner[near], axis=0).tolist():
+        if a != b:
+            beside.setdefault(a, set()).add(b)
+            beside.setdefault(b, set()).add(a)
+    color: dict[int, int] = {}
+    for group in np.unique(owner).tolist():
+        taken = {color[other] for other in beside.get(group, ()) if other in color}
+        color[group] = next(k for k in range(count) if k not in taken)
+    shade = np.array([color[group] for group in owner.tolist()])
+    return [np.flatnonzero(shade == k) for k in range(int(shade.max()) + 1)]
+
+
+def _relations(whole: _Tier) -> tuple[IntArray, IntArray, IntArray]:
+    """Pairs of ways that meet, that pass over each other, and that lie side by side."""
+    lines, count = whole.lines, whole.lines.count
+    cars = whole.network.edge_count
+    ends = np.rint(
+        np.concatenate([lines.points[lines.start[:-1]], lines.points[lines.start[1:] - 1]]) * 1000
+    )
+    place = np.unique(ends, axis=0, return_inverse=True)[1].ravel()
+    # Nodes of the network tell ways apart that cross at one place on two levels.
+    nodes = whole.network.edge_nodes.T.astype(np.int64)
+    shift = int(place.max()) + 1
+    for side in (0, 1):
+        place[side * count : side * count + cars] = shift + nodes[side]
+    order = np.argsort(place, kind="stable")
+    same = np.flatnonzero(place[order][1:] == place[order][:-1])
+    joined = np.unique(np.sort(np.column_stack([order[same], order[same + 1]]) % count), axis=0)
+    joined = joined[joined[:, 0] != joined[:, 1]]
+    shapes = to_linestrings(lines)
+    strips = shapely.buffer(shapes, whole.reach + 2 * PARAPET_WIDTH, cap_style="flat")
+    near = np.unique(np.sort(shapely.STRtree(strips).query(strips, "intersects").T), axis=0)
+    near = near[near[:, 0] != near[:, 1]]
+    a, b = near.T
+    link = shapely.get_coordinates(shapely.shortest_line(shapes[a], shapes[b])).reshape(-1, 2, 2)
+    heights = [
+        values_along(lines, whole.z, way,
+                     shapely.line_locate_point(shapes[way], shapely.points(link[:, k])))
+        for k, way in enumerate((a, b))
+    ]  # fmt: skip
+    keys = joined[:, 0] * count + joined[:, 1]
+    meets = np.isin(a * count + b, keys)
+    over = np.where(
+        meets, shapely.crosses(shapes[a], shapes[b]), np.abs(heights[0] - heights[1]) > PASSES_OVER
+    )
+    return joined, near[over], near[~meets]
+
+
+def _pieces(heights: WayHeights, rows: IntArray) -> WayHeights:
+    """Return the given pieces."""
+    size = np.diff(heights.point_start)[rows]
+    start = np.concatenate([[0], np.cumsum(size)]).astype(np.int64)
+    owner = np.repeat(np.arange(len(rows)), size)
+    point = np.arange(len(owner)) - start[owner] + heights.point_start[rows][owner]
+    return WayHeights(
+        heights.road[rows], heights.edge[rows], heights.begin[rows], heights.end[rows],
+        heights.level[rows], start, heights.points[point], heights.z[point],
+        heights.ground[point], heights.half_width[rows],
+    )  # fmt: skip
+
+
+def _touching(lines: Polylines, marked: BoolArray, shapes: Shapes) -> BoolArray:
+    """(w,) lines of which a marked point lies within one of the shapes."""
+    found = np.zeros(lines.count, bool)
+    spots = np.flatnonzero(marked)
+    if len(shapes) and len(spots):
+        hit = shapely.STRtree(shapes).query(
+            shapely.points(lines.points[spots]), predicate="intersects"
+        )[0]
+        found[lines.line_of_point()[spots[hit]]] = True
+    return found
+
+
+def _with_room(
+    layout: Layout, sub: RoadNetwork, other: WayHeights, streets: Shapes
+) -> tuple[RoadNetwork, WayHeights]:
+    """Keep what there is room for and, of what lies below, what is seen from a mouth.
+
+    Paths and tracks that are low above a carriageway, and cuttings that would open up a
+    carriageway or a house, are left out.
+    """
+    houses = layout.buildings.geometry.to_numpy()
+    cars, ways = (Polylines(part.points, part.point_start) for part in (sub, other))
+    below = [way_levels(layout)[sub.edge_road] < 0, other.level < 0]
+    keep, mouths = [], []
+    for lines, lift in ((cars, sub.lift), (ways, other.lift)):
+        opened = (lift > -(ROOM + CEILING)) & (lift < -WALL_FROM)
+        mouths.append(lines.points[opened])
+        free = ~_touching(lines, opened, houses)
+        # Streets join cuttings of streets; what is walked or rides on rails keeps off them.
+        keep.append(
+            free if lines is cars else free & ~_touching(lines, np.abs(lift) < LOW, streets)
+        )
+    keep[0] |= ~below[0]
+    tree = shapely.STRtree(shapely.points(np.concatenate(mouths)))
+    for number, lines in enumerate((cars, ways)):
+        seen = np.zeros(lines.count, bool)
+        if lines.count and len(tree.geometries):
+            seen[tree.query(to_linestrings(lines), "dwithin", distance=MOUTH)[0]] = True
+        keep[number] &= seen | ~below[number]
+    return _edges(sub, np.flatnonzero(keep[0])), _pieces(other, np.flatnonzero(keep[1]))
+
+
+def _build_tier(
+    layout: Layout, part: _Tier, terrain: Terrain, seed: int, number: int, detail: bool
+) -> tuple[MeshBatch, MeshBatch, Shapes, Shapes]:
+    found = _regions(layout, part, detail)
+    bounds = shapely.total_bounds(found.polygons)
+    extent = (bounds[0] - 1.0, bounds[1] - 1.0, bounds[2] + 1.0, bounds[3] + 1.0)
+    bars = _bars(part, terrain)
+    deck = arrange(found, extent, lines=bars, background=LABEL["void"])
+    z = _surface_heights(part, deck.vertices)
+    soil = terrain.height_at(deck.vertices)
+    surfaces = drape(deck, terrain, seed, base=np.round(z, 4), layer=f"structures {number}")
+    solid = deck.face_label != LABEL["void"]
+    lift = _of_faces(deck, z - soil)
+    middle = _of_faces(deck, deck.vertices)
+    wet = _in_water(layout, middle)
+    way = shapely.STRtree(to_linestrings(part.lines)).nearest(shapely.points(middle))
+    spanning = solid & (part.level[way] > 0) & ((lift > LOW) | (wet & (lift > 0)))
+    covered = solid & (lift < -(ROOM + CEILING)) & (part.level[way] < 0)
+    filled = solid & ~spanning
+    walked = np.isin(layout.roads["kind"].to_numpy().astype(str)[part.road[way]], WALKED)
+    group = np.select([spanning & walked, spanning, filled], [2, 1, 0], -1)
+    low = np.stack([np.minimum(z, soil) - FOOTING, z - DECK, z - FOOT_DECK])
+    made = [slabs(deck, group, low, z - TOP_GAP)]
+    thick = np.where(walked, FOOT_DECK, DECK)
+    made += _rims(part, deck, np.where(solid, 0, -1), z, soil, covered, thick)
+    if covered.any():
+        made.append(slabs(deck, np.where(covered, 0, -1), z + ROOM, z + ROOM + CEILING))
+        made.append(_headwalls(deck, covered, solid, z, soil))
+    made.append(_piers(part, deck, spanning, terrain, layout))
+    batches = [_batch(bodies, f"structures {number} {k}") for k, bodies in enumerate(made)]
+    opened = filled & ~covered & ~wet
+    return surfaces, concatenate(batches), _outline(deck, opened), _outline(deck, spanning)
+
+
+def _regions(layout: Layout, part: _Tier, detail: bool) -> Regions:
+    """Return the surfaces of a tier, made as those of the ground are."""
+    sub = part.network
+    everything = np.ones(sub.edge_count, bool)
+    found = [_other_regions(layout, part)]
+    if sub.edge_count:
+        road = build_carriageway(sub, everything)
+        if detail:
+            found.append(carriageway_regions(layout, sub, everything, road))
+            found.append(marking_regions(layout, sub, bands_of(layout, sub), everything, road))
+            found.append(_shoulders(sub, everything))
+        else:
+            label = road_labels(layout.roads["surface"].to_numpy()[sub.edge_road])
+            own = label[road.edge]
+            ids = layout.roads["id"].to_numpy()[sub.edge_road]
+            rank = SURFACES[LABEL["carriageway"]].priority
+            found.append(regions(road.strips, own, rank, ids[road.edge]))
+            found.append(regions(road.stars, LABEL["junction"], rank))
+    return join_regions(found)
+
+
+def _shoulders(sub: RoadNetwork, chosen: BoolArray) -> Regions:
+    """Lay a band of kerb stones along carriageways without walks, for the parapets to stand on."""
+    lines = to_linestrings(Polylines(sub.points, sub.point_start))[chosen]
+    reach = sub.half_width[chosen] + 2 * KERB_WIDTH
+    bands = shapely.buffer(lines, reach, cap_style="flat", join_style="mitre", mitre_limit=MITRE)
+    return regions(shapely.unary_union(bands), LABEL["kerb"], 1)
+
+
+def _other_regions(layout: Layout, part: _Tier) -> Regions:
+    """Return paths and tracks."""
+    other = part.others
+    if not other.count:
+        return Regions()
+    kind = layout.roads["kind"].to_numpy().astype(str)[other.road]
+    ids = layout.roads["id"].to_numpy()[other.road]
+    surface = layout.roads["surface"].to_numpy().astype(str)[other.road]
+    lines = to_linestrings(Polylines(other.points, other.point_start))
+    bands = shapely.buffer(lines, other.half_width, cap_style="flat", join_style="mitre",
+                           mitre_limit=MITRE)  # fmt: skip
+    rails = np.isin(kind, RAILS)
+    stone = np.isin(surface, STONE) | (kind == "steps") | (kind == "pedestrian")
+    label = np.select([rails, stone], [LABEL["railway"], LABEL["sidewalk"]], LABEL["path"])
+    found = [regions(bands, label, SURFACES[LABEL["path"]].priority, ids)]
+    if rails.any():
+        found.append(regions(rail_strips(lines[rails]), LABEL["rail"], 60))
+    return join_regions(found)
+
+
+def _bars(part: _Tier, terrain: Terrain) -> Shapes:
+    """Lines across at every station, at which faces are cut to follow the profile."""
+    lines = part.lines
+    owner = lines.line_of_point()
+    across = miters(lines) * (part.reach[owner] + 1.0)[:, None]
+    ends = np.stack([lines.points - across, lines.points + across], axis=1)
+    at = [ends]
+    lift = part.z - terrain.height_at(lines.points)
+    first = np.flatnonzero(owner[1:] == owner[:-1])
+    for limit in (LOW, -(ROOM + CEILING)):
+        cut = first[(lift[first] - limit) * (lift[first + 1] - limit) < 0]
+        share = ((limit - lift[cut]) / (lift[cut + 1] - lift[cut]))[:, None]
+        spot = lines.points[cut] * (1 - share) + lines.points[cut + 1] * share
+        way = across[cut] * (1 - share) + across[cut + 1] * share
+        at.append(np.stack([spot - way, spot + way], axis=1))
+    return np.asarray(shapely.linestrings(np.concatenate(at)))
+
+
+def _surface_heights(part: _Tier, points: FloatArray) -> FloatArray:
+    """Heights at (n, 2) places: of the nearest way, blended where several are near."""
+    shapes = to_linestrings(part.lines)
+    spots = shapely.points(points)
+    tree = shapely.STRtree(spots)
+    line, spot = tree.query(shapes, predicate="dwithin", distance=part.reach + BLEND)
+    alone = np.setdiff1d(np.arange(len(points)), spot)
+    if len(alone):
+        extra, nearest = shapely.STRtree(shapes).query_nearest(spots[alone], all_matches=False)
+        line, spot = np.concatenate([line, nearest]), np.concatenate([spot, alone[extra]])
+    along = shapely.line_locate_point(shapes[line], spots[spot])
+    far = shapely.distance(shapes[line], spots[spot])
+    height = values_along(part.lines, part.z, line, along)
+    pull = 1.0 / (0.1 + far) ** 4
+    total = np.bincount(spot, pull, minlength=len(points))
+    return np.asarray(np.bincount(spot, pull * height, minlength=len(points)) / total)
+
+
+def _of_faces(deck: Ground, values: FloatArray) -> FloatArray:
+    """(f, ...) values at one point in each face: the middle of one of its triangles."""
+    face = deck.triangle_face
+    first = np.searchsorted(face, np.arange(len(deck.face_label)))
+    return np.asarray(values[deck.triangles[first]].mean(axis=1))
+
+
+def _in_water(layout: Layout, points: FloatArray) -> BoolArray:
+    found = np.zeros(len(points), bool)
+    wet = layout.areas["kind"].isin(WATER).to_numpy()
+    if wet.any():
+        tree = shapely.STRtree(layout.areas.geometry.to_numpy()[wet])
+        found[tree.query(shapely.points(points), predicate="intersects")[0]] = True
+    return found
+
+
+def _outline(deck: Ground, chosen: BoolArray) -> Shapes:
+    """Return the union of faces as polygons with the arrangement's own corners."""
+    rows = np.flatnonzero(chosen[deck.triangle_face])
+    if not len(rows):
+        return np.zeros(0, object)
+    triangles = shapely.polygons(deck.vertices[deck.triangles[rows]])
+    return np.asarray(shapely.get_parts(shapely.coverage_union_all(triangles)))
+
+
+def _seams(part: _Tier) -> Any:
+    """Return the lines across the ends of ways, where no parapet stands."""
+    lines = part.lines
+    owner = lines.line_of_point()
+    ends = np.concatenate([lines.start[:-1], lines.start[1:] - 1])
+    across = miters(lines)[ends] * (part.reach[owner[ends]] + 0.6)[:, None]
+    bars = np.stack([lines.points[ends] - across, lines.points[ends] + across], axis=1)
+    return shapely.STRtree(shapely.linestrings(bars))
+
+
+def _rims(
+    part: _Tier, deck: Ground, group: IntArray, z: FloatArray, soil: FloatArray,
+    covered: BoolArray, thick: FloatArray,
+) -> list[Bodies]:  # fmt: skip
+    """Raise parapets along decks and walls along cuttings."""
+    edges, inside, _ = rim_edges(deck, group)
+    if not len(edges):
+        return []
+    ends = deck.vertices[edges]
+    seam = _seams(part)
+    at_seam = np.ones(len(edges), bool)
+    for side in (0, 1):
+        near = np.zeros(len(edges), bool)
+        near[seam.query(shapely.points(ends[:, side]), "dwithin", distance=SAME_PLACE)[0]] = True
+        at_seam &= near
+    lift = (z - soil)[edges].mean(axis=1)
+    kind = np.select(
+        [at_seam, covered[inside], lift > PARAPET_FROM, lift < -WALL_FROM], [-1, 2, 0, 1], -1
+    )
+    made = []
+    shapes = (
+        (z - SOFFIT, z + PARAPET, PARAPET_WIDTH),
+        (z - FOOTING, soil + CUTTING_PARAPET, CUTTING_WALL),
+        (z - FOOTING, z + ROOM + CEILING, CUTTING_WALL),
+    )
+    for number, (low, high, width) in enumerate(shapes):
+        for depth in np.unique(thick[inside[kind == number]]) if number == 0 else (0.0,):
+            chosen = edges[(kind == number) & ((thick[inside] == depth) | (number > 0))]
+            vertex, start = chains_of(chosen, np.zeros(len(chosen), np.int64))
+            lines = Polylines(deck.vertices[vertex], start)
+            made.append(beams(lines, low[vertex] - depth, high[vertex], 0.0, width))
+    return made
+
+
+def _headwalls(
+    deck: Ground, covered: BoolArray, solid: BoolArray, z: FloatArray, soil: FloatArray
+) -> Bodies:
+    """Close the space over the mouth of a tunnel up to a parapet above the ground."""
+    edges, _, beyond = rim_edges(deck, np.where(covered, 0, -1))
+    edges = edges[(beyond >= 0) & solid[np.maximum(beyond, 0)]]
+    vertex, start = chains_of(edges, np.zeros(len(edges), np.int64))
+    lines = Polylines(deck.vertices[vertex], start)
+    return beams(lines, z[vertex] + ROOM, soil[vertex] + CUTTING_PARAPET, 0.0, CUTTING_WALL)
+
+
+def _piers(
+    part: _Tier, deck: Ground, spanning: BoolArray, terrain: Terrain, layout: Layout
+) -> Bodies:
+    """Stand piers under decks, clear of the ways below."""
+    lines = part.lines
+    length = arc_lengths(lines)[1]
+    line, along = every(length, PIER_EVERY, np.minimum(PIER_EVERY / 2, length / 3))
+    below = layout.roads
+    kind = below["kind"].to_numpy().astype(str)
+    level = way_levels(layout)
+    under = np.flatnonzero((level < part.level.max(initial=0)) & (level >= 0))
+    walked = np.isin(kind[under], WALKED)
+    half = np.maximum(below["width"].to_numpy(float)[under], 2.0) / 2 + 0.8
+    half = np.where(np.isin(kind[under], RAILS), 3.2, np.where(walked, 1.6, half))
+    ways = shapely.buffer(below.geometry.to_numpy()[under], half, quad_segs=2)
+    tree = shapely.STRtree(ways)
+    spot = np.full((len(line), 2), np.nan)
+    ahead = np.zeros((len(line), 2))
+    wide = np.minimum(PIER_WIDE * 2 * part.reach, 2 * part.reach - 1.0)[line]
+    rows = deck.triangles[spanning[deck.triangle_face]]
+    for shift in PIER_SHIFTS:
+        todo = np.flatnonzero(np.isnan(spot[:, 0]))
+        if not len(todo):
+            break
+        at, way = locate(lines, line[todo], along[todo] + shift)
+        drop = values_along(lines, part.z, line[todo], along[todo] + shift) - terrain.height_at(at)
+        side = np.column_stack([-way[:, 1], way[:, 0]]) * wide[todo, None] / 2
+        legs = shapely.linestrings(np.stack([at - side, at + side], axis=1))
+        free = np.ones(len(todo), bool)
+        free[tree.query(legs, predicate="intersects")[0]] = False
+        free &= (drop > PIER_FROM) & in_triangles(at, deck.vertices, rows)
+        spot[todo[free]], ahead[todo[free]] = at[free], way[free]
+    found = np.flatnonzero(np.isfinite(spot[:, 0]))
+    at, way = spot[found], ahead[found] * PIER_THICK / 2
+    legs = np.stack([at - way, at + way], axis=1)
+    # A beam as wide as the pier along a line as long as it is thick.
+    z = values_along(lines, part.z, *_feet(lines, line[found], at))
+    soil = terrain.height_at(at)
+    made = []
+    for row, (ends, width) in enumerate(zip(legs, wide[found], strict=True)):
+        piece = Polylines(ends, np.array([0, 2]))
+        low, high = np.full(2, soil[row] - FOOTING), np.full(2, z[row] - DECK + SOFFIT)
+        made.append(beams(piece, low, high, -width / 2, width / 2))
+    return _together(made)
+
+
+def _feet(lines: Polylines, line: IntArray, points: FloatArray) -> tuple[IntArray, FloatArray]:
+    shapes = to_linestrings(lines)[line]
+    return line, np.asarray(shapely.line_locate_point(shapes, shapely.points(points)))
+
+
+def _together(made: list[Bodies]) -> Bodies:
+    if not made:
+        return beams(Polylines(np.zeros((0, 2)), np.zeros(1, np.int64)), np.zeros(0), np.zeros(0),
+                     0.0, 0.0)  # fmt: skip
+    shift = np.cumsum([0] + [len(b.vertices) for b in made])[:-1]
+    body = np.arange(len(made))
+    return Bodies(
+        np.concatenate([b.vertices for b in made]),
+        np.concatenate([np.where(b.faces < 0, -1, b.faces + s)
+                        for b, s in zip(made, shift, strict=True)]),
+        np.concatenate([b.uv for b in made]),
+        np.concatenate([np.full(len(b.vertices), k) for k, b in zip(body, made, strict=True)]),
+        np.concatenate([np.full(len(b.faces), k) for k, b in zip(body, made, strict=True)]),
+        body,
+    )  # fmt: skip
+
+
+def _batch(bodies: Bodies, name: str) -> MeshBatch:
+    """Make an object of each body, named by where it stands."""
+    made = []
+    for body in range(len(bodies.key)):
+        inside = np.flatnonzero(bodies.vertex_body == body)
+        chosen = np.flatnonzero(bodies.face_body == body)
+        faces = bodies.faces[chosen]
+        local = np.searchsorted(inside, faces)
+        corner = np.rint(bodies.vertices[inside].min(axis=0) * 100).astype(int)
+        made.append(
+            one_mesh(
+                stable_id(name, *corner.tolist()),
+                bodies.vertices[inside],
+                np.where(faces < 0, -1, local),
+                materials=MATERIALS[:1],
+                uv=bodies.uv[chosen],
+            )
+        )
+    return concatenate(made) if made else empty_batch()
+
+
+def road_pieces(heights: WayHeights, layout: Layout) -> dict[int, list[tuple[float, float]]]:
+    """Return, for each path or track that leaves the ground, the intervals in which it does."""
+    found: dict[int, list[tuple[float, float]]] = {}
+    for row in np.flatnonzero(heights.edge < 0).tolist():
+        line = shapely.linestrings(
+            heights.points[heights.point_start[row] : heights.point_start[row + 1]]
+        )
+        way = layout.roads.geometry.iloc[int(heights.road[row])]
+        ends = shapely.line_locate_point(way, shapely.points(shapely.get_coordinates(line)))
+        found.setdefault(int(heights.road[row]), []).append((float(ends.min()), float(ends.max())))
+    return found
+
+
+def grounded_lines(layout: Layout, heights: WayHeights) -> Shapes:
+    """Return the lines of all ways without the pieces of paths and tracks off the ground."""
+    lines = layout.roads.geometry.to_numpy().copy()
+    for row, parts in road_pieces(heights, layout).items():
+        packed = pack([lines[row]])
+        length = float(arc_lengths(packed)[1][0])
+        at, rest = 0.0, []
+        for begin, end in sorted(parts):
+            if begin - at > SAME_PLACE:
+                rest.append((at, begin))
+            at = max(at, end)
+        if length - at > SAME_PLACE:
+            rest.append((at, length))
+        pieces = [substring(lines[row], begin, end) for begin, end in rest]
+        lines[row] = shapely.union_all(pieces)
+    return np.asarray(lines)
