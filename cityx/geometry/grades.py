@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_matrix
@@ -13,17 +15,44 @@ IntArray = NDArray[np.int64]
 LEAST_RISE = 1e-6  # metres; a sparse graph takes an edge of weight zero for none
 
 
-def rise_to(
-    pairs: ArrayLike, rise: ArrayLike, wanted: ArrayLike, floor: float = -np.inf
-) -> FloatArray:
+@dataclass(frozen=True)
+class Slopes:
+    """How much the heights of neighbouring stations may differ, each pair once.
+
+    Attributes
+    ----------
+    pairs
+        (m, 2) int64, stations that follow each other on a way.
+    rise
+        (m,) float64, metres by which their heights may differ at most.
+    """
+
+    pairs: IntArray
+    rise: FloatArray
+
+    def take(self, rows: NDArray[np.bool_]) -> Slopes:
+        """Return some of the pairs."""
+        return Slopes(self.pairs[rows], self.rise[rows])
+
+
+def slopes_of(pairs: ArrayLike, rise: ArrayLike) -> Slopes:
+    """Keep of pairs that are given more than once the least rise, and none of a station alone."""
+    ends = np.sort(np.asarray(pairs, dtype=np.int64).reshape(-1, 2), axis=1)
+    weight = np.asarray(rise, dtype=float)
+    order = np.lexsort((weight, ends[:, 1], ends[:, 0]))
+    ends, weight = ends[order], weight[order]
+    first = np.r_[True, (ends[1:] != ends[:-1]).any(axis=1)][: len(ends)]
+    first &= ends[:, 0] != ends[:, 1]
+    return Slopes(ends[first], np.maximum(weight[first], LEAST_RISE))
+
+
+def rise_to(slopes: Slopes, wanted: ArrayLike, floor: float = -np.inf) -> FloatArray:
     """Return the lowest heights that reach what is wanted and keep every grade.
 
     Parameters
     ----------
-    pairs
-        (m, 2) int, stations that follow each other on a way.
-    rise
-        (m,) float, metres by which the heights of a pair may differ at most.
+    slopes
+        The stations and how steep it may be between them.
     wanted
         (n,) float, metres that a station must reach; minus infinity where nothing is wanted.
     floor
@@ -40,29 +69,27 @@ def rise_to(
     asked = np.flatnonzero(np.isfinite(wanted))
     if not len(asked):
         return np.full(count, -np.inf)
-    a, b, weight = _shortest_of_each(pairs, rise)
+    a, b = slopes.pairs.T
     top = float(wanted[asked].max())
     # A station above all others, as far from each as that one is below it.
     rows = np.concatenate([a, np.full(len(asked), count)])
     columns = np.concatenate([b, asked])
-    weights = np.concatenate([np.maximum(weight, LEAST_RISE), top - wanted[asked] + 1.0])
+    weights = np.concatenate([slopes.rise, top - wanted[asked] + 1.0])
     graph = coo_matrix((weights, (rows, columns)), shape=(count + 1, count + 1)).tocsr()
     limit = max(top - floor, 0.0) + 2.0
     drop = dijkstra(graph, directed=False, indices=count, limit=limit)[:count] - 1.0
     return np.asarray(np.maximum(top - drop, np.where(np.isfinite(wanted), wanted, -np.inf)))
 
 
-def fall_to(
-    pairs: ArrayLike, rise: ArrayLike, wanted: ArrayLike, ceiling: float = np.inf
-) -> FloatArray:
+def fall_to(slopes: Slopes, wanted: ArrayLike, ceiling: float = np.inf) -> FloatArray:
     """Return the highest heights that go down to what is wanted and keep every grade.
 
     As `rise_to`, upside down; plus infinity where nothing is wanted.
     """
-    return -rise_to(pairs, rise, -np.asarray(wanted, dtype=float), -ceiling)
+    return -rise_to(slopes, -np.asarray(wanted, dtype=float), -ceiling)
 
 
-def graded(pairs: ArrayLike, rise: ArrayLike, height: ArrayLike) -> FloatArray:
+def graded(slopes: Slopes, height: ArrayLike) -> FloatArray:
     """Return heights near the given ones that keep every grade, cut and fill in balance.
 
     They lie halfway between the lowest such heights that are nowhere below the given ones, and the
@@ -70,18 +97,18 @@ def graded(pairs: ArrayLike, rise: ArrayLike, height: ArrayLike) -> FloatArray:
     """
     height = np.asarray(height, dtype=float)
     known = np.isfinite(height)
-    over = rise_to(pairs, rise, np.where(known, height, -np.inf))
-    under = fall_to(pairs, rise, np.where(known, height, np.inf))
+    over = rise_to(slopes, np.where(known, height, -np.inf))
+    under = fall_to(slopes, np.where(known, height, np.inf))
     # Far from every known station only the grades count, and the two differ without end.
     return np.asarray(np.where(np.isfinite(over), (over + under) / 2, 0.0))
 
 
-def evened(pairs: ArrayLike, height: ArrayLike, free: ArrayLike, rounds: int) -> FloatArray:
+def evened(slopes: Slopes, height: ArrayLike, free: ArrayLike, rounds: int) -> FloatArray:
     """Round crests and sags off: each free station moves halfway to the mean of its neighbours.
 
     No grade grows beyond the steepest of the pairs around it.
     """
-    a, b = np.asarray(pairs, dtype=np.int64).reshape(-1, 2).T
+    a, b = slopes.pairs.T
     z = np.asarray(height, dtype=float).copy()
     near = np.bincount(a, minlength=len(z)) + np.bincount(b, minlength=len(z))
     moved = np.asarray(free, bool) & (near > 0)
@@ -89,14 +116,3 @@ def evened(pairs: ArrayLike, height: ArrayLike, free: ArrayLike, rounds: int) ->
         total = np.bincount(a, z[b], minlength=len(z)) + np.bincount(b, z[a], minlength=len(z))
         z[moved] = (z[moved] + total[moved] / near[moved]) / 2
     return z
-
-
-def _shortest_of_each(pairs: ArrayLike, rise: ArrayLike) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return each pair of stations once, with the least of its rises."""
-    ends = np.sort(np.asarray(pairs, dtype=np.int64).reshape(-1, 2), axis=1)
-    weight = np.asarray(rise, dtype=float)
-    order = np.lexsort((weight, ends[:, 1], ends[:, 0]))
-    ends, weight = ends[order], weight[order]
-    first = np.r_[True, (ends[1:] != ends[:-1]).any(axis=1)][: len(ends)]
-    first &= ends[:, 0] != ends[:, 1]
-    return ends[first, 0], ends[first, 1], weight[first]

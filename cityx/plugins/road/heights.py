@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from cityx.city.city import City
 from cityx.city.heights import WayHeights, no_heights
 from cityx.geometry.chains import components, interpolate
-from cityx.geometry.grades import evened, fall_to, graded, rise_to
+from cityx.geometry.grades import Slopes, evened, fall_to, graded, rise_to, slopes_of
 from cityx.geometry.grading import grade_terrain
-from cityx.geometry.polylines import Polylines, arc_lengths, pack, to_linestrings
+from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, to_linestrings
 from cityx.plugins.road.network import DRIVABLE, clip_lines, shared_nodes
 from cityx.protocol import Port, action, has_network
 
@@ -45,13 +45,17 @@ OVER_WATER = 0.6  # metres above the bank that a deck over water rises
 COVER = 0.5  # metres of structure and soil over the clear height of a tunnel
 BESIDE = 4.0  # metres past the edge of what is crossed over which a deck keeps its height
 PARTING = 80.0  # metres from where two ways part within which one does not pass over the other
+PARTS_BELOW = np.radians(35.0)  # angle between streets that stay one surface for a while
+ABREAST = 15.0  # metres over which that angle is taken
+CROSSFALL = 0.05  # of the surface between such streets
 REACH = 400.0  # metres; a flat site needs no heights farther from every bridge and tunnel
 ROUNDS = 4  # of evening the profile out
+KEPT = 0.6  # of the reach over and under other ways in which evening takes nothing
 GROUNDED = 0.03  # metres; nearer to the ground a way lies on it
-PASSES = 8  # attempts at all clearances
+PASSES = 16  # attempts at all clearances
 SHORT = 0.05  # metres of clearance that nobody misses
 STEEPER = 80.0  # metres round a crossing without room within which ways may be steeper
-MORE = 1.4  # times the grade, at each attempt
+MORE = 1.15  # times the grade, at each attempt
 STAIRS = 0.6  # grade of what is walked where a path has no room for its grade
 EXACT = 1e-4  # metres to which heights are kept
 
@@ -117,17 +121,24 @@ def way_heights(
     pairs = ways.node[np.column_stack([first, first + 1])]
     run = ways.along[first + 1] - ways.along[first]
     rise = run * ways.grade[owner[first]]
+    of_pair = owner[first]
+    across, across_run = _across(ways)
+    if len(across):
+        pairs = np.concatenate([pairs, ways.node[across]])
+        run = np.concatenate([run, across_run])
+        rise = np.concatenate([rise, CROSSFALL * across_run])
+        of_pair = np.concatenate([of_pair, owner[across[:, 0]]])
     above, below = (ways.level > 0)[owner], (ways.level < 0)[owner]
     on_ground = np.zeros(ways.count, bool)
     on_ground[ways.node[~(above | below)]] = True
     soil = terrain.height_at(place)
     base = soil
     if not terrain.is_flat:
-        base = graded(pairs, rise, np.where(on_ground, soil, np.nan))
+        base = graded(slopes_of(pairs, rise), np.where(on_ground, soil, np.nan))
         terrain = grade_terrain(terrain, *_profiles(ways, base, on_ground), layout.extent)
         soil = terrain.height_at(place)
         base = np.where(on_ground, soil, _spanned(pairs, rise, on_ground, base))
-    z = _cleared(layout, ways, pairs, owner[first], run, rise, base, soil, on_ground)
+    z = _cleared(layout, ways, pairs, of_pair, run, rise, base, soil, on_ground)
     lift = np.where(on_ground & (np.abs(z - base) < EXACT), 0.0, z - soil)
     z = np.round(soil + lift, 4)
     heights = _pieces(ways, z, soil, lift)
@@ -188,6 +199,42 @@ def _profiles(
     return ways.lines.points[own], base[ways.node[own]], ways.half[ways.owner[own]]
 
 
+def _across(ways: _Ways) -> tuple[IntArray, FloatArray]:
+    """Pair stations of streets that part from each other while they are one surface.
+
+    Returns
+    -------
+    pairs, run
+        (k, 2) stations, and (k,) metres between them.
+    """
+    lines = ways.lines
+    cars = np.flatnonzero(ways.edge >= 0)
+    way, side = np.tile(cars, 2), np.repeat([0, 1], len(cars))
+    foot = np.where(side == 0, lines.start[way], lines.start[way + 1] - 1)
+    ahead = np.where(side == 0, 1.0, -1.0) * np.minimum(ABREAST, _lengths(ways)[way])
+    at = ways.along[foot]
+    reach = locate(lines, way, at + ahead)[0] - lines.points[foot]
+    bearing = np.arctan2(reach[:, 1], reach[:, 0])
+    order = np.lexsort((bearing, ways.node[foot]))
+    way, foot, bearing = way[order], foot[order], bearing[order]
+    node = ways.node[foot]
+    # Only neighbours round a node can be one surface; the last is the first one's neighbour too.
+    begin, count = np.searchsorted(node, node), np.bincount(node, minlength=ways.count)[node]
+    following = begin + (np.arange(len(node)) - begin + 1) % np.maximum(count, 1)
+    turn = np.mod(bearing[following] - bearing, 2 * np.pi)
+    flat = np.flatnonzero((turn < PARTS_BELOW) & (way[following] != way))
+    one, other = way[flat], way[following[flat]]
+    station, row = _around(ways, foot[flat], np.full(len(flat), PARTING))
+    one, other = one[row], other[row]
+    shapes = to_linestrings(lines)
+    spots = shapely.points(lines.points[station])
+    far = shapely.distance(shapes[other], spots)
+    near = (far < ways.half[one] + ways.half[other] + 0.5) & (far > 0.0)
+    station, other, far = station[near], other[near], far[near]
+    facing = _nearest(ways, shapes, other, lines.points[station])
+    return np.column_stack([station, facing]), np.maximum(far, 0.5)
+
+
 def _spanned(
     pairs: IntArray, rise: FloatArray, on_ground: BoolArray, base: FloatArray
 ) -> FloatArray:
@@ -233,8 +280,8 @@ def _crossings(ways: _Ways) -> _Crossings:
     return _Crossings(
         upper, lower, over, under,
         ways.clear[lower] + ways.deck[upper],
-        np.where(spread, ways.half[lower] + BESIDE, 0.0),
-        np.where(spread, ways.half[upper] + BESIDE, 0.0),
+        np.where(spread, ways.half[lower] + BESIDE, 2 * STATION),
+        np.where(spread, ways.half[upper] + BESIDE, 2 * STATION),
     )  # fmt: skip
 
 
@@ -253,7 +300,7 @@ def _beside(ways: _Ways, shapes: Any) -> tuple[IntArray, IntArray, IntArray, Int
     upper, lower, over, under
         (k,) ways, and the station of each.
     """
-    off = np.flatnonzero((ways.level != 0) & ~ways.light)
+    off = np.flatnonzero((ways.level > 0) | ((ways.level < 0) & ~ways.light))
     owner = ways.owner
     street = np.flatnonzero((ways.edge >= 0)[owner])
     spots = shapely.points(ways.lines.points[street])
@@ -321,24 +368,28 @@ def _cleared(
     centre = (_places(ways)[pairs[:, 0]] + _places(ways)[pairs[:, 1]]) / 2
     tree = shapely.STRtree(shapely.points(centre))
     free = rise.copy()
-    walked = ways.light[of_pair]
-    for attempt in range(PASSES):
-        z = _swept(ways, crossing, pairs, free, base, soil, on_ground, wet)
+    walked, class_of_pair = ways.light[of_pair], ways.clear[of_pair]
+    best, fewest = base, len(crossing.upper) + 1
+    for _ in range(PASSES):
+        z = _swept(ways, crossing, slopes_of(pairs, free), base, soil, on_ground, wet)
         gap = z[ways.node[crossing.upper_node]] - z[ways.node[crossing.lower_node]]
         short = np.flatnonzero(gap < crossing.need - SHORT)
-        if not len(short) or attempt == PASSES - 1:
+        if len(short) < fewest:
+            best, fewest = z, len(short)
+        if not len(short):
             break
-        near = tree.query(shapely.points(middle[short]), "dwithin", distance=STEEPER)[1]
-        near = np.unique(near)
+        moves = np.where(ways.level[crossing.upper] > 0, crossing.upper, crossing.lower)[short]
+        row, near = tree.query(shapely.points(middle[short]), "dwithin", distance=STEEPER)
+        # Only what moves for the crossing, and what it runs into, may be steeper for it.
+        near = np.unique(near[class_of_pair[near] == ways.clear[moves[row]]])
         free[near] = np.where(walked[near], STAIRS * run[near], MORE * free[near])
-    return z
+    return best
 
 
 def _swept(
     ways: _Ways,
     crossing: _Crossings,
-    pairs: IntArray,
-    rise: FloatArray,
+    slopes: Slopes,
     base: FloatArray,
     soil: FloatArray,
     on_ground: BoolArray,
@@ -352,7 +403,7 @@ def _swept(
     z = base.copy()
     tunnels = ways.node[ways.tunnel[ways.owner]]
     if len(tunnels):
-        z = _sunk(ways, pairs, rise, z, soil, on_ground, tunnels)
+        z = _sunk(ways, slopes, z, soil, on_ground, tunnels)
     upper, lower = ways.level[crossing.upper], ways.level[crossing.lower]
     must_up, must_down = np.full(ways.count, -np.inf), np.full(ways.count, np.inf)
     street = np.zeros(ways.count, bool)
@@ -365,8 +416,8 @@ def _swept(
             held[node] = z[node]
             wanted = _asked_below(ways, crossing, pick, z, 1.0)
             wanted[wanted >= z - EXACT] = np.inf
-            np.minimum(must_down, _asked_below(ways, crossing, pick, z, 0.0), out=must_down)
-            z = -_moved(pairs, rise, -z, -wanted, -held)
+            np.minimum(must_down, _asked_below(ways, crossing, pick, z, KEPT), out=must_down)
+            z = -_moved(slopes, -z, -wanted, -held)
     for level in np.unique(ways.level[ways.level > 0]):
         for light in (False, True):
             pick = (upper == level) & (ways.light[crossing.upper] == light)
@@ -378,33 +429,31 @@ def _swept(
             over = ways.node[wet[(ways.level[way] == level) & (ways.light[way] == light)]]
             np.maximum.at(wanted, over, soil[over] + OVER_WATER)
             wanted[wanted <= z + EXACT] = -np.inf
-            np.maximum(must_up, _asked(ways, crossing, pick, z, 0.0), out=must_up)
-            z = _moved(pairs, rise, z, wanted, held)
+            np.maximum(must_up, _asked(ways, crossing, pick, z, KEPT), out=must_up)
+            z = _moved(slopes, z, wanted, held)
     moved = np.abs(z - base) > GROUNDED
-    even = evened(pairs, z, moved, ROUNDS)
+    even = evened(slopes, z, moved, ROUNDS)
     # Evening takes a little off crests and sags; what a crossing asks for stays.
     even = np.maximum(even, np.minimum(must_up, z))
     even = np.minimum(even, np.maximum(must_down, z))
     return np.asarray(np.where(moved, even, base))
 
 
-def _moved(
-    pairs: IntArray, rise: FloatArray, z: FloatArray, wanted: FloatArray, held: FloatArray
-) -> FloatArray:
+def _moved(slopes: Slopes, z: FloatArray, wanted: FloatArray, held: FloatArray) -> FloatArray:
     """Raise heights to what is wanted as far as the held ones, and the grades, let them."""
-    high = rise_to(pairs, rise, wanted, float(z.min()))
+    high = rise_to(slopes, wanted, float(z.min()))
     above = high > z
     if not above.any():
         return z
     # A held station that nothing reaches holds nothing back.
-    inside = above[pairs].all(axis=1)
+    inside = slopes.take(above[slopes.pairs].all(axis=1))
     held = np.where(above, held, np.inf)
-    top = fall_to(pairs[inside], rise[inside], held, float(high[above].max()))
+    top = fall_to(inside, held, float(high[above].max()))
     return np.maximum(z, np.minimum(high, top))
 
 
 def _sunk(
-    ways: _Ways, pairs: IntArray, rise: FloatArray, z: FloatArray, soil: FloatArray,
+    ways: _Ways, slopes: Slopes, z: FloatArray, soil: FloatArray,
     on_ground: BoolArray, tunnels: IntArray,
 ) -> FloatArray:  # fmt: skip
     """Let tunnels fall away from their mouths until the ground closes over them."""
@@ -413,8 +462,8 @@ def _sunk(
     mouth = inside & on_ground
     depth = np.full(ways.count, -np.inf)
     np.maximum.at(depth, ways.node, (ways.clear + COVER)[ways.owner])
-    own = inside[pairs].all(axis=1)
-    fall = -rise_to(pairs[own], rise[own], np.where(mouth, 0.0, -np.inf))
+    own = slopes.take(inside[slopes.pairs].all(axis=1))
+    fall = -rise_to(own, np.where(mouth, 0.0, -np.inf))
     room = np.where(np.isfinite(fall), fall, np.inf)
     return np.asarray(np.where(inside & ~mouth, np.minimum(z, soil - np.minimum(depth, room)), z))
 
