@@ -164,7 +164,7 @@ def _ways(layout: Layout, network: RoadNetwork, *, everywhere: bool) -> _Ways | 
         chosen = np.unique(near)
         shapes, road, edge, level = shapes[chosen], road[chosen], edge[chosen], level[chosen]
     lines = pack(shapely.segmentize(shapes, STATION))
-    node = shared_nodes(lines, level)[0]
+    node = shared_nodes(lines, level - level.min())[0]
     kind = kind[road]
     feet, rails = np.isin(kind, (*ON_FOOT, "steps")), np.isin(kind, RAILS)
     # Platforms join streets and the railway below them in one graph; no train climbs the stairs.
