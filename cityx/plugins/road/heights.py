@@ -149,7 +149,9 @@ def _ways(layout: Layout, network: RoadNetwork, *, everywhere: bool) -> _Ways | 
     """Collect the centrelines that need heights, with a station every few metres."""
     roads = layout.roads
     kind = roads["kind"].to_numpy().astype(str)
-    others = np.flatnonzero(~np.isin(kind, DRIVABLE) & (shapely.length(roads.geometry) > 0))
+    others = np.flatnonzero(
+        ~np.isin(kind, DRIVABLE) & (shapely.length(roads.geometry.to_numpy()) > 0)
+    )
     shapes, rows = clip_lines(shapely.force_2d(roads.geometry.to_numpy()[others]), others,
                               layout.extent)  # fmt: skip
     cars = to_linestrings(Polylines(network.points, network.point_start))

@@ -111,7 +111,7 @@ def test_the_ground_follows_the_relief(layout_of, city_of):
     city = ground(network(city_of(layout_of(CROSS, areas=land), terrain=terrain)))
     assert check_arrangement(city.ground) == (0, 0, 0.0)
     mesh = city.scene.meshes["ground"]
-    above = mesh.vertices[:, 2] - terrain.height_at(mesh.vertices[:, :2])
+    above = mesh.vertices[:, 2] - city.terrain.height_at(mesh.vertices[:, :2])
     assert above.max() == pytest.approx(KERB_HEIGHT, abs=1e-3)
     assert set(city.scene.meshes) == {"ground", "surroundings"}
 

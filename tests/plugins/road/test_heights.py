@@ -1,0 +1,160 @@
+import numpy as np
+import pytest
+import shapely
+
+from cityx.checks.heights import check_heights
+from cityx.city.ground import LABEL
+from cityx.city.terrain import Terrain, flat_terrain
+from cityx.geometry.polylines import Polylines, values_along
+from cityx.geometry.solids import check_closed, volume
+from cityx.plugins.road.ground import ground
+from cityx.plugins.road.heights import DECK, OVER_CARS, heights, way_heights
+from cityx.plugins.road.network import network, road_network
+
+BRIDGE = {"bridge": True, "layer": 1}
+TUNNEL = {"tunnel": True, "layer": -1}
+UNDER = ([(0, -400), (0, 400)], {})
+LONG = (-400, -400, 400, 400)
+
+
+def crossed(layout_of, middle=BRIDGE, half=60, **options):
+    over = [(-half, 0), (half, 0)]
+    ends = [([(-390, 0), (-half, 0)], {}), ([(half, 0), (390, 0)], {})]
+    return layout_of([(over, middle | options), *ends, UNDER], extent=LONG)
+
+
+def solved(layout, terrain=None):
+    terrain = terrain or flat_terrain()
+    return way_heights(layout, road_network(layout), terrain)
+
+
+def lift_at(net, x, y):
+    lines = Polylines(net.points, net.point_start)
+    shapes = np.array([shapely.LineString(net.edge_points(i)) for i in range(net.edge_count)])
+    spot = shapely.Point(x, y)
+    near = np.flatnonzero(shapely.distance(shapes, spot) < 0.01)
+    along = shapely.line_locate_point(shapes[near], spot)
+    return values_along(lines, net.lift, near, along)
+
+
+def built(city_of, layout, **options):
+    return ground(heights(network(city_of(layout, **options))))
+
+
+def test_without_bridges_nothing_moves(layout_of):
+    layout = layout_of([([(-90, 0), (90, 0)], {}), ([(0, -90), (0, 90)], {})])
+    net, off, terrain = solved(layout)
+    assert off.count == 0
+    assert not net.z.any()
+    assert terrain.is_flat
+
+
+def test_a_bridge_over_nothing_stays_on_the_ground(layout_of):
+    _, off, _ = solved(layout_of([([(-90, 0), (90, 0)], BRIDGE)]))
+    assert off.count == 0
+
+
+@pytest.mark.parametrize("half", [10, 60, 200])
+def test_a_bridge_clears_the_street_and_its_ramps_keep_the_grade(layout_of, half):
+    net, off, _ = solved(crossed(layout_of, half=half))
+    above, below = sorted(lift_at(net, 0, 0))[::-1]
+    assert above >= OVER_CARS + DECK - 0.05
+    assert below == 0.0
+    for i in range(off.count):
+        rows = slice(off.point_start[i], off.point_start[i + 1])
+        run = np.hypot(*np.diff(off.points[rows], axis=0).T)
+        assert (np.abs(np.diff(off.z[rows])) <= 0.121 * run + 1e-3).all()
+    assert np.allclose(lift_at(net, 380, 0), 0.0)
+
+
+def test_a_tunnel_sinks_under_the_street_and_the_street_stays(layout_of):
+    net, off, _ = solved(crossed(layout_of, TUNNEL))
+    above, below = sorted(lift_at(net, 0, 0))[::-1]
+    assert above == 0.0
+    assert below <= -(OVER_CARS + DECK) + 0.05
+    assert off.lift.max() < 0.1
+
+
+def test_a_bridge_over_water_rises_a_little(layout_of):
+    river = layout_of([([(-90, 0), (90, 0)], BRIDGE)], areas=[((-10, -90, 10, 90), "river")])
+    net, _, _ = solved(river)
+    assert 0.4 < lift_at(net, 0, 0)[0] < 1.5
+
+
+def test_a_ramp_that_winds_over_itself_still_clears(layout_of):
+    # A loop that passes over its own start, too short for the usual grade.
+    loop = [(0, -40), (40, -40), (40, 0), (20, 0)]
+    layout = layout_of(
+        [([(0, 60), (0, -40)], {}), (loop, {}), ([(20, 0), (-20, 0)], BRIDGE),
+         ([(-20, 0), (-90, 0)], {})]
+    )  # fmt: skip
+    net, _, _ = solved(layout)
+    above, below = sorted(lift_at(net, 0, 0))[::-1]
+    assert above - below >= OVER_CARS + DECK - 0.1
+
+
+def test_a_footbridge_leaves_the_streets_on_the_ground(layout_of):
+    path = {"kind": "footway", "width": 2.0, "sidewalk_left": 0.0, "sidewalk_right": 0.0}
+    layout = layout_of(
+        [UNDER, ([(-12, 0), (12, 0)], BRIDGE | path), ([(-12, 0), (-12, 300)], path),
+         ([(12, 0), (12, 300)], path)], extent=LONG,
+    )  # fmt: skip
+    net, off, _ = solved(layout)
+    assert not net.lift.any()
+    assert off.lift.max() > OVER_CARS
+
+
+def test_hill_streets_keep_their_grade_and_the_terrain_follows(layout_of):
+    steep = 0.3 * np.arange(-450.0, 451.0, 10.0)[None, :] * np.ones((91, 1))
+    hill = Terrain((-450.0, -450.0), 10.0, np.abs(steep))
+    layout = layout_of([([(-390, 0), (390, 0)], {})], extent=LONG)
+    net, _, terrain = solved(layout, hill)
+    run = np.hypot(*np.diff(net.points, axis=0).T)
+    assert (np.abs(np.diff(net.z)) <= 0.12 * run + 0.05).all()
+    assert np.abs(terrain.height_at(net.points) - net.z).max() < 0.2
+    across = terrain.height_at([[150.0, 3.0], [150.0, -3.0]])
+    assert abs(across[0] - across[1]) < 0.05
+    far = [[150.0, 300.0]]
+    assert np.allclose(terrain.height_at(far), hill.height_at(far), atol=0.05)
+
+
+@pytest.mark.parametrize("middle", [BRIDGE, TUNNEL])
+def test_structures_are_closed_and_leave_the_streets_free(layout_of, city_of, middle):
+    city = built(city_of, crossed(layout_of, middle), lod=2)
+    bodies = city.scene.meshes["structures"]
+    assert check_closed(bodies).all()
+    assert (volume(bodies) > 0).all()
+    assert len(np.unique(bodies.object_id)) == bodies.count
+    checks = {check.name: check for check in check_heights(city)}
+    assert {"grades_exceeded", "streets_blocked", "clearance_short"} <= set(checks)
+    assert all(check.ok for check in checks.values())
+
+
+def test_a_wall_in_a_street_is_found(layout_of, city_of):
+    city = built(city_of, crossed(layout_of), lod=2)
+    bodies = city.scene.meshes["structures"]
+    bodies.vertices[:, 2] -= 3.0
+    checks = {check.name: check for check in check_heights(city)}
+    assert not checks["streets_blocked"].ok or not checks["clearance_short"].ok
+
+
+def test_the_ground_is_open_where_a_ramp_stands_and_closed_under_the_deck(layout_of, city_of):
+    city = built(city_of, crossed(layout_of, half=20), lod=2)
+    corners = shapely.polygons(city.ground.vertices[city.ground.triangles])
+    label = city.ground.face_label[city.ground.triangle_face]
+    foot = label[shapely.contains(corners, shapely.Point(-45.5, 0.4))]
+    under = label[shapely.contains(corners, shapely.Point(0.5, 0.4))]
+    assert foot.tolist() == [LABEL["void"]]
+    assert LABEL["void"] not in under.tolist()
+    assert "decks" in city.scene.meshes
+
+
+def test_heights_do_not_depend_on_the_order_of_ways(layout_of):
+    layout = crossed(layout_of)
+    net, _, _ = solved(layout)
+    flipped = layout_of(
+        [UNDER, ([(60, 0), (390, 0)], {}), ([(-390, 0), (-60, 0)], {}),
+         ([(-60, 0), (60, 0)], BRIDGE)], extent=LONG,
+    )  # fmt: skip
+    other, _, _ = solved(flipped)
+    assert np.allclose(np.sort(net.z), np.sort(other.z))
