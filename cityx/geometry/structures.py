@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.ground import Ground
-from cityx.geometry.arrangement import BEYOND
+from cityx.geometry.arrangement import BEYOND, half_edges
 from cityx.geometry.chains import components, join_segments
 from cityx.geometry.polylines import Polylines, arc_lengths, miters
 from cityx.geometry.solids import NO_VERTEX
@@ -70,52 +70,41 @@ def slabs(ground: Ground, group: IntArray, low: FloatArray, high: FloatArray) ->
     chosen = np.flatnonzero(group[face] >= 0)
     corner = ground.triangles[chosen].astype(np.int64)
     body = body_of_face[face[chosen]]
-    count = len(ground.vertices)
-    keys, index = np.unique(body[:, None] * count + corner, return_inverse=True)
-    vertex, owner = keys % count, keys // count
+    edges, twin = half_edges(corner + body[:, None] * len(ground.vertices))
+    # A body that touches itself in one point has a vertex there for each of its sides.
+    begin = np.arange(len(edges))
+    end = begin - begin % 3 + (begin + 1) % 3
+    whole = np.flatnonzero(twin >= 0)
+    links = [np.column_stack([begin[whole], end[twin[whole]]]),
+             np.column_stack([end[whole], begin[twin[whole]]])]  # fmt: skip
+    keys, index = np.unique(components(np.concatenate(links), len(edges)), return_inverse=True)
+    vertex, owner = corner.ravel()[keys], np.repeat(body, 3)[keys]
     low, high = np.atleast_2d(low), np.atleast_2d(high)
-    row = np.where(len(low) > 1, group[owner], 0)
-    bottom, top = low[row, vertex], high[np.where(len(high) > 1, group[owner], 0), vertex]
+    row = group[owner]
+    bottom = low[row if len(low) > 1 else 0, vertex]
+    top = high[row if len(high) > 1 else 0, vertex]
     xy = ground.vertices[vertex]
     size = len(keys)
     vertices = np.concatenate([np.column_stack([xy, bottom]), np.column_stack([xy, top])])
+    rim = np.flatnonzero(twin < 0)
+    a, b = index[begin[rim]], index[end[rim]]
     index = index.reshape(-1, 3)
     none = np.full(len(index), NO_VERTEX)
     lids = np.column_stack([index + size, none])
     floors = np.column_stack([index[:, ::-1], none])
-    a, b, at = _rim(ground, group, body_of_face)
-    low_a, low_b = np.searchsorted(keys, at * count + a), np.searchsorted(keys, at * count + b)
-    walls = np.column_stack([low_a, low_b, low_b + size, low_a + size])
+    walls = np.column_stack([a, b, b + size, a + size])
     faces = np.concatenate([lids, floors, walls])
     uv = np.zeros((len(faces), 4, 2))
     flat = len(lids) + len(floors)
     uv[:flat, :3] = vertices[faces[:flat, :3], :2]
-    run = np.hypot(*(ground.vertices[b] - ground.vertices[a]).T)
-    uv[flat:, 1:3, 0] = run[:, None]
+    uv[flat:, 1:3, 0] = np.hypot(*(xy[b] - xy[a]).T)[:, None]
     uv[flat:, :, 1] = vertices[walls, 2]
     bodies = np.unique(body)
     return Bodies(
         vertices, faces, uv,
         np.searchsorted(bodies, np.concatenate([owner, owner])),
-        np.searchsorted(bodies, np.concatenate([body, body, at])), bodies,
+        np.searchsorted(bodies, np.concatenate([body, body, body[rim // 3]])), bodies,
     )  # fmt: skip
-
-
-def _rim(ground: Ground, group: IntArray, body: IntArray) -> tuple[IntArray, IntArray, IntArray]:
-    """Directed edges round the bodies, the body on the left, and the body of each."""
-    left, right = ground.edge_faces.T.astype(np.int64)
-    inner = right != BEYOND
-    own = group[left]
-    other = np.where(inner, group[np.where(inner, right, left)], -1)
-    a, b = ground.edges.T.astype(np.int64)
-    differs = own != other
-    head = np.flatnonzero(differs & (own >= 0))
-    tail = np.flatnonzero(differs & (other >= 0))
-    return (
-        np.concatenate([a[head], b[tail]]),
-        np.concatenate([b[head], a[tail]]),
-        np.concatenate([body[left[head]], body[right[tail]]]),
-    )
 
 
 def rim_edges(ground: Ground, group: IntArray) -> tuple[IntArray, IntArray, IntArray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -66,6 +67,8 @@ PIER_SHIFTS = (0.0, 3.0, -3.0, 6.0, -6.0, 9.0, -9.0)  # metres along, clear of w
 PIER_THICK = 1.0  # metres along the deck
 PIER_WIDE = 0.45  # of the deck's width
 WALKED = (*ON_FOOT, "steps")
+UNDER = 1.5  # metres beside a carriageway that a deck over it spans too
+STORY = 3.5  # metres; a way lower by more passes under
 SAME_PLACE = 0.06  # metres
 PASSES_OVER = 1.0  # metres of difference in height from which ways side by side have no one surface
 BLEND = 3.0  # metres beyond the edge of a way in which its height still counts
@@ -145,7 +148,7 @@ def build_structures(
         part = _tier_of(
             layout, _edges(off, cars), _pieces(others, rows[len(cars) :] - off.edge_count)
         )
-        made = _build_tier(layout, part, terrain, seed, number, detail)
+        made = _build_tier(layout, part, network, terrain, seed, number, detail)
         surfaces.append(made[0])
         bodies.append(made[1])
         opening.append(made[2])
@@ -321,7 +324,13 @@ def _with_room(
 
 
 def _build_tier(
-    layout: Layout, part: _Tier, terrain: Terrain, seed: int, number: int, detail: bool
+    layout: Layout,
+    part: _Tier,
+    network: RoadNetwork,
+    terrain: Terrain,
+    seed: int,
+    number: int,
+    detail: bool,
 ) -> tuple[MeshBatch, MeshBatch, Shapes, Shapes]:
     found = _regions(layout, part, detail)
     bounds = shapely.total_bounds(found.polygons)
@@ -336,7 +345,10 @@ def _build_tier(
     middle = _of_faces(deck, deck.vertices)
     wet = _in_water(layout, middle)
     way = shapely.STRtree(to_linestrings(part.lines)).nearest(shapely.points(middle))
+    height = _of_faces(deck, z)
+    below = _traffic(network, middle, UNDER, lambda row, at: at < height[row] - STORY)
     spanning = solid & (part.level[way] > 0) & ((lift > LOW) | (wet & (lift > 0)))
+    spanning |= solid & below
     covered = solid & (lift < -(ROOM + CEILING)) & (part.level[way] < 0)
     filled = solid & ~spanning
     walked = np.isin(layout.roads["kind"].to_numpy().astype(str)[part.road[way]], WALKED)
@@ -344,7 +356,7 @@ def _build_tier(
     low = np.stack([np.minimum(z, soil) - FOOTING, z - DECK, z - FOOT_DECK])
     made = [slabs(deck, group, low, z - TOP_GAP)]
     thick = np.where(walked, FOOT_DECK, DECK)
-    made += _rims(part, deck, np.where(solid, 0, -1), z, soil, covered, thick)
+    made += _rims(part, deck, network, np.where(solid, 0, -1), z, soil, covered, thick)
     if covered.any():
         made.append(slabs(deck, np.where(covered, 0, -1), z + ROOM, z + ROOM + CEILING))
         made.append(_headwalls(deck, covered, solid, z, soil))
@@ -475,8 +487,8 @@ def _seams(part: _Tier) -> Any:
 
 
 def _rims(
-    part: _Tier, deck: Ground, group: IntArray, z: FloatArray, soil: FloatArray,
-    covered: BoolArray, thick: FloatArray,
+    part: _Tier, deck: Ground, network: RoadNetwork, group: IntArray, z: FloatArray,
+    soil: FloatArray, covered: BoolArray, thick: FloatArray,
 ) -> list[Bodies]:  # fmt: skip
     """Raise parapets along decks and walls along cuttings."""
     edges, inside, _ = rim_edges(deck, group)
@@ -493,7 +505,16 @@ def _rims(
     kind = np.select(
         [at_seam, covered[inside], lift > PARAPET_FROM, lift < -WALL_FROM], [-1, 2, 0, 1], -1
     )
-    made = []
+    made: list[Bodies] = []
+    run = np.diff(ends, axis=1)[:, 0]
+    right = np.column_stack([run[:, 1], -run[:, 0]]) / np.maximum(np.hypot(*run.T), 1e-9)[:, None]
+    beside = ends.mean(axis=1) + right * CUTTING_WALL / 2
+    floor, crown = z[edges].mean(axis=1), np.maximum(z, soil)[edges].mean(axis=1) + PARAPET
+    # No wall stands in a carriageway that lies beside this one at about its height.
+    passing = _traffic(
+        network, beside, 0.0, lambda row, at: (at > floor[row] - 2 * DECK) & (at < crown[row])
+    )
+    kind[passing] = -1
     shapes = (
         (z - SOFFIT, z + PARAPET, PARAPET_WIDTH),
         (z - FOOTING, soil + CUTTING_PARAPET, CUTTING_WALL),
@@ -506,6 +527,28 @@ def _rims(
             lines = Polylines(deck.vertices[vertex], start)
             made.append(beams(lines, low[vertex] - depth, high[vertex], 0.0, width))
     return made
+
+
+def _traffic(
+    network: RoadNetwork, points: FloatArray, margin: float,
+    counts: Callable[[IntArray, FloatArray], BoolArray],
+) -> BoolArray:  # fmt: skip
+    """(n,) whether a carriageway passes at a place, at a height that counts.
+
+    ``counts`` is asked with (k,) places and heights of carriageways there.
+    """
+    lines = Polylines(network.points, network.point_start)
+    shapes, spots = to_linestrings(lines), shapely.points(points)
+    found = np.zeros(len(points), bool)
+    if not len(shapes) or not len(points):
+        return found
+    line, spot = shapely.STRtree(spots).query(
+        shapes, predicate="dwithin", distance=network.half_width + margin
+    )
+    along = shapely.line_locate_point(shapes[line], spots[spot])
+    height = values_along(lines, network.z, line, along)
+    found[spot[counts(spot, height)]] = True
+    return found
 
 
 def _headwalls(
