@@ -115,6 +115,22 @@ def thin(points: Points, radius: float) -> Points:
     return Points(points.xy[kept], points.id[kept])
 
 
+def thinned(points: Points, density: ArrayLike, *, seed: int, purpose: str) -> Points:
+    """Keep each point with its own chance, for a density that varies over the plane.
+
+    Parameters
+    ----------
+    points
+        n points.
+    density
+        (n,) float, share of the points that is kept where each lies; above 1 keeps all.
+    seed, purpose
+        Key of the random numbers; a point's draw depends on its id alone.
+    """
+    keep = uniform(seed, f"{purpose}/thinned", points.id) < np.asarray(density, float)
+    return _rows(points, keep)
+
+
 def poisson_disk(
     bounds: tuple[float, float, float, float], radius: float, *, seed: int, purpose: str
 ) -> Points:

@@ -1,0 +1,25 @@
+"""Patterns of smooth barks."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cityx.assets.textures.noise import cells, fractal, sampled, smooth
+from cityx.assets.textures.relief import Relief
+
+
+def bark_smooth(size: int) -> Relief:
+    """Draw the pale bark of birches and planes: flakes in three tones, dark marks across."""
+    bend = 0.05 * fractal("bark_smooth/bend", size, 5, octaves=3)
+    near, far, _ = cells("bark_smooth", size, 5, 4)
+    flake = smooth(0.02, 0.16, sampled(far - near, bend, np.roll(bend, 53, 0)))
+    tone = fractal("bark_smooth/tone", size, 4, 3, octaves=3)
+    marks = fractal("bark_smooth/marks", size, 6, 34, octaves=2)
+    mark = smooth(0.55, 0.95, marks)
+    grain = fractal("bark_smooth/grain", size, 60, 90, octaves=2)
+    level = (0.78 + 0.10 * flake + 0.14 * tone + 0.04 * grain) * (1 - 0.72 * mark)
+    warm = smooth(-0.4, 0.6, tone)
+    albedo = np.maximum(level, 0.06)[..., None] * np.stack(
+        [np.ones_like(level), 0.98 + 0.02 * warm, 0.90 + 0.10 * warm], axis=2
+    )
+    return Relief(1.0, albedo, 0.002 * flake - 0.004 * mark, 1.0, brightness=0.75)
