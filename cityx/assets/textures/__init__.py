@@ -39,8 +39,8 @@ PATTERNS: Mapping[str, Callable[[int], Relief]] = MappingProxyType(
             walls.curtain, walls.paint,
             roofs.roof_tiles, roofs.slate, roofs.seams, roofs.felt, roofs.gravel, roofs.thatch,
             grounds.asphalt, grounds.setts, grounds.paving, grounds.grass, grounds.soil,
-            grounds.furrows, grounds.ripples, grounds.bark,
-            barks.bark_smooth,
+            grounds.furrows, grounds.ripples,
+            barks.bark, barks.bark_smooth,
         )
     }
 )  # fmt: skip

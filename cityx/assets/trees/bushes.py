@@ -114,8 +114,12 @@ def boxwood(variant: int = 0, *, light: bool = False) -> Prototype:
     shade = rng.uniform(0.6, 1.05, (count, 1)) * (0.6 + 0.4 * centre[:, 2:])
     leaves = shapes.cards(centre, along * size, np.cross(normal, along) * size * 0.9, "leaf",
                           shade * [0.72, 0.80, 0.70])  # fmt: skip
-    core = shapes.lathe([(0.3, -0.1), (0.40, 0.35), (0.30, 0.80), (0.0, 0.86)], "hedge",
-                        (0.35, 0.35, 0.35), sides=7)  # fmt: skip
+    profile = (
+        [(0.3, -0.1), (0.42, 0.4), (0.30, 0.82), (0.0, 0.90)],
+        [(0.38, -0.1), (0.36, 0.1), (0.0, 0.92)],
+        [(0.36, -0.1), (0.40, 0.1), (0.40, 0.9), (0.0, 0.91)],
+    )[kind]
+    core = shapes.lathe(profile, "hedge", (0.35, 0.35, 0.35), sides=8)
     name = f"boxwood_{variant}_{'light' if light else 'near'}"
     return shapes.prototype(name, "tree", [core, leaves])
 

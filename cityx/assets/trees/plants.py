@@ -14,7 +14,7 @@ from cityx.assets import shapes
 from cityx.assets.trees import bushes, foliage, seasons
 from cityx.assets.trees.foliage import Cards
 from cityx.assets.trees.seasons import FOLIAGE
-from cityx.assets.trees.skeletons import TWIG, Skeleton, crown_radius, grow
+from cityx.assets.trees.skeletons import GOLDEN, TWIG, Skeleton, crown_radius, grow
 from cityx.assets.trees.species import TREES, Species, habit
 from cityx.assets.trees.wood import wood
 from cityx.cache import Arrays, cached_arrays
@@ -33,11 +33,11 @@ LIGHT_SIZE = 0.85
 THINNEST = {"fine": 0.007, "near": 0.014, "light": 0.05}  # metres, limbs drawn under leaves
 BARE_THINNEST = {"fine": 0.0, "near": 0.0, "light": 0.02}
 SKIP = {"fine": 1, "near": 2, "light": 3}
-TWIGS = {"fine": 6000, "near": 3600, "light": 700}  # thin cards of a bare crown
+TWIGS = {"fine": 9000, "near": 4500, "light": 900}  # thin cards of a bare crown
 SCALE = {"place": 1e-4, "limb": 1e-5, "leaf": 1e-3, "span": 1e-4}  # metres per stored unit
 FAR_SIDES = 6
-PALE_LIMB = 0.03  # metres, radius of a limb below which pale bark turns dark
-TWIG_BARK = (0.60, 0.52, 0.50)
+SMOOTH_LIMB = 0.03  # metres, radius of a limb below which pale bark turns dark
+TWIG_BARK = (0.52, 0.46, 0.44)
 
 
 @dataclass(frozen=True)
@@ -148,22 +148,22 @@ def _name(plant: str, variant: int, form: str, season: str, bare: bool, *, chang
 
 
 def _bark(own: Species) -> str:
-    return "bark_pale" if own.pale else "bark"
+    return "bark_smooth" if own.smooth else "bark"
 
 
 def _limbs(own: Species, skeleton: Skeleton, form: str, *, bare: bool) -> list[MeshBatch]:
-    """Make the stem and branches; pale bark is on thick limbs alone, twigs are always dark."""
+    """Make the stem and branches; smooth bark is on thick limbs alone, twigs are dark."""
     thinnest = (BARE_THINNEST if bare else THINNEST)[form]
     cover = 1.6 * TWIG if bare and form != "light" else 0.0
     skip, fine = SKIP[form], form == "fine"
-    if not own.pale:
+    if not own.smooth:
         return wood(skeleton, "bark", own.bark, thinnest=thinnest, skip=skip, fine=fine,
                     cover=cover)  # fmt: skip
     return [
         part
         for material, tint, limbs in (
-            ("bark_pale", own.bark, (PALE_LIMB, np.inf)),
-            ("bark", TWIG_BARK, (0.0, PALE_LIMB)),
+            ("bark_smooth", own.bark, (SMOOTH_LIMB, np.inf)),
+            ("bark", TWIG_BARK, (0.0, SMOOTH_LIMB)),
         )
         for part in wood(skeleton, material, tint, thinnest=thinnest, limbs=limbs, skip=skip,
                          fine=fine, cover=cover)
@@ -204,7 +204,7 @@ def _twigs(skeleton: Skeleton, rng: np.random.Generator, count: int) -> MeshBatc
     half = rng.uniform(0.18, 0.50, (count, 1)) * way
     side = np.cross(way, rng.normal(size=(count, 3)))
     side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-6)
-    broad = 0.013 * np.sqrt(TWIGS["near"] / count) * side
+    broad = 0.016 * np.sqrt(TWIGS["near"] / count) * side
     tint = np.tile(TWIG_BARK, (count, 1))
     return shapes.cards(skeleton.position[home] + half, half, broad, "bark", tint, fold=0.0)
 
@@ -216,7 +216,6 @@ def _far(own: Species, grown: Individual, season: str, *, bare: bool) -> list[Me
     fork = np.array([0.0, 0.0, own.clear + 0.4 * (own.height - own.clear)])
     stem = shapes.tube([foot, fork], [own.trunk, 0.5 * own.trunk], _bark(own), own.bark, sides=3,
                        caps=(False, False))  # fmt: skip
-    cards = grown.leaves.first(FAR_CARDS)
     if bare:  # limbs from the stem to where leaves were
         tip = grown.leaves.first(26).centre
         low = foot + (fork - foot) * np.linspace(0.55, 1.3, len(tip))[:, None]
@@ -230,7 +229,7 @@ def _far(own: Species, grown: Individual, season: str, *, bare: bool) -> list[Me
     share = np.array([0.35, 0.92, 0.74, 0.0]) * np.array([0.0 if own.strands else 1.0, 1, 1, 1])
     reach = np.maximum(crown_radius(own, z), 0.0) * share
     angle = np.arange(FAR_SIDES) * (2 * np.pi / FAR_SIDES)
-    lump = rng.uniform(0.82, 1.12, (len(t), FAR_SIDES))
+    lump = rng.uniform(0.78, 1.08, (len(t), FAR_SIDES))
     ring = np.stack(
         [reach[:, None] * lump * np.cos(angle + 0.5 * np.arange(len(t))[:, None]),
          reach[:, None] * lump * np.sin(angle + 0.5 * np.arange(len(t))[:, None]),
@@ -241,12 +240,29 @@ def _far(own: Species, grown: Individual, season: str, *, bare: bool) -> list[Me
                        caps=(False, False))  # fmt: skip
     middle = hull.vertices[hull.faces[:, :3]].mean(axis=1)
     up = np.clip((middle[:, 2] - own.clear) / (own.height - own.clear), 0, 1)
-    face = Cards(middle, middle, middle, 0.34 + 0.34 * up, rng.uniform(0.3, 0.7, len(up)))
+    light = (0.30 + 0.36 * up) * rng.uniform(0.7, 1.3, len(up))
+    face = Cards(middle, middle, middle, light, rng.uniform(0.3, 0.7, len(up)))
     shaded = replace(hull, tint=seasons.colors(own, season, face).astype(np.float32))
-    size = 0.24 * own.radius / np.linalg.norm(cards.along, axis=1).mean()
+    plates = _plates(own, rng)
     slim = max(own.slim, 0.7)
-    return [stem, shaded, foliage.kites(cards, slim, seasons.colors(own, season, cards), FOLIAGE,
-                                        size=size)]  # fmt: skip
+    return [stem, shaded, foliage.kites(plates, slim, seasons.colors(own, season, plates), FOLIAGE)]
+
+
+def _plates(own: Species, rng: np.random.Generator) -> Cards:
+    """Make large cards on the surface of the crown, spread evenly by the golden angle."""
+    up = (np.arange(FAR_CARDS) + 0.5) / FAR_CARDS
+    azimuth = GOLDEN * np.arange(FAR_CARDS) + rng.uniform(0, 6)
+    z = own.clear + (0.06 + 0.86 * up) * (own.height - own.clear)
+    out = np.column_stack([np.cos(azimuth), np.sin(azimuth), np.zeros(FAR_CARDS)])
+    centre = 0.74 * crown_radius(own, z)[:, None] * out + z[:, None] * [0.0, 0.0, 1.0]
+    normal = out + np.outer(up, [0.0, 0.0, 0.8]) + rng.normal(0, 0.25, (FAR_CARDS, 3))
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    along = np.cross(np.cross(normal, [0.0, 0.0, -1.0]), normal)
+    along += 0.5 * np.cross(normal, along) * rng.normal(size=(FAR_CARDS, 1))
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    size = np.minimum(0.34 * own.radius, 0.09 * own.height) * rng.uniform(0.8, 1.2, (FAR_CARDS, 1))
+    light = (0.40 + 0.45 * up) * rng.uniform(0.8, 1.2, FAR_CARDS)
+    return Cards(centre, along * size, normal, light, rng.uniform(0.2, 0.8, FAR_CARDS))
 
 
 def plant(name: str, variant: int, form: str = "near", season: str = "summer") -> Prototype:

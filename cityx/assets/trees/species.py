@@ -23,14 +23,14 @@ PARK_FORMS, STREET_FORMS = 3, 6  # individuals of each
 
 # Linear reflectance of leaves in full light.
 GREEN: Color = (0.095, 0.170, 0.035)
-YELLOW: Color = (0.56, 0.43, 0.040)
-GOLD: Color = (0.80, 0.58, 0.020)
-ORANGE: Color = (0.56, 0.21, 0.020)
-RED: Color = (0.42, 0.045, 0.020)
-RUSSET: Color = (0.30, 0.145, 0.035)
-OLD_GREEN: Color = (0.22, 0.25, 0.035)
+YELLOW: Color = (0.40, 0.34, 0.020)
+GOLD: Color = (0.60, 0.48, 0.006)
+ORANGE: Color = (0.42, 0.15, 0.012)
+RED: Color = (0.32, 0.028, 0.012)
+RUSSET: Color = (0.23, 0.115, 0.025)
+OLD_GREEN: Color = (0.19, 0.23, 0.025)
 PINK: Color = (0.72, 0.50, 0.55)
-VIOLET: Color = (0.30, 0.22, 0.62)
+VIOLET: Color = (0.25, 0.12, 0.58)
 CREAM: Color = (0.70, 0.66, 0.52)
 
 
@@ -92,8 +92,8 @@ class Species:
         Linear RGB; autumn as two colours between which leaves vary.
     flower, flowering
         Colour of the blossom and share of the cards in blossom in spring.
-    bark, pale
-        Factor on the colour of the bark material; whether the bark is pale and smooth.
+    bark, smooth
+        Factor on the colour of the bark material; whether the bark is smooth, without ridges.
     evergreen
         Keeps its leaves in winter.
     whorls
@@ -130,7 +130,7 @@ class Species:
     flower: Color = CREAM
     flowering: float = 0.0
     bark: Color = (1.0, 1.0, 1.0)
-    pale: bool = False
+    smooth: bool = False
     evergreen: bool = False
     whorls: Whorls | None = None
     lead: float = 0.45
@@ -156,14 +156,14 @@ TREES: Mapping[str, Species] = MappingProxyType(
             14.0, 2.4, 3.9, _DOME, 0.21, summer=_green(1.0, 1.0, 0.9),
             autumn=(YELLOW, OLD_GREEN), street=0.80),
         "plane": Species(
-            17.0, 3.2, 5.4, _OVAL, 0.31, leaf=0.36, slim=0.9, cards=7000, spread=0.62,
+            17.0, 3.2, 5.4, _OVAL, 0.31, leaf=0.42, slim=0.9, cards=7500, spread=0.62,
             summer=_green(1.12, 1.02, 1.0), autumn=(RUSSET, YELLOW), bark=(0.62, 0.60, 0.50),
-            pale=True, street=0.72),
+            smooth=True, street=0.72),
         "maple": Species(
             12.0, 2.3, 4.5, (0.58, 0.92, 1.0, 0.95, 0.80, 0.56, 0.20), 0.19, leaf=0.32, slim=0.92,
             summer=_green(1.05, 1.0, 0.8), autumn=(ORANGE, RED), spread=0.55, street=0.74),
         "oak": Species(
-            15.0, 2.6, 6.0, (0.55, 0.90, 1.0, 0.97, 0.86, 0.64, 0.26), 0.38, slim=0.6,
+            15.0, 2.6, 6.0, (0.55, 0.90, 1.0, 0.97, 0.86, 0.64, 0.26), 0.38, leaf=0.36, slim=0.66,
             cards=8000, summer=_green(0.85, 0.85, 0.8), autumn=(RUSSET, YELLOW),
             bark=(0.8, 0.8, 0.8), lead=0.34, rise=0.04, spread=0.66, street=0.62),
         "chestnut": Species(
@@ -174,27 +174,28 @@ TREES: Mapping[str, Species] = MappingProxyType(
         "birch": Species(
             13.0, 2.4, 2.8, (0.45, 0.85, 1.0, 0.90, 0.72, 0.48, 0.14), 0.12, leaf=0.22,
             cards=6000, summer=_green(1.35, 1.15, 0.95), autumn=(GOLD, YELLOW),
-            bark=(0.95, 0.95, 0.93), pale=True, lead=0.9, rise=0.10, strands=0.9, spread=0.38,
-            core=70),
+            bark=(0.95, 0.95, 0.93), smooth=True, lead=0.9, rise=0.10, strands=0.9, spread=0.38,
+            core=70, street=0.95),
         "cherry": Species(
             7.5, 1.8, 4.0, (0.55, 0.82, 0.98, 1.0, 0.86, 0.60, 0.24), 0.16, leaf=0.24, slim=0.62,
             cards=6000, summer=_green(1.05, 0.95, 0.9), autumn=(ORANGE, RED), flower=PINK,
-            flowering=0.97, bark=(0.75, 0.55, 0.50), lead=0.10, rise=0.05, spread=0.40, core=130),
+            flowering=0.97, bark=(0.26, 0.18, 0.16), smooth=True, lead=0.10, rise=0.05,
+            spread=0.40, core=130),
         "ginkgo": Species(
             14.0, 2.6, 3.1, (0.75, 1.0, 0.96, 0.82, 0.64, 0.42, 0.12), 0.19, leaf=0.24, slim=1.0,
             pattern="fan", cards=6500, summer=_green(1.15, 1.12, 0.9), autumn=(GOLD, GOLD),
             bark=(0.85, 0.82, 0.80), whorls=Whorls(0.36, 2, 0.45, 0.95, 0.12, 0.32, 0.15),
             spread=0.26, core=150, street=0.80),
         "zelkova": Species(
-            15.0, 2.6, 5.2, _VASE, 0.24, leaf=0.31, slim=0.60, cards=8000,
-            summer=_green(1.0, 0.98, 0.85), autumn=(ORANGE, RUSSET), bark=(1.0, 0.98, 0.95),
-            lead=0.08, rise=0.30, spread=0.48, attractors=950, street=0.76),
+            15.0, 2.6, 5.2, _VASE, 0.24, leaf=0.36, slim=0.62, cards=8000,
+            summer=_green(1.0, 0.98, 0.85), autumn=(ORANGE, RUSSET), bark=(0.36, 0.34, 0.31),
+            smooth=True, lead=0.08, rise=0.30, spread=0.48, attractors=950, street=0.76),
         "camphor": Species(
-            14.0, 2.6, 5.4, (0.56, 0.90, 1.0, 1.0, 0.92, 0.72, 0.34), 0.30, leaf=0.31, slim=0.60,
+            14.0, 2.6, 5.4, (0.56, 0.90, 1.0, 1.0, 0.92, 0.72, 0.34), 0.30, leaf=0.36, slim=0.62,
             cards=8000, summer=_green(0.95, 0.98, 0.75), evergreen=True, bark=(0.85, 0.78, 0.7),
             lead=0.25, spread=0.55, street=0.66),
         "poplar": Species(
-            20.0, 1.6, 1.9, (0.50, 0.82, 0.98, 1.0, 0.90, 0.66, 0.14), 0.26, leaf=0.24,
+            20.0, 1.6, 1.9, (0.50, 0.82, 0.98, 1.0, 0.90, 0.66, 0.14), 0.26, leaf=0.28,
             cards=6500, summer=_green(0.95, 0.95, 0.85), autumn=(YELLOW, GOLD),
             whorls=Whorls(0.30, 2, 0.95, 1.25, 0.22, 0.30, 0.2), spread=0.28, core=160),
         "willow": Species(
@@ -216,16 +217,16 @@ TREES: Mapping[str, Species] = MappingProxyType(
             pattern="pinnate", cards=5500, summer=(0.155, 0.185, 0.105), evergreen=True,
             bark=(1.0, 0.98, 0.95), lead=0.12, rise=0.05, spread=0.34, core=110),
         "pine": Species(
-            15.0, 5.5, 3.4, (0.55, 0.90, 1.0, 0.96, 0.84, 0.62, 0.26), 0.21, leaf=0.34, slim=0.55,
+            15.0, 5.5, 3.4, (0.55, 0.90, 1.0, 0.96, 0.84, 0.62, 0.26), 0.21, leaf=0.42, slim=0.55,
             pattern="tuft", cards=5500, summer=(0.060, 0.115, 0.036), evergreen=True,
             bark=(1.0, 0.72, 0.55), whorls=Whorls(0.75, 4, 0.10, 0.85, 0.40, 0.42, 0.45),
             spread=0.24, core=80),
         "spruce": Species(
-            16.0, 0.9, 3.0, _CONE, 0.20, leaf=0.36, slim=0.42, pattern="spray", cards=7000,
+            16.0, 0.9, 3.0, _CONE, 0.20, leaf=0.40, slim=0.46, pattern="spray", cards=7500,
             summer=(0.043, 0.094, 0.028), evergreen=True,
             whorls=Whorls(0.42, 6, -0.22, 0.62, 0.28, 0.36, 0.15), spread=0.13, core=120),
         "cypress": Species(
-            12.0, 0.5, 1.15, (0.62, 0.92, 1.0, 0.95, 0.80, 0.52, 0.08), 0.15, leaf=0.26,
+            12.0, 0.5, 1.15, (0.62, 0.92, 1.0, 0.95, 0.80, 0.52, 0.08), 0.15, leaf=0.31,
             slim=0.40, pattern="spray", cards=5500, summer=(0.048, 0.100, 0.030), evergreen=True,
             whorls=Whorls(0.20, 3, 1.05, 1.25, 0.12, 0.30, 0.2), spread=0.15, core=130),
     }
