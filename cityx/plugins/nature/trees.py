@@ -41,11 +41,12 @@ ROW_SPACING = 8.0  # metres between the trees of a mapped row
 WOOD_SPACING = 5.0  # metres; a grown mixed wood
 PACKING = 0.53  # points of `poisson_in` per squared radius, measured
 NEAR_LIMIT = 20_000  # trees with many leaves; beyond, all take the light form
+NEAR_MASS = 8_000  # trees of woods that one may walk among; larger woods take the light form
 GROVE_SPACING = 11.0  # metres; wider, a single tree leaves the wood's floor bare from the air
 NEAR_SHARE = 0.7  # of the budget, for woods beside buildings at most
 SNOWED = 0.3  # snow cover from which deciduous trees are bare
 STREET_SPACINGS = (7.0, 8.0, 9.0, 10.0)  # metres between the trees of a street, drawn per street
-STREET_SHARE = 0.45  # of the streets that are wide enough
+STREET_SHARE, MAIN_SHARE = 0.45, 0.75  # of the streets that are wide enough, of the main ones
 STREET_KINDS = ("residential", "tertiary", "secondary", "primary", "unclassified", "living_street")
 MAIN_KINDS = ("tertiary", "secondary", "primary")
 # Share of a wood's patches that are conifers, by climate.
@@ -297,7 +298,8 @@ def _street_trees(city: City, mapped: int) -> list[_Stand]:
     name = roads["name"].to_numpy().astype(str)[network.edge_road]
     key = np.array([stable_id("street", n) if n else int(i)
                     for n, i in zip(name, road_id, strict=True)], np.uint64)  # fmt: skip
-    green = uniform(city.seed, f"{ACTION}/street", key) < STREET_SHARE
+    share = np.where(np.isin(kind, MAIN_KINDS), MAIN_SHARE, STREET_SHARE)
+    green = uniform(city.seed, f"{ACTION}/street", key) < share
     green &= np.isin(kind, STREET_KINDS) & flat[network.edge_road]
     spacing = choose(city.seed, f"{ACTION}/street", key, [1.0] * len(STREET_SPACINGS), 1)
     groups = []
@@ -442,7 +444,9 @@ def trees(
         now = "winter" if snowed else season_of(city.environment.day, city.frame)
     many = int(np.count_nonzero(~stand.light)) > NEAR_LIMIT
     single = "fine" if city.lod > 2 else "near" if city.lod > 1 else "light"
-    forms = ("light" if many else single, "light" if city.lod > 1 else "far")
+    few = int(np.count_nonzero(stand.light)) <= NEAR_MASS
+    mass = "far" if city.lod < 2 else "near" if few else "light"
+    forms = ("light" if many else single, mass)
     street = beside_street(room)
     variant = _variants(stand, street)
     prototypes, number = _prototypes(stand, variant, forms, now)
