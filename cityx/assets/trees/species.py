@@ -156,18 +156,20 @@ TREES: Mapping[str, Species] = MappingProxyType(
             14.0, 2.4, 3.9, _DOME, 0.21, summer=_green(1.0, 1.0, 0.9),
             autumn=(YELLOW, OLD_GREEN), street=0.80),
         "plane": Species(
-            17.0, 3.2, 5.4, _OVAL, 0.31, leaf=0.42, slim=0.9, cards=7500, spread=0.62,
+            17.0, 3.2, 5.4, _OVAL, 0.31, leaf=0.36, slim=0.9, cards=8000, spread=0.62,
             summer=_green(1.12, 1.02, 1.0), autumn=(RUSSET, YELLOW), bark=(0.62, 0.60, 0.50),
             smooth=True, street=0.72),
         "maple": Species(
-            12.0, 2.3, 4.5, (0.58, 0.92, 1.0, 0.95, 0.80, 0.56, 0.20), 0.19, leaf=0.32, slim=0.92,
+            12.0, 2.3, 4.5, (0.58, 0.92, 1.0, 0.95, 0.80, 0.56, 0.20), 0.19, leaf=0.28, slim=0.92,
+            cards=8000,
             summer=_green(1.05, 1.0, 0.8), autumn=(ORANGE, RED), spread=0.55, street=0.74),
         "oak": Species(
             15.0, 2.6, 6.0, (0.55, 0.90, 1.0, 0.97, 0.86, 0.64, 0.26), 0.38, leaf=0.36, slim=0.66,
             cards=8000, summer=_green(0.85, 0.85, 0.8), autumn=(RUSSET, YELLOW),
             bark=(0.8, 0.8, 0.8), lead=0.34, rise=0.04, spread=0.66, street=0.62),
         "chestnut": Species(
-            14.0, 2.3, 4.9, (0.62, 0.92, 1.0, 0.97, 0.85, 0.62, 0.24), 0.30, leaf=0.40, slim=0.95,
+            14.0, 2.3, 4.9, (0.62, 0.92, 1.0, 0.97, 0.85, 0.62, 0.24), 0.30, leaf=0.33, slim=0.95,
+            cards=8000,
             pattern="palmate", summer=_green(0.80, 0.86, 0.8), autumn=(RUSSET, ORANGE),
             flower=CREAM, flowering=0.10, bark=(0.9, 0.85, 0.8), spread=0.58, sag=0.7,
             street=0.72),
@@ -188,7 +190,7 @@ TREES: Mapping[str, Species] = MappingProxyType(
             spread=0.26, core=150, street=0.80),
         "zelkova": Species(
             15.0, 2.6, 5.2, _VASE, 0.24, leaf=0.36, slim=0.62, cards=8000,
-            summer=_green(1.0, 0.98, 0.85), autumn=(ORANGE, RUSSET), bark=(0.36, 0.34, 0.31),
+            summer=_green(1.0, 0.98, 0.85), autumn=(ORANGE, RUSSET), bark=(0.24, 0.22, 0.20),
             smooth=True, lead=0.08, rise=0.30, spread=0.48, attractors=950, street=0.76),
         "camphor": Species(
             14.0, 2.6, 5.4, (0.56, 0.90, 1.0, 1.0, 0.92, 0.72, 0.34), 0.30, leaf=0.36, slim=0.62,
