@@ -1,7 +1,7 @@
 """Leaves: where the leaf cards of a crown are, how they turn, and the leaves drawn for each.
 
 A card stands for the end of a twig with its leaves. Nearby every card becomes the leaves themselves
-(`PATTERNS`), farther off it is one folded kite, and fewer, larger ones farther still.
+(`PATTERNS`), farther off some of them, and farther still fewer and larger cards are folded kites.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cityx.assets import shapes
 from cityx.assets.trees.skeletons import TWIG, Skeleton, crown_radius
 from cityx.assets.trees.species import Species
-from cityx.city.mesh import MeshBatch
+from cityx.city.mesh import MeshBatch, one_mesh
 
 FloatArray = NDArray[np.float64]
 
@@ -40,6 +40,8 @@ PATTERNS: Mapping[str, tuple[tuple[float, float, float, float], ...]] = MappingP
     }
 )  # fmt: skip
 FULLER = 1.22  # leaves cover less than the kite they stand in for
+FEW = 3  # leaves per card in the plainer form
+FEW_FULLER, FEW_SLIM = 1.35, 0.30  # they are larger, and never thinner than this
 
 
 @dataclass(frozen=True)
@@ -158,15 +160,47 @@ def kites(
     return shapes.cards(cards.centre, along, across, material, tint, fold=fold)
 
 
+def few_leaves(
+    cards: Cards,
+    pattern: str,
+    tint: FloatArray,
+    material: str,
+    rng: np.random.Generator,
+    *,
+    size: float = 1.0,
+) -> MeshBatch:
+    """Draw three flat leaves for each card, a quad each."""
+    centre, along, broad, shade = _spread(cards, np.array(PATTERNS[pattern])[:FEW], rng,
+                                          size * FEW_FULLER, FEW_SLIM)  # fmt: skip
+    waist = centre - 0.15 * along  # widest nearer to the stalk
+    corners = np.stack([centre - along, waist + broad, centre + along, waist - broad], axis=2)
+    count = corners.shape[0] * FEW
+    faces = np.arange(4 * count).reshape(-1, 4)
+    colors = (tint[:, None, :] * shade).reshape(-1, 3)
+    return one_mesh(0, corners.reshape(-1, 3), faces, materials=(material,), tint=colors)
+
+
 def leaves(
     cards: Cards, pattern: str, tint: FloatArray, material: str, rng: np.random.Generator,
     *, size: float = 1.0,
 ) -> MeshBatch:  # fmt: skip
-    """Draw the leaves of each card as kites of their own, each turned a little its own way."""
-    rows = np.array(PATTERNS[pattern])
+    """Draw the leaves of each card as folded kites, each turned a little its own way."""
+    centre, along, broad, shade = _spread(cards, np.array(PATTERNS[pattern]), rng, size * FULLER)
+    return shapes.cards(centre.reshape(-1, 3), along.reshape(-1, 3), broad.reshape(-1, 3), material,
+                        (tint[:, None, :] * shade).reshape(-1, 3), fold=0.22)  # fmt: skip
+
+
+def _spread(
+    cards: Cards,
+    rows: FloatArray,
+    rng: np.random.Generator,
+    size: float,
+    slimmest: float = 0.0,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Middles, half lengths and half breadths of leaves, (n, k, 3) each, and their shades."""
     foot, angle, half, slim = rows.T
     count, each = len(cards.centre), len(rows)
-    reach = size * FULLER * np.linalg.norm(cards.along, axis=1)  # (n,)
+    reach = size * np.linalg.norm(cards.along, axis=1)  # (n,)
     ahead = _unit(cards.along)
     across = np.cross(cards.normal, ahead)
     turn = angle + rng.normal(0, 0.16, (count, each))
@@ -175,11 +209,7 @@ def leaves(
     axis = _unit(axis - rng.uniform(0.05, 0.45, (count, each, 1)) * cards.normal[:, None, :])
     start = cards.centre[:, None, :] + (foot * reach[:, None])[:, :, None] * ahead[:, None, :]
     length = half * reach[:, None] * rng.uniform(0.85, 1.12, (count, each))
-    centre = start + length[:, :, None] * axis
+    along = length[:, :, None] * axis
     face = cards.normal[:, None, :] + 0.32 * rng.normal(size=(count, each, 3))
-    side = _unit(np.cross(face, axis))
-    broad = (slim * length)[:, :, None] * side
-    shade = rng.uniform(0.86, 1.14, (count, each, 1))
-    return shapes.cards(centre.reshape(-1, 3), (length[:, :, None] * axis).reshape(-1, 3),
-                        broad.reshape(-1, 3), material,
-                        (tint[:, None, :] * shade).reshape(-1, 3), fold=0.22)  # fmt: skip
+    broad = (np.maximum(slim, slimmest) * length)[:, :, None] * _unit(np.cross(face, axis))
+    return start + along, along, broad, rng.uniform(0.86, 1.14, (count, each, 1))

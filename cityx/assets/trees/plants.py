@@ -28,6 +28,7 @@ FloatArray = NDArray[np.float64]
 FORMS = ("fine", "near", "light", "far")
 SPECIES = tuple(TREES)
 LIGHT_CARDS, LIGHT_CORE, FAR_CARDS = 900, 120, 14
+NEAR_CARDS = 0.6  # share of the cards that the near form draws, larger for it
 # Kites grow as they become fewer, a little less than the area asks: gaps close by themselves.
 LIGHT_SIZE = 0.85
 THINNEST = {"fine": 0.007, "near": 0.014, "light": 0.05}  # metres, limbs drawn under leaves
@@ -115,7 +116,7 @@ def tree(species: str, variant: int = 0, form: str = "near", season: str = "summ
         Which individual: 0 to `PARK_FORMS` - 1 grown in the open, the next `STREET_FORMS` beside a
         street.
     form
-        "fine" (every leaf drawn), "near" (a card per twig), "light" (fewer, larger cards), "far"
+        "fine" (every leaf drawn), "near" (three leaves per twig), "light" (few, large cards), "far"
         (a mass of under 60 triangles).
     season
         "spring", "summer", "autumn" or "winter"; evergreens change little or not at all.
@@ -176,7 +177,7 @@ def _crown(
     """Make the leaves of a season and the dark core behind them."""
     share = seasons.in_leaf(own, season)
     total = len(grown.leaves.centre)
-    count = LIGHT_CARDS if form == "light" else total
+    count = {"light": LIGHT_CARDS, "near": int(NEAR_CARDS * total)}.get(form, total)
     leaves = grown.leaves.first(int(share * count))
     tint = seasons.colors(own, season, leaves)
     core = grown.core.first(
@@ -186,9 +187,11 @@ def _crown(
     parts = [foliage.kites(core, 0.8, shade, FOLIAGE)]
     if form == "fine":
         return [*parts, foliage.leaves(leaves, own.pattern, tint, FOLIAGE, rng)]
-    size = LIGHT_SIZE * np.sqrt(total / LIGHT_CARDS) if form == "light" else 1.0
-    slim = max(own.slim, 0.6) if form == "light" else own.slim
-    return [*parts, foliage.kites(leaves, slim, tint, FOLIAGE, size=size)]
+    if form == "near":
+        return [*parts, foliage.few_leaves(leaves, own.pattern, tint, FOLIAGE, rng,
+                                           size=NEAR_CARDS**-0.5)]  # fmt: skip
+    size = LIGHT_SIZE * np.sqrt(total / LIGHT_CARDS)
+    return [*parts, foliage.kites(leaves, max(own.slim, 0.6), tint, FOLIAGE, size=size)]
 
 
 def _twigs(skeleton: Skeleton, rng: np.random.Generator, count: int) -> MeshBatch:
