@@ -35,6 +35,7 @@ from cityx.plugins.background.sun import sun
 NAMES = (*SPECIES, "palm", "shrub", "boxwood")
 STRIP = (960, 190)  # pixels of one species
 TITLE, GAP, COLUMNS = 18, 4, 2
+TOGETHER = 3  # species in one Blender scene; every picture costs the setup of all its trees
 APART = 600.0  # metres between strips, along a diagonal, so that none stands behind another
 FRAME = Frame(51.5, 8.0)
 # Season, form and whether it grew in a street, from left to right.
@@ -92,6 +93,17 @@ def strip_city(names: Sequence[str]) -> tuple[City, list[Camera]]:
     return sun(city, time="15:00"), cameras
 
 
+def render(names: Sequence[str], folder: Path, samples: int) -> list[Path]:
+    """Render the strips of a few species."""
+    city, cameras = strip_city(names)
+    store = folder / "city"
+    write_city(city, store)
+    requests = tuple(RenderRequest(each, folder / f"{each.name}.png", samples) for each in cameras)
+    run_worker(BlenderJob(store, renders=requests), timeout_s=TIMEOUT_S,
+               progress=lambda _, text: print(text, flush=True))  # fmt: skip
+    return [request.path for request in requests]
+
+
 def compose(names: Sequence[str], paths: Sequence[Path], out: Path) -> None:
     """Write the sheet, strips side by side in columns."""
     lines = -(-len(names) // COLUMNS)
@@ -120,14 +132,11 @@ def main() -> None:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         work = options.work or Path(scratch)
-        city, cameras = strip_city(options.only)
-        store = work / "city"
-        write_city(city, store)
-        requests = tuple(RenderRequest(each, work / f"{each.name}.png", options.samples)
-                         for each in cameras)  # fmt: skip
-        run_worker(BlenderJob(store, renders=requests), timeout_s=TIMEOUT_S,
-                   progress=lambda _, text: print(text))  # fmt: skip
-        compose(options.only, [request.path for request in requests], options.out)
+        paths: list[Path] = []
+        for first in range(0, len(options.only), TOGETHER):
+            paths += render(options.only[first : first + TOGETHER], work / str(first),
+                            options.samples)  # fmt: skip
+        compose(options.only, paths, options.out)
     print(options.out)
 
 

@@ -41,7 +41,7 @@ PATTERNS: Mapping[str, tuple[tuple[float, float, float, float], ...]] = MappingP
 )  # fmt: skip
 FULLER = 1.22  # leaves cover less than the kite they stand in for
 FEW = 3  # leaves per card in the plainer form
-FEW_FULLER, FEW_SLIM = 1.35, 0.30  # they are larger, and never thinner than this
+FEW_FULLER, FEW_SLIM = 1.60, 0.30  # they are larger, and never thinner than this
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ FloatArray = NDArray[np.float64]
 FORMS = ("fine", "near", "light", "far")
 SPECIES = tuple(TREES)
 LIGHT_CARDS, LIGHT_CORE, FAR_CARDS = 900, 120, 14
-NEAR_CARDS = 0.6  # share of the cards that the near form draws, larger for it
+NEAR_CARDS = 0.75  # share of the cards that the near form draws, larger for it
 # Kites grow as they become fewer, a little less than the area asks: gaps close by themselves.
 LIGHT_SIZE = 0.85
 THINNEST = {"fine": 0.007, "near": 0.014, "light": 0.05}  # metres, limbs drawn under leaves
@@ -227,9 +227,9 @@ def _far(own: Species, grown: Individual, season: str, *, bare: bool) -> list[Me
         side *= 0.05 / np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-6)
         return [stem, shapes.cards(low + half, half, side, "bark", np.tile(TWIG_BARK, (26, 1)),
                                    fold=0.0)]  # fmt: skip
-    t = np.array([0.02, 0.30, 0.72, 0.99])
+    t = np.array([0.02, 0.30, 0.78, 0.985])
     z = own.clear + t * (own.height - own.clear)
-    share = np.array([0.35, 0.92, 0.74, 0.0]) * np.array([0.0 if own.strands else 1.0, 1, 1, 1])
+    share = np.array([0.35, 0.92, 0.95, 0.0]) * np.array([0.0 if own.strands else 1.0, 1, 1, 1])
     reach = np.maximum(crown_radius(own, z), 0.0) * share
     angle = np.arange(FAR_SIDES) * (2 * np.pi / FAR_SIDES)
     lump = rng.uniform(0.78, 1.08, (len(t), FAR_SIDES))
