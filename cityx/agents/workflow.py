@@ -39,7 +39,7 @@ MAP_TO_CITY: tuple[WorkflowStep, ...] = (
     WorkflowStep("building/design-v1", lods=(1, 2, 3)),
     WorkflowStep("building/shell-v1", lods=(1, 2, 3), options={"workers": "workers"}),
     WorkflowStep("building/facade-v1", lods=(2, 3)),
-    WorkflowStep("nature/trees-v1", lods=(1, 2, 3)),
+    WorkflowStep("nature/trees-v2", lods=(1, 2, 3)),
     WorkflowStep("nature/barriers-v1", lods=(2, 3)),
     WorkflowStep("nature/furniture-v1", lods=(2, 3)),
     WorkflowStep("road/covers-v1", lods=(2, 3)),

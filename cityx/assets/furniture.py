@@ -412,20 +412,22 @@ def wall_segment() -> Shapes:
 def hedge_segment() -> Shapes:
     """Two metres of clipped hedge: a body in the shade and a skin of leaves."""
     rng = rng_for(0, "assets/hedge", 1)
-    count = 420
-    side = rng.integers(0, 3, count)  # front, back, top
-    x, s = rng.uniform(-1, 1, count), rng.uniform(-1, 1, count)
-    y = np.select([side == 0, side == 1], [-0.33, 0.33], 0.33 * s)
-    z = np.select([side == 2], [1.24], 0.10 + 0.56 * (s + 1))
+    count = 440
+    side = rng.choice(3, count, p=[0.37, 0.37, 0.26])  # front, back, top
+    x, s = rng.uniform(-1.02, 1.02, count), rng.uniform(-1, 1, count)
+    # Clipped, but not ruled: the face swells and sinks by a few centimetres.
+    swell = 0.025 * np.sin(5.1 * x + 2.3 * s) + 0.02 * rng.normal(size=count)
+    y = np.select([side == 0, side == 1], [-0.32 - swell, 0.32 + swell], 0.33 * s)
+    z = np.where(side == 2, 1.21 + swell, 0.08 + 0.57 * (s + 1))
     normal = np.stack([np.zeros(count), np.sign(y) * (side < 2), 1.0 * (side == 2)], axis=1)
-    normal = normal + 0.45 * rng.normal(size=(count, 3)) + [0, 0, 0.25]
+    normal = normal + 0.42 * rng.normal(size=(count, 3)) + [0, 0, 0.25]
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     along = np.cross(normal, rng.normal(size=(count, 3)))
-    along *= 0.09 / np.linalg.norm(along, axis=1, keepdims=True)
-    tint = rng.uniform(0.55, 1.05, (count, 1)) * (0.6 + 0.35 * z[:, None]) * [0.9, 0.9, 0.85]
+    along *= 0.086 / np.linalg.norm(along, axis=1, keepdims=True)
+    tint = rng.uniform(0.55, 1.10, (count, 1)) * (0.62 + 0.33 * z[:, None]) * [0.9, 0.9, 0.85]
     centre = np.column_stack([x, y, z])
-    leaves = cards(centre, along, np.cross(normal, along), "leaf", tint)
-    return [box((-1, -0.31, -0.2), (1, 0.31, 1.2), "hedge", (0.6, 0.6, 0.6)), leaves]
+    leaves = cards(centre, along, 0.7 * np.cross(normal, along), "leaf", tint)
+    return [box((-1, -0.30, -0.2), (1, 0.30, 1.19), "hedge", (0.5, 0.5, 0.5)), leaves]
 
 
 def bus() -> Shapes:

@@ -24,6 +24,7 @@ PUDDLED = frozenset(
 AGED = frozenset({"plaster", "brick", "stone", "concrete", "wood", "trim"})
 SPLASH_HEIGHT = 1.3  # metres above the ground that rain throws soil up a wall
 SPLASH, STREAK, BLOTCH = 0.26, 0.16, 0.14  # shares of light they take at most
+LEAVES = frozenset({"leaf", "foliage"})
 GLAZED = frozenset({"glass", "glass_wall", "car_glass"})
 SNOW_COLOR = (0.82, 0.84, 0.88, 1.0)
 WET_LOSS = 0.55  # share of light a soaked porous surface loses; wet concrete keeps about half
@@ -103,7 +104,7 @@ class MaterialLibrary:
         if record.name == "car_paint":
             shader.inputs["Coat Weight"].default_value = 0.7
         self._emit(material, record, variant)
-        if record.name == "leaf":
+        if record.name in LEAVES:
             _let_light_through(tree, weather.outputs["Color"])
         return material
 

@@ -17,6 +17,7 @@ from cityx.checks.ground import check_ground
 from cityx.checks.heights import check_heights
 from cityx.checks.lanes import check_lanes
 from cityx.checks.meshes import check_meshes, triangle_counts
+from cityx.checks.trees import check_trees
 from cityx.city import City
 from cityx.city.content import content_hash
 from cityx.geometry.identity import id_text
@@ -32,6 +33,7 @@ def run_checks(city: City) -> list[Check]:
         *check_ground(city),
         *check_lanes(city),
         *check_heights(city),
+        *check_trees(city),
         *check_meshes(city),
         _failed(city),
     ]

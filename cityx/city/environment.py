@@ -13,6 +13,8 @@ class Environment:
     ----------
     sun_elevation, sun_azimuth
         Radians; azimuth clockwise from north. Elevation may be negative (night).
+    day
+        Day of the year, 1 to 366; the leaves of trees follow it.
     weather
         Name of the preset the numbers came from.
     cloud_cover
@@ -42,3 +44,4 @@ class Environment:
     night_lights: float = 0.0
     sky_strength: float = 0.12
     exposure: float = 0.0
+    day: int = 172

@@ -23,6 +23,7 @@ from cityx.geometry.identity import hash_ids, mix, uniform
 
 ROUNDS = 3  # decisions deeper than this are dropped: 0.3 % of the points, measured
 REACH = 2 * ROUNDS  # radii around a point that can change its fate
+HALF_WORD, LOW_HALF = np.uint64(32), np.uint64(0xFFFFFFFF)
 PER_CELL = 3  # candidates per cell of one radius; more fill the last gaps at a rising price
 
 
@@ -49,17 +50,17 @@ def cell_ids(cells: NDArray[np.int64]) -> NDArray[np.uint64]:
 
 
 def candidates(cells: NDArray[np.int64], radius: float, *, seed: int, purpose: str) -> Points:
-    """Draw the candidates of the given cells (edge `radius`), `PER_CELL` each."""
+    """Draw the candidates of the given cells (edge `radius`), `PER_CELL` each, in no order."""
     ids = hash_ids(
         seed,
         purpose,
         np.repeat(cell_ids(cells), PER_CELL),
         np.tile(np.arange(PER_CELL), len(cells)),
     )
-    offset = np.column_stack([uniform(seed, purpose, ids, 1), uniform(seed, purpose, ids, 2)])
+    bits = hash_ids(seed, purpose, ids, 1)  # half of them for each coordinate
+    offset = np.column_stack([bits >> HALF_WORD, bits & LOW_HALF]) / float(1 << 32)
     xy = (np.repeat(cells, PER_CELL, axis=0) + offset) * radius
-    order = np.argsort(ids, kind="stable")
-    return Points(np.round(xy[order], 4), ids[order])
+    return Points(np.round(xy, 4), ids)
 
 
 def near_pairs(xy: NDArray[np.float64], radius: float) -> NDArray[np.int64]:
@@ -92,7 +93,7 @@ def near_pairs(xy: NDArray[np.float64], radius: float) -> NDArray[np.int64]:
 def thin(points: Points, radius: float) -> Points:
     """Keep the points that win against every neighbour nearer than `radius`, in `ROUNDS` rounds.
 
-    The id is the priority; points still undecided at the end are dropped.
+    The id is the priority; points still undecided at the end are dropped. The rest is sorted by id.
     """
     count = len(points.id)
     if count == 0:
@@ -112,7 +113,25 @@ def thin(points: Points, radius: float) -> Points:
         kept |= fresh
         undecided &= ~fresh
         undecided[loser[fresh[winner]]] = False
-    return Points(points.xy[kept], points.id[kept])
+    rows = np.flatnonzero(kept)
+    rows = rows[np.argsort(points.id[rows], kind="stable")]
+    return Points(points.xy[rows], points.id[rows])
+
+
+def thinned(points: Points, density: ArrayLike, *, seed: int, purpose: str) -> Points:
+    """Keep each point with its own chance, for a density that varies over the plane.
+
+    Parameters
+    ----------
+    points
+        n points.
+    density
+        (n,) float, share of the points that is kept where each lies; above 1 keeps all.
+    seed, purpose
+        Key of the random numbers; a point's draw depends on its id alone.
+    """
+    keep = uniform(seed, f"{purpose}/thinned", points.id) < np.asarray(density, float)
+    return _rows(points, keep)
 
 
 def poisson_disk(
@@ -229,8 +248,7 @@ def poisson_in(
     inside[tree.query(shapes, predicate="contains")[1]] = True
     middle, edge = drawn(blocks[whole]), _rows(border, inside)
     ids = np.concatenate([middle.id, edge.id])
-    order = np.argsort(ids, kind="stable")
-    points = thin(Points(np.concatenate([middle.xy, edge.xy])[order], ids[order]), radius)
+    points = thin(Points(np.concatenate([middle.xy, edge.xy]), ids), radius)
     if bounds is None:
         return points
     x, y = points.xy.T

@@ -21,7 +21,7 @@ _QUALITY = 90
 # A map that varies less than this over the tile is left out.
 FLAT = 3  # of 255
 # Made of thin sheets that are seen from both sides.
-TWO_SIDED = frozenset({"leaf", "hedge", "cloth"})
+TWO_SIDED = frozenset({"leaf", "foliage", "hedge", "cloth"})
 # Water darkens a porous surface to this share at most (Lekner and Dorf 1988 measure 0.5 to 0.7).
 _WETTEST = 0.55
 _FILM_ROUGHNESS = 0.12  # of a closed film of water

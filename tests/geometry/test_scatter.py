@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
-from cityx.geometry.scatter import near_pairs, poisson_disk, poisson_in
+from cityx.geometry.scatter import near_pairs, poisson_disk, poisson_in, thinned
 
 WHOLE = (-200.0, -200.0, 200.0, 200.0)
 
@@ -31,6 +31,34 @@ def test_a_window_holds_exactly_the_points_of_the_whole(x, y, width, depth):
     inside = (whole.xy >= [x, y]).all(axis=1) & (whole.xy < [x + width, y + depth]).all(axis=1)
     assert np.array_equal(whole.xy[inside], part.xy)
     assert np.array_equal(whole.id[inside], part.id)
+
+
+def test_36_tiles_made_apart_equal_the_single_run():
+    whole = poisson_disk((0, 0, 600, 600), 4.0, seed=3, purpose="t")
+    tiles = [
+        poisson_disk((x, y, x + 100, y + 100), 4.0, seed=3, purpose="t")
+        for x in range(0, 600, 100)
+        for y in range(0, 600, 100)
+    ]
+    ids = np.concatenate([tile.id for tile in tiles])
+    order = np.argsort(ids)
+    assert np.array_equal(ids[order], whole.id)
+    assert np.array_equal(np.concatenate([tile.xy for tile in tiles])[order], whole.xy)
+
+
+def test_density_varies_over_the_plane_and_tiles_agree_on_it():
+    def density(xy):
+        return np.clip(xy[:, 0] / 600.0, 0, 1)
+
+    def made(bounds):
+        points = poisson_disk(bounds, 4.0, seed=3, purpose="t")
+        return thinned(points, density(points.xy), seed=3, purpose="t")
+
+    whole = made((0, 0, 600, 600))
+    share = np.histogram(whole.xy[:, 0], bins=3, range=(0, 600))[0]
+    assert share / share.sum() == pytest.approx([1 / 9, 3 / 9, 5 / 9], abs=0.02)
+    halves = [made((0, 0, 300, 600)), made((300, 0, 600, 600))]
+    assert np.array_equal(np.sort(np.concatenate([h.id for h in halves])), whole.id)
 
 
 SHAPES = [shapely.Point(-90, 40).buffer(60), shapely.box(100, -150, 180, -20)]

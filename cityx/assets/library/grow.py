@@ -415,6 +415,11 @@ _PLANT_WORDS = {
     "cherry": "cherry tree, small ornamental", "pine": "pine, evergreen conifer",
     "spruce": "spruce, evergreen conifer, needles", "cypress": "cypress, slim dark evergreen",
     "shrub": "shrub, bush", "palm": "palm tree, tropical",
+    "chestnut": "horse chestnut tree, broad crown", "ginkgo": "ginkgo, golden in autumn",
+    "zelkova": "zelkova tree, vase-shaped broadleaf", "camphor": "camphor, evergreen broadleaf",
+    "willow": "weeping willow, hanging branches", "jacaranda": "jacaranda, violet blossom",
+    "acacia": "acacia, flat umbrella crown", "olive": "olive tree, grey evergreen",
+    "boxwood": "boxwood, clipped evergreen bush",
 }  # fmt: skip
 _VEHICLE_WORDS = {"hatchback": "hatchback, small car", "sedan": "sedan, saloon car",
                   "suv": "sport utility vehicle, suv", "van": "panel van, delivery van",

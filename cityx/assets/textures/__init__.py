@@ -16,7 +16,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.textures import grounds, roofs, walls
+from cityx.assets.textures import barks, grounds, roofs, walls
 from cityx.assets.textures.relief import (
     Relief,
     exact_mean,
@@ -39,7 +39,8 @@ PATTERNS: Mapping[str, Callable[[int], Relief]] = MappingProxyType(
             walls.curtain, walls.paint,
             roofs.roof_tiles, roofs.slate, roofs.seams, roofs.felt, roofs.gravel, roofs.thatch,
             grounds.asphalt, grounds.setts, grounds.paving, grounds.grass, grounds.soil,
-            grounds.furrows, grounds.ripples, grounds.bark,
+            grounds.furrows, grounds.ripples,
+            barks.bark, barks.bark_smooth,
         )
     }
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Patterns of the ground: roads, paving, vegetation, soil, water, and bark."""
+"""Patterns of the ground: roads, paving, vegetation, soil and water."""
 
 from __future__ import annotations
 
@@ -152,19 +152,3 @@ def ripples(size: int) -> Relief:
         height += (1 - arch * (0.6 + 0.4 * arch)) * (1.6 / number**1.25)
     even = np.ones((size, size), np.float32)
     return Relief(12.0, even, (0.06 * blurred(height.astype(np.float32), 1)), 1.0, brightness=1.0)
-
-
-def bark(size: int) -> Relief:
-    """Draw the ridged bark of a street tree, ridges up the stem."""
-    bend = 0.03 * fractal("bark/bend", size, 4, 3, octaves=3)
-    near, far, _ = cells("bark", size, 15, 3)
-    ridge = smooth(0.0, 0.36, sampled(far - near, bend, np.roll(bend, 37, 1)))
-    grain = fractal("bark/grain", size, 90, 18, octaves=3, gain=0.7)
-    clouds = fractal("bark/clouds", size, 3, octaves=4)
-    tone = (0.35 + 0.65 * ridge) * (1 + 0.20 * grain + 0.10 * clouds)
-    lichen = smooth(0.5, 1.2, clouds + 0.5 * grain)
-    albedo = np.maximum(tone, 0.1)[..., None] * np.stack(
-        [np.ones_like(tone), 1 + 0.06 * lichen, 1 - 0.02 * lichen], axis=2
-    )
-    height = 0.016 * ridge + 0.003 * grain
-    return Relief(1.0, albedo, height, 1.0, brightness=0.6)

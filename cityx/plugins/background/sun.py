@@ -75,6 +75,7 @@ def sun_of(environment: Environment, latitude: float, longitude: float, *, time:
         sun_azimuth=round(azimuth, 6),
         night_lights=night_lights_of(elevation),
         exposure=exposure_of(elevation),
+        day=midday.timetuple().tm_yday,
     )
 
 

@@ -201,6 +201,15 @@ def _lamps(city: City, have: int) -> _Pieces | None:
     return _pieces(names, places.xy, ids, yaw_facing(places.toward_road))
 
 
+def lamp_places(city: City) -> FloatArray:
+    """Return the (n, 2) places of mapped lamps and of those that `furniture` will add."""
+    table = city.layout.points
+    rows = np.flatnonzero(table["kind"].to_numpy().astype(str) == "street_lamp")
+    mapped = shapely.get_coordinates(table.geometry.to_numpy()[rows])
+    added = _lamps(city, len(rows))
+    return mapped if added is None else np.concatenate([mapped, added.xy])
+
+
 def _signals(city: City, drive: float) -> _Pieces | None:
     """Signals at the kerb corner of every arm of a signalised junction, and at crossings."""
     network = city.network

@@ -2,85 +2,68 @@
 
 from __future__ import annotations
 
-import json
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City, Instances, Prototype
-from cityx.city.ground import KERB_HEIGHT, LABEL
-from cityx.geometry.clearance import (
-    distance_within,
-    in_triangles,
-    near_any,
-    push_off,
-    spots_of,
+from cityx.city.ground import KERB_HEIGHT
+from cityx.geometry.clearance import distance_within
+from cityx.geometry.identity import choose, hash_ids, stable_id, uniform
+from cityx.geometry.polylines import arc_lengths, every, locate, pack
+from cityx.geometry.scatter import Points, cell_ids, cells_of_polygons, poisson_in, thinned
+from cityx.plugins.nature import climate
+from cityx.plugins.nature.climate import band_of, season_of, species_of_tags
+from cityx.plugins.nature.furniture import lamp_places
+from cityx.plugins.nature.tree_pits import with_pits
+from cityx.plugins.nature.tree_room import (
+    FACADE_CLEARANCE,
+    KERB_CLEARANCE,
+    SIGHT,
+    Room,
+    beside_street,
+    fitted,
+    room_of,
 )
-from cityx.geometry.identity import choose, hash_ids, uniform
-from cityx.geometry.polylines import arc_lengths, every, locate, pack, to_linestrings
-from cityx.geometry.scatter import Points, cell_ids, cells_of_polygons, poisson_in
-from cityx.plugins.road.kerbs import edge_lengths, edge_lines, join_places, places_along
+from cityx.plugins.road.kerbs import edge_lengths, join_places, places_along
 from cityx.protocol import Port, Range, action
 
-ACTION = "nature/trees-v1"
+ACTION = "nature/trees-v2"
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
 
 ROW_SPACING = 8.0  # metres between the trees of a mapped row
 WOOD_SPACING = 5.0  # metres; a grown mixed wood
 PACKING = 0.53  # points of `poisson_in` per squared radius, measured
 NEAR_LIMIT = 20_000  # trees with many leaves; beyond, all take the light form
+NEAR_MASS = 8_000  # trees of woods that one may walk among; larger woods take the light form
 GROVE_SPACING = 11.0  # metres; wider, a single tree leaves the wood's floor bare from the air
 NEAR_SHARE = 0.7  # of the budget, for woods beside buildings at most
-KERB_CLEARANCE = 0.8  # metres from trunk to kerb
-FACADE_CLEARANCE = 2.5  # metres from trunk to facade for trees nobody mapped
-LEAST_FACADE = 0.6  # metres, the same for mapped ones: they are where they are
-CROWN_REACH = 7.0  # metres, the widest crown
-MOST_PUSH = 1.6  # metres a mapped tree may be moved out of a carriageway
-# Surfaces of the ground on which no trunk stands, whatever the map says.
-TREELESS = ("carriageway", "setts", "junction", "marking", "tramway", "water")
 SNOWED = 0.3  # snow cover from which deciduous trees are bare
-STREET_SPACING = 10.0  # metres; every third place is left to a lamp
-STREET_SHARE = 1 / 3
+STREET_SPACINGS = (7.0, 8.0, 9.0, 10.0)  # metres between the trees of a street, drawn per street
+STREET_SHARE, MAIN_SHARE = 0.45, 0.75  # of the streets that are wide enough, of the main ones
 STREET_KINDS = ("residential", "tertiary", "secondary", "primary", "unclassified", "living_street")
+MAIN_KINDS = ("tertiary", "secondary", "primary")
+# Share of a wood's patches that are conifers, by climate.
+CONIFERS = {"north": 0.65, "temperate": 0.30, "japan": 0.25, "warm": 0.30, "tropic": 0.0}
+TREE_WALK = 2.8  # metres, narrowest walk or verge with trees
+HOUSES_WITHIN = 25.0  # metres; a street has trees only where it has houses on its side
 
-SPECIES = ("lime", "plane", "maple", "oak", "poplar", "birch", "cherry", "pine", "spruce",
-           "cypress", "palm", "shrub", "grove")  # fmt: skip
+SPECIES = ("lime", "plane", "maple", "oak", "chestnut", "birch", "cherry", "ginkgo", "zelkova",
+           "camphor", "poplar", "willow", "jacaranda", "acacia", "olive", "pine", "spruce",
+           "cypress", "palm", "shrub", "boxwood", "grove")  # fmt: skip
 _INDEX = {name: index for index, name in enumerate(SPECIES)}
-STREET_MIX = {"lime": 5.0, "plane": 3.0, "maple": 3.0, "cherry": 1.0, "oak": 0.6}
-PARK_MIX = {"lime": 2.0, "oak": 2.0, "maple": 2.0, "birch": 1.5, "plane": 1.0, "cherry": 0.8,
-            "pine": 0.7, "spruce": 0.4, "poplar": 0.4}  # fmt: skip
-BROAD_MIX = {"oak": 3.0, "maple": 2.0, "lime": 2.0, "birch": 1.5}
-NEEDLE_MIX = {"spruce": 3.0, "pine": 1.6}
-TROPIC_MIX = {"palm": 2.0, "plane": 2.0, "maple": 2.0, "lime": 1.0}
-TROPIC = 24.0  # degrees of latitude within which palms grow and spruces do not
-GENUS = {
-    "tilia": "lime", "lime": "lime", "linden": "lime", "platanus": "plane", "plane": "plane",
-    "acer": "maple", "maple": "maple", "ahorn": "maple", "quercus": "oak", "oak": "oak",
-    "fagus": "oak", "beech": "oak", "aesculus": "oak", "castanea": "oak", "ulmus": "lime",
-    "fraxinus": "maple", "ash": "maple", "robinia": "maple", "populus": "poplar",
-    "poplar": "poplar", "betula": "birch", "birch": "birch", "salix": "birch",
-    "prunus": "cherry", "malus": "cherry",
-    "pyrus": "cherry", "sorbus": "cherry", "crataegus": "cherry", "cherry": "cherry",
-    "magnolia": "cherry", "pinus": "pine", "pine": "pine", "larix": "spruce", "picea": "spruce",
-    "abies": "spruce", "spruce": "spruce", "fir": "spruce", "cupressus": "cypress",
-    "thuja": "cypress", "taxus": "cypress", "juniperus": "cypress", "chamaecyparis": "cypress",
-    "ginkgo": "lime", "zelkova": "lime", "celtis": "lime", "carpinus": "lime", "alnus": "birch",
-    "phoenix": "palm", "washingtonia": "palm", "trachycarpus": "palm", "palm": "palm",
-    "arecaceae": "palm", "cocos": "palm", "roystonea": "palm",
-}  # fmt: skip
-NAMING = ("genus", "species", "taxon", "genus:en", "species:en", "species:de")
 # (spacing in metres, share of points kept, kind of mix) by kind of area.
 AREAS = {
     "wood": (WOOD_SPACING, 1.0), "park": (9.0, 0.55), "garden": (8.0, 0.40),
     "cemetery": (8.0, 0.45), "golf": (13.0, 0.35), "scrub": (3.2, 0.55), "orchard": (4.5, 0.95),
     "grass": (16.0, 0.18), "residential": (11.0, 0.30),
 }  # fmt: skip
-OPEN_AREAS = ("water", "sea", "river", "pool", "pitch", "parking", "road_area", "railway",
-              "playground", "pier", "construction", "farmland", "sand")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -89,53 +72,49 @@ class _Stand:
 
     xy: FloatArray
     id: NDArray[np.uint64]
-    species: NDArray[np.int64]
+    species: IntArray
     height: FloatArray
     mapped: BoolArray
     light: BoolArray
+    line: NDArray[np.uint64]  # id of the row or street side by side with others, or 0
+    place: IntArray  # number along it
 
 
-def _stand(points: Points, species: Any, height: Any = np.nan, *, mapped: bool = False,
-           light: bool = False) -> _Stand:  # fmt: skip
+_COLUMNS = ("xy", "id", "species", "height", "mapped", "light", "line", "place")
+
+
+def _stand(
+    points: Points,
+    species: Any,
+    height: Any = np.nan,
+    *,
+    mapped: bool = False,
+    light: bool = False,
+    line: Any = 0,
+    place: Any = 0,
+) -> _Stand:
     count = len(points.id)
     return _Stand(points.xy.reshape(-1, 2), points.id, np.broadcast_to(species, (count,)),
                   np.broadcast_to(np.asarray(height, float), (count,)), np.full(count, mapped),
-                  np.full(count, light))  # fmt: skip
+                  np.full(count, light), np.broadcast_to(np.asarray(line, np.uint64), (count,)),
+                  np.broadcast_to(np.asarray(place, np.int64), (count,)))  # fmt: skip
 
 
 def _join(stands: list[_Stand]) -> _Stand:
-    names = ("xy", "id", "species", "height", "mapped", "light")
-    return _Stand(*(np.concatenate([getattr(s, name) for s in stands]) for name in names))
+    return _Stand(*(np.concatenate([getattr(s, name) for s in stands]) for name in _COLUMNS))
 
 
 def _rows(stand: _Stand, keep: Any) -> _Stand:
-    names = ("xy", "id", "species", "height", "mapped", "light")
-    return _Stand(*(getattr(stand, name)[keep] for name in names))
+    return _Stand(*(getattr(stand, name)[keep] for name in _COLUMNS))
 
 
-def _draw(mix: dict[str, float], city: City, ids: NDArray[np.uint64]) -> NDArray[np.int64]:
-    """Draw species by weight; tropical places have their own."""
-    if abs(city.frame.latitude) < TROPIC:
-        mix = TROPIC_MIX
+def _draw(
+    mixes: Mapping[str, Mapping[str, float]], city: City, ids: NDArray[np.uint64]
+) -> IntArray:
+    """Draw species by the weights of the place's climate."""
+    mix = mixes[band_of(city.frame)]
     table = np.array([_INDEX[name] for name in mix])
     return table[choose(city.seed, "nature/species", ids, list(mix.values()))]
-
-
-def species_of_tags(tags: str) -> str:
-    """Return the habit that the tags of a tree name, or "" when they name none."""
-    if len(tags) < 3:
-        return ""
-    try:
-        known = json.loads(tags)
-    except ValueError:
-        return ""
-    text = " ".join(str(known.get(key, "")) for key in NAMING).lower()
-    for word in text.replace(",", " ").split():
-        if word in GENUS:
-            return GENUS[word]
-    if known.get("leaf_type") == "needleleaved":
-        return "spruce"
-    return "palm" if known.get("leaf_type") == "palm" else ""
 
 
 def _mapped(city: City) -> list[_Stand]:
@@ -146,7 +125,7 @@ def _mapped(city: City) -> list[_Stand]:
     rows = np.flatnonzero((kind == "tree") | (kind == "shrub"))
     if len(rows):
         ids = table["id"].to_numpy()[rows]
-        species = _draw(STREET_MIX, city, ids)
+        species = _draw(climate.STREET_MIX, city, ids)
         named = [species_of_tags(text) for text in table["tags"].to_numpy()[rows]]
         species = np.array([_INDEX[n] if n else s for n, s in zip(named, species, strict=True)])
         species[kind[rows] == "shrub"] = _INDEX["shrub"]
@@ -161,12 +140,14 @@ def _mapped(city: City) -> list[_Stand]:
         line, along = every(arc_lengths(packed)[1], ROW_SPACING)
         ids = lines["id"].to_numpy()[rows]
         named = [species_of_tags(text) for text in lines["tags"].to_numpy()[rows]]
-        species = _draw(STREET_MIX, city, ids)
+        species = _draw(climate.STREET_MIX, city, ids)
         species = np.array([_INDEX[n] if n else s for n, s in zip(named, species, strict=True)])
         number = np.arange(len(line)) - np.searchsorted(line, line)
         points = Points(locate(packed, line, along)[0], hash_ids(0, ACTION, ids[line], number))
         height = lines["height"].to_numpy()[rows][line]
-        stands.append(_stand(points, species[line], height, mapped=True))
+        stands.append(
+            _stand(points, species[line], height, mapped=True, line=ids[line], place=number)
+        )
     return stands
 
 
@@ -193,16 +174,19 @@ def _wooded(city: City, budget: int, have: FloatArray) -> list[_Stand]:
         points = poisson_in(
             shapes, radius, seed=city.seed, purpose=purpose, bounds=city.layout.extent
         )
-        keep = _clumped(points, share, city.seed, purpose)
-        points = Points(points.xy[keep], points.id[keep])
+        points = thinned(points, share * _clumps(points.xy, city.seed, purpose), seed=city.seed,
+                         purpose=purpose)  # fmt: skip
         if kind == "scrub":
             species = np.full(len(points.id), _INDEX["shrub"])
         elif kind == "orchard":
-            species = np.full(len(points.id), _INDEX["cherry"])
+            species = _draw(climate.ORCHARD, city, points.id)
         else:
-            species = _draw(PARK_MIX, city, points.id)
+            species = _draw(climate.PARK_MIX, city, points.id)
             bush = uniform(city.seed, purpose, points.id, 7) < 0.22
             species = np.where(bush, _INDEX["shrub"], species)
+            if kind in ("garden", "cemetery"):
+                clipped = uniform(city.seed, purpose, points.id, 8) < 0.35
+                species = np.where(bush & clipped, _INDEX["boxwood"], species)
         height = np.nan if kind != "orchard" else 4.2
         stands.append(_stand(points, species, height, light=kind == "scrub"))
     return stands
@@ -216,12 +200,10 @@ def _covered(shapes: NDArray[Any], have: FloatArray) -> BoolArray:
     return np.asarray(count * 600.0 > shapely.area(shapes))
 
 
-def _clumped(points: Points, share: float, seed: int, purpose: str) -> BoolArray:
-    """Keep a share of points in groups: one draw per point, tilted by a draw per 40 m cell."""
-    cells = np.floor(points.xy / 40.0).astype(np.int64)
-    group = uniform(seed, purpose, cell_ids(cells), 5)
-    chance = np.clip(share * (0.25 + 1.5 * group), 0, 1)
-    return np.asarray(uniform(seed, purpose, points.id, 6) < chance)
+def _clumps(xy: FloatArray, seed: int, purpose: str) -> FloatArray:
+    """(n,) density that groups points: one draw per 40 m cell, 1 on average."""
+    cells = np.floor(xy / 40.0).astype(np.int64)
+    return np.asarray(0.25 + 1.5 * uniform(seed, purpose, cell_ids(cells), 5))
 
 
 def _woods(city: City, shapes: NDArray[Any], budget: int, purpose: str) -> list[_Stand]:
@@ -294,128 +276,110 @@ def _wood_species(city: City, points: Points) -> NDArray[np.int64]:
     patch = uniform(
         city.seed, "nature/patch", cell_ids(np.floor(points.xy / 120.0).astype(np.int64))
     )
-    latitude = abs(city.frame.latitude)
-    share = 0.12 if latitude < 40 else 0.30 if latitude < 56 else 0.65
+    share = CONIFERS[band_of(city.frame)]
     stranger = uniform(city.seed, "nature/stranger", points.id) < 0.15
-    needle = (patch < share) ^ stranger
-    return np.where(needle & (latitude >= TROPIC), _draw(NEEDLE_MIX, city, points.id),
-                    _draw(BROAD_MIX, city, points.id))  # fmt: skip
+    return np.where((patch < share) ^ (stranger & (share > 0)),
+                    _draw(climate.NEEDLE_MIX, city, points.id),
+                    _draw(climate.BROAD_MIX, city, points.id))  # fmt: skip
 
 
 def _street_trees(city: City, mapped: int) -> list[_Stand]:
-    """Plant a third of the streets of an urban place whose map shows next to no trees."""
+    """Plant some of the wide streets of an urban place whose map shows next to no trees."""
     network = city.network
     if network is None or not network.edge_count:
         return []
     roads = city.layout.roads
     kind = roads["kind"].to_numpy().astype(str)[network.edge_road]
-    streets = np.isin(kind, STREET_KINDS)
     length = edge_lengths(network)
     if mapped > length[kind == "residential"].sum() / 100.0:
         return []
     flat = (roads["layer"].to_numpy() == 0) & ~roads["bridge"].to_numpy()
     road_id = roads["id"].to_numpy()[network.edge_road]
     name = roads["name"].to_numpy().astype(str)[network.edge_road]
-    key = np.array([hash_name(n) if n else int(i) for n, i in zip(name, road_id, strict=True)],
-                   np.uint64)  # fmt: skip
-    green = uniform(city.seed, f"{ACTION}/street", key) < STREET_SHARE
+    key = np.array([stable_id("street", n) if n else int(i)
+                    for n, i in zip(name, road_id, strict=True)], np.uint64)  # fmt: skip
+    share = np.where(np.isin(kind, MAIN_KINDS), MAIN_SHARE, STREET_SHARE)
+    green = uniform(city.seed, f"{ACTION}/street", key) < share
+    green &= np.isin(kind, STREET_KINDS) & flat[network.edge_road]
+    spacing = choose(city.seed, f"{ACTION}/street", key, [1.0] * len(STREET_SPACINGS), 1)
     groups = []
     for side, column in ((1, "sidewalk_left"), (-1, "sidewalk_right")):
         width = roads[column].to_numpy()[network.edge_road]
-        edges = np.flatnonzero(streets & green & flat[network.edge_road] & (width >= 1.8))
-        groups.append(
-            places_along(network, edges, side, spacing=STREET_SPACING, beyond=KERB_CLEARANCE + 0.1,
-                         margin=7.0)
-        )  # fmt: skip
+        # Trees of both sides stand in turn; a main street may have its verge beside the walk.
+        wide = (width >= TREE_WALK) | ((width > 0) & np.isin(kind, MAIN_KINDS))
+        for number, metres in enumerate(STREET_SPACINGS):
+            edges = np.flatnonzero(green & wide & (spacing == number))
+            groups.append(
+                places_along(network, edges, side, spacing=metres, beyond=KERB_CLEARANCE + 0.1,
+                             margin=SIGHT, phase=0.25 * (side < 0))
+            )  # fmt: skip
     places = join_places(*groups)
-    places = places.take(places.number % 3 != np.where(places.side > 0, 0, 1))
-    # A street has trees only where it has houses on its side.
     houses = city.layout.buildings.geometry.to_numpy()
-    places = places.take(np.isfinite(distance_within(places.xy, houses, 25.0)))
+    facade = distance_within(places.xy, houses, HOUSES_WITHIN)
+    places = places.take(np.isfinite(facade) & (facade >= FACADE_CLEARANCE))
     ids = hash_ids(0, f"{ACTION}/street", network.edge_id[places.edge],
                    2 * places.number + (places.side > 0))  # fmt: skip
-    return [_stand(Points(places.xy, ids), _draw(STREET_MIX, city, key[places.edge]))]
+    return [_stand(Points(places.xy, ids), _draw(climate.STREET_MIX, city, key[places.edge]),
+                   line=network.edge_id[places.edge],
+                   place=2 * places.number + (places.side > 0))]  # fmt: skip
 
 
-def hash_name(name: str) -> int:
-    """Return the id of a street name, so that all its edges draw alike."""
-    from cityx.geometry.identity import stable_id
+def _variants(stand: _Stand, street: BoolArray) -> IntArray:
+    """(n,) number of the individual each tree is; along a row no two neighbours are the same."""
+    from cityx.assets.trees import individuals
 
-    return stable_id("street", name)
-
-
-def _strips(city: City) -> tuple[NDArray[Any], FloatArray]:
-    """Centrelines of everything one moves on, with half widths."""
-    roads = city.layout.roads
-    kind = roads["kind"].to_numpy().astype(str)
-    shapes = roads.geometry.to_numpy()
-    half = roads["width"].to_numpy() / 2
-    rail = np.isin(kind, ("rail", "light_rail", "tram"))
-    half = np.where(rail, np.fmax(half, 2.6), np.where(np.isfinite(half), half, 1.0))
-    here = ~roads["tunnel"].to_numpy() & (kind != "subway")
-    if city.network is None or not city.network.edge_count:
-        return shapes[here], half[here]
-    # The network knows narrowed widths; the layout still has paths and rails.
-    used = np.zeros(len(roads), bool)
-    used[city.network.edge_road] = True
-    rest = here & ~used
-    lines = to_linestrings(edge_lines(city.network))
-    return (np.concatenate([shapes[rest], lines]),
-            np.concatenate([half[rest], city.network.half_width]))  # fmt: skip
-
-
-def _cleared(city: City, stand: _Stand) -> tuple[_Stand, FloatArray]:
-    """Drop or move what stands in the way; return the rest and its distance to facades."""
-    areas = city.layout.areas
-    open_ = areas.geometry.to_numpy()[np.isin(areas["kind"].to_numpy().astype(str), OPEN_AREAS)]
-    water = areas.geometry.to_numpy()[
-        np.isin(areas["kind"].to_numpy().astype(str), ("water", "sea", "river", "pool"))
-    ]
-    houses = city.layout.buildings.geometry.to_numpy()
-    spots = spots_of(stand.xy)
-    facade = distance_within(spots, houses, CROWN_REACH)
-    keep = facade > np.where(stand.mapped, LEAST_FACADE, FACADE_CLEARANCE)
-    keep &= ~near_any(spots, water, 0.5)
-    keep &= stand.mapped | ~near_any(spots, open_, 0.5)
-    lines, half = _strips(city)
-    xy, free = push_off(spots, lines, half + KERB_CLEARANCE, most=MOST_PUSH)
-    keep &= free & (stand.mapped | (np.hypot(*(xy - stand.xy).T) < 1e-9))
-    changed = (xy != stand.xy).any()
-    after = spots_of(xy) if changed else spots
-    if city.network is not None:
-        network = city.network
-        arms = network.edge_nodes.ravel()
-        radius = np.zeros(len(network.node_position))
-        np.maximum.at(radius, arms, np.repeat(network.half_width, 2))
-        joint = network.node_degree >= 3
-        nodes = shapely.points(network.node_position[joint])
-        keep &= ~near_any(after, nodes, radius[joint] + 1.8)
-    if changed:
-        keep &= ~near_any(after, houses, LEAST_FACADE)
-    if city.ground is not None:
-        ground = city.ground
-        bare = np.isin(ground.face_label, [LABEL[name] for name in TREELESS])
-        keep &= ~in_triangles(xy, ground.vertices, ground.triangles[bare[ground.triangle_face]])
-    return _rows(replace(stand, xy=xy), keep), facade[keep]
+    table = np.array([[individuals(name, street=side) for side in (False, True)]
+                      for name in SPECIES])  # fmt: skip
+    first, count = table[stand.species, street.astype(int)].T  # (n,) each
+    turn = (stand.id >> np.uint64(8)).astype(np.int64) & 0xFFFF
+    order = np.lexsort((stand.place, stand.line))
+    line = stand.line[order]
+    rank = np.arange(len(line)) - np.searchsorted(line, line)
+    start = (hash_ids(0, ACTION, line) >> np.uint64(48)).astype(np.int64)
+    turn[order] = np.where(line > 0, start + rank, turn[order])
+    return np.asarray(first + turn % count)
 
 
 def _prototypes(
-    stand: _Stand, bare: bool, light: bool, fine: bool
+    stand: _Stand, variant: IntArray, forms: tuple[str, str], season: str
 ) -> tuple[list[Prototype], NDArray[np.int32]]:
-    """Make the prototypes in use and number them for every tree."""
-    from cityx.assets import trees
+    """Make the prototypes in use and number them; ``forms`` are of single trees and of masses."""
+    from cityx.assets.trees import plant
 
-    variant = (stand.id % np.uint64(trees.VARIANTS)).astype(np.int64)
-    thin = stand.light | light
-    code = (stand.species * trees.VARIANTS + variant) * 2 + thin
+    code = (stand.species * 64 + variant) * 2 + stand.light
     used, number = np.unique(code, return_inverse=True)
-    found = []
-    for value in used.tolist():
-        species, which = divmod(value // 2, trees.VARIANTS)
-        form = ("bare" if bare else "") + ("_" if bare and value % 2 else "")
-        form += "light" if value % 2 else "" if bare else "fine" if fine else "near"
-        found.append(trees.plant(SPECIES[species], which, form))
+    found = [
+        plant(SPECIES[value // 128], value // 2 % 64, forms[value % 2], season)
+        for value in used.tolist()
+    ]
     return found, number.astype(np.int32)
+
+
+def _sizes(stand: _Stand, variant: IntArray) -> FloatArray:
+    """(n, 3) height, crown radius and clear stem of the plants as grown, metres."""
+    from cityx.assets.trees import size_of
+
+    used, number = np.unique(stand.species * 64 + variant, return_inverse=True)
+    table = [size_of(SPECIES[value // 64], value % 64) for value in used.tolist()]
+    return np.array(table)[number]
+
+
+def _scaled(
+    city: City, stand: _Stand, size: FloatArray, room: Room, street: BoolArray
+) -> NDArray[np.float32]:
+    """(n, 3) scale of every tree, by its mapped height or drawn, fitted into its room."""
+    from cityx.assets.trees.bushes import GROVE_EDGE
+
+    draw = uniform(city.seed, f"{ACTION}/size", stand.id)
+    known = np.isfinite(stand.height) & (stand.height > 0)
+    drawn = np.where(street, 0.90 + 0.25 * draw, 0.72 + 0.5 * draw)
+    up = np.where(known, np.clip(np.where(known, stand.height, 1.0) / size[:, 0], 0.35, 1.9), drawn)
+    wide = np.where(known, up**0.7, up) * (0.9 + 0.2 * uniform(city.seed, f"{ACTION}/w", stand.id))
+    up, wide = fitted(up, wide, size, room, fixed=known)
+    grove = stand.species == _INDEX["grove"]
+    up[grove] = 0.8 + 0.4 * draw[grove]
+    wide[grove] = np.clip(stand.height[grove] / GROVE_EDGE, 0.6, 1.8)
+    return np.column_stack([wide, wide, up]).astype(np.float32)
 
 
 @action(
@@ -423,31 +387,33 @@ def _prototypes(
     limits=[
         "Trees under bridges and in tunnels are left out.",
         "Woods beyond the budget get fewer, wider groups of trees.",
+        "Shrubs, palms and boxwood look alike in every season.",
     ],
     requires=("layout",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("trees", "point", role="tree"),),
-    labels=("vegetation", "forest", "park", "plants"),
+    labels=("vegetation", "forest", "park", "plants", "autumn", "spring", "blossom"),
 )
 def trees(
     city: City,
     *,
     budget: Annotated[int, Range(0, 2_000_000)] = 80_000,
     street_trees: bool = True,
+    season: Literal["auto", "spring", "summer", "autumn", "winter"] = "auto",
 ) -> City:
     """Plant mapped trees, tree rows, woods, parks, orchards and bare streets.
 
     Parameters
     ----------
     city
-        City with a layout; the terrain and the road network are used when there.
+        City with a layout; the terrain, the road network and the ground are used when there.
     budget
         Trees of woods at most; beyond, they stand wider and in groups.
     street_trees
-        Whether streets of an urban place without mapped trees get some.
+        Whether wide streets of an urban place without mapped trees get some.
+    season
+        Leaves, their colour and blossom; "auto" follows the date, the latitude and the snow.
     """
-    from cityx.assets import trees as library
-
     done = city.stages_done | {"nature"}
     if city.lod < 1:
         return replace(city, stages_done=done)
@@ -465,26 +431,25 @@ def trees(
     xmin, ymin, xmax, ymax = city.layout.extent
     x, y = stand.xy.T
     stand = _rows(stand, (x >= xmin) & (x <= xmax) & (y >= ymin) & (y <= ymax))
-    stand, facade = _cleared(city, stand)
+    xy, keep, room = room_of(city, stand.xy, stand.mapped, lamp_places(city))
     order = np.argsort(stand.id, kind="stable")
-    _, first = np.unique(stand.id[order], return_index=True)
-    order = order[first]
-    stand, facade = _rows(stand, order), facade[order]
-    light = city.lod < 2 or int(np.count_nonzero(~stand.light)) > NEAR_LIMIT
-    prototypes, number = _prototypes(stand, city.environment.snow > SNOWED, light, city.lod > 2)
+    order = order[keep[order]]
+    order = order[np.unique(stand.id[order], return_index=True)[1]]
+    stand = _rows(replace(stand, xy=xy), order)
+    room = Room(room.facade[order], room.road[order], room.path[order])
 
-    size = np.array([library.size_of(name) for name in SPECIES])[stand.species]  # (n, 2)
-    draw = uniform(city.seed, f"{ACTION}/size", stand.id)
-    known = np.isfinite(stand.height) & (stand.height > 0)
-    up = np.where(known, np.clip(np.where(known, stand.height, 1.0) / size[:, 0], 0.35, 1.9),
-                  0.72 + 0.5 * draw)  # fmt: skip
-    grove = stand.species == _INDEX["grove"]
-    up[grove] = 0.8 + 0.4 * draw[grove]
-    wide = np.where(known, up**0.7, up) * (0.9 + 0.2 * uniform(city.seed, f"{ACTION}/w", stand.id))
-    wide[grove] = np.clip(stand.height[grove] / library.GROVE_EDGE, 0.6, 1.8)
-    # The crown ends at the facade: 0.3 m of leaves may touch it.
-    wide = np.minimum(wide, np.maximum((facade + 0.3) / size[:, 1], 0.3))
-    up = np.minimum(up, 2.2 * wide)
+    now: str = season
+    if season == "auto":
+        snowed = city.environment.snow > SNOWED
+        now = "winter" if snowed else season_of(city.environment.day, city.frame)
+    many = int(np.count_nonzero(~stand.light)) > NEAR_LIMIT
+    single = "fine" if city.lod > 2 else "near" if city.lod > 1 else "light"
+    few = int(np.count_nonzero(stand.light)) <= NEAR_MASS
+    mass = "far" if city.lod < 2 else "near" if few else "light"
+    forms = ("light" if many else single, mass)
+    street = beside_street(room)
+    variant = _variants(stand, street)
+    prototypes, number = _prototypes(stand, variant, forms, now)
     shade = uniform(city.seed, f"{ACTION}/tint", stand.id)[:, None]
     warm = uniform(city.seed, f"{ACTION}/tint", stand.id, 1)[:, None]
     tint = (0.80 + 0.40 * shade) * (1 + (warm - 0.5) * np.array([0.30, 0.08, -0.10]))
@@ -497,9 +462,9 @@ def trees(
         np.zeros(len(stand.id), np.uint64),
         np.column_stack([stand.xy, z]),
         turn,
-        np.column_stack([wide, wide, up]).astype(np.float32),
+        _scaled(city, stand, _sizes(stand, variant), room, street),
         tint.astype(np.float32),
     )
-    return replace(
-        city, scene=city.scene.with_instances("trees", prototypes, rows), stages_done=done
-    )
+    scene = city.scene.with_instances("trees", prototypes, rows)
+    planted = replace(city, scene=scene, stages_done=done)
+    return with_pits(planted, rows) if city.lod > 1 else planted

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.city import Environment
-from cityx.plugins.nature.trees import species_of_tags, trees
+from cityx.assets.trees import size_of
+from cityx.city import Environment, Frame
+from cityx.plugins.nature.climate import band_of, season_of, species_of_tags
+from cityx.plugins.nature.trees import trees
 
 
 def rows_of(city):
@@ -66,6 +68,103 @@ def test_deciduous_trees_are_bare_under_snow(crossroads):
     limes = [n for n in names if "lime" in n]
     assert limes
     assert all("bare" in n for n in limes)
+
+
+@pytest.mark.parametrize("season", ["spring", "autumn", "winter"])
+def test_the_season_asked_for_is_the_season_shown(crossroads, season):
+    _, names = rows_of(trees(crossroads, season=season))
+    word = "bare" if season == "winter" else season
+    assert all(word in n for n in names if "lime" in n or "oak" in n)
+
+
+def test_the_season_follows_the_date_and_the_hemisphere(crossroads):
+    for day, word in ((15, "bare"), (110, "spring"), (172, "near"), (290, "autumn")):
+        _, names = rows_of(trees(replace(crossroads, environment=Environment(day=day))))
+        assert any("lime" in n and n.endswith(word) for n in names)
+    assert season_of(15, Frame(-35.0, 150.0)) == "summer"
+    assert season_of(200, Frame(-35.0, 150.0)) == "winter"
+    assert {season_of(day, Frame(10.0, 0.0)) for day in range(1, 366)} == {"summer"}
+
+
+def test_spring_comes_later_in_the_north():
+    first = [
+        min(d for d in range(1, 366) if season_of(d, Frame(latitude, 10.0)) == "spring")
+        for latitude in (36.0, 50.0, 62.0)
+    ]
+    assert first == sorted(first)
+    assert first[0] < first[2] - 30
+
+
+@pytest.mark.parametrize(
+    ("latitude", "longitude", "band"),
+    [(35.7, 139.8, "japan"), (1.3, 103.9, "tropic"), (60.2, 24.9, "north"),
+     (51.5, -0.1, "temperate"), (41.4, 2.2, "warm"), (-33.9, 151.2, "warm"),
+     (40.7, -74.0, "temperate")],
+)  # fmt: skip
+def test_places_have_their_climate(latitude, longitude, band):
+    assert band_of(Frame(latitude, longitude)) == band
+
+
+def test_places_have_their_own_trees(crossroads):
+    def kinds(latitude, longitude):
+        city = replace(crossroads, frame=Frame(latitude, longitude))
+        return " ".join(rows_of(trees(city))[1])
+
+    assert "ginkgo" in kinds(35.7, 139.8)
+    assert "palm" in kinds(1.3, 103.9)
+    assert "spruce" not in kinds(1.3, 103.9)
+    assert "jacaranda" in kinds(-26.0, 28.0)
+    assert "jacaranda" not in kinds(60.2, 24.9)
+
+
+def test_crowns_end_before_facades_and_leave_headroom_over_carriageways(crossroads):
+    houses = shapely.union_all(crossroads.layout.buildings.geometry.to_numpy())
+    rowless = replace(
+        crossroads, layout=replace(crossroads.layout, lines=crossroads.layout.lines[:0])
+    )
+    found = 0
+    for seed in range(8):
+        rows, names = rows_of(trees(replace(rowless, seed=seed)))
+        size = np.array([size_of_name(name) for name in names])
+        reach = size[:, 1] * rows.scale[:, 0]
+        facade = shapely.distance(shapely.points(rows.position[:, :2]), houses)
+        assert np.mean(reach > facade + 0.01) < 0.02
+        over = reach > np.abs(rows.position[:, :2]).min(axis=1) - 5.0 + 1.05
+        over &= size[:, 2] > 0
+        clear = size[:, 2] * rows.scale[:, 2]
+        assert (clear[over] > 4.4).all()
+        found += over.sum()
+    assert found > 5
+
+
+def size_of_name(name):
+    parts = name.removeprefix("tree_").split("_")
+    return size_of(parts[0], int(parts[1]))
+
+
+def test_unmapped_trees_keep_clear_of_lamps_walls_and_sight_lines(planted):
+    rows = planted.scene.instances["trees"]
+    xy = rows.position[rows.object_id != 41, :2]
+    houses = shapely.union_all(planted.layout.buildings.geometry.to_numpy())
+    row = np.abs(xy[:, 1] + 80) < 0.5  # the tree row is mapped
+    spots = shapely.points(xy[~row])
+    assert (shapely.distance(spots, houses) > 2.5).all()
+    assert (np.hypot(*(xy[~row] - [30.0, 30.0]).T) > 6.0).all()
+    assert (np.hypot(*xy[~row].T) > 13.0).all()
+
+
+def test_neighbours_in_a_street_are_other_individuals(crossroads):
+    city = replace(crossroads, layout=replace(crossroads.layout, lines=crossroads.layout.lines[:0],
+                   areas=crossroads.layout.areas[:0]), seed=3)  # fmt: skip
+    seen = 0
+    for seed in range(8):
+        made = trees(replace(city, seed=seed)).scene.instances.get("trees")
+        if made is None or made.count < 8:
+            continue
+        seen += 1
+        near = np.hypot(*(made.position[:, :2] - [50.0, 0.0]).T) < 50.0
+        assert len(np.unique(made.prototype[near])) >= min(6, near.sum())
+    assert seen
 
 
 def test_the_lowest_detail_has_no_trees_and_the_next_has_light_ones(crossroads):

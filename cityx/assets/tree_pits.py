@@ -1,0 +1,74 @@
+"""Tree pits as prototypes: a square opening in the paving about a trunk."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from types import MappingProxyType
+
+import numpy as np
+
+from cityx.assets import shapes
+from cityx.assets.shapes import box
+from cityx.city.mesh import MeshBatch
+from cityx.city.scene import Prototype
+
+HALF = 0.60  # metres, half an edge of the pit
+FRAME = 0.08  # metres, breadth of the stone edging
+SLOT = 0.022  # metres, breadth of the slots of a grate
+OPENING = 0.34  # metres, half an edge of the hole in a grate, for the trunk to grow
+DEEP = -0.20  # metres below the paving, so that no gap shows on a slope
+TOP = 0.012  # metres above it, enough to hide the paving beneath
+
+Shapes = list[MeshBatch]
+
+
+def _edging(high: float) -> Shapes:
+    """Four stones round the pit."""
+    out, inn = HALF + FRAME, HALF
+    return [
+        box((-out, -out, DEEP), (out, -inn, high), "kerb_stone", bottom=False),
+        box((-out, inn, DEEP), (out, out, high), "kerb_stone", bottom=False),
+        box((-out, -inn, DEEP), (-inn, inn, high), "kerb_stone", bottom=False),
+        box((inn, -inn, DEEP), (out, inn, high), "kerb_stone", bottom=False),
+    ]
+
+
+def _soil(high: float) -> MeshBatch:
+    return box((-HALF, -HALF, DEEP), (HALF, HALF, high), "soil", bottom=False)
+
+
+def _open() -> Shapes:
+    """Soil within an edging that stands up a little."""
+    return [*_edging(0.06), _soil(0.025)]
+
+
+def _flush() -> Shapes:
+    """Soil level with the paving."""
+    return [*_edging(TOP + 0.006), _soil(TOP)]
+
+
+def _grate() -> Shapes:
+    """Cast iron bars over the soil, round an opening for the trunk."""
+    parts = [*_edging(TOP + 0.006), _soil(TOP - 0.008)]
+    pitch = 2.6 * SLOT
+    for x in np.arange(-HALF + pitch / 2, HALF, pitch):
+        low, high = x - 0.8 * SLOT, x + 0.8 * SLOT
+        spans = [(-HALF, -OPENING), (OPENING, HALF)] if abs(x) < OPENING else [(-HALF, HALF)]
+        parts += [box((low, a, TOP - 0.008), (high, b, TOP + 0.004), "metal_dark", bottom=False)
+                  for a, b in spans]  # fmt: skip
+    for y in (-OPENING, OPENING):
+        parts.append(box((-HALF, y - SLOT, TOP - 0.008), (HALF, y + SLOT, TOP + 0.005),
+                         "metal_dark", bottom=False))  # fmt: skip
+    return parts
+
+
+PITS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
+    {"tree_pit_open": _open, "tree_pit_flush": _flush, "tree_pit_grate": _grate}
+)
+
+
+@lru_cache(maxsize=8)
+def pit(name: str) -> Prototype:
+    """Make a tree pit, one of `PITS`, about the trunk's place on the paving."""
+    return shapes.prototype(name, "furniture", PITS[name]())

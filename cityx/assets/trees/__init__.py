@@ -1,0 +1,12 @@
+"""Trees and shrubs grown by code, with leaves for every season.
+
+A species is a row of a table; an individual is its skeleton with the places of its leaves, grown
+once and kept in the cache; a plant is an individual drawn for a season and a distance.
+"""
+
+from cityx.assets.trees.plants import FORMS, SPECIES, plant, size_of, tree
+from cityx.assets.trees.skeletons import crown_radius
+from cityx.assets.trees.species import PARK_FORMS, SEASONS, STREET_FORMS, TREES, habit, individuals
+
+__all__ = ["FORMS", "PARK_FORMS", "SEASONS", "SPECIES", "STREET_FORMS", "TREES", "crown_radius",
+           "habit", "individuals", "plant", "size_of", "tree"]  # fmt: skip

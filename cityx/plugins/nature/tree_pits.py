@@ -1,0 +1,75 @@
+"""Tree pits where trees stand on paving: soil in a stone edging, or under an iron grate."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.assets.tree_pits import PITS, pit
+from cityx.city import City, Instances
+from cityx.city.ground import LABEL
+from cityx.geometry.clearance import in_triangles
+from cityx.geometry.identity import hash_ids, uniform
+from cityx.geometry.polylines import to_linestrings
+from cityx.plugins.road.kerbs import edge_lines
+
+PAVED = ("sidewalk", "plaza")
+BUSHES = ("shrub_", "boxwood_", "grove_")  # prototypes that need no pit
+STREET_REACH = 20.0  # metres to the street a pit is square to
+
+
+def with_pits(city: City, trees: Instances) -> City:
+    """Put a pit under every tree that stands on paving.
+
+    Parameters
+    ----------
+    city
+        City with its trees; without a ground it is returned as it is.
+    trees
+        Rows of its trees, counting the scene's prototypes or the offered ones.
+    """
+    if city.ground is None or not trees.count:
+        return city
+    ground = city.ground
+    rows = city.scene.instances["trees"]
+    bush = np.array([p.name.startswith(BUSHES) for p in city.scene.prototypes])
+    paved = np.isin(ground.face_label, [LABEL[name] for name in PAVED])
+    on = in_triangles(trees.position[:, :2], ground.vertices,
+                      ground.triangles[paved[ground.triangle_face]])  # fmt: skip
+    chosen = np.flatnonzero(on & ~bush[rows.prototype])
+    if not len(chosen):
+        return city
+    # One kind for the whole place: a city buys its grates once.
+    kind = list(PITS)[int(uniform(city.seed, "nature/tree_pits", np.uint64(1)) * len(PITS))]
+    ids = hash_ids(0, "nature/tree_pits", trees.object_id[chosen])
+    order = np.argsort(ids)
+    chosen, ids = chosen[order], ids[order]
+    count = len(chosen)
+    rotation = np.zeros((count, 3), np.float32)
+    rotation[:, 2] = _along_street(city, trees.position[chosen, :2])
+    pits = Instances(
+        np.zeros(count, np.int32), ids, trees.object_id[chosen], trees.position[chosen], rotation,
+        np.ones((count, 3), np.float32), np.ones((count, 3), np.float32),
+    )  # fmt: skip
+    return replace(city, scene=city.scene.with_instances("tree_pits", [pit(kind)], pits))
+
+
+def _along_street(city: City, xy: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n,) angle of the nearest street, radians counter-clockwise from east; 0 far from any."""
+    angle = np.zeros(len(xy))
+    network = city.network
+    if network is None or not network.edge_count:
+        return angle
+    lines = to_linestrings(edge_lines(network))
+    spots = shapely.points(xy)
+    spot, edge = shapely.STRtree(lines).query_nearest(spots, max_distance=STREET_REACH,
+                                                      all_matches=False)  # fmt: skip
+    at = shapely.line_locate_point(lines[edge], spots[spot])
+    ends = [shapely.get_coordinates(shapely.line_interpolate_point(lines[edge], at + shift))
+            for shift in (-0.5, 0.5)]  # fmt: skip
+    way = ends[1] - ends[0]
+    angle[spot] = np.arctan2(way[:, 1], way[:, 0])
+    return angle

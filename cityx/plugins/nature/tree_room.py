@@ -1,0 +1,192 @@
+"""The room a tree has between walls, carriageways and lamps, and how large it may grow there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city import City
+from cityx.city.ground import LABEL
+from cityx.geometry.clearance import (
+    Spots,
+    distance_within,
+    in_triangles,
+    near_any,
+    push_off,
+    spots_of,
+)
+from cityx.geometry.polylines import to_linestrings
+from cityx.plugins.road.kerbs import edge_lines
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+KERB_CLEARANCE = 0.8  # metres from trunk to kerb
+FACADE_CLEARANCE = 2.5  # metres from trunk to facade for trees nobody mapped
+LEAST_FACADE = 0.6  # metres, the same for mapped ones: they are where they are
+LAMP_CLEARANCE = 6.0  # metres from a lamp for trees nobody mapped
+SIGHT = 8.0  # metres kept free beyond a junction's arms, so that drivers see each other
+MAPPED_SIGHT = 1.8  # metres, the same for mapped ones
+MOST_PUSH = 1.6  # metres a mapped tree may be moved out of a carriageway
+CROWN_REACH = 7.0  # metres, the widest crown
+ROAD_HEADROOM = 4.5  # metres below branches over a carriageway
+WALK_REACH = 2.0  # metres from a path within which trees are pruned as beside a street
+OVERHANG = 1.0  # metres a low crown may reach over a kerb
+FREE_LEAVES = 0.15  # metres between a crown and a facade
+LEAST_WIDTH = 0.2  # share of its grown width below which a tree is not made
+TALLEST = 2.3  # height over width, as shares of the grown tree, of a crown in a narrow place
+# Surfaces of the ground on which no trunk stands, whatever the map says.
+TREELESS = ("carriageway", "setts", "junction", "marking", "tramway", "water")
+WATER = ("water", "sea", "river", "pool")
+OPEN_AREAS = (*WATER, "pitch", "parking", "road_area", "railway", "playground", "pier",
+              "construction", "farmland", "sand")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Room:
+    """What surrounds trees, (n,) each; inf beyond `CROWN_REACH`.
+
+    Attributes
+    ----------
+    facade
+        Metres to the nearest facade.
+    road
+        Metres to the nearest carriageway.
+    path
+        Metres to the nearest path.
+    """
+
+    facade: FloatArray
+    road: FloatArray
+    path: FloatArray
+
+
+def room_of(
+    city: City, xy: FloatArray, mapped: BoolArray, lamps: FloatArray
+) -> tuple[FloatArray, BoolArray, Room]:
+    """Move mapped trees off carriageways and find which trees may stand.
+
+    Parameters
+    ----------
+    city
+        The city.
+    xy
+        (n, 2) float, metres.
+    mapped
+        (n,) bool, trees of the map, which get more tolerance.
+    lamps
+        (m, 2) float, places of street lamps.
+
+    Returns
+    -------
+    xy, keep, room
+        Places after moving, which of them are free, and the room of all.
+    """
+    areas = city.layout.areas
+    kinds = areas["kind"].to_numpy().astype(str)
+    shapes = areas.geometry.to_numpy()
+    houses = city.layout.buildings.geometry.to_numpy()
+    before = spots_of(xy)
+    keep = ~near_any(before, shapes[np.isin(kinds, WATER)], 0.5)
+    keep &= mapped | ~near_any(before, shapes[np.isin(kinds, OPEN_AREAS)], 0.5)
+    lines, half, driven = _strips(city)
+    moved, free = push_off(before, lines, half + KERB_CLEARANCE, most=MOST_PUSH)
+    keep &= free & (mapped | (np.hypot(*(moved - xy).T) < 1e-9))
+    spots = spots_of(moved) if (moved != xy).any() else before
+    facade = distance_within(spots, houses, CROWN_REACH)
+    keep &= facade > np.where(mapped, LEAST_FACADE, FACADE_CLEARANCE)
+    if city.network is not None:
+        network = city.network
+        arms = network.edge_nodes.ravel()
+        radius = np.zeros(len(network.node_position))
+        np.maximum.at(radius, arms, np.repeat(network.half_width, 2))
+        joint = network.node_degree >= 3
+        nodes = shapely.points(network.node_position[joint])
+        keep &= ~near_any(spots, nodes, radius[joint] + MAPPED_SIGHT)
+        keep &= mapped | ~near_any(spots, nodes, radius[joint] + SIGHT)
+    if len(lamps):
+        keep &= mapped | ~near_any(spots, shapely.points(lamps), LAMP_CLEARANCE)
+    if city.ground is not None:
+        ground = city.ground
+        bare = np.isin(ground.face_label, [LABEL[name] for name in TREELESS])
+        keep &= ~in_triangles(moved, ground.vertices, ground.triangles[bare[ground.triangle_face]])
+    road = _gap(spots, lines[driven], half[driven])
+    path = _gap(spots, lines[~driven], half[~driven])
+    return moved, keep, Room(facade, road, path)
+
+
+def _gap(spots: Spots, lines: NDArray[Any], half: FloatArray) -> FloatArray:
+    """(n,) metres from points to the edge of the nearest strip, inf beyond `CROWN_REACH`."""
+    gap = np.full(len(spots.xy), np.inf)
+    if len(lines) and len(gap):
+        line, spot = spots.tree.query(lines, predicate="dwithin", distance=half + CROWN_REACH)
+        distance = shapely.distance(spots.points[spot], lines[line]) - half[line]
+        np.minimum.at(gap, spot, distance)
+    return gap
+
+
+def _strips(city: City) -> tuple[NDArray[Any], FloatArray, BoolArray]:
+    """Centrelines of everything one moves on, half widths, and which of them carry vehicles."""
+    roads = city.layout.roads
+    kind = roads["kind"].to_numpy().astype(str)
+    shapes = roads.geometry.to_numpy()
+    half = roads["width"].to_numpy() / 2
+    rail = np.isin(kind, ("rail", "light_rail", "tram"))
+    half = np.where(rail, np.fmax(half, 2.6), np.where(np.isfinite(half), half, 1.0))
+    driven = ~np.isin(kind, ("footway", "path", "cycleway", "steps", "pedestrian", "track",
+                             "bridleway", "corridor", "platform"))  # fmt: skip
+    here = ~roads["tunnel"].to_numpy() & (kind != "subway")
+    if city.network is None or not city.network.edge_count:
+        return shapes[here], half[here], driven[here]
+    # The network knows narrowed widths; the layout still has paths and rails.
+    used = np.zeros(len(roads), bool)
+    used[city.network.edge_road] = True
+    rest = here & ~used
+    lines = to_linestrings(edge_lines(city.network))
+    return (np.concatenate([shapes[rest], lines]),
+            np.concatenate([half[rest], city.network.half_width]),
+            np.concatenate([driven[rest], driven[city.network.edge_road]]))  # fmt: skip
+
+
+def beside_street(room: Room) -> BoolArray:
+    """(n,) trees whose branches must leave headroom."""
+    return (room.road < CROWN_REACH - 2.0) | (room.path < WALK_REACH)
+
+
+def fitted(
+    up: FloatArray, wide: FloatArray, size: FloatArray, room: Room, *, fixed: BoolArray
+) -> tuple[FloatArray, FloatArray]:
+    """Fit trees into their room.
+
+    Parameters
+    ----------
+    up, wide
+        (n,) wished scale of height and of width.
+    size
+        (n, 3) float, metres: height, crown radius and clear stem of the grown plants.
+    room
+        Of the trees.
+    fixed
+        (n,) bool, trees whose height is mapped.
+
+    Returns
+    -------
+    up, wide
+        Scales: crowns end before facades; over a carriageway they leave `ROAD_HEADROOM`, or hardly
+        reach it.
+    """
+    _, reach, clear = size.T
+    wide = np.minimum(wide, np.maximum((room.facade - FREE_LEAVES) / reach, LEAST_WIDTH))
+    up = np.minimum(up, TALLEST * wide)
+    over = wide * reach > room.road + 0.3
+    need = np.where(clear > 0, ROAD_HEADROOM / np.maximum(clear, 0.1), np.inf)
+    raise_ = over & (up < need) & (need <= np.where(fixed, 1.15, 1.4) * up)
+    raise_ &= need <= TALLEST * wide
+    up = np.where(raise_, need, up)
+    low = over & (clear * up < ROAD_HEADROOM - 1e-6)
+    narrow = np.maximum((np.maximum(room.road, 0.0) + OVERHANG) / reach, up / TALLEST)
+    return up, np.where(low, np.minimum(wide, narrow), wide)
