@@ -100,7 +100,7 @@ def boulder() -> Shapes:
     height = np.array([-0.15, 0.02, 0.16, 0.29, 0.34])
     rings = [np.column_stack([1.2 * r * b * np.cos(angle), r * b * np.sin(angle), np.full(9, z)])
              for r, b, z in zip(radius, bump, height, strict=True)]  # fmt: skip
-    return [loft(np.stack(rings), "stone", (0.72, 0.70, 0.66))]
+    return [loft(np.stack(rings), "stone", (0.34, 0.33, 0.30))]
 
 
 def mooring_bollard() -> Shapes:

@@ -15,7 +15,7 @@ from cityx.geometry.identity import stable_id
 FloatArray = NDArray[np.float64]
 NOWHERE = -1  # label beyond the ground, and under buildings, where the mesh is open
 # Surfaces people walk on, beside those that cars share.
-WALKED = ("sidewalk", "kerb", "plaza", "path", "courtyard")
+WALKED = ("sidewalk", "kerb", "plaza", "path", "courtyard", "trail", "furnishing")
 LAWNS = ("grass", "park", "meadow", "block")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -83,10 +83,20 @@ def heights(city: City, xy: FloatArray) -> FloatArray:
     return np.asarray(np.where(np.isnan(z), city.terrain.height_at(xy) + KERB_HEIGHT, z))
 
 
-def with_pieces(city: City, layer: str, found: Pieces) -> City:
-    """Return the city with one layer of furniture; of equal ids the first stays."""
-    from dataclasses import replace
+def with_pieces(city: City, layer: str, found: Pieces, z: FloatArray | None = None) -> City:
+    """Return the city with one layer of furniture; of equal ids the first stays.
 
+    Parameters
+    ----------
+    city
+        The city.
+    layer
+        Name of the layer; rows it held before are replaced.
+    found
+        The things.
+    z
+        (n,) heights of their feet, metres; the ground's when left out.
+    """
     from cityx.assets.furniture import furniture
 
     order = np.unique(found.id, return_index=True)[1]
@@ -99,7 +109,7 @@ def with_pieces(city: City, layer: str, found: Pieces) -> City:
         number.astype(np.int32),
         chosen.id,
         np.zeros(total, np.uint64),
-        np.column_stack([chosen.xy, heights(city, chosen.xy)]),
+        np.column_stack([chosen.xy, heights(city, chosen.xy) if z is None else z[order]]),
         rotation,
         np.repeat(chosen.scale.astype(np.float32)[:, None], 3, axis=1),
         np.ones((total, 3), np.float32),

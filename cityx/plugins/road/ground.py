@@ -36,6 +36,7 @@ from cityx.plugins.road.landcover import (
 )
 from cityx.plugins.road.markings import marking_regions
 from cityx.plugins.road.network import road_network
+from cityx.plugins.road.park_paths import park_regions
 from cityx.plugins.road.sections import bands_of
 from cityx.protocol import Port, action, has_network
 
@@ -112,6 +113,7 @@ def detailed_regions(
         carriageway_regions(layout, network, on_ground, road),
         marking_regions(layout, network, bands_of(layout, network), on_ground, road),
         area_regions(layout),
+        park_regions(layout),
         kerbside_regions(layout, np.concatenate([road.strips, road.stars])),
         building_regions(layout),
         way_regions(layout, decks, np.concatenate([road.strips, road.stars])),
