@@ -38,6 +38,7 @@ from cityx.plugins.road.markings import marking_regions
 from cityx.plugins.road.network import road_network
 from cityx.plugins.road.park_paths import park_regions
 from cityx.plugins.road.sections import bands_of
+from cityx.plugins.road.strips import strip_regions
 from cityx.protocol import Port, action, has_network
 
 TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
@@ -111,6 +112,7 @@ def detailed_regions(
     road = build_carriageway(network, on_ground)
     return join_regions([
         carriageway_regions(layout, network, on_ground, road),
+        strip_regions(layout, network, on_ground),
         marking_regions(layout, network, bands_of(layout, network), on_ground, road),
         area_regions(layout),
         park_regions(layout),
