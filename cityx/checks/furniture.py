@@ -26,17 +26,20 @@ DRIVEN = ("carriageway", "setts", "gravel_road", "junction", "marking")
 WALKS = ("sidewalk", "kerb", "plaza", "path", "courtyard", "trail", "furnishing")
 LOW, HIGH = 0.10, 2.0  # metres above the ground between which a thing is in somebody's way
 FREE = 1.2  # metres of walk that a wheelchair and a passer-by need
-CROWDED = 0.02  # share of the things on walks that may leave less
+CROWDED = 0.05  # share of the things on walks that may leave less, as in corners of yards
+BORDER = 3.0  # metres from the site's rectangle, which cuts walks lengthwise
 LOOK = 12.0  # metres to each side of a thing that the walk is followed
 WITHIN = 0.05  # metres a thing may reach over the edge of a lane before it counts
 
 
 def check_furniture(city: City) -> list[Check]:
     """Run both checks; none where nothing stands."""
-    outlines, xy = placed_outlines(city)
+    outlines, xy, ids = placed_outlines(city)
     if not len(outlines) or city.ground is None:
         return []
-    tight = crowding(city, outlines, xy)[1]
+    rows, tight = crowding(city, outlines, xy)
+    # What the map shows stands where the map has it.
+    tight = tight[~np.isin(ids[rows], city.layout.points["id"].to_numpy())]
     return [
         Check("furniture_in_lanes", float(in_lanes(city, outlines, xy).sum()), 0,
               "pieces of furniture whose outline reaches into a lane or a carriageway"),
@@ -45,10 +48,11 @@ def check_furniture(city: City) -> list[Check]:
     ]  # fmt: skip
 
 
-def placed_outlines(city: City) -> tuple[NDArray[Any], FloatArray]:
-    """(n,) outlines of all furniture between ankle and head, and (n, 2) where it stands."""
+def placed_outlines(city: City) -> tuple[NDArray[Any], FloatArray, NDArray[np.uint64]]:
+    """(n,) outlines of furniture between ankle and head, (n, 2) where it stands, (n,) its ids."""
     hulls: dict[int, Any] = {}
     shapes, spots = [np.zeros(0, object)], [np.zeros((0, 2))]
+    ids = [np.zeros(0, np.uint64)]
     for layer in LAYERS:
         rows = city.scene.instances.get(layer)
         if rows is None:
@@ -73,7 +77,8 @@ def placed_outlines(city: City) -> tuple[NDArray[Any], FloatArray]:
             ring = np.stack([c * x - s * y, s * x + c * y], axis=2) + at[:, None]
             shapes.append(shapely.polygons(ring))
             spots.append(at)
-    return np.concatenate(shapes), np.concatenate(spots)
+            ids.append(rows.object_id[of])
+    return np.concatenate(shapes), np.concatenate(spots), np.concatenate(ids)
 
 
 def in_lanes(city: City, outlines: NDArray[Any], xy: FloatArray) -> NDArray[np.bool_]:
@@ -114,7 +119,9 @@ def crowding(
     assert ground is not None
     walk = np.isin(ground.face_label, [LABEL[name] for name in WALKS])
     on_walk = in_triangles(xy, ground.vertices, ground.triangles[walk[ground.triangle_face]])
-    rows = np.flatnonzero(on_walk)
+    xmin, ymin, xmax, ymax = city.layout.extent
+    edge = np.minimum(xy - [xmin, ymin], np.array([xmax, ymax]) - xy).min(axis=1)
+    rows = np.flatnonzero(on_walk & (edge > BORDER))
     left, right = ground.edge_faces.T.astype(np.int64)
     beyond = np.where(right == BEYOND, False, walk[np.maximum(right, 0)])
     rims = shapely.linestrings(ground.vertices[ground.edges[walk[left] != beyond]])

@@ -115,7 +115,7 @@ def _network(
     gates, ways = _gates(park, streets, tree)
     deepest = shapely.get_point(shapely.maximum_inscribed_circle(free, 1.0), 0)
     inset = float(np.clip(0.16 * size, 4.5, 13.0))
-    inner = shapely.buffer(shapely.buffer(free, -inset - ROUNDED), ROUNDED, quad_segs=4)
+    inner = shapely.buffer(shapely.buffer(park, -inset - ROUNDED), ROUNDED, quad_segs=4)
     pieces = shapely.get_parts(inner)
     pieces = pieces[shapely.area(pieces) > 0.15 * size * size]
     lines: list[Any] = []
@@ -124,7 +124,9 @@ def _network(
     if len(pieces):
         rim = shapely.get_exterior_ring(pieces[np.argmax(shapely.area(pieces))])
         ring = shapely.simplify(rim, 0.15)
-        lines.append(ring)
+        # What stands in the way of the walk round cuts it.
+        parts = shapely.get_parts(shapely.line_merge(shapely.intersection(ring, free)))
+        lines += [part for part in parts if shapely.length(part) > SAMPLE]
         feet = shapely.line_interpolate_point(ring, shapely.line_locate_point(ring, gates))
         if size * size > MIDDLE:
             x, y = shapely.get_coordinates(deepest)[0]
