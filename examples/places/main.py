@@ -38,7 +38,7 @@ class View:
 
 PARK = View((-112.0, 42.0, 1.75), 325.0, -5.0, "10:30")
 TOWN_PARK = View((-20.0, 50.0, 1.75), 10.0, -5.0, "10:30")
-WATERFRONT = View((-40.0, -38.0, 2.4), 60.0, -3.0, "16:00")
+WATERFRONT = View((12.5, -54.4, 2.3), 107.0, -4.0, "16:00")
 
 
 def picture(place: str, work: Path, out: Path, samples: int) -> Path:
