@@ -28,6 +28,7 @@ from cityx.plugins.nature.pieces import (
     walk_rims,
     with_pieces,
 )
+from cityx.plugins.nature.poles import utility_poles
 from cityx.plugins.nature.signs import junction_signs
 from cityx.plugins.nature.street_rules import (
     CLEAR,
@@ -49,6 +50,7 @@ from cityx.protocol import Port, Range, action
 ACTION = "nature/street_pieces-v1"
 LAYER = "street_pieces"
 
+DRIVEN = ("carriageway", "setts", "gravel_road", "junction", "marking")
 REACH = 12.0  # metres; no walk is looked at farther than this
 IN_KERB = 0.08  # metres beyond the carriageway where a look across the walk begins
 ZEBRA_GAP = 5.0  # metres behind a junction's trim that a zebra and its dropped kerb take
@@ -373,6 +375,13 @@ def street_pieces(
         return replace(city, stages_done=done)
     site = _site(city)
     posts = _signs(city, site) if signs else join_pieces([])
+    if site.place == "japan":
+        driven = np.isin(city.ground.face_label, _labels(DRIVEN))[city.ground.triangle_face]
+        standing = np.concatenate([site.fixed, site.trunks, posts.xy])
+        poles, wires = utility_poles(city, standing, city.ground.triangles[driven])
+        posts = join_pieces([posts, poles])
+        if wires.count:
+            city = replace(city, scene=city.scene.with_mesh("wires", wires))
     site = replace(site, fixed=np.concatenate([site.fixed, posts.xy]))
     kerb, sizes = _along_kerbs(city, site, density)
     shops = _before_shops(city, site, density)
