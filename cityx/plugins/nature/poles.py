@@ -30,6 +30,7 @@ WIDEST = 4.2  # metres of half carriageway; wider streets have their cables belo
 SHORTEST = 45.0  # metres of street
 SPACING = 30.0  # metres between poles
 FROM_KERB = 0.28  # metres from the edge of the carriageway to the middle of a pole
+LEAST_WALK = 1.7  # metres
 FACADE = 0.12  # metres to houses
 LONGEST = 45.0  # metres of a span; where poles are missing, so are the wires
 # Across the line, above the foot, sag at the middle and thickness; metres.
@@ -68,8 +69,12 @@ def utility_poles(
     edges = np.flatnonzero(
         narrow[row] & (network.half_width < WIDEST) & (edge_lengths(network) > SHORTEST)
     )
-    # The poles of a street keep to one side, which the whole way draws.
+    # The poles of a street keep to one side, which the whole way draws; a narrow walk has none.
     side = np.where(choose(city.seed, PURPOSE, roads["id"].to_numpy()[row[edges]], (1, 1)), 1, -1)
+    walk = np.where(side > 0, roads["sidewalk_left"].to_numpy()[row[edges]],
+                    roads["sidewalk_right"].to_numpy()[row[edges]])  # fmt: skip
+    fits = (walk == 0) | (walk >= LEAST_WALK)
+    edges, side = edges[fits], side[fits]
     places = join_places(*(
         places_along(network, edges[side == sign], sign, spacing=SPACING, beyond=FROM_KERB,
                      margin=4.0)
