@@ -16,7 +16,8 @@ from cityx.geometry.identity import rng_for
 def _hull(length: float, beam: float, low: float, high: float, material: str, tint: Color,
           *, blunt: float = 0.1, floor: float = 0.0) -> MeshBatch:  # fmt: skip
     """Skin an open hull along y: outside up to the gunwale, then inside down to the floor."""
-    along = np.linspace(-0.5, 0.5, 9)
+    # Both ends are solid for a hand's breadth, so that the caps are plain.
+    along = np.concatenate([[-0.5, -0.485], np.linspace(-0.4, 0.4, 7), [0.485, 0.5]])
     stern, bow = 1.0 - blunt * (2 * along) ** 2, 1.0 - np.abs(2 * along) ** 2.2
     full = np.clip(np.where(along < 0, stern, np.sqrt(np.clip(bow, 0.0, 1.0))), 0.04, 1.0)
     rise = 0.18 * (2 * along) ** 2 * (high - low)
@@ -24,8 +25,9 @@ def _hull(length: float, beam: float, low: float, high: float, material: str, ti
     for a, w, r in zip(along, full, rise, strict=True):
         half, keel = w * beam / 2, 0.55 * w * beam / 2
         inner = max(half - 0.07, 0.01)
+        bed = high + r - 0.001 if abs(a) == 0.5 else floor
         profile = [(-half, high + r), (-keel, low), (keel, low), (half, high + r),
-                   (inner, high + r), (0.8 * inner, floor), (-0.8 * inner, floor),
+                   (inner, high + r), (0.8 * inner, bed), (-0.8 * inner, bed),
                    (-inner, high + r)]  # fmt: skip
         rings.append(np.array([[x, a * length, z] for x, z in profile]))
     return loft(np.stack(rings), material, tint)
@@ -33,7 +35,7 @@ def _hull(length: float, beam: float, low: float, high: float, material: str, ti
 
 def rowing_boat() -> Shapes:
     """Wooden rowing boat of 4.2 m; the waterline is at z 0."""
-    hull = _hull(4.2, 1.45, -0.18, 0.38, "bench_wood", (1.3, 1.2, 1.1), blunt=0.35, floor=-0.02)
+    hull = _hull(4.2, 1.45, -0.18, 0.38, "bench_wood", (1.3, 1.2, 1.1), blunt=0.35, floor=0.04)
     parts: Shapes = [hull]
     for y, half in ((-1.2, 0.55), (-0.1, 0.62), (1.0, 0.48)):
         parts.append(box((-half, y - 0.13, 0.22), (half, y + 0.13, 0.26), "bench_wood"))

@@ -65,8 +65,9 @@ def river_town(path: Path) -> Path:
     for x, name in ((-60.0, "Bridge Street"), (60.0, "Park Street")):
         town.way([(x, 25.0), (x, 90.0), (x, 180.0)], highway="residential", name=name,
                  sidewalk="both")  # fmt: skip
-    town.way([(-60.0, 25.0), (-60.0, -25.0)], highway="residential", bridge="yes", layer="1",
-             name="Bridge Street", sidewalk="both")  # fmt: skip
+    for x, name in ((-60.0, "Bridge Street"), (60.0, "Park Street")):
+        town.way([(x, 25.0), (x, -25.0)], highway="residential", bridge="yes", layer="1",
+                 name=name, sidewalk="both")  # fmt: skip
     for number in range(30):
         x = -176.0 + 9.0 * number + (4.0 if number > 12 else 0.0)
         if -71 < x < -47 or 49 < x < 71 or x > 170:
