@@ -24,13 +24,14 @@ from cityx.plugins.nature.pieces import (
     FloatArray,
     Pieces,
     heights,
+    in_carriageways,
     inside_extent,
     join_pieces,
     pieces,
     with_pieces,
 )
 from cityx.plugins.road.kerbs import yaw_facing
-from cityx.plugins.road.park_paths import ON_FOOT, PARKS, park_paths
+from cityx.plugins.road.park_paths import ON_FOOT, PARKS, ParkPaths, park_paths
 from cityx.protocol import Port, action
 
 ACTION = "nature/parks-v1"
@@ -41,6 +42,7 @@ LAMPS = 32.0  # metres between the lamps of a park's paths
 BESIDE = {"bench": 0.65, "waste_basket": 0.65, "street_lamp_post": 0.55}  # metres from the path
 GREEN_AREAS = (*PARKS, "grass", "golf")
 TRUNK_GAP, THING_GAP = 1.0, 1.4  # metres
+LARGEST = 1.1  # metres, half the length of what stands beside paths
 PLAY_SPACING = 6.5  # metres between the things of a playground
 PLAY_EDGE = 1.8  # metres from them to its edge
 PLAY = {"swing": 1.6, "slide": 1.6, "climbing_frame": 1.4, "spring_rider": 1.6, "sandpit": 1.2,
@@ -52,11 +54,10 @@ CELL = 4.0  # metres, pieces in which court surfaces follow the ground
 OVER_GROUND, OVER_COURT = 0.008, 0.018  # metres
 
 
-def path_lines(city: City) -> tuple[NDArray[Any], FloatArray]:
+def path_lines(city: City, drawn: ParkPaths) -> tuple[NDArray[Any], FloatArray]:
     """(n,) paths through greens, mapped and drawn, and their half widths."""
     layout = city.layout
     roads, areas = layout.roads, layout.areas
-    drawn = park_paths(layout)
     shapes = areas.geometry.to_numpy()[np.isin(areas["kind"].to_numpy().astype(str), GREEN_AREAS)]
     usable = np.isin(roads["kind"].to_numpy().astype(str), ON_FOOT[:3])
     usable &= ~roads["tunnel"].to_numpy() & ~roads["bridge"].to_numpy()
@@ -80,9 +81,9 @@ def _line_ids(lines: NDArray[Any]) -> NDArray[np.uint64]:
     return hash_ids(0, ACTION, mix(key), last)
 
 
-def _beside_paths(city: City) -> Pieces:
+def _beside_paths(city: City, drawn: ParkPaths) -> Pieces:
     """Benches, bins and lamps at the edges of paths, their fronts to the path."""
-    shapes, half = path_lines(city)
+    shapes, half = path_lines(city, drawn)
     long = shapely.length(shapes) > 6.0 if len(shapes) else np.zeros(0, bool)
     shapes, half = shapes[long], half[long]
     if not len(shapes):
@@ -125,9 +126,8 @@ def _beside_paths(city: City) -> Pieces:
     return group.take(np.isin(group.id, thin(Points(group.xy, group.id), 1.3).id))
 
 
-def _middles(city: City) -> Pieces:
+def _middles(city: City, drawn: ParkPaths) -> Pieces:
     """Beds in the middle of parks with drawn paths, benches round them, boards at the gates."""
-    drawn = park_paths(city.layout)
     found = []
     if len(drawn.middles):
         xy, radius = drawn.middles[:, :2], drawn.middles[:, 2]
@@ -354,11 +354,13 @@ def parks(city: City) -> City:
     painted = _painted(city, fields)
     if painted:
         city = replace(city, scene=city.scene.with_mesh("courts", joined_by_id(painted)))
-    soft = join_pieces([_middles(city), _playgrounds(city), _beside_paths(city)])
+    drawn = park_paths(city.layout)
+    soft = join_pieces([_middles(city, drawn), _playgrounds(city), _beside_paths(city, drawn)])
     trunks = city.scene.instances.get("trees")
     if trunks is not None and len(soft):
         spots = shapely.points(trunks.position[:, :2])
         soft = soft.take(~near_any(soft.xy, spots, TRUNK_GAP))
+    soft = soft.take(~in_carriageways(city, soft.xy, np.full(len(soft), LARGEST)))
     soft = soft.take(~near_any(soft.xy, city.layout.buildings.geometry.to_numpy(), THING_GAP))
     found = join_pieces([soft, _equipment(city, fields)])
     return with_pieces(city, LAYER, found) if len(found) else city
