@@ -41,7 +41,11 @@ MAP_TO_CITY: tuple[WorkflowStep, ...] = (
     WorkflowStep("building/facade-v1", lods=(2, 3)),
     WorkflowStep("nature/trees-v2", lods=(1, 2, 3)),
     WorkflowStep("nature/barriers-v1", lods=(2, 3)),
+    WorkflowStep("nature/shores-v1", lods=(2, 3)),
     WorkflowStep("nature/furniture-v1", lods=(2, 3)),
+    WorkflowStep("nature/street_pieces-v1", lods=(2, 3)),
+    WorkflowStep("nature/parks-v1", lods=(2, 3)),
+    WorkflowStep("nature/gardens-v1", lods=(2, 3)),
     WorkflowStep("road/covers-v1", lods=(2, 3)),
     WorkflowStep("road/parked_cars-v1", lods=(2, 3)),
 )

@@ -12,6 +12,8 @@ from types import MappingProxyType
 
 import numpy as np
 
+from cityx.assets.furniture_parts import BLUE, BURIED, DARK, GREEN, RED, STONE, YELLOW, Shapes, post
+from cityx.assets.park_pieces import PARK_MAKERS
 from cityx.assets.shapes import (
     Color,
     box,
@@ -26,27 +28,12 @@ from cityx.assets.shapes import (
     prototype,
     tube,
 )
-from cityx.city.mesh import MeshBatch
+from cityx.assets.shore_pieces import SHORE_MAKERS
+from cityx.assets.street_pieces import STREET_MAKERS
 from cityx.city.scene import Prototype
 from cityx.geometry.identity import rng_for
 
-Shapes = list[MeshBatch]
 FINE = 3  # level of detail from which edges are chamfered and round things round
-BURIED = -0.15  # metres below ground to which posts reach, against gaps on slopes
-
-RED: Color = (0.80, 0.05, 0.04)
-YELLOW: Color = (1.00, 0.72, 0.06)
-BLUE: Color = (0.04, 0.16, 0.55)
-GREEN: Color = (0.05, 0.26, 0.10)
-DARK: Color = (0.06, 0.065, 0.07)
-GREY: Color = (0.45, 0.46, 0.47)
-STONE: Color = (0.95, 0.93, 0.88)
-
-
-def _post(height: float, radius: float = 0.03, material: str = "metal_grey",
-          *, x: float = 0.0, y: float = 0.0, sides: int = 6) -> MeshBatch:  # fmt: skip
-    return cylinder((x, y, BURIED), (x, y, height), radius, material, sides=sides,
-                    caps=(False, True))  # fmt: skip
 
 
 def street_lamp_mast() -> Shapes:
@@ -89,7 +76,7 @@ def bench() -> Shapes:
 def waste_basket() -> Shapes:
     """Litter bin on a post."""
     return [
-        _post(1.0, 0.035, "metal_dark", y=0.2),
+        post(1.0, 0.035, "metal_dark", y=0.2),
         lathe([(0.17, 0.38), (0.20, 0.45), (0.20, 0.92), (0.21, 0.95)], "plastic",
               (0.95, 0.42, 0.05), sides=10),
         lathe([(0.21, 0.95), (0.17, 1.02), (0.08, 1.05)], "metal_dark", sides=10),
@@ -128,7 +115,7 @@ def bus_stop() -> Shapes:
 def bus_pole() -> Shapes:
     """Stop pole with a round sign and a timetable case."""
     return [
-        _post(2.75, 0.035),
+        post(2.75, 0.035),
         moved(disc((0, 0, 2.55), 0.26, "sign", GREEN, thickness=0.03), (0, 0, 0), yaw=np.pi / 2),
         moved(disc((0, -0.008, 2.55), 0.21, "sign", YELLOW, thickness=0.046), yaw=np.pi / 2),
         box((-0.24, -0.06, 1.15), (0.24, -0.03, 1.75), "sign", (0.9, 0.9, 0.88)),
@@ -184,7 +171,7 @@ def traffic_signal_mast() -> Shapes:
 def sign_stop() -> Shapes:
     """Octagonal stop sign."""
     return [
-        _post(2.75),
+        post(2.75),
         disc((0, -0.055, 2.35), 0.40, "sign", (1, 1, 1), sides=8, thickness=0.02),
         disc((0, -0.065, 2.35), 0.375, "sign", RED, sides=8, thickness=0.02),
         *(box((x - 0.045, -0.07, 2.27), (x + 0.045, -0.06, 2.43), "sign")
@@ -200,7 +187,7 @@ def sign_give_way() -> Shapes:
                 (-size, 2.32 + 0.577 * size)]  # fmt: skip
 
     return [
-        _post(2.7),
+        post(2.7),
         prism(triangle(0.45), -0.055, -0.035, "sign", RED),
         prism(triangle(0.29), -0.062, -0.05, "sign"),
     ]
@@ -209,7 +196,7 @@ def sign_give_way() -> Shapes:
 def sign_speed() -> Shapes:
     """Round sign with a red ring."""
     return [
-        _post(2.7),
+        post(2.7),
         disc((0, -0.055, 2.38), 0.30, "sign", RED, sides=16, thickness=0.02),
         disc((0, -0.062, 2.38), 0.235, "sign", sides=16, thickness=0.02),
         box((-0.13, -0.068, 2.27), (-0.03, -0.06, 2.49), "sign", DARK),
@@ -463,10 +450,13 @@ MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
             vending_machine, recycling, flagpole, fence_segment, wall_segment, hedge_segment, bus,
         )
     }
+    | dict(STREET_MAKERS)
+    | dict(PARK_MAKERS)
+    | dict(SHORE_MAKERS)
 )  # fmt: skip
 
 
-@lru_cache(maxsize=128)
+@lru_cache(maxsize=256)
 def furniture(name: str, *, detail: int = 2) -> Prototype:
     """Make one piece of street furniture; `name` is a key of `MAKERS`.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cityx.blender.materials import MaterialLibrary
 from cityx.city.mesh import NO_VERTEX, MeshBatch
-from cityx.city.scene import Instances, Scene
+from cityx.city.scene import Instances, Prototype, Scene
 from cityx.geometry.identity import id_text, uniform
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 MAX_OBJECTS = 20_000  # Blender's own bookkeeping grows faster than the count beyond this
 TILE = 2000.0  # metres; a tile's own origin keeps float32 vertices exact to 0.12 mm
+INSTANCER = "CityX Instances"  # node group that puts objects on points
 LOW_32 = np.uint64(0xFFFFFFFF)
 OBJECT_LAYERS = frozenset({"buildings"})  # layers whose things a user wants to pick one by one
 # Kinds of prototype whose glass has a room behind it, so that it may be lit at night.
@@ -266,27 +267,62 @@ def _instance_layers(
     if not layers:
         return
     store = _collection("Prototypes", scene.collection)
-    group = _instancer()
     shared: dict[int, bpy.types.Object] = {}
     for layer, rows in layers.items():
         used, local = np.unique(rows.prototype, return_inverse=True)
         sources = _collection(f"Prototypes {layer}", store)
         for index in used.tolist():
             if index not in shared:
-                shared[index] = _prototype(held, index, library)
+                shared[index] = _prototype(held.prototypes[index], index, library)
             sources.objects.link(shared[index])
-        points = bpy.data.objects.new(layer, _points(layer, rows, local, seed))
-        modifier = points.modifiers.new("Instances", "NODES")
-        modifier.node_group = group
-        modifier["Socket_2"] = sources
-        _collection(title(layer), scene.collection).objects.link(points)
+        _placed(layer, rows, local, seed, sources, _collection(title(layer), scene.collection))
     # Excluded from the view layer: saved, editable, and shown only through their instances.
     bpy.context.view_layer.layer_collection.children["Prototypes"].exclude = True
 
 
-def _prototype(held: Scene, index: int, library: MaterialLibrary) -> bpy.types.Object:
+def add_layer(
+    scene: bpy.types.Scene, layer: str, prototypes: Sequence[Prototype], rows: Instances, seed: int,
+    library: MaterialLibrary,
+) -> bpy.types.Object:  # fmt: skip
+    """Add one layer of instances to a scene that is built already.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    layer
+        Name of the layer and its collection.
+    prototypes
+        What ``rows.prototype`` counts.
+    rows
+        The instances.
+    seed
+        Of the random number that each instance carries.
+    library
+        Gives the materials.
+    """
+    sources = bpy.data.collections.new(f"Prototypes {layer}")
+    for index, prototype in enumerate(prototypes):
+        sources.objects.link(_prototype(prototype, index, library))
+    collection = _collection(title(layer), scene.collection)
+    return _placed(layer, rows, rows.prototype, seed, sources, collection)
+
+
+def _placed(
+    layer: str, rows: Instances, local: Any, seed: int, sources: bpy.types.Collection,
+    collection: bpy.types.Collection,
+) -> bpy.types.Object:  # fmt: skip
+    """Make the points of a layer and put the objects of a collection on them."""
+    points = bpy.data.objects.new(layer, _points(layer, rows, local, seed))
+    modifier = points.modifiers.new("Instances", "NODES")
+    modifier.node_group = bpy.data.node_groups.get(INSTANCER) or _instancer()
+    modifier["Socket_2"] = sources
+    collection.objects.link(points)
+    return points
+
+
+def _prototype(prototype: Prototype, index: int, library: MaterialLibrary) -> bpy.types.Object:
     """Make one prototype; the number in its name keeps Blender's alphabetical order ours."""
-    prototype = held.prototypes[index]
     variant = "room" if prototype.kind in ROOM_KINDS else "instance"
     name = f"{index:04d}_{prototype.name}"
     mesh = prototype.mesh
@@ -319,7 +355,7 @@ def _points(layer: str, rows: Instances, local: Any, seed: int) -> bpy.types.Mes
 
 def _instancer() -> bpy.types.NodeTree:
     """Make the node group that puts a collection's objects on points by their attributes."""
-    group = bpy.data.node_groups.new("CityX Instances", "GeometryNodeTree")
+    group = bpy.data.node_groups.new(INSTANCER, "GeometryNodeTree")
     faces = group.interface
     faces.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
     faces.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")

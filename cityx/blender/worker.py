@@ -62,7 +62,7 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
     """Make the scene, save it, render it; returns the record of what was made."""
     import bpy
 
-    from cityx.blender import render, sky
+    from cityx.blender import grass, render, sky
     from cityx.blender import scene as scenes
     from cityx.blender.operators import call
 
@@ -95,6 +95,7 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
         tell(0.15 + 0.85 * index / len(pictures), f"rendering {camera.name}")
         with clock.step(f"render {camera.name}"):
             sky.place_lamps(scene, lamps, camera, on=lit)
+            grass.sow(scene, view, camera)
             scene.cycles.samples = request["samples"]
             render.render_picture(scene, item, Path(request["path"]))
         record["files"].append(request["path"])

@@ -13,6 +13,7 @@ from cityx import __version__
 from cityx.checks.buildings import check_buildings
 from cityx.checks.check import Check
 from cityx.checks.facades import check_facades
+from cityx.checks.furniture import check_furniture
 from cityx.checks.ground import check_ground
 from cityx.checks.heights import check_heights
 from cityx.checks.lanes import check_lanes
@@ -31,6 +32,7 @@ def run_checks(city: City) -> list[Check]:
         *check_buildings(city),
         *check_facades(city),
         *check_ground(city),
+        *check_furniture(city),
         *check_lanes(city),
         *check_heights(city),
         *check_trees(city),

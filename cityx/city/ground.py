@@ -66,6 +66,9 @@ SURFACES: tuple[Surface, ...] = (
     Surface("tramway", 78, 0.0, "rail_steel", "concrete"),
     Surface("rail", 36, KERB_HEIGHT + 0.14, "rail_steel", "rail_steel"),  # head above the ballast
     Surface("void", 85, 0.0, "concrete"),  # no ground: a ramp, a cutting or the mouth of a tunnel
+    Surface("trail", 40, KERB_HEIGHT, "gravel", "soil"),  # path without a hard surface
+    # Strip along the kerb of a wide walk, in which furniture stands.
+    Surface("furnishing", 51, KERB_HEIGHT, "setts", "kerb_stone"),
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
 

@@ -121,6 +121,7 @@ def push_off(
 
 
 CELL = 20.0  # metres; points are looked up by such cells
+MOST_TABLE = 4_000_000  # cells of a table of those that are taken
 MOST_CELLS = 64  # that a triangle's box may meet; larger triangles ask a search tree
 
 
@@ -128,20 +129,44 @@ def in_triangles(
     xy: ArrayLike, vertices: NDArray[np.float64], triangles: NDArray[np.int32]
 ) -> BoolArray:
     """Tell which of (n, 2) points lie in or on one of (t, 3) triangles over (v, 2) vertices."""
+    return np.asarray(triangle_at(xy, vertices, triangles) >= 0)
+
+
+def triangle_at(
+    xy: ArrayLike, vertices: NDArray[np.float64], triangles: NDArray[np.int32]
+) -> NDArray[np.int64]:
+    """Find the triangle under each of (n, 2) points.
+
+    Parameters
+    ----------
+    xy
+        (n, 2) float, metres.
+    vertices, triangles
+        (v, 2) float and (t, 3) int.
+
+    Returns
+    -------
+    triangle
+        (n,) the highest number of a triangle that holds the point or has it on its rim, -1 for
+        none.
+    """
     spots = np.asarray(xy, float).reshape(-1, 2)
-    inside = np.zeros(len(spots), bool)
+    found = np.full(len(spots), -1, np.int64)
     if not len(spots) or not len(triangles):
-        return inside
-    corners = vertices[triangles]  # (t, 3, 2)
-    low = np.floor(corners.min(axis=1) / CELL).astype(np.int64)
-    size = np.floor(corners.max(axis=1) / CELL).astype(np.int64) - low + 1
+        return found
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    low = np.floor(np.minimum(np.minimum(a, b), c) / CELL).astype(np.int64)
+    size = np.floor(np.maximum(np.maximum(a, b), c) / CELL).astype(np.int64) - low + 1
+    near = _meets(low, low + size, np.floor(spots / CELL).astype(np.int64))
+    low, size, corners = low[near], size[near], np.stack([a[near], b[near], c[near]], axis=1)
     cells = size[:, 0] * size[:, 1]
-    large = cells > MOST_CELLS
-    if large.any():
+    large = np.flatnonzero(cells > MOST_CELLS)
+    if len(large):
         shapes = shapely.polygons(corners[large])
         tree = shapely.STRtree(shapely.points(spots))
-        inside[tree.query(shapes, predicate="intersects")[1]] = True
-    small = np.flatnonzero(~large)
+        shape, spot = tree.query(shapes, predicate="intersects")
+        np.maximum.at(found, spot, near[large[shape]])
+    small = np.flatnonzero(cells <= MOST_CELLS)
     triangle, part = _counted(cells[small])
     triangle = small[triangle]
     across = size[triangle, 1]
@@ -158,8 +183,25 @@ def in_triangles(
     spot = order[start[at[met]][pair] + number]
     a, b, c = corners[triangle[met][pair]].transpose(1, 0, 2)
     turns = np.stack([_turn(a, b, spots[spot]), _turn(b, c, spots[spot]), _turn(c, a, spots[spot])])
-    inside[spot[(turns >= 0).all(axis=0) | (turns <= 0).all(axis=0)]] = True
-    return inside
+    hit = (turns >= 0).all(axis=0) | (turns <= 0).all(axis=0)
+    np.maximum.at(found, spot[hit], near[triangle[met][pair][hit]])
+    return found
+
+
+def _meets(
+    low: NDArray[np.int64], high: NDArray[np.int64], cell: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Rows of those ranges of cells, (t, 2) from `low` to below `high`, that hold a taken cell."""
+    first, last = cell.min(axis=0), cell.max(axis=0)
+    shape = last - first + 2
+    if int(shape[0]) * int(shape[1]) > MOST_TABLE:
+        return np.flatnonzero(((low <= last) & (high > first)).all(axis=1))
+    table = np.zeros(shape, np.int64)
+    at = cell - first + 1
+    table[at[:, 0], at[:, 1]] = 1
+    table = table.cumsum(axis=0).cumsum(axis=1)
+    (i, j), (k, m) = (np.clip(edge - first, 0, shape - 1).T for edge in (low, high))
+    return np.flatnonzero(table[k, m] - table[i, m] - table[k, j] + table[i, j] > 0)
 
 
 def _counted(count: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -200,10 +200,26 @@ def _rail(low: float, high: float) -> FloatArray:
     return np.array([[1.0, low], [1.0, high], [-1.0, high], [-1.0, low]])[::-1]
 
 
-def _posts(lines: Polylines, ids: NDArray[np.uint64], height: FloatArray, city: City) -> MeshBatch:
-    """Make the posts of fences, under the ids of their fences."""
-    line, along = every(arc_lengths(lines)[1], POSTS)
+def posts(
+    city: City, lines: Polylines, ids: NDArray[np.uint64], height: FloatArray, *,
+    spacing: float = POSTS, aside: float = 0.0,
+) -> MeshBatch:  # fmt: skip
+    """Make the posts of fences, under the ids of their fences.
+
+    Parameters
+    ----------
+    city
+        Its terrain carries them.
+    lines, ids, height
+        The fences: (n,) ids and heights in metres.
+    spacing
+        Metres between posts.
+    aside
+        Metres to the left of the line.
+    """
+    line, along = every(arc_lengths(lines)[1], spacing)
     position, ahead = locate(lines, line, along)
+    position = position + aside * np.column_stack([-ahead[:, 1], ahead[:, 0]])
     ends = np.stack([position - 0.03 * ahead, position + 0.03 * ahead], axis=1).reshape(-1, 2)
     short = Polylines(ends, np.arange(0, len(ends) + 1, 2))
     ground = np.repeat(city.terrain.height_at(position) + KERB_HEIGHT, 2)
@@ -255,16 +271,18 @@ def barriers(city: City) -> City:
                 batches.append(
                     sweep(lines, ids, ground, _rail(low, high), size, kind.material, tint)
                 )
-            batches.append(_posts(lines, ids, height, city))
+            batches.append(posts(city, lines, ids, height))
             continue
         profile = _HEDGE if name == "hedge" else _BOX
         batches.append(sweep(lines, ids, ground, profile, size, kind.material, tint))
     if not batches:
         return replace(city, stages_done=done)
-    return replace(city, scene=city.scene.with_mesh("barriers", _by_id(batches)), stages_done=done)
+    return replace(
+        city, scene=city.scene.with_mesh("barriers", joined_by_id(batches)), stages_done=done
+    )
 
 
-def _by_id(batches: list[MeshBatch]) -> MeshBatch:
+def joined_by_id(batches: list[MeshBatch]) -> MeshBatch:
     """Join batches so that all solids of one id are one object, sorted by id."""
     joined = concatenate(batches)
     sorted_ = joined.take(np.argsort(joined.object_id, kind="stable"))

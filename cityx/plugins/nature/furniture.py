@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city import City, Instances
-from cityx.city.ground import KERB_HEIGHT, LABEL
+from cityx.city import City
+from cityx.city.ground import LABEL
 from cityx.geometry.clearance import in_triangles, near_any, push_off
 from cityx.geometry.driving import keeps_left
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import locate, to_linestrings
+from cityx.plugins.nature.pieces import (
+    FloatArray,
+    Pieces,
+    in_carriageways,
+    join_pieces,
+    pieces,
+    with_pieces,
+)
 from cityx.plugins.road.kerbs import (
     edge_lengths,
     edge_lines,
@@ -26,7 +34,6 @@ from cityx.plugins.road.kerbs import (
 from cityx.protocol import Port, action
 
 ACTION = "nature/furniture-v1"
-FloatArray = NDArray[np.float64]
 
 # Kinds of points that are things by themselves, and the prototype of each.
 PIECES = {
@@ -49,29 +56,18 @@ DRIVEN = ("carriageway", "junction", "setts", "gravel_road", "marking")
 
 LAMP_SPACING = 30.0  # metres between lamps of a street, the sides in turn
 LAMP_SETBACK = 0.6  # metres from the kerb
+WIDE_WALK, NARROW_SETBACK = 2.2, 0.3  # metres; on a narrower walk a lamp stands nearer to the kerb
 POLE_SETBACK = 0.5  # metres, clear of mirrors of passing cars
 KERB_GAP = 0.35  # metres between a mapped thing and the kerb at least
+# Half the size of large things, metres, by which they keep off carriageways.
+DEPTH = {"recycling": 1.0, "telephone": 0.55, "bicycle_parking": 0.95, "fountain": 2.2,
+         "advertising_column": 0.85, "statue": 0.9, "vending_machine": 0.6,
+         "bus_stop": 0.85}  # fmt: skip
 FEW_LAMPS = 5.0  # per kilometre; a map with fewer has not mapped its lamps
 MOST_PUSH = 3.0  # metres a mapped thing may be moved out of a carriageway
 SIGNAL_REACH = 25.0  # metres from a mapped signal to the junction it belongs to
 FRONT_REACH = 40.0  # metres within which a thing turns to a road
 SHELTER_ROOM = 2.6  # metres of free sidewalk that a shelter needs
-
-
-@dataclass(frozen=True)
-class _Pieces:
-    """Things that stand somewhere, (n,) each."""
-
-    name: NDArray[Any]
-    xy: FloatArray
-    id: NDArray[np.uint64]
-    yaw: FloatArray
-    scale: FloatArray
-
-
-def _pieces(name: Any, xy: FloatArray, ids: NDArray[np.uint64], yaw: FloatArray) -> _Pieces:
-    names = np.broadcast_to(np.asarray(name, dtype=object), (len(ids),))
-    return _Pieces(names, xy, ids, yaw, np.ones(len(ids)))
 
 
 class _Roads:
@@ -116,7 +112,7 @@ class _Roads:
         return near, way / np.where(size > 0, size, 1.0)[:, None]
 
 
-def _mapped(city: City, roads: _Roads, drive: float) -> _Pieces | None:
+def _mapped(city: City, roads: _Roads, drive: float) -> Pieces | None:
     """Place the things of the points table, turned as mapped or towards the road."""
     table = city.layout.points
     kind = table["kind"].to_numpy().astype(str)
@@ -159,10 +155,11 @@ def _mapped(city: City, roads: _Roads, drive: float) -> _Pieces | None:
         houses = city.layout.buildings.geometry.to_numpy()
         back = np.column_stack([-np.sin(yaw[bus]), np.cos(yaw[bus])])
         tight = near_any(xy[bus] + 1.0 * back, houses, SHELTER_ROOM)
+        tight |= in_carriageways(city, xy[bus] + 0.6 * back, np.full(len(bus), DEPTH["bus_stop"]))
         names[bus[tight]] = "bus_pole"
         roomy = bus[~tight]
         xy[roomy] += 0.6 * back[~tight]  # the shelter's front stays clear of the kerb
-    found = _pieces(names, xy, ids, yaw)
+    found = pieces(names, xy, ids, yaw)
     height = table["height"].to_numpy()[rows]
     size = np.isfinite(height) & np.isin(names, ("street_lamp_mast", "street_lamp_post", "flagpole",
                                                  "power_pole"))  # fmt: skip
@@ -173,7 +170,7 @@ def _mapped(city: City, roads: _Roads, drive: float) -> _Pieces | None:
     return replace(found, scale=np.clip(scale, 0.5, 2.5))
 
 
-def _lamps(city: City, have: int) -> _Pieces | None:
+def _lamps(city: City, have: int) -> Pieces | None:
     """Lamps along the kerbs of lit streets, unless the map has its own."""
     network = city.network
     if network is None or not network.edge_count:
@@ -188,17 +185,21 @@ def _lamps(city: City, have: int) -> _Pieces | None:
         return None
     groups = []
     for side, phase, column in ((1, 0.0, "sidewalk_left"), (-1, 0.5, "sidewalk_right")):
-        paved = table[column].to_numpy()[network.edge_road] > 0
-        groups.append(
-            places_along(network, np.flatnonzero(lit & paved), side, spacing=LAMP_SPACING,
-                         beyond=LAMP_SETBACK, margin=3.0, phase=phase)
-        )  # fmt: skip
+        walk = table[column].to_numpy()[network.edge_road]
+        for chosen, beyond in (
+            (walk >= WIDE_WALK, LAMP_SETBACK),
+            ((walk > 0) & (walk < WIDE_WALK), NARROW_SETBACK),
+        ):
+            groups.append(
+                places_along(network, np.flatnonzero(lit & chosen), side, spacing=LAMP_SPACING,
+                             beyond=beyond, margin=3.0, phase=phase)
+            )  # fmt: skip
     places = join_places(*groups)
     main = np.isin(kind, MAIN)[places.edge]
     ids = hash_ids(0, f"{ACTION}/lamp", network.edge_id[places.edge],
                    2 * places.number + (places.side > 0))  # fmt: skip
     names = np.where(main, "street_lamp_mast", "street_lamp_post").astype(object)
-    return _pieces(names, places.xy, ids, yaw_facing(places.toward_road))
+    return pieces(names, places.xy, ids, yaw_facing(places.toward_road))
 
 
 def lamp_places(city: City) -> FloatArray:
@@ -210,7 +211,7 @@ def lamp_places(city: City) -> FloatArray:
     return mapped if added is None else np.concatenate([mapped, added.xy])
 
 
-def _signals(city: City, drive: float) -> _Pieces | None:
+def _signals(city: City, drive: float) -> Pieces | None:
     """Signals at the kerb corner of every arm of a signalised junction, and at crossings."""
     network = city.network
     table = city.layout.points
@@ -252,12 +253,12 @@ def _signals(city: City, drive: float) -> _Pieces | None:
             own = table["id"].to_numpy()[rows][lone[spot[ok]]]
             found.append(_beside(lines, network, edge[ok], along[ok] - 2.0 * way, way, drive, main,
                                  f"{ACTION}/signal/mid{way:+.0f}", own))  # fmt: skip
-    return _merge(found)
+    return join_pieces(found)
 
 
 def _beside(lines: Any, network: Any, edge: NDArray[np.int64], along: FloatArray, way: float,
             drive: float, main: NDArray[np.bool_], purpose: str,
-            ids: NDArray[np.uint64] | None = None) -> _Pieces:  # fmt: skip
+            ids: NDArray[np.uint64] | None = None) -> Pieces:  # fmt: skip
     """Poles on the side one drives on, facing traffic that moves along (`way` +1) or against."""
     position, ahead = locate(lines, edge, along)
     travel = ahead * way
@@ -267,23 +268,23 @@ def _beside(lines: Any, network: Any, edge: NDArray[np.int64], along: FloatArray
     wide = main[edge] & (network.half_width[edge] > 4.5) & (drive > 0)
     names = np.where(wide, "traffic_signal_mast", "traffic_signal").astype(object)
     key = network.edge_id[edge] if ids is None else ids
-    return _pieces(names, xy, hash_ids(0, purpose, key), yaw_facing(-travel))
+    return pieces(names, xy, hash_ids(0, purpose, key), yaw_facing(-travel))
 
 
-def _merge(groups: list[_Pieces]) -> _Pieces:
-    names = ("name", "xy", "id", "yaw", "scale")
-    return _Pieces(*(np.concatenate([getattr(g, n) for g in groups]) for n in names))
-
-
-def _cleared(city: City, roads: _Roads, pieces: _Pieces, mapped: int) -> _Pieces:
+def _cleared(city: City, roads: _Roads, given: Pieces, mapped: int) -> Pieces:
     """Move mapped things off carriageways; drop what still stands in one or in a house."""
-    xy, free = push_off(pieces.xy, roads.lines, roads.half + KERB_GAP, most=MOST_PUSH)
-    shifted = np.hypot(*(xy - pieces.xy).T) > 1e-9
+    depth = np.array([DEPTH.get(str(name), 0.0) for name in given.name])
+    xy, free = given.xy.copy(), np.ones(len(given), bool)
+    for deep in np.unique(depth):
+        of = depth == deep
+        gap = roads.half + max(deep + 0.05, KERB_GAP)
+        xy[of], free[of] = push_off(given.xy[of], roads.lines, gap, most=MOST_PUSH)
+    shifted = np.hypot(*(xy - given.xy).T) > 1e-9
     own = np.arange(len(xy)) < mapped
     free &= own | ~shifted
     houses = city.layout.buildings.geometry.to_numpy()
     inside = near_any(xy, houses, 0.0)
-    soft = np.isin(pieces.name, ("vending_machine", "post_box", "telephone"))
+    soft = np.isin(given.name, ("vending_machine", "post_box", "telephone"))
     free &= ~(inside & ~soft)
     free &= ~(near_any(xy, houses, 0.3) & ~own)
     network = city.network
@@ -297,12 +298,10 @@ def _cleared(city: City, roads: _Roads, pieces: _Pieces, mapped: int) -> _Pieces
         ground = city.ground
         paved = np.isin(ground.face_label, [LABEL[name] for name in DRIVEN])
         driven = ground.triangles[paved[ground.triangle_face]]
-        # Bollards are there to stand in the way.
-        free &= ~in_triangles(xy, ground.vertices, driven) | (pieces.name == "bollard")
+        free &= ~in_triangles(xy, ground.vertices, driven)
     xmin, ymin, xmax, ymax = city.layout.extent
     free &= (xy[:, 0] >= xmin) & (xy[:, 0] <= xmax) & (xy[:, 1] >= ymin) & (xy[:, 1] <= ymax)
-    return _Pieces(pieces.name[free], xy[free], pieces.id[free], pieces.yaw[free],
-                   pieces.scale[free])  # fmt: skip
+    return replace(given, xy=xy).take(free)
 
 
 @action(
@@ -327,8 +326,6 @@ def furniture(
     lamps
         Whether lit streets get lamps when the map has next to none.
     """
-    from cityx.assets.furniture import furniture as make
-
     done = city.stages_done | {"nature"}
     if city.lod < 1:
         return replace(city, stages_done=done)
@@ -348,26 +345,5 @@ def furniture(
             groups.append(extra)
     if not groups:
         return replace(city, stages_done=done)
-    pieces = _cleared(city, roads, _merge(groups), count)
-    order = np.argsort(pieces.id, kind="stable")
-    order = order[np.unique(pieces.id[order], return_index=True)[1]]
-    names, number = np.unique(pieces.name[order].astype(str), return_inverse=True)
-    total = len(order)
-    rotation = np.zeros((total, 3), np.float32)
-    rotation[:, 2] = pieces.yaw[order]
-    xy = pieces.xy[order]
-    rows = Instances(
-        number.astype(np.int32),
-        pieces.id[order],
-        np.zeros(total, np.uint64),
-        np.column_stack([xy, city.terrain.height_at(xy) + KERB_HEIGHT]),
-        rotation,
-        np.repeat(pieces.scale[order].astype(np.float32)[:, None], 3, axis=1),
-        np.ones((total, 3), np.float32),
-    )
-    prototypes = [make(str(name), detail=city.lod) for name in names]
-    return replace(
-        city,
-        scene=city.scene.with_instances("street_furniture", prototypes, rows),
-        stages_done=done,
-    )
+    standing = _cleared(city, roads, join_pieces(groups), count)
+    return with_pieces(replace(city, stages_done=done), "street_furniture", standing)

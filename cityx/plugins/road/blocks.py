@@ -23,7 +23,7 @@ ROAD = tuple(
 HARD = (
     *ROAD,
     *(LABEL[name] for name in ("kerb", "sidewalk", "path", "plaza", "parking", "building",
-                               "courtyard")),
+                               "courtyard", "trail", "furnishing")),
 )  # fmt: skip
 NARROW = 1.5  # metres; narrower islands between carriageways are not built
 DENSE = 0.35  # share of a block that is built over; gardens fill the rest of a looser one
@@ -136,7 +136,8 @@ def _yards(ground: Ground) -> Ground:
     size = len(court)
     length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
     rim, street = np.zeros(size), np.zeros(size)
-    outer = np.isin(ground.face_label, [*ROAD, LABEL["kerb"], LABEL["sidewalk"], LABEL["plaza"]])
+    outer = np.isin(ground.face_label, [*ROAD, LABEL["kerb"], LABEL["sidewalk"], LABEL["plaza"],
+                                       LABEL["furnishing"]])  # fmt: skip
     for face, other in ((left, right), (right, left)):
         mine = (face != BEYOND) & ~within
         mine[mine] &= court[face[mine]]

@@ -43,7 +43,9 @@ from cityx.plugins.road.landcover import (
 )
 from cityx.plugins.road.markings import marking_regions
 from cityx.plugins.road.network import road_network
+from cityx.plugins.road.park_paths import park_regions
 from cityx.plugins.road.sections import bands_of
+from cityx.plugins.road.strips import strip_regions
 from cityx.plugins.road.structures import Structures, build_structures, grounded_lines
 from cityx.plugins.road.tiers import cut_network
 from cityx.protocol import Port, action, has_network
@@ -154,8 +156,10 @@ def detailed_regions(layout: Layout, network: RoadNetwork, ways: NDArray[Any]) -
     strips = np.concatenate([road.strips, road.stars])
     return join_regions([
         carriageway_regions(layout, network, on_ground, road),
+        strip_regions(layout, network, on_ground),
         marking_regions(layout, network, bands_of(layout, network), on_ground, road),
         area_regions(layout),
+        park_regions(layout),
         kerbside_regions(layout, strips),
         building_regions(layout),
         way_regions(layout, ways, strips),

@@ -14,7 +14,7 @@ from cityx.city.ground import LABEL, SURFACES
 from cityx.city.layout import Layout
 from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.polylines import line_strips, pack
-from cityx.plugins.road.carriageway import BUILDING_PRIORITY, MITRE
+from cityx.plugins.road.carriageway import BUILDING_PRIORITY, MITRE, road_labels
 
 Shapes = NDArray[Any]
 
@@ -118,8 +118,10 @@ def way_regions(layout: Layout, lines: Shapes, strips: Shapes) -> Regions:
     found = []
     on_foot = np.isin(kind, PATHS)
     paved = on_foot & _beside_streets(layout)
+    loose = road_labels(roads["surface"].to_numpy()) == LABEL["gravel_road"]
     for chosen, label, least in (
-        (on_foot & ~paved, "path", 1.2),
+        (on_foot & ~paved & loose, "trail", 1.0),
+        (on_foot & ~paved & ~loose, "path", 1.2),
         (paved, "sidewalk", 1.2),
         (kind == "pedestrian", "plaza", 3.0),
     ):

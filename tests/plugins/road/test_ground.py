@@ -30,7 +30,7 @@ def test_a_crossroads_has_every_part_of_a_street(layout_of):
     for name in ("carriageway", "junction", "kerb", "sidewalk", "marking", "building"):
         assert area[name] > 1.0, name
     assert area["building"] == pytest.approx(4 * 2500)
-    roads = area["carriageway"] + area["junction"] + area["marking"]
+    roads = area["carriageway"] + area["setts"] + area["junction"] + area["marking"]
     assert roads == pytest.approx(180 * 8 + 180 * 6 - 48, rel=0.01)
 
 

@@ -1,0 +1,68 @@
+"""What lies under points of the ground: its surface and its height there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cityx.city.ground import SURFACES
+from cityx.city.mesh import NO_VERTEX, MeshBatch
+from cityx.geometry.clearance import triangle_at
+from cityx.geometry.identity import stable_id
+
+FloatArray = NDArray[np.float64]
+NOWHERE = -1  # label beyond the ground, and under buildings, where the mesh is open
+# Surfaces people walk on, beside those that cars share.
+WALKED = ("sidewalk", "kerb", "plaza", "path", "courtyard", "trail", "furnishing")
+LAWNS = ("grass", "park", "meadow", "block")
+
+
+@dataclass(frozen=True)
+class Footing:
+    """What n points stand on.
+
+    Attributes
+    ----------
+    label
+        (n,) int64 into `cityx.city.ground.SURFACES`, `NOWHERE` where there is no ground.
+    z
+        (n,) float64, metres; NaN where there is no ground.
+    """
+
+    label: NDArray[np.int64]
+    z: FloatArray
+
+
+def stand_on(ground: MeshBatch | None, xy: ArrayLike) -> Footing:
+    """Look up the draped ground under (n, 2) points.
+
+    Parameters
+    ----------
+    ground
+        The mesh layer "ground": an object per surface, its tops triangles.
+    xy
+        (n, 2) float, metres.
+    """
+    spots = np.asarray(xy, float).reshape(-1, 2)
+    label = np.full(len(spots), NOWHERE, np.int64)
+    z = np.full(len(spots), np.nan)
+    if ground is None or not ground.count or not len(spots):
+        return Footing(label, z)
+    faces = np.flatnonzero(ground.faces[:, 3] == NO_VERTEX)
+    triangles = ground.faces[faces, :3]
+    found = triangle_at(spots, ground.vertices[:, :2], triangles)
+    hit = np.flatnonzero(found >= 0)
+    known = {stable_id("ground", surface.name): i for i, surface in enumerate(SURFACES)}
+    labels = np.array([known.get(int(own), NOWHERE) for own in ground.object_id])
+    own = np.searchsorted(ground.face_start, faces[found[hit]], side="right") - 1
+    label[hit] = labels[own]
+    a, b, c = ground.vertices[triangles[found[hit]]].transpose(1, 0, 2)
+    u, v, w = (b - a)[:, :2], (c - a)[:, :2], spots[hit] - a[:, :2]
+    area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    area = np.where(np.abs(area) < 1e-12, 1.0, area)
+    s = (w[:, 0] * v[:, 1] - w[:, 1] * v[:, 0]) / area
+    t = (u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0]) / area
+    z[hit] = a[:, 2] + s * (b - a)[:, 2] + t * (c - a)[:, 2]
+    return Footing(label, z)

@@ -1,0 +1,164 @@
+"""Things that stand somewhere: as arrays, with the room before them, and as rows of a layer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+
+from cityx.city import City, Instances
+from cityx.city.ground import KERB_HEIGHT, LABEL, Ground
+from cityx.geometry.arrangement import BEYOND
+from cityx.geometry.polylines import to_linestrings
+from cityx.geometry.standing import WALKED, stand_on
+from cityx.plugins.road.kerbs import edge_lines
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Things that stand somewhere, (n,) each.
+
+    Attributes
+    ----------
+    name
+        Names of prototypes.
+    xy
+        (n, 2) metres.
+    id
+        uint64, stable.
+    yaw
+        Radians about z; the front, -y of the prototype, turns with it.
+    scale
+        Of all three axes.
+    """
+
+    name: NDArray[Any]
+    xy: FloatArray
+    id: NDArray[np.uint64]
+    yaw: FloatArray
+    scale: FloatArray
+
+    def __len__(self) -> int:
+        """Count the things."""
+        return len(self.id)
+
+    def take(self, rows: ArrayLike) -> Pieces:
+        """Return some of the things, by mask or by index."""
+        index = np.asarray(rows)
+        return Pieces(self.name[index], self.xy[index], self.id[index], self.yaw[index],
+                      self.scale[index])  # fmt: skip
+
+
+def pieces(name: Any, xy: FloatArray, ids: NDArray[np.uint64], yaw: FloatArray) -> Pieces:
+    """Make pieces of one name, or of (n,) names, at their real size."""
+    names = np.broadcast_to(np.asarray(name, dtype=object), (len(ids),))
+    return Pieces(names, np.asarray(xy, float).reshape(-1, 2), ids, np.asarray(yaw, float),
+                  np.ones(len(ids)))  # fmt: skip
+
+
+def join_pieces(groups: Sequence[Pieces]) -> Pieces:
+    """Join groups of pieces."""
+    if not groups:
+        return pieces("", np.zeros((0, 2)), np.zeros(0, np.uint64), np.zeros(0))
+    names = ("name", "xy", "id", "yaw", "scale")
+    return Pieces(*(np.concatenate([getattr(g, n) for g in groups]) for n in names))
+
+
+def front(yaw: ArrayLike) -> FloatArray:
+    """(n, 2) direction that a prototype, front -y, faces after a turn."""
+    angle = np.asarray(yaw, float)
+    return np.column_stack([np.sin(angle), -np.cos(angle)])
+
+
+def heights(city: City, xy: FloatArray) -> FloatArray:
+    """(n,) height of the ground under points; the terrain and a kerb where no ground is built."""
+    z = stand_on(city.scene.meshes.get("ground"), xy).z
+    return np.asarray(np.where(np.isnan(z), city.terrain.height_at(xy) + KERB_HEIGHT, z))
+
+
+def with_pieces(city: City, layer: str, found: Pieces, z: FloatArray | None = None) -> City:
+    """Return the city with one layer of furniture; of equal ids the first stays.
+
+    Parameters
+    ----------
+    city
+        The city.
+    layer
+        Name of the layer; rows it held before are replaced.
+    found
+        The things.
+    z
+        (n,) heights of their feet, metres; the ground's when left out.
+    """
+    from cityx.assets.furniture import furniture
+
+    order = np.unique(found.id, return_index=True)[1]
+    chosen = found.take(order)
+    names, number = np.unique(chosen.name.astype(str), return_inverse=True)
+    total = len(order)
+    rotation = np.zeros((total, 3), np.float32)
+    rotation[:, 2] = chosen.yaw
+    rows = Instances(
+        number.astype(np.int32),
+        chosen.id,
+        np.zeros(total, np.uint64),
+        np.column_stack([chosen.xy, heights(city, chosen.xy) if z is None else z[order]]),
+        rotation,
+        np.repeat(chosen.scale.astype(np.float32)[:, None], 3, axis=1),
+        np.ones((total, 3), np.float32),
+    )
+    prototypes = [furniture(str(name), detail=city.lod) for name in names]
+    return replace(city, scene=city.scene.with_instances(layer, prototypes, rows))
+
+
+def walk_rims(ground: Ground, labels: Sequence[str] = WALKED) -> NDArray[Any]:
+    """(k,) segments at which what people walk on ends: kerbs, walls, lawns, water."""
+    walked = np.isin(ground.face_label, [LABEL[name] for name in labels])
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inside = np.where(right == BEYOND, False, walked[np.maximum(right, 0)])
+    rim = walked[left] != inside
+    return np.asarray(shapely.linestrings(ground.vertices[ground.edges[rim]]))
+
+
+def room_along(
+    start: FloatArray, direction: FloatArray, rims: NDArray[Any], reach: float
+) -> FloatArray:
+    """(n,) metres from points along unit directions to the first rim, at most `reach`."""
+    room = np.full(len(start), reach)
+    if not len(start) or not len(rims):
+        return room
+    rays = shapely.linestrings(np.stack([start, start + reach * direction], axis=1))
+    ray, rim = shapely.STRtree(rims).query(rays, predicate="intersects")
+    met = shapely.intersection(rays[ray], rims[rim])
+    np.minimum.at(room, ray, shapely.distance(shapely.points(start[ray]), met))
+    return room
+
+
+def inside_extent(city: City, xy: FloatArray, margin: float = 0.0) -> BoolArray:
+    """(n,) whether points lie in the site."""
+    xmin, ymin, xmax, ymax = city.layout.extent
+    x, y = xy.T
+    inside = (x >= xmin + margin) & (x <= xmax - margin)
+    return np.asarray(inside & (y >= ymin + margin) & (y <= ymax - margin))
+
+
+def in_carriageways(city: City, xy: FloatArray, depth: FloatArray) -> BoolArray:
+    """(n,) whether things of a half size reach into a carriageway of the network."""
+    network = city.network
+    reaches = np.zeros(len(xy), bool)
+    if network is None or not network.edge_count or not len(xy):
+        return reaches
+    lines = to_linestrings(edge_lines(network))
+    spots = shapely.points(xy)
+    most = network.half_width + float(depth.max())
+    line, spot = shapely.STRtree(spots).query(lines, predicate="dwithin", distance=most)
+    gap = shapely.distance(spots[spot], lines[line]) - network.half_width[line]
+    reaches[spot[gap < depth[spot]]] = True
+    return reaches

@@ -1,0 +1,399 @@
+"""Furniture by rule on walks, before facades, on plazas and in yards, clear of who walks there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city import City
+from cityx.city.ground import LABEL, Ground
+from cityx.geometry.clearance import distance_within, in_triangles, near_any
+from cityx.geometry.identity import choose, hash_ids, uniform
+from cityx.geometry.scatter import Points, candidates, near_pairs, thin
+from cityx.geometry.standing import WALKED, stand_on
+from cityx.plugins.nature.pieces import (
+    BoolArray,
+    FloatArray,
+    Pieces,
+    front,
+    in_carriageways,
+    inside_extent,
+    join_pieces,
+    pieces,
+    room_along,
+    walk_rims,
+    with_pieces,
+)
+from cityx.plugins.nature.poles import utility_poles
+from cityx.plugins.nature.signs import junction_signs
+from cityx.plugins.nature.street_rules import (
+    CLEAR,
+    DOOR_DEPTH,
+    DOOR_SIDE,
+    KERB_RULES,
+    PIECE_GAP,
+    SIGHT,
+    SLOT,
+    STREETS,
+    TALL,
+    TIGHT,
+    place_of,
+    rates,
+)
+from cityx.plugins.road.kerbs import join_places, places_along, yaw_facing
+from cityx.protocol import Port, Range, action
+
+ACTION = "nature/street_pieces-v1"
+LAYER = "street_pieces"
+
+DRIVEN = ("carriageway", "setts", "gravel_road", "junction", "marking")
+REACH = 12.0  # metres; no walk is looked at farther than this
+IN_KERB = 0.08  # metres beyond the carriageway where a look across the walk begins
+ZEBRA_GAP = 5.0  # metres behind a junction's trim that a zebra and its dropped kerb take
+CROSSING_GAP = 4.0  # metres round a mapped crossing
+TOWN = 25.0  # metres within which an urban building makes a kerb a kerb in town
+FACADE_GAP = 2.0  # metres from a facade to the kerb's strip of furniture, at least
+STRIP = 0.9  # metres at the kerb that other furniture may take
+CAFE_SHARE = {"shop_cafe": 0.75, "shop_classic": 0.10, "shop_modern": 0.08}
+BOARD_SHARE, TUB_SHARE, MACHINE_SHARE = 0.16, 0.14, 0.10
+LEVEL = 1.2  # metres between the ground and the foot of a shopfront that opens onto it
+OPEN_SPACING = 7.0  # metres between things on plazas and in yards
+WALL_REACH = 3.5  # metres from a wall within which a thing is moved to it
+WALL_GAP = {"bicycle_parking": 1.05}  # metres from a wall to the middle of what stands at it
+USUAL_GAP = 0.8  # the same for everything else
+# What stands free on plazas, in yards, and at the walls of yards, with weights; "" is nothing.
+PLAZA = {"": 5.0, "bench": 2.0, "stone_bench": 1.5, "planter": 2.0, "waste_basket": 0.8,
+         "planter_round": 1.0, "advertising_column": 0.15, "kiosk": 0.12,
+         "bicycle_parking": 0.5, "street_lamp_post": 0.8}  # fmt: skip
+YARD = {"": 8.0, "planter": 1.2, "planter_round": 1.0, "bench": 0.7, "bicycle_parking": 0.5}
+YARD_WALL = {"": 3.0, "wheelie_bins": 2.0, "bicycle_parking": 1.4, "planter": 0.8}
+# Half the size of a piece that stands free, metres.
+SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "cafe_set": 0.95,
+        "planter_round": 0.4, "advertising_column": 0.8, "kiosk": 1.9, "bicycle_parking": 1.4,
+        "street_lamp_post": 0.3, "wheelie_bins": 0.7, "parasol": 1.3, "shop_board": 0.35,
+        "vending_machine": 0.6}  # fmt: skip
+PARKED_SHARE = 0.55  # of the places of a bicycle stand that are taken
+
+
+@dataclass(frozen=True)
+class _Site:
+    """What the rules look at: rims of the walks, walls, doors, and what stands already."""
+
+    rims: NDArray[Any]
+    houses: NDArray[Any]
+    urban: NDArray[Any]
+    doors: NDArray[Any]
+    fixed: FloatArray
+    trunks: FloatArray
+    place: str
+
+
+def _site(city: City) -> _Site:
+    buildings = city.layout.buildings
+    houses = buildings.geometry.to_numpy()
+    urban = np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))
+    rims = walk_rims(city.ground) if city.ground is not None else np.zeros(0, object)
+    return _Site(rims, houses, houses[urban], door_zones(city), _standing(city, "street_furniture"),
+                 _standing(city, "trees"), place_of(city))  # fmt: skip
+
+
+def _standing(city: City, layer: str) -> FloatArray:
+    rows = city.scene.instances.get(layer)
+    return np.zeros((0, 2)) if rows is None else rows.position[:, :2]
+
+
+def door_zones(city: City) -> NDArray[Any]:
+    """(d,) rectangles before doors that stay free."""
+    rows = city.scene.instances.get("doors")
+    if rows is None or not rows.count:
+        return np.zeros(0, object)
+    out = front(rows.rotation[:, 2])
+    side = np.column_stack([-out[:, 1], out[:, 0]]) * DOOR_SIDE
+    foot = rows.position[:, :2]
+    far = foot + DOOR_DEPTH * out
+    return np.asarray(
+        shapely.polygons(np.stack([foot - side, far - side, far + side, foot + side], axis=1))
+    )
+
+
+def _along_kerbs(city: City, site: _Site, density: float) -> tuple[Pieces, FloatArray]:
+    """Draw things for slots of kerb; return them with half their lengths and depths, (n, 2)."""
+    network, roads = city.network, city.layout.roads
+    none = pieces("", np.zeros((0, 2)), np.zeros(0, np.uint64), np.zeros(0)), np.zeros((0, 2))
+    if network is None or not network.edge_count:
+        return none
+    row = network.edge_road
+    kind = roads["kind"].to_numpy().astype(str)
+    rank = np.array([STREETS.get(name, "") for name in kind])[row]
+    flat = ~(roads["bridge"].to_numpy() | roads["tunnel"].to_numpy())[row]
+    flat &= (roads["layer"].to_numpy()[row] == 0) & ~roads["passage"].to_numpy()[row]
+    groups = [
+        places_along(network, np.flatnonzero(flat & (rank != "") & (zebra == has)), side,
+                     spacing=SLOT, beyond=IN_KERB, margin=2.0 + ZEBRA_GAP * has)
+        for side in (1, -1) for has in (False, True)
+        for zebra in (network.crossing.any(axis=1),)
+    ]  # fmt: skip
+    slots = join_places(*groups)
+    slots = slots.take(inside_extent(city, slots.xy, 1.0))
+    if not len(slots.xy):
+        return none
+    town = near_any(slots.xy, site.urban, TOWN)
+    column = 2 * ~town + (rank[slots.edge] != "main")
+    table = np.array([rates(rule, site.place) for rule in KERB_RULES]) * SLOT / 100 * density
+    edges = np.cumsum(table, axis=0)  # (rules, 4)
+    ids = hash_ids(0, f"{ACTION}/kerb", network.edge_id[slots.edge],
+                   2 * slots.number + (slots.side > 0))  # fmt: skip
+    draw = uniform(city.seed, f"{ACTION}/kerb", ids)
+    rule = (draw[:, None] >= edges.T[column]).sum(axis=1)
+    rows = np.flatnonzero(rule < len(KERB_RULES))
+    slots, rule, ids = slots.take(rows), rule[rows], ids[rows]
+    asked = np.array([(r.from_kerb, r.room, r.length, r.depth) for r in KERB_RULES])[rule]
+    out = -slots.toward_road
+    fits = IN_KERB + room_along(slots.xy, out, site.rims, REACH) >= asked[:, 1]
+    assert city.ground is not None
+    fits &= _on(city.ground, slots.xy, *WALKED)
+    slip = (uniform(city.seed, f"{ACTION}/slip", ids) - 0.5) * 2.0
+    xy = slots.xy + out * (asked[:, :1] - IN_KERB) + slots.ahead * slip[:, None]
+    names = np.array([r.piece for r in KERB_RULES], object)[rule]
+    points = city.layout.points
+    crossings = points.geometry.to_numpy()[points["kind"].to_numpy() == "crossing"]
+    fits &= ~near_any(xy, crossings, CROSSING_GAP)
+    joints = shapely.points(network.node_position[network.node_degree >= 3])
+    fits &= ~(np.isin(names, list(TALL)) & near_any(xy, joints, SIGHT + 6.0))
+    # One sits with the back to the traffic as often as facing it; everything else faces it.
+    turned = (names == "bench") & (uniform(city.seed, f"{ACTION}/back", ids) < 0.5)
+    yaw = yaw_facing(np.where(turned[:, None], out, -out))
+    return pieces(names, xy, ids, yaw).take(fits), asked[fits, 2:]
+
+
+def _labels(names: Any) -> list[int]:
+    return [LABEL[name] for name in names]
+
+
+def _before_shops(city: City, site: _Site, density: float) -> Pieces:
+    """Tables, boards and tubs before shopfronts and doors on wide walks; machines in Japan."""
+    found: list[Pieces] = []
+    for layer in ("shopfronts", "doors"):
+        rows = city.scene.instances.get(layer)
+        if rows is None or not rows.count:
+            continue
+        names = np.array([p.name for p in city.scene.prototypes], object)[rows.prototype]
+        names = np.array([name.removesuffix("_fine") for name in names], object)
+        out = front(rows.rotation[:, 2])
+        side = np.column_stack([-out[:, 1], out[:, 0]])
+        foot = rows.position[:, :2]
+        step = foot + 0.3 * out
+        below = stand_on(city.scene.meshes.get("ground"), step)
+        level = np.isin(below.label, _labels(WALKED))
+        level &= np.abs(np.nan_to_num(below.z, nan=1e9) - rows.position[:, 2]) < LEVEL
+        room = 0.3 + room_along(step, out, site.rims, REACH)
+
+        def drawn(purpose: str, share: Any, *, layer: str = layer, rows: Any = rows) -> BoolArray:
+            key = f"{ACTION}/{layer}/{purpose}"
+            return np.asarray(uniform(city.seed, key, rows.object_id) < share * density)
+
+        def put(name: str, chosen: BoolArray, away: float, aside: float, turn: float = 0.0,
+                *, layer: str = layer, rows: Any = rows, foot: FloatArray = foot,
+                out: FloatArray = out, side: FloatArray = side) -> None:  # fmt: skip
+            at = np.flatnonzero(chosen)
+            ids = hash_ids(0, f"{ACTION}/{layer}/{name}/{aside:+.1f}", rows.object_id[at])
+            yaw = yaw_facing(out[at]) + turn * (uniform(city.seed, ACTION, ids) - 0.5)
+            found.append(pieces(name, foot[at] + away * out[at] + aside * side[at], ids, yaw))
+
+        if layer == "shopfronts":
+            share = np.array([CAFE_SHARE.get(str(name), 0.0) for name in names])
+            cafe = level & drawn("cafe", share)
+            wide = cafe & (room >= 2.0 + 1.2 + STRIP + CLEAR)
+            put("parasol", wide, 1.75, 0.0)
+            tables = cafe & ~wide & (room >= 0.95 + 0.85 + STRIP + CLEAR)
+            put("cafe_set", tables, 0.95, -0.95, 0.8)
+            put("cafe_set", tables, 0.95, 0.95, 0.8)
+            board = level & ~cafe & drawn("board", BOARD_SHARE) & (room >= 0.6 + STRIP + CLEAR)
+            put("shop_board", board, 0.55, 0.9, 0.7)
+            if site.place == "japan":
+                machine = level & ~cafe & ~board & drawn("machine", MACHINE_SHARE)
+                put("vending_machine", machine & (room >= 0.9 + CLEAR), 0.48, -1.0)
+        else:
+            tubs = level & drawn("tubs", TUB_SHARE) & (room >= 0.8 + STRIP + CLEAR)
+            tubs &= np.isin(names, ("door_lobby", "door_glass", "door_panel", "door_sidelight"))
+            put("planter_round", tubs, 0.5, -1.35)
+            put("planter_round", tubs, 0.5, 1.35)
+    return join_pieces(found)
+
+
+def _on(ground: Ground, xy: FloatArray, *names: str) -> BoolArray:
+    """(n,) whether points lie on faces of some labels."""
+    wanted = np.isin(ground.face_label, _labels(names))[ground.triangle_face]
+    return in_triangles(xy, ground.vertices, ground.triangles[wanted])
+
+
+def _scattered(city: City) -> Points:
+    """Candidates over the whole site, the same whatever its rectangle."""
+    xmin, ymin, xmax, ymax = np.floor(np.array(city.layout.extent) / OPEN_SPACING).astype(int)
+    i, j = np.meshgrid(np.arange(xmin, xmax + 1), np.arange(ymin, ymax + 1), indexing="ij")
+    cells = np.column_stack([i.ravel(), j.ravel()])
+    found = candidates(cells, OPEN_SPACING, seed=city.seed, purpose=ACTION)
+    one = found.id % np.uint64(3) == 0  # about one per cell are enough for things so far apart
+    return Points(found.xy[one], found.id[one])
+
+
+def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
+    """Things on plazas and in yards: free in the middle, or moved to the wall."""
+    ground = city.ground
+    if ground is None:
+        return join_pieces([])
+    spots = _scattered(city)
+    plaza, yard = (_on(ground, spots.xy, name) for name in ("plaza", "courtyard"))
+    open_ = plaza | yard
+    spots, yard = Points(spots.xy[open_], spots.id[open_]), yard[open_]
+    kept = np.isin(spots.id, thin(spots, OPEN_SPACING).id)
+    xy, ids, yard = spots.xy[kept], spots.id[kept], yard[kept]
+    rim = distance_within(xy, site.rims, 4.0)
+    wall = distance_within(xy, site.houses, WALL_REACH)
+    names = np.full(len(ids), "", object)
+    for chosen, weights in (
+        (~yard & (rim > 1.0), PLAZA),
+        (yard & np.isinf(wall), YARD),
+        (yard & np.isfinite(wall), YARD_WALL),
+    ):
+        words = np.array(list(weights), object)
+        share = np.array(list(weights.values()))
+        share[0] /= max(density, 1e-6)
+        drawn = words[choose(city.seed, f"{ACTION}/open", ids, share)]
+        names = np.where(chosen, drawn, names)
+    turn = uniform(city.seed, f"{ACTION}/turn", ids) * 2 * np.pi
+    at_wall = yard & np.isfinite(wall) & (names != "")
+    half = np.array([SIZE.get(str(name), 0.5) for name in names])
+    keep = (names != "") & (at_wall | (rim >= half + CLEAR))
+    rows = np.flatnonzero(at_wall)
+    if len(rows):
+        nearest = shapely.STRtree(site.houses).query_nearest(
+            shapely.points(xy[rows]), all_matches=False
+        )[1]
+        outline = shapely.boundary(site.houses[nearest])
+        along = shapely.line_locate_point(outline, shapely.points(xy[rows]))
+        foot = shapely.get_coordinates(shapely.line_interpolate_point(outline, along))
+        away = xy[rows] - foot
+        length = np.hypot(*away.T)
+        away /= np.maximum(length, 1e-6)[:, None]
+        xy = xy.copy()
+        gap = np.array([WALL_GAP.get(str(name), USUAL_GAP) for name in names[rows]])
+        xy[rows] = foot + gap[:, None] * away
+        turn[rows] = yaw_facing(away)
+        room = room_along(foot + 0.1 * away, away, site.rims, REACH)
+        keep[rows] &= (length > 0.2) & (room >= 2 * gap + CLEAR)
+    return pieces(names, xy, ids, turn).take(keep)
+
+
+def _bicycles(city: City, stands: Pieces) -> Pieces:
+    """Bicycles in some of the places of the stands."""
+    found = []
+    for number, aside in enumerate((-1.0, 0.0, 1.0)):
+        for side in (-1, 1):
+            ids = hash_ids(city.seed, f"{ACTION}/bicycle", stands.id, 2 * number + (side > 0))
+            taken = uniform(city.seed, f"{ACTION}/parked", ids) < PARKED_SHARE
+            out = front(stands.yaw)
+            right = np.column_stack([-out[:, 1], out[:, 0]])
+            back = (uniform(city.seed, f"{ACTION}/back", ids) < 0.5) * np.pi
+            lean = 0.12 * (uniform(city.seed, f"{ACTION}/lean", ids) - 0.5)
+            xy = stands.xy + (aside + 0.16 * side) * right
+            found.append(pieces("bicycle", xy, ids, stands.yaw + back + lean).take(taken))
+    return join_pieces(found)
+
+
+def _free(city: City, site: _Site, found: Pieces, half: FloatArray, depth: FloatArray) -> BoolArray:
+    """(n,) whether pieces stand clear of doors, houses, trunks, other furniture and each other."""
+    spots = shapely.buffer(shapely.points(found.xy), np.maximum(half, 0.2), quad_segs=2)
+    free = inside_extent(city, found.xy, 0.5) & ~in_carriageways(city, found.xy, depth)
+    if len(site.doors):
+        free[shapely.STRtree(site.doors).query(spots, predicate="intersects")[0]] = False
+    for others, gap in ((site.fixed, PIECE_GAP), (site.trunks, 0.9)):
+        tree = shapely.STRtree(shapely.points(others))
+        reach = half + gap
+        free[tree.query(shapely.points(found.xy), predicate="dwithin", distance=reach)[0]] = False
+    free &= ~near_any(found.xy, site.houses, 0.05)
+    assert city.ground is not None
+    free &= _on(city.ground, found.xy, *WALKED)
+    # Of two that are too near to each other the one with the higher id stays.
+    rows = np.flatnonzero(free)
+    pairs = near_pairs(found.xy[rows], 2 * SIZE["kiosk"] + 0.3) if len(rows) else np.zeros((0, 2))
+    pairs = rows[pairs.astype(int)]
+    gap = np.hypot(*(found.xy[pairs[:, 0]] - found.xy[pairs[:, 1]]).T)
+    pairs = pairs[gap < half[pairs].sum(axis=1) + 0.3]
+    lower = np.where(found.id[pairs[:, 0]] < found.id[pairs[:, 1]], pairs[:, 0], pairs[:, 1])
+    free[lower] = False
+    return np.asarray(free)
+
+
+def _signs(city: City, site: _Site) -> Pieces:
+    """Signs at junctions where a pole leaves enough of the walk."""
+    signs, out = junction_signs(city, site.place)
+    if not len(signs):
+        return signs
+    room = room_along(signs.xy, out, site.rims, 3.0)
+    label = stand_on(city.scene.meshes.get("ground"), signs.xy).label
+    walked = np.isin(label, _labels(WALKED))
+    soft = np.isin(label, _labels(("block", "grass", "park", "meadow", "wood", "bare")))
+    good = (walked & (room >= TIGHT + 0.1)) | soft
+    good &= ~near_any(signs.xy, site.houses, 0.35) & inside_extent(city, signs.xy, 0.5)
+    good &= ~near_any(signs.xy, shapely.points(site.fixed), 0.8)
+    good &= ~near_any(signs.xy, site.doors, 0.1)
+    signs = signs.take(good)
+    kept = thin(Points(signs.xy, signs.id), 0.9).id
+    return signs.take(np.isin(signs.id, kept))
+
+
+@action(
+    ACTION,
+    limits=[
+        "Needs the draped ground; without it nothing stands.",
+        "Walks narrower than 1.5 m beside the piece get none.",
+    ],
+    requires=("layout",),
+    takes=(Port("ground", "surface", role="ground", optional=True),),
+    gives=(Port("furniture", "point", role="street_furniture"),),
+    labels=("benches", "bins", "planters", "bicycle racks", "cafe tables", "kiosks", "signs"),
+)
+def street_pieces(
+    city: City, *, density: Annotated[float, Range(0.0, 3.0)] = 1.0, signs: bool = True
+) -> City:
+    """Place benches, bins, tubs, racks, kiosks, cafe tables and signs where no map shows them.
+
+    Parameters
+    ----------
+    city
+        City with its ground; facades tell where doors and shops are.
+    density
+        Factor of all frequencies of `cityx.plugins.nature.street_rules`.
+    signs
+        Whether junctions get signs and street names.
+    """
+    done = city.stages_done | {"nature"}
+    if city.lod < 2 or city.ground is None or "ground" not in city.scene.meshes:
+        return replace(city, stages_done=done)
+    site = _site(city)
+    posts = _signs(city, site) if signs else join_pieces([])
+    if site.place == "japan":
+        driven = np.isin(city.ground.face_label, _labels(DRIVEN))[city.ground.triangle_face]
+        standing = np.concatenate([site.fixed, site.trunks, posts.xy])
+        poles, wires = utility_poles(city, standing, city.ground.triangles[driven])
+        posts = join_pieces([posts, poles])
+        if wires.count:
+            city = replace(city, scene=city.scene.with_mesh("wires", wires))
+    site = replace(site, fixed=np.concatenate([site.fixed, posts.xy]))
+    kerb, sizes = _along_kerbs(city, site, density)
+    shops = _before_shops(city, site, density)
+    open_ = _in_the_open(city, site, density)
+    drawn = join_pieces([kerb, shops, open_])
+    rest = join_pieces([shops, open_])
+    other = np.array([SIZE.get(str(name), 0.5) for name in rest.name])
+    half = np.concatenate([sizes, np.repeat(other[:, None], 2, axis=1)])
+    kept = drawn.take(_free(city, site, drawn, half[:, 0], half[:, 1]))
+    stands = kept.take(kept.name == "bicycle_parking")
+    found = join_pieces([posts, kept, _bicycles(city, stands)])
+    city = replace(city, stages_done=done)
+    return with_pieces(city, LAYER, found) if len(found) else city

@@ -1,0 +1,94 @@
+"""What stands on walks by rule, how often, and how much room it needs.
+
+Rates are pieces per 100 m of kerb. They follow inventories of European and American cities in
+order of magnitude (a bench per 100-250 m and a bin per 50-150 m of main street, a hydrant per
+90 m in North America, none above ground in most of Europe); Japan has few benches and bins, and
+machines that sell drinks instead.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cityx.city.city import City
+from cityx.geometry.driving import drives_on
+
+CLEAR = 1.5  # metres of free walk past whatever stands by rule
+TIGHT = 1.2  # metres past a pole on a narrow walk; below it nothing stands
+SLOT = 6.0  # metres of kerb per draw
+STREETS = {
+    "primary": "main", "secondary": "main", "tertiary": "main", "trunk": "main",
+    "residential": "local", "unclassified": "local", "living_street": "local",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A thing along kerbs.
+
+    Attributes
+    ----------
+    piece
+        Name of the prototype.
+    main_town, local_town, main_out, local_out
+        Pieces per 100 m of kerb of main and of local streets, in town and outside.
+    from_kerb
+        Metres from the kerb to its middle.
+    depth, length
+        Half of its size across and along the walk, metres.
+    where
+        Factor per kind of place; 1 where a place is not named.
+    """
+
+    piece: str
+    main_town: float
+    local_town: float
+    main_out: float
+    local_out: float
+    from_kerb: float
+    depth: float
+    length: float
+    where: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def room(self) -> float:
+        """Metres of walk it needs, from the kerb."""
+        return self.from_kerb + self.depth + CLEAR
+
+
+_NOT_JAPAN = (("japan", 0.0),)
+KERB_RULES: tuple[Rule, ...] = (
+    Rule("bench", 0.9, 0.45, 0.25, 0.05, 0.60, 0.30, 0.95, (("japan", 0.15),)),
+    Rule("waste_basket", 1.1, 0.7, 0.35, 0.1, 0.50, 0.22, 0.25, (("japan", 0.05),)),
+    Rule("bicycle_parking", 0.7, 0.7, 0.1, 0.0, 1.10, 0.90, 1.40, (("north america", 0.5),)),
+    Rule("planter", 1.2, 0.6, 0.1, 0.0, 0.55, 0.30, 0.65),
+    Rule("advertising_column", 0.18, 0.0, 0.0, 0.0, 1.05, 0.80, 0.80,
+         (*_NOT_JAPAN, ("north america", 0.0))),
+    Rule("kiosk", 0.10, 0.0, 0.0, 0.0, 1.50, 1.15, 1.70, (*_NOT_JAPAN, ("north america", 0.3))),
+    Rule("post_box", 0.15, 0.12, 0.06, 0.05, 0.55, 0.25, 0.30),
+    Rule("telephone", 0.05, 0.02, 0.0, 0.0, 0.70, 0.48, 0.50),
+    Rule("fire_hydrant", 0.04, 0.04, 0.04, 0.04, 0.55, 0.22, 0.22,
+         (("north america", 27.0), ("japan", 2.0), ("british isles", 0.0))),
+    Rule("grating", 0.5, 0.0, 0.0, 0.0, 1.10, 0.0, 0.80),
+)  # fmt: skip
+TALL = frozenset({"advertising_column", "kiosk", "telephone"})  # hide what comes at junctions
+SIGHT = 10.0  # metres from junctions that tall things keep
+PIECE_GAP = 1.6  # metres between things by rule and whatever else stands, beside their size
+DOOR_DEPTH, DOOR_SIDE = 2.0, 0.85  # metres before a door, and to each side of its middle, kept free
+
+
+def place_of(city: City) -> str:
+    """Name the kind of place that rules tell apart: "japan" or a region of `region_of`."""
+    from cityx.assets.palettes import region_of
+
+    at = (city.frame.latitude, city.frame.longitude)
+    region = region_of(*at)
+    return "japan" if region == "east asia" and drives_on(*at) == "left" and at[0] > 24 else region
+
+
+def rates(rule: Rule, place: str) -> tuple[float, float, float, float]:
+    """Return the rates of a rule at a place: main and local in town, main and local outside."""
+    factor = dict(rule.where).get(place, 1.0)
+    found = (rule.main_town, rule.local_town, rule.main_out, rule.local_out)
+    a, b, c, d = (factor * rate for rate in found)
+    return a, b, c, d

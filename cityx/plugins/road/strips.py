@@ -1,0 +1,76 @@
+"""Strips along kerbs: gutters of setts in the carriageway, paving for furniture on wide walks."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
+from cityx.city.layout import Layout
+from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrangement import Regions, join_regions, regions
+from cityx.geometry.polylines import (
+    Polylines,
+    arc_lengths,
+    line_strips,
+    pack,
+    pieces,
+    to_linestrings,
+)
+from cityx.plugins.road.carriageway import FINE, road_labels
+
+GUTTER = 0.30  # metres; two courses of setts
+GUTTERED = ("primary", "secondary", "tertiary", "residential", "unclassified", "living_street")
+GUTTER_PRIORITY = 71  # above the carriageway, below junctions
+WIDE = 2.9  # metres of walk from which a strip at the kerb is paved apart
+STRIP = 1.0  # metres
+BEFORE = 2.5  # metres that the strip ends before a junction
+ZEBRA = 5.0  # metres more where a crossing lies there
+SHORTEST = 4.0  # metres
+
+
+def strip_regions(layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bool_]) -> Regions:
+    """Return gutters and strips for furniture beside the edges that lie on the ground.
+
+    Parameters
+    ----------
+    layout, network
+        The layout and its road network.
+    on_ground
+        (e,) bool, edges that do not run on decks.
+    """
+    roads = layout.roads
+    row = network.edge_road
+    kind = roads["kind"].to_numpy().astype(str)
+    open_air = ~(roads["tunnel"].to_numpy() | roads["passage"].to_numpy())
+    street = on_ground & (np.isin(kind, GUTTERED) & open_air)[row]
+    asphalt = road_labels(roads["surface"].to_numpy())[row] == LABEL["carriageway"]
+    found = []
+    for sign, column in ((1.0, "sidewalk_left"), (-1.0, "sidewalk_right")):
+        walk = roads[column].to_numpy()[row]
+        edges = np.flatnonzero(street & asphalt & (walk > 0))
+        lateral = sign * (network.half_width - GUTTER / 2)
+        found.append(_strips(network, edges, lateral, GUTTER, "setts", GUTTER_PRIORITY, 0.0))
+        edges = np.flatnonzero(street & (walk >= WIDE))
+        lateral = sign * (network.half_width + KERB_WIDTH + STRIP / 2)
+        priority = SURFACES[LABEL["furnishing"]].priority
+        found.append(_strips(network, edges, lateral, STRIP, "furnishing", priority, BEFORE))
+    return join_regions(found)
+
+
+def _strips(
+    network: RoadNetwork, edges: NDArray[np.int64], lateral: NDArray[np.float64], width: float,
+    label: str, priority: int, before: float,
+) -> Regions:  # fmt: skip
+    """Lay strips along edges, `before` metres short of the junctions and of zebras there."""
+    lines = Polylines(network.points, network.point_start)
+    length = arc_lengths(lines)[1]
+    gap = network.trim + (before + ZEBRA * network.crossing) * (before > 0)
+    begin, end = gap[:, 0], length - gap[:, 1]
+    edges = edges[(end - begin)[edges] > SHORTEST]
+    if not len(edges):
+        return Regions()
+    middle = shapely.simplify(to_linestrings(pieces(lines, edges, begin[edges], end[edges])), FINE)
+    strips = line_strips(pack(middle), lateral[edges], width)
+    return regions(strips[shapely.is_valid(strips)], LABEL[label], priority)

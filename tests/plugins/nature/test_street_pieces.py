@@ -1,0 +1,99 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+from cityx.checks.furniture import check_furniture, crowding, in_lanes, placed_outlines
+from cityx.city.scene import Instances
+from cityx.geometry.standing import stand_on
+from cityx.plugins.nature.pieces import front, join_pieces, pieces, room_along, with_pieces
+from cityx.plugins.nature.street_pieces import LAYER, street_pieces
+from cityx.plugins.road.ground import ground
+from cityx.plugins.road.lanes import lanes
+
+
+@pytest.fixture(scope="module")
+def avenue(crossroads):
+    """The crossroads with walks of 5 m, laid out as ground."""
+    roads = crossroads.layout.roads.assign(
+        sidewalk_left=5.0, sidewalk_right=5.0, kind="primary", parking_left=False,
+        parking_right=False,
+    )  # fmt: skip
+    buildings = crossroads.layout.buildings.assign(place="core")
+    city = replace(crossroads, layout=replace(crossroads.layout, roads=roads, buildings=buildings))
+    return ground(lanes(replace(city, stages_done=frozenset({"layout", "terrain"}))))
+
+
+@pytest.fixture(scope="module")
+def furnished(avenue):
+    return street_pieces(avenue, density=2.0)
+
+
+def names_of(city):
+    rows = city.scene.instances[LAYER]
+    return np.array([city.scene.prototypes[i].name for i in rows.prototype])
+
+
+def test_wide_walks_of_a_town_get_benches_bins_and_tubs(furnished):
+    assert {"bench", "planter", "waste_basket"} <= set(names_of(furnished))
+
+
+def test_every_piece_leaves_room_and_none_stands_in_a_lane(furnished):
+    values = {check.name: check.value for check in check_furniture(furnished)}
+    assert values == {"furniture_in_lanes": 0.0, "furniture_on_walkway": 0.0}
+
+
+def test_narrow_walks_get_nothing_but_poles(avenue):
+    roads = avenue.layout.roads.assign(sidewalk_left=1.6, sidewalk_right=1.6)
+    narrow = ground(replace(avenue, layout=replace(avenue.layout, roads=roads)))
+    rows = street_pieces(narrow, density=3.0).scene.instances.get(LAYER)
+    assert rows is None or np.abs(rows.position[:, :2]).min(axis=1).min() > 6.8
+
+
+def test_pieces_stand_on_the_ground(furnished):
+    rows = furnished.scene.instances[LAYER]
+    z = stand_on(furnished.scene.meshes["ground"], rows.position[:, :2]).z
+    assert rows.position[:, 2] == pytest.approx(z)
+
+
+def test_the_same_seed_gives_the_same_pieces(avenue, furnished):
+    a, b = furnished.scene.instances[LAYER], street_pieces(avenue, density=2.0)
+    for name in ("object_id", "position", "rotation", "prototype"):
+        assert getattr(a, name).tobytes() == getattr(b.scene.instances[LAYER], name).tobytes()
+
+
+def test_nothing_stands_before_a_door(avenue, furnished):
+    rows = furnished.scene.instances[LAYER]
+    tub = names_of(furnished) == "planter"
+    at, out = rows.position[tub][:1], front(rows.rotation[tub, 2])[:1]
+    door = Instances(
+        np.zeros(1, np.int32), np.array([7], np.uint64), np.zeros(1, np.uint64),
+        at + np.column_stack([1.2 * out, [[0.0]]]),
+        np.array([[0, 0, np.arctan2(-out[0, 0], out[0, 1])]], np.float32),
+        np.ones((1, 3), np.float32), np.ones((1, 3), np.float32),
+    )  # fmt: skip
+    doors = avenue.scene.with_instances("doors", [furnished.scene.prototypes[0]], door)
+    left = street_pieces(replace(avenue, scene=doors), density=2.0).scene.instances[LAYER].position
+    assert np.hypot(*(left - at)[:, :2].T).min() > 0.3
+
+
+def test_the_checks_find_a_bench_in_a_lane_and_one_that_blocks_a_walk(avenue):
+    put = pieces("bench", np.array([[50.0, 2.0], [50.0, 7.4], [50.0, -40.0]]),
+                 np.arange(1, 4, dtype=np.uint64), np.zeros(3))  # fmt: skip
+    kiosk = pieces("kiosk", np.array([[70.0, 7.0]]), np.array([9], np.uint64), np.zeros(1))
+    city = with_pieces(avenue, LAYER, join_pieces([put, kiosk]))
+    outlines, xy, _ = placed_outlines(city)
+    assert in_lanes(city, outlines, xy).tolist() == [True, False, False, False]
+    roads = avenue.layout.roads.assign(sidewalk_left=3.2, sidewalk_right=3.2)
+    narrow = ground(replace(avenue, layout=replace(avenue.layout, roads=roads)))
+    city = with_pieces(narrow, LAYER, join_pieces([put, kiosk]))
+    outlines, xy, _ = placed_outlines(city)
+    rows, tight = crowding(city, outlines, xy)
+    assert np.round(xy[rows[tight], 0]).tolist() == [70.0]
+
+
+def test_the_room_before_a_point_ends_at_the_first_rim():
+    rims = np.array([shapely.LineString([(3, -1), (3, 1)]), shapely.LineString([(5, -1), (5, 1)])])
+    room = room_along(np.zeros((2, 2)), np.array([[1.0, 0.0], [0.0, 1.0]]), rims, 9.0)
+    assert room.tolist() == [3.0, 9.0]

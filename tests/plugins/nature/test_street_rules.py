@@ -1,0 +1,27 @@
+from pathlib import Path
+
+import pytest
+
+from cityx.plugins.nature.street_rules import CLEAR, KERB_RULES, rates
+
+PAGE = (Path(__file__).parents[3] / "docs" / "furniture.md").read_text()
+
+
+@pytest.mark.parametrize("rule", KERB_RULES, ids=lambda rule: rule.piece)
+def test_the_page_tells_the_rates_and_the_room_of_every_rule(rule):
+    numbers = (rule.main_town, rule.local_town, rule.main_out, rule.local_out)
+    cells = [rule.piece.replace("_", " "), *(f"{n:g}" for n in numbers), f"{rule.room:.2f}"]
+    assert f"| {' | '.join(cells)} |" in PAGE
+
+
+def test_rates_follow_the_place():
+    hydrant = next(rule for rule in KERB_RULES if rule.piece == "fire_hydrant")
+    assert rates(hydrant, "north america")[0] == pytest.approx(1.08)
+    assert rates(hydrant, "british isles") == (0.0, 0.0, 0.0, 0.0)
+
+
+def test_every_rule_leaves_the_free_walk_behind_it():
+    assert all(
+        rule.room - rule.from_kerb - rule.depth == pytest.approx(CLEAR) for rule in KERB_RULES
+    )
+    assert all(rule.from_kerb > rule.depth or not rule.depth for rule in KERB_RULES)
