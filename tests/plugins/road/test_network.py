@@ -50,7 +50,8 @@ def test_a_change_of_width_ends_an_edge(layout_of):
 def test_garage_tunnels_footways_and_repeated_ways_are_left_out(layout_of):
     network = road_network(
         layout_of([
-            ([WEST, EAST], {}), ([EAST, WEST], {}), ([SOUTH, NORTH], {"tunnel": True, "kind": "service"}),
+            ([WEST, EAST], {}), ([EAST, WEST], {}),
+            ([SOUTH, NORTH], {"tunnel": True, "kind": "service"}),
             ([(1, 50), (80, 50)], {"kind": "footway"}),
         ])
     )  # fmt: skip
