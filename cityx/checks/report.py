@@ -14,6 +14,7 @@ from cityx.checks.buildings import check_buildings
 from cityx.checks.check import Check
 from cityx.checks.facades import check_facades
 from cityx.checks.ground import check_ground
+from cityx.checks.junctions import check_junctions
 from cityx.checks.lanes import check_lanes
 from cityx.checks.meshes import check_meshes, triangle_counts
 from cityx.city import City
@@ -30,6 +31,7 @@ def run_checks(city: City) -> list[Check]:
         *check_facades(city),
         *check_ground(city),
         *check_lanes(city),
+        *check_junctions(city),
         *check_meshes(city),
         _failed(city),
     ]
@@ -129,6 +131,7 @@ def make_report(
                 "ok": check.ok,
                 "meaning": check.meaning,
                 "bound": "at least" if check.at_least else "at most",
+                **({"ids": list(check.ids)} if check.ids else {}),
             }
             for check in checks
         },

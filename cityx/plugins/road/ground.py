@@ -107,7 +107,7 @@ def detailed_regions(
 ) -> Regions:
     """Return every surface of the site, markings included."""
     on_ground = ~decks[network.edge_road]
-    road = build_carriageway(network, on_ground)
+    road = build_carriageway(layout, network, on_ground)
     return join_regions([
         carriageway_regions(layout, network, on_ground, road),
         marking_regions(layout, network, bands_of(layout, network), on_ground, road),
