@@ -21,9 +21,9 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-PAINT = tuple(LABEL[name] for name in ("marking", "tramway"))
+PAINT = tuple(LABEL[name] for name in ("marking", "marking_yellow", "cycle_lane", "tramway"))
 ROADWAY = (*(LABEL[n] for n in ("carriageway", "setts", "gravel_road", "junction")), *PAINT)
-STONES = (LABEL["kerb"],)
+STONES = tuple(LABEL[name] for name in ("kerb", "kerb_dropped"))
 RADII = (3.0, 12.0)  # metres a kerb's curve may have between two arms
 SLACK = 0.1  # share by which a radius measured on chords may miss
 SMOOTH = 0.02  # metres; corners of the outline that stand out less come from rounding

@@ -41,7 +41,8 @@ LEAST_FACADE = 0.6  # metres, the same for mapped ones: they are where they are
 CROWN_REACH = 7.0  # metres, the widest crown
 MOST_PUSH = 1.6  # metres a mapped tree may be moved out of a carriageway
 # Surfaces of the ground on which no trunk stands, whatever the map says.
-TREELESS = ("carriageway", "setts", "junction", "marking", "tramway", "water")
+TREELESS = ("carriageway", "setts", "junction", "marking", "marking_yellow",
+            "cycle_lane", "tramway", "water")  # fmt: skip
 SNOWED = 0.3  # snow cover from which deciduous trees are bare
 STREET_SPACING = 10.0  # metres; every third place is left to a lamp
 STREET_SHARE = 1 / 3

@@ -45,6 +45,8 @@ BEND = 0.05  # radians; below it the wedge at a bend is thinner than the kerb's 
 FLAT = np.radians(150.0)  # between arms whose kerbs run through; and as much beyond 180 degrees
 TURNED = np.radians(185.0)  # beyond it two strips leave a wedge open
 TAPER = 8.0  # metres on both sides of a node along which a kerb passes from width to width
+GORE, GORE_REACH = 3.0, 60.0  # metres: width to which a gore is paved, farthest from the node
+LEAST_GORE = 2.0  # square metres
 HEAD = 2 * KERB_WIDTH  # metres
 AGAIN = 0.25  # share by which the curve of a corner may begin further away on arms that bend
 LEAST_ISLAND = 6.0  # square metres; a smaller hole in a junction is paved
@@ -67,12 +69,14 @@ class Carriageway:
     stars
         (j,) polygons, the junction surfaces as far as the trims of their arms.
     curve_node, curves
-        (c,) lowest node of the junction, and the surface behind which the kerb of a corner curves;
-        the carriageways win over it.
+        (c,) lowest node of the junction, and the surface behind which the kerb curves at a corner,
+        or at all corners of several nodes; the carriageways win over it.
     discs, disc_edge
         Polygons that close the wedge at a bend, and the edge each belongs to.
     heads, head_edge
         Short pieces of carriageway before the decks that edges on the ground lead to.
+    gores, gore_edge
+        Wedges between two arms that part at a sharp angle, up to where they are paved.
     bends, bend_edge
         Polygons that round the inside of a bend, and their edges; the carriageways win over them.
     """
@@ -87,6 +91,8 @@ class Carriageway:
     disc_edge: IntArray
     heads: Shapes
     head_edge: IntArray
+    gores: Shapes
+    gore_edge: IntArray
     bends: Shapes
     bend_edge: IntArray
 
@@ -137,8 +143,9 @@ def build_carriageway(
     junctions = _junctions(network, lines, arms, corners, on_ground)
     discs, disc_edge = _discs(network, lines, arms, on_ground)
     heads = _heads(network, lines, on_ground)
+    gores = _gores(network, lines, arms, corners, on_ground)
     bends = _bends(network, lines, arms, corners, on_ground)
-    return Carriageway(edge, strips, *junctions, discs, disc_edge, *heads, *bends)
+    return Carriageway(edge, strips, *junctions, discs, disc_edge, *heads, *gores, *bends)
 
 
 def _widened(lines: Polylines, half: Any) -> Shapes:
@@ -215,8 +222,13 @@ def _junctions(
         np.concatenate([stars[many], curves[inner]]),
         np.concatenate([hubs[many], curve_node[inner]]),
     )
-    stars[many] = _without_small_holes(_closed(joined, np.full(len(many), LEAST_RADIUS)))
-    return hubs, shapely.simplify(stars, GRID), curve_node[~inner], curves[~inner]
+    closed = _without_small_holes(_closed(joined, np.full(len(many), LEAST_RADIUS)))
+    return (
+        hubs,
+        shapely.simplify(stars, GRID),
+        np.concatenate([curve_node[~inner], hubs[many]]),
+        np.concatenate([curves[~inner], closed]),
+    )
 
 
 def _curves(
@@ -241,6 +253,41 @@ def _curves(
         shapely.points(corners.place[rows]), tangent * (1 + AGAIN) + SHORTEST, quad_segs=ROUND
     )
     return np.asarray(shapely.intersection(closed, near))
+
+
+def _gores(
+    network: RoadNetwork, lines: Polylines, arms: Arms, corners: Corners,
+    on_ground: NDArray[np.bool_],
+) -> tuple[Shapes, IntArray]:  # fmt: skip
+    """Find the wedges between arms that part at a sharp angle, up to where they are GORE wide."""
+    rows = np.flatnonzero(
+        (corners.gap < NOSE)
+        & on_ground[arms.edge[corners.first]]
+        & on_ground[arms.edge[corners.second]]
+    )
+    length = arc_lengths(lines)[1]
+    pair = (corners.first[rows], corners.second[rows])
+    reach = np.minimum(GORE_REACH, np.minimum(*(length[arms.edge[arm]] for arm in pair)))
+    strips, rims = [], []
+    for arm in pair:
+        edge, end = arms.edge[arm], arms.end[arm]
+        begin = np.where(end == 0, 0.0, length[edge] - reach)
+        part = pieces(lines, edge, begin, begin + reach)
+        strips.append(_widened(part, network.half_width[edge]))
+        rims.append(shapely.get_coordinates(to_linestrings(part), return_index=True))
+    (points, owner), (others, other_owner) = rims
+    ring = np.concatenate([points, others])
+    hull = shapely.convex_hull(
+        shapely.multipoints(ring[np.argsort(np.r_[owner, other_owner], kind="stable")],
+                            indices=np.sort(np.r_[owner, other_owner]))
+    ) if len(ring) else np.zeros(0, object)  # fmt: skip
+    wedge = shapely.difference(hull, shapely.union(*strips))
+    # What is narrower than the gore closes when both sides grow by half its width.
+    grown = [shapely.buffer(strip, GORE / 2, cap_style="flat") for strip in strips]
+    closed = shapely.intersection(wedge, shapely.intersection(*grown))
+    parts, row = shapely.get_parts(closed, return_index=True)
+    kept = (shapely.get_type_id(parts) == 3) & (shapely.area(parts) > LEAST_GORE)
+    return parts[kept], arms.edge[pair[1]][row[kept]]
 
 
 def _bends(
@@ -390,6 +437,7 @@ def carriageway_regions(
             regions(road.strips, own, priority[own], ids[road.edge]),
             regions(road.discs, bend, priority[bend], ids[road.disc_edge]),
             regions(road.heads, labels[road.head_edge], JUNCTION_PRIORITY, ids[road.head_edge]),
+            regions(road.gores, labels[road.gore_edge], CURVE_PRIORITY, ids[road.gore_edge]),
             regions(road.bends, labels[road.bend_edge], CURVE_PRIORITY, ids[road.bend_edge]),
             regions(road.stars, hub_label, JUNCTION_PRIORITY, junction_ids(network)[road.node]),
             regions(
@@ -423,6 +471,7 @@ def _kerbs(network: RoadNetwork, walked: NDArray[np.bool_], road: Carriageway) -
     kerbed = [
         road.strips[walked[road.edge]],
         road.discs[walked[road.disc_edge]],
+        road.gores[walked[road.gore_edge]],
         road.bends[walked[road.bend_edge]],
         road.stars[known[road.node]],
         road.curves[known[road.curve_node]],

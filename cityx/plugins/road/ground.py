@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -27,6 +29,7 @@ from cityx.plugins.road.carriageway import (
     carriageway_regions,
     plain_carriageways,
 )
+from cityx.plugins.road.drops import dropped_regions
 from cityx.plugins.road.landcover import (
     area_regions,
     building_regions,
@@ -34,14 +37,17 @@ from cityx.plugins.road.landcover import (
     kerbside_regions,
     way_regions,
 )
-from cityx.plugins.road.markings import marking_regions
+from cityx.plugins.road.markings import marking_regions, painted_edges, street_of, zebras_of
 from cityx.plugins.road.network import road_network
+from cityx.plugins.road.painting import Painting, painting_of
+from cityx.plugins.road.roundabouts import roundabout_regions
 from cityx.plugins.road.sections import bands_of
 from cityx.protocol import Port, action, has_network
 
 TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
 PLAIN_TILE = 1000.0  # the same at detail level 0, where faces have fewer corners
 ROADWAY = tuple(LABEL[name] for name in ("carriageway", "setts", "gravel_road"))
+USUAL = Painting()
 COARSE = 2.0  # metres by which land cover is simplified at detail level 0
 
 
@@ -64,7 +70,9 @@ def ground(city: City) -> City:
     lines = cell_lines(city.layout, city.terrain, city.lod)
     decks = deck_rows(city.layout)
     plan = plan_decks(city.layout, city.terrain, decks)
-    build = plain_regions if city.lod == 0 else detailed_regions
+    build: Callable[..., Regions] = plain_regions
+    if city.lod > 0:
+        build = partial(detailed_regions, painting=painting_of(city.frame))
     found = build(city.layout, network, decks, plan)
     arranged = arrange(found, city.layout.extent, lines=lines)
     if city.lod > 0:
@@ -103,14 +111,20 @@ def plain_regions(
 
 
 def detailed_regions(
-    layout: Layout, network: RoadNetwork, decks: NDArray[np.bool_], plan: Any
-) -> Regions:
+    layout: Layout, network: RoadNetwork, decks: NDArray[np.bool_], plan: Any, *,
+    painting: Painting = USUAL,
+) -> Regions:  # fmt: skip
     """Return every surface of the site, markings included."""
     on_ground = ~decks[network.edge_road]
     road = build_carriageway(layout, network, on_ground)
+    street = street_of(layout, network, bands_of(layout, network))
+    painted = painted_edges(street, on_ground)
+    zebras = zebras_of(street, painted)
     return join_regions([
         carriageway_regions(layout, network, on_ground, road),
-        marking_regions(layout, network, bands_of(layout, network), on_ground, road),
+        marking_regions(street, zebras, painted, road, painting),
+        dropped_regions(street, zebras, yellow=painting.yellow_tactile),
+        roundabout_regions(layout, network, on_ground),
         area_regions(layout),
         kerbside_regions(layout, np.concatenate([road.strips, road.stars])),
         building_regions(layout),

@@ -16,6 +16,7 @@ from cityx.geometry.driving import keeps_left
 from cityx.geometry.identity import mix
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, to_linestrings
 from cityx.plugins.road.corners import Arms, Corners, corners_of, trims_of
+from cityx.plugins.road.roundabouts import narrowed_rings, round_rings
 from cityx.protocol import Choice, Port, action
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ def road_network(layout: Layout, *, left_hand: bool = False) -> RoadNetwork:
     rows = np.flatnonzero(_carries_cars(layout))
     geometry = shapely.force_2d(roads.geometry.to_numpy()[rows])
     geometry, rows = _clip(geometry, rows, layout.extent)
+    geometry = round_rings(geometry, roads["roundabout"].to_numpy(bool)[rows])
     lines = pack(geometry)
     if not lines.count:
         return _graph_without_edges()
@@ -201,6 +203,7 @@ def _assemble(
     table = layout.roads.iloc[road]
     edge_id = _edge_ids(table["id"].to_numpy(), lines)
     half = _half_widths(layout, table, lines)
+    half = narrowed_rings(lines, table["roundabout"].to_numpy(bool), half)
     trim, swallowed = _trims(
         layout, table["kind"].to_numpy(), lines, edge_nodes, position[used], half
     )
