@@ -32,7 +32,7 @@ LOOSE = (
     "sand", "pebblestone", "rock", "woodchips", "grass_paver",
 )  # fmt: skip
 ROUND = 4  # chords per quarter circle; 3 cm off at a radius of 2.5 m
-CURVES = ((2.5, 4), (6.0, 6), (np.inf, 9))  # metres of kerb radius, chords per quarter circle
+CURVES = ((4.0, 4), (8.0, 6), (np.inf, 8))  # metres of kerb radius, chords per quarter circle
 BUILDING_PRIORITY = 74  # a facade wins over a carriageway drawn too wide
 PASSAGE_PRIORITY = 76  # but not where the carriageway runs through the house
 MITRE = 2.0  # longest mitre, in half widths; sharper bends are cut off
@@ -49,6 +49,7 @@ GORE, GORE_REACH = 3.0, 60.0  # metres: width to which a gore is paved, farthest
 LEAST_GORE = 2.0  # square metres
 HEAD = 2 * KERB_WIDTH  # metres
 AGAIN = 0.25  # share by which the curve of a corner may begin further away on arms that bend
+LEAST_CURVE = 0.03  # square metres; smaller pieces come from rounding
 LEAST_ISLAND = 6.0  # square metres; a smaller hole in a junction is paved
 CURVE_PRIORITY = 68  # below the arms, whose surfaces a curve overlaps
 JUNCTION_PRIORITY = 72  # above every kind of carriageway, whatever the junction is paved with
@@ -212,8 +213,8 @@ def _junctions(
     turned = np.flatnonzero(
         at_junction[corners.first] & at_junction[corners.second] & (corners.gap >= NOSE)
     )
-    curves = _curves(network, lines, arms, corners, turned)
-    curve_node = cluster[arms.node[corners.first[turned]]]
+    curves, row = _curves(network, lines, arms, corners, turned)
+    curve_node = cluster[arms.node[corners.first[turned[row]]]]
     # Several nodes in one junction have corners between them that no node has by itself.
     several = np.bincount(cluster[np.unique(arms.node[rows])], minlength=len(degree)) > 1
     inner = several[curve_node]
@@ -223,18 +224,19 @@ def _junctions(
         np.concatenate([hubs[many], curve_node[inner]]),
     )
     closed = _without_small_holes(_closed(joined, np.full(len(many), LEAST_RADIUS)))
+    added, row = _added(stars[many], closed)
     return (
         hubs,
         shapely.simplify(stars, GRID),
-        np.concatenate([curve_node[~inner], hubs[many]]),
-        np.concatenate([curves[~inner], closed]),
+        np.concatenate([curve_node[~inner], hubs[many][row]]),
+        np.concatenate([curves[~inner], added]),
     )
 
 
 def _curves(
     network: RoadNetwork, lines: Polylines, arms: Arms, corners: Corners, rows: IntArray
-) -> Shapes:
-    """Round some corners between neighbouring arms, (k,)."""
+) -> tuple[Shapes, IntArray]:
+    """Round some corners between neighbouring arms: what lies before the curve, and its row."""
     pair = np.column_stack([corners.first[rows], corners.second[rows]])
     radius, gap = corners.radius[rows], corners.gap[rows]
     length = arc_lengths(lines)[1]
@@ -248,11 +250,21 @@ def _curves(
         reach = np.minimum(reach, length[edge])
         begin = np.where(end == 0, 0.0, length[edge] - reach)
         strips.append(_widened(pieces(lines, edge, begin, begin + reach), network.half_width[edge]))
-    closed = _closed(shapely.union(*strips), radius)
-    near = shapely.buffer(
-        shapely.points(corners.place[rows]), tangent * (1 + AGAIN) + SHORTEST, quad_segs=ROUND
-    )
-    return np.asarray(shapely.intersection(closed, near))
+    both = shapely.union(*strips)
+    added, row = _added(both, _closed(both, radius))
+    # A pair also has a notch behind its node, which other arms fill; and bends of its own.
+    node = network.node_position[arms.node[pair[row, 0]]]
+    kept = shapely.distance(added, shapely.points(node)) > SHORTEST / 2
+    near = (tangent * AGAIN + SHORTEST)[row]
+    kept &= shapely.distance(added, shapely.points(corners.place[rows[row]])) < near
+    return added[kept], row[kept]
+
+
+def _added(shapes: Shapes, closed: Shapes) -> tuple[Shapes, IntArray]:
+    """Return the pieces by which shapes have grown, and the row of each."""
+    parts, row = shapely.get_parts(shapely.difference(closed, shapes), return_index=True)
+    kept = (shapely.get_type_id(parts) == 3) & (shapely.area(parts) > LEAST_CURVE)
+    return parts[kept], row[kept]
 
 
 def _gores(
@@ -302,7 +314,7 @@ def _bends(
         & ground[corners.second]
         & ((degree[arms.node[corners.first]] == 2) | (corners.gap < NOSE))
     )
-    between = _curves(network, lines, arms, corners, rows)
+    between, row = _curves(network, lines, arms, corners, rows)
     step = np.diff(lines.points, axis=0)
     owner = lines.line_of_point()
     same = owner[1:] == owner[:-1]
@@ -319,8 +331,9 @@ def _bends(
     local = _widened(
         pieces(lines, edge, begin, np.minimum(along[point] + reach, length[edge])), half
     )
-    inside = _closed(local, np.full(len(local), LEAST_RADIUS))
-    return np.concatenate([between, inside]), np.concatenate([arms.edge[corners.first[rows]], edge])
+    inside, at = _added(local, _closed(local, np.full(len(local), LEAST_RADIUS)))
+    first = arms.edge[corners.first[rows[row]]]
+    return np.concatenate([between, inside]), np.concatenate([first, edge[at]])
 
 
 def _joined(shapes: Shapes, group: IntArray) -> tuple[Shapes, IntArray]:
@@ -476,9 +489,11 @@ def _kerbs(network: RoadNetwork, walked: NDArray[np.bool_], road: Carriageway) -
         road.stars[known[road.node]],
         road.curves[known[road.curve_node]],
     ]
-    stones = shapely.buffer(np.concatenate(kerbed), KERB_WIDTH, join_style="mitre")
+    with np.errstate(divide="ignore", invalid="ignore"):  # a needle's mitre is cut off
+        stones = shapely.buffer(np.concatenate(kerbed), KERB_WIDTH, join_style="mitre")
     label = LABEL["kerb"]
-    return regions(shapely.unary_union(stones), label, SURFACES[label].priority)
+    joined = shapely.simplify(shapely.unary_union(stones), GRID)
+    return regions(joined, label, SURFACES[label].priority)
 
 
 def _sidewalks(

@@ -38,6 +38,7 @@ from cityx.plugins.road.landcover import (
     way_regions,
 )
 from cityx.plugins.road.markings import marking_regions, painted_edges, street_of, zebras_of
+from cityx.plugins.road.medians import median_regions
 from cityx.plugins.road.network import road_network
 from cityx.plugins.road.painting import Painting, painting_of
 from cityx.plugins.road.roundabouts import roundabout_regions
@@ -124,6 +125,7 @@ def detailed_regions(
         carriageway_regions(layout, network, on_ground, road),
         marking_regions(street, zebras, painted, road, painting),
         dropped_regions(street, zebras, yellow=painting.yellow_tactile),
+        median_regions(layout, network, on_ground),
         roundabout_regions(layout, network, on_ground),
         area_regions(layout),
         kerbside_regions(layout, np.concatenate([road.strips, road.stars])),

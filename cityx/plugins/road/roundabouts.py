@@ -24,7 +24,7 @@ Shapes = NDArray[Any]
 
 SMOOTH = np.radians(10.0)  # between two points of a ring; larger turns are drawn as arcs
 LEAST_TURN = np.radians(12.0)
-LEAST_ISLAND = 1.5  # metres of radius of the island in the middle of the smallest ring
+LEAST_ISLAND = 2.0  # metres of radius of the island in the middle of the smallest ring
 NARROWEST = 1.6  # metres of half width of a ring
 APRON = 1.5  # metres of setts round the island, for the rear wheels of lorries
 LEAST_APRON = 5.0  # metres of radius of an island that has one
