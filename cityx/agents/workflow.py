@@ -42,6 +42,7 @@ MAP_TO_CITY: tuple[WorkflowStep, ...] = (
     WorkflowStep("nature/barriers-v1", lods=(2, 3)),
     WorkflowStep("nature/furniture-v1", lods=(2, 3)),
     WorkflowStep("road/covers-v1", lods=(2, 3)),
+    WorkflowStep("road/guard_rails-v1", lods=(2, 3)),
     WorkflowStep("road/parked_cars-v1", lods=(2, 3)),
 )
 
