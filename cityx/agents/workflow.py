@@ -47,6 +47,7 @@ MAP_TO_CITY: tuple[WorkflowStep, ...] = (
     WorkflowStep("nature/parks-v1", lods=(2, 3)),
     WorkflowStep("nature/gardens-v1", lods=(2, 3)),
     WorkflowStep("road/covers-v1", lods=(2, 3)),
+    WorkflowStep("road/guard_rails-v1", lods=(2, 3)),
     WorkflowStep("road/parked_cars-v1", lods=(2, 3)),
 )
 

@@ -75,6 +75,7 @@ MATERIALS: Mapping[str, Material] = _table(
     # ground
     _M("asphalt", (0.075, 0.075, 0.08), 0.88, texture="asphalt", tile=4.0, porosity=0.4),
     _M("asphalt_light", (0.16, 0.155, 0.15), 0.9, texture="asphalt", tile=3.0, porosity=0.4),
+    _M("asphalt_red", (0.20, 0.06, 0.045), 0.9, texture="asphalt", tile=3.0, porosity=0.4),
     _M("setts", (0.22, 0.21, 0.20), 0.75, texture="setts", tile=2.0, porosity=0.4),
     _M("paving", (0.32, 0.31, 0.29), 0.85, texture="paving", tile=2.4, porosity=0.5),
     _M("kerb_stone", (0.40, 0.39, 0.37), 0.8, texture="concrete", tile=2.0, porosity=0.4),

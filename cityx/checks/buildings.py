@@ -17,7 +17,18 @@ PLAN_AREA_ERROR = 0.005  # of the footprint
 PLAN_AREA_SLACK = 0.01  # m2; outlines are kept to the millimetre, which shows on a flagpole's base
 FLOATING = 0.0  # metres of air allowed under a building
 GROUND_LEVEL = 0.5  # parts that begin lower stand on the ground, metres
-_ROADWAY = [LABEL[name] for name in ("carriageway", "setts", "gravel_road", "junction", "marking")]
+_ROADWAY = [
+    LABEL[name]
+    for name in (
+        "carriageway",
+        "setts",
+        "gravel_road",
+        "junction",
+        "marking",
+        "marking_yellow",
+        "cycle_lane",
+    )
+]
 
 
 def check_buildings(city: City) -> list[Check]:

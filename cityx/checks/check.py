@@ -19,6 +19,8 @@ class Check:
         What is measured, with its unit, for a reader of the report.
     at_least
         Whether the limit is a lower bound.
+    ids
+        What fails it: ids of objects, or places.
     """
 
     name: str
@@ -26,6 +28,7 @@ class Check:
     limit: float
     meaning: str
     at_least: bool = False
+    ids: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:

@@ -12,7 +12,7 @@ from cityx.geometry.arrangement import check_arrangement
 from cityx.geometry.clearance import in_triangles
 
 AREA_ERROR = 1e-6  # relative; rounding to the grid moves the border by half a centimetre at most
-_NO_TRUNK = ("carriageway", "setts", "junction", "marking", "water")
+_NO_TRUNK = ("carriageway", "setts", "junction", "marking", "marking_yellow", "cycle_lane", "water")
 
 
 def check_ground(city: City) -> list[Check]:

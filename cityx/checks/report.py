@@ -16,6 +16,7 @@ from cityx.checks.facades import check_facades
 from cityx.checks.furniture import check_furniture
 from cityx.checks.ground import check_ground
 from cityx.checks.heights import check_heights
+from cityx.checks.junctions import check_junctions
 from cityx.checks.lanes import check_lanes
 from cityx.checks.meshes import check_meshes, triangle_counts
 from cityx.checks.trees import check_trees
@@ -36,6 +37,7 @@ def run_checks(city: City) -> list[Check]:
         *check_lanes(city),
         *check_heights(city),
         *check_trees(city),
+        *check_junctions(city),
         *check_meshes(city),
         _failed(city),
     ]
@@ -135,6 +137,7 @@ def make_report(
                 "ok": check.ok,
                 "meaning": check.meaning,
                 "bound": "at least" if check.at_least else "at most",
+                **({"ids": list(check.ids)} if check.ids else {}),
             }
             for check in checks
         },

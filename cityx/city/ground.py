@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 KERB_WIDTH = 0.15  # metres
 KERB_HEIGHT = 0.12  # metres; the usual upstand of a city kerb
+DROPPED = 0.02  # metres of upstand that are left of a kerb at a crossing
 WATER_LEVEL = -0.9  # metres below the terrain, so that quays and banks show
 
 
@@ -64,6 +65,13 @@ SURFACES: tuple[Surface, ...] = (
     Surface("junction", 72, 0.0, "asphalt", "concrete"),
     Surface("marking", 80, 0.0, "marking_white", "concrete"),
     Surface("tramway", 78, 0.0, "rail_steel", "concrete"),
+    Surface("marking_yellow", 80, 0.0, "marking_yellow", "concrete"),
+    Surface("apron", 56, 0.04, "setts", "kerb_stone"),  # overrun by lorries on roundabouts
+    Surface("kerb_dropped", 55, DROPPED, "kerb_stone", "kerb_stone"),
+    Surface("tactile", 51, DROPPED, "marking_yellow", "kerb_stone"),  # ribs before a crossing
+    Surface("tactile_pale", 51, DROPPED, "kerb_stone", "kerb_stone"),
+    Surface("ramp", 51, KERB_HEIGHT, "paving", "kerb_stone"),  # rises from the dropped kerb
+    Surface("cycle_lane", 79, 0.0, "asphalt_red", "concrete"),
     Surface("rail", 36, KERB_HEIGHT + 0.14, "rail_steel", "rail_steel"),  # head above the ballast
     Surface("void", 85, 0.0, "concrete"),  # no ground: a ramp, a cutting or the mouth of a tunnel
     Surface("trail", 40, KERB_HEIGHT, "gravel", "soil"),  # path without a hard surface

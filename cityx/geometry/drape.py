@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
-from cityx.city.ground import KERB_HEIGHT, LABEL, SURFACES, Ground
+from cityx.city.ground import DROPPED, KERB_HEIGHT, LABEL, SURFACES, Ground
 from cityx.city.mesh import NO_VERTEX, MeshBatch, concatenate, empty_batch, one_mesh
 from cityx.city.terrain import Terrain
 from cityx.geometry.arrangement import BEYOND
@@ -21,6 +22,7 @@ TINT_RANGE = 0.10  # of the brightness of neighbouring pieces of one material
 FLAT_WATER = 2.0  # metres of relief along the shore above which water is a sloping river
 SHORE_QUANTILE = 10.0  # percent; most of the shore stands above the water
 SURROUNDINGS = 1500.0  # metres of open land beyond the site, so that views do not end in a void
+RAMP_SLOPE = 12.0  # metres of ramp per metre of rise (ADA 2010, 405.2)
 SKIRT = 2.0  # metres the border reaches down
 OPEN_LAND = (0.95, 0.95, 0.90)  # tint of the land beyond
 TOWN_LAND = (0.55, 0.55, 0.53)  # the same where the site is a piece of a city
@@ -35,9 +37,30 @@ class _Levels:
     label: IntArray  # (l,) label of each level
     height: FloatArray  # (l,) metres above the terrain, or above zero
     flat: NDArray[np.bool_]  # (l,) whether the height is absolute
+    ramp: FloatArray  # (n,) metres above the terrain of ramps at every vertex
 
     def z(self, level: IntArray, vertex: IntArray, terrain: FloatArray) -> FloatArray:
-        return np.asarray(np.where(self.flat[level], 0.0, terrain[vertex]) + self.height[level])
+        above = np.where(self.label[level] == LABEL["ramp"], self.ramp[vertex], self.height[level])
+        return np.asarray(np.where(self.flat[level], 0.0, terrain[vertex]) + above)
+
+
+def ramp_heights(ground: Ground) -> FloatArray:
+    """(n,) height of ramps above the terrain: up to the walk, away from what lies dropped."""
+    rise = np.full(len(ground.vertices), KERB_HEIGHT)
+    label = ground.face_label
+    left, right = ground.edge_faces.T.astype(np.int64)
+    low = np.isin(label, [LABEL[name] for name in ("kerb_dropped", "tactile", "tactile_pale")])
+    ramp = label == LABEL["ramp"]
+    beside = np.maximum(right, 0)
+    foot = (right != BEYOND) & ((ramp[left] & low[beside]) | (low[left] & ramp[beside]))
+    used = np.unique(ground.triangles[ramp[ground.triangle_face]])
+    if foot.any() and len(used):
+        feet = shapely.linestrings(ground.vertices[ground.edges[foot]])
+        spots = shapely.points(ground.vertices[used])
+        row, edge = shapely.STRtree(feet).query_nearest(spots, all_matches=False)
+        distance = shapely.distance(spots[row], feet[edge])
+        rise[used[row]] = np.minimum(DROPPED + distance / RAMP_SLOPE, KERB_HEIGHT)
+    return np.asarray(np.round(rise, 4))
 
 
 def _levels(ground: Ground, terrain: FloatArray, flush: bool) -> _Levels:
@@ -48,8 +71,9 @@ def _levels(ground: Ground, terrain: FloatArray, flush: bool) -> _Levels:
         offsets[labels != LABEL["water"]] = KERB_HEIGHT
     of_face = ground.face_label.astype(np.int64)
     flat = np.zeros(len(labels), bool)
+    ramp = ramp_heights(ground)
     if not len(terrain) or np.ptp(terrain) == 0.0:
-        return _Levels(of_face, labels, offsets, flat)
+        return _Levels(of_face, labels, offsets, flat, ramp)
     wet = np.flatnonzero(ground.face_label == LABEL["water"])
     bodies, body = np.unique(ground.face_object[wet], return_inverse=True)
     number = np.full(len(of_face), -1)
@@ -80,6 +104,7 @@ def _levels(ground: Ground, terrain: FloatArray, flush: bool) -> _Levels:
         np.concatenate([labels, np.full(len(still), LABEL["water"])]),
         np.concatenate([offsets, np.round(level[still] + water, 4)]),
         np.concatenate([flat, np.ones(len(still), bool)]),
+        ramp,
     )
 
 

@@ -52,7 +52,8 @@ NOT_FOR_CARS = ("footway", "path", "cycleway", "steps", "pedestrian", "corridor"
                 "rail", "tram", "subway", "light_rail")  # fmt: skip
 LIT = ("primary", "secondary", "tertiary", "residential", "unclassified", "living_street", "trunk")
 
-DRIVEN = ("carriageway", "junction", "setts", "gravel_road", "marking")
+DRIVEN = ("carriageway", "junction", "setts", "gravel_road", "marking", "marking_yellow",
+          "cycle_lane")  # fmt: skip
 
 LAMP_SPACING = 30.0  # metres between lamps of a street, the sides in turn
 LAMP_SETBACK = 0.6  # metres from the kerb

@@ -18,8 +18,18 @@ IntArray = NDArray[np.int64]
 
 ROAD = tuple(
     LABEL[name]
-    for name in ("carriageway", "setts", "gravel_road", "junction", "marking", "tramway")
+    for name in (
+        "carriageway",
+        "setts",
+        "gravel_road",
+        "junction",
+        "marking",
+        "marking_yellow",
+        "cycle_lane",
+        "tramway",
+    )
 )
+PAINT = tuple(LABEL[name] for name in ("marking", "marking_yellow", "cycle_lane", "tramway"))
 HARD = (
     *ROAD,
     *(LABEL[name] for name in ("kerb", "sidewalk", "path", "plaza", "parking", "building",
@@ -97,7 +107,7 @@ def _filled(ground: Ground, road: NDArray[np.bool_], block: IntArray) -> Ground:
     source = around[block[island]]
     label, object_id = ground.face_label.copy(), ground.face_object.copy()
     taken = ground.face_label[source]
-    taken = np.where(np.isin(taken, (LABEL["marking"], LABEL["tramway"])),
+    taken = np.where(np.isin(taken, PAINT),
                      LABEL["carriageway"], taken)  # fmt: skip
     label[island], object_id[island] = taken, ground.face_object[source]
     return replace(ground, face_label=label, face_object=object_id)

@@ -18,10 +18,12 @@ from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrangement import GRID, Regions, join_regions, regions
 from cityx.geometry.identity import mix
-from cityx.geometry.polylines import Polylines, arc_lengths, pieces, to_linestrings
-from cityx.plugins.road.network import KERB_RADIUS, arm_bearings, arms_of, junction_clusters
+from cityx.geometry.polylines import Polylines, arc_lengths, locate, pieces, to_linestrings
+from cityx.plugins.road.corners import LEAST_RADIUS, NOSE, STRAIGHT, Arms, Corners
+from cityx.plugins.road.network import junction_clusters, node_corners
 
 IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
 Shapes = NDArray[Any]
 
 STONE = ("sett", "cobblestone", "unhewn_cobblestone", "paving_stones", "bricks", "brick")
@@ -29,16 +31,27 @@ LOOSE = (
     "gravel", "fine_gravel", "compacted", "unpaved", "dirt", "earth", "ground", "grass", "mud",
     "sand", "pebblestone", "rock", "woodchips", "grass_paver",
 )  # fmt: skip
-ROUND = 4  # chords per quarter circle; 3 cm off at the radius of a kerb return
+ROUND = 4  # chords per quarter circle; 3 cm off at a radius of 2.5 m
+CURVES = ((4.0, 4), (8.0, 6), (np.inf, 8))  # metres of kerb radius, chords per quarter circle
 BUILDING_PRIORITY = 74  # a facade wins over a carriageway drawn too wide
 PASSAGE_PRIORITY = 76  # but not where the carriageway runs through the house
 MITRE = 2.0  # longest mitre, in half widths; sharper bends are cut off
 BATCH = 500.0  # metres; carriageways are joined in squares of this size
 FINE, COARSE = 0.03, 1.0  # metres by which centrelines are simplified, in detail and without
-OVERLAP = 0.05  # metres that a carriageway reaches into the junction surface
+OVERLAP = 0.5  # metres that a carriageway reaches into the junction surface, also where arms curve
 BETWEEN_HOUSES = 20.0  # metres from a centreline to the houses that make its road a street
 SHORTEST = 0.5  # metres; a shorter piece between two junctions belongs to them
 BEND = 0.05  # radians; below it the wedge at a bend is thinner than the kerb's joint
+FLAT = np.radians(150.0)  # between arms whose kerbs run through; and as much beyond 180 degrees
+TURNED = np.radians(185.0)  # beyond it two strips leave a wedge open
+TAPER = 8.0  # metres on both sides of a node along which a kerb passes from width to width
+GORE, GORE_REACH = 3.0, 60.0  # metres: width to which a gore is paved, farthest from the node
+LEAST_GORE = 2.0  # square metres
+HEAD = 2 * KERB_WIDTH  # metres
+AGAIN = 0.25  # share by which the curve of a corner may begin further away on arms that bend
+LEAST_CURVE = 0.03  # square metres; smaller pieces come from rounding
+LEAST_ISLAND = 6.0  # square metres; a smaller hole in a junction is paved
+CURVE_PRIORITY = 68  # below the arms, whose surfaces a curve overlaps
 JUNCTION_PRIORITY = 72  # above every kind of carriageway, whatever the junction is paved with
 
 
@@ -53,19 +66,36 @@ class Carriageway:
     strips
         (k,) polygons, their carriageways.
     node
-        (j,) nodes of the network that are junctions.
+        (j,) lowest node of each junction; nodes joined by edges that lie inside of it are one.
     stars
-        (j,) polygons, the junction surfaces with round corners.
+        (j,) polygons, the junction surfaces as far as the trims of their arms.
+    curve_node, curves
+        (c,) lowest node of the junction, and the surface behind which the kerb curves at a corner,
+        or at all corners of several nodes; the carriageways win over it.
     discs, disc_edge
         Polygons that close the wedge at a bend, and the edge each belongs to.
+    heads, head_edge
+        Short pieces of carriageway before the decks that edges on the ground lead to.
+    gores, gore_edge
+        Wedges between two arms that part at a sharp angle, up to where they are paved.
+    bends, bend_edge
+        Polygons that round the inside of a bend, and their edges; the carriageways win over them.
     """
 
     edge: IntArray
     strips: Shapes
     node: IntArray
     stars: Shapes
+    curve_node: IntArray
+    curves: Shapes
     discs: Shapes
     disc_edge: IntArray
+    heads: Shapes
+    head_edge: IntArray
+    gores: Shapes
+    gore_edge: IntArray
+    bends: Shapes
+    bend_edge: IntArray
 
 
 def road_labels(surface: Any) -> NDArray[np.uint8]:
@@ -96,7 +126,9 @@ def plain_carriageways(
     return regions([shapely.unary_union(part) for part in parts], kinds, priority)
 
 
-def build_carriageway(network: RoadNetwork, on_ground: NDArray[np.bool_]) -> Carriageway:
+def build_carriageway(
+    layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bool_]
+) -> Carriageway:
     """Widen the edges on the ground to strips that end where the junction surfaces begin."""
     lines = Polylines(network.points, network.point_start)
     length = arc_lengths(lines)[1]
@@ -105,12 +137,16 @@ def build_carriageway(network: RoadNetwork, on_ground: NDArray[np.bool_]) -> Car
     # A little overlap, so that rounding leaves no crack; the junction wins there.
     centre = pieces(lines, edge, begin[edge] - OVERLAP, end[edge] + OVERLAP)
     strips = _widened(centre, network.half_width[edge])
-    node, arm, side = arms_of(lines, network.edge_nodes)
-    ground = on_ground[arm]
-    node, arm, side = node[ground], arm[ground], side[ground]
-    hubs, stars = _stars(network, lines, node, arm, side)
-    discs, disc_edge = _discs(network, lines, node, arm, side)
-    return Carriageway(edge, strips, hubs, stars, discs, disc_edge)
+    kind = layout.roads["kind"].to_numpy()[network.edge_road]
+    arms, corners, _ = node_corners(
+        layout, kind, lines, network.edge_nodes, network.node_position, network.half_width
+    )
+    junctions = _junctions(network, lines, arms, corners, on_ground)
+    discs, disc_edge = _discs(network, lines, arms, on_ground)
+    heads = _heads(network, lines, on_ground)
+    gores = _gores(network, lines, arms, corners, on_ground)
+    bends = _bends(network, lines, arms, corners, on_ground)
+    return Carriageway(edge, strips, *junctions, discs, disc_edge, *heads, *gores, *bends)
 
 
 def _widened(lines: Polylines, half: Any) -> Shapes:
@@ -120,41 +156,257 @@ def _widened(lines: Polylines, half: Any) -> Shapes:
     )
 
 
-def _discs(
-    network: RoadNetwork, lines: Polylines, node: IntArray, edge: IntArray, end: IntArray
+def _heads(
+    network: RoadNetwork, lines: Polylines, on_ground: NDArray[np.bool_]
 ) -> tuple[Shapes, IntArray]:
-    """Close the wedge where two edges meet at an angle."""
-    degree = np.bincount(node, minlength=len(network.node_position))
-    first = np.flatnonzero((degree[node] == 2) & np.r_[node[1:] == node[:-1], False][: len(node)])
-    bearing = arm_bearings(lines, edge, end)
-    turn = np.abs(np.mod(bearing[first + 1] - bearing[first], 2 * np.pi) - np.pi)
-    first = first[turn > BEND]
-    radius = np.minimum(network.half_width[edge[first]], network.half_width[edge[first + 1]])
-    centre = shapely.points(network.node_position[node[first]])
-    return np.asarray(shapely.buffer(centre, radius, quad_segs=ROUND)), edge[first]
-
-
-def _stars(
-    network: RoadNetwork, lines: Polylines, node: IntArray, edge: IntArray, end: IntArray
-) -> tuple[IntArray, Shapes]:
-    """Join the arms of each junction as far as their trims and round the corners."""
-    degree = np.bincount(node, minlength=len(network.node_position))
-    arm = np.flatnonzero(degree[node] >= 3)
-    if not len(arm):
-        return np.zeros(0, np.int64), np.zeros(0, object)
-    node, edge, end = node[arm], edge[arm], end[arm]
+    """Lead carriageways a kerb's width on towards decks, so that no kerb lies before them."""
+    decked = np.zeros(len(network.node_position), bool)
+    decked[network.edge_nodes[~on_ground]] = True
+    edge, end = np.nonzero(on_ground[:, None] & decked[network.edge_nodes])
     length = arc_lengths(lines)[1][edge]
-    reach = np.minimum(np.maximum(network.trim[edge, end], SHORTEST), length)
-    begin = np.where(end == 0, 0.0, length - reach)
-    strips = _widened(pieces(lines, edge, begin, begin + reach), network.half_width[edge])
-    first = np.searchsorted(node, node)
-    hubs, row = np.unique(node, return_inverse=True)
-    table = np.full((len(hubs), int(degree.max())), None, dtype=object)
-    table[row, np.arange(len(node)) - first] = strips
-    stars = shapely.union_all(table, axis=1)
-    grown = shapely.buffer(stars, KERB_RADIUS, join_style="mitre", mitre_limit=MITRE)
-    closed = shapely.buffer(grown, -KERB_RADIUS, quad_segs=ROUND)
-    return hubs, np.asarray(shapely.simplify(closed, GRID))
+    foot, ahead = locate(lines, edge, np.where(end == 0, 0.0, length))
+    ahead = ahead * np.where(end == 0, -1.0, 1.0)[:, None]
+    axis = shapely.linestrings(np.stack([foot - ahead * OVERLAP, foot + ahead * HEAD], axis=1))
+    return np.asarray(shapely.buffer(axis, network.half_width[edge], cap_style="flat")), edge
+
+
+def _discs(
+    network: RoadNetwork, lines: Polylines, arms: Arms, on_ground: NDArray[np.bool_]
+) -> tuple[Shapes, IntArray]:
+    """Close the wedge where two edges meet at an angle, and lead from one width to another."""
+    ground = on_ground[arms.edge]
+    degree = np.bincount(arms.node[ground], minlength=len(network.node_position))
+    after, gap = arms.following()
+    half = network.half_width[arms.edge]
+    bent = np.abs(gap - np.pi) > BEND
+    uneven = np.abs(half - half[after]) > BEND
+    chosen = ground & (degree[arms.node] == 2)
+    # Both arms of a pair count, also where only one of them is followed by a bend.
+    wanted = np.zeros(len(degree), bool)
+    wanted[arms.node[chosen & (bent | uneven)]] = True
+    discs, arm = _wedges(network, lines, arms, chosen & wanted[arms.node])
+    return discs, arms.edge[arm]
+
+
+def _junctions(
+    network: RoadNetwork, lines: Polylines, arms: Arms, corners: Corners,
+    on_ground: NDArray[np.bool_],
+) -> tuple[IntArray, Shapes, IntArray, Shapes]:  # fmt: skip
+    """Join the arms of each junction as far as their trims: nodes, surfaces, and their curves."""
+    degree = np.bincount(arms.node[on_ground[arms.edge]], minlength=len(network.node_position))
+    at_junction = on_ground[arms.edge] & (degree[arms.node] >= 3)
+    rows = np.flatnonzero(at_junction)
+    none = np.zeros(0, np.int64), np.zeros(0, object)
+    if not len(rows):
+        return (*none, *none)
+    length = arc_lengths(lines)[1][arms.edge[rows]]
+    trim = network.trim[arms.edge[rows], arms.end[rows]]
+    reach = np.minimum(np.maximum(trim, SHORTEST), length)
+    begin = np.where(arms.end[rows] == 0, 0.0, length - reach)
+    strips = _widened(
+        pieces(lines, arms.edge[rows], begin, begin + reach), network.half_width[arms.edge[rows]]
+    )
+    wedges, wedge_arm = _wedges(network, lines, arms, at_junction)
+    cluster = junction_clusters(network)
+    node = cluster[np.concatenate([arms.node[rows], arms.node[wedge_arm]])]
+    stars, hubs = _joined(np.concatenate([strips, wedges]), node)
+    turned = np.flatnonzero(
+        at_junction[corners.first] & at_junction[corners.second] & (corners.gap >= NOSE)
+    )
+    curves, row = _curves(network, lines, arms, corners, turned)
+    curve_node = cluster[arms.node[corners.first[turned[row]]]]
+    # Several nodes in one junction have corners between them that no node has by itself.
+    several = np.bincount(cluster[np.unique(arms.node[rows])], minlength=len(degree)) > 1
+    inner = several[curve_node]
+    many = np.flatnonzero(several[hubs])
+    joined, _ = _joined(
+        np.concatenate([stars[many], curves[inner]]),
+        np.concatenate([hubs[many], curve_node[inner]]),
+    )
+    closed = _without_small_holes(_closed(joined, np.full(len(many), LEAST_RADIUS)))
+    added, row = _added(stars[many], closed)
+    return (
+        hubs,
+        shapely.simplify(stars, GRID),
+        np.concatenate([curve_node[~inner], hubs[many][row]]),
+        np.concatenate([curves[~inner], added]),
+    )
+
+
+def _curves(
+    network: RoadNetwork, lines: Polylines, arms: Arms, corners: Corners, rows: IntArray
+) -> tuple[Shapes, IntArray]:
+    """Round some corners between neighbouring arms: what lies before the curve, and its row."""
+    pair = np.column_stack([corners.first[rows], corners.second[rows]])
+    radius, gap = corners.radius[rows], corners.gap[rows]
+    length = arc_lengths(lines)[1]
+    # Arms bend: what they need may reach further than their trims.
+    tangent = radius / np.tan(gap / 2)
+    beyond = np.hypot(*(corners.place[rows] - network.node_position[arms.node[pair[:, 0]]]).T)
+    strips = []
+    for arm in pair.T:
+        edge, end = arms.edge[arm], arms.end[arm]
+        reach = np.maximum(network.trim[edge, end], beyond + tangent) + tangent * AGAIN + SHORTEST
+        reach = np.minimum(reach, length[edge])
+        begin = np.where(end == 0, 0.0, length[edge] - reach)
+        strips.append(_widened(pieces(lines, edge, begin, begin + reach), network.half_width[edge]))
+    both = shapely.union(*strips)
+    added, row = _added(both, _closed(both, radius))
+    # A pair also has a notch behind its node, which other arms fill; and bends of its own.
+    node = network.node_position[arms.node[pair[row, 0]]]
+    kept = shapely.distance(added, shapely.points(node)) > SHORTEST / 2
+    near = (tangent * AGAIN + SHORTEST)[row]
+    kept &= shapely.distance(added, shapely.points(corners.place[rows[row]])) < near
+    return added[kept], row[kept]
+
+
+def _added(shapes: Shapes, closed: Shapes) -> tuple[Shapes, IntArray]:
+    """Return the pieces by which shapes have grown, and the row of each."""
+    parts, row = shapely.get_parts(shapely.difference(closed, shapes), return_index=True)
+    kept = (shapely.get_type_id(parts) == 3) & (shapely.area(parts) > LEAST_CURVE)
+    return parts[kept], row[kept]
+
+
+def _gores(
+    network: RoadNetwork, lines: Polylines, arms: Arms, corners: Corners,
+    on_ground: NDArray[np.bool_],
+) -> tuple[Shapes, IntArray]:  # fmt: skip
+    """Find the wedges between arms that part at a sharp angle, up to where they are GORE wide."""
+    rows = np.flatnonzero(
+        (corners.gap < NOSE)
+        & on_ground[arms.edge[corners.first]]
+        & on_ground[arms.edge[corners.second]]
+    )
+    length = arc_lengths(lines)[1]
+    pair = (corners.first[rows], corners.second[rows])
+    reach = np.minimum(GORE_REACH, np.minimum(*(length[arms.edge[arm]] for arm in pair)))
+    strips, rims = [], []
+    for arm in pair:
+        edge, end = arms.edge[arm], arms.end[arm]
+        begin = np.where(end == 0, 0.0, length[edge] - reach)
+        part = pieces(lines, edge, begin, begin + reach)
+        strips.append(_widened(part, network.half_width[edge]))
+        rims.append(shapely.get_coordinates(to_linestrings(part), return_index=True))
+    (points, owner), (others, other_owner) = rims
+    ring = np.concatenate([points, others])
+    hull = shapely.convex_hull(
+        shapely.multipoints(ring[np.argsort(np.r_[owner, other_owner], kind="stable")],
+                            indices=np.sort(np.r_[owner, other_owner]))
+    ) if len(ring) else np.zeros(0, object)  # fmt: skip
+    wedge = shapely.difference(hull, shapely.union(*strips))
+    # What is narrower than the gore closes when both sides grow by half its width.
+    grown = [shapely.buffer(strip, GORE / 2, cap_style="flat") for strip in strips]
+    closed = shapely.intersection(wedge, shapely.intersection(*grown))
+    parts, row = shapely.get_parts(closed, return_index=True)
+    kept = (shapely.get_type_id(parts) == 3) & (shapely.area(parts) > LEAST_GORE)
+    return parts[kept], arms.edge[pair[1]][row[kept]]
+
+
+def _bends(
+    network: RoadNetwork, lines: Polylines, arms: Arms, corners: Corners,
+    on_ground: NDArray[np.bool_],
+) -> tuple[Shapes, IntArray]:  # fmt: skip
+    """Round the inside of bends, where two edges meet or part, and at the points of one."""
+    degree = np.bincount(arms.node[on_ground[arms.edge]], minlength=len(network.node_position))
+    ground = on_ground[arms.edge]
+    rows = np.flatnonzero(
+        ground[corners.first]
+        & ground[corners.second]
+        & ((degree[arms.node[corners.first]] == 2) | (corners.gap < NOSE))
+    )
+    between, row = _curves(network, lines, arms, corners, rows)
+    step = np.diff(lines.points, axis=0)
+    owner = lines.line_of_point()
+    same = owner[1:] == owner[:-1]
+    point = np.flatnonzero(same[1:] & same[:-1]) + 1
+    a, b = step[point - 1], step[point]
+    turn = np.abs(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)))
+    sharp = on_ground[owner[point]] & (turn > np.pi - STRAIGHT) & (turn < np.pi - NOSE)
+    point, turn = point[sharp], turn[sharp]
+    edge = owner[point]
+    along, length = arc_lengths(lines)
+    half = network.half_width[edge]
+    reach = (half + LEAST_RADIUS) * np.tan(turn / 2) + SHORTEST
+    begin = np.maximum(along[point] - reach, 0.0)
+    local = _widened(
+        pieces(lines, edge, begin, np.minimum(along[point] + reach, length[edge])), half
+    )
+    inside, at = _added(local, _closed(local, np.full(len(local), LEAST_RADIUS)))
+    first = arms.edge[corners.first[rows[row]]]
+    return np.concatenate([between, inside]), np.concatenate([first, edge[at]])
+
+
+def _joined(shapes: Shapes, group: IntArray) -> tuple[Shapes, IntArray]:
+    """Unite the shapes of each group: one geometry each, and the groups in order."""
+    parts, row = shapely.get_parts(shapes, return_index=True)
+    order = np.argsort(group[row], kind="stable")
+    groups, index = np.unique(group[row][order], return_inverse=True)
+    heaps = shapely.multipolygons(parts[order], indices=index)
+    return np.asarray(shapely.union_all(np.asarray(heaps, object)[:, None], axis=1)), groups
+
+
+def _closed(shapes: Shapes, radius: FloatArray) -> Shapes:
+    """Round the corners that a shape has towards its outside."""
+    grown = shapely.buffer(shapes, radius, join_style="mitre", mitre_limit=MITRE)
+    closed = np.full(len(shapes), None, object)
+    least = 0.0
+    for most, chords in CURVES:
+        rows = np.flatnonzero((radius > least) & (radius <= most))
+        closed[rows] = shapely.buffer(grown[rows], -radius[rows], quad_segs=chords)
+        least = most
+    return closed
+
+
+def _wedges(
+    network: RoadNetwork, lines: Polylines, arms: Arms, chosen: NDArray[np.bool_]
+) -> tuple[Shapes, IntArray]:
+    """Fill what two strips leave open between them where they meet straight, or bend away.
+
+    Parameters
+    ----------
+    chosen
+        (a,) bool, arms to look at; both of a pair must be among them.
+
+    Returns
+    -------
+    wedges, arm
+        (w,) polygons and one arm of each.
+    """
+    after, gap = arms.following()
+    both = chosen & chosen[after] & (after != np.arange(len(after)))
+    rows = np.flatnonzero(both & (np.abs(gap - np.pi) < np.pi - FLAT))
+    length = arc_lengths(lines)[1]
+    corners = [network.node_position[arms.node[rows]]]
+    for arm, side in ((rows, 1.0), (after[rows], -1.0)):
+        edge, end = arms.edge[arm], arms.end[arm]
+        along = np.maximum(network.trim[edge, end], np.minimum(TAPER, length[edge] / 2))
+        at, ahead = locate(lines, edge, np.where(end == 0, along, length[edge] - along))
+        ahead = ahead * np.where(end == 0, 1.0, -1.0)[:, None]
+        left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+        corners.append(at + left * (side * network.half_width[edge])[:, None])
+    tapers = shapely.polygons(np.stack(corners, axis=1))
+    turned = np.flatnonzero(both & (gap > TURNED))
+    half = network.half_width[arms.edge]
+    centre = shapely.points(network.node_position[arms.node[turned]])
+    discs = shapely.buffer(centre, np.minimum(half[turned], half[after[turned]]), quad_segs=ROUND)
+    return np.concatenate([tapers, discs]), np.concatenate([rows, turned])
+
+
+def _without_small_holes(shapes: Shapes) -> Shapes:
+    """Pave the holes of junctions that are no islands."""
+    filled = shapes.copy()
+    parts, owner = shapely.get_parts(shapes, return_index=True)
+    rings, of_part = shapely.get_rings(parts, return_index=True)
+    outer = np.r_[True, of_part[1:] != of_part[:-1]][: len(rings)]
+    hole = np.flatnonzero(~outer)
+    patches = shapely.polygons(rings[hole])
+    small = shapely.area(patches) < LEAST_ISLAND
+    if small.any():
+        patch, row = patches[small], owner[of_part[hole[small]]]
+        patched, rows = _joined(np.concatenate([patch, shapes[np.unique(row)]]),
+                                np.concatenate([row, np.unique(row)]))  # fmt: skip
+        filled[rows] = patched
+    return filled
 
 
 def _junction_labels(
@@ -163,8 +415,9 @@ def _junction_labels(
     """Pave a junction with asphalt if one arm has it; else with stone before gravel."""
     rank = np.select([labels == LABEL["carriageway"], labels == LABEL["setts"]], [2, 1], default=0)
     best = np.zeros(len(network.node_position), np.int64)
+    cluster = junction_clusters(network)
     for side in (0, 1):
-        np.maximum.at(best, network.edge_nodes[on_ground, side], rank[on_ground])
+        np.maximum.at(best, cluster[network.edge_nodes[on_ground, side]], rank[on_ground])
     names = np.array([LABEL["gravel_road"], LABEL["setts"], LABEL["junction"]])
     return np.asarray(names[best[hubs]])
 
@@ -190,12 +443,19 @@ def carriageway_regions(
         network.half_width[passage],
     )
     hub_label = _junction_labels(network, labels, road.node, on_ground)
+    curve_label = _junction_labels(network, labels, road.curve_node, on_ground)
     own, bend = labels[road.edge], labels[road.disc_edge]
     return join_regions(
         [
             regions(road.strips, own, priority[own], ids[road.edge]),
             regions(road.discs, bend, priority[bend], ids[road.disc_edge]),
+            regions(road.heads, labels[road.head_edge], JUNCTION_PRIORITY, ids[road.head_edge]),
+            regions(road.gores, labels[road.gore_edge], CURVE_PRIORITY, ids[road.gore_edge]),
+            regions(road.bends, labels[road.bend_edge], CURVE_PRIORITY, ids[road.bend_edge]),
             regions(road.stars, hub_label, JUNCTION_PRIORITY, junction_ids(network)[road.node]),
+            regions(
+                road.curves, curve_label, CURVE_PRIORITY, junction_ids(network)[road.curve_node]
+            ),
             regions(through, labels[passage], PASSAGE_PRIORITY, ids[passage]),
             _kerbs(network, kerbed_edges(layout, network) & on_ground, road),
             _sidewalks(network, on_ground, table, lines),
@@ -220,15 +480,20 @@ def kerbed_edges(layout: Layout, network: RoadNetwork) -> NDArray[np.bool_]:
 def _kerbs(network: RoadNetwork, walked: NDArray[np.bool_], road: Carriageway) -> Regions:
     """Lay a ring of kerb stones round every piece of the kerbed edges."""
     known = np.zeros(len(network.node_position), bool)
-    known[network.edge_nodes[walked]] = True
+    known[junction_clusters(network)[network.edge_nodes[walked]]] = True
     kerbed = [
         road.strips[walked[road.edge]],
         road.discs[walked[road.disc_edge]],
+        road.gores[walked[road.gore_edge]],
+        road.bends[walked[road.bend_edge]],
         road.stars[known[road.node]],
+        road.curves[known[road.curve_node]],
     ]
-    stones = shapely.buffer(np.concatenate(kerbed), KERB_WIDTH, join_style="mitre")
+    with np.errstate(divide="ignore", invalid="ignore"):  # a needle's mitre is cut off
+        stones = shapely.buffer(np.concatenate(kerbed), KERB_WIDTH, join_style="mitre")
     label = LABEL["kerb"]
-    return regions(shapely.unary_union(stones), label, SURFACES[label].priority)
+    joined = shapely.simplify(shapely.unary_union(stones), GRID)
+    return regions(joined, label, SURFACES[label].priority)
 
 
 def _sidewalks(

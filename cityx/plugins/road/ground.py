@@ -30,8 +30,6 @@ from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.plugins.road.blocks import pave_blocks, town_regions
 from cityx.plugins.road.carriageway import COARSE as ROAD_COARSE
 from cityx.plugins.road.carriageway import (
-    build_carriageway,
-    carriageway_regions,
     plain_carriageways,
 )
 from cityx.plugins.road.heights import way_heights
@@ -41,11 +39,10 @@ from cityx.plugins.road.landcover import (
     kerbside_regions,
     way_regions,
 )
-from cityx.plugins.road.markings import marking_regions
 from cityx.plugins.road.network import road_network
+from cityx.plugins.road.painting import Painting, painting_of
 from cityx.plugins.road.park_paths import park_regions
-from cityx.plugins.road.sections import bands_of
-from cityx.plugins.road.strips import strip_regions
+from cityx.plugins.road.streets import USUAL, street_regions
 from cityx.plugins.road.structures import Structures, build_structures, grounded_lines
 from cityx.plugins.road.tiers import cut_network
 from cityx.protocol import Port, action, has_network
@@ -77,10 +74,17 @@ def ground(city: City) -> City:
     assert network is not None
     assert city.heights is not None
     lines = cell_lines(city.layout, city.terrain, city.lod)
+    painting = painting_of(city.frame)
     built = build_structures(
-        city.layout, network, city.heights, city.terrain, seed=city.seed, detail=city.lod > 0
+        city.layout,
+        network,
+        city.heights,
+        city.terrain,
+        seed=city.seed,
+        detail=city.lod > 0,
+        painting=painting,
     )
-    found = _regions(city.layout, network, city.heights, built, city.lod)
+    found = _regions(city.layout, network, city.heights, built, city.lod, painting)
     arranged = arrange(found, city.layout.extent, lines=lines)
     if city.lod > 0:
         arranged = pave_blocks(arranged, city.layout)
@@ -106,7 +110,12 @@ def _with_heights(city: City) -> City:
 
 
 def _regions(
-    layout: Layout, network: RoadNetwork, heights: WayHeights, built: Structures, lod: int
+    layout: Layout,
+    network: RoadNetwork,
+    heights: WayHeights,
+    built: Structures,
+    lod: int,
+    painting: Painting = USUAL,
 ) -> Regions:
     """Return what covers the site: the pieces of roads on the ground, and openings for the rest."""
     spans = built.spans
@@ -116,7 +125,7 @@ def _regions(
     if lod == 0:
         return join_regions([plain_regions(layout, level), opened])
     ways = grounded_lines(layout, heights)
-    return join_regions([detailed_regions(layout, level, ways), opened])
+    return join_regions([detailed_regions(layout, level, ways, painting), opened])
 
 
 def plain_regions(layout: Layout, network: RoadNetwork) -> Regions:
@@ -139,7 +148,9 @@ def plain_regions(layout: Layout, network: RoadNetwork) -> Regions:
     ])  # fmt: skip
 
 
-def detailed_regions(layout: Layout, network: RoadNetwork, ways: NDArray[Any]) -> Regions:
+def detailed_regions(
+    layout: Layout, network: RoadNetwork, ways: NDArray[Any], painting: Painting = USUAL
+) -> Regions:
     """Return every surface of the site, markings included.
 
     Parameters
@@ -150,14 +161,13 @@ def detailed_regions(layout: Layout, network: RoadNetwork, ways: NDArray[Any]) -
         The pieces of its roads that lie on the ground.
     ways
         (n,) what of each way of the layout does.
+    painting
+        What the country paints.
     """
-    on_ground = np.ones(network.edge_count, bool)
-    road = build_carriageway(network, on_ground)
+    streets, road = street_regions(layout, network, painting)
     strips = np.concatenate([road.strips, road.stars])
     return join_regions([
-        carriageway_regions(layout, network, on_ground, road),
-        strip_regions(layout, network, on_ground),
-        marking_regions(layout, network, bands_of(layout, network), on_ground, road),
+        streets,
         area_regions(layout),
         park_regions(layout),
         kerbside_regions(layout, strips),

@@ -15,6 +15,8 @@ from cityx.geometry.chains import components, join_segments
 from cityx.geometry.driving import keeps_left
 from cityx.geometry.identity import mix
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, to_linestrings
+from cityx.plugins.road.corners import Arms, Corners, corners_of, trims_of
+from cityx.plugins.road.roundabouts import narrowed_rings, round_rings
 from cityx.protocol import Choice, Port, action
 
 if TYPE_CHECKING:
@@ -45,12 +47,7 @@ PER_METRE = 1000.0  # nodes are shared coordinates to the millimetre
 SPUR = 3.0  # metres; a shorter dead end is a drawing mistake
 FACADE_CLEARANCE = 0.3  # metres between carriageway and facade
 NARROWEST = 1.2  # metres of half width; the least a car passes through
-KERB_RADIUS = 2.5  # metres; fillet between two carriageways at a junction
-LEAST_SINE = 0.15  # acute arms would trim each other without end
-MOST_TRIM = 25.0  # metres
-STRAIGHT = np.radians(150.0)  # arms that meet flatter than this leave each other alone
 AIM = 6.0  # metres from the node at which an arm's direction is taken
-STUB = 1.0  # metres of carriageway that must be left between two junctions
 NEAR_CROSSING = 12.0  # metres beyond the junction within which a mapped crossing is at the end
 SIGNAL_REACH = 25.0  # metres from a traffic signal to the junction it controls
 DENSE_REACH = 30.0  # metres within which buildings make a junction urban
@@ -79,6 +76,7 @@ def road_network(layout: Layout, *, left_hand: bool = False) -> RoadNetwork:
     rows = np.flatnonzero(_carries_cars(layout))
     geometry = shapely.force_2d(roads.geometry.to_numpy()[rows])
     geometry, rows = clip_lines(geometry, rows, layout.extent)
+    geometry = round_rings(geometry, roads["roundabout"].to_numpy(bool)[rows])
     lines = pack(geometry)
     if not lines.count:
         return _graph_without_edges()
@@ -208,7 +206,10 @@ def _assemble(
     table = layout.roads.iloc[road]
     edge_id = _edge_ids(table["id"].to_numpy(), lines)
     half = _half_widths(layout, table, lines)
-    trim, swallowed = _trims(lines, edge_nodes, degree, half)
+    half = narrowed_rings(lines, table["roundabout"].to_numpy(bool), half)
+    trim, swallowed = _trims(
+        layout, table["kind"].to_numpy(), lines, edge_nodes, position[used], half
+    )
     crossing = _crossings(layout, table, lines, edge_nodes, degree, position[used], trim, swallowed)
     return RoadNetwork(
         position[used],
@@ -285,31 +286,24 @@ def arm_bearings(lines: Polylines, edge: IntArray, end: IntArray) -> FloatArray:
     return np.asarray(np.round(np.arctan2(ahead[:, 1], ahead[:, 0]), 6))
 
 
-def _trims(
-    lines: Polylines, edge_nodes: IntArray, degree: IntArray, half: FloatArray
-) -> tuple[FloatArray, BoolArray]:
-    """Distances at which junction surfaces end, and which edges lie wholly inside of one."""
+def node_corners(
+    layout: Layout, kind: Any, lines: Polylines, edge_nodes: NDArray[Any], position: FloatArray,
+    half: FloatArray,
+) -> tuple[Arms, Corners, FloatArray]:  # fmt: skip
+    """List the arms of all nodes and the corners between them; see `corners_of`."""
     node, edge, end = arms_of(lines, edge_nodes)
-    bearing = arm_bearings(lines, edge, end)
-    following = np.r_[node[1:] == node[:-1], False] if len(node) else np.zeros(0, bool)
-    first = np.searchsorted(node, node)
-    after = np.where(following, np.arange(len(node)) + 1, first)
-    gap = np.mod(bearing[after] - bearing, 2 * np.pi)
-    sine = np.maximum(np.sin(gap), LEAST_SINE)
-    fillet = KERB_RADIUS / np.maximum(np.tan(gap / 2), LEAST_SINE / 2)
-    own, other = half[edge], half[edge[after]]
-    meets = (gap < STRAIGHT) & (degree[node] >= 3)
-    toward = np.where(meets, (other + own * np.cos(gap)) / sine + fillet, 0.0)
-    back = np.where(meets, (own + other * np.cos(gap)) / sine + fillet, 0.0)
-    reach = toward.copy()
-    np.maximum.at(reach, after, back)
-    trim = np.zeros((len(edge_nodes), 2))
-    trim[edge, end] = np.clip(reach, 0.0, MOST_TRIM)
+    arms = Arms(node, edge, end, arm_bearings(lines, edge, end))
     length = arc_lengths(lines)[1]
-    total = trim.sum(axis=1)
-    swallowed = (total > 0) & (total > length - STUB)
-    share = (length / np.where(total > 0, total, 1.0))[:, None]
-    return np.round(np.where(swallowed[:, None], trim * share, trim), 4), swallowed
+    return arms, *corners_of(layout, kind, arms, position, half, length)
+
+
+def _trims(
+    layout: Layout, kind: Any, lines: Polylines, edge_nodes: IntArray, position: FloatArray,
+    half: FloatArray,
+) -> tuple[FloatArray, BoolArray]:  # fmt: skip
+    """Distances at which junction surfaces end, and which edges lie wholly inside of one."""
+    reach = node_corners(layout, kind, lines, edge_nodes, position, half)[2]
+    return trims_of(reach, arc_lengths(lines)[1])
 
 
 def junction_clusters(network: RoadNetwork) -> IntArray:

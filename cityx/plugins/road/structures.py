@@ -36,13 +36,12 @@ from cityx.plugins.road.carriageway import (
     MITRE,
     STONE,
     build_carriageway,
-    carriageway_regions,
     road_labels,
 )
 from cityx.plugins.road.heights import DECK, FOOT_DECK, ON_FOOT, RAILS, WATER, way_levels
 from cityx.plugins.road.landcover import TRACK_BED, rail_strips
-from cityx.plugins.road.markings import marking_regions
-from cityx.plugins.road.sections import bands_of
+from cityx.plugins.road.painting import Painting
+from cityx.plugins.road.streets import USUAL, street_regions
 from cityx.plugins.road.tiers import Spans, cut_network, spans_of
 
 FloatArray = NDArray[np.float64]
@@ -124,6 +123,7 @@ def build_structures(
     *,
     seed: int = 0,
     detail: bool = True,
+    painting: Painting = USUAL,
 ) -> Structures:
     """Build everything that leaves the ground.
 
@@ -135,6 +135,8 @@ def build_structures(
         Of the slight variation in brightness of surfaces.
     detail
         Whether to lay kerbs, walks and markings.
+    painting
+        What the country paints.
     """
     spans = spans_of(network, heights)
     streets = _strips(network)
@@ -148,7 +150,7 @@ def build_structures(
         part = _tier_of(
             layout, _edges(off, cars), _pieces(others, rows[len(cars) :] - off.edge_count)
         )
-        made = _build_tier(layout, part, network, terrain, seed, number, detail)
+        made = _build_tier(layout, part, network, terrain, seed, number, detail, painting)
         surfaces.append(made[0])
         bodies.append(made[1])
         opening.append(made[2])
@@ -331,8 +333,9 @@ def _build_tier(
     seed: int,
     number: int,
     detail: bool,
+    painting: Painting,
 ) -> tuple[MeshBatch, MeshBatch, Shapes, Shapes]:
-    found = _regions(layout, part, detail)
+    found = _regions(layout, part, detail, painting)
     bounds = shapely.total_bounds(found.polygons)
     extent = (bounds[0] - 1.0, bounds[1] - 1.0, bounds[2] + 1.0, bounds[3] + 1.0)
     bars = _bars(part, terrain)
@@ -366,18 +369,15 @@ def _build_tier(
     return surfaces, concatenate(batches), _outline(deck, opened), _outline(deck, spanning)
 
 
-def _regions(layout: Layout, part: _Tier, detail: bool) -> Regions:
+def _regions(layout: Layout, part: _Tier, detail: bool, painting: Painting) -> Regions:
     """Return the surfaces of a tier, made as those of the ground are."""
     sub = part.network
-    everything = np.ones(sub.edge_count, bool)
     found = [_other_regions(layout, part)]
     if sub.edge_count:
-        road = build_carriageway(sub, everything)
         if detail:
-            found.append(carriageway_regions(layout, sub, everything, road))
-            found.append(marking_regions(layout, sub, bands_of(layout, sub), everything, road))
-            found.append(_shoulders(sub, everything))
+            found += [street_regions(layout, sub, painting)[0], _shoulders(sub)]
         else:
+            road = build_carriageway(layout, sub, np.ones(sub.edge_count, bool))
             label = road_labels(layout.roads["surface"].to_numpy()[sub.edge_road])
             own = label[road.edge]
             ids = layout.roads["id"].to_numpy()[sub.edge_road]
@@ -387,10 +387,10 @@ def _regions(layout: Layout, part: _Tier, detail: bool) -> Regions:
     return join_regions(found)
 
 
-def _shoulders(sub: RoadNetwork, chosen: BoolArray) -> Regions:
+def _shoulders(sub: RoadNetwork) -> Regions:
     """Lay a band of kerb stones along carriageways without walks, for the parapets to stand on."""
-    lines = to_linestrings(Polylines(sub.points, sub.point_start))[chosen]
-    reach = sub.half_width[chosen] + 2 * KERB_WIDTH
+    lines = to_linestrings(Polylines(sub.points, sub.point_start))
+    reach = sub.half_width + 2 * KERB_WIDTH
     bands = shapely.buffer(lines, reach, cap_style="flat", join_style="mitre", mitre_limit=MITRE)
     return regions(shapely.unary_union(bands), LABEL["kerb"], 1)
 

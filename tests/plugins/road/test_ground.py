@@ -31,7 +31,8 @@ def test_a_crossroads_has_every_part_of_a_street(layout_of):
         assert area[name] > 1.0, name
     assert area["building"] == pytest.approx(4 * 2500)
     roads = area["carriageway"] + area["setts"] + area["junction"] + area["marking"]
-    assert roads == pytest.approx(180 * 8 + 180 * 6 - 48, rel=0.01)
+    curves = 4 * 6.0**2 * (1 - np.pi / 4)  # a secondary road, 8 m, and a residential one, 4 m
+    assert roads == pytest.approx(180 * 8 + 180 * 6 - 48 + curves, rel=0.002)
 
 
 def test_houses_win_over_carriageways_but_not_over_passages(layout_of):

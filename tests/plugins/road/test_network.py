@@ -73,7 +73,7 @@ def test_a_facade_narrows_the_carriageway_but_not_in_a_passage(layout_of):
 
 def test_trims_at_a_right_angle_are_half_a_width_and_the_fillet(layout_of):
     network = road_network(layout_of([([WEST, MIDDLE, EAST], {}), ([MIDDLE, NORTH], {})]))
-    assert np.allclose(network.trim.max(axis=1), 3.0 + 2.5)
+    assert np.allclose(network.trim.max(axis=1), 3.0 + 4.0)
     assert np.allclose(network.trim.min(axis=1), 0.0)
 
 

@@ -1,0 +1,291 @@
+"""Checks of junctions, measured on the finished ground: surfaces, walks and the curves of kerbs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.check import Check
+from cityx.city import City
+from cityx.city.ground import LABEL, Ground
+from cityx.geometry.arrangement import BEYOND, face_areas
+from cityx.geometry.chains import components, join_segments
+from cityx.geometry.clearance import in_triangles
+from cityx.geometry.identity import id_text
+from cityx.geometry.polylines import Polylines, every, locate, to_linestrings
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+PAINT = tuple(LABEL[name] for name in ("marking", "marking_yellow", "cycle_lane", "tramway"))
+ROADWAY = (*(LABEL[n] for n in ("carriageway", "setts", "gravel_road", "junction")), *PAINT)
+STONES = tuple(LABEL[name] for name in ("kerb", "kerb_dropped"))
+RADII = (3.0, 12.0)  # metres a kerb's curve may have between two arms
+SLACK = 0.1  # share by which a radius measured on chords may miss
+SMOOTH = 0.02  # metres; corners of the outline that stand out less come from rounding
+CHORD = 2.6  # metres; longer pieces of an outline are straight
+JOINT = 0.12  # metres; corners of the outline closer than that are one
+CORNER = np.radians([30.0, 125.0])  # turns of the kerb that lead from one arm into the next
+HOUSE = 3.1  # metres from a curve to a house that leaves no room for the least radius and a walk
+BESIDE = 4.0  # metres beyond a junction's mouth within which a curve belongs to it
+SPACING = 1.0  # metres between the places of a lane that are tested
+TIMES = 3.0  # times the product of its two widest arms that a junction may cover
+RETURN = 5.0  # metres of kerb radius that an arm's mouth is wider for
+LET_PASS = 2  # kerb curves outside of the limits, of which a small map has few
+NAMED = 20  # ids named of each check
+
+
+@dataclass(frozen=True)
+class KerbCurves:
+    """Curves of kerbs at junctions, k of them.
+
+    Attributes
+    ----------
+    middle
+        (k, 2) float, metres.
+    turn
+        (k,) float, radians.
+    radius
+        (k,) float, metres.
+    free
+        (k,) bool, whether neither a house so near nor a surface drawn on the map sets the radius.
+    """
+
+    middle: FloatArray
+    turn: FloatArray
+    radius: FloatArray
+    free: BoolArray
+
+
+def check_junctions(city: City) -> list[Check]:
+    """Run every check on junctions; none where the ground has no kerbs or no streets."""
+    ground, network = city.ground, city.network
+    if ground is None or network is None or city.lod == 0 or not network.edge_count:
+        return []
+    found = [*_surfaces(ground), _walks(city, ground)]
+    curves = kerb_curves(city, ground)
+    wrong = curves.free & ~_within(curves.radius)
+    free = int(curves.free.sum())
+    return [
+        *found,
+        Check(
+            "kerb_radius",
+            1.0 - max(int(wrong.sum()) - LET_PASS, 0) / free if free else 1.0,
+            0.9,
+            f"share of {free:,} kerb curves between two arms of a junction with a radius of "
+            f"{RADII[0]:g} to {RADII[1]:g} m, {LET_PASS} others let pass; "
+            f"{int((~curves.free).sum()):,} where houses leave no room or "
+            "the map draws the outline are left out",
+            at_least=True,
+            ids=_places(curves.middle[wrong]),
+        ),
+    ]
+
+
+def _within(radius: FloatArray) -> BoolArray:
+    return np.asarray((radius > RADII[0] * (1 - SLACK)) & (radius < RADII[1] * (1 + SLACK)))
+
+
+def _places(points: FloatArray) -> tuple[str, ...]:
+    return tuple(f"({x:.1f}, {y:.1f})" for x, y in points[:NAMED].tolist())
+
+
+def _surfaces(ground: Ground) -> list[Check]:
+    """Check that every junction is one closed, simple surface of sensible size."""
+    owner = _junction_of_face(ground)
+    left, right = ground.edge_faces.T.astype(np.int64)
+    mine, theirs = owner[left], np.where(right == BEYOND, 0, owner[np.maximum(right, 0)])
+    rim = mine != theirs
+    # Both sides of an edge may be junctions; each gets the edge as a piece of its outline.
+    junction = np.concatenate([mine[rim], theirs[rim]])
+    ends = np.concatenate([ground.edges[rim], ground.edges[rim][:, ::-1]]).astype(np.int64)
+    own = junction > 0
+    junction, ends = junction[own], ends[own]
+    count = int(owner.max(initial=0)) + 1
+    corner = np.unique(np.column_stack([np.repeat(junction, 2), ends.ravel()]), axis=0,
+                       return_counts=True)  # fmt: skip
+    bad = np.zeros(count, bool)
+    bad[corner[0][corner[1] != 2, 0]] = True
+    inner = (mine == theirs) & (mine > 0)
+    piece = components(np.column_stack([left, right])[inner], len(owner))
+    parts = np.unique(np.column_stack([owner, piece])[owner > 0], axis=0)[:, 0]
+    bad |= np.bincount(parts, minlength=count) > 1
+    ids = np.unique(ground.face_object[ground.face_label == LABEL["junction"]])
+    area = np.bincount(owner, face_areas(ground), minlength=count)
+    limit = _usual_size(ground, owner, count)
+    large = area[1:] > limit[1:]
+    total = max(len(ids), 1)
+    return [
+        Check("junction_surfaces", float(bad[1:].sum()) / total, 0.05,
+              f"share of {len(ids):,} junctions that are no single closed surface with a simple "
+              "outline", ids=tuple(id_text(int(i)) for i in ids[bad[1:]][:NAMED])),
+        Check("junction_sizes", float(large.sum()) / total, 0.1,
+              f"share of junctions that cover more than {TIMES:g} times the product of their two "
+              f"widest arms, kerb returns of {RETURN:g} m included",
+              ids=tuple(id_text(int(i)) for i in ids[large][:NAMED])),
+    ]  # fmt: skip
+
+
+def _junction_of_face(ground: Ground) -> IntArray:
+    """(f,) the junction each face belongs to, from 1; 0 for none. What is painted on it counts."""
+    of_junction = ground.face_label == LABEL["junction"]
+    ids = np.unique(ground.face_object[of_junction])
+    owner = np.zeros(len(of_junction), np.int64)
+    owner[of_junction] = 1 + np.searchsorted(ids, ground.face_object[of_junction])
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inner = right != BEYOND
+    left, right = left[inner], right[inner]
+    length = np.hypot(*np.diff(ground.vertices[ground.edges[inner]], axis=1)[:, 0].T)
+    paint = np.isin(ground.face_label, PAINT)
+    rim = np.bincount(left, length, len(owner)) + np.bincount(right, length, len(owner))
+    for _ in range(3):  # rails cross each other inside of a junction
+        held, other = np.zeros(len(owner)), np.zeros(len(owner), np.int64)
+        for a, b in ((left, right), (right, left)):
+            rows = np.flatnonzero(paint[a] & (owner[a] == 0) & (owner[b] > 0))
+            np.add.at(held, a[rows], length[rows])
+            other[a[rows]] = owner[b[rows]]
+        owner = np.where((held > 0.5 * rim) & (owner == 0), other, owner)
+    return owner
+
+
+def _usual_size(ground: Ground, owner: IntArray, count: int) -> FloatArray:
+    """(j,) the largest area that the mouths of each junction explain."""
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inner = right != BEYOND
+    left, right = left[inner], right[inner]
+    edge = ground.edges[inner].astype(np.int64)
+    length = np.hypot(*np.diff(ground.vertices[edge], axis=1)[:, 0].T)
+    road = np.isin(ground.face_label, ROADWAY)
+    at, wide, place = [], [], []
+    for a, b in ((left, right), (right, left)):
+        rows = np.flatnonzero((owner[a] > 0) & road[b] & (owner[a] != owner[b]))
+        at.append(owner[a[rows]])
+        wide.append(length[rows])
+        place.append(edge[rows])
+    junction, size = np.concatenate(at), np.concatenate(wide)
+    pairs = np.concatenate(place)
+    # Pieces of outline that hang together are one mouth.
+    node = np.unique(np.column_stack([np.repeat(junction, 2), pairs.ravel()]), axis=0,
+                     return_inverse=True)[1].reshape(-1, 2)  # fmt: skip
+    mouth = components(node, int(node.max(initial=-1)) + 1)[node[:, 0]] if len(node) else node[:, 0]
+    mouths, index = np.unique(mouth, return_inverse=True)
+    total = np.bincount(index, size, minlength=len(mouths))
+    of_mouth = np.zeros(len(mouths), np.int64)
+    of_mouth[index] = junction
+    order = np.lexsort((-total, of_mouth))
+    of_mouth, total = of_mouth[order], total[order]
+    rank = np.arange(len(of_mouth)) - np.searchsorted(of_mouth, of_mouth)
+    best = np.zeros((2, count))
+    for place_of in (0, 1):
+        rows = rank == place_of
+        best[place_of, of_mouth[rows]] = total[rows]
+    returns = 2 * RETURN * (best > 0)
+    return np.asarray(TIMES * (best + returns).prod(axis=0))
+
+
+def _walks(city: City, ground: Ground) -> Check:
+    """Check that no lane runs over a kerb or a walk."""
+    graph = city.lanes
+    share = 0.0
+    if graph is not None and graph.count:
+        decks = city.layout.roads["bridge"].to_numpy(bool)
+        on_ground = graph.travelled & ~decks[city.network.edge_road[graph.edge]]  # type: ignore[union-attr]
+        lines = Polylines(graph.points, graph.point_start)
+        length = shapely.length(to_linestrings(lines)[on_ground])
+        line, along = every(length, SPACING)
+        places = locate(lines, np.flatnonzero(on_ground)[line], along)[0]
+        walk = np.isin(ground.face_label, (*STONES, LABEL["sidewalk"]))
+        triangles = ground.triangles[walk[ground.triangle_face]]
+        share = float(in_triangles(places, ground.vertices, triangles).mean()) if len(places) else 0
+    return Check("sidewalk_on_carriageway", share, 0.001,
+                 "share of the middles of lanes that run over a kerb or a sidewalk")  # fmt: skip
+
+
+def kerb_curves(city: City, ground: Ground) -> KerbCurves:
+    """Measure the curves of kerbs at junctions on the outline of the carriageway."""
+    outline = _outline(ground)
+    owner = outline.line_of_point()
+    step = np.diff(outline.points, axis=0)
+    same = owner[1:] == owner[:-1]
+    inner = np.flatnonzero(same[1:] & same[:-1]) + 1
+    before, after = step[inner - 1], step[inner]
+    turn = np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0],
+                      (before * after).sum(axis=1))  # fmt: skip
+    bent = np.flatnonzero(np.abs(turn) > np.radians(1.0))
+    point, turn = inner[bent], turn[bent]
+    gap = np.hypot(*(outline.points[point[1:]] - outline.points[point[:-1]]).T)
+    joined = (owner[point[1:]] == owner[point[:-1]]) & (gap < CHORD)
+    run = np.r_[True, ~joined][: len(point)].cumsum() - 1
+    count = int(run.max(initial=-1)) + 1
+    total = np.bincount(run, turn, minlength=count)
+    inside = np.flatnonzero(joined)
+    length = np.bincount(run[inside], gap[inside], minlength=count)
+    middle = np.column_stack(
+        [np.bincount(run, turn * column[point], minlength=count) for column in outline.points.T]
+    ) / np.maximum(total, 1e-9)[:, None]  # fmt: skip
+    kept = (total > CORNER[0]) & (total < CORNER[1])
+    kept[kept] = _at_junctions(city, middle[kept])
+    middle, total, length = middle[kept], total[kept], length[kept]
+    parts = city.layout.parts
+    standing = (parts["base"].to_numpy() < 0.5) & parts["walls"].to_numpy()
+    free = np.ones(len(middle), bool)
+    near = shapely.STRtree(parts.geometry.to_numpy()[standing]).query(
+        shapely.points(middle), predicate="dwithin", distance=HOUSE
+    )[0]
+    free[near] = False
+    drawn = city.layout.areas.geometry.to_numpy()[
+        (city.layout.areas["kind"] == "road_area").to_numpy()
+    ]
+    free[shapely.STRtree(drawn).query(
+        shapely.points(middle), predicate="dwithin", distance=HOUSE
+    )[0]] = False  # fmt: skip
+    return KerbCurves(middle, total, length / total, free)
+
+
+def _outline(ground: Ground) -> Polylines:
+    """Return the lines where kerb stones meet the carriageway, the stones on the left hand."""
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inner = right != BEYOND
+    left, right, edge = left[inner], right[inner], ground.edges[inner].astype(np.int64)
+    road, stone = np.isin(ground.face_label, ROADWAY), np.isin(ground.face_label, STONES)
+    ends = np.concatenate([edge[stone[left] & road[right]],
+                           edge[road[left] & stone[right]][:, ::-1]])  # fmt: skip
+    head, rank = join_segments(ends, np.zeros(len(ends), np.int64))
+    order = np.lexsort((rank, head))
+    ends, head = ends[order], head[order]
+    last = np.flatnonzero(np.r_[head[1:] != head[:-1], True][: len(head)])
+    points = np.insert(ends[:, 0], last + 1, ends[last, 1])
+    chain = np.insert(head, last + 1, head[last])
+    lines = shapely.linestrings(
+        ground.vertices[points], indices=np.unique(chain, return_inverse=True)[1]
+    ) if len(points) else np.zeros(0, object)  # fmt: skip
+    smooth, row = shapely.get_coordinates(shapely.simplify(lines, SMOOTH), return_index=True)
+    # Where two curves and a strip meet on the grid, the outline may jog by its joint.
+    near = np.hypot(*np.diff(smooth, axis=0, prepend=np.inf).T) < JOINT
+    near &= np.r_[False, row[1:] == row[:-1]][: len(row)]
+    smooth, row = smooth[~near], row[~near]
+    kept = np.flatnonzero(np.bincount(row, minlength=len(lines)) > 1)
+    long = np.isin(row, kept)
+    start = np.searchsorted(row[long], np.append(kept, len(lines)))
+    return Polylines(smooth[long], start.astype(np.int64))
+
+
+def _at_junctions(city: City, places: FloatArray) -> BoolArray:
+    """(k,) whether places lie at a junction."""
+    network = city.network
+    found = np.zeros(len(places), bool)
+    if network is None:
+        return found
+    reach = np.zeros(len(network.node_position))
+    for end in (0, 1):
+        np.maximum.at(reach, network.edge_nodes[:, end], network.trim[:, end])
+    hubs = np.flatnonzero(network.node_degree >= 3)
+    tree = shapely.STRtree(shapely.points(places))
+    near = tree.query(shapely.points(network.node_position[hubs]), predicate="dwithin",
+                      distance=reach[hubs] + BESIDE)[1]  # fmt: skip
+    found[near] = True
+    return found

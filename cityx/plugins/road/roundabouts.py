@@ -1,0 +1,265 @@
+"""Roundabouts: round rings, islands in the middle, splitters, painted discs, turning circles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
+from cityx.geometry.arrangement import Regions, join_regions, regions
+from cityx.geometry.polylines import Polylines, arc_lengths, locate, to_linestrings
+
+if TYPE_CHECKING:
+    from cityx.city.layout import Layout
+    from cityx.city.roads import RoadNetwork
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+Shapes = NDArray[Any]
+
+SMOOTH = np.radians(10.0)  # between two points of a ring; larger turns are drawn as arcs
+LEAST_TURN = np.radians(12.0)
+LEAST_ISLAND = 2.0  # metres of radius of the island in the middle of the smallest ring
+NARROWEST = 1.6  # metres of half width of a ring
+APRON = 1.5  # metres of setts round the island, for the rear wheels of lorries
+LEAST_APRON = 5.0  # metres of radius of an island that has one
+TIGHT = 0.3  # metres into an island that a street may be drawn without running through it
+GREEN = 2.5  # metres of radius of an island with lawn; smaller ones are paved
+ISLAND_PRIORITY = 77  # above all surfaces of its ring
+CROSSED_PRIORITY = 53  # the same of an island that a street runs through: that goes on
+SPLITTER = (1.5, 9.0)  # metres from the ring between which the island at an arm lies
+SPLITTER_WIDTH = (1.8, 0.5)  # metres at the ring and at the far end
+LANE_LEFT = 2.5  # metres of carriageway on both sides of a splitter
+MINI = 2.0  # metres of radius of the disc of a mini-roundabout (TSRGD 2016, diagram 611.1)
+TURNING = 6.5  # metres of radius of a turning circle
+CIRCLE = 8  # chords per quarter circle
+
+
+@dataclass(frozen=True)
+class Rings:
+    """Closed rings of roundabouts.
+
+    Attributes
+    ----------
+    polygon
+        (r,) polygons that the middle of the ring's carriageway encloses.
+    radius
+        (r,) float, metres of a circle of the same area.
+    """
+
+    polygon: Shapes
+    radius: FloatArray
+
+
+def rings_of(lines: Shapes) -> Rings:
+    """Find the rings that lines of roundabouts close."""
+    if not len(lines):
+        return Rings(np.zeros(0, object), np.zeros(0))
+    found = shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.union_all(lines))))
+    return Rings(found, np.sqrt(shapely.area(found) / np.pi))
+
+
+def round_rings(lines: Shapes, chosen: BoolArray) -> Shapes:
+    """Draw the chosen lines as arcs through their points, which stay where they are.
+
+    Parameters
+    ----------
+    lines
+        (n,) LineStrings, metres.
+    chosen
+        (n,) bool, those of roundabouts.
+    """
+    drawn = lines.copy()
+    for row in np.flatnonzero(chosen).tolist():
+        drawn[row] = shapely.LineString(_arcs(shapely.get_coordinates(lines[row])))
+    return drawn
+
+
+def _arcs(points: FloatArray) -> FloatArray:
+    """Put points on arcs between the points of one line, (k, 2)."""
+    points = points[np.r_[True, np.hypot(*np.diff(points, axis=0).T) > 1e-6]]
+    if len(points) < 3:
+        return points
+    step = np.diff(points, axis=0)
+    ahead = step / np.hypot(*step.T)[:, None]
+    closed = np.hypot(*(points[0] - points[-1])) < 1e-6
+    inner = _unit(ahead[:-1] + ahead[1:])
+    if closed:
+        seam = _unit(ahead[-1:] + ahead[:1])
+        first, last = seam, seam
+    else:  # an arc leaves its chord by the angle at which it comes back to it
+        first = 2 * (ahead[:1] * inner[:1]).sum(axis=1)[:, None] * ahead[:1] - inner[:1]
+        last = 2 * (ahead[-1:] * inner[-1:]).sum(axis=1)[:, None] * ahead[-1:] - inner[-1:]
+    tangent = np.concatenate([first, inner, last])
+    out = [points[:1]]
+    for a, b, u, v in zip(points[:-1], points[1:], tangent[:-1], tangent[1:], strict=True):
+        turn = float(np.arccos(np.clip(u @ v, -1.0, 1.0)))
+        if LEAST_TURN < turn < np.pi / 2:
+            count = int(np.ceil(turn / SMOOTH))
+            share = 4.0 / 3.0 * np.tan(turn / 4.0) / (2.0 * np.sin(turn / 2.0))
+            reach = np.hypot(*(b - a)) * share
+            t = (np.arange(1, count) / count)[:, None]
+            c, d = a + u * reach, b - v * reach
+            out.append(
+                (1 - t) ** 3 * a + 3 * (1 - t) ** 2 * t * c + 3 * (1 - t) * t**2 * d + t**3 * b
+            )
+        out.append(b[None])
+    return np.asarray(np.round(np.concatenate(out), 3))
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    return np.asarray(vectors / np.maximum(np.hypot(*vectors.T), 1e-9)[:, None])
+
+
+def narrowed_rings(lines: Polylines, ring: BoolArray, half: FloatArray) -> FloatArray:
+    """Narrow the carriageways of rings until an island fits into the middle: (e,) half widths."""
+    rows = np.flatnonzero(ring)
+    shapes = to_linestrings(lines)[rows]
+    found = rings_of(shapes)
+    narrow = half.copy()
+    if len(found.polygon):
+        outline = shapely.boundary(found.polygon)
+        row, which = shapely.STRtree(outline).query(shapes, predicate="intersects")
+        middle = shapely.line_interpolate_point(shapes[row], 0.5, normalized=True)
+        on = shapely.distance(middle, outline[which]) < 0.01
+        most = np.maximum(found.radius[which[on]] - LEAST_ISLAND, NARROWEST)
+        np.minimum.at(narrow, rows[row[on]], most)
+    return np.asarray(np.round(narrow, 3))
+
+
+def ring_edges(layout: Layout, network: RoadNetwork) -> BoolArray:
+    """(e,) whether each edge is a piece of a roundabout's ring."""
+    return np.asarray(layout.roads["roundabout"].to_numpy(bool)[network.edge_road])
+
+
+def ring_nodes(layout: Layout, network: RoadNetwork) -> BoolArray:
+    """(n,) whether each node lies on a roundabout's ring."""
+    found = np.zeros(len(network.node_position), bool)
+    found[network.edge_nodes[ring_edges(layout, network)]] = True
+    return found
+
+
+def roundabout_regions(layout: Layout, network: RoadNetwork, on_ground: BoolArray) -> Regions:
+    """Return the islands of roundabouts, their splitters and turning circles."""
+    lines = Polylines(network.points, network.point_start)
+    ring = ring_edges(layout, network) & on_ground
+    parts = [_islands(network, lines, ring), _turning_circles(layout, network, on_ground)]
+    arm, end = np.nonzero(_splitter_arms(layout, network, ring) & on_ground[:, None])
+    if len(arm):
+        kerbed = _splitters(network, lines, arm, end, 0.0)
+        inner = _splitters(network, lines, arm, end, KERB_WIDTH)
+        parts += [
+            regions(kerbed, LABEL["kerb"], SPLITTER_PRIORITY),
+            regions(inner, LABEL["courtyard"], SPLITTER_PRIORITY + 1),
+        ]
+    return join_regions(parts)
+
+
+SPLITTER_PRIORITY = 82  # above the carriageway and what is painted on it
+
+
+def _islands(network: RoadNetwork, lines: Polylines, ring: BoolArray) -> Regions:
+    """Return apron, kerb and middle of each island."""
+    rows = np.flatnonzero(ring)
+    shapes = to_linestrings(lines)[rows]
+    found = rings_of(shapes)
+    if not len(found.polygon):
+        return Regions()
+    outline = shapely.boundary(found.polygon)
+    row, which = shapely.STRtree(outline).query(shapes, predicate="intersects")
+    half = np.zeros(len(outline))
+    np.maximum.at(half, which, network.half_width[rows[row]])
+    island = found.radius - half
+    keep = (half > 0) & (island > 0.5)
+    polygon, half, island = found.polygon[keep], half[keep], island[keep]
+    crossed = np.zeros(len(island), bool)
+    middle = shapely.buffer(polygon, -(half + TIGHT))
+    others = to_linestrings(lines)[~ring]
+    crossed[shapely.STRtree(middle).query(others, predicate="intersects")[1]] = True
+    priority = np.where(crossed, CROSSED_PRIORITY, ISLAND_PRIORITY)
+    aproned = np.where(island > LEAST_APRON, APRON, 0.0)
+    layers = []
+    for inset, label, order in (
+        (0.0 * aproned, "apron", 0), (aproned, "kerb", 1), (aproned + KERB_WIDTH, "middle", 2),
+    ):  # fmt: skip
+        shape = shapely.buffer(polygon, -(half + inset), quad_segs=CIRCLE)
+        name = np.where(island < GREEN, "courtyard", "grass") if label == "middle" else label
+        names = np.broadcast_to(name, len(shape)).tolist()
+        layers.append(regions(shape, [LABEL[word] for word in names], priority + order))
+    return join_regions(layers)
+
+
+def _splitter_arms(layout: Layout, network: RoadNetwork, ring: BoolArray) -> BoolArray:
+    """(e, 2) ends of two-way edges at a ring that are wide and long enough for an island."""
+    at_ring = ring_nodes(layout, network)[network.edge_nodes] & ~ring[:, None]
+    oneway = layout.roads["oneway"].to_numpy(bool)[network.edge_road]
+    length = arc_lengths(Polylines(network.points, network.point_start))[1]
+    room = length - network.trim.sum(axis=1) > SPLITTER[1] + 2.0
+    wide = 2 * network.half_width > 2 * LANE_LEFT + 0.8
+    return np.asarray(at_ring & (room & wide & ~oneway)[:, None])
+
+
+def _splitters(
+    network: RoadNetwork, lines: Polylines, edge: IntArray, end: IntArray, inset: float
+) -> Shapes:
+    """Long islands between the two directions of arms, broad towards the ring."""
+    length = arc_lengths(lines)[1][edge]
+    trim = network.trim[edge, end]
+    near = np.minimum(trim, SPLITTER[0] + 1.0) + inset
+    room = 2 * network.half_width[edge] - 2 * LANE_LEFT
+    corners = []
+    for along, width, sides in (
+        (near, SPLITTER_WIDTH[0], (-1, 1)),
+        (trim + SPLITTER[1] - inset, SPLITTER_WIDTH[1], (1, -1)),
+    ):  # fmt: skip
+        at, ahead = locate(lines, edge, np.where(end == 0, along, length - along))
+        left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+        wide = np.maximum(np.minimum(width, room) / 2 - inset, 0.05)
+        corners += [at + left * (side * wide)[:, None] for side in sides]
+    return np.asarray(shapely.polygons(np.stack(corners, axis=1)))
+
+
+def _turning_circles(layout: Layout, network: RoadNetwork, on_ground: BoolArray) -> Regions:
+    """Widen the ends of streets to circles in which a car turns."""
+    places = _points(layout, "turning_circle")
+    ends = np.zeros(len(network.node_position), np.int64)
+    np.add.at(ends, network.edge_nodes[on_ground].ravel(), 1)
+    dead = np.flatnonzero(ends == 1)
+    if not len(places) or not len(dead):
+        return Regions()
+    spots = shapely.points(network.node_position[dead])
+    _, node = shapely.STRtree(spots).query_nearest(places, max_distance=2.0)
+    centre = np.unique(network.node_position[dead[node]], axis=0)
+    disc = shapely.buffer(shapely.points(centre), TURNING, quad_segs=CIRCLE)
+    stones = shapely.buffer(disc, KERB_WIDTH, quad_segs=CIRCLE)
+    road, kerb = LABEL["carriageway"], LABEL["kerb"]
+    return join_regions([
+        regions(shapely.union_all(stones), kerb, SURFACES[kerb].priority),
+        regions(shapely.union_all(disc), road, SURFACES[road].priority),
+    ])  # fmt: skip
+
+
+def mini_discs(layout: Layout, network: RoadNetwork) -> Shapes:
+    """Return the painted discs of mini-roundabouts, at junctions that have room for them."""
+    places = _points(layout, "mini_roundabout")
+    hubs = np.flatnonzero(network.node_degree >= 3)
+    if not len(places) or not len(hubs):
+        return np.zeros(0, object)
+    spots = shapely.points(network.node_position[hubs])
+    _, node = shapely.STRtree(spots).query_nearest(places, max_distance=3.0)
+    chosen = np.unique(hubs[node])
+    size = np.zeros(len(network.node_position))
+    np.maximum.at(size, network.edge_nodes, network.half_width[:, None] * np.ones(2))
+    radius = np.minimum(MINI, size[chosen] - 0.8)
+    centre = shapely.points(network.node_position[chosen])
+    return np.asarray(shapely.buffer(centre, np.maximum(radius, 0.5), quad_segs=CIRCLE))
+
+
+def _points(layout: Layout, kind: str) -> Shapes:
+    points = layout.points
+    return np.asarray(points.geometry.to_numpy()[(points["kind"] == kind).to_numpy()])

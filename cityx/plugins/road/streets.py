@@ -1,0 +1,49 @@
+"""The surfaces of streets, the same on the ground and on structures."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cityx.city.layout import Layout
+from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrangement import Regions, join_regions
+from cityx.plugins.road.carriageway import Carriageway, build_carriageway, carriageway_regions
+from cityx.plugins.road.drops import dropped_regions
+from cityx.plugins.road.markings import marking_regions, painted_edges, street_of, zebras_of
+from cityx.plugins.road.medians import median_regions
+from cityx.plugins.road.painting import Painting
+from cityx.plugins.road.roundabouts import roundabout_regions
+from cityx.plugins.road.sections import bands_of
+from cityx.plugins.road.strips import strip_regions
+
+USUAL = Painting()
+
+
+def street_regions(
+    layout: Layout, network: RoadNetwork, painting: Painting = USUAL
+) -> tuple[Regions, Carriageway]:
+    """Return carriageways, junctions, kerbs, walks and markings of all edges of a network.
+
+    Parameters
+    ----------
+    layout
+        The layout.
+    network
+        Its roads, or pieces of them.
+    painting
+        What the country paints.
+    """
+    chosen = np.ones(network.edge_count, bool)
+    road = build_carriageway(layout, network, chosen)
+    street = street_of(layout, network, bands_of(layout, network))
+    painted = painted_edges(street, chosen)
+    zebras = zebras_of(street, painted)
+    found = join_regions([
+        carriageway_regions(layout, network, chosen, road),
+        strip_regions(layout, network, chosen),
+        marking_regions(street, zebras, painted, road, painting),
+        dropped_regions(street, zebras, yellow=painting.yellow_tactile),
+        median_regions(layout, network, chosen),
+        roundabout_regions(layout, network, chosen),
+    ])  # fmt: skip
+    return found, road

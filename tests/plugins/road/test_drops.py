@@ -1,0 +1,70 @@
+import numpy as np
+import pytest
+
+from cityx.city.ground import DROPPED, KERB_HEIGHT, LABEL
+from cityx.geometry.arrangement import face_areas
+from cityx.geometry.drape import ramp_heights
+from cityx.plugins.road.ground import ground
+from cityx.plugins.road.lanes import lanes
+from cityx.plugins.road.network import network
+
+CROSS = [([(-90, 0), (0, 0), (90, 0)], {"kind": "secondary", "width": 8.0, "sidewalk_left": 3.0,
+                                        "sidewalk_right": 3.0}),
+         ([(0, -90), (0, 0), (0, 90)], {})]  # fmt: skip
+SIGNAL = [((1.0, 1.0), "traffic_signals")]
+HOUSES = [(x, y, x + 50, y + 50) for x in (-70, 20) for y in (-70, 20)]
+
+
+@pytest.fixture
+def city(layout_of, city_of):
+    layout = layout_of(CROSS, houses=HOUSES, points=SIGNAL)
+    return ground(lanes(network(city_of(layout))))
+
+
+def corners_of(city, name):
+    found = city.ground
+    return np.unique(found.triangles[found.face_label[found.triangle_face] == LABEL[name]])
+
+
+def test_every_crossing_has_a_dropped_kerb_on_both_sides(city):
+    found = city.ground
+    area = np.bincount(found.face_label, face_areas(found), minlength=len(LABEL))
+    crossings = int(city.network.crossing.sum())
+    assert crossings == 4
+    # Two wide crossings of 4 m and two of 3 m, 0.2 m more at both ends, 0.15 m of kerb.
+    wanted = 2 * 2 * 0.15 * (4.4 + 3.4)
+    assert area[LABEL["kerb_dropped"]] == pytest.approx(wanted, rel=0.05)
+    assert area[LABEL["tactile_pale"]] == pytest.approx(2 * 2 * 0.6 * 4.4, rel=0.05)
+    assert area[LABEL["ramp"]] == pytest.approx(2 * 2 * 1.2 * (4.4 + 3.4), rel=0.05)
+
+
+def test_a_ramp_rises_by_one_in_twelve_from_the_dropped_kerb_to_the_walk(city):
+    rise = ramp_heights(city.ground)
+    own = corners_of(city, "ramp")
+    assert rise[own].min() == pytest.approx(DROPPED)
+    assert rise[own].max() == pytest.approx(KERB_HEIGHT)
+    low, high = own[rise[own] < 0.021], own[rise[own] > 0.119]
+    gap = np.hypot(*(city.ground.vertices[high][:, None] - city.ground.vertices[low]).T).min(axis=0)
+    assert gap.min() == pytest.approx(12 * (KERB_HEIGHT - DROPPED), abs=0.02)
+
+
+def test_the_ground_has_no_gap_where_kerbs_are_dropped(city):
+    mesh = city.scene.meshes["ground"]
+    corners = np.round(mesh.vertices * 1e4).astype(np.int64)
+    index = np.unique(corners, axis=0, return_inverse=True)[1]
+    faces = index[np.maximum(mesh.faces, 0)]
+    quad = mesh.faces[:, 3] >= 0
+    pairs = [np.column_stack([faces[:, a], faces[:, b]]) for a, b in ((0, 1), (1, 2))]
+    pairs.append(np.column_stack([faces[:, 2], np.where(quad, faces[:, 3], faces[:, 0])]))
+    pairs.append(np.column_stack([faces[:, 3], faces[:, 0]])[quad])
+    edges = np.concatenate(pairs)
+    edges = edges[edges[:, 0] != edges[:, 1]]
+    there = {tuple(edge) for edge in edges.tolist()}
+    open_edges = np.array([e for e in there if (e[1], e[0]) not in there])
+    ends = mesh.vertices[np.unique(index, return_index=True)[1]][open_edges][..., :2]
+    # Upright edges meet others of several steps: they cover each other without sharing ends.
+    where = ends[np.hypot(*(ends[:, 1] - ends[:, 0]).T) > 0.001].mean(axis=1)
+    # Beside houses and at the border of the site the ground ends; nowhere else.
+    near_house = (np.abs(where) > 19.9).all(axis=1)
+    inside = (np.abs(where) < 99.9).all(axis=1)
+    assert not (inside & ~near_house).any()
