@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from cityx import __version__
 from cityx.city.mesh import MeshBatch
+from cityx.city.rooms import lit_scene
 from cityx.city.scene import Instances
 from cityx.geometry.identity import id_text
 from cityx.outputs.atomic import replaced
@@ -90,8 +91,11 @@ def write_glb(
         view = view_of(view)
     writer = _Writer(view, instancing, texture_size)
     layers = [
-        *(writer.mesh_layer(name, batch) for name, batch in sorted(view.scene.meshes.items())),
-        *(writer.instance_layer(name, rows) for name, rows in sorted(view.scene.instances.items())),
+        *(writer.mesh_layer(name, batch) for name, batch in sorted(writer.scene.meshes.items())),
+        *(
+            writer.instance_layer(name, rows)
+            for name, rows in sorted(writer.scene.instances.items())
+        ),
     ]
     root: dict[str, Any] = {"name": "city", "extras": _city_extras(view)}
     children = [layer for layer in layers if layer is not None]
@@ -157,6 +161,7 @@ class _Writer:
 
     def __init__(self, view: Any, instancing: bool, texture_size: int) -> None:
         self.view = view
+        self.scene = lit_scene(view)
         self.instancing = instancing
         self.buffer = GltfBuffer()
         self.materials = GltfMaterials(self.buffer, view.environment, texture_size)
@@ -256,7 +261,7 @@ class _Writer:
                 group, tints = tint_groups(rows.tint[members])
             for number, tint in enumerate(tints):
                 mesh = self._mesh(prototype, shape, tint)
-                title = self.view.scene.prototypes[prototype].name
+                title = self.scene.prototypes[prototype].name
                 chosen = members[group == number]
                 if self.instancing:
                     children.append(self._instanced(f"{title}_{number}", mesh, rows, chosen))
@@ -268,7 +273,7 @@ class _Writer:
 
     def _shape(self, number: int) -> _Shape | None:
         if number not in self._shapes:
-            batch = self.view.scene.prototypes[number].mesh
+            batch = self.scene.prototypes[number].mesh
             shape = None
             if len(batch.faces):
                 flat = flat_mesh(batch, np.zeros((batch.count, 3)))
@@ -297,7 +302,7 @@ class _Writer:
                     {**part, "attributes": {**part["attributes"], "COLOR_0": paint}}
                     for part in parts
                 ]
-            title = self.view.scene.prototypes[number].name
+            title = self.scene.prototypes[number].name
             self._painted[key] = self.buffer.add("meshes", {"name": title, "primitives": parts})
         return self._painted[key]
 

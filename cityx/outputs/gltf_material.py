@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cityx.assets.materials import Material
 from cityx.assets.textures import texture
 from cityx.city.environment import Environment
+from cityx.city.rooms import LIT
 from cityx.outputs.gltf_buffer import GltfBuffer
 from cityx.outputs.gltf_mesh import material_named
 
@@ -32,6 +33,12 @@ def wet_look(material: Material, wetness: float) -> tuple[NDArray[np.float64], f
     color = np.array(material.color) * (1 - (1 - _WETTEST) * wetness * material.porosity)
     roughness = material.roughness + (_FILM_ROUGHNESS - material.roughness) * 0.6 * wetness
     return color, roughness
+
+
+def shines(material: Material, environment: Environment) -> bool:
+    """Whether a surface gives light: lit windows always, lamps and signs when they are on."""
+    rooms = material.name == LIT and any(environment.rooms_lit)
+    return material.emission > 0 and (rooms or environment.lamps > 0)
 
 
 @dataclass
@@ -83,7 +90,7 @@ class GltfMaterials:
             item["alphaMode"] = "BLEND"
         if material.name in TWO_SIDED:
             item["doubleSided"] = True
-        if material.emission > 0 and self.environment.night_lights > 0:
+        if shines(material, self.environment):
             brightest = max(material.color)
             item["emissiveFactor"] = [round(value / brightest, 4) for value in material.color]
             item["extensions"] = {

@@ -12,6 +12,7 @@ from pxr import Kind, Sdf, Usd, UsdGeom, Vt
 
 from cityx import __version__
 from cityx.city.mesh import MeshBatch
+from cityx.city.rooms import lit_scene
 from cityx.city.scene import Instances, Prototype
 from cityx.geometry.identity import id_text
 from cityx.outputs.glb import MOST_OBJECTS, merged_by_tile
@@ -78,6 +79,7 @@ class UsdWriter:
 
     def __init__(self, view: Any, textures: Path, texture_size: int) -> None:
         self.view = view
+        self.scene = lit_scene(view)
         self.layer = Sdf.Layer.CreateAnonymous("city.usdc")
         self.meshes = self.prototypes = self.instances = 0
         self.triangles_unique = self.triangles_instanced = 0
@@ -222,7 +224,7 @@ class UsdWriter:
         for row, count in zip(members[first].tolist(), np.bincount(variant).tolist(), strict=True):
             number = int(rows.prototype[row])
             shape = cast(_Shape, shapes[number])
-            title = look_name(self.view.scene.prototypes[number].name, as_steps(steps[row]))
+            title = look_name(self.scene.prototypes[number].name, as_steps(steps[row]))
             targets.append(self._variant(scope, title, shape, steps[row]).path)
             self.triangles_instanced += shape.triangles * count
         self.instances += len(members)
@@ -232,7 +234,7 @@ class UsdWriter:
 
     def _shape(self, number: int) -> _Shape | None:
         if number not in self._shapes:
-            prototype: Prototype = self.view.scene.prototypes[number]
+            prototype: Prototype = self.scene.prototypes[number]
             self._shapes[number] = self._base(prototype) if len(prototype.mesh.faces) else None
         return self._shapes[number]
 

@@ -16,7 +16,7 @@ from cityx.assets.materials import Material
 from cityx.assets.textures import texture
 from cityx.city.environment import Environment
 from cityx.outputs.atomic import replaced
-from cityx.outputs.gltf_material import FLAT, wet_look
+from cityx.outputs.gltf_material import FLAT, shines, wet_look
 from cityx.outputs.gltf_mesh import material_named
 from cityx.outputs.usd_mesh import TINT_STEPS, tint_of
 from cityx.outputs.usd_prims import Types, add_attribute, add_prim, connect, refer
@@ -109,7 +109,7 @@ class UsdMaterials:
         add_attribute(surface, "inputs:metallic", Types.Float, material.metallic)
         if material.alpha < 1:
             add_attribute(surface, "inputs:opacity", Types.Float, material.alpha)
-        if material.emission > 0 and self.environment.night_lights > 0:
+        if shines(material, self.environment):
             glow = np.array(material.color) / max(material.color) * material.emission
             add_attribute(surface, "inputs:emissiveColor", Types.Color3f, Gf.Vec3f(*glow.tolist()))
         return prim

@@ -1,0 +1,85 @@
+"""Light, air and weather of a scene, set or changed in one step that touches no geometry."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from cityx.blender.air import make_air
+from cityx.blender.falling import make_falling
+from cityx.blender.lamps import lamp_positions, place_lamps, shop_positions
+from cityx.blender.render import use_light_tree
+from cityx.blender.scene import BARE
+from cityx.blender.sky import make_world
+from cityx.blender.weather import turn_knobs
+from cityx.city.camera import Camera
+from cityx.city.environment import Environment
+from cityx.city.store import View
+
+# A camera that looks down from high up sees sunlit roofs and streets, where one between the houses
+# sees half of them in shade: it closes by so many stops.
+AERIAL_STOPS = 0.7
+SNOWED = 0.3  # snow cover from which deciduous trees are bare
+AERIAL_HEIGHT = (15.0, 60.0)  # metres above the ground over which it does so
+
+
+class Lighting:
+    """The light of one scene: a class because the places of lamps are found once.
+
+    Parameters
+    ----------
+    scene
+        A scene made by `cityx.blender.scene`.
+    view
+        The city it was made from.
+    """
+
+    def __init__(self, scene: bpy.types.Scene, view: View) -> None:
+        self.scene = scene
+        self.view = view
+        self.lamps = lamp_positions(view.scene)
+
+    def set(self, environment: Environment) -> None:
+        """Show an environment: sky, wetness, snow, lit rooms, lamps."""
+        make_world(self.scene, environment)
+        turn_knobs(environment)
+        for tree in (o for o in bpy.data.objects if BARE in o.modifiers):
+            modifier = tree.modifiers[BARE]
+            modifier.show_render = modifier.show_viewport = environment.snow > SNOWED
+        self.scene.view_settings.view_transform = "AgX"
+        self.scene.view_settings.look = "None"
+        self.scene.view_settings.exposure = environment.exposure
+        use_light_tree(self.scene, on=lights_burn(environment))
+
+    def set_for(self, environment: Environment, camera: Camera) -> None:
+        """Set what depends on the camera: lights near it, air, drops and flakes before it."""
+        eye = camera.position[2]
+        ground = float(self.view.terrain.height_at([camera.position[:2]])[0])
+        shops = shop_positions(self.view, environment)
+        place_lamps(self.scene, self.lamps, shops, camera, on=lights_burn(environment))
+        make_air(self.scene, environment, reach=reach_of(camera, self.view), ground=ground, eye=eye)
+        make_falling(self.scene, environment, camera, seed=self.view.seed, height=eye - ground)
+        closed = closed_by(environment, eye - ground)
+        self.scene.view_settings.exposure = environment.exposure - closed
+
+
+def lights_burn(environment: Environment) -> bool:
+    """Whether lamps or shops shine into the street."""
+    return environment.lamps > 0
+
+
+def closed_by(environment: Environment, height: float) -> float:
+    """Return the stops by which a camera closes at a height above the ground, metres."""
+    low, high = AERIAL_HEIGHT
+    t = min(max((height - low) / (high - low), 0.0), 1.0)
+    # Under cloud and at night streets are no darker than roofs are.
+    sunny = (1 - environment.cloud_cover) * float(np.degrees(environment.sun_elevation) > 3.0)
+    return AERIAL_STOPS * t * t * (3 - 2 * t) * sunny
+
+
+def reach_of(camera: Camera, view: View) -> float:
+    """Return the metres to the farthest thing a camera sees."""
+    xmin, ymin, xmax, ymax = view.extent
+    corners = np.array([(x, y) for x in (xmin, xmax) for y in (ymin, ymax)])
+    far = np.linalg.norm(corners - np.array(camera.position[:2]), axis=1).max()
+    return float(np.hypot(far, camera.position[2])) * 1.1 + 100.0
