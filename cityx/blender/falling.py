@@ -23,10 +23,10 @@ from cityx.geometry.falling import (
 
 NAME = "Falling"
 MOST_DROPS, MOST_FLAKES = 9000, 12_000
-DROPS = 900.0  # seen in a rain of 1 mm an hour; their number grows with the root of the rate
-FLAKES = 5500.0  # seen in a snowfall of 1 mm of water an hour
+DROPS = 1300.0  # seen in a rain of 1 mm an hour; their number grows slower than the rate
+FLAKES = 4000.0  # seen in a snowfall of 1 mm of water an hour
 HIGH = 60.0  # metres above the ground from which a camera looks on the city and sees no drop
-DROP_ALPHA, FLAKE_ALPHA = 0.5, 0.75
+DROP_ALPHA, FLAKE_ALPHA = 0.32, 0.75
 
 
 def make_falling(
@@ -61,15 +61,18 @@ def make_falling(
     half = (tan(camera.hfov / 2), tan(camera.hfov / 2) * camera.height / camera.width)
     matrix = _frame(camera)
     made = 0
+    pixel = camera.hfov / camera.width
     rain = min(int(DROPS * environment.rain**0.75), MOST_DROPS) if environment.rain > 0 else 0
     snow = min(int(FLAKES * environment.snowfall**0.75), MOST_FLAKES) if environment.snowfall else 0
     if rain:
         at, draws = places(rain, RAIN_REACH, half, seed, "rain")
         down, drift = (matrix @ np.array(v) for v in ((0, 0, -1.0), (environment.wind, 0, 0)))
-        made += _link(scene, "rain", *streaks(at, draws, down, drift), matrix, camera, environment)
+        made += _link(
+            scene, "rain", *streaks(at, draws, down, drift, pixel), matrix, camera, environment
+        )
     if snow:
         at, draws = places(snow, SNOW_REACH, half, seed, "snow")
-        made += _link(scene, "snow", *flakes(at, draws), matrix, camera, environment)
+        made += _link(scene, "snow", *flakes(at, draws, pixel), matrix, camera, environment)
     return made
 
 

@@ -69,6 +69,7 @@ def place_lamps(
     camera: Camera,
     *,
     on: bool,
+    balance: float = 1.0,
 ) -> int:
     """Put real lights into the lamps and shops nearest to a camera; returns how many.
 
@@ -82,6 +83,8 @@ def place_lamps(
         The camera.
     on
         Whether any are lit.
+    balance
+        Factor on their power.
     """
     collection = light_collection(scene)
     for item in [o for o in collection.objects if o.name.startswith(("Lamp", "Shop"))]:
@@ -99,7 +102,8 @@ def place_lamps(
         near = np.argsort(distance, kind="stable")[:most]
         near = near[distance[near] < reach]
         light = bpy.data.lights.get(name) or bpy.data.lights.new(name, "POINT")
-        light.energy, light.color, light.shadow_soft_size = watts, color, size
+        light.energy = watts * balance
+        light.color, light.shadow_soft_size = color, size
         for index, spot in enumerate(spots[near]):
             item = bpy.data.objects.new(f"{name}_{index:02d}", light)
             item.location = spot

@@ -10,15 +10,16 @@ from cityx.blender.falling import make_falling
 from cityx.blender.lamps import lamp_positions, place_lamps, shop_positions
 from cityx.blender.render import use_light_tree
 from cityx.blender.scene import BARE
-from cityx.blender.sky import make_world
-from cityx.blender.weather import turn_knobs
+from cityx.blender.sky import lamp_balance, make_world
+from cityx.blender.weather import show_tracks, turn_knobs
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.city.store import View
+from cityx.geometry.tyre_tracks import tyre_tracks
 
 # A camera that looks down from high up sees sunlit roofs and streets, where one between the houses
 # sees half of them in shade: it closes by so many stops.
-AERIAL_STOPS = 0.7
+AERIAL_STOPS = 1.1
 SNOWED = 0.3  # snow cover from which deciduous trees are bare
 AERIAL_HEIGHT = (15.0, 60.0)  # metres above the ground over which it does so
 
@@ -38,11 +39,16 @@ class Lighting:
         self.scene = scene
         self.view = view
         self.lamps = lamp_positions(view.scene)
+        self._tracked = view.network is None or view.lod == 0
 
     def set(self, environment: Environment) -> None:
         """Show an environment: sky, wetness, snow, lit rooms, lamps."""
         make_world(self.scene, environment)
         turn_knobs(environment)
+        if environment.snow > 0 and not self._tracked and self.view.network is not None:
+            picture, cell = tyre_tracks(self.view.network, self.view.extent)
+            show_tracks(picture, self.view.extent[:2], cell)
+            self._tracked = True
         for tree in (o for o in bpy.data.objects if BARE in o.modifiers):
             modifier = tree.modifiers[BARE]
             modifier.show_render = modifier.show_viewport = environment.snow > SNOWED
@@ -56,7 +62,8 @@ class Lighting:
         eye = camera.position[2]
         ground = float(self.view.terrain.height_at([camera.position[:2]])[0])
         shops = shop_positions(self.view, environment)
-        place_lamps(self.scene, self.lamps, shops, camera, on=lights_burn(environment))
+        place_lamps(self.scene, self.lamps, shops, camera, on=lights_burn(environment),
+                    balance=lamp_balance(environment))  # fmt: skip
         make_air(self.scene, environment, reach=reach_of(camera, self.view), ground=ground, eye=eye)
         make_falling(self.scene, environment, camera, seed=self.view.seed, height=eye - ground)
         closed = closed_by(environment, eye - ground)

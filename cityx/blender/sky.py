@@ -21,12 +21,15 @@ GROUND_ALBEDO = (0.13, 0.125, 0.105)  # of the land beyond the site
 SNOW_ALBEDO = (0.55, 0.57, 0.60)
 CONTRAST_LOG = 3.912  # -ln 0.02: visibility is where contrast falls to 2 %
 # The light of a night is balanced for a camera opened by about three stops.
-NIGHT_SKY = (0.0016, 0.0025, 0.0050)  # a city's night sky as pictures show it, brighter than real
-CITY_GLOW = (0.0105, 0.0072, 0.0045)  # of lamps on the air above the horizon
+# Degrees of the sun, and a factor on lamps, so that one exposure shows them beside the sky.
+LAMP_BALANCE = ((-7.0, 1.0), (-3.0, 0.16), (0.0, 0.4), (5.0, 0.7))
+NIGHT_SKY = (0.0015, 0.0025, 0.0054)  # a city's night sky as pictures show it, brighter than real
+CITY_GLOW = (0.0066, 0.0052, 0.0040)  # of lamps on the air above the horizon
 STAR_RADIANCE = 0.35
 MOON_IRRADIANCE = 0.02
 MOON_HEIGHT, MOON_TURN = 48.0, 0.6  # degrees up; radians from opposite the sun
 MOON_RADIUS = 0.9  # degrees, four times as wide as real: so it looks in a wide picture
+CLOSED = 0.9  # cloud cover from which no sun and no blue is seen
 CLOUD_BASE = 0.12  # flattens the dome so that clouds shrink towards the horizon
 VEILED = (3_000.0, 12_000.0)  # metres of visibility between which haze begins to veil the sky
 
@@ -40,6 +43,17 @@ def night_share(elevation: float) -> float:
     """Return 0 by day, 1 at night, smooth from sunset to the end of civil dusk (8 degrees)."""
     t = min(max((2.0 - float(np.degrees(elevation))) / 10.0, 0.0), 1.0)
     return t * t * (3 - 2 * t)
+
+
+def deep_night(elevation: float) -> float:
+    """Return 0 while the sky still glows of the sun, 1 when only stars and lamps are left."""
+    t = min(max((-2.0 - float(np.degrees(elevation))) / 5.0, 0.0), 1.0)
+    return t * t * (3 - 2 * t)
+
+
+def lamp_balance(environment: Environment) -> float:
+    """Return the factor on all lamps: at dusk they are weak beside the sky, at night 1."""
+    return float(np.interp(np.degrees(environment.sun_elevation), *np.array(LAMP_BALANCE).T))
 
 
 def daylight(environment: Environment) -> float:
@@ -80,28 +94,49 @@ def make_world(scene: bpy.types.Scene, environment: Environment) -> bpy.types.Wo
     world.use_nodes = True
     tree = world.node_tree
     background = tree.nodes["Background"]
-    background.inputs["Strength"].default_value = 1.0
     direction = tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"]
     _, _, up = nodes.parts(tree, direction)
-
-    factor = (environment.sky_strength,) * 3
-    color = nodes.product(tree, _sky(tree, environment), factor)
+    closed = environment.cloud_cover >= CLOSED
+    plain = _radiance(tree, direction, up, environment, detailed=False)
+    tree.links.new(plain, background.inputs["Color"])
+    if environment.cloud_cover > 0 or night_share(environment.sun_elevation) > 0:
+        # Only the camera and mirrors see clouds and stars; other rays take the plain sky, a third
+        # of the time of a picture under clouds.
+        seen = tree.nodes.new("ShaderNodeBackground")
+        color = _radiance(tree, direction, up, environment, detailed=True)
+        tree.links.new(color, seen.inputs["Color"])
+        ray = tree.nodes.new("ShaderNodeLightPath").outputs
+        both = tree.nodes.new("ShaderNodeMixShader")
+        share = nodes.math(tree, "MAXIMUM", ray["Is Camera Ray"], ray["Is Glossy Ray"])
+        tree.links.new(share, both.inputs[0])
+        tree.links.new(background.outputs[0], both.inputs[1])
+        tree.links.new(seen.outputs[0], both.inputs[2])
+        tree.links.new(both.outputs[0], tree.nodes["World Output"].inputs["Surface"])
+    # Rays that bounce find an even sky by themselves; rays towards it would only cost.
+    world.cycles.sampling_method = "NONE" if closed else "AUTOMATIC"
     night = night_share(environment.sun_elevation)
-    if night > 0:
-        color = _with_night(tree, color, direction, up, environment, night)
-    cover = environment.cloud_cover
-    if cover >= 0.9:
-        color = _overcast(tree, direction, up, environment)
-    elif cover > 0:
-        color = _with_clouds(tree, color, direction, up, environment)
-    color = _veiled(tree, color, up, environment)
-    below = nodes.smoothstep(tree, up, 0.0, -0.02)
-    color = nodes.mix(tree, below, color, _land(environment))
-    tree.links.new(color, background.inputs["Color"])
     if night > 0.5:
         _moonlight(scene, environment, night)
     nodes.spread(tree)
     return world
+
+
+def _radiance(
+    tree: Tree, direction: Socket, up: Socket, environment: Environment, *, detailed: bool
+) -> Socket:
+    """Return the radiance of the sky and of the land beyond the site towards a direction."""
+    if environment.cloud_cover >= CLOSED:
+        color = _overcast(tree, direction, up, environment, detailed=detailed)
+    else:
+        factor = (environment.sky_strength,) * 3
+        color = nodes.product(tree, _sky(tree, environment), factor)
+        night = night_share(environment.sun_elevation)
+        if night > 0:
+            color = _with_night(tree, color, direction, up, environment, detailed=detailed)
+        if environment.cloud_cover > 0:
+            color = _with_clouds(tree, color, direction, up, environment, detailed=detailed)
+    color = _veiled(tree, color, up, environment)
+    return nodes.mix(tree, nodes.smoothstep(tree, up, 0.0, -0.02), color, _land(environment))
 
 
 def _sky(tree: Tree, environment: Environment) -> Socket:
@@ -113,7 +148,7 @@ def _sky(tree: Tree, environment: Environment) -> Socket:
     sky.sun_rotation = environment.sun_azimuth  # measured from +y, clockwise: compass
     veil = environment.cloud_cover
     sky.sun_disc = True
-    sky.sun_intensity = (1.0 - veil) ** 2 if veil < 0.9 else 0.0
+    sky.sun_intensity = (1.0 - veil) ** 2
     sky.sun_size = np.radians(0.545 + 4.0 * veil)  # thin cloud blurs the disc
     # Haze: the share of particles for which contrast falls to 2 % at the visibility.
     haze = min(10.0, max(1.0, 20_000.0 / max(environment.visibility, 1.0)))
@@ -144,7 +179,9 @@ def _billows(tree: Tree, place: Socket, size: float, detail: float) -> Socket:
     return nodes.noise(tree, size, detail, at=moved, roughness=0.58)
 
 
-def _overcast(tree: Tree, direction: Socket, up: Socket, environment: Environment) -> Socket:
+def _overcast(
+    tree: Tree, direction: Socket, up: Socket, environment: Environment, *, detailed: bool
+) -> Socket:
     """Return the CIE overcast sky, three times brighter at the zenith, with folds of cloud in it.
 
     Folds are darker and stand out more the higher the contrast; under a storm a pale band is left
@@ -157,13 +194,16 @@ def _overcast(tree: Tree, direction: Socket, up: Socket, environment: Environmen
     tree.links.new(up, rise.inputs["Value"])
     rise.inputs["To Min"].default_value = level / 3 * (1 + 0.8 * contrast)
     rise.inputs["To Max"].default_value = level * (1 - 0.25 * contrast)
-    place = _ceiling(tree, direction, up)
-    folds = _billows(tree, place, 1.5, 6.0)
-    small = _billows(tree, place, 0.35, 4.0)
-    mixed = nodes.math(tree, "MULTIPLY_ADD", small, 0.35, nodes.math(tree, "MULTIPLY", folds, 0.65))
-    deep = nodes.smoothstep(tree, mixed, 0.36, 0.64)  # 0 thin and bright, 1 thick and dark
-    rim = nodes.smoothstep(tree, up, 0.0, 0.12)
-    deep = nodes.math(tree, "MULTIPLY", deep, rim)
+    deep: Socket = 0.5  # 0 thin and bright, 1 thick and dark
+    if detailed:
+        place = _ceiling(tree, direction, up)
+        folds = _billows(tree, place, 1.5, 6.0)
+        small = nodes.noise(tree, 0.4, 4.0, at=place)
+        mixed = nodes.math(
+            tree, "MULTIPLY_ADD", small, 0.3, nodes.math(tree, "MULTIPLY", folds, 0.7)
+        )
+        deep = nodes.smoothstep(tree, mixed, 0.38, 0.6)
+    deep = nodes.math(tree, "MULTIPLY", deep, nodes.smoothstep(tree, up, 0.0, 0.12))
     shade = nodes.math(tree, "MULTIPLY_ADD", deep, -0.72 * contrast, 1.0 + 0.3 * contrast)
     bright = nodes.math(tree, "MULTIPLY", rise.outputs["Result"], shade)
     cool = (0.93 - 0.10 * contrast, 0.98 - 0.03 * contrast, 1.06)
@@ -178,13 +218,24 @@ def _overcast(tree: Tree, direction: Socket, up: Socket, environment: Environmen
 
 
 def _with_clouds(
-    tree: Tree, sky: Socket, direction: Socket, up: Socket, environment: Environment
-) -> Socket:
+    tree: Tree, sky: Socket, direction: Socket, up: Socket, environment: Environment, *,
+    detailed: bool,
+) -> Socket:  # fmt: skip
     """Put cumulus over the sky: bright where the sun meets it, grey where it is thick below."""
+    level = clear_radiance(environment.sun_elevation) * environment.sky_strength
+    low = 1.0 - min(max(np.degrees(environment.sun_elevation) / 18.0, 0.0), 1.0)
+    night = night_share(environment.sun_elevation)
+    sunlit = np.array([0.40, 0.385, 0.37]) * (1 - low) + np.array([0.62, 0.36, 0.24]) * low
+    shaded = np.array([0.15, 0.165, 0.19]) * (1 - low) + np.array([0.13, 0.12, 0.16]) * low
+    dim = night * np.array(CITY_GLOW) * environment.lamps * 0.35
+    pale, dark = ((*(part * level + dim).tolist(), 1.0) for part in (sunlit, shaded))
+    if not detailed:
+        middle = tuple((a + b) / 2 for a, b in zip(pale, dark, strict=True))
+        return nodes.mix(tree, environment.cloud_cover * 0.93, sky, middle)
     place = _ceiling(tree, direction, up)
     thick = _billows(tree, place, 1.1, 7.0)
     # The noise is nearly normal about 0.5; its quantile at the cover is the threshold.
-    edge = 0.53 - 0.17 * (2 * environment.cloud_cover - 1)
+    edge = 0.51 - 0.17 * (2 * environment.cloud_cover - 1)
     share = nodes.smoothstep(tree, thick, edge, edge + 0.07)
     azimuth, elevation = environment.sun_azimuth, max(environment.sun_elevation, 0.0)
     toward = np.array([sin(azimuth), cos(azimuth), 0.0]) * 0.16 * cos(elevation)
@@ -193,16 +244,9 @@ def _with_clouds(
     lit = nodes.math(tree, "MULTIPLY_ADD", nodes.math(tree, "SUBTRACT", thick, behind), 6.0, 0.55)
     core = nodes.smoothstep(tree, thick, edge + 0.04, edge + 0.22)
     lit = nodes.math(tree, "MULTIPLY_ADD", core, -0.45, lit, clamp=True)
-    level = clear_radiance(environment.sun_elevation) * environment.sky_strength
-    low = 1.0 - min(max(np.degrees(environment.sun_elevation) / 18.0, 0.0), 1.0)
-    night = night_share(environment.sun_elevation)
-    sunlit = np.array([0.40, 0.385, 0.37]) * (1 - low) + np.array([0.62, 0.36, 0.24]) * low
-    shaded = np.array([0.15, 0.165, 0.19]) * (1 - low) + np.array([0.13, 0.12, 0.16]) * low
-    dim = night * np.array(CITY_GLOW) * environment.lamps * 0.35
-    pale, dark = ((*(part * level + dim).tolist(), 1.0) for part in (sunlit, shaded))
     cloud = nodes.mix(tree, lit, dark, pale)
     # Far clouds are seen through much air.
-    share = nodes.math(tree, "MULTIPLY", share, nodes.smoothstep(tree, up, 0.0, 0.16))
+    share = nodes.math(tree, "MULTIPLY", share, nodes.smoothstep(tree, up, 0.0, 0.1))
     return nodes.mix(tree, nodes.math(tree, "MULTIPLY", share, 0.93), sky, cloud)
 
 
@@ -210,9 +254,11 @@ def _with_clouds(
 
 
 def _with_night(
-    tree: Tree, sky: Socket, direction: Socket, up: Socket, environment: Environment, night: float
-) -> Socket:
+    tree: Tree, sky: Socket, direction: Socket, up: Socket, environment: Environment, *,
+    detailed: bool,
+) -> Socket:  # fmt: skip
     """Add the deep blue of the night, the glow of the city, stars and the moon."""
+    night = deep_night(environment.sun_elevation)
     high = nodes.smoothstep(tree, up, -0.05, 0.75)
     top = tuple(night * channel for channel in NIGHT_SKY)
     glow = tuple(
@@ -222,7 +268,7 @@ def _with_night(
     sky = nodes.mix(tree, 1.0, sky, nodes.mix(tree, high, (*glow, 1.0), (*top, 1.0)), blend="ADD")
     clear = night * (1 - environment.cloud_cover) * min(1.0, environment.visibility / 12_000.0)
     deep = max(0.0, min(1.0, (-np.degrees(environment.sun_elevation) - 3.0) / 5.0))
-    if deep > 0:
+    if deep > 0 and detailed:
         cells = tree.nodes.new("ShaderNodeTexVoronoi")
         cells.inputs["Scale"].default_value = 90.0
         tree.links.new(direction, cells.inputs["Vector"])
@@ -232,16 +278,14 @@ def _with_night(
         rim = nodes.smoothstep(tree, up, 0.02, 0.35)
         star = nodes.math(tree, "MULTIPLY", nodes.math(tree, "MULTIPLY", point, bright), rim)
         star = nodes.math(tree, "MULTIPLY", star, STAR_RADIANCE * clear * deep)
-        # Light paths that miss the city need no stars, only noise would come of them.
-        seen = tree.nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"]
-        sky = nodes.mix(tree, 1.0, sky, nodes.math(tree, "MULTIPLY", star, seen), blend="ADD")
+        sky = nodes.mix(tree, 1.0, sky, star, blend="ADD")
         toward = nodes.vector(tree, "DOT_PRODUCT", direction, moon_direction(environment))
         disc = nodes.smoothstep(
             tree, toward, cos(np.radians(MOON_RADIUS)), cos(np.radians(MOON_RADIUS * 0.9))
         )
         seas = nodes.noise(tree, 0.012, 3.0, at=direction)
         face = nodes.math(tree, "MULTIPLY_ADD", nodes.smoothstep(tree, seas, 0.4, 0.62), -0.35, 1.0)
-        lit = nodes.math(tree, "MULTIPLY", nodes.math(tree, "MULTIPLY", disc, face), seen)
+        lit = nodes.math(tree, "MULTIPLY", disc, face)
         halo = nodes.math(tree, "POWER", nodes.math(tree, "MAXIMUM", toward, 0.0), 700.0)
         lit = nodes.math(tree, "MULTIPLY_ADD", halo, 0.03, lit)
         lit = nodes.math(tree, "MULTIPLY", lit, 0.4 * clear * deep)

@@ -7,18 +7,23 @@ turns a dozen numbers (`turn_knobs`) and touches no mesh and no material.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from io import BytesIO
 from types import MappingProxyType
 from typing import Any
 
 import bpy
+import numpy as np
+from numpy.typing import NDArray
 
 from cityx.blender import nodes
+from cityx.blender.sky import lamp_balance
 from cityx.city.environment import Environment
 
 Tree = Any
 Socket = Any
 
 WEATHER, LIGHTS = "CityX Weather", "CityX Lights"
+BALANCE = "Balance of lamps and sky"
 # Splashes above the ground, streaks of rain and blotches on old walls.
 SPLASH_HEIGHT = 1.3  # metres above the ground that rain throws soil up a wall
 SPLASH, STREAK, BLOTCH = 0.26, 0.16, 0.14  # shares of light they take at most
@@ -30,9 +35,10 @@ FILM_ROUGHNESS = 0.10
 PUDDLE_SIZE = 5.0  # metres between hollows
 RIPPLE_SIZE = 0.16  # metres between drops that fall on a puddle in the rain
 SNOW_COLOR = (0.80, 0.82, 0.86, 1.0)
-SLUSH_COLOR = (0.16, 0.155, 0.15, 1.0)
-SNOW_REACH = 5.0  # metres within which a roof, an awning or a bridge keeps snow off
-SNOW_SAMPLES = 2
+SLUSH_COLOR = (0.42, 0.425, 0.435, 1.0)
+SNOW_REACH = 8.0  # metres within which a roof, an awning or a bridge keeps snow off
+SNOW_SAMPLES = 12  # the share of open sky is compared with a threshold: few would blur it
+TRACKS, TRACKS_CORNER, TRACKS_SCALE = "Tyre tracks", "Corner of the tracks", "Scale of the tracks"
 # Kelvin: bulbs and lamps of homes; tubes at work and in shops.
 HOME_KELVIN, WORK_KELVIN = (2700.0, 3700.0), (3300.0, 5000.0)
 
@@ -58,6 +64,9 @@ def turn_knobs(environment: Environment) -> None:
             continue
         for knob, field in knobs.items():
             tree.nodes[knob].outputs[0].default_value = getattr(environment, field)
+    lights = bpy.data.node_groups.get(LIGHTS)
+    if lights is not None:
+        lights.nodes[BALANCE].outputs[0].default_value = lamp_balance(environment)
 
 
 def weather_group() -> Tree:
@@ -196,20 +205,76 @@ def _snow(tree: Tree, up: Socket, snow: Socket, given: Any) -> Socket:
     sky.samples = SNOW_SAMPLES
     sky.inputs["Distance"].default_value = SNOW_REACH
     tree.links.new(nodes.joined(tree, z=1.0), sky.inputs["Normal"])
-    open_sky = nodes.smoothstep(tree, sky.outputs["AO"], 0.12, 0.42)
+    open_sky = nodes.smoothstep(tree, sky.outputs["AO"], 0.3, 0.48)
     edge = nodes.math(tree, "MULTIPLY_ADD", nodes.noise(tree, 1.2), 0.3, up)
     lying = nodes.smoothstep(tree, edge, 0.72, 0.95)
     # Nothing holds on what is steeper than 60 degrees, whatever the noise says.
     lying = nodes.math(tree, "MULTIPLY", lying, nodes.smoothstep(tree, up, 0.5, 0.6))
     lying = nodes.math(tree, "MULTIPLY", lying, open_sky)
-    patches = nodes.smoothstep(tree, nodes.noise(tree, 1.7, 5.0), 0.36, 0.66)
-    left = nodes.math(tree, "MULTIPLY_ADD", patches, 0.55, 0.1)
+    # Tyres press a path for each wheel through it, and slush it a little all over the street.
+    patches = nodes.smoothstep(tree, nodes.noise(tree, 1.7, 5.0), 0.3, 0.62)
+    left = nodes.math(tree, "MULTIPLY_ADD", patches, 0.4, 0.45)
+    pressed = nodes.math(tree, "MULTIPLY_ADD", _tracks(tree), -0.9, 1.0)
+    left = nodes.math(tree, "MULTIPLY", left, pressed)
     trodden = nodes.mix(tree, given["Traffic"], 1.0, left, kind="FLOAT")
     cover = nodes.math(
         tree, "MULTIPLY", nodes.math(tree, "MULTIPLY", lying, trodden), given["Snow cover"]
     )
     full = nodes.math(tree, "MULTIPLY", snow, 1.18, clamp=True)
     return nodes.math(tree, "MULTIPLY", cover, full, clamp=True)
+
+
+def _tracks(tree: Tree) -> Socket:
+    """Return 1 where wheels run, by the picture that `show_tracks` puts here."""
+    place = tree.nodes.new("ShaderNodeNewGeometry").outputs["Position"]
+    corner = tree.nodes.new("ShaderNodeCombineXYZ")
+    corner.name = TRACKS_CORNER
+    scale = tree.nodes.new("ShaderNodeCombineXYZ")
+    scale.name = TRACKS_SCALE
+    moved = nodes.vector(tree, "SUBTRACT", place, corner.outputs[0])
+    picture = tree.nodes.new("ShaderNodeTexImage")
+    picture.name = TRACKS
+    picture.extension = "CLIP"
+    placed = nodes.vector(tree, "MULTIPLY", moved, scale.outputs[0])
+    tree.links.new(placed, picture.inputs["Vector"])
+    wavering = nodes.math(tree, "MULTIPLY_ADD", nodes.noise(tree, 0.25, 3.0), 0.9, 0.45)
+    return nodes.math(tree, "MULTIPLY", picture.outputs["Color"], wavering, clamp=True)
+
+
+def show_tracks(
+    picture: NDArray[np.uint8], corner: tuple[float, float], cell: float
+) -> bpy.types.Image:
+    """Put a picture of wheel paths into the materials.
+
+    Parameters
+    ----------
+    picture
+        (h, w) uint8, first row in the south.
+    corner
+        South-western corner, metres.
+    cell
+        Metres per pixel.
+    """
+    from PIL import Image
+
+    height, width = picture.shape
+    file = BytesIO()
+    Image.fromarray(picture[::-1]).save(file, "PNG", compress_level=1)
+    data = file.getvalue()
+    # Packing a file is many times faster than handing over pixels.
+    image = bpy.data.images.new(TRACKS, 8, 8)
+    image.source = "FILE"
+    image.filepath_raw = "//textures/tyre_tracks.png"
+    image.pack(data=data, data_len=len(data))
+    image.colorspace_settings.name = "Non-Color"
+    tree = bpy.data.node_groups[WEATHER]
+    tree.nodes[TRACKS].image = image
+    for name, values in (
+        (TRACKS_CORNER, corner), (TRACKS_SCALE, (1 / (width * cell), 1 / (height * cell))),
+    ):  # fmt: skip
+        for socket, value in zip(tree.nodes[name].inputs, values, strict=False):
+            socket.default_value = value
+    return image
 
 
 def lights_group() -> Tree:
@@ -225,6 +290,8 @@ def lights_group() -> Tree:
         nodes.knob(tree, name) for name in ("Homes lit", "Workplaces lit", "Shops lit")
     )
     lamps = nodes.knob(tree, "Lamps")
+    balance = nodes.knob(tree, BALANCE, 1.0)
+    given = nodes.math(tree, "MULTIPLY", source.outputs["Strength"], balance)
     at_work = nodes.math(tree, "GREATER_THAN", use, 0.5)
     share = nodes.mix(tree, at_work, home, work, kind="FLOAT")
     share = nodes.mix(tree, nodes.math(tree, "GREATER_THAN", use, 1.5), share, shop, kind="FLOAT")
@@ -238,11 +305,9 @@ def lights_group() -> Tree:
     high = nodes.mix(tree, at_work, HOME_KELVIN[1], WORK_KELVIN[1], kind="FLOAT")
     kelvin = tree.nodes.new("ShaderNodeBlackbody")
     tree.links.new(nodes.mix(tree, second, low, high, kind="FLOAT"), kelvin.inputs[0])
-    strength = nodes.math(tree, "MULTIPLY", lit, source.outputs["Strength"])
+    strength = nodes.math(tree, "MULTIPLY", lit, given)
     tree.links.new(nodes.math(tree, "MULTIPLY", bright, strength), sink.inputs["Room"])
-    tree.links.new(
-        nodes.math(tree, "MULTIPLY", lamps, source.outputs["Strength"]), sink.inputs["Lamp"]
-    )
+    tree.links.new(nodes.math(tree, "MULTIPLY", lamps, given), sink.inputs["Lamp"])
     tree.links.new(kelvin.outputs[0], sink.inputs["Room color"])
     nodes.spread(tree)
     return tree

@@ -21,7 +21,7 @@ RAIN_REACH = 16.0
 FLAKE_SPEED = 1.1
 FLAKE_RADIUS = (0.002, 0.005)  # flakes that cling together
 SNOW_REACH = 14.0
-PIXEL = 0.00055  # radians; the least width of a streak, half a pixel of a picture 1000 wide
+LEAST = 0.45  # pixels, the least width of a streak
 SIDES = 6  # corners of a flake
 
 
@@ -59,7 +59,7 @@ def places(
 
 
 def streaks(
-    at: FloatArray, draws: FloatArray, down: FloatArray, drift: FloatArray
+    at: FloatArray, draws: FloatArray, down: FloatArray, drift: FloatArray, pixel: float
 ) -> tuple[FloatArray, NDArray[np.int64]]:
     """Draw a streak along the fall of each drop, broadside to the camera.
 
@@ -69,6 +69,8 @@ def streaks(
         As of `places`.
     down, drift
         (3,) unit vector of the fall and (3,) wind in metres per second, in the camera's frame.
+    pixel
+        Radians that a pixel of the picture covers.
 
     Returns
     -------
@@ -83,7 +85,7 @@ def streaks(
     side = np.cross(path, at)
     side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-12)
     distance = np.linalg.norm(at, axis=1, keepdims=True)
-    half = np.maximum(DROP_WIDTH * (0.6 + 0.8 * draws[:, 3:]), PIXEL * distance) / 2
+    half = np.maximum(DROP_WIDTH * (0.6 + 0.8 * draws[:, 3:]), LEAST * pixel * distance) / 2
     corners = np.stack(
         [at - path / 2 - side * half * 0.4, at - path / 2 + side * half * 0.4,
          at + path / 2 + side * half, at + path / 2 - side * half], axis=1,
@@ -91,7 +93,7 @@ def streaks(
     return corners.reshape(-1, 3), np.arange(4 * len(at)).reshape(-1, 4)
 
 
-def flakes(at: FloatArray, draws: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
+def flakes(at: FloatArray, draws: FloatArray, pixel: float) -> tuple[FloatArray, NDArray[np.int64]]:
     """Draw a ragged hexagon for each flake, facing the camera.
 
     Returns
@@ -101,7 +103,7 @@ def flakes(at: FloatArray, draws: FloatArray) -> tuple[FloatArray, NDArray[np.in
     """
     distance = np.linalg.norm(at, axis=1, keepdims=True)
     low, high = FLAKE_RADIUS
-    radius = np.maximum(low + draws[:, :1] ** 2 * (high - low), PIXEL * distance * 0.8)
+    radius = np.maximum(low + draws[:, :1] ** 2 * (high - low), 0.6 * pixel * distance)
     angle = 2 * pi * (np.arange(SIDES) / SIDES + draws[:, 1:2])  # (n, 6)
     ragged = radius * (0.75 + 0.25 * np.cos(2 * angle + 6.0 * draws[:, 2:3]))
     fall = 0.5 * FLAKE_SPEED * SHUTTER * np.sin(angle)  # moved while the shutter was open

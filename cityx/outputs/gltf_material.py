@@ -28,11 +28,24 @@ _WETTEST = 0.55
 _FILM_ROUGHNESS = 0.12  # of a closed film of water
 
 
-def wet_look(material: Material, wetness: float) -> tuple[NDArray[np.float64], float]:
-    """Return the linear base colour, (3,), and the roughness of a surface in the rain."""
+# Ground that snow whitens; roofs and walls share materials with a tint, which would dye the snow.
+SNOWED = frozenset(
+    {"paving", "grass", "meadow", "forest_floor", "farmland", "soil", "sand", "gravel", "pitch",
+     "rail_ballast", "kerb_stone"}
+)  # fmt: skip
+DRIVEN = frozenset({"asphalt", "setts"})  # where tyres leave slush
+_SNOW = np.array([0.80, 0.82, 0.86])
+_SLUSH_SHARE = 0.35
+
+
+def weather_look(material: Material, environment: Environment) -> tuple[NDArray[np.float64], float]:
+    """Return the linear base colour, (3,), and the roughness of a surface in rain and snow."""
+    wetness = environment.wetness
     color = np.array(material.color) * (1 - (1 - _WETTEST) * wetness * material.porosity)
     roughness = material.roughness + (_FILM_ROUGHNESS - material.roughness) * 0.6 * wetness
-    return color, roughness
+    driven = _SLUSH_SHARE if material.name in DRIVEN else 0.0
+    share = environment.snow * (1.0 if material.name in SNOWED else driven)
+    return color + (_SNOW - color) * share, roughness + (0.7 - roughness) * share
 
 
 def shines(material: Material, environment: Environment) -> bool:
@@ -69,7 +82,7 @@ class GltfMaterials:
         return self._known[name]
 
     def _material(self, material: Material) -> dict[str, Any]:
-        color, roughness = wet_look(material, self.environment.wetness)
+        color, roughness = weather_look(material, self.environment)
         surface: dict[str, Any] = {"metallicFactor": material.metallic}
         item: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface}
         if material.texture and self.size:

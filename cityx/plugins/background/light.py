@@ -68,6 +68,8 @@ _HOMES = ((0, 0.26), (1, 0.14), (3, 0.06), (5, 0.08), (6, 0.22), (7, 0.34), (9, 
           (18, 0.44), (20, 0.46), (22, 0.42), (23.5, 0.32), (24, 0.26))  # fmt: skip
 _WORK = ((0, 0.06), (5, 0.06), (7, 0.35), (9, 0.75), (17, 0.70), (19, 0.30), (21, 0.12), (24, 0.06))
 _SHOPS = ((0, 0.45), (6, 0.45), (8, 0.90), (20, 0.90), (22, 0.60), (24, 0.45))
+# Stops by degrees of the sun: most at the end of dusk, fewer once lamps take over from the sky.
+_STOPS = ((-7.0, 3.6), (-3.0, 4.4), (0.0, 1.2), (20.0, 0.0))
 DAYLIGHT, DARK = 5.0, -4.0  # degrees of the sun at which the first and all such rooms are lit
 LAMPS_ON = -0.5  # degrees of the sun at which street lamps go on; EN 13201 asks for about 35 lx
 GLOOMY_LAMPS_ON = 10.0  # the same under the darkest clouds
@@ -116,12 +118,7 @@ def lights_of(elevation: float, hour: float, gloom: float = 0.0) -> tuple[float,
 
 def exposure_of(elevation: float) -> float:
     """Return the stops a camera opens when the sun is low or gone."""
-    h = degrees(elevation)
-    if h >= 20.0:
-        return 0.0
-    if h >= 0.0:
-        return round(0.9 * (20.0 - h) / 20.0, 4)
-    return round(min(0.9 + 0.35 * -h, 3.2), 4)
+    return round(float(np.interp(degrees(elevation), *np.array(_STOPS).T)), 4)
 
 
 def darkened(environment: Environment) -> Environment:
