@@ -42,8 +42,10 @@ class Lighting:
         self._tracked = view.network is None or view.lod == 0
 
     def set(self, environment: Environment) -> None:
-        """Show an environment: sky, wetness, snow, lit rooms, lamps."""
+        """Show an environment: sky, wetness, snow, lit rooms, lamps, air seen from the middle."""
         make_world(self.scene, environment)
+        xmin, ymin, xmax, ymax = self.view.extent
+        self._air(environment, ((xmin + xmax) / 2, (ymin + ymax) / 2, 0.0))
         turn_knobs(environment)
         if environment.snow > 0 and not self._tracked and self.view.network is not None:
             picture, cell = tyre_tracks(self.view.network, self.view.extent)
@@ -55,24 +57,24 @@ class Lighting:
         self.scene.view_settings.view_transform = "AgX"
         self.scene.view_settings.look = "None"
         self.scene.view_settings.exposure = environment.exposure
-        use_light_tree(self.scene, on=lights_burn(environment))
+        use_light_tree(self.scene, on=environment.lamps > 0)
 
     def set_for(self, environment: Environment, camera: Camera) -> None:
         """Set what depends on the camera: lights near it, air, drops and flakes before it."""
-        eye = camera.position[2]
-        ground = float(self.view.terrain.height_at([camera.position[:2]])[0])
+        height = self._air(environment, camera.position)
+        on, balance = environment.lamps > 0, lamp_balance(environment)
         shops = shop_positions(self.view, environment)
-        place_lamps(self.scene, self.lamps, shops, camera, on=lights_burn(environment),
-                    balance=lamp_balance(environment))  # fmt: skip
-        make_air(self.scene, environment, reach=reach_of(camera, self.view), ground=ground, eye=eye)
-        make_falling(self.scene, environment, camera, seed=self.view.seed, height=eye - ground)
-        closed = closed_by(environment, eye - ground)
+        place_lamps(self.scene, self.lamps, shops, camera, on=on, balance=balance)
+        make_falling(self.scene, environment, camera, seed=self.view.seed, height=height)
+        closed = closed_by(environment, height)
         self.scene.view_settings.exposure = environment.exposure - closed
 
-
-def lights_burn(environment: Environment) -> bool:
-    """Whether lamps or shops shine into the street."""
-    return environment.lamps > 0
+    def _air(self, environment: Environment, eye: tuple[float, float, float]) -> float:
+        """Fill the scene with air as seen from a point; returns its height above the ground."""
+        ground = float(self.view.terrain.height_at([eye[:2]])[0])
+        reach = reach_of(eye, self.view.extent)
+        make_air(self.scene, environment, reach=reach, ground=ground, eye=eye[2])
+        return eye[2] - ground
 
 
 def closed_by(environment: Environment, height: float) -> float:
@@ -84,9 +86,9 @@ def closed_by(environment: Environment, height: float) -> float:
     return AERIAL_STOPS * t * t * (3 - 2 * t) * sunny
 
 
-def reach_of(camera: Camera, view: View) -> float:
-    """Return the metres to the farthest thing a camera sees."""
-    xmin, ymin, xmax, ymax = view.extent
+def reach_of(eye: tuple[float, float, float], extent: tuple[float, float, float, float]) -> float:
+    """Return the metres from a point to the farthest thing that is seen from it."""
+    xmin, ymin, xmax, ymax = extent
     corners = np.array([(x, y) for x in (xmin, xmax) for y in (ymin, ymax)])
-    far = np.linalg.norm(corners - np.array(camera.position[:2]), axis=1).max()
-    return float(np.hypot(far, camera.position[2])) * 1.1 + 100.0
+    far = np.linalg.norm(corners - np.array(eye[:2]), axis=1).max()
+    return float(np.hypot(far, eye[2])) * 1.1 + 100.0

@@ -50,7 +50,7 @@ PRESETS: Mapping[str, Weather] = MappingProxyType(
         "cloudy": _W(0.45, 0.3, 30_000.0, wind=3.0, exposure=0.05),
         "overcast": _W(1.0, 0.35, 15_000.0, wind=3.0, sky_strength=0.11, exposure=0.5, gloom=0.1),
         "haze": _W(0.15, 0.2, 6_000.0, 600.0, exposure=0.1),
-        "fog": _W(0.9, 0.1, 240.0, 45.0, wetness=0.25, sky_strength=0.11, exposure=0.4, gloom=0.3),
+        "fog": _W(0.9, 0.1, 300.0, 45.0, wetness=0.25, sky_strength=0.11, exposure=0.4, gloom=0.3),
         "rain": _W(1.0, 0.5, 5_000.0, 200.0, 0.85, 0.0, 6.0, 0.0, 2.5, 0.10, 0.8, 0.3),
         "storm": _W(1.0, 1.0, 2_200.0, 130.0, 1.0, 0.0, 30.0, 0.0, 9.0, 0.07, 0.8, 0.7),
         "snow": _W(0.95, 0.25, 2_500.0, 150.0, 0.15, 0.85, 0.0, 2.0, 2.0, 0.11, 0.9, 0.25),
