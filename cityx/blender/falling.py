@@ -10,7 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.blender import nodes
-from cityx.blender.sky import daylight, haze_color, light_collection, night_share
+from cityx.blender.sky import (
+    daylight,
+    haze_color,
+    lamp_balance,
+    light_collection,
+    night_share,
+)
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.geometry.falling import (
@@ -23,10 +29,10 @@ from cityx.geometry.falling import (
 
 NAME = "Falling"
 MOST_DROPS, MOST_FLAKES = 9000, 12_000
-DROPS = 1300.0  # seen in a rain of 1 mm an hour; their number grows slower than the rate
-FLAKES = 4000.0  # seen in a snowfall of 1 mm of water an hour
+DROPS = 800.0  # seen in a rain of 1 mm an hour; their number grows slower than the rate
+FLAKES = 3300.0  # seen in a snowfall of 1 mm of water an hour
 HIGH = 60.0  # metres above the ground from which a camera looks on the city and sees no drop
-DROP_ALPHA, FLAKE_ALPHA = 0.32, 0.75
+DROP_ALPHA, FLAKE_ALPHA = 0.27, 0.75
 
 
 def make_falling(
@@ -124,7 +130,8 @@ def _material(kind: str, environment: Environment) -> bpy.types.Material:
     sink = tree.nodes.new("ShaderNodeOutputMaterial")
     day = daylight(environment) * (0.85 if kind == "snow" else 0.7)
     night = night_share(environment.sun_elevation)
-    lamps = np.array([0.035, 0.027, 0.018]) * environment.lamps * night
+    lamps = np.array([0.030, 0.024, 0.018]) * environment.lamps * night
+    lamps *= lamp_balance(environment)
     color = np.array([0.96, 0.98, 1.02]) * day + lamps + np.array(haze_color(environment)) * 0.3
     nodes.assign(tree, light.inputs["Color"], tuple(color.tolist()))
     alpha = DROP_ALPHA if kind == "rain" else FLAKE_ALPHA

@@ -22,7 +22,7 @@ SNOW_ALBEDO = (0.55, 0.57, 0.60)
 CONTRAST_LOG = 3.912  # -ln 0.02: visibility is where contrast falls to 2 %
 # The light of a night is balanced for a camera opened by about three stops.
 # Degrees of the sun, and a factor on lamps, so that one exposure shows them beside the sky.
-LAMP_BALANCE = ((-7.0, 1.0), (-3.0, 0.16), (0.0, 0.4), (5.0, 0.7))
+LAMP_BALANCE = ((-7.0, 1.0), (-3.0, 0.08), (0.0, 0.25), (5.0, 0.7))
 NIGHT_SKY = (0.0015, 0.0025, 0.0054)  # a city's night sky as pictures show it, brighter than real
 CITY_GLOW = (0.0066, 0.0052, 0.0040)  # of lamps on the air above the horizon
 STAR_RADIANCE = 0.35
@@ -73,7 +73,7 @@ def haze_color(environment: Environment) -> tuple[float, float, float]:
     grey = np.array([0.30, 0.31, 0.32]) * level * (1 if cover < 0.95 else OVERCAST_SHARE * 2)
     thick = min(1.0, 3000.0 / max(environment.visibility, 1.0))
     share = max(cover, thick)
-    lamps = np.array([0.02, 0.014, 0.008]) * environment.lamps * night
+    lamps = np.array([0.02, 0.014, 0.008]) * environment.lamps * night * lamp_balance(environment)
     red, green, blue = (
         (1 - share) * clear + share * grey + np.array(NIGHT_SKY) * night + lamps * thick
     ).tolist()
@@ -204,7 +204,7 @@ def _overcast(
         )
         deep = nodes.smoothstep(tree, mixed, 0.38, 0.6)
     deep = nodes.math(tree, "MULTIPLY", deep, nodes.smoothstep(tree, up, 0.0, 0.12))
-    shade = nodes.math(tree, "MULTIPLY_ADD", deep, -0.72 * contrast, 1.0 + 0.3 * contrast)
+    shade = nodes.math(tree, "MULTIPLY_ADD", deep, -1.0 * contrast, 1.0 + 0.4 * contrast)
     bright = nodes.math(tree, "MULTIPLY", rise.outputs["Result"], shade)
     cool = (0.93 - 0.10 * contrast, 0.98 - 0.03 * contrast, 1.06)
     grey = nodes.mix(tree, 1.0, bright, cool, blend="MULTIPLY")

@@ -51,9 +51,9 @@ PRESETS: Mapping[str, Weather] = MappingProxyType(
         "overcast": _W(1.0, 0.35, 15_000.0, wind=3.0, sky_strength=0.11, exposure=0.5, gloom=0.1),
         "haze": _W(0.15, 0.2, 6_000.0, 600.0, exposure=0.1),
         "fog": _W(0.9, 0.1, 300.0, 45.0, wetness=0.25, sky_strength=0.11, exposure=0.4, gloom=0.3),
-        "rain": _W(1.0, 0.5, 5_000.0, 200.0, 0.85, 0.0, 6.0, 0.0, 2.5, 0.10, 0.8, 0.3),
-        "storm": _W(1.0, 1.0, 2_200.0, 130.0, 1.0, 0.0, 30.0, 0.0, 9.0, 0.07, 0.8, 0.7),
-        "snow": _W(0.95, 0.25, 2_500.0, 150.0, 0.15, 0.85, 0.0, 2.0, 2.0, 0.11, 0.9, 0.25),
+        "rain": _W(1.0, 0.5, 5_000.0, 80.0, 0.85, 0.0, 6.0, 0.0, 2.5, 0.10, 0.8, 0.3),
+        "storm": _W(1.0, 1.0, 2_500.0, 45.0, 1.0, 0.0, 30.0, 0.0, 9.0, 0.07, 0.6, 0.7),
+        "snow": _W(0.95, 0.25, 2_500.0, 80.0, 0.15, 0.85, 0.0, 2.0, 2.0, 0.11, 0.9, 0.25),
         "dawn": _W(0.25, 0.3, 9_000.0, 90.0, 0.05, wind=1.0),
         "dusk": _W(0.3, 0.3, 25_000.0, wind=2.0),
         "night": _W(0.15, 0.3, 25_000.0, wind=1.0),
@@ -69,7 +69,7 @@ _HOMES = ((0, 0.26), (1, 0.14), (3, 0.06), (5, 0.08), (6, 0.22), (7, 0.34), (9, 
 _WORK = ((0, 0.06), (5, 0.06), (7, 0.35), (9, 0.75), (17, 0.70), (19, 0.30), (21, 0.12), (24, 0.06))
 _SHOPS = ((0, 0.45), (6, 0.45), (8, 0.90), (20, 0.90), (22, 0.60), (24, 0.45))
 # Stops by degrees of the sun: most at the end of dusk, fewer once lamps take over from the sky.
-_STOPS = ((-7.0, 3.6), (-3.0, 4.4), (0.0, 1.2), (20.0, 0.0))
+_STOPS = ((-7.0, 3.6), (-3.0, 5.3), (0.0, 2.6), (6.0, 1.4), (20.0, 0.2), (30.0, 0.0))
 DAYLIGHT, DARK = 5.0, -4.0  # degrees of the sun at which the first and all such rooms are lit
 LAMPS_ON = -0.5  # degrees of the sun at which street lamps go on; EN 13201 asks for about 35 lx
 GLOOMY_LAMPS_ON = 10.0  # the same under the darkest clouds
