@@ -19,6 +19,7 @@ from cityx.outputs.glb import MOST_OBJECTS, merged_by_tile
 from cityx.outputs.gltf_instances import quaternions
 from cityx.outputs.gltf_material import TWO_SIDED
 from cityx.outputs.gltf_mesh import finite, origins
+from cityx.outputs.usd_light import add_sun
 from cityx.outputs.usd_material import Steps, UsdMaterials, as_steps, look_name
 from cityx.outputs.usd_mesh import (
     TINT_STEPS,
@@ -90,6 +91,7 @@ class UsdWriter:
         self.city.kind = Kind.Tokens.assembly
         scope = add_prim(self.city, "Materials", "Scope")
         self.materials = UsdMaterials(scope, view.environment, textures, texture_size)
+        add_sun(self.city, view.environment)
         self.shared = add_prim(self.city, "Prototypes", "Scope", specifier=Sdf.SpecifierClass)
 
     def mesh_layer(self, name: str, batch: MeshBatch) -> None:
