@@ -66,7 +66,10 @@ def turn_knobs(environment: Environment) -> None:
             tree.nodes[knob].outputs[0].default_value = getattr(environment, field)
     lights = bpy.data.node_groups.get(LIGHTS)
     if lights is not None:
-        lights.nodes[BALANCE].outputs[0].default_value = lamp_balance(environment)
+        # Zero by day lets Cycles fold all rooms away.
+        burning = environment.lamps > 0 or any(environment.rooms_lit)
+        balance = lamp_balance(environment) if burning else 0.0
+        lights.nodes[BALANCE].outputs[0].default_value = balance
 
 
 def weather_group() -> Tree:
@@ -117,7 +120,9 @@ def weather_group() -> Tree:
     film = nodes.math(tree, "MULTIPLY", wet, 0.62)
     rough = nodes.mix(tree, film, given["Roughness"], FILM_ROUGHNESS, kind="FLOAT")
     rough = nodes.mix(tree, pooled, rough, 0.015, kind="FLOAT")
-    normal = nodes.mix(tree, pooled, given["Normal"], _ripples(tree, rain), kind="VECTOR")
+    bent = nodes.vector(tree, "SUBTRACT", _ripples(tree, rain), given["Normal"])
+    bent = nodes.vector(tree, "MULTIPLY", bent, pooled)
+    normal = nodes.vector(tree, "ADD", given["Normal"], bent)
 
     slushy = nodes.math(tree, "MULTIPLY", white, given["Traffic"])
     heap = nodes.mix(tree, slushy, SNOW_COLOR, SLUSH_COLOR)
@@ -162,7 +167,8 @@ def _pools(tree: Tree, up: Socket, wetness: Socket, flag: Socket) -> Socket:
     edge = nodes.math(tree, "MULTIPLY_ADD", wetness, -0.13, 0.66)
     depth = nodes.smoothstep(tree, nodes.math(tree, "SUBTRACT", hollow, edge), 0.0, 0.035)
     flat = nodes.math(tree, "MULTIPLY", nodes.smoothstep(tree, up, 0.97, 0.995), flag)
-    enough = nodes.smoothstep(tree, wetness, 0.3, 0.8)
+    # A sum, not a smooth step: Cycles folds it, and then everything here, when it is dry.
+    enough = nodes.math(tree, "MULTIPLY_ADD", wetness, 2.0, -0.6, clamp=True)
     return nodes.math(tree, "MULTIPLY", nodes.math(tree, "MULTIPLY", depth, flat), enough)
 
 
