@@ -84,8 +84,8 @@ def build(
     workers: Annotated[int, typer.Option(min=1, max=64, help="Worker processes.")] = 1,
     lod: Annotated[int, typer.Option(min=0, max=3, help="Level of detail.")] = 2,
     style: Annotated[str, typer.Option(help="Style of buildings, e.g. european, brick.")] = "",
-    time: Annotated[str | None, typer.Option(help="HH:MM or a word: noon, evening.")] = None,
-    weather: Annotated[str | None, typer.Option(help="clear, overcast, fog, rain, ...")] = None,
+    time: Annotated[str | None, typer.Option(help="HH:MM, dusk, 2026-12-21 16:00, ...")] = None,
+    weather: Annotated[str | None, typer.Option(help="clear, fog, rain, storm dusk, ...")] = None,
     size: Annotated[str | None, typer.Option(help="WxH of a window to cut out, metres.")] = None,
     at: Annotated[str | None, typer.Option(help="LAT,LON of the window's centre.")] = None,
     formats: Annotated[str, typer.Option(help="Comma-separated: blend, glb, usd.")] = "blend,glb",
@@ -124,13 +124,21 @@ def render(
     camera: Annotated[str, typer.Option(help="street, aerial, top or FILE.json.")] = "street",
     samples: Annotated[int | None, typer.Option(min=1, help="Samples per pixel.")] = None,
     size: Annotated[str | None, typer.Option(help="Size in pixels, WxH.")] = None,
+    time: Annotated[str | None, typer.Option(help="As of build; the city stays as it is.")] = None,
+    weather: Annotated[str | None, typer.Option(help="As of build, or two: storm dusk.")] = None,
 ) -> None:
-    """Render pictures of a built city."""
+    """Render pictures of a built city, under another weather or at another time if asked for."""
     from cityx.agents.views import render_views
 
     with _progress() as say:
         paths = render_views(
-            folder, camera, samples=samples, size=_pixels(size) if size else None, say=say
+            folder,
+            camera,
+            samples=samples,
+            size=_pixels(size) if size else None,
+            time=time or "",
+            weather=weather or "",
+            say=say,
         )
     for path in paths:
         typer.echo(str(path))

@@ -341,7 +341,12 @@ def _rare_collection() -> Iterator[None]:
 def _brief(options: BuildOptions) -> dict[str, Any]:
     names = ("style", "time", "weather", "lod", "seed", "size", "at")
     given = {name: getattr(options, name) for name in names}
-    return {name: value for name, value in given.items() if value not in (None, "")}
+    given = {name: value for name, value in given.items() if value not in (None, "")}
+    if "weather" in given:  # by its own name: "rainy" asks for rain
+        from cityx.plugins.background.weather import weather_words
+
+        given["weather"] = weather_words(given["weather"])[0]
+    return given
 
 
 def _make_views(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -70,9 +71,14 @@ def render_views(
     *,
     samples: int | None = None,
     size: tuple[int, int] | None = None,
+    time: str = "",
+    weather: str = "",
     say: Say,
 ) -> list[Path]:
     """Render pictures of a built city into its folder ``renders``.
+
+    Another time or weather changes the light alone: nothing is built again, the stored city stays
+    as it is, and the pictures carry both words in their names.
 
     Parameters
     ----------
@@ -82,21 +88,27 @@ def render_views(
         "street", "aerial", "top", or a JSON file of cameras, which brings its own light.
     samples, size
         Samples per pixel and (width, height); those of the file, else the defaults, when None.
+    time, weather
+        Instead of the city's own, as of `cityx.plugins.background.weather.lit_anew`; "" keeps them.
 
     Raises
     ------
     UsageError
-        If `camera` is neither a view nor a file.
+        If `camera` is neither a view nor a file, or a word for time or weather is not known.
     """
+    from cityx.plugins.background.weather import lit_anew
+
     view = read_view(folder / "city")
-    environment = None
+    environment = lit_anew(
+        view.environment, view.frame.latitude, view.frame.longitude, weather=weather, time=time
+    )
     if camera in VIEWS:
         cameras = cameras_of(view, [camera], size or PICTURE)
     elif Path(camera).is_file():
         from cityx.city.camera import read_cameras
 
         found, light = read_cameras(Path(camera), view.frame, view.terrain, extent=view.extent)
-        cameras, environment = list(found), light.apply(view.environment)
+        cameras, environment = list(found), light.apply(environment)
         samples = samples or light.samples
         if size:
             cameras = [replace(item, width=size[0], height=size[1]) for item in cameras]
@@ -106,8 +118,11 @@ def render_views(
             + nearest(camera, VIEWS)
         )
     renders = folder / "renders"
+    suffix = "".join(
+        f"_{re.sub('[^0-9a-z]+', '-', word.lower())}" for word in (weather, time) if word
+    )
     requests = tuple(
-        RenderRequest(item, renders / f"{item.name}.png", samples or DEFAULT_SAMPLES)
+        RenderRequest(item, renders / f"{item.name}{suffix}.png", samples or DEFAULT_SAMPLES)
         for item in cameras
     )
     job = BlenderJob(folder / "city", renders=requests, environment=environment)

@@ -27,7 +27,7 @@ class WorkflowStep:
     options: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
 
 
-# Light comes before facades, since lit windows depend on it.
+# Weather comes before trees, which are bare under snow.
 MAP_TO_CITY: tuple[WorkflowStep, ...] = (
     WorkflowStep("background/sun-v1", options={"time": "time"}),
     WorkflowStep("background/weather-v1", options={"preset": "weather"}),

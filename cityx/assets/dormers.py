@@ -135,7 +135,7 @@ def _hip(half: float, height: float, rise: float, material: str) -> MeshBatch:
 
 
 @lru_cache(maxsize=4)
-def roof_window(*, lit: bool = False, detail: int = 2) -> Prototype:
+def roof_window(*, detail: int = 2) -> Prototype:
     """Make a window that lies in the slope, about its middle."""
     del detail
     x, y = ROOF_WINDOW[0] / 2, ROOF_WINDOW[1] / 2
@@ -145,10 +145,10 @@ def roof_window(*, lit: bool = False, detail: int = 2) -> Prototype:
         box((-x, -y + 0.09, -0.08), (-x + 0.08, y - 0.09, 0.07), "metal_dark"),
         box((x - 0.08, -y + 0.09, -0.08), (x, y - 0.09, 0.07), "metal_dark"),
         box((-x + 0.08, -y + 0.09, -0.08), (x - 0.08, y - 0.09, 0.045),
-            "window_lit" if lit else "glass"),
+            "glass"),
         box((-x - 0.08, -y - 0.12, -0.08), (x + 0.08, -y, 0.03), "metal_grey"),
     ]  # fmt: skip
-    return prototype("roof_window" + ("_lit" if lit else ""), "window", shapes)
+    return prototype("roof_window", "window", shapes)
 
 
 @lru_cache(maxsize=2)

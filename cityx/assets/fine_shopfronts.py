@@ -192,8 +192,7 @@ def shop_modern(glass: str) -> Shapes:
     shapes += _wares("modern right", -0.54, 0.56, 0.2, 2.2)
     for x in np.linspace(-_W + 0.3, _W - 0.3, 7):
         shapes.append(tube([[x, 0.10, HEIGHT - 0.16], [x, 0.085, HEIGHT - 0.24]], [0.022, 0.030],
-                           "lamp_glow" if glass != "glass" else "metal_grey",
-                               sides=14))  # fmt: skip
+                           "lamp_glow", sides=14))  # fmt: skip
     return [*shapes, bevelled((-_W, -0.08, -0.3), (_W, 0.1, 0.0), "step_stone", hidden=("+y",))]
 
 

@@ -39,7 +39,7 @@ FRAME = -0.075  # how far the fixed frame stands out
 SASH = -0.050  # how far sashes and bars stand out
 NICHE_DEPTH = 0.15  # metres, of the niche that fine windows, doors and shopfronts are drawn for
 FINE = 3  # level of detail from which fine forms are made
-GLASS, LIT = "glass", "window_lit"
+GLASS = "glass"
 DARK: Color = (0.30, 0.30, 0.30)
 PALE: Color = (0.92, 0.91, 0.88)
 
@@ -485,7 +485,7 @@ def set_back(shapes: Shapes) -> Shapes:
 
 
 @lru_cache(maxsize=512)
-def window(name: str, dressing: int = 0, *, lit: bool = False, detail: int = 2) -> Prototype:
+def window(name: str, dressing: int = 0, *, detail: int = 2) -> Prototype:
     """Make a window prototype.
 
     Parameters
@@ -494,8 +494,6 @@ def window(name: str, dressing: int = 0, *, lit: bool = False, detail: int = 2) 
         Key of `WINDOWS`.
     dressing
         Index into `DRESSINGS`.
-    lit
-        Whether the room behind is lit.
     detail
         Level of detail; from `FINE` on it fills a niche.
 
@@ -505,18 +503,17 @@ def window(name: str, dressing: int = 0, *, lit: bool = False, detail: int = 2) 
         If there is no such window.
     """
     maker = WINDOWS[name][0]
-    suffix = f"_{dressing}" + ("_lit" if lit else "")
-    glass = LIT if lit else GLASS
+    suffix = f"_{dressing}"
     if detail >= FINE:
         from cityx.assets.fine_windows import PATTERNS, fine_window
 
         if name == "window_arched" or name in PATTERNS:
-            shapes = fine_window(name, glass, dressing)
+            shapes = fine_window(name, GLASS, dressing)
         else:
             with fine_shapes():
-                shapes = set_back(maker(glass, *DRESSINGS[dressing]))
+                shapes = set_back(maker(GLASS, *DRESSINGS[dressing]))
         return prototype(f"{name}{suffix}_fine", "window", shapes)
-    return prototype(name + suffix, "window", maker(glass, *DRESSINGS[dressing]))
+    return prototype(name + suffix, "window", maker(GLASS, *DRESSINGS[dressing]))
 
 
 @lru_cache(maxsize=32)

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cityx.assets.openings import FINE, GLASS, LIT, Shapes, pane, slab, surround
+from cityx.assets.openings import FINE, GLASS, Shapes, pane, slab, surround
 from cityx.assets.shapes import Color, prototype
 from cityx.city.mesh import one_mesh
 from cityx.city.scene import Prototype
@@ -124,15 +124,14 @@ SHOPFRONTS: Mapping[str, Callable[[str], Shapes]] = MappingProxyType(
 
 
 @lru_cache(maxsize=32)
-def shopfront(name: str, *, lit: bool = False, detail: int = 2) -> Prototype:
+def shopfront(name: str, *, detail: int = 2) -> Prototype:
     """Make a shopfront prototype; `name` is a key of `SHOPFRONTS`, `detail` as of windows."""
-    suffix = "_lit" if lit else ""
     if detail >= FINE:
         from cityx.assets.fine_shopfronts import FINE_SHOPFRONTS
 
-        shapes = FINE_SHOPFRONTS[name](LIT if lit else GLASS)
-        return prototype(f"{name}{suffix}_fine", "shopfront", shapes)
-    return prototype(name + suffix, "shopfront", SHOPFRONTS[name](LIT if lit else GLASS))
+        shapes = FINE_SHOPFRONTS[name](GLASS)
+        return prototype(f"{name}_fine", "shopfront", shapes)
+    return prototype(name, "shopfront", SHOPFRONTS[name](GLASS))
 
 
 # --- awnings and signs ----------------------------------------------------------------------------

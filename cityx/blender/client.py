@@ -66,11 +66,14 @@ class RenderRequest:
         PNG file to write.
     samples
         Samples per pixel, at most; fewer where the picture is clean earlier.
+    environment
+        Light and weather of this picture instead of the job's, or None.
     """
 
     camera: Camera
     path: Path
     samples: int = DEFAULT_SAMPLES
+    environment: Environment | None = None
 
 
 @dataclass(frozen=True)
@@ -110,7 +113,8 @@ class BlenderResult:
     files
         Files written, in order.
     timings
-        Step ("import", "read", "setup", "save", "render NAME") to "wall_s" and "cpu_s".
+        Step ("import", "read", "setup", "save", "light NAME", "render NAME") to "wall_s" and
+        "cpu_s".
     peak_rss_mb
         Peak resident memory of the process.
     device
@@ -198,7 +202,12 @@ def _clean(job: BlenderJob) -> None:
 
 def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
     renders = [
-        {"camera": asdict(r.camera), "path": str(r.path.resolve()), "samples": int(r.samples)}
+        {
+            "camera": asdict(r.camera),
+            "path": str(r.path.resolve()),
+            "samples": int(r.samples),
+            "environment": _values(r.environment),
+        }
         for r in job.renders
     ]
     return {
@@ -206,12 +215,16 @@ def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
         "blend": None if job.blend is None else str(job.blend.resolve()),
         "renders": renders,
         "samples": max((r.samples for r in job.renders), default=DEFAULT_SAMPLES),
-        "environment": None if job.environment is None else asdict(job.environment),
+        "environment": _values(job.environment),
         "objects": job.objects,
         "gpu": job.gpu,
         "result": str(answer),
         "parent": os.getpid(),
     }
+
+
+def _values(environment: Environment | None) -> dict[str, Any] | None:
+    return None if environment is None else asdict(environment)
 
 
 def run_module(

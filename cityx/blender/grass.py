@@ -33,6 +33,6 @@ def sow(scene: bpy.types.Scene, view: View, camera: Camera) -> int:
         return 0
     rows = grass_rows(view, camera)
     if rows.count:
-        library = MaterialLibrary(view.environment, textured=True)
+        library = MaterialLibrary(textured=True)
         add_layer(scene, LAYER, [grass_clump(name) for name in CLUMPS], rows, view.seed, library)
     return rows.count

@@ -47,7 +47,7 @@ def core_count() -> int:
         return os.cpu_count() or 1
 
 
-def set_up(scene: bpy.types.Scene, *, samples: int, gpu: bool = True, lamps: bool = False) -> str:
+def set_up(scene: bpy.types.Scene, *, samples: int, gpu: bool = True) -> str:
     """Choose engine, quality and device.
 
     Parameters
@@ -58,8 +58,6 @@ def set_up(scene: bpy.types.Scene, *, samples: int, gpu: bool = True, lamps: boo
         Samples per pixel, at most.
     gpu
         Whether a GPU is used when there is one.
-    lamps
-        Whether lamps are on.
 
     Returns
     -------
@@ -91,10 +89,15 @@ def set_up(scene: bpy.types.Scene, *, samples: int, gpu: bool = True, lamps: boo
     cycles.blur_glossy = 1.0
     cycles.sample_clamp_indirect = 8.0
     cycles.seed = 0
-    cycles.use_light_tree = lamps  # by day sun and sky are the only lights: an eighth saved
     device = _gpu() if gpu else "CPU"
     cycles.device = "CPU" if device == "CPU" else "GPU"
     return device
+
+
+def use_light_tree(scene: bpy.types.Scene, *, on: bool) -> None:
+    """Choose lights by a tree when there are lamps: by day, without it, an eighth is saved."""
+    cycles: Any = scene.cycles
+    cycles.use_light_tree = on
 
 
 def _gpu() -> str:

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from cityx.blender.materials import MaterialLibrary
 from cityx.city.mesh import NO_VERTEX, MeshBatch
-from cityx.city.scene import Instances, Prototype, Scene
-from cityx.geometry.identity import id_text, uniform
+from cityx.city.rooms import ROOM_KINDS, room_draws, room_uses
+from cityx.city.scene import Instances, Prototype
+from cityx.geometry.identity import id_text
 
 if TYPE_CHECKING:
     from cityx.city.store import View
@@ -23,8 +24,9 @@ TILE = 2000.0  # metres; a tile's own origin keeps float32 vertices exact to 0.1
 INSTANCER = "CityX Instances"  # node group that puts objects on points
 LOW_32 = np.uint64(0xFFFFFFFF)
 OBJECT_LAYERS = frozenset({"buildings"})  # layers whose things a user wants to pick one by one
-# Kinds of prototype whose glass has a room behind it, so that it may be lit at night.
-ROOM_KINDS = frozenset({"window", "door", "shopfront"})
+LEAF = "foliage"
+BARE = "Bare"  # name of the modifier that takes the leaves off a deciduous tree
+SIGNS = ("sign_", "shop_")  # names of prototypes whose signs shine at night begin so
 
 
 def title(layer: str) -> str:
@@ -50,7 +52,7 @@ def build_scene(view: View, *, objects: bool | None = None) -> bpy.types.Scene:
         The scene, without cameras and light.
     """
     scene = bpy.context.scene
-    library = MaterialLibrary(view.environment, textured=view.lod > 0)
+    library = MaterialLibrary(textured=view.lod > 0)
     for layer, batch in view.scene.meshes.items():
         if not batch.count:
             continue
@@ -64,7 +66,7 @@ def build_scene(view: View, *, objects: bool | None = None) -> bpy.types.Scene:
             else _tiles(layer, batch, library, plain=view.lod == 0)
         )
         _link(collection, made)
-    _instance_layers(view.scene, view.seed, library, scene)
+    _instance_layers(view, library, scene)
     _describe(scene, view)
     return scene
 
@@ -260,9 +262,8 @@ def _store_ids(mesh: bpy.types.Mesh, name: str, ids: NDArray[np.uint64], domain:
 # --- instances ------------------------------------------------------------------------------------
 
 
-def _instance_layers(
-    held: Scene, seed: int, library: MaterialLibrary, scene: bpy.types.Scene
-) -> None:
+def _instance_layers(view: View, library: MaterialLibrary, scene: bpy.types.Scene) -> None:
+    held = view.scene
     layers = {layer: rows for layer, rows in held.instances.items() if rows.count}
     if not layers:
         return
@@ -275,7 +276,8 @@ def _instance_layers(
             if index not in shared:
                 shared[index] = _prototype(held.prototypes[index], index, library)
             sources.objects.link(shared[index])
-        _placed(layer, rows, local, seed, sources, _collection(title(layer), scene.collection))
+        points = _points(view.seed, held.prototypes, view.objects, layer, rows, local)
+        _placed(layer, points, sources, _collection(title(layer), scene.collection))
     # Excluded from the view layer: saved, editable, and shown only through their instances.
     bpy.context.view_layer.layer_collection.children["Prototypes"].exclude = True
 
@@ -305,15 +307,18 @@ def add_layer(
     for index, prototype in enumerate(prototypes):
         sources.objects.link(_prototype(prototype, index, library))
     collection = _collection(title(layer), scene.collection)
-    return _placed(layer, rows, rows.prototype, seed, sources, collection)
+    points = _points(seed, prototypes, {}, layer, rows, rows.prototype)
+    return _placed(layer, points, sources, collection)
 
 
 def _placed(
-    layer: str, rows: Instances, local: Any, seed: int, sources: bpy.types.Collection,
+    layer: str,
+    mesh: bpy.types.Mesh,
+    sources: bpy.types.Collection,
     collection: bpy.types.Collection,
-) -> bpy.types.Object:  # fmt: skip
-    """Make the points of a layer and put the objects of a collection on them."""
-    points = bpy.data.objects.new(layer, _points(layer, rows, local, seed))
+) -> bpy.types.Object:
+    """Put the objects of a collection on the points of a layer."""
+    points = bpy.data.objects.new(layer, mesh)
     modifier = points.modifiers.new("Instances", "NODES")
     modifier.node_group = bpy.data.node_groups.get(INSTANCER) or _instancer()
     modifier["Socket_2"] = sources
@@ -324,16 +329,55 @@ def _placed(
 def _prototype(prototype: Prototype, index: int, library: MaterialLibrary) -> bpy.types.Object:
     """Make one prototype; the number in its name keeps Blender's alphabetical order ours."""
     variant = "room" if prototype.kind in ROOM_KINDS else "instance"
+    if prototype.name.startswith(SIGNS) and variant == "instance":
+        variant = "sign"
     name = f"{index:04d}_{prototype.name}"
     mesh = prototype.mesh
     upload = _Uploader(mesh, library, variant)
     made = upload.mesh(name, slice(0, len(mesh.vertices)), slice(0, len(mesh.faces)), 0.0)
     item = bpy.data.objects.new(name, made)
     item["kind"] = prototype.kind
+    if prototype.kind == "tree" and LEAF in mesh.materials and not _evergreen(prototype.name):
+        modifier = item.modifiers.new(BARE, "NODES")
+        modifier.node_group = _leaf_fall(library.get(LEAF, variant))
+        modifier.show_render = modifier.show_viewport = False  # `cityx.blender.light` switches it
     return item
 
 
-def _points(layer: str, rows: Instances, local: Any, seed: int) -> bpy.types.Mesh:
+def _evergreen(name: str) -> bool:
+    """Whether the tree that a prototype is named after (``tree_lime_0_near``) keeps its leaves."""
+    from cityx.assets.trees.species import TREES
+
+    return any(TREES[word].evergreen for word in name.split("_") if word in TREES)
+
+
+def _leaf_fall(leaf: bpy.types.Material) -> bpy.types.NodeTree:
+    """Return the node group that takes the leaves off a tree."""
+    found = bpy.data.node_groups.get("CityX Leaf Fall")
+    if found is not None:
+        return found
+    group = bpy.data.node_groups.new("CityX Leaf Fall", "GeometryNodeTree")
+    group.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    source, sink = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    chosen = group.nodes.new("GeometryNodeMaterialSelection")
+    chosen.inputs["Material"].default_value = leaf
+    fall = group.nodes.new("GeometryNodeDeleteGeometry")
+    fall.domain = "FACE"
+    group.links.new(source.outputs[0], fall.inputs["Geometry"])
+    group.links.new(chosen.outputs[0], fall.inputs["Selection"])
+    group.links.new(fall.outputs[0], sink.inputs[0])
+    return group
+
+
+def _points(
+    seed: int,
+    prototypes: Sequence[Prototype],
+    objects: Mapping[int, Mapping[str, str]],
+    layer: str,
+    rows: Instances,
+    local: Any,
+) -> bpy.types.Mesh:
     """Make the mesh of points that carries the rows of one layer as attributes."""
     mesh = bpy.data.meshes.new(layer)
     mesh.vertices.add(rows.count)
@@ -343,10 +387,13 @@ def _points(layer: str, rows: Instances, local: Any, seed: int) -> bpy.types.Mes
         attribute = mesh.attributes.new(name, "FLOAT_VECTOR", "POINT")
         attribute.data.foreach_set("vector", values.astype(np.float32).ravel())
     attribute = mesh.attributes.new("prototype", "INT", "POINT")
-    attribute.data.foreach_set("value", local.astype(np.int32).ravel())
-    attribute = mesh.attributes.new("seed", "FLOAT", "POINT")
-    draws = uniform(seed, "blender/instance", rows.object_id)
-    attribute.data.foreach_set("value", draws.astype(np.float32))
+    attribute.data.foreach_set("value", np.asarray(local, np.int32).ravel())
+    numbers: dict[str, NDArray[Any]] = {"seed": room_draws(seed, rows)}
+    if any(prototypes[index].kind in ROOM_KINDS for index in np.unique(rows.prototype).tolist()):
+        numbers["use"] = room_uses(prototypes, rows, objects)
+    for name, drawn in numbers.items():
+        attribute = mesh.attributes.new(name, "FLOAT", "POINT")
+        attribute.data.foreach_set("value", drawn.astype(np.float32))
     _store_ids(mesh, "id", rows.object_id, "POINT")
     if rows.owner.any():
         _store_ids(mesh, "owner", rows.owner, "POINT")

@@ -62,29 +62,25 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
     """Make the scene, save it, render it; returns the record of what was made."""
     import bpy
 
-    from cityx.blender import grass, render, sky
+    from cityx.blender import grass, render
     from cityx.blender import scene as scenes
+    from cityx.blender.light import Lighting
     from cityx.blender.operators import call
 
-    if job["environment"] is not None:
-        view = replace(view, environment=Environment(**job["environment"]))
-    environment = view.environment
+    environment = _environment(job["environment"]) or view.environment
     pictures = [(Camera(**{**r["camera"], "position": tuple(r["camera"]["position"])}), r)
                 for r in job["renders"]]  # fmt: skip
     tell(0.02, "building the scene")
     with clock.step("setup"):
         call("wm.read_homefile", use_empty=True, use_factory_startup=True, load_ui=False)
         scene = scenes.build_scene(view, objects=job["objects"])
-        sky.make_light(scene, environment, [camera for camera, _ in pictures], view.extent)
+        lighting = Lighting(scene, view)
+        lighting.set(environment)
         cameras = [render.add_camera(scene, camera) for camera, _ in pictures]
-        lamps = sky.lamp_positions(view.scene)
-        lit = environment.night_lights > 0
-        device = render.set_up(
-            scene, samples=job["samples"], gpu=bool(pictures) and job["gpu"], lamps=lit
-        )
+        device = render.set_up(scene, samples=job["samples"], gpu=bool(pictures) and job["gpu"])
         if pictures:
             scene.camera = cameras[0]
-            sky.place_lamps(scene, lamps, pictures[0][0], on=lit)
+            lighting.set_for(environment, pictures[0][0])
     record: dict[str, Any] = {"device": device, "objects": len(bpy.data.objects), "files": []}
     if job["blend"]:
         tell(0.1, "saving the scene")
@@ -93,13 +89,20 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
         record["files"].append(job["blend"])
     for index, ((camera, request), item) in enumerate(zip(pictures, cameras, strict=True)):
         tell(0.15 + 0.85 * index / len(pictures), f"rendering {camera.name}")
+        wanted = _environment(request["environment"]) or environment
+        with clock.step(f"light {camera.name}"):
+            lighting.set(wanted)
+            lighting.set_for(wanted, camera)
         with clock.step(f"render {camera.name}"):
-            sky.place_lamps(scene, lamps, camera, on=lit)
-            grass.sow(scene, view, camera)
+            grass.sow(scene, replace(view, environment=wanted), camera)
             scene.cycles.samples = request["samples"]
             render.render_picture(scene, item, Path(request["path"]))
         record["files"].append(request["path"])
     return record
+
+
+def _environment(record: dict[str, Any] | None) -> Environment | None:
+    return None if record is None else Environment(**record)
 
 
 def _save(path: Path) -> float:
@@ -146,7 +149,7 @@ def main(arguments: list[str]) -> int:
             import bpy
             import rasterio  # noqa: F401  the store reads terrain with it
 
-            from cityx.blender import render, scene, sky  # noqa: F401
+            from cityx.blender import light, render, scene  # noqa: F401
             from cityx.city.store import read_view
         with clock.step("read"):
             view = read_view(Path(job["store"]))

@@ -2,26 +2,32 @@
 
 Nodes: ``city``, under it one node per layer, under it one node per object, named by its id, or one
 node per prototype and colour with ``EXT_mesh_gpu_instancing``. Every object's id is in its name and
-extras, that of an instance in the attribute ``_CITYX_ID`` (four 16-bit words, lowest first).
+extras, that of an instance in the attribute ``_CITYX_ID`` (four 16-bit words, lowest first). Beside
+``city`` stands ``sun``, a directional light, when the sun is up; sky and weather are numbers in the
+extras of ``city``.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cityx import __version__
+from cityx.city.environment import Environment
 from cityx.city.mesh import MeshBatch
+from cityx.city.rooms import lit_scene
 from cityx.city.scene import Instances
 from cityx.geometry.identity import id_text
 from cityx.outputs.atomic import replaced
 from cityx.outputs.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfBuffer
 from cityx.outputs.gltf_instances import id_words, tint_groups, y_up_quaternions
+from cityx.outputs.gltf_light import EXTENSION as LIGHTS
+from cityx.outputs.gltf_light import illuminance_of, sun_light, sun_rotation
 from cityx.outputs.gltf_material import GltfMaterials
 from cityx.outputs.gltf_mesh import FlatMesh, finite, flat_mesh, origins, y_up
 
@@ -90,15 +96,19 @@ def write_glb(
         view = view_of(view)
     writer = _Writer(view, instancing, texture_size)
     layers = [
-        *(writer.mesh_layer(name, batch) for name, batch in sorted(view.scene.meshes.items())),
-        *(writer.instance_layer(name, rows) for name, rows in sorted(view.scene.instances.items())),
+        *(writer.mesh_layer(name, batch) for name, batch in sorted(writer.scene.meshes.items())),
+        *(
+            writer.instance_layer(name, rows)
+            for name, rows in sorted(writer.scene.instances.items())
+        ),
     ]
     root: dict[str, Any] = {"name": "city", "extras": _city_extras(view)}
     children = [layer for layer in layers if layer is not None]
     if children:
         root["children"] = children
     top = writer.buffer.add("nodes", root)
-    writer.buffer.add("scenes", {"name": view.name or "city", "nodes": [top]})
+    sun = writer.sun(view.environment)
+    writer.buffer.add("scenes", {"name": view.name or "city", "nodes": [top, *sun]})
     with replaced(path) as temporary, temporary.open("wb") as file:
         size = writer.buffer.write(file, _head(view, writer.extensions))
     counts = {name: len(items) for name, items in writer.buffer.document.items()}
@@ -124,6 +134,7 @@ def _city_extras(view: Any) -> dict[str, Any]:
         "longitude": frame.longitude,
         "projection": frame.projection,
         "attribution": list(view.attribution),
+        "environment": asdict(view.environment),
     }
 
 
@@ -134,6 +145,8 @@ def _head(view: Any, extensions: set[str]) -> dict[str, Any]:
     head: dict[str, Any] = {"asset": asset, "scene": 0}
     if extensions:
         head["extensionsUsed"] = sorted(extensions)
+    if LIGHTS in extensions:
+        head["extensions"] = {LIGHTS: {"lights": [sun_light(view.environment)]}}
     if _INSTANCING in extensions:  # without it a viewer would show one window, at no place
         head["extensionsRequired"] = [_INSTANCING]
     return head
@@ -157,6 +170,7 @@ class _Writer:
 
     def __init__(self, view: Any, instancing: bool, texture_size: int) -> None:
         self.view = view
+        self.scene = lit_scene(view)
         self.instancing = instancing
         self.buffer = GltfBuffer()
         self.materials = GltfMaterials(self.buffer, view.environment, texture_size)
@@ -168,6 +182,14 @@ class _Writer:
     @property
     def extensions(self) -> set[str]:
         return self._used | self.materials.extensions
+
+    def sun(self, environment: Environment) -> list[int]:
+        """Write the node of the sun, if it is up; returns the nodes, at most one."""
+        if illuminance_of(environment) <= 0:
+            return []
+        self._used.add(LIGHTS)
+        node = {"name": "sun", "rotation": sun_rotation(environment)}
+        return [self.buffer.add("nodes", {**node, "extensions": {LIGHTS: {"light": 0}}})]
 
     def mesh_layer(self, name: str, batch: MeshBatch) -> int | None:
         """Write one node per object and return the layer's node."""
@@ -256,7 +278,7 @@ class _Writer:
                 group, tints = tint_groups(rows.tint[members])
             for number, tint in enumerate(tints):
                 mesh = self._mesh(prototype, shape, tint)
-                title = self.view.scene.prototypes[prototype].name
+                title = self.scene.prototypes[prototype].name
                 chosen = members[group == number]
                 if self.instancing:
                     children.append(self._instanced(f"{title}_{number}", mesh, rows, chosen))
@@ -268,7 +290,7 @@ class _Writer:
 
     def _shape(self, number: int) -> _Shape | None:
         if number not in self._shapes:
-            batch = self.view.scene.prototypes[number].mesh
+            batch = self.scene.prototypes[number].mesh
             shape = None
             if len(batch.faces):
                 flat = flat_mesh(batch, np.zeros((batch.count, 3)))
@@ -297,7 +319,7 @@ class _Writer:
                     {**part, "attributes": {**part["attributes"], "COLOR_0": paint}}
                     for part in parts
                 ]
-            title = self.view.scene.prototypes[number].name
+            title = self.scene.prototypes[number].name
             self._painted[key] = self.buffer.add("meshes", {"name": title, "primitives": parts})
         return self._painted[key]
 

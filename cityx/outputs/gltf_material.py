@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cityx.assets.materials import Material
 from cityx.assets.textures import texture
 from cityx.city.environment import Environment
+from cityx.city.rooms import LIT
 from cityx.outputs.gltf_buffer import GltfBuffer
 from cityx.outputs.gltf_mesh import material_named
 
@@ -27,11 +28,30 @@ _WETTEST = 0.55
 _FILM_ROUGHNESS = 0.12  # of a closed film of water
 
 
-def wet_look(material: Material, wetness: float) -> tuple[NDArray[np.float64], float]:
-    """Return the linear base colour, (3,), and the roughness of a surface in the rain."""
+# Ground that snow whitens; roofs and walls share materials with a tint, which would dye the snow.
+SNOWED = frozenset(
+    {"paving", "grass", "meadow", "forest_floor", "farmland", "soil", "sand", "gravel", "pitch",
+     "rail_ballast", "kerb_stone"}
+)  # fmt: skip
+DRIVEN = frozenset({"asphalt", "setts"})  # where tyres leave slush
+_SNOW = np.array([0.80, 0.82, 0.86])
+_SLUSH_SHARE = 0.35
+
+
+def weather_look(material: Material, environment: Environment) -> tuple[NDArray[np.float64], float]:
+    """Return the linear base colour, (3,), and the roughness of a surface in rain and snow."""
+    wetness = environment.wetness
     color = np.array(material.color) * (1 - (1 - _WETTEST) * wetness * material.porosity)
     roughness = material.roughness + (_FILM_ROUGHNESS - material.roughness) * 0.6 * wetness
-    return color, roughness
+    driven = _SLUSH_SHARE if material.name in DRIVEN else 0.0
+    share = environment.snow * (1.0 if material.name in SNOWED else driven)
+    return color + (_SNOW - color) * share, roughness + (0.7 - roughness) * share
+
+
+def shines(material: Material, environment: Environment) -> bool:
+    """Whether a surface gives light: lit windows always, lamps and signs when they are on."""
+    rooms = material.name == LIT and any(environment.rooms_lit)
+    return material.emission > 0 and (rooms or environment.lamps > 0)
 
 
 @dataclass
@@ -62,7 +82,7 @@ class GltfMaterials:
         return self._known[name]
 
     def _material(self, material: Material) -> dict[str, Any]:
-        color, roughness = wet_look(material, self.environment.wetness)
+        color, roughness = weather_look(material, self.environment)
         surface: dict[str, Any] = {"metallicFactor": material.metallic}
         item: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface}
         if material.texture and self.size:
@@ -83,7 +103,7 @@ class GltfMaterials:
             item["alphaMode"] = "BLEND"
         if material.name in TWO_SIDED:
             item["doubleSided"] = True
-        if material.emission > 0 and self.environment.night_lights > 0:
+        if shines(material, self.environment):
             brightest = max(material.color)
             item["emissiveFactor"] = [round(value / brightest, 4) for value in material.color]
             item["extensions"] = {

@@ -90,9 +90,9 @@ def write_usd(view: Any, path: str | os.PathLike[str], *, texture_size: int = 51
         view = view_of(view)
     path = Path(path)
     writer = UsdWriter(view, path.with_name(f"{path.stem}_textures"), texture_size)
-    for name, batch in sorted(view.scene.meshes.items()):
+    for name, batch in sorted(writer.scene.meshes.items()):
         writer.mesh_layer(name, batch)
-    for name, rows in sorted(view.scene.instances.items()):
+    for name, rows in sorted(writer.scene.instances.items()):
         writer.instance_layer(name, rows)
     writer.author_extents()
     with replaced(path) as temporary:

@@ -12,12 +12,14 @@ from pxr import Kind, Sdf, Usd, UsdGeom, Vt
 
 from cityx import __version__
 from cityx.city.mesh import MeshBatch
+from cityx.city.rooms import lit_scene
 from cityx.city.scene import Instances, Prototype
 from cityx.geometry.identity import id_text
 from cityx.outputs.glb import MOST_OBJECTS, merged_by_tile
 from cityx.outputs.gltf_instances import quaternions
 from cityx.outputs.gltf_material import TWO_SIDED
 from cityx.outputs.gltf_mesh import finite, origins
+from cityx.outputs.usd_light import add_sun
 from cityx.outputs.usd_material import Steps, UsdMaterials, as_steps, look_name
 from cityx.outputs.usd_mesh import (
     TINT_STEPS,
@@ -78,6 +80,7 @@ class UsdWriter:
 
     def __init__(self, view: Any, textures: Path, texture_size: int) -> None:
         self.view = view
+        self.scene = lit_scene(view)
         self.layer = Sdf.Layer.CreateAnonymous("city.usdc")
         self.meshes = self.prototypes = self.instances = 0
         self.triangles_unique = self.triangles_instanced = 0
@@ -88,6 +91,7 @@ class UsdWriter:
         self.city.kind = Kind.Tokens.assembly
         scope = add_prim(self.city, "Materials", "Scope")
         self.materials = UsdMaterials(scope, view.environment, textures, texture_size)
+        add_sun(self.city, view.environment)
         self.shared = add_prim(self.city, "Prototypes", "Scope", specifier=Sdf.SpecifierClass)
 
     def mesh_layer(self, name: str, batch: MeshBatch) -> None:
@@ -222,7 +226,7 @@ class UsdWriter:
         for row, count in zip(members[first].tolist(), np.bincount(variant).tolist(), strict=True):
             number = int(rows.prototype[row])
             shape = cast(_Shape, shapes[number])
-            title = look_name(self.view.scene.prototypes[number].name, as_steps(steps[row]))
+            title = look_name(self.scene.prototypes[number].name, as_steps(steps[row]))
             targets.append(self._variant(scope, title, shape, steps[row]).path)
             self.triangles_instanced += shape.triangles * count
         self.instances += len(members)
@@ -232,7 +236,7 @@ class UsdWriter:
 
     def _shape(self, number: int) -> _Shape | None:
         if number not in self._shapes:
-            prototype: Prototype = self.view.scene.prototypes[number]
+            prototype: Prototype = self.scene.prototypes[number]
             self._shapes[number] = self._base(prototype) if len(prototype.mesh.faces) else None
         return self._shapes[number]
 

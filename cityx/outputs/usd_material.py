@@ -16,7 +16,7 @@ from cityx.assets.materials import Material
 from cityx.assets.textures import texture
 from cityx.city.environment import Environment
 from cityx.outputs.atomic import replaced
-from cityx.outputs.gltf_material import FLAT, wet_look
+from cityx.outputs.gltf_material import FLAT, shines, weather_look
 from cityx.outputs.gltf_mesh import material_named
 from cityx.outputs.usd_mesh import TINT_STEPS, tint_of
 from cityx.outputs.usd_prims import Types, add_attribute, add_prim, connect, refer
@@ -77,7 +77,7 @@ class UsdMaterials:
 
     def seen_color(self, name: str) -> NDArray[np.float64]:
         """(3,) linear colour of a material from afar, without tint."""
-        return wet_look(material_named(name), self.environment.wetness)[0]
+        return weather_look(material_named(name), self.environment)[0]
 
     def _texture_scale(self, material: Material) -> NDArray[np.float64]:
         mean = texture(material.texture, self.size).mean
@@ -93,7 +93,7 @@ class UsdMaterials:
             place = add_shader(prim, "Place", "UsdPrimvarReader_float2", "result", Types.Float2)
             add_attribute(place, "inputs:varname", Types.String, "st")
         self._color(prim, surface, material, maps.get("color"), place)
-        roughness = wet_look(material, self.environment.wetness)[1]
+        roughness = weather_look(material, self.environment)[1]
         if "roughness" in maps:
             ratio = roughness / texture(material.texture, self.size).roughness_mean
             node = _texture(prim, "Roughness", maps["roughness"], place, "r", Types.Float)
@@ -109,7 +109,7 @@ class UsdMaterials:
         add_attribute(surface, "inputs:metallic", Types.Float, material.metallic)
         if material.alpha < 1:
             add_attribute(surface, "inputs:opacity", Types.Float, material.alpha)
-        if material.emission > 0 and self.environment.night_lights > 0:
+        if shines(material, self.environment):
             glow = np.array(material.color) / max(material.color) * material.emission
             add_attribute(surface, "inputs:emissiveColor", Types.Color3f, Gf.Vec3f(*glow.tolist()))
         return prim

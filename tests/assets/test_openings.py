@@ -51,13 +51,6 @@ def test_shopfronts_have_one_size():
         assert points[:, 2].max() == pytest.approx(HEIGHT, abs=0.02)
 
 
-def test_a_lit_window_differs_only_in_its_pane():
-    dark, lit = window("window_sash"), window("window_sash", lit=True)
-    assert "window_lit" in lit.mesh.materials
-    assert "window_lit" not in dark.mesh.materials
-    assert np.array_equal(dark.mesh.vertices, lit.mesh.vertices)
-
-
 def test_reach_holds_every_piece_of_roof_furniture():
     for name, reach in REACH.items():
         plan = roof_furniture(name).mesh.vertices[:, :2]

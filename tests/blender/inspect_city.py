@@ -24,13 +24,14 @@ def ids_of(mesh, name="id"):
 
 meshes = [item for item in bpy.data.objects if item.type == "MESH"]
 shown = bpy.data.collections["Buildings"].objects
+placed = [item for item in meshes if "Instances" in item.modifiers]
 record = {
     "collections": sorted(c.name for c in bpy.context.scene.collection.children),
     "buildings": {o["cityx_id"]: [o.name, len(o.data.polygons)] for o in shown if "cityx_id" in o},
     "listed": sorted(text for o in shown for text in o.get("cityx_ids", "").split()),
     "faces": [ids_of(o.data) for o in shown],
-    "rows": {o.name: ids_of(o.data) for o in meshes if o.modifiers},
-    "owners": sorted(o.name for o in meshes if o.modifiers and ids_of(o.data, "owner")),
+    "rows": {o.name: ids_of(o.data) for o in placed},
+    "owners": sorted(o.name for o in placed if ids_of(o.data, "owner")),
     "bare": sorted(
         o.name for o in meshes
         if len(o.data.polygons) and (not o.data.materials or None in list(o.data.materials))

@@ -1,3 +1,5 @@
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 from glb_scenes import box, read_glb, rows, small_city, view
@@ -174,7 +176,11 @@ def test_instances_stand_where_the_scene_has_them(tmp_path):
     glb, _ = written(small_city(), tmp_path)
     assert glb.json["extensionsRequired"] == ["EXT_mesh_gpu_instancing"]
     places, ids = [], []
-    for node in (node for node in glb.json["nodes"] if "extensions" in node):
+    for node in (
+        node
+        for node in glb.json["nodes"]
+        if "EXT_mesh_gpu_instancing" in node.get("extensions", {})
+    ):
         attributes = node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]
         places.append(glb.array(attributes["TRANSLATION"]) + np.array(node["translation"]))
         ids.append(np.ascontiguousarray(glb.array(attributes["_CITYX_ID"])).view("<u8").ravel())
@@ -195,7 +201,7 @@ def test_tints_of_instances_become_meshes_that_share_all_but_color(tmp_path):
 
 def test_without_the_extension_every_instance_is_a_node(tmp_path):
     glb, _ = written(small_city(), tmp_path, instancing=False)
-    assert "extensionsUsed" not in glb.json
+    assert "EXT_mesh_gpu_instancing" not in glb.json["extensionsUsed"]
     (layer,) = glb.nodes("lamps")
     nodes = glb.children(layer)
     assert len(nodes) == 4
@@ -246,7 +252,48 @@ def test_lamps_glow_at_night_only(tmp_path):
     night, _ = written(view(scene, environment=Environment(night_lights=0.6)), tmp_path)
     assert "emissiveFactor" not in day.json["materials"][0]
     assert "emissiveFactor" in night.json["materials"][0]
-    assert night.json["extensionsUsed"] == ["KHR_materials_emissive_strength"]
+    assert "KHR_materials_emissive_strength" in night.json["extensionsUsed"]
+
+
+def turned(quaternion, vector):
+    x, y, z, w = quaternion
+    axis = np.array([x, y, z])
+    return vector + 2 * np.cross(axis, np.cross(axis, vector) + w * np.asarray(vector))
+
+
+@pytest.mark.parametrize(("elevation", "azimuth"), [(40, 200), (5, 0), (60, 90), (20, 300)])
+def test_the_sun_shines_from_where_it_stands(tmp_path, elevation, azimuth):
+    up, turn = np.radians(elevation), np.radians(azimuth)
+    light = Environment(sun_elevation=up, sun_azimuth=turn)
+    glb, _ = written(view(Scene().with_mesh("ground", box(1)), environment=light), tmp_path)
+    (node,) = glb.nodes("sun")
+    assert node["extensions"]["KHR_lights_punctual"] == {"light": 0}
+    assert glb.json["extensions"]["KHR_lights_punctual"]["lights"][0]["type"] == "directional"
+    toward = np.array([np.sin(turn) * np.cos(up), np.cos(turn) * np.cos(up), np.sin(up)])
+    shines = turned(node["rotation"], [0.0, 0.0, -1.0])
+    np.testing.assert_allclose(shines, -y_up(toward[None])[0], atol=1e-6)
+
+
+def test_clouds_dim_the_sun_and_at_night_there_is_none(tmp_path):
+    def sun(**values):
+        light = Environment(**values)
+        glb, _ = written(view(Scene().with_mesh("ground", box(1)), environment=light), tmp_path)
+        assert glb.nodes("city")[0]["extras"]["environment"] == asdict(light)
+        lights = glb.json.get("extensions", {}).get("KHR_lights_punctual", {"lights": []})
+        return [light["intensity"] for light in lights["lights"]]
+
+    assert 1.0 < sun()[0] < np.pi
+    assert sun(cloud_cover=0.5)[0] == pytest.approx(sun()[0] / 4, rel=1e-3)
+    assert sun(sun_elevation=-0.1) == []
+
+
+def test_snow_whitens_level_ground_and_slush_the_street(tmp_path):
+    materials = ("grass", "asphalt")
+    scene = Scene().with_mesh("ground", box(1, materials=materials))
+    glb, _ = written(view(scene, environment=Environment(snow=1.0)), tmp_path)
+    white = {m["name"]: m["pbrMetallicRoughness"]["baseColorFactor"] for m in glb.json["materials"]}
+    assert min(white["grass"][:3]) > 0.75
+    assert 0.2 < min(white["asphalt"][:3]) < 0.5
 
 
 def test_too_many_objects_are_merged_by_tile_and_keep_their_ids(tmp_path, monkeypatch):
@@ -264,7 +311,7 @@ def test_too_many_objects_are_merged_by_tile_and_keep_their_ids(tmp_path, monkey
 def test_an_empty_city_is_a_file(tmp_path):
     glb, stats = written(view(Scene()), tmp_path)
     assert stats.meshes == 0
-    assert [node["name"] for node in glb.json["nodes"]] == ["city"]
+    assert [node["name"] for node in glb.json["nodes"]] == ["city", "sun"]
 
 
 def test_broken_numbers_and_flat_faces_do_not_reach_the_file(tmp_path):

@@ -88,7 +88,11 @@ def test_a_town_without_the_extension_is_valid(town, tmp_path):
 def test_what_the_validator_cannot_see_of_instances_holds(town):
     """EXT_mesh_gpu_instancing: equal counts, unit turns, finite numbers, no node without rows."""
     glb = read_glb(town / "city.glb")
-    owned = [node for node in glb.json["nodes"] if "extensions" in node]
+    owned = [
+        node
+        for node in glb.json["nodes"]
+        if "EXT_mesh_gpu_instancing" in node.get("extensions", {})
+    ]
     assert owned
     for node in owned:
         attributes = node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]

@@ -347,6 +347,23 @@ def test_lamps_glow_at_night_only(tmp_path):
 
 
 @needs_usd
+def test_the_sun_shines_from_where_it_stands_and_not_at_night(tmp_path):
+    from pxr import Gf, UsdGeom
+
+    up, turn = np.radians(25.0), np.radians(250.0)
+    scene = Scene().with_mesh("buildings", box(1))
+    light = Environment(sun_elevation=up, sun_azimuth=turn)
+    day, _ = written(view(scene, environment=light), tmp_path / "day")
+    matrix = UsdGeom.Xformable(day.GetPrimAtPath("/City/Sun")).GetLocalTransformation()
+    shines = matrix.TransformDir(Gf.Vec3d(0, 0, -1))
+    toward = [np.sin(turn) * np.cos(up), np.cos(turn) * np.cos(up), np.sin(up)]
+    np.testing.assert_allclose(shines, -np.array(toward), atol=1e-5)
+    dark = Environment(sun_elevation=-0.3)
+    night, _ = written(view(scene, environment=dark), tmp_path / "night")
+    assert not night.GetPrimAtPath("/City/Sun")
+
+
+@needs_usd
 def test_thin_sheets_are_seen_from_both_sides(tmp_path):
     boxes = concatenate([box(1, materials=("cloth", "brick")), box(2)])
     stage, _ = written(view(Scene().with_mesh("buildings", boxes)), tmp_path)
@@ -374,7 +391,7 @@ def test_names_from_elsewhere_become_names_that_usd_allows(tmp_path):
     scene = Scene().with_mesh("my lamps", box(1, materials=("Material.001", "brick")))
     stage, _ = written(view(scene.with_instances("my lamps", models, table)), tmp_path)
     names = [prim.GetName() for prim in stage.GetDefaultPrim().GetAllChildren()]
-    assert names == ["Materials", "Prototypes", "my_lamps", "my_lamps_2"]
+    assert names == ["Materials", "Sun", "Prototypes", "my_lamps", "my_lamps_2"]
     lamps = [prim.GetName() for prim in stage.GetPrimAtPath("/City/Prototypes").GetAllChildren()]
     assert len(set(lamps)) == 3
     assert faults(stage) == []

@@ -1,4 +1,4 @@
-"""The sun of a time of day."""
+"""The sun of a date and a time of day."""
 
 from __future__ import annotations
 
@@ -11,21 +11,22 @@ from typing import Annotated
 from cityx.city import City, Environment
 from cityx.errors import UsageError, nearest
 from cityx.geometry.solar import hour_of_elevation, solar_position
-from cityx.plugins.background.light import darkened, exposure_of, night_lights_of
-from cityx.protocol import Port, Range, Text, action
+from cityx.plugins.background.light import darkened
+from cityx.protocol import Port, Text, action
 
-# A fixed year keeps results reproducible; the seasons hardly move between years.
-YEAR = 2025
+# A fixed day keeps results reproducible; the seasons hardly move between years.
+YEAR, MONTH, DAY = 2025, 6, 21
+_DATE = re.compile(r"(?:(\d{4})-)?(\d{1,2})-(\d{1,2})(?:[t ]+|$)")
 
 # Words of the day by solar hour, or by the sun's elevation in degrees (rising or setting).
 _HOURS = {"noon": 12.0, "morning": 9.0, "afternoon": 15.0, "midnight": 0.0, "night": 23.5}
 _ELEVATIONS = {
     "sunrise": (0.5, True),
-    "dawn": (-4.0, True),
+    "dawn": (-3.0, True),
     "evening": (12.0, False),
     "golden": (6.0, False),
     "sunset": (0.5, False),
-    "dusk": (-4.0, False),
+    "dusk": (-3.0, False),
     "blue": (-5.5, False),
 }
 TIMES = tuple(sorted({**_HOURS, **_ELEVATIONS}))
@@ -58,24 +59,62 @@ def clock_of(time: str, latitude: float, day: datetime) -> float:
     raise UsageError(f'"{time}" is no time of day; write HH:MM or one of {", ".join(TIMES)}.{hint}')
 
 
-def sun_of(environment: Environment, latitude: float, longitude: float, *, time: str,
-           month: int = 6, day: int = 21) -> Environment:  # fmt: skip
-    """Return the environment with the sun of a place, a date and a local solar time."""
+def day_of(date: str) -> datetime:
+    """Return the midday of "YYYY-MM-DD" or "MM-DD"; of midsummer when it is empty.
+
+    Raises
+    ------
+    UsageError
+        If it is no date, or no day of the calendar.
+    """
+    if not date.strip():
+        return datetime(YEAR, MONTH, DAY, 12, tzinfo=UTC)
+    match = _DATE.fullmatch(date.strip())
+    if match is None:
+        raise UsageError(f'"{date}" is no date; write YYYY-MM-DD or MM-DD.')
+    year, month, day = (int(word) if word else YEAR for word in match.groups())
     try:
-        midday = datetime(YEAR, month, day, 12, tzinfo=UTC)
+        return datetime(year, month, day, 12, tzinfo=UTC)
     except ValueError:
-        raise UsageError(f"There is no day {day} in month {month}.") from None
-    hour = clock_of(time, latitude, midday)
+        raise UsageError(f"There is no day {day} in month {month} of {year}.") from None
+
+
+def moment_of(text: str) -> tuple[str, str]:
+    """Split "2026-12-21 16:00", "12-21 dusk" or "noon" into date and time; either may be empty."""
+    text = " ".join(text.strip().lower().split())
+    match = _DATE.match(text)
+    return (match.group().strip(" t"), text[match.end() :]) if match else ("", text)
+
+
+def sun_of(environment: Environment, latitude: float, longitude: float, *, time: str,
+           date: str = "") -> Environment:  # fmt: skip
+    """Return the environment with the sun of a place, a date and a local solar time.
+
+    Parameters
+    ----------
+    environment
+        Its weather stays.
+    latitude, longitude
+        Degrees.
+    time
+        Word or "HH:MM", perhaps after a date.
+    date
+        Day, where `time` names none.
+    """
+    given, clock = moment_of(time)
+    midday = day_of(given or date)
+    hour = clock_of(clock or "noon", latitude, midday)
     # Mean solar time: noon is when the mean sun culminates, whatever the legal clock says.
     when = midday + timedelta(hours=hour - 12.0 - longitude / 15.0)
     elevation, azimuth = solar_position(latitude, longitude, when)
-    return replace(
-        environment,
-        sun_elevation=round(elevation, 6),
-        sun_azimuth=round(azimuth, 6),
-        night_lights=night_lights_of(elevation),
-        exposure=exposure_of(elevation),
-        day=midday.timetuple().tm_yday,
+    return darkened(
+        replace(
+            environment,
+            sun_elevation=round(elevation, 6),
+            sun_azimuth=round(azimuth, 6),
+            date=f"{midday:%Y-%m-%d}",
+            hour=round(hour % 24.0, 4),
+        )
     )
 
 
@@ -84,31 +123,26 @@ def sun_of(environment: Environment, latitude: float, longitude: float, *, time:
     limits=["Times are local mean solar time; legal time zones are not known."],
     requires=("layout",),
     gives=(Port("environment", "scene_layout", role="light"),),
-    labels=("time of day", "light", "daylight"),
+    labels=("time of day", "light", "daylight", "date", "season"),
 )
 def sun(
     city: City,
     *,
-    time: Annotated[str, Text(20)] = "afternoon",
-    month: Annotated[int, Range(1, 12)] = 6,
-    day: Annotated[int, Range(1, 31)] = 21,
+    time: Annotated[str, Text(40)] = "afternoon",
+    date: Annotated[str, Text(10)] = "",
 ) -> City:
-    """Set the sun for a time of day at the city's place on Earth.
+    """Set the sun for a date and a time of day at the city's place on Earth.
 
     Parameters
     ----------
     city
         City whose frame says where it lies.
     time
-        "HH:MM" local solar time, or a word such as noon, morning, golden, dusk or night.
-    month, day
-        Date.
+        "HH:MM" local solar time, or a word such as noon, morning, golden, dusk or night; a date
+        may stand before it, as in "2026-12-21 16:00".
+    date
+        "YYYY-MM-DD" or "MM-DD", where the time names none; midsummer when empty.
     """
     frame = city.frame
-    environment = sun_of(city.environment, frame.latitude, frame.longitude, time=time, month=month,
-                         day=day)  # fmt: skip
-    return replace(
-        city,
-        environment=darkened(environment),
-        stages_done=city.stages_done | {"background"},
-    )
+    environment = sun_of(city.environment, frame.latitude, frame.longitude, time=time, date=date)
+    return replace(city, environment=environment, stages_done=city.stages_done | {"background"})

@@ -64,7 +64,6 @@ SUNNY = 0.35  # least cosine between the way a slope looks and south
 SMALL = ("window_casement", "window_sash", "window_single", "window_cottage", "window_small",
          "window_slider")  # fmt: skip
 FLAT = 0.05  # metres to which a fine window is squeezed
-LIT_DRAW = "blender/instance"  # as of all windows
 
 
 @dataclass(frozen=True)
@@ -110,7 +109,7 @@ def dormers(placing: Placing, found: Facade, city: City, field: RoofField) -> No
             if not len(of.wall):
                 continue
             if word == "roof_window":
-                _roof_windows(placing, of, field, city)
+                _roof_windows(placing, of, field)
             else:
                 _standing(placing, found, of, word, SETBACK[name], field, city)
     _panels(placing, found, group, field, city)
@@ -262,24 +261,23 @@ def attic_windows(
     name = np.where(np.isin(name, SMALL), name, "window_single")
     ids = placing.ids("roof/window", wall, index)
     dressing = choose(city.seed, "facade/dressing", ids, (0.6, 0.15, 0.25))
-    lit = uniform(city.seed, LIT_DRAW, ids) < city.environment.night_lights
     # Fine windows are drawn for a niche; here they are squeezed flat and stand before the front.
     fine = placing.detail > 2
     deep, before = (FLAT / NICHE_DEPTH, FLAT + 0.012) if fine else (1.0, 0.0)
-    code = np.unique(name, return_inverse=True)[1] * 8 + dressing * 2 + lit
+    code = np.unique(name, return_inverse=True)[1] * 4 + dressing
     for value in np.unique(code).tolist():
         of = np.flatnonzero(code == value)
-        word, which, on = str(name[of[0]]), int(value % 8 // 2), bool(value % 2)
+        word, which = str(name[of[0]]), int(value % 4)
         _, width, height = WINDOWS[word]
         placing.add(
-            f"{word}_{which}{'_lit' if on else ''}", partial(window, word, which, lit=on),
+            f"{word}_{which}", partial(window, word, which),
             wall[of], along[of], z[of],
             scale=(size[0][of] / width, deep, size[1][of] / height),
             tint=found.finishes.frame_tint[part[of]], ids=ids[of], out=before + out, reach=0.2,
         )  # fmt: skip
 
 
-def _roof_windows(placing: Placing, slopes: Slopes, field: RoofField, city: City) -> None:
+def _roof_windows(placing: Placing, slopes: Slopes, field: RoofField) -> None:
     """Windows that lie in the slope, at a height at which one looks out."""
     lean = np.hypot(1.0, slopes.slope)
     reach = ROOF_WINDOW[1] / 2 / lean  # in plan
@@ -288,11 +286,7 @@ def _roof_windows(placing: Placing, slopes: Slopes, field: RoofField, city: City
     fits = _lies_in(placing, field, slopes, half, middle - reach - 0.25, middle + reach + 0.25)
     slopes, middle = slopes.take(fits), middle[fits]
     ids = placing.ids("roof/lying window", slopes.wall, slopes.index)
-    lit = uniform(city.seed, LIT_DRAW, ids) < city.environment.night_lights
-    for on in (False, True):
-        of = np.flatnonzero(lit == on)
-        made = roof_window(lit=on, detail=placing.detail)
-        _lay(placing, made, slopes.take(of), middle[of], ids[of])
+    _lay(placing, roof_window(detail=placing.detail), slopes, middle, ids)
 
 
 def _panels(

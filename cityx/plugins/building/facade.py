@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -16,10 +15,9 @@ from cityx.assets.palettes import Finishes
 from cityx.assets.shopfronts import HEIGHT, WIDTH, shopfront
 from cityx.city.city import City
 from cityx.city.ground import KERB_HEIGHT
-from cityx.city.scene import Prototype
 from cityx.geometry import facades
 from cityx.geometry.facades import Fronts, Openings, Storeys, lay_out, storeys_of, wall_key
-from cityx.geometry.identity import choose, hash_ids, mix, uniform
+from cityx.geometry.identity import choose, hash_ids, mix
 from cityx.geometry.polygons import FloatArray
 from cityx.geometry.wall_faces import wall_faces
 from cityx.geometry.walls import WallTable
@@ -54,10 +52,6 @@ LAYERS = {
 }
 MIN_LOD = 2
 FINE_LOD = 3  # from here on openings are set back into the walls and drawn in full
-# Shops burn their lights longer than flats.
-SHOP_LIGHTS = 2.0
-# The draw by which Blender lights rooms, so that a lit prototype and a lit pane never meet.
-LIT_DRAW = "blender/instance"
 FLAT_DEPTH = 0.06  # metres to which fine things are squeezed that have no niche
 FLAT_GAP = 0.016  # metres between their backs and the wall
 WINDOW_ROLES = (facades.WINDOW, facades.BACK, facades.GROUND, facades.FRENCH)
@@ -228,18 +222,15 @@ def _place_windows(placing: Placing, found: Facade, setting: Setting, city: City
     name = _window_names(found, table)
     size = _window_sizes(name)
     dressing = choose(city.seed, "facade/dressing", ids, DRESSING_SHARES)
-    lit = uniform(city.seed, LIT_DRAW, ids) < city.environment.night_lights
-    dressing = np.where(lit & (dressing == 3), 0, dressing)
     tint = found.finishes.frame_tint[part]
     arched = name == "window_arched"
     tint = np.where(arched[:, None], found.finishes.trim_tint[part], tint)
-    code = np.unique(name, return_inverse=True)[1] * 8 + dressing * 2 + lit
+    code = np.unique(name, return_inverse=True)[1] * 4 + dressing
     for value in np.unique(code).tolist():
         of = np.flatnonzero(code == value)
-        word, which, on = str(name[of[0]]), int(value % 8 // 2), bool(value % 2)
-        make = partial(window, word, which, lit=on)
+        word, which = str(name[of[0]]), int(value % 4)
         placing.add(
-            f"{word}_{which}{'_lit' if on else ''}", make,
+            f"{word}_{which}", partial(window, word, which),
             table.wall[of], table.along[of], table.low[of],
             **_set(placing, setting.depth[rows[of]], table.width[of], table.height[of], size[of]),
             tint=tint[of], ids=ids[of], reach=table.width[of] / 2,
@@ -302,15 +293,12 @@ def _place_shopfronts(placing: Placing, found: Facade, setting: Setting, city: C
     )
     # Of two bays of one shop the second is a display window.
     kind = np.where((table.bay % 500 % 2 == 1) & (kind < 2), 2, kind)
-    share = min(1.0, SHOP_LIGHTS * city.environment.night_lights)
-    lit = uniform(city.seed, LIT_DRAW, ids) < share
-    for value in np.unique(kind * 2 + lit).tolist():
-        of = np.flatnonzero(kind * 2 + lit == value)
-        word, on = _SHOP_KINDS[value // 2], bool(value % 2)
-        make: Callable[..., Prototype] = partial(shopfront, word, lit=on)
+    for value in np.unique(kind).tolist():
+        of = np.flatnonzero(kind == value)
+        word = _SHOP_KINDS[value]
         size = np.tile((WIDTH, HEIGHT), (len(of), 1))
         placing.add(
-            word + ("_lit" if on else ""), make, table.wall[of], table.along[of], table.low[of],
+            word, partial(shopfront, word), table.wall[of], table.along[of], table.low[of],
             **_set(placing, setting.depth[rows[of]], table.width[of], table.height[of], size),
             tint=tint[of], ids=ids[of], reach=table.width[of] / 2,
         )  # fmt: skip

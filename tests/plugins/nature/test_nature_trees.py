@@ -1,4 +1,5 @@
 from dataclasses import replace
+from datetime import date, timedelta
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ from cityx.assets.trees import size_of
 from cityx.city import Environment, Frame
 from cityx.plugins.nature.climate import band_of, season_of, species_of_tags
 from cityx.plugins.nature.trees import trees
+
+DAY = date(2025, 1, 1)
 
 
 def rows_of(city):
@@ -79,7 +82,14 @@ def test_the_season_asked_for_is_the_season_shown(crossroads, season):
 
 def test_the_season_follows_the_date_and_the_hemisphere(crossroads):
     for day, word in ((15, "bare"), (110, "spring"), (172, "near"), (290, "autumn")):
-        _, names = rows_of(trees(replace(crossroads, environment=Environment(day=day))))
+        _, names = rows_of(
+            trees(
+                replace(
+                    crossroads,
+                    environment=Environment(date=f"{DAY + timedelta(days=day - 1):%Y-%m-%d}"),
+                )
+            )
+        )
         assert any("lime" in n and n.endswith(word) for n in names)
     assert season_of(15, Frame(-35.0, 150.0)) == "summer"
     assert season_of(200, Frame(-35.0, 150.0)) == "winter"

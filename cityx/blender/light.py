@@ -1,0 +1,94 @@
+"""Light, air and weather of a scene, set or changed in one step that touches no geometry."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from cityx.blender.air import make_air
+from cityx.blender.falling import make_falling
+from cityx.blender.lamps import lamp_positions, place_lamps, shop_positions
+from cityx.blender.render import use_light_tree
+from cityx.blender.scene import BARE
+from cityx.blender.sky import lamp_balance, make_world
+from cityx.blender.weather import show_tracks, turn_knobs
+from cityx.city.camera import Camera
+from cityx.city.environment import Environment
+from cityx.city.store import View
+from cityx.geometry.tyre_tracks import tyre_tracks
+
+# A camera that looks down from high up sees sunlit roofs and streets, where one between the houses
+# sees half of them in shade: it closes by so many stops.
+AERIAL_STOPS = 1.1
+SNOWED = 0.3  # snow cover from which deciduous trees are bare
+AERIAL_HEIGHT = (15.0, 60.0)  # metres above the ground over which it does so
+
+
+class Lighting:
+    """The light of one scene: a class because the places of lamps are found once.
+
+    Parameters
+    ----------
+    scene
+        A scene made by `cityx.blender.scene`.
+    view
+        The city it was made from.
+    """
+
+    def __init__(self, scene: bpy.types.Scene, view: View) -> None:
+        self.scene = scene
+        self.view = view
+        self.lamps = lamp_positions(view.scene)
+        self._tracked = view.network is None or view.lod == 0
+
+    def set(self, environment: Environment) -> None:
+        """Show an environment: sky, wetness, snow, lit rooms, lamps, air seen from the middle."""
+        make_world(self.scene, environment)
+        xmin, ymin, xmax, ymax = self.view.extent
+        self._air(environment, ((xmin + xmax) / 2, (ymin + ymax) / 2, 0.0))
+        turn_knobs(environment)
+        if environment.snow > 0 and not self._tracked and self.view.network is not None:
+            picture, cell = tyre_tracks(self.view.network, self.view.extent)
+            show_tracks(picture, self.view.extent[:2], cell)
+            self._tracked = True
+        for tree in (o for o in bpy.data.objects if BARE in o.modifiers):
+            modifier = tree.modifiers[BARE]
+            modifier.show_render = modifier.show_viewport = environment.snow > SNOWED
+        self.scene.view_settings.view_transform = "AgX"
+        self.scene.view_settings.look = "None"
+        self.scene.view_settings.exposure = environment.exposure
+        use_light_tree(self.scene, on=environment.lamps > 0)
+
+    def set_for(self, environment: Environment, camera: Camera) -> None:
+        """Set what depends on the camera: lights near it, air, drops and flakes before it."""
+        height = self._air(environment, camera.position)
+        on, balance = environment.lamps > 0, lamp_balance(environment)
+        shops = shop_positions(self.view, environment)
+        place_lamps(self.scene, self.lamps, shops, camera, on=on, balance=balance)
+        make_falling(self.scene, environment, camera, seed=self.view.seed, height=height)
+        closed = closed_by(environment, height)
+        self.scene.view_settings.exposure = environment.exposure - closed
+
+    def _air(self, environment: Environment, eye: tuple[float, float, float]) -> float:
+        """Fill the scene with air as seen from a point; returns its height above the ground."""
+        ground = float(self.view.terrain.height_at([eye[:2]])[0])
+        reach = reach_of(eye, self.view.extent)
+        make_air(self.scene, environment, reach=reach, ground=ground, eye=eye[2])
+        return eye[2] - ground
+
+
+def closed_by(environment: Environment, height: float) -> float:
+    """Return the stops by which a camera closes at a height above the ground, metres."""
+    low, high = AERIAL_HEIGHT
+    t = min(max((height - low) / (high - low), 0.0), 1.0)
+    # Under cloud and at night streets are no darker than roofs are.
+    sunny = (1 - environment.cloud_cover) * float(np.degrees(environment.sun_elevation) > 3.0)
+    return AERIAL_STOPS * t * t * (3 - 2 * t) * sunny
+
+
+def reach_of(eye: tuple[float, float, float], extent: tuple[float, float, float, float]) -> float:
+    """Return the metres from a point to the farthest thing that is seen from it."""
+    xmin, ymin, xmax, ymax = extent
+    corners = np.array([(x, y) for x in (xmin, xmax) for y in (ymin, ymax)])
+    far = np.linalg.norm(corners - np.array(eye[:2]), axis=1).max()
+    return float(np.hypot(far, eye[2])) * 1.1 + 100.0
