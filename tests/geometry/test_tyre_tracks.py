@@ -13,7 +13,7 @@ def street(half, *points):
         edge_nodes=np.array([[0, 1]], np.int32), edge_road=np.zeros(1, np.int32),
         edge_id=np.ones(1, np.uint64), point_start=np.array([0, len(points)]), points=points,
         half_width=np.array([half]), trim=np.zeros((1, 2)), crossing=np.zeros((1, 2), bool),
-        left_hand=np.zeros(1, bool),
+        left_hand=np.zeros(1, bool), z=np.zeros(len(points)), lift=np.zeros(len(points)),
     )  # fmt: skip
 
 

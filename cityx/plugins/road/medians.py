@@ -91,7 +91,7 @@ def twins_of(layout: Layout, network: RoadNetwork) -> Twins:
 def median_regions(layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bool_]) -> Regions:
     """Return the strips between two carriageways of one road: paved, or wide enough for lawn.
 
-    What is too narrow to stand on is no median: the arrangement fills it with asphalt.
+    What is too narrow to stand on is no median: it is paved like the gutters on both sides of it.
     """
     twins = twins_of(layout, network)
     rows = np.flatnonzero(on_ground[twins.first] & on_ground[twins.second] & (twins.gap > 0))

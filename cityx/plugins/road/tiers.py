@@ -128,6 +128,9 @@ def cut_network(network: RoadNetwork, spans: Spans, rows: IntArray) -> RoadNetwo
         [network.node_position, cut.points[cut.start[:-1]], cut.points[cut.start[1:] - 1]]
     )
     degree = np.concatenate([network.node_degree, np.ones(2 * size, np.int32)])
+    # Whole ends stay where they were to the last bit, so that what is closed stays closed.
+    cut.points[cut.start[:-1][at_head]] = lines.points[lines.start[edge[at_head]]]
+    cut.points[cut.start[1:][at_tail] - 1] = lines.points[lines.start[edge[at_tail] + 1] - 1]
     owner = cut.line_of_point()
     along = begin[owner] + arc_lengths(cut)[0]
     free = np.column_stack([at_head, at_tail])

@@ -68,7 +68,7 @@ def test_benches_stand_beside_paths_and_not_on_them(waterside):
     bench = rows.position[names == "bench", :2]
     assert len(bench) > 3
     label = stand_on(waterside.scene.meshes["ground"], bench).label
-    assert set(label.tolist()) <= {LABEL["park"], LABEL["trail"]}
+    assert set(label.tolist()) <= {LABEL["park"], LABEL["trail"], LABEL["playground"]}
     lines = park_paths(waterside.layout)
     gap = shapely.distance(shapely.points(bench), shapely.unary_union(lines.lines))
     assert gap.min() > 1.0
