@@ -43,6 +43,7 @@ DECK = 0.8  # metres of structure under a deck that carries traffic
 FOOT_DECK = 0.5
 OVER_WATER = 0.6  # metres above the bank that a deck over water rises
 COVER = 0.5  # metres of structure and soil over the clear height of a tunnel
+EDGE = 0.5  # metres of kerb and parapet at the side of a deck
 BESIDE = 4.0  # metres past the edge of what is crossed over which a deck keeps its height
 PARTING = 80.0  # metres from where two ways part within which one does not pass over the other
 PARTS_BELOW = np.radians(35.0)  # angle between streets that stay one surface for a while
@@ -73,6 +74,7 @@ class _Ways:
     clear: FloatArray  # (w,) free height that a way over this one leaves
     deck: FloatArray  # (w,) structure under this one
     half: FloatArray  # (w,)
+    reach: FloatArray  # (w,) half the width with walks
     tunnel: BoolArray  # (w,)
     light: BoolArray  # (w,) on foot, or rails below: no street makes way for it
     along: FloatArray  # (p,)
@@ -178,10 +180,12 @@ def _ways(layout: Layout, network: RoadNetwork, *, everywhere: bool) -> _Ways | 
     grade = np.select([rails, feet & (kind != "steps")], [RAIL_GRADE, FOOT_GRADE], grade)
     half = np.maximum(roads["width"].to_numpy(float)[road], 1.5) / 2
     half[edge >= 0] = network.half_width[edge[edge >= 0]]
+    half = np.where(rails, 2.25, half)
+    walk = roads[["sidewalk_left", "sidewalk_right"]].to_numpy(float).max(axis=1)[road]
     return _Ways(
         lines, node, road, edge, level, grade,
         np.select([rails, feet], [OVER_RAILS, OVER_FEET], OVER_CARS),
-        np.where(feet, FOOT_DECK, DECK), np.where(rails, 2.25, half),
+        np.where(feet, FOOT_DECK, DECK), half, half + walk + EDGE,
         roads["tunnel"].to_numpy()[road] & (level < 0), feet | (rails & (level < 0)),
         arc_lengths(lines)[0], int(node.max()) + 1,
     )  # fmt: skip
@@ -231,7 +235,7 @@ def _across(ways: _Ways) -> tuple[IntArray, FloatArray]:
     shapes = to_linestrings(lines)
     spots = shapely.points(lines.points[station])
     far = shapely.distance(shapes[other], spots)
-    near = (far < ways.half[one] + ways.half[other] + 0.5) & (far > 0.0)
+    near = (far < ways.reach[one] + ways.half[other] + 0.5) & (far > 0.0)
     station, other, far = station[near], other[near], far[near]
     facing = _nearest(ways, shapes, other, lines.points[station])
     return np.column_stack([station, facing]), np.maximum(far, 0.5)
@@ -308,10 +312,10 @@ def _beside(ways: _Ways, shapes: Any) -> tuple[IntArray, IntArray, IntArray, Int
     spots = shapely.points(ways.lines.points[street])
     tree = shapely.STRtree(spots)
     widest = ways.half[ways.edge >= 0].max(initial=0.0) / 2
-    way, spot = tree.query(shapes[off], predicate="dwithin", distance=ways.half[off] + widest)
+    way, spot = tree.query(shapes[off], predicate="dwithin", distance=ways.reach[off] + widest)
     way, station = off[way], street[spot]
     other = owner[station]
-    near = shapely.distance(shapes[way], spots[spot]) < ways.half[way] + ways.half[other] / 2
+    near = shapely.distance(shapes[way], spots[spot]) < ways.reach[way] + ways.half[other] / 2
     near &= ways.level[way] != ways.level[other]
     way, station, other = way[near], station[near], other[near]
     # Ways that part from each other are one surface until they are apart.

@@ -68,6 +68,8 @@ PIER_WIDE = 0.45  # of the deck's width
 WALKED = (*ON_FOOT, "steps")
 UNDER = 1.5  # metres beside a carriageway that a deck over it spans too
 STORY = 3.5  # metres; a way lower by more passes under
+ISLAND = 150.0  # square metres; a larger hole in a deck stays open
+PAST = 0.6  # metres past the end of a deck that its kerbs could reach
 SAME_PLACE = 0.06  # metres
 PASSES_OVER = 1.0  # metres of difference in height from which ways side by side have no one surface
 BLEND = 3.0  # metres beyond the edge of a way in which its height still counts
@@ -384,7 +386,36 @@ def _regions(layout: Layout, part: _Tier, detail: bool, painting: Painting) -> R
             rank = SURFACES[LABEL["carriageway"]].priority
             found.append(regions(road.strips, own, rank, ids[road.edge]))
             found.append(regions(road.stars, LABEL["junction"], rank))
-    return join_regions(found)
+    return join_regions([*found, _islands(found), _ends(part)])
+
+
+def _islands(found: list[Regions]) -> Regions:
+    """Pave what surfaces leave open between them, up to the size of a traffic island."""
+    whole = shapely.unary_union(np.concatenate([part.polygons for part in found]))
+    rings = shapely.get_rings(shapely.get_parts(whole))
+    inner = shapely.polygons(rings[~shapely.is_ccw(rings)])
+    return regions(inner[shapely.area(inner) < ISLAND], LABEL["sidewalk"], 0)
+
+
+def _ends(part: _Tier) -> Regions:
+    """Return what lies past the ends of ways, where kerbs run across them: it is cut away."""
+    lines = part.lines
+    count, cars = lines.count, part.network.edge_count
+    foot = np.concatenate([lines.start[:-1], lines.start[1:] - 1])
+    inward = np.concatenate([lines.start[:-1] + 1, lines.start[1:] - 2])
+    place = np.unique(np.rint(lines.points[foot] * 1000), axis=0, return_inverse=True)[1].ravel()
+    for side in (0, 1):
+        place[side * count : side * count + cars] = -1 - part.network.edge_nodes[:, side]
+    _, which, often = np.unique(place, return_inverse=True, return_counts=True)
+    alone = np.flatnonzero(often[which] == 1)
+    at = lines.points[foot[alone]]
+    out = at - lines.points[inward[alone]]
+    out /= np.maximum(np.hypot(*out.T), 1e-9)[:, None]
+    across = np.column_stack([-out[:, 1], out[:, 0]])
+    across *= (part.reach[lines.line_of_point()[foot[alone]]] + 1.0)[:, None]
+    past = at + PAST * out
+    ring = np.stack([at - across, at + across, past + across, past - across], axis=1)
+    return regions(shapely.polygons(ring), LABEL["void"], SURFACES[LABEL["void"]].priority)
 
 
 def _shoulders(sub: RoadNetwork) -> Regions:
