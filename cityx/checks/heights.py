@@ -19,6 +19,7 @@ IntArray = NDArray[np.int64]
 LIMITS = {"motorway": 0.06, "trunk": 0.07, "primary": 0.08, "secondary": 0.09, "tertiary": 0.10,
           "service": 0.15, "track": 0.18}  # fmt: skip
 USUAL_LIMIT = 0.12
+LINK_MORE = 0.02  # on ramps between roads, where one drives slowly
 SLACK = 0.005  # of a grade, which rounding and evening out take
 EVERY = 2.0  # metres between the places that are looked at
 HEAD = 1.0  # metres above a carriageway at which nothing solid may stand
@@ -60,6 +61,7 @@ def steep_share(city: City) -> float:
     run = along[first + 1] - along[first]
     kind = city.layout.roads["kind"].to_numpy().astype(str)[network.edge_road]
     limit = np.array([LIMITS.get(word.removesuffix("_link"), USUAL_LIMIT) for word in kind])
+    limit += LINK_MORE * np.char.endswith(kind, "_link")
     grade = np.abs(network.z[first + 1] - network.z[first]) / np.maximum(run, 0.01)
     steep = grade > limit[owner[first]] + SLACK
     return float(run[steep].sum() / max(run.sum(), 1e-9))

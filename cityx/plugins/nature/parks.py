@@ -27,6 +27,7 @@ from cityx.plugins.nature.pieces import (
     in_carriageways,
     inside_extent,
     join_pieces,
+    off_carriageways,
     pieces,
     with_pieces,
 )
@@ -362,5 +363,6 @@ def parks(city: City) -> City:
         soft = soft.take(~near_any(soft.xy, spots, TRUNK_GAP))
     soft = soft.take(~in_carriageways(city, soft.xy, np.full(len(soft), LARGEST)))
     soft = soft.take(~near_any(soft.xy, city.layout.buildings.geometry.to_numpy(), THING_GAP))
-    found = join_pieces([soft, _equipment(city, fields)])
+    hard = _equipment(city, fields)
+    found = join_pieces([soft, hard.take(off_carriageways(city, hard))])
     return with_pieces(city, LAYER, found) if len(found) else city

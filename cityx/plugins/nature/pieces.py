@@ -20,6 +20,8 @@ from cityx.plugins.road.kerbs import edge_lines
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+ANKLE, HEAD = 0.1, 2.0  # metres above the ground between which a thing is in somebody's way
+
 
 @dataclass(frozen=True)
 class Pieces:
@@ -116,6 +118,36 @@ def with_pieces(city: City, layer: str, found: Pieces, z: FloatArray | None = No
     )
     prototypes = [furniture(str(name), detail=city.lod) for name in names]
     return replace(city, scene=city.scene.with_instances(layer, prototypes, rows))
+
+
+def off_carriageways(city: City, found: Pieces) -> BoolArray:
+    """(n,) whether things, as they are turned, keep off every carriageway.
+
+    What counts of a thing is its outline between ankle and head.
+    """
+    from cityx.assets.furniture import furniture
+
+    network, free = city.network, np.ones(len(found), bool)
+    if network is None or not network.edge_count or not len(found):
+        return free
+    outlines = np.empty(len(found), object)
+    for name in np.unique(found.name.astype(str)).tolist():
+        vertices = furniture(name, detail=city.lod).mesh.vertices
+        body = vertices[(vertices[:, 2] > ANKLE) & (vertices[:, 2] < HEAD)]
+        body = body if len(body) >= 3 else vertices
+        hull = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(body[:, :2])))
+        of = np.flatnonzero(found.name.astype(str) == name)
+        c, s = np.cos(found.yaw[of])[:, None], np.sin(found.yaw[of])[:, None]
+        x, y = (hull[:, k] * found.scale[of, None] for k in (0, 1))
+        ring = np.stack([c * x - s * y, s * x + c * y], axis=2) + found.xy[of][:, None]
+        outlines[of] = shapely.linestrings(ring)
+    outlines = shapely.convex_hull(outlines)
+    lines = to_linestrings(edge_lines(network))
+    thing = shapely.STRtree(outlines).query(
+        lines, predicate="dwithin", distance=network.half_width
+    )[1]
+    free[thing] = False
+    return free
 
 
 def walk_rims(ground: Ground, labels: Sequence[str] = WALKED) -> NDArray[Any]:

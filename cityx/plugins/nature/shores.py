@@ -25,6 +25,7 @@ from cityx.plugins.nature.pieces import (
     in_carriageways,
     inside_extent,
     join_pieces,
+    off_carriageways,
     pieces,
     room_along,
     with_pieces,
@@ -371,7 +372,9 @@ def shores(city: City) -> City:
         things, level = _quayside(city, shore, quays, railed)
     if batches:
         city = replace(city, scene=city.scene.with_mesh("shores", joined_by_id(batches)))
-    found = join_pieces([growth, things])
+    found, z = join_pieces([growth, things]), np.concatenate([growth_level, level])
+    free = np.flatnonzero(off_carriageways(city, found))
+    found, z = found.take(free), z[free]
     if not len(found):
         return city
-    return with_pieces(city, LAYER, found, np.concatenate([growth_level, level]))
+    return with_pieces(city, LAYER, found, z)

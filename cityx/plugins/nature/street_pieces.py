@@ -23,6 +23,7 @@ from cityx.plugins.nature.pieces import (
     in_carriageways,
     inside_extent,
     join_pieces,
+    off_carriageways,
     pieces,
     room_along,
     walk_rims,
@@ -394,6 +395,7 @@ def street_pieces(
     half = np.concatenate([sizes, np.repeat(other[:, None], 2, axis=1)])
     kept = drawn.take(_free(city, site, drawn, half[:, 0], half[:, 1]))
     stands = kept.take(kept.name == "bicycle_parking")
-    found = join_pieces([posts, kept, _bicycles(city, stands)])
+    bicycles = _bicycles(city, stands)
+    found = join_pieces([posts, kept, bicycles.take(off_carriageways(city, bicycles))])
     city = replace(city, stages_done=done)
     return with_pieces(city, LAYER, found) if len(found) else city

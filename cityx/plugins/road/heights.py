@@ -35,6 +35,7 @@ STATION = 5.0  # metres between the heights of a way
 GRADE = {"motorway": 0.06, "trunk": 0.07, "primary": 0.08, "secondary": 0.09, "tertiary": 0.10,
          "service": 0.15, "track": 0.18, "steps": 0.6}  # fmt: skip
 USUAL_GRADE = 0.12
+LINK_GRADE = 0.01  # more on ramps between roads
 FOOT_GRADE = 0.12
 RAIL_GRADE = 0.035
 # Free height over a way by what moves on it, metres, with a little more than the least required.
@@ -176,7 +177,9 @@ def _ways(layout: Layout, network: RoadNetwork, *, everywhere: bool) -> _Ways | 
     deep[node[(rails & (level < 0))[lines.line_of_point()]]] = True
     node = np.where(deep[node] & rails[lines.line_of_point()], node + len(deep), node)
     node = np.unique(node, return_inverse=True)[1]
+    link = np.char.endswith(kind, "_link")
     grade = np.array([GRADE.get(word.removesuffix("_link"), USUAL_GRADE) for word in kind])
+    grade = np.where(link, grade + LINK_GRADE, grade)
     grade = np.select([rails, feet & (kind != "steps")], [RAIL_GRADE, FOOT_GRADE], grade)
     half = np.maximum(roads["width"].to_numpy(float)[road], 1.5) / 2
     half[edge >= 0] = network.half_width[edge[edge >= 0]]

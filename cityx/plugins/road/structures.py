@@ -340,7 +340,7 @@ def _build_tier(
     found = _regions(layout, part, detail, painting)
     bounds = shapely.total_bounds(found.polygons)
     extent = (bounds[0] - 1.0, bounds[1] - 1.0, bounds[2] + 1.0, bounds[3] + 1.0)
-    bars = _bars(part, terrain)
+    bars = np.concatenate([_bars(part, terrain), _edges_below(part, network)])
     deck = arrange(found, extent, lines=bars, background=LABEL["void"])
     z = _surface_heights(part, deck.vertices)
     soil = terrain.height_at(deck.vertices)
@@ -462,6 +462,18 @@ def _bars(part: _Tier, terrain: Terrain) -> Shapes:
         way = across[cut] * (1 - share) + across[cut + 1] * share
         at.append(np.stack([spot - way, spot + way], axis=1))
     return np.asarray(shapely.linestrings(np.concatenate(at)))
+
+
+def _edges_below(part: _Tier, network: RoadNetwork) -> Shapes:
+    """Lines along carriageways that pass under, between which a deck spans."""
+    lines = Polylines(network.points, network.point_start)
+    shapes, own = to_linestrings(lines), to_linestrings(part.lines)
+    way, edge = shapely.STRtree(shapes).query(own, predicate="dwithin", distance=part.reach + UNDER)
+    highest = np.maximum.reduceat(part.z, part.lines.start[:-1])
+    lowest = np.minimum.reduceat(network.z, network.point_start[:-1])
+    below = np.unique(edge[highest[way] - lowest[edge] > STORY])
+    reach = network.half_width[below] + UNDER
+    return np.asarray(shapely.boundary(shapely.buffer(shapes[below], reach, quad_segs=2)))
 
 
 def _surface_heights(part: _Tier, points: FloatArray) -> FloatArray:
