@@ -20,6 +20,7 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.ground import LABEL, Ground
+from cityx.geometry.chains import components
 
 GRID = 0.01  # metres; finer than a joint between kerb stones, coarser than any rounding error
 PER_METRE = 100  # grid steps per metre
@@ -315,11 +316,45 @@ def _absorb_slivers(ground: Ground, doubled: IntArray) -> Ground:
     inner = ground.edge_faces[:, 1] != BEYOND
     rim += np.bincount(ground.edge_faces[inner, 1], length[inner], minlength=size)
     thin = (area < SLIVER_AREA) | (2 * area < SLIVER_WIDTH * rim)
+    return _given_away(ground, thin)
+
+
+def absorb_scraps(ground: Ground, label: int, area: float) -> Ground:
+    """Give scraps of the surfaces of one label to their neighbours.
+
+    Parameters
+    ----------
+    ground
+        The arrangement.
+    label
+        Of the surfaces, each known by its object.
+    area
+        Square metres; smaller pieces of a surface are scraps if it has a larger one.
+    """
+    size = len(ground.face_label)
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inner = right != BEYOND
+    right = np.where(inner, right, left)
+    mine = ground.face_label == label
+    same = inner & mine[left] & mine[right]
+    same &= ground.face_object[left] == ground.face_object[right]
+    piece = components(np.column_stack([left, right])[same], size)
+    of_piece = np.bincount(piece, face_areas(ground), minlength=size)[piece]
+    owners, number = np.unique(ground.face_object, return_inverse=True)
+    largest = np.zeros(len(owners))
+    np.maximum.at(largest, number[mine], of_piece[mine])
+    return _given_away(ground, mine & (of_piece < area) & (of_piece < largest[number]))
+
+
+def _given_away(ground: Ground, given: NDArray[np.bool_]) -> Ground:
+    """Give faces the label of the neighbour along their longest edge that keeps its own."""
+    length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
+    inner = ground.edge_faces[:, 1] != BEYOND
     pairs, reach = ground.edge_faces[inner], length[inner]
     own = np.concatenate([pairs[:, 0], pairs[:, 1]])
     other = np.concatenate([pairs[:, 1], pairs[:, 0]])
     reach = np.concatenate([reach, reach])
-    useful = thin[own] & ~thin[other]
+    useful = given[own] & ~given[other]
     own, other, reach = own[useful], other[useful], reach[useful]
     order = np.lexsort((other, -np.round(reach, 6), own))
     own, other = own[order], other[order]

@@ -20,6 +20,7 @@ from cityx.plugins.nature.pieces import (
     Pieces,
     in_carriageways,
     join_pieces,
+    off_carriageways,
     pieces,
     with_pieces,
 )
@@ -347,4 +348,7 @@ def furniture(
     if not groups:
         return replace(city, stages_done=done)
     standing = _cleared(city, roads, join_pieces(groups), count)
+    # A shelter that the kerb leaves no room for is a pole.
+    tight = (standing.name == "bus_stop") & ~off_carriageways(city, standing)
+    standing = replace(standing, name=np.where(tight, "bus_pole", standing.name))
     return with_pieces(replace(city, stages_done=done), "street_furniture", standing)

@@ -347,7 +347,8 @@ def _joined(shapes: Shapes, group: IntArray) -> tuple[Shapes, IntArray]:
 
 def _closed(shapes: Shapes, radius: FloatArray) -> Shapes:
     """Round the corners that a shape has towards its outside."""
-    grown = shapely.buffer(shapes, radius, join_style="mitre", mitre_limit=MITRE)
+    with np.errstate(divide="ignore", invalid="ignore"):  # at spikes, which the mitre limit cuts
+        grown = shapely.buffer(shapes, radius, join_style="mitre", mitre_limit=MITRE)
     closed = np.full(len(shapes), None, object)
     least = 0.0
     for most, chords in CURVES:

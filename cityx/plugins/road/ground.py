@@ -18,6 +18,7 @@ from cityx.city.terrain import Terrain, flat_terrain
 from cityx.geometry.arrangement import (
     GRID,
     Regions,
+    absorb_scraps,
     arrange,
     join_regions,
     regions,
@@ -50,6 +51,7 @@ from cityx.protocol import Port, action, has_network
 TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
 PLAIN_TILE = 1000.0  # the same at detail level 0, where faces have fewer corners
 ROADWAY = tuple(LABEL[name] for name in ("carriageway", "setts", "gravel_road"))
+SCRAP = 0.5  # square metres of a junction's surface that something cut off from the rest
 COARSE = 2.0  # metres by which land cover is simplified at detail level 0
 
 
@@ -87,6 +89,7 @@ def ground(city: City) -> City:
     found = _regions(city.layout, network, city.heights, built, city.lod, painting)
     arranged = arrange(found, city.layout.extent, lines=lines)
     if city.lod > 0:
+        arranged = absorb_scraps(arranged, LABEL["junction"], SCRAP)
         arranged = pave_blocks(arranged, city.layout)
     draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0)
     scene = city.scene.with_mesh("ground", draped)
