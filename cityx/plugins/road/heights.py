@@ -39,7 +39,7 @@ LINK_GRADE = 0.01  # more on ramps between roads
 FOOT_GRADE = 0.12
 RAIL_GRADE = 0.035
 # Free height over a way by what moves on it, metres, with a little more than the least required.
-OVER_CARS, OVER_RAILS, OVER_FEET = 4.7, 5.2, 2.7
+OVER_CARS, OVER_RAILS, OVER_FEET = 4.8, 5.2, 2.7
 DECK = 0.8  # metres of structure under a deck that carries traffic
 FOOT_DECK = 0.5
 OVER_WATER = 0.6  # metres above the bank that a deck over water rises
@@ -84,6 +84,11 @@ class _Ways:
     @property
     def owner(self) -> IntArray:
         return self.lines.line_of_point()
+
+    @property
+    def rank(self) -> IntArray:
+        """(w,) order of what passes over what: of one level, paths are farther from the ground."""
+        return np.asarray(2 * self.level + np.sign(self.level) * self.light)
 
 
 def way_levels(layout: Layout) -> IntArray:
@@ -296,8 +301,9 @@ def _crossings(ways: _Ways) -> _Crossings:
 
 def _upper_first(ways: _Ways, pair: IntArray) -> tuple[IntArray, IntArray]:
     """Return the pairs of ways on different levels, (k,) the upper and (k,) the lower of each."""
-    pair = pair[ways.level[pair[:, 0]] != ways.level[pair[:, 1]]]
-    high = ways.level[pair[:, 0]] > ways.level[pair[:, 1]]
+    rank = ways.rank
+    pair = pair[rank[pair[:, 0]] != rank[pair[:, 1]]]
+    high = rank[pair[:, 0]] > rank[pair[:, 1]]
     return np.where(high, pair[:, 0], pair[:, 1]), np.where(high, pair[:, 1], pair[:, 0])
 
 
@@ -319,7 +325,7 @@ def _beside(ways: _Ways, shapes: Any) -> tuple[IntArray, IntArray, IntArray, Int
     way, station = off[way], street[spot]
     other = owner[station]
     near = shapely.distance(shapes[way], spots[spot]) < ways.reach[way] + ways.half[other] / 2
-    near &= ways.level[way] != ways.level[other]
+    near &= ways.rank[way] != ways.rank[other]
     way, station, other = way[near], station[near], other[near]
     # Ways that part from each other are one surface until they are apart.
     ends = np.concatenate([ways.lines.start[:-1], ways.lines.start[1:] - 1])
@@ -333,7 +339,7 @@ def _beside(ways: _Ways, shapes: Any) -> tuple[IntArray, IntArray, IntArray, Int
             parting |= meet & (far < PARTING)
     way, station, other = way[~parting], station[~parting], other[~parting]
     facing = _nearest(ways, shapes, way, ways.lines.points[station])
-    above = ways.level[way] > ways.level[other]
+    above = ways.rank[way] > ways.rank[other]
     return (
         np.where(above, way, other), np.where(above, other, way),
         np.where(above, facing, station), np.where(above, station, facing),
