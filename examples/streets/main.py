@@ -40,6 +40,8 @@ class View:
         Metres east, north and up of the place.
     heading, pitch, fov
         Degrees; heading from north clockwise.
+    size
+        (width, depth) of the window, metres.
     """
 
     map: str
@@ -48,11 +50,21 @@ class View:
     heading: float
     pitch: float
     fov: float = 62.0
+    size: tuple[float, float] = (260.0, 260.0)
 
 
 VIEWS = {
     "junction": View(
         "sydney_glebe.osm.gz", (-33.874418, 151.182722), (14.0, -21.0, 13.0), 326.0, -28.0
+    ),
+    "bridge": View(
+        "seattle_i5_exit.osm.gz",
+        (47.656236, -122.321628),
+        (30.0, -60.0, 16.0),
+        300.0,
+        -12.0,
+        65.0,
+        (280.0, 380.0),
     ),
     "roundabout": View("krems.osm.gz", (48.412224, 15.635528), (6.0, -36.0, 17.0), 350.0, -25.0),
 }
@@ -101,7 +113,7 @@ def picture(name: str, out: Path, work: Path, samples: int) -> Path:
     """Build the window of a view and render it."""
     view = VIEWS[name]
     path, place = MAPS / view.map, view.place
-    options = BuildOptions(lod=2, formats=("blend",), render=False, size=(260.0, 260.0), at=place)
+    options = BuildOptions(lod=2, formats=("blend",), render=False, size=view.size, at=place)
     if not path.is_file():
         path = town(work / "town.osm")
         place = (48.2, 16.3) if name == "roundabout" else (48.2, 16.30108)
