@@ -37,6 +37,7 @@ from cityx.plugins.road.heights import way_heights
 from cityx.plugins.road.landcover import (
     area_regions,
     building_regions,
+    garden_regions,
     kerbside_regions,
     way_regions,
 )
@@ -174,6 +175,7 @@ def detailed_regions(
         area_regions(layout),
         park_regions(layout),
         kerbside_regions(layout, strips),
+        garden_regions(layout),
         building_regions(layout),
         way_regions(layout, ways, strips),
     ])  # fmt: skip

@@ -34,6 +34,10 @@ AREA_PRIORITY: Mapping[str, int] = MappingProxyType({
     "pool": 33,
     "road_area": 54,  # drawn kerb to kerb: no sidewalk or kerb of ours lies on it
 })  # fmt: skip
+WITH_GARDEN = ("detached", "semidetached_house", "terrace", "house", "bungalow", "villa", "farm")
+TOWN = ("urban", "core")
+GARDEN = 5.0  # metres of garden on every side of such a house in a town
+GARDEN_PRIORITY = 7  # above the paving of dense blocks, below all that a map shows
 BAY_GAP = 0.9  # metres between parking bays and the carriageway they belong to
 KERBSIDE_PRIORITY = 53  # parking beside the carriageway lies inside of the kerb
 PATHS = ("footway", "path", "cycleway", "steps", "bridleway", "corridor")
@@ -84,6 +88,15 @@ def kerbside_regions(layout: Layout, strips: Shapes) -> Regions:
     reach = shapely.buffer(strips[strip], BAY_GAP, join_style="mitre", quad_segs=ROUND)
     gaps = shapely.intersection(shapes[bay], reach)
     return regions(shapely.unary_union(gaps), LABEL["parking"], KERBSIDE_PRIORITY)
+
+
+def garden_regions(layout: Layout) -> Regions:
+    """Return the gardens round houses of one family, where nothing else is known of the ground."""
+    buildings = layout.buildings
+    homes = (buildings["use"].isin(WITH_GARDEN) & buildings["place"].isin(TOWN)).to_numpy()
+    reach = shapely.buffer(buildings.geometry.to_numpy()[homes], GARDEN, join_style="mitre",
+                           mitre_limit=MITRE)  # fmt: skip
+    return regions(shapely.unary_union(reach), LABEL["grass"], GARDEN_PRIORITY)
 
 
 def building_regions(layout: Layout) -> Regions:

@@ -160,3 +160,14 @@ def test_no_kerb_crosses_a_mapped_road_area(layout_of):
     rows = np.flatnonzero(found.face_label[found.triangle_face] == LABEL["kerb"])
     middle = found.vertices[found.triangles[rows]].mean(axis=1)
     assert not ((np.abs(middle[:, 1]) < 5.9) & (np.abs(middle[:, 0]) < 89)).any()
+
+
+def test_houses_of_one_family_stand_in_gardens_in_a_town(layout_of):
+    houses = [(10, 10, 90, 30), (10, 36, 90, 90), (-90, 10, -10, 90), (10, -90, 90, -10)]
+    layout = layout_of(CROSS, houses=houses)
+    plain = areas(ground_of(layout))["grass"]
+    layout.buildings["place"] = "urban"
+    layout.buildings["use"] = ["terrace", "terrace", "apartments", "apartments"]
+    found = ground_of(layout)
+    assert check_arrangement(found) == (0, 0, 0.0)
+    assert areas(found)["grass"] > plain + 400.0
