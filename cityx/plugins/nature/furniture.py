@@ -182,6 +182,7 @@ def _lamps(city: City, have: int) -> Pieces | None:
     lit = np.isin(kind, LIT) & table["lit"].to_numpy()[network.edge_road]
     lit &= ~table["bridge"].to_numpy()[network.edge_road]
     lit &= table["layer"].to_numpy()[network.edge_road] == 0
+    lit &= ~table["roundabout"].to_numpy(bool)[network.edge_road]
     kilometres = edge_lengths(network)[lit].sum() / 1000.0
     if have >= FEW_LAMPS * kilometres or not lit.any():
         return None

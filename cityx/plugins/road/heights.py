@@ -378,7 +378,7 @@ def _cleared(
     the place are allowed to be steeper, and all heights are found anew.
     """
     crossing = _crossings(ways)
-    wet = _over_water(layout, ways)
+    wet, street = _over_water(layout, ways), _in_streets(ways)
     middle = _places(ways)[ways.node[crossing.upper_node]]
     centre = (_places(ways)[pairs[:, 0]] + _places(ways)[pairs[:, 1]]) / 2
     tree = shapely.STRtree(shapely.points(centre))
@@ -386,7 +386,7 @@ def _cleared(
     walked, class_of_pair = ways.light[of_pair], ways.clear[of_pair]
     best, fewest = base, len(crossing.upper) + 1
     for _ in range(PASSES):
-        z = _swept(ways, crossing, slopes_of(pairs, free), base, soil, on_ground, wet)
+        z = _swept(ways, crossing, slopes_of(pairs, free), base, soil, on_ground, wet, street)
         gap = z[ways.node[crossing.upper_node]] - z[ways.node[crossing.lower_node]]
         short = np.flatnonzero(gap < crossing.need - SHORT)
         if len(short) < fewest:
@@ -409,6 +409,7 @@ def _swept(
     soil: FloatArray,
     on_ground: BoolArray,
     wet: IntArray,
+    in_street: IntArray,
 ) -> FloatArray:
     """Sink the lower levels from the ground down, then raise the upper ones from the ground up.
 
@@ -423,6 +424,7 @@ def _swept(
     must_up, must_down = np.full(ways.count, -np.inf), np.full(ways.count, np.inf)
     street = np.zeros(ways.count, bool)
     street[ways.node[((ways.level == 0) & ~ways.light)[ways.owner]]] = True
+    street[ways.node[in_street]] = True
     for level in np.unique(lower[lower < 0])[::-1]:
         for light in (False, True):
             pick = (lower == level) & (upper <= 0) & (ways.light[crossing.lower] == light)
@@ -481,6 +483,17 @@ def _sunk(
     fall = -rise_to(own, np.where(mouth, 0.0, -np.inf))
     room = np.where(np.isfinite(fall), fall, np.inf)
     return np.asarray(np.where(inside & ~mouth, np.minimum(z, soil - np.minimum(depth, room)), z))
+
+
+def _in_streets(ways: _Ways) -> IntArray:
+    """Return the stations of paths on the ground that lie in a carriageway: they stay there."""
+    owner = ways.owner
+    cars = np.flatnonzero((ways.edge >= 0) & (ways.level == 0))
+    paths = np.flatnonzero((ways.light & (ways.level == 0))[owner])
+    shapes = to_linestrings(ways.lines)[cars]
+    tree = shapely.STRtree(shapely.points(ways.lines.points[paths]))
+    near = tree.query(shapes, predicate="dwithin", distance=ways.half[cars] + EDGE)[1]
+    return np.asarray(paths[np.unique(near)])
 
 
 def _over_water(layout: Layout, ways: _Ways) -> IntArray:

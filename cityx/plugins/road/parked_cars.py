@@ -46,6 +46,7 @@ def _along_kerbs(city: City, occupancy: float) -> _Cars | None:
     row = network.edge_road
     flat = ~roads["bridge"].to_numpy() & ~roads["tunnel"].to_numpy()
     flat &= ~roads["passage"].to_numpy() & (roads["layer"].to_numpy() == 0)
+    flat &= ~roads["roundabout"].to_numpy(bool)  # nobody parks in a ring
     oneway = roads["oneway"].to_numpy()[row]
     both = (roads["parking_left"].to_numpy() & roads["parking_right"].to_numpy())[row]
     # The narrowed carriageway must still let a car pass between the parked ones.
