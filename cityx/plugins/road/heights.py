@@ -395,6 +395,11 @@ def _cleared(
             break
         moves = np.where(ways.level[crossing.upper] > 0, crossing.upper, crossing.lower)[short]
         row, near = tree.query(shapely.points(middle[short]), "dwithin", distance=STEEPER)
+        # Where stairs have no other place, they stand in the street.
+        spots = shapely.points(ways.lines.points[street])
+        beside = shapely.STRtree(spots).query(shapely.points(middle[short]), "dwithin",
+                                              distance=STEEPER)[1]  # fmt: skip
+        street = np.delete(street, np.unique(beside))
         # Only what moves for the crossing, and what it runs into, may be steeper for it.
         near = np.unique(near[class_of_pair[near] == ways.clear[moves[row]]])
         free[near] = np.where(walked[near], STAIRS * run[near], MORE * free[near])
