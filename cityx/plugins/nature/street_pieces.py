@@ -13,7 +13,7 @@ from cityx.city import City
 from cityx.city.ground import LABEL, Ground
 from cityx.geometry.clearance import distance_within, in_triangles, near_any
 from cityx.geometry.identity import choose, hash_ids, uniform
-from cityx.geometry.scatter import Points, candidates, near_pairs, thin
+from cityx.geometry.scatter import Points, candidates, cells_of_polygons, near_pairs, thin
 from cityx.geometry.standing import WALKED, stand_on
 from cityx.plugins.nature.pieces import (
     BoolArray,
@@ -232,11 +232,11 @@ def _on(ground: Ground, xy: FloatArray, *names: str) -> BoolArray:
     return in_triangles(xy, ground.vertices, ground.triangles[wanted])
 
 
-def _scattered(city: City) -> Points:
-    """Candidates over the whole site, the same whatever its rectangle."""
-    xmin, ymin, xmax, ymax = np.floor(np.array(city.layout.extent) / OPEN_SPACING).astype(int)
-    i, j = np.meshgrid(np.arange(xmin, xmax + 1), np.arange(ymin, ymax + 1), indexing="ij")
-    cells = np.column_stack([i.ravel(), j.ravel()])
+def _scattered(city: City, ground: Ground) -> Points:
+    """Candidates about plazas and yards, the same whatever the site's rectangle."""
+    open_ = np.isin(ground.face_label, [LABEL["plaza"], LABEL["courtyard"]])
+    triangles = ground.triangles[open_[ground.triangle_face]]
+    cells = cells_of_polygons(shapely.polygons(ground.vertices[triangles]), OPEN_SPACING)
     found = candidates(cells, OPEN_SPACING, seed=city.seed, purpose=ACTION)
     one = found.id % np.uint64(3) == 0  # about one per cell are enough for things so far apart
     return Points(found.xy[one], found.id[one])
@@ -247,7 +247,7 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
     ground = city.ground
     if ground is None:
         return join_pieces([])
-    spots = _scattered(city)
+    spots = _scattered(city, ground)
     plaza, yard = (_on(ground, spots.xy, name) for name in ("plaza", "courtyard"))
     open_ = plaza | yard
     spots, yard = Points(spots.xy[open_], spots.id[open_]), yard[open_]

@@ -391,7 +391,8 @@ def _regions(layout: Layout, part: _Tier, detail: bool, painting: Painting) -> R
 
 def _islands(found: list[Regions]) -> Regions:
     """Pave what surfaces leave open between them, up to the size of a traffic island."""
-    whole = shapely.unary_union(np.concatenate([part.polygons for part in found]))
+    shapes = np.concatenate([part.polygons for part in found])
+    whole = shapely.unary_union(shapely.make_valid(shapes))
     rings = shapely.get_rings(shapely.get_parts(whole))
     inner = shapely.polygons(rings[~shapely.is_ccw(rings)])
     return regions(inner[shapely.area(inner) < ISLAND], LABEL["sidewalk"], 0)
