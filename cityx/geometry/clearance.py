@@ -125,24 +125,49 @@ MOST_TABLE = 4_000_000  # cells of a table of those that are taken
 MOST_CELLS = 64  # that a triangle's box may meet; larger triangles ask a search tree
 
 
+@dataclass(frozen=True)
+class TriangleCells:
+    """(t,) triangles with the cells that their boxes meet, for several questions about them.
+
+    Attributes
+    ----------
+    corners
+        (t, 3, 2) float, metres.
+    low, size
+        (t, 2) int, first cell and number of cells along x and y.
+    """
+
+    corners: FloatArray
+    low: NDArray[np.int64]
+    size: NDArray[np.int64]
+
+
+def cells_of_triangles(
+    vertices: NDArray[np.float64], triangles: NDArray[np.int32]
+) -> TriangleCells:
+    """Prepare (t, 3) triangles over (v, 2) vertices."""
+    corners = vertices[triangles]
+    low = np.floor(corners.min(axis=1) / CELL).astype(np.int64)
+    size = np.floor(corners.max(axis=1) / CELL).astype(np.int64) - low + 1
+    return TriangleCells(corners, low, size)
+
+
 def in_triangles(
     xy: ArrayLike, vertices: NDArray[np.float64], triangles: NDArray[np.int32]
 ) -> BoolArray:
     """Tell which of (n, 2) points lie in or on one of (t, 3) triangles over (v, 2) vertices."""
-    return np.asarray(triangle_at(xy, vertices, triangles) >= 0)
+    return np.asarray(triangle_at(xy, cells_of_triangles(vertices, triangles)) >= 0)
 
 
-def triangle_at(
-    xy: ArrayLike, vertices: NDArray[np.float64], triangles: NDArray[np.int32]
-) -> NDArray[np.int64]:
+def triangle_at(xy: ArrayLike, prepared: TriangleCells) -> NDArray[np.int64]:
     """Find the triangle under each of (n, 2) points.
 
     Parameters
     ----------
     xy
         (n, 2) float, metres.
-    vertices, triangles
-        (v, 2) float and (t, 3) int.
+    prepared
+        The triangles.
 
     Returns
     -------
@@ -152,13 +177,11 @@ def triangle_at(
     """
     spots = np.asarray(xy, float).reshape(-1, 2)
     found = np.full(len(spots), -1, np.int64)
-    if not len(spots) or not len(triangles):
+    if not len(spots) or not len(prepared.low):
         return found
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    low = np.floor(np.minimum(np.minimum(a, b), c) / CELL).astype(np.int64)
-    size = np.floor(np.maximum(np.maximum(a, b), c) / CELL).astype(np.int64) - low + 1
+    low, size = prepared.low, prepared.size
     near = _meets(low, low + size, np.floor(spots / CELL).astype(np.int64))
-    low, size, corners = low[near], size[near], np.stack([a[near], b[near], c[near]], axis=1)
+    low, size, corners = low[near], size[near], prepared.corners[near]
     cells = size[:, 0] * size[:, 1]
     large = np.flatnonzero(cells > MOST_CELLS)
     if len(large):

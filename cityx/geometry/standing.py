@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.ground import SURFACES
 from cityx.city.mesh import NO_VERTEX, MeshBatch
-from cityx.geometry.clearance import triangle_at
+from cityx.geometry.clearance import TriangleCells, cells_of_triangles, triangle_at
 from cityx.geometry.identity import stable_id
 
 FloatArray = NDArray[np.float64]
@@ -50,9 +51,9 @@ def stand_on(ground: MeshBatch | None, xy: ArrayLike) -> Footing:
     z = np.full(len(spots), np.nan)
     if ground is None or not ground.count or not len(spots):
         return Footing(label, z)
-    faces = np.flatnonzero(ground.faces[:, 3] == NO_VERTEX)
+    faces, prepared = _tops(ground)
     triangles = ground.faces[faces, :3]
-    found = triangle_at(spots, ground.vertices[:, :2], triangles)
+    found = triangle_at(spots, prepared)
     hit = np.flatnonzero(found >= 0)
     known = {stable_id("ground", surface.name): i for i, surface in enumerate(SURFACES)}
     labels = np.array([known.get(int(own), NOWHERE) for own in ground.object_id])
@@ -66,3 +67,16 @@ def stand_on(ground: MeshBatch | None, xy: ArrayLike) -> Footing:
     t = (u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0]) / area
     z[hit] = a[:, 2] + s * (b - a)[:, 2] + t * (c - a)[:, 2]
     return Footing(label, z)
+
+
+_LAST: list[tuple[weakref.ref[FloatArray], NDArray[np.int64], TriangleCells]] = []
+
+
+def _tops(ground: MeshBatch) -> tuple[NDArray[np.int64], TriangleCells]:
+    """Return the top faces of the ground, prepared; those of the last ground are remembered."""
+    if _LAST and _LAST[0][0]() is ground.vertices:
+        return _LAST[0][1:]
+    faces = np.flatnonzero(ground.faces[:, 3] == NO_VERTEX)
+    prepared = cells_of_triangles(ground.vertices[:, :2], ground.faces[faces, :3])
+    _LAST[:] = [(weakref.ref(ground.vertices), faces, prepared)]
+    return faces, prepared

@@ -5,7 +5,7 @@ import shapely
 from cityx.city.ground import LABEL
 from cityx.city.terrain import Terrain
 from cityx.geometry.arrangement import arrange, regions
-from cityx.geometry.clearance import triangle_at
+from cityx.geometry.clearance import cells_of_triangles, triangle_at
 from cityx.geometry.drape import drape
 from cityx.geometry.standing import NOWHERE, stand_on
 
@@ -36,4 +36,4 @@ def test_triangles_are_found_far_from_the_points_that_ask():
     vertices = np.array([[0, 0], [1, 0], [0, 1], [1000, 1000], [1001, 1000], [1000, 1001.0]])
     triangles = np.array([[0, 1, 2], [3, 4, 5]], np.int32)
     spots = np.array([[0.2, 0.2], [1000.2, 1000.2], [500.0, 500.0]])
-    assert triangle_at(spots, vertices, triangles).tolist() == [0, 1, -1]
+    assert triangle_at(spots, cells_of_triangles(vertices, triangles)).tolist() == [0, 1, -1]
