@@ -361,7 +361,7 @@ def _sizes(stand: _Stand, variant: IntArray) -> FloatArray:
 
     used, number = np.unique(stand.species * 64 + variant, return_inverse=True)
     table = [size_of(SPECIES[value // 64], value % 64) for value in used.tolist()]
-    return np.array(table)[number]
+    return np.array(table, float).reshape(-1, 3)[number]
 
 
 def _scaled(

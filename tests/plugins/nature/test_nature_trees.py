@@ -6,7 +6,7 @@ import pytest
 import shapely
 
 from cityx.assets.trees import size_of
-from cityx.city import Environment, Frame
+from cityx.city import Environment, Frame, Scene, make_table
 from cityx.plugins.nature.climate import band_of, season_of, species_of_tags
 from cityx.plugins.nature.trees import trees
 
@@ -192,3 +192,13 @@ def test_tags_that_are_no_json_name_no_species():
     assert species_of_tags("{broken") == ""
     assert species_of_tags('{"species": "Quercus robur"}') == "oak"
     assert species_of_tags('{"leaf_type": "needleleaved"}') == "spruce"
+
+
+def test_a_place_where_no_tree_fits_gets_none(crossroads):
+    layout = crossroads.layout
+    inside = [layout.buildings.geometry.iloc[0].centroid]
+    bare = replace(layout, areas=layout.areas[:0], lines=layout.lines[:0],
+                   points=make_table("points", inside, id=[9], kind=["tree"]),
+                   roads=layout.roads.assign(kind="motorway"))  # fmt: skip
+    tall = replace(crossroads, layout=bare, network=None, ground=None, scene=Scene())
+    assert sum(rows.count for rows in trees(tall).scene.instances.values()) == 0
