@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.check import Check
 from cityx.city import City
-from cityx.city.ground import LABEL
+from cityx.city.ground import ROADWAY
 from cityx.geometry.solids import check_closed, plan_area
 
 OVERLAP_PAIR = 1.0  # m2; smaller overlaps are drawing accuracy, not two buildings in one place
@@ -17,18 +17,6 @@ PLAN_AREA_ERROR = 0.005  # of the footprint
 PLAN_AREA_SLACK = 0.01  # m2; outlines are kept to the millimetre, which shows on a flagpole's base
 FLOATING = 0.0  # metres of air allowed under a building
 GROUND_LEVEL = 0.5  # parts that begin lower stand on the ground, metres
-_ROADWAY = [
-    LABEL[name]
-    for name in (
-        "carriageway",
-        "setts",
-        "gravel_road",
-        "junction",
-        "marking",
-        "marking_yellow",
-        "cycle_lane",
-    )
-]
 
 
 def check_buildings(city: City) -> list[Check]:
@@ -72,7 +60,7 @@ def _on_road(city: City) -> Check:
         return Check("building_on_road", 0.0, ON_ROAD_SHARE, meaning)
     roads = city.layout.roads
     passages = roads["id"].to_numpy()[roads["passage"].to_numpy()]
-    road_face = np.isin(ground.face_label, _ROADWAY) & ~np.isin(ground.face_object, passages)
+    road_face = ground.labelled(*ROADWAY) & ~np.isin(ground.face_object, passages)
     triangles = ground.triangles[road_face[ground.triangle_face]]
     if not len(triangles):
         return Check("building_on_road", 0.0, ON_ROAD_SHARE, meaning)

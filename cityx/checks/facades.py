@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.check import Check
 from cityx.city import City
-from cityx.city.ground import KERB_HEIGHT, LABEL
+from cityx.city.ground import KERB_HEIGHT
 from cityx.city.levels import ground_levels
 from cityx.city.scene import Instances
 from cityx.geometry.identity import hash_ids
@@ -74,8 +74,7 @@ def street_buildings(city: City) -> NDArray[np.uint64]:
     """Return the ids of houses that stand at a sidewalk, (k,)."""
     if city.ground is None:
         return np.zeros(0, np.uint64)
-    walks = city.ground.face_label == LABEL["sidewalk"]
-    triangles = city.ground.triangles[walks[city.ground.triangle_face]]
+    triangles = city.ground.triangles_of("sidewalk")
     if not len(triangles):
         return np.zeros(0, np.uint64)
     surface = shapely.STRtree(shapely.polygons(city.ground.vertices[triangles][..., :2]))

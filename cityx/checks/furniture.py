@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.check import Check
 from cityx.city import City
-from cityx.city.ground import LABEL
+from cityx.city.ground import ROADWAY
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.clearance import in_triangles
 from cityx.geometry.polylines import Polylines, line_strips
@@ -22,7 +22,6 @@ from cityx.geometry.polylines import Polylines, line_strips
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 LAYERS = ("street_furniture", "street_pieces", "park_pieces", "shore_pieces")
-DRIVEN = ("carriageway", "setts", "gravel_road", "junction", "marking")
 WALKS = ("sidewalk", "kerb", "plaza", "path", "courtyard", "trail", "furnishing")
 LOW, HIGH = 0.10, 2.0  # metres above the ground between which a thing is in somebody's way
 FREE = 1.2  # metres of walk that a wheelchair and a passer-by need
@@ -88,8 +87,7 @@ def in_lanes(city: City, outlines: NDArray[Any], xy: FloatArray) -> NDArray[np.b
     """(n,) whether things reach into a lane, or stand on a carriageway."""
     ground, lanes = city.ground, city.lanes
     assert ground is not None
-    driven = np.isin(ground.face_label, [LABEL[name] for name in DRIVEN])
-    found = in_triangles(xy, ground.vertices, ground.triangles[driven[ground.triangle_face]])
+    found = in_triangles(xy, ground.vertices, ground.triangles_of(*ROADWAY))
     if lanes is not None and lanes.count:
         rows = np.flatnonzero(lanes.travelled & (np.diff(lanes.point_start) >= 2))
         level = city.layout.roads["layer"].to_numpy() == 0
@@ -120,8 +118,8 @@ def crowding(
     """
     ground = city.ground
     assert ground is not None
-    walk = np.isin(ground.face_label, [LABEL[name] for name in WALKS])
-    on_walk = in_triangles(xy, ground.vertices, ground.triangles[walk[ground.triangle_face]])
+    walk = ground.labelled(*WALKS)
+    on_walk = in_triangles(xy, ground.vertices, ground.triangles_of(*WALKS))
     xmin, ymin, xmax, ymax = city.layout.extent
     edge = np.minimum(xy - [xmin, ymin], np.array([xmax, ymax]) - xy).min(axis=1)
     rows = np.flatnonzero(on_walk & (edge > BORDER))

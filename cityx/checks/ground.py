@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from cityx.checks.check import Check
 from cityx.city import City
-from cityx.city.ground import LABEL
+from cityx.city.ground import PAINT
 from cityx.geometry.arrangement import check_arrangement
 from cityx.geometry.clearance import in_triangles
 
 AREA_ERROR = 1e-6  # relative; rounding to the grid moves the border by half a centimetre at most
-_NO_TRUNK = ("carriageway", "setts", "junction", "marking", "marking_yellow", "cycle_lane", "water")
+_NO_TRUNK = ("carriageway", "setts", "junction", *PAINT, "water")
 
 
 def check_ground(city: City) -> list[Check]:
@@ -37,6 +37,5 @@ def _standing_on(city: City, points: NDArray[np.float64], labels: tuple[str, ...
     ground = city.ground
     if ground is None:
         return 0
-    wanted = np.isin(ground.face_label, [LABEL[name] for name in labels])
-    triangles = ground.triangles[wanted[ground.triangle_face]]
+    triangles = ground.triangles_of(*labels)
     return int(np.count_nonzero(in_triangles(points, ground.vertices, triangles)))

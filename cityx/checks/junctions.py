@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.check import Check
 from cityx.city import City
-from cityx.city.ground import LABEL, Ground
+from cityx.city.ground import LABEL, PAINT, ROADWAY, Ground
 from cityx.geometry.arrangement import BEYOND, face_areas
 from cityx.geometry.chains import components, join_segments
 from cityx.geometry.clearance import in_triangles
@@ -21,9 +21,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-PAINT = tuple(LABEL[name] for name in ("marking", "marking_yellow", "cycle_lane", "tramway"))
-ROADWAY = (*(LABEL[n] for n in ("carriageway", "setts", "gravel_road", "junction")), *PAINT)
-STONES = tuple(LABEL[name] for name in ("kerb", "kerb_dropped"))
+STONES = ("kerb", "kerb_dropped")
 RADII = (3.0, 12.0)  # metres a kerb's curve may have between two arms
 SLACK = 0.1  # share by which a radius measured on chords may miss
 SMOOTH = 0.02  # metres; corners of the outline that stand out less come from rounding
@@ -142,7 +140,7 @@ def _junction_of_face(ground: Ground) -> IntArray:
     inner = right != BEYOND
     left, right = left[inner], right[inner]
     length = np.hypot(*np.diff(ground.vertices[ground.edges[inner]], axis=1)[:, 0].T)
-    paint = np.isin(ground.face_label, PAINT)
+    paint = ground.labelled(*PAINT, "tramway")
     rim = np.bincount(left, length, len(owner)) + np.bincount(right, length, len(owner))
     for _ in range(3):  # rails cross each other inside of a junction
         held, other = np.zeros(len(owner)), np.zeros(len(owner), np.int64)
@@ -161,7 +159,7 @@ def _usual_size(ground: Ground, owner: IntArray, count: int) -> FloatArray:
     left, right = left[inner], right[inner]
     edge = ground.edges[inner].astype(np.int64)
     length = np.hypot(*np.diff(ground.vertices[edge], axis=1)[:, 0].T)
-    road = np.isin(ground.face_label, ROADWAY)
+    road = ground.labelled(*ROADWAY, "tramway")
     at, wide, place = [], [], []
     for a, b in ((left, right), (right, left)):
         rows = np.flatnonzero((owner[a] > 0) & road[b] & (owner[a] != owner[b]))
@@ -202,8 +200,7 @@ def _walks(city: City, ground: Ground) -> Check:
         length = shapely.length(to_linestrings(lines)[on_ground])
         line, along = every(length, SPACING)
         places = locate(lines, np.flatnonzero(on_ground)[line], along)[0]
-        walk = np.isin(ground.face_label, (*STONES, LABEL["sidewalk"]))
-        triangles = ground.triangles[walk[ground.triangle_face]]
+        triangles = ground.triangles_of(*STONES, "sidewalk")
         over = int(in_triangles(places, ground.vertices, triangles).sum())
         share = max(over - LET_PASS, 0) / max(len(places), 1)
     return Check("sidewalk_on_carriageway", share, 0.001,
@@ -257,7 +254,7 @@ def _outline(ground: Ground) -> Polylines:
     left, right = ground.edge_faces.T.astype(np.int64)
     inner = right != BEYOND
     left, right, edge = left[inner], right[inner], ground.edges[inner].astype(np.int64)
-    road, stone = np.isin(ground.face_label, ROADWAY), np.isin(ground.face_label, STONES)
+    road, stone = ground.labelled(*ROADWAY, "tramway"), ground.labelled(*STONES)
     ends = np.concatenate([edge[stone[left] & road[right]],
                            edge[road[left] & stone[right]][:, ::-1]])  # fmt: skip
     head, rank = join_segments(ends, np.zeros(len(ends), np.int64))

@@ -79,6 +79,8 @@ SURFACES: tuple[Surface, ...] = (
     Surface("furnishing", 51, KERB_HEIGHT, "setts", "kerb_stone"),
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
+PAINT = ("marking", "marking_yellow", "cycle_lane")  # lies on a carriageway and is part of it
+ROADWAY = ("carriageway", "setts", "gravel_road", "junction", *PAINT)
 
 
 @dataclass(frozen=True)
@@ -110,3 +112,11 @@ class Ground:
     face_object: NDArray[np.uint64]
     edges: NDArray[np.int32]
     edge_faces: NDArray[np.int32]
+
+    def labelled(self, *names: str) -> NDArray[np.bool_]:
+        """(f,) whether each face is one of some surfaces, by name."""
+        return np.isin(self.face_label, [LABEL[name] for name in names])
+
+    def triangles_of(self, *names: str) -> NDArray[np.int32]:
+        """(t, 3) triangles of the faces of some surfaces."""
+        return np.asarray(self.triangles[self.labelled(*names)[self.triangle_face]])

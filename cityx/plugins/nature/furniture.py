@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
-from cityx.city.ground import LABEL
+from cityx.city.ground import ROADWAY
 from cityx.geometry.clearance import in_triangles, near_any, push_off
 from cityx.geometry.driving import keeps_left
 from cityx.geometry.identity import hash_ids, uniform
@@ -52,9 +52,6 @@ MAIN = ("motorway", "trunk", "primary", "secondary", "motorway_link", "trunk_lin
 NOT_FOR_CARS = ("footway", "path", "cycleway", "steps", "pedestrian", "corridor", "bridleway",
                 "rail", "tram", "subway", "light_rail")  # fmt: skip
 LIT = ("primary", "secondary", "tertiary", "residential", "unclassified", "living_street", "trunk")
-
-DRIVEN = ("carriageway", "junction", "setts", "gravel_road", "marking", "marking_yellow",
-          "cycle_lane")  # fmt: skip
 
 LAMP_SPACING = 30.0  # metres between lamps of a street, the sides in turn
 LAMP_SETBACK = 0.6  # metres from the kerb
@@ -299,9 +296,7 @@ def _cleared(city: City, roads: _Roads, given: Pieces, mapped: int) -> Pieces:
         free &= ~near_any(xy, nodes, radius[joint] + 0.3)
     if city.ground is not None:
         ground = city.ground
-        paved = np.isin(ground.face_label, [LABEL[name] for name in DRIVEN])
-        driven = ground.triangles[paved[ground.triangle_face]]
-        free &= ~in_triangles(xy, ground.vertices, driven)
+        free &= ~in_triangles(xy, ground.vertices, ground.triangles_of(*ROADWAY))
     xmin, ymin, xmax, ymax = city.layout.extent
     free &= (xy[:, 0] >= xmin) & (xy[:, 0] <= xmax) & (xy[:, 1] >= ymin) & (xy[:, 1] <= ymax)
     return replace(given, xy=xy).take(free)

@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.city import City, Instances
-from cityx.city.ground import KERB_HEIGHT, LABEL, Ground
+from cityx.city.ground import KERB_HEIGHT, Ground
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.polylines import to_linestrings
 from cityx.geometry.standing import WALKED, stand_on
@@ -152,7 +152,7 @@ def off_carriageways(city: City, found: Pieces) -> BoolArray:
 
 def walk_rims(ground: Ground, labels: Sequence[str] = WALKED) -> NDArray[Any]:
     """(k,) segments at which what people walk on ends: kerbs, walls, lawns, water."""
-    walked = np.isin(ground.face_label, [LABEL[name] for name in labels])
+    walked = ground.labelled(*labels)
     left, right = ground.edge_faces.T.astype(np.int64)
     inside = np.where(right == BEYOND, False, walked[np.maximum(right, 0)])
     rim = walked[left] != inside

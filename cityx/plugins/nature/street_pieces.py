@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
-from cityx.city.ground import LABEL, Ground
+from cityx.city.ground import LABEL, ROADWAY, Ground
 from cityx.geometry.clearance import distance_within, in_triangles, near_any
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.scatter import Points, candidates, cells_of_polygons, near_pairs, thin
@@ -51,7 +51,6 @@ from cityx.protocol import Port, Range, action
 ACTION = "nature/street_pieces-v1"
 LAYER = "street_pieces"
 
-DRIVEN = ("carriageway", "setts", "gravel_road", "junction", "marking")
 REACH = 12.0  # metres; no walk is looked at farther than this
 IN_KERB = 0.08  # metres beyond the carriageway where a look across the walk begins
 ZEBRA_GAP = 5.0  # metres behind a junction's trim that a zebra and its dropped kerb take
@@ -228,14 +227,12 @@ def _before_shops(city: City, site: _Site, density: float) -> Pieces:
 
 def _on(ground: Ground, xy: FloatArray, *names: str) -> BoolArray:
     """(n,) whether points lie on faces of some labels."""
-    wanted = np.isin(ground.face_label, _labels(names))[ground.triangle_face]
-    return in_triangles(xy, ground.vertices, ground.triangles[wanted])
+    return in_triangles(xy, ground.vertices, ground.triangles_of(*names))
 
 
 def _scattered(city: City, ground: Ground) -> Points:
     """Candidates about plazas and yards, the same whatever the site's rectangle."""
-    open_ = np.isin(ground.face_label, [LABEL["plaza"], LABEL["courtyard"]])
-    triangles = ground.triangles[open_[ground.triangle_face]]
+    triangles = ground.triangles_of("plaza", "courtyard")
     cells = cells_of_polygons(shapely.polygons(ground.vertices[triangles]), OPEN_SPACING)
     found = candidates(cells, OPEN_SPACING, seed=city.seed, purpose=ACTION)
     one = found.id % np.uint64(3) == 0  # about one per cell are enough for things so far apart
@@ -379,9 +376,8 @@ def street_pieces(
     site = _site(city)
     posts = _signs(city, site) if signs else join_pieces([])
     if site.place == "japan":
-        driven = np.isin(city.ground.face_label, _labels(DRIVEN))[city.ground.triangle_face]
         standing = np.concatenate([site.fixed, site.trunks, posts.xy])
-        poles, wires = utility_poles(city, standing, city.ground.triangles[driven])
+        poles, wires = utility_poles(city, standing, city.ground.triangles_of(*ROADWAY))
         posts = join_pieces([posts, poles])
         if wires.count:
             city = replace(city, scene=city.scene.with_mesh("wires", wires))

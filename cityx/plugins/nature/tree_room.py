@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
-from cityx.city.ground import LABEL
+from cityx.city.ground import PAINT
 from cityx.geometry.clearance import (
     Spots,
     distance_within,
@@ -40,7 +40,7 @@ FREE_LEAVES = 0.15  # metres between a crown and a facade
 LEAST_WIDTH = 0.2  # share of its grown width below which a tree is not made
 TALLEST = 2.3  # height over width, as shares of the grown tree, of a crown in a narrow place
 # Surfaces of the ground on which no trunk stands, whatever the map says.
-TREELESS = ("carriageway", "setts", "junction", "marking", "tramway", "water")
+TREELESS = ("carriageway", "setts", "junction", *PAINT, "tramway", "water")
 WATER = ("water", "sea", "river", "pool")
 OPEN_AREAS = (*WATER, "pitch", "parking", "road_area", "railway", "playground", "pier",
               "construction", "farmland", "sand")  # fmt: skip
@@ -112,8 +112,7 @@ def room_of(
         keep &= mapped | ~near_any(spots, shapely.points(lamps), LAMP_CLEARANCE)
     if city.ground is not None:
         ground = city.ground
-        bare = np.isin(ground.face_label, [LABEL[name] for name in TREELESS])
-        keep &= ~in_triangles(moved, ground.vertices, ground.triangles[bare[ground.triangle_face]])
+        keep &= ~in_triangles(moved, ground.vertices, ground.triangles_of(*TREELESS))
     road = _gap(spots, lines[driven], half[driven])
     path = _gap(spots, lines[~driven], half[~driven])
     return moved, keep, Room(facade, road, path)

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city.ground import LABEL, SURFACES, Ground
+from cityx.city.ground import LABEL, PAINT, ROADWAY, SURFACES, Ground
 from cityx.city.layout import Layout
 from cityx.geometry.arrangement import BEYOND, Regions, face_areas, regions
 from cityx.geometry.chains import components
@@ -16,25 +16,10 @@ from cityx.geometry.identity import choose, mix
 
 IntArray = NDArray[np.int64]
 
-ROAD = tuple(
-    LABEL[name]
-    for name in (
-        "carriageway",
-        "setts",
-        "gravel_road",
-        "junction",
-        "marking",
-        "marking_yellow",
-        "cycle_lane",
-        "tramway",
-    )
-)
-PAINT = tuple(LABEL[name] for name in ("marking", "marking_yellow", "cycle_lane", "tramway"))
-HARD = (
-    *ROAD,
-    *(LABEL[name] for name in ("kerb", "sidewalk", "path", "plaza", "parking", "building",
-                               "courtyard", "trail", "furnishing")),
-)  # fmt: skip
+ROAD = (*ROADWAY, "tramway")
+ON_ROAD = tuple(LABEL[name] for name in (*PAINT, "tramway"))
+HARD = (*ROAD, "kerb", "sidewalk", "path", "plaza", "parking", "building", "courtyard", "trail",
+        "furnishing")  # fmt: skip
 NARROW = 1.5  # metres; narrower islands between carriageways are not built
 DENSE = 0.35  # share of a block that is built over; gardens fill the rest of a looser one
 DENSE_URBAN = 0.12  # the same where most of what is built stands in urban surroundings
@@ -51,7 +36,7 @@ LARGEST = 60_000.0  # square metres; more is open country with a town in it, not
 
 def pave_blocks(ground: Ground, layout: Layout) -> Ground:
     """Return the ground with narrow islands filled and the open land of dense blocks paved."""
-    road = np.isin(ground.face_label, ROAD)
+    road = ground.labelled(*ROAD)
     block = _blocks(ground, road)
     ground = _paved(_filled(ground, road, block), layout, block)
     return _yards(_strips_paved(ground, layout))
@@ -107,8 +92,7 @@ def _filled(ground: Ground, road: NDArray[np.bool_], block: IntArray) -> Ground:
     source = around[block[island]]
     label, object_id = ground.face_label.copy(), ground.face_object.copy()
     taken = ground.face_label[source]
-    taken = np.where(np.isin(taken, PAINT),
-                     LABEL["carriageway"], taken)  # fmt: skip
+    taken = np.where(np.isin(taken, ON_ROAD), LABEL["carriageway"], taken)
     label[island], object_id[island] = taken, ground.face_object[source]
     return replace(ground, face_label=label, face_object=object_id)
 
@@ -122,7 +106,7 @@ def _paved(ground: Ground, layout: Layout, block: IntArray) -> Ground:
     urban = np.isin(layout.buildings["place"].to_numpy().astype(str), ("urban", "core"))
     at = np.minimum(np.searchsorted(ids, ground.face_object), max(len(ids) - 1, 0))
     town = house & urban[at] & (ids[at] == ground.face_object) if len(ids) else house
-    open_area = np.where(np.isin(ground.face_label, ROAD), 0.0, area)
+    open_area = np.where(ground.labelled(*ROAD), 0.0, area)
     whole = np.maximum(np.bincount(block, open_area, minlength=size), 1e-6)
     built = np.bincount(block, np.where(house, area, 0.0), minlength=size)
     in_town = np.bincount(block, np.where(town, area, 0.0), minlength=size)
@@ -146,8 +130,7 @@ def _yards(ground: Ground) -> Ground:
     size = len(court)
     length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
     rim, street = np.zeros(size), np.zeros(size)
-    outer = np.isin(ground.face_label, [*ROAD, LABEL["kerb"], LABEL["sidewalk"], LABEL["plaza"],
-                                       LABEL["furnishing"]])  # fmt: skip
+    outer = ground.labelled(*ROAD, "kerb", "sidewalk", "plaza", "furnishing")
     for face, other in ((left, right), (right, left)):
         mine = (face != BEYOND) & ~within
         mine[mine] &= court[face[mine]]
@@ -172,7 +155,7 @@ def _strips_paved(ground: Ground, layout: Layout) -> Ground:
     town = layout.buildings.geometry.to_numpy()[np.isin(place, ("urban", "core"))]
     if not len(town):
         return ground
-    hard = np.isin(ground.face_label, HARD)
+    hard = ground.labelled(*HARD)
     left, right = ground.edge_faces.T.astype(np.int64)
     inner = right != BEYOND
     left, right = left[inner], right[inner]
