@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cityx.checks.check import Check
 from cityx.city import City
 from cityx.city.ground import ROADWAY
+from cityx.city.mesh import ranges
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.clearance import in_triangles
 from cityx.geometry.polylines import Polylines, line_strips
@@ -95,9 +96,7 @@ def in_lanes(city: City, outlines: NDArray[Any], xy: FloatArray) -> NDArray[np.b
         open_air &= ~city.layout.roads["bridge"].to_numpy()
         if city.network is not None:
             rows = rows[open_air[city.network.edge_road[lanes.edge[rows]]]]
-        first, size = lanes.point_start[rows], np.diff(lanes.point_start)[rows]
-        start = np.concatenate([[0], np.cumsum(size)])
-        index = np.arange(start[-1]) + np.repeat(first - start[:-1], size)
+        index, start = ranges(lanes.point_start, rows)
         width = (lanes.left - lanes.right)[rows]
         lines = Polylines(lanes.points[index], start)
         for wide in np.unique(np.round(width, 2)):

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.city.mesh import ranges
+
 
 @dataclass(frozen=True)
 class WayHeights:
@@ -19,8 +21,8 @@ class WayHeights:
     edge
         (w,) int32, edge of the road network; -1 for paths and tracks.
     begin, end
-        (w,) float64, metres along the edge, or along the way where there is none, at which the
-        piece begins and ends.
+        (w,) float64, metres along the edge, or along what lies of the way in the site, at which
+        the piece begins and ends.
     level
         (w,) int16, which ways pass over which: 0 is the ground's own.
     point_start
@@ -50,6 +52,14 @@ class WayHeights:
     def count(self) -> int:
         """Number of pieces."""
         return len(self.road)
+
+    def take(self, rows: NDArray[np.int64]) -> WayHeights:
+        """Return the given pieces."""
+        points, start = ranges(self.point_start, rows)
+        return WayHeights(
+            self.road[rows], self.edge[rows], self.begin[rows], self.end[rows], self.level[rows],
+            start, self.points[points], self.z[points], self.ground[points], self.half_width[rows],
+        )  # fmt: skip
 
     @property
     def lift(self) -> NDArray[np.float64]:

@@ -75,8 +75,8 @@ class MeshBatch:
     def take(self, objects: ArrayLike) -> MeshBatch:
         """Return the batch of the given objects (indices into ``object_id``), in that order."""
         objects = np.asarray(objects, dtype=np.int64)
-        vertex_rows, vertex_start = _ranges(self.vertex_start, objects)
-        face_rows, face_start = _ranges(self.face_start, objects)
+        vertex_rows, vertex_start = ranges(self.vertex_start, objects)
+        face_rows, face_start = ranges(self.face_start, objects)
         shift = np.repeat(vertex_start[:-1] - self.vertex_start[:-1][objects], np.diff(face_start))[
             :, None
         ]
@@ -94,7 +94,7 @@ class MeshBatch:
         )
 
 
-def _ranges(
+def ranges(
     start: NDArray[np.int64], objects: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Row numbers of the given objects, one after the other, and their new start offsets."""

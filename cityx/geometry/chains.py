@@ -1,8 +1,6 @@
-"""Graphs as arrays of node pairs: chains, components, distances, interpolation."""
+"""Graphs as arrays of node pairs: chains, components, interpolation."""
 
 from __future__ import annotations
-
-from heapq import heappop, heappush
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -90,45 +88,6 @@ def components(pairs: ArrayLike, count: int) -> IntArray:
         np.minimum.at(lowest, ends.max(axis=1), least)
         while (lowest[lowest] != lowest).any():
             lowest = lowest[lowest]
-
-
-def walking_distance(
-    pairs: ArrayLike, weight: ArrayLike, sources: ArrayLike, count: int
-) -> NDArray[np.float64]:
-    """Measure the way from the nearest source to every node (Dijkstra).
-
-    Parameters
-    ----------
-    pairs, weight
-        (m, 2) int and (m,) float, edges and their lengths, not negative, passable both ways.
-    sources
-        (s,) int, nodes at distance zero.
-    count
-        Number of nodes.
-
-    Returns
-    -------
-    distance
-        (count,) float, infinite where no source is connected.
-    """
-    pairs = np.asarray(pairs, dtype=np.int64).reshape(-1, 2)
-    reach: list[list[tuple[int, float]]] = [[] for _ in range(count)]
-    for (a, b), length in zip(pairs.tolist(), np.asarray(weight, float).tolist(), strict=True):
-        reach[a].append((b, length))
-        reach[b].append((a, length))
-    distance = [float("inf")] * count
-    queue = [(0.0, int(node)) for node in np.unique(np.asarray(sources, dtype=np.int64))]
-    for _, node in queue:
-        distance[node] = 0.0
-    while queue:
-        done, node = heappop(queue)
-        if done > distance[node]:
-            continue
-        for other, length in reach[node]:
-            if done + length < distance[other]:
-                distance[other] = done + length
-                heappush(queue, (done + length, other))
-    return np.array(distance)
 
 
 def interpolate(

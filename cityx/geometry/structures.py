@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.ground import Ground
 from cityx.geometry.arrangement import BEYOND, half_edges
@@ -142,8 +142,8 @@ def chains_of(edges: IntArray, kind: IntArray) -> tuple[IntArray, IntArray]:
     return vertex, start
 
 
-def beams(lines: Polylines, low: FloatArray, high: FloatArray, inner: float,
-          outer: float) -> Bodies:  # fmt: skip
+def beams(lines: Polylines, low: FloatArray, high: FloatArray, inner: ArrayLike,
+          outer: ArrayLike) -> Bodies:  # fmt: skip
     """Sweep an upright rectangle along lines: walls, parapets, rails.
 
     Parameters
@@ -153,7 +153,8 @@ def beams(lines: Polylines, low: FloatArray, high: FloatArray, inner: float,
     low, high
         (p,) heights at their points, metres.
     inner, outer
-        Metres to the right of the lines at which the near and the far face stand.
+        (n,) or one for all, metres to the right of the lines at which the near and the far face
+        stand.
 
     Returns
     -------
@@ -166,7 +167,9 @@ def beams(lines: Polylines, low: FloatArray, high: FloatArray, inner: float,
                       none, none)  # fmt: skip
     owner = lines.line_of_point()
     right = -_ring_miters(lines)
-    near, far = lines.points + right * inner, lines.points + right * outer
+    inner, outer = (np.broadcast_to(np.asarray(a, float), lines.count) for a in (inner, outer))
+    near = lines.points + right * inner[owner][:, None]
+    far = lines.points + right * outer[owner][:, None]
     ring = [(near, low), (far, low), (far, high), (near, high)]
     vertices = np.stack([np.column_stack([xy, z]) for xy, z in ring], axis=1).reshape(-1, 3)
     first = np.flatnonzero(owner[1:] == owner[:-1])
@@ -176,12 +179,12 @@ def beams(lines: Polylines, low: FloatArray, high: FloatArray, inner: float,
     head, tail = lines.start[:-1] * 4, (lines.start[1:] - 1) * 4
     caps = np.concatenate([head[:, None] + k, tail[:, None] + k[::-1]])
     along = arc_lengths(lines)[0]
-    girth = np.array([0.0, outer - inner])
     u = np.stack([along[first], along[first + 1], along[first + 1], along[first]], axis=1)
     u = np.repeat(u[:, None], 4, axis=1).reshape(-1, 4)
     v = vertices[sides, 2]
     flat = np.tile(np.array([True, False, True, False]), len(first))
-    v[flat] = girth[[0, 0, 1, 1]]
+    girth = np.repeat((outer - inner)[owner[first]], 2)
+    v[flat] = girth[:, None] * np.array([0.0, 0.0, 1.0, 1.0])
     uv = np.stack([u, v], axis=2)
     cap_uv = np.zeros((len(caps), 4, 2))
     cap_uv[:, :, 1] = vertices[caps, 2]

@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cityx.geometry.chains import components, interpolate, join_segments, walking_distance
+from cityx.geometry.chains import components, interpolate, join_segments
 
 
 def test_segments_join_through_a_node_where_nothing_branches():
@@ -33,11 +33,6 @@ def test_components_do_not_depend_on_the_order_of_edges(pairs):
     found = components(np.array(pairs).reshape(-1, 2), 31)
     assert found.tolist() == components(np.array(pairs[::-1]).reshape(-1, 2), 31).tolist()
     assert all(found[a] == found[b] for a, b in pairs)
-
-
-def test_distance_takes_the_shorter_way_round():
-    distance = walking_distance([[0, 1], [1, 2], [0, 2]], [1.0, 1.0, 5.0], [0], 4)
-    assert distance.tolist() == [0.0, 1.0, 2.0, np.inf]
 
 
 def test_values_spread_evenly_between_known_nodes():

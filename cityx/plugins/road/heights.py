@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from cityx.geometry.chains import components, interpolate
 from cityx.geometry.grades import Slopes, evened, fall_to, graded, rise_to, slopes_of
 from cityx.geometry.grading import grade_terrain
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, to_linestrings
+from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.network import DRIVABLE, clip_lines, shared_nodes
 from cityx.protocol import Port, action, has_network
 
@@ -81,7 +83,7 @@ class _Ways:
     along: FloatArray  # (p,)
     count: int  # of nodes
 
-    @property
+    @cached_property
     def owner(self) -> IntArray:
         return self.lines.line_of_point()
 
@@ -136,14 +138,13 @@ def way_heights(
         run = np.concatenate([run, across_run])
         rise = np.concatenate([rise, CROSSFALL * across_run])
         of_pair = np.concatenate([of_pair, owner[across[:, 0]]])
-    above, below = (ways.level > 0)[owner], (ways.level < 0)[owner]
     on_ground = np.zeros(ways.count, bool)
-    on_ground[ways.node[~(above | below)]] = True
+    on_ground[ways.node[(ways.level == 0)[owner]]] = True
     soil = terrain.height_at(place)
     base = soil
     if not terrain.is_flat:
         base = graded(slopes_of(pairs, rise), np.where(on_ground, soil, np.nan))
-        terrain = grade_terrain(terrain, *_profiles(ways, base, on_ground), layout.extent)
+        terrain = grade_terrain(terrain, *_profiles(ways, base), layout.extent)
         soil = terrain.height_at(place)
         base = np.where(on_ground, soil, _spanned(pairs, rise, on_ground, base))
     z = _cleared(layout, ways, pairs, of_pair, run, rise, base, soil, on_ground)
@@ -162,7 +163,7 @@ def _ways(layout: Layout, network: RoadNetwork, *, everywhere: bool) -> _Ways | 
     )
     shapes, rows = clip_lines(shapely.force_2d(roads.geometry.to_numpy()[others]), others,
                               layout.extent)  # fmt: skip
-    cars = to_linestrings(Polylines(network.points, network.point_start))
+    cars = to_linestrings(edge_lines(network))
     shapes = np.concatenate([cars, shapes])
     road = np.concatenate([network.edge_road.astype(np.int64), rows])
     edge = np.concatenate([np.arange(len(cars)), np.full(len(rows), -1)])
@@ -205,11 +206,9 @@ def _places(ways: _Ways) -> FloatArray:
     return place
 
 
-def _profiles(
-    ways: _Ways, base: FloatArray, on_ground: BoolArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _profiles(ways: _Ways, base: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return places, heights and half widths of the stations of ways on the ground."""
-    own = np.flatnonzero((ways.level == 0)[ways.owner] & on_ground[ways.node])
+    own = np.flatnonzero((ways.level == 0)[ways.owner])
     return ways.lines.points[own], base[ways.node[own]], ways.half[ways.owner[own]]
 
 
@@ -516,23 +515,25 @@ def _asked(
     ways: _Ways, crossing: _Crossings, rows: BoolArray, z: FloatArray, spread: float
 ) -> FloatArray:
     """(n,) height that stations over other ways must reach."""
-    wanted = np.full(ways.count, -np.inf)
     pick = np.flatnonzero(rows)
     need = z[ways.node[crossing.lower_node[pick]]] + crossing.need[pick]
-    station, which = _around(ways, crossing.upper_node[pick], spread * crossing.wide[pick])
-    np.maximum.at(wanted, ways.node[station], need[which])
-    return wanted
+    return _highest(ways, crossing.upper_node[pick], spread * crossing.wide[pick], need)
 
 
 def _asked_below(
     ways: _Ways, crossing: _Crossings, rows: BoolArray, z: FloatArray, spread: float
 ) -> FloatArray:
     """(n,) height that stations under other ways must not exceed."""
-    wanted = np.full(ways.count, np.inf)
     pick = np.flatnonzero(rows)
     need = z[ways.node[crossing.upper_node[pick]]] - crossing.need[pick]
-    station, which = _around(ways, crossing.lower_node[pick], spread * crossing.under[pick])
-    np.minimum.at(wanted, ways.node[station], need[which])
+    return -_highest(ways, crossing.lower_node[pick], spread * crossing.under[pick], -need)
+
+
+def _highest(ways: _Ways, station: IntArray, reach: FloatArray, height: FloatArray) -> FloatArray:
+    """(n,) the highest of what is asked about stations at each node; minus infinity for nothing."""
+    wanted = np.full(ways.count, -np.inf)
+    near, which = _around(ways, station, reach)
+    np.maximum.at(wanted, ways.node[near], height[which])
     return wanted
 
 

@@ -14,7 +14,7 @@ from shapely.ops import substring
 from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES, Ground
 from cityx.city.heights import WayHeights
 from cityx.city.layout import Layout
-from cityx.city.mesh import MeshBatch, concatenate, empty_batch, one_mesh
+from cityx.city.mesh import NO_VERTEX, MeshBatch, concatenate
 from cityx.city.roads import RoadNetwork
 from cityx.city.terrain import Terrain
 from cityx.geometry.arrangement import Regions, arrange, join_regions, regions
@@ -39,6 +39,7 @@ from cityx.plugins.road.carriageway import (
     road_labels,
 )
 from cityx.plugins.road.heights import DECK, FOOT_DECK, ON_FOOT, RAILS, WATER, way_levels
+from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.landcover import TRACK_BED, rail_strips
 from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.streets import USUAL, street_regions
@@ -73,7 +74,7 @@ PAST = 0.6  # metres past the end of a deck that its kerbs could reach
 SAME_PLACE = 0.06  # metres
 PASSES_OVER = 1.0  # metres of difference in height from which ways side by side have no one surface
 BLEND = 3.0  # metres beyond the edge of a way in which its height still counts
-MATERIALS = ("concrete", "stone")
+MATERIALS = ("concrete",)
 
 
 @dataclass(frozen=True)
@@ -90,15 +91,12 @@ class Structures:
         Closed solids: slabs, fill, parapets, retaining walls, piers, ceilings.
     opening
         Polygons where there is no ground.
-    shade
-        Polygons of decks that the ground passes under.
     """
 
     spans: Spans
     surfaces: MeshBatch
     bodies: MeshBatch
     opening: Shapes
-    shade: Shapes
 
 
 @dataclass(frozen=True)
@@ -143,32 +141,23 @@ def build_structures(
     spans = spans_of(network, heights)
     streets = _strips(network)
     off = cut_network(network, spans, np.flatnonzero(spans.off))
-    others = _pieces(heights, np.flatnonzero(heights.edge < 0))
+    others = heights.take(np.flatnonzero(heights.edge < 0))
     off, others = _with_room(layout, off, others, streets)
     whole = _tier_of(layout, off, others)
-    surfaces, bodies, opening, shade = [], [], [], []
+    surfaces, bodies, opening = [], [], [np.zeros(0, object)]
     for number, rows in enumerate(_groups(whole)):
         cars = rows[rows < off.edge_count]
-        part = _tier_of(
-            layout, _edges(off, cars), _pieces(others, rows[len(cars) :] - off.edge_count)
-        )
+        part = _tier_of(layout, _edges(off, cars), others.take(rows[len(cars) :] - off.edge_count))
         made = _build_tier(layout, part, network, terrain, seed, number, detail, painting)
         surfaces.append(made[0])
         bodies.append(made[1])
         opening.append(made[2])
-        shade.append(made[3])
-    return Structures(
-        spans,
-        concatenate(surfaces) if surfaces else empty_batch(),
-        concatenate(bodies) if bodies else empty_batch(),
-        np.concatenate(opening) if opening else np.zeros(0, object),
-        np.concatenate(shade) if shade else np.zeros(0, object),
-    )
+    return Structures(spans, concatenate(surfaces), concatenate(bodies), np.concatenate(opening))
 
 
 def _edges(network: RoadNetwork, rows: IntArray) -> RoadNetwork:
     """Return some edges as a network of their own."""
-    length = arc_lengths(Polylines(network.points, network.point_start))[1]
+    length = arc_lengths(edge_lines(network))[1]
     off = np.ones(len(rows), bool)
     return cut_network(network, Spans(rows, np.zeros(len(rows)), length[rows], off),
                        np.arange(len(rows)))  # fmt: skip
@@ -176,7 +165,7 @@ def _edges(network: RoadNetwork, rows: IntArray) -> RoadNetwork:
 
 def _strips(network: RoadNetwork) -> Shapes:
     """Carriageways of the edges that lie on the ground, roughly."""
-    lines = Polylines(network.points, network.point_start)
+    lines = edge_lines(network)
     level = np.abs(network.lift) < WALL_FROM
     whole = np.ones(network.edge_count, bool)
     np.logical_and.at(whole, lines.line_of_point(), level)
@@ -272,19 +261,6 @@ def _relations(whole: _Tier) -> tuple[IntArray, IntArray, IntArray]:
     return joined, near[over], near[~meets]
 
 
-def _pieces(heights: WayHeights, rows: IntArray) -> WayHeights:
-    """Return the given pieces."""
-    size = np.diff(heights.point_start)[rows]
-    start = np.concatenate([[0], np.cumsum(size)]).astype(np.int64)
-    owner = np.repeat(np.arange(len(rows)), size)
-    point = np.arange(len(owner)) - start[owner] + heights.point_start[rows][owner]
-    return WayHeights(
-        heights.road[rows], heights.edge[rows], heights.begin[rows], heights.end[rows],
-        heights.level[rows], start, heights.points[point], heights.z[point],
-        heights.ground[point], heights.half_width[rows],
-    )  # fmt: skip
-
-
 def _touching(lines: Polylines, marked: BoolArray, shapes: Shapes) -> BoolArray:
     """(w,) lines of which a marked point lies within one of the shapes."""
     found = np.zeros(lines.count, bool)
@@ -324,7 +300,7 @@ def _with_room(
         if lines.count and len(tree.geometries):
             seen[tree.query(to_linestrings(lines), "dwithin", distance=MOUTH)[0]] = True
         keep[number] &= seen | ~below[number]
-    return _edges(sub, np.flatnonzero(keep[0])), _pieces(other, np.flatnonzero(keep[1]))
+    return _edges(sub, np.flatnonzero(keep[0])), other.take(np.flatnonzero(keep[1]))
 
 
 def _build_tier(
@@ -336,7 +312,7 @@ def _build_tier(
     number: int,
     detail: bool,
     painting: Painting,
-) -> tuple[MeshBatch, MeshBatch, Shapes, Shapes]:
+) -> tuple[MeshBatch, MeshBatch, Shapes]:
     found = _regions(layout, part, detail, painting)
     bounds = shapely.total_bounds(found.polygons)
     extent = (bounds[0] - 1.0, bounds[1] - 1.0, bounds[2] + 1.0, bounds[3] + 1.0)
@@ -368,7 +344,7 @@ def _build_tier(
     made.append(_piers(part, deck, spanning, terrain, layout))
     batches = [_batch(bodies, f"structures {number} {k}") for k, bodies in enumerate(made)]
     opened = filled & ~covered & ~wet
-    return surfaces, concatenate(batches), _outline(deck, opened), _outline(deck, spanning)
+    return surfaces, concatenate(batches), _outline(deck, opened)
 
 
 def _regions(layout: Layout, part: _Tier, detail: bool, painting: Painting) -> Regions:
@@ -421,7 +397,7 @@ def _ends(part: _Tier) -> Regions:
 
 def _shoulders(sub: RoadNetwork) -> Regions:
     """Lay a band of kerb stones along carriageways without walks, for the parapets to stand on."""
-    lines = to_linestrings(Polylines(sub.points, sub.point_start))
+    lines = to_linestrings(edge_lines(sub))
     reach = sub.half_width + 2 * KERB_WIDTH
     bands = shapely.buffer(lines, reach, cap_style="flat", join_style="mitre", mitre_limit=MITRE)
     return regions(shapely.unary_union(bands), LABEL["kerb"], 1)
@@ -467,7 +443,7 @@ def _bars(part: _Tier, terrain: Terrain) -> Shapes:
 
 def _edges_below(part: _Tier, network: RoadNetwork) -> Shapes:
     """Lines along carriageways that pass under, between which a deck spans."""
-    lines = Polylines(network.points, network.point_start)
+    lines = edge_lines(network)
     shapes, own = to_linestrings(lines), to_linestrings(part.lines)
     way, edge = shapely.STRtree(shapes).query(own, predicate="dwithin", distance=part.reach + UNDER)
     highest = np.maximum.reduceat(part.z, part.lines.start[:-1])
@@ -581,7 +557,7 @@ def _traffic(
 
     ``counts`` is asked with (k,) places and heights of carriageways there.
     """
-    lines = Polylines(network.points, network.point_start)
+    lines = edge_lines(network)
     shapes, spots = to_linestrings(lines), shapely.points(points)
     found = np.zeros(len(points), bool)
     if not len(shapes) or not len(points):
@@ -622,77 +598,58 @@ def _piers(
     half = np.where(np.isin(kind[under], RAILS), 3.2, np.where(walked, 1.6, half))
     ways = shapely.buffer(below.geometry.to_numpy()[under], half, quad_segs=2)
     tree = shapely.STRtree(ways)
-    spot = np.full((len(line), 2), np.nan)
-    ahead = np.zeros((len(line), 2))
+    stands = np.full(len(line), np.nan)  # metres along its line
     wide = np.minimum(PIER_WIDE * 2 * part.reach, 2 * part.reach - 1.0)[line]
     rows = deck.triangles[spanning[deck.triangle_face]]
     for shift in PIER_SHIFTS:
-        todo = np.flatnonzero(np.isnan(spot[:, 0]))
-        if not len(todo):
+        open_ = np.flatnonzero(np.isnan(stands))
+        if not len(open_):
             break
-        at, way = locate(lines, line[todo], along[todo] + shift)
-        drop = values_along(lines, part.z, line[todo], along[todo] + shift) - terrain.height_at(at)
-        side = np.column_stack([-way[:, 1], way[:, 0]]) * wide[todo, None] / 2
+        tried = along[open_] + shift
+        at, ahead = locate(lines, line[open_], tried)
+        drop = values_along(lines, part.z, line[open_], tried) - terrain.height_at(at)
+        side = np.column_stack([-ahead[:, 1], ahead[:, 0]]) * wide[open_, None] / 2
         legs = shapely.linestrings(np.stack([at - side, at + side], axis=1))
-        free = np.ones(len(todo), bool)
+        free = np.ones(len(open_), bool)
         free[tree.query(legs, predicate="intersects")[0]] = False
         free &= (drop > PIER_FROM) & in_triangles(at, deck.vertices, rows)
-        spot[todo[free]], ahead[todo[free]] = at[free], way[free]
-    found = np.flatnonzero(np.isfinite(spot[:, 0]))
-    at, way = spot[found], ahead[found] * PIER_THICK / 2
-    legs = np.stack([at - way, at + way], axis=1)
+        stands[open_[free]] = tried[free]
+    found = np.flatnonzero(np.isfinite(stands))
+    at, ahead = locate(lines, line[found], stands[found])
     # A beam as wide as the pier along a line as long as it is thick.
-    z = values_along(lines, part.z, *_feet(lines, line[found], at))
-    soil = terrain.height_at(at)
-    made = []
-    for row, (ends, width) in enumerate(zip(legs, wide[found], strict=True)):
-        piece = Polylines(ends, np.array([0, 2]))
-        low, high = np.full(2, soil[row] - FOOTING), np.full(2, z[row] - DECK + SOFFIT)
-        made.append(beams(piece, low, high, -width / 2, width / 2))
-    return _together(made)
-
-
-def _feet(lines: Polylines, line: IntArray, points: FloatArray) -> tuple[IntArray, FloatArray]:
-    shapes = to_linestrings(lines)[line]
-    return line, np.asarray(shapely.line_locate_point(shapes, shapely.points(points)))
-
-
-def _together(made: list[Bodies]) -> Bodies:
-    if not made:
-        return beams(Polylines(np.zeros((0, 2)), np.zeros(1, np.int64)), np.zeros(0), np.zeros(0),
-                     0.0, 0.0)  # fmt: skip
-    shift = np.cumsum([0] + [len(b.vertices) for b in made])[:-1]
-    body = np.arange(len(made))
-    return Bodies(
-        np.concatenate([b.vertices for b in made]),
-        np.concatenate([np.where(b.faces < 0, -1, b.faces + s)
-                        for b, s in zip(made, shift, strict=True)]),
-        np.concatenate([b.uv for b in made]),
-        np.concatenate([np.full(len(b.vertices), k) for k, b in zip(body, made, strict=True)]),
-        np.concatenate([np.full(len(b.faces), k) for k, b in zip(body, made, strict=True)]),
-        body,
-    )  # fmt: skip
+    half = ahead * PIER_THICK / 2
+    legs = np.stack([at - half, at + half], axis=1).reshape(-1, 2)
+    top = values_along(lines, part.z, line[found], stands[found]) - DECK + SOFFIT
+    foot = terrain.height_at(at) - FOOTING
+    width = wide[found] / 2
+    return beams(Polylines(legs, 2 * np.arange(len(found) + 1)), np.repeat(foot, 2),
+                 np.repeat(top, 2), -width, width)  # fmt: skip
 
 
 def _batch(bodies: Bodies, name: str) -> MeshBatch:
     """Make an object of each body, named by where it stands."""
-    made = []
-    for body in range(len(bodies.key)):
-        inside = np.flatnonzero(bodies.vertex_body == body)
-        chosen = np.flatnonzero(bodies.face_body == body)
-        faces = bodies.faces[chosen]
-        local = np.searchsorted(inside, faces)
-        corner = np.rint(bodies.vertices[inside].min(axis=0) * 100).astype(int)
-        made.append(
-            one_mesh(
-                stable_id(name, *corner.tolist()),
-                bodies.vertices[inside],
-                np.where(faces < 0, -1, local),
-                materials=MATERIALS[:1],
-                uv=bodies.uv[chosen],
-            )
-        )
-    return concatenate(made) if made else empty_batch()
+    count, size = len(bodies.key), len(bodies.vertices)
+    vertex, face = (np.argsort(of, kind="stable") for of in (bodies.vertex_body, bodies.face_body))
+    vertex_start = np.searchsorted(bodies.vertex_body[vertex], np.arange(count + 1))
+    face_start = np.searchsorted(bodies.face_body[face], np.arange(count + 1))
+    moved = np.empty(size, np.int64)
+    moved[vertex] = np.arange(size)
+    faces, vertices = bodies.faces[face], bodies.vertices[vertex]
+    corner = np.zeros((0, 3), int)
+    if count:
+        lowest = np.minimum.reduceat(vertices, vertex_start[:-1])
+        corner = np.rint(lowest * 100).astype(int)
+    return MeshBatch(
+        np.array([stable_id(name, *place) for place in corner.tolist()], np.uint64),
+        vertex_start.astype(np.int64),
+        face_start.astype(np.int64),
+        vertices,
+        np.where(faces < 0, NO_VERTEX, moved[faces]).astype(np.int32),
+        np.zeros(len(faces), np.int16),
+        MATERIALS,
+        bodies.uv[face].astype(np.float32),
+        np.ones((len(faces), 3), np.float32),
+    )
 
 
 def road_pieces(heights: WayHeights, layout: Layout) -> dict[int, list[tuple[float, float]]]:
