@@ -10,8 +10,8 @@ from pandas.testing import assert_frame_equal
 from cityx.city.content import content_hash
 from cityx.city.layout import AREA_KINDS, POINT_KINDS, SCHEMA
 from cityx.errors import InputError
+from cityx.sources.features.clipping import inside_site
 from cityx.sources.osm import ATTRIBUTION, read_osm
-from cityx.sources.osm.site import inside_site
 
 DIRTY = (
     "bristol_degenerate.osm", "saint_petersburg_clip.osm", "karachi.osm",
@@ -104,8 +104,10 @@ def test_the_area_of_buildings_equals_that_of_libosmium(shared_osm):
     import osmium
 
     from cityx.city import Frame
-    from cityx.sources.osm.buildings import building_kind, candidate_ways
-    from cityx.sources.osm.outlines import Report, relation_rings, ring_outlines, way_outlines
+    from cityx.sources.features.kinds import building_kind
+    from cityx.sources.features.tagged import Report
+    from cityx.sources.osm.buildings import candidate_ways
+    from cityx.sources.osm.outlines import relation_rings, ring_outlines, way_outlines
     from cityx.sources.osm.reader import read_elements
 
     for name in ("tokyo_kanda.osm.gz", "saint_petersburg_clip.osm", "villeurbanne_6.osm.gz"):
@@ -121,8 +123,8 @@ def test_the_area_of_buildings_equals_that_of_libosmium(shared_osm):
         ]  # fmt: skip
         rings = [ring for ring in rings if "building" in ring.owner.tags and not ring.broken]
         ours = [
-            *way_outlines(osm, xy, np.array(ways), box, report, solid=True).polygons,
-            *ring_outlines(osm, xy, rings, box, report, solid=True).polygons,
+            *way_outlines(osm, xy, np.array(ways), box, report, solid=True).shapes,
+            *ring_outlines(osm, xy, rings, box, report, solid=True).shapes,
         ]
         factory, theirs = osmium.geom.WKBFactory(), 0.0
         for area in osmium.FileProcessor(str(path)).with_areas():

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import shapely
 
+from cityx.sources.features.heights import TYPE, TYPES, building_types, fill_levels, prior_levels
+from cityx.sources.features.parts import known_levels
+from cityx.sources.features.vertical import read_vertical
 from cityx.sources.osm import read_osm
-from cityx.sources.osm.heights import TYPE, TYPES, building_types, fill_levels, prior_levels
-from cityx.sources.osm.parts import known_levels
-from cityx.sources.osm.vertical import read_vertical
 
 
 def boxes(count, side=12.0, step=40.0):

@@ -5,13 +5,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cityx.sources.osm import measures
-from cityx.sources.osm.buildings import building_kind, type_word, use_of
-from cityx.sources.osm.lines import line_kind
-from cityx.sources.osm.points import point_kind
-from cityx.sources.osm.roads import cross_section, road_kind
-from cityx.sources.osm.vertical import read_vertical
-from cityx.sources.osm.vocabulary import area_kind, closed_is_area, is_underground
+from cityx.sources.features import measures
+from cityx.sources.features.kinds import (
+    building_kind,
+    line_kind,
+    point_kind,
+    road_kind,
+    type_word,
+    use_of,
+)
+from cityx.sources.features.roads import cross_section
+from cityx.sources.features.vertical import read_vertical
+from cityx.sources.features.vocabulary import area_kind, closed_is_area, is_underground
 
 
 @pytest.mark.parametrize(

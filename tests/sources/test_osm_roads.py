@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.sources.osm.roads import cross_section, road_kind
-from cityx.sources.osm.site import clip_lines
+from cityx.sources.features.clipping import clip_lines
+from cityx.sources.features.kinds import road_kind
+from cityx.sources.features.roads import cross_section
 
 NAMES = (
     "section", "kind", "lanes", "lanes_forward", "lane_width", "width", "left", "right",

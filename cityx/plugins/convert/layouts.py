@@ -149,11 +149,13 @@ KIND = "cityx:kind"  # tag that carries the layout's own word where OpenStreetMa
 
 def _kind(tags: Mapping[str, str], shape: str) -> str:
     """Return the layout's word for a feature, or ""."""
-    from cityx.sources.osm.areas import land_kind
-    from cityx.sources.osm.buildings import building_kind
-    from cityx.sources.osm.lines import line_kind
-    from cityx.sources.osm.points import point_kind
-    from cityx.sources.osm.roads import road_kind
+    from cityx.sources.features.kinds import (
+        building_kind,
+        land_kind,
+        line_kind,
+        point_kind,
+        road_kind,
+    )
 
     said = dict(tags)
     if KIND in said:

@@ -7,34 +7,32 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from cityx.city import City, Failure, Frame, Layout
+from cityx.city import City, Failure, Frame
 from cityx.errors import InputError
-from cityx.geometry.driving import keeps_left
-from cityx.sources.osm.areas import area_table, land_kind
-from cityx.sources.osm.buildings import (
-    Shells,
+from cityx.sources.features.clipping import Box, FloatArray, IntArray
+from cityx.sources.features.kinds import (
     building_kind,
-    candidate_ways,
-    read_shells,
+    is_road_way,
+    land_kind,
+    line_kind,
+    point_kind,
 )
-from cityx.sources.osm.density import Density, measure_density
-from cityx.sources.osm.elements import FloatArray, IntArray, OsmMap
-from cityx.sources.osm.lines import line_kind, line_table
-from cityx.sources.osm.outlines import Report, relation_rings
-from cityx.sources.osm.parts import building_tables, known_levels
-from cityx.sources.osm.points import point_table
+from cityx.sources.features.resolve import Features, resolve
+from cityx.sources.features.shells import make_shells
+from cityx.sources.features.tagged import Owner, Report, Tagged, clipped_lines, tag
+from cityx.sources.osm.areas import read_areas
+from cityx.sources.osm.buildings import candidate_ways, read_outlines
+from cityx.sources.osm.elements import OsmMap
+from cityx.sources.osm.outlines import relation_rings, tagged_lines
 from cityx.sources.osm.reader import read_elements
 from cityx.sources.osm.restrictions import restriction_table
-from cityx.sources.osm.roads import is_road_way, read_roads, road_table
-from cityx.sources.osm.site import Box, site_degrees
-from cityx.sources.osm.vertical import read_vertical
+from cityx.sources.osm.site import site_degrees
 
 __all__ = ["ATTRIBUTION", "read_osm"]
 
 ATTRIBUTION = "© OpenStreetMap contributors, ODbL 1.0, openstreetmap.org/copyright"
 ACTION = "source/osm"
 MAX_FAILURES = 200  # named one by one; the rest are counted
-STREETS = frozenset({"residential", "living_street", "tertiary", "secondary", "unclassified"})
 
 
 def read_osm(path: Path, *, seed: int = 0, name: str = "") -> City:
@@ -67,26 +65,25 @@ def read_osm(path: Path, *, seed: int = 0, name: str = "") -> City:
     frame = _frame(degrees)
     xy = _project(frame, osm.lonlat)
     report = Report()
-    shells, box = read_shells(osm, xy, ways, relations, _local_box(frame, degrees), report)
-    road_lines, road_way = read_roads(osm, xy, roads, box, report)
-    if len(shells.outlines.polygons) == 0 and len(road_lines) == 0:
+    box = _local_box(frame, degrees)
+    outlines, parts = read_outlines(osm, xy, ways, relations, box, report)
+    shells, box = make_shells(outlines, parts, box, report)
+    streets = _roads(osm, xy, roads, box, report)
+    if len(shells.outlines.shapes) == 0 and len(streets.shapes) == 0:
         raise InputError(_nothing(path, osm))
-    density = _density(osm, shells, road_lines, road_way, box)
-    area_rows = area_table(osm, xy, areas, box, report, shapely.centroid(shells.outlines.polygons))
-    industrial = area_rows.geometry.to_numpy()[area_rows["kind"].to_numpy() == "industrial"]
-    buildings, parts = building_tables(
-        shells, density, industrial, at=(frame.latitude, frame.longitude), seed=seed
-    )
-    layout = Layout(
+    middles = shapely.centroid(shells.outlines.shapes)
+    land, kinds = read_areas(osm, xy, areas, box, report, middles)
+    features = Features(
         box,
-        buildings=buildings,
-        parts=parts,
-        roads=road_table(osm, road_lines, road_way, density, left_hand=keeps_left(frame)),
-        areas=area_rows,
-        lines=line_table(osm, xy, lines, box),
-        points=point_table(osm, xy, box, seed=seed),
+        shells,
+        roads=streets,
+        areas=land,
+        area_kinds=kinds,
+        lines=clipped_lines(tagged_lines(osm, xy, lines), box),
+        points=_points(osm, xy, box),
         restrictions=restriction_table(osm, xy, box),
     )
+    layout = resolve(features, frame, seed=seed)
     return City(
         name or path.name.split(".")[0].replace("_", " "),
         frame,
@@ -137,20 +134,24 @@ def _local_box(frame: Frame, degrees: Box) -> Box:
     return xmin, ymin, xmax, ymax
 
 
-def _density(
-    osm: OsmMap, shells: Shells, road_lines: object, road_way: IntArray, box: Box
-) -> Density:
-    outlines = shells.outlines
-    lines = np.asarray(road_lines, object)
-    street = [osm.way_tags[way].get("highway") in STREETS for way in road_way.tolist()]
-    said = read_vertical(outlines.tags())
-    return measure_density(
-        box,
-        shapely.get_coordinates(shapely.centroid(outlines.polygons)),
-        shapely.area(outlines.polygons),
-        known_levels(said, np.zeros(len(outlines.polygons), np.int64)),
-        lines[np.array(street, bool)],
-    )
+def _roads(osm: OsmMap, xy: FloatArray, ways: IntArray, box: Box, report: Report) -> Tagged:
+    """Return the roads of the site; points of ways that meet stay equal."""
+    report.count("roads with missing nodes", int((osm.missing_nodes()[ways] > 0).sum()))
+    return clipped_lines(tagged_lines(osm, xy, ways), box)
+
+
+def _points(osm: OsmMap, xy: FloatArray, box: Box) -> Tagged:
+    """Return the nodes of the site at which something stands."""
+    low, high = np.array(box[:2]), np.array(box[2:])
+    spots = xy[osm.tagged]
+    inside = np.flatnonzero(((spots >= low) & (spots <= high)).all(axis=1)).tolist()
+    found = [index for index in inside if point_kind(osm.node_tags[index])]
+    rows = osm.tagged[found]
+    owners = [
+        Owner(("osm", "node", key), osm.node_tags[index])
+        for key, index in zip(osm.node_id[rows].tolist(), found, strict=True)
+    ]
+    return tag(shapely.points(xy[rows]), owners)
 
 
 def _nothing(path: Path, osm: OsmMap) -> str:

@@ -2,40 +2,29 @@
 
 from __future__ import annotations
 
-from json.encoder import encode_basestring as _quote
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city.layout import make_table
-from cityx.sources.osm import measures
-from cityx.sources.osm.coastline import sea_polygons
-from cityx.sources.osm.elements import FloatArray, IntArray, OsmMap, Tags, way_lines
-from cityx.sources.osm.multipolygons import polygons_of
-from cityx.sources.osm.outlines import (
-    Outlines,
+from cityx.sources.features import measures
+from cityx.sources.features.clipping import Box, FloatArray, IntArray, clip_polygons
+from cityx.sources.features.kinds import land_kind
+from cityx.sources.features.tagged import (
     Owner,
     Report,
-    clipped,
-    join_outlines,
+    Tagged,
+    Tags,
+    clipped_polygons,
+    joined,
     number_pieces,
-    relation_rings,
-    ring_outlines,
-    way_outlines,
+    polygons_of,
 )
-from cityx.sources.osm.site import Box, clip_polygons
-from cityx.sources.osm.vocabulary import (
-    NO_BUILDING,
-    WATER_KINDS,
-    area_kind,
-    closed_is_area,
-    is_underground,
-)
-
-if TYPE_CHECKING:
-    from geopandas import GeoDataFrame
+from cityx.sources.features.vocabulary import WATER_KINDS, is_underground
+from cityx.sources.osm.coastline import sea_polygons
+from cityx.sources.osm.elements import OsmMap, way_lines
+from cityx.sources.osm.outlines import relation_rings, ring_outlines, way_outlines, way_owner
 
 # Metres of water that a line without a width stands for.
 WATERWAYS = {
@@ -43,15 +32,6 @@ WATERWAYS = {
     "wadi": 2.5, "brook": 2.0, "rapids": 8.0,
 }  # fmt: skip
 COVERED = ("culvert", "yes", "flooded", "building_passage")
-
-
-def land_kind(tags: Tags) -> str:
-    """Return the kind of area that a closed outline is, or "" when it is none or a building."""
-    if tags.get("building", "") not in NO_BUILDING or "building:part" in tags:
-        return ""
-    if not closed_is_area(tags) or is_underground(tags):
-        return ""
-    return area_kind(tags)
 
 
 def waterway_width(tags: Tags) -> float:
@@ -64,15 +44,15 @@ def waterway_width(tags: Tags) -> float:
     return measures.measure(tags.get("width"), 0.3, 500.0) or usual
 
 
-def area_table(
+def read_areas(
     osm: OsmMap,
     xy: FloatArray,
     ways: IntArray,
     box: Box,
     report: Report,
     buildings: NDArray[Any],
-) -> GeoDataFrame:
-    """Read every area of the site.
+) -> tuple[Tagged, NDArray[Any]]:
+    """Read every area of the site, and the kind of each.
 
     Parameters
     ----------
@@ -83,57 +63,43 @@ def area_table(
     """
     rings, spoken = relation_rings(osm, land_kind)
     own = ways[~np.isin(ways, sorted(spoken))]
-    outlines = join_outlines(
-        clipped(way_outlines(osm, xy, own, box, report, solid=False, avoid=buildings), box),
-        clipped(ring_outlines(osm, xy, rings, box, report, solid=False, avoid=buildings), box),
+    outlines = joined(
+        clipped_polygons(
+            way_outlines(osm, xy, own, box, report, solid=False, avoid=buildings), box
+        ),
+        clipped_polygons(
+            ring_outlines(osm, xy, rings, box, report, solid=False, avoid=buildings), box
+        ),
     )
     kinds = np.array([land_kind(tags) for tags in outlines.tags()], object)
-    water = outlines.polygons[np.isin(kinds, sorted(WATER_KINDS))]
+    water = outlines.shapes[np.isin(kinds, sorted(WATER_KINDS))]
     streams = _waterways(osm, xy, water, box)
     sea = _sea(osm, xy, box)
-    kinds = np.concatenate(
-        [kinds, np.repeat(np.array(["river", "sea"], object), [len(streams.k), len(sea.k)])]
-    )
-    outlines = join_outlines(outlines, streams, sea)
-    tags = outlines.tags()
-    return make_table(
-        "areas",
-        outlines.polygons,
-        id=outlines.ids(),
-        source=outlines.sources(),
-        kind=kinds,
-        name=[own.get("name", "") for own in tags],
-        tags=[tags_text(own) for own in tags],
-    )
+    more = np.repeat(np.array(["river", "sea"], object), [len(streams.k), len(sea.k)])
+    return joined(outlines, streams, sea), np.concatenate([kinds, more])
 
 
-def tags_text(tags: Tags) -> str:
-    """Return tags as the JSON object that the tables keep, keys in order."""
-    quoted = [f"{_quote(key)}: {_quote(tags[key])}" for key in sorted(tags)]
-    return f"{{{', '.join(quoted)}}}"
-
-
-def _sea(osm: OsmMap, xy: FloatArray, box: Box) -> Outlines:
+def _sea(osm: OsmMap, xy: FloatArray, box: Box) -> Tagged:
     coast = [row for row, tags in enumerate(osm.way_tags) if tags.get("natural") == "coastline"]
     polygons = np.zeros(0, object)
     if coast:
         polygons = sea_polygons(way_lines(osm, xy, coast)[0], box)
         polygons = polygons[np.lexsort(np.round(shapely.bounds(polygons), 2).reshape(-1, 4).T)]
     k = np.arange(len(polygons))
-    return Outlines(polygons, np.zeros(len(k), np.int64), k, [Owner("coastline", 0, {})])
+    return Tagged(polygons, np.zeros(len(k), np.int64), k, [Owner(("osm", "coastline", 0), {})])
 
 
-def _waterways(osm: OsmMap, xy: FloatArray, water: NDArray[Any], box: Box) -> Outlines:
+def _waterways(osm: OsmMap, xy: FloatArray, water: NDArray[Any], box: Box) -> Tagged:
     """Widen rivers and streams that are drawn as lines, where no polygon covers them."""
     widths = {
         row: waterway_width(tags) for row, tags in enumerate(osm.way_tags) if "waterway" in tags
     }
     rows = np.array([row for row, width in widths.items() if width > 0], np.int64)
     lines, index = way_lines(osm, xy, rows)
-    owners = [Owner("way", int(osm.way_id[row]), osm.way_tags[row]) for row in rows.tolist()]
+    owners = [way_owner(osm, row) for row in rows.tolist()]
     half = np.array([widths[row] / 2 for row in rows.tolist()])
     if len(lines) == 0:
-        return Outlines(np.zeros(0, object), rows[:0], rows[:0], owners)
+        return Tagged(np.zeros(0, object), rows[:0], rows[:0], owners)
     near = np.flatnonzero(shapely.intersects(lines, shapely.box(*box)))
     lines, index = lines[near], index[near]
     bands = shapely.buffer(lines, half[index], cap_style="square", quad_segs=4)
@@ -144,4 +110,4 @@ def _waterways(osm: OsmMap, xy: FloatArray, water: NDArray[Any], box: Box) -> Ou
         bands[row] = shapely.difference(bands[row], covered)
     polygons, piece = polygons_of(bands)
     owner = index[piece]
-    return Outlines(polygons, owner, number_pieces(owner), owners)
+    return Tagged(polygons, owner, number_pieces(owner), owners)

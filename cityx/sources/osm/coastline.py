@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.sources.osm.multipolygons import MIN_AREA
-from cityx.sources.osm.site import Box, clip_lines
+from cityx.sources.features.clipping import Box, clip_lines
+from cityx.sources.features.tagged import MIN_AREA
 
 PROBE = 0.05  # metres beside a coast segment at which its two sides are looked up
 # An extract cuts ways at the last node inside it; the next one lies about a segment further.

@@ -12,9 +12,9 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-Tags = dict[str, str]
+from cityx.sources.features.clipping import FloatArray, IntArray
+from cityx.sources.features.tagged import Tags
+
 Member = tuple[str, int, str]  # "way", id, role
 
 ID_LIMIT = 1 << 62  # ids beyond are damage; OSM is near 2^34

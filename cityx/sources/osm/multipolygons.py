@@ -9,37 +9,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.sources.osm.elements import IntArray
+from cityx.sources.features.clipping import IntArray
 
-MIN_AREA = 1.0  # square metres; less is a slip of the pen
-MIN_SOLID = 0.05  # square metres; monuments are modelled in small parts
 MAX_AVOIDED = 2  # a jetty or a boathouse may stand in water
 MAX_GAP_SHARE = 0.5  # of its length, how far the ends of a building's outline may lie apart
-
-
-def polygons_of(shapes: NDArray[Any], *, least: float = MIN_AREA) -> tuple[NDArray[Any], IntArray]:
-    """Return the valid polygons within geometries and the row of each, largest first per row.
-
-    What is invalid is repaired; pieces of `least` square metres and less are dropped.
-    """
-    shapes = np.asarray(shapes, object)
-    # A z or a repeated point never comes from a map file, so validity is all there is to mend.
-    wrong = np.flatnonzero(~shapely.is_valid(shapes) & ~shapely.is_missing(shapes))
-    if len(wrong):
-        shapes = shapes.copy()
-        shapes[wrong] = shapely.make_valid(shapes[wrong], method="structure")
-    pieces, row = shapely.get_parts(shapes, return_index=True)
-    if (shapely.get_type_id(pieces) > 3).any():
-        pieces, inner = shapely.get_parts(pieces, return_index=True)
-        row = row[inner]
-    area = shapely.area(pieces)
-    kept = (shapely.get_type_id(pieces) == 3) & (area > least)
-    pieces, row, area = pieces[kept], row[kept], area[kept]
-    if len(np.unique(row)) < len(row):
-        box = shapely.bounds(pieces)
-        order = np.lexsort((box[:, 1], box[:, 0], -np.round(area, 3), row))
-        pieces, row = pieces[order], row[order]
-    return pieces, row.astype(np.int64)
 
 
 def assemble(lines: NDArray[Any], owner: IntArray, count: int) -> NDArray[Any]:

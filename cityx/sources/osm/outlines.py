@@ -3,26 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.identity import stable_id
-from cityx.sources.osm.elements import FloatArray, IntArray, OsmMap, Tags, way_lines, way_polygons
-from cityx.sources.osm.multipolygons import (
+from cityx.sources.features.clipping import Box, FloatArray, IntArray
+from cityx.sources.features.tagged import (
     MIN_AREA,
     MIN_SOLID,
-    assemble,
-    close_along,
-    close_straight,
-    open_ends,
+    Owner,
+    Report,
+    Tagged,
+    Tags,
+    number_pieces,
     polygons_of,
 )
-from cityx.sources.osm.site import Box, clip_polygons
-from cityx.sources.osm.vocabulary import is_water
+from cityx.sources.features.vocabulary import is_water
+from cityx.sources.osm.elements import OsmMap, way_lines, way_polygons
+from cityx.sources.osm.multipolygons import assemble, close_along, close_straight, open_ends
 
 # Tags of a relation that say nothing about what it encloses.
 _EMPTY_TAGS = frozenset({
@@ -30,75 +31,6 @@ _EMPTY_TAGS = frozenset({
     "area", "source:date", "description",
 })  # fmt: skip
 NOTHING: NDArray[Any] = np.zeros(0, object)
-
-
-@dataclass(frozen=True)
-class Owner:
-    """An element that owns outlines.
-
-    Attributes
-    ----------
-    kind
-        "way", "relation" or "node".
-    more
-        What tells a thing made of the element from the element itself, part of its id.
-    """
-
-    kind: str
-    osm_id: int
-    tags: Tags
-    more: tuple[str, ...] = ()
-
-    @property
-    def source(self) -> str:
-        """Provenance as the tables write it."""
-        return f"osm/{self.kind}/{self.osm_id}"
-
-    def id(self, *more: object) -> int:
-        """Return the stable id of the element, or of a thing that belongs to it."""
-        return stable_id("osm", self.kind, self.osm_id, *self.more, *more)
-
-    def numbered(self, k: int, *more: object) -> int:
-        """Return the id of its k-th piece; the first has the element's own id."""
-        return self.id(*more, k) if k else self.id(*more)
-
-
-@dataclass(frozen=True)
-class Outlines:
-    """Polygons and who owns them, n polygons.
-
-    Attributes
-    ----------
-    polygons
-        (n,) valid.
-    owner
-        (n,) index into ``owners``.
-    k
-        (n,) number of the polygon among those of its owner.
-    """
-
-    polygons: NDArray[Any]
-    owner: IntArray
-    k: IntArray
-    owners: list[Owner]
-
-    def take(self, rows: Any) -> Outlines:
-        """Return some of the polygons."""
-        return Outlines(self.polygons[rows], self.owner[rows], self.k[rows], self.owners)
-
-    def tags(self) -> list[Tags]:
-        """(n,) tags of each polygon's owner."""
-        return [self.owners[index].tags for index in self.owner.tolist()]
-
-    def ids(self, *more: object) -> NDArray[np.uint64]:
-        """(n,) stable ids."""
-        pairs = zip(self.owner.tolist(), self.k.tolist(), strict=True)
-        found = [self.owners[owner].numbered(k, *more) for owner, k in pairs]
-        return np.array(found, np.uint64)
-
-    def sources(self) -> list[str]:
-        """(n,) provenance."""
-        return [self.owners[index].source for index in self.owner.tolist()]
 
 
 @dataclass(frozen=True)
@@ -118,29 +50,17 @@ class Ring:
     broken: bool
 
 
-@dataclass
-class Report:
-    """What could not be used, counted and named while a map is read."""
-
-    counts: dict[str, int] = field(default_factory=dict)
-    failures: list[tuple[int, str]] = field(default_factory=list)
-
-    def count(self, what: str, number: int = 1) -> None:
-        """Count something."""
-        if number:
-            self.counts[what] = self.counts.get(what, 0) + number
-
-    def fail(self, object_id: int, why: str) -> None:
-        """Name an object that could not be read."""
-        self.failures.append((object_id, why))
+def way_owner(osm: OsmMap, way: int) -> Owner:
+    """Return the owner of what a way stands for."""
+    return Owner(("osm", "way", int(osm.way_id[way])), osm.way_tags[way])
 
 
-def number_pieces(owner: IntArray) -> IntArray:
-    """Count the rows of each owner from zero in their order; `owner` is ascending."""
-    first = np.ones(len(owner), bool)
-    first[1:] = owner[1:] != owner[:-1]
-    begin = np.flatnonzero(first)
-    return np.arange(len(owner)) - np.repeat(begin, np.diff(np.append(begin, len(owner))))
+def tagged_lines(osm: OsmMap, xy: FloatArray, ways: IntArray) -> Tagged:
+    """Return ways as lines, broken where the file lacks nodes."""
+    lines, index = way_lines(osm, xy, ways)
+    return Tagged(
+        lines, index, number_pieces(index), [way_owner(osm, way) for way in ways.tolist()]
+    )
 
 
 def relation_rings(osm: OsmMap, meaning: Callable[[Tags], str]) -> tuple[list[Ring], set[int]]:
@@ -179,7 +99,7 @@ def relation_rings(osm: OsmMap, meaning: Callable[[Tags], str]) -> tuple[list[Ri
             continue
         spoken |= {way for way in outer if meaning(osm.way_tags[way]) == found}
         broken = any(way < 0 for way, _ in members)
-        rings.append(Ring(Owner("relation", osm.relation_id[row], tags), ways, broken))
+        rings.append(Ring(Owner(("osm", "relation", osm.relation_id[row]), tags), ways, broken))
     return rings, spoken
 
 
@@ -192,7 +112,7 @@ def ring_outlines(
     *,
     solid: bool,
     avoid: NDArray[Any] = NOTHING,
-) -> Outlines:
+) -> Tagged:
     """Build the polygons of relations; what does not close is closed along the site's border.
 
     Parameters
@@ -207,7 +127,7 @@ def ring_outlines(
     owners = [ring.owner for ring in rings]
     if not rings:
         none = np.zeros(0, np.int64)
-        return Outlines(np.zeros(0, object), none, none, owners)
+        return Tagged(np.zeros(0, object), none, none, owners)
     flat = np.array([way for ring in rings for way in ring.ways], np.int64)
     ring_of = np.repeat(np.arange(len(rings)), [len(ring.ways) for ring in rings])
     lines, index = way_lines(osm, xy, flat)
@@ -226,7 +146,7 @@ def ring_outlines(
         if empty and _near(own, box):
             report.fail(ring.owner.id(), "the outline is not closed; it was left out")
     polygons, row_of = polygons_of(built, least=MIN_SOLID if solid else MIN_AREA)
-    return Outlines(polygons, row_of, number_pieces(row_of), owners)
+    return Tagged(polygons, row_of, number_pieces(row_of), owners)
 
 
 def _near(lines: NDArray[Any], box: Box) -> bool:
@@ -257,13 +177,13 @@ def way_outlines(
     *,
     solid: bool,
     avoid: NDArray[Any] = NOTHING,
-) -> Outlines:
+) -> Tagged:
     """Build the polygons of closed ways.
 
     A building is closed through the nodes that are there. Any other outline with missing nodes is
     closed along the site's border.
     """
-    owners = [Owner("way", int(osm.way_id[way]), osm.way_tags[way]) for way in ways.tolist()]
+    owners = [way_owner(osm, way) for way in ways.tolist()]
     shapes = way_polygons(osm, xy, ways)
     missing = osm.missing_nodes()[ways] > 0
     report.count("outlines with missing nodes", int(missing.sum()))
@@ -280,23 +200,4 @@ def way_outlines(
     lost = np.setdiff1d(np.flatnonzero(~shapely.is_missing(shapes)), row_of)
     for row in lost.tolist() if solid else ():
         report.fail(owners[row].id(), "its outline encloses no area; left out")
-    return Outlines(polygons, row_of, number_pieces(row_of), owners)
-
-
-def join_outlines(*given: Outlines) -> Outlines:
-    """Put outlines together."""
-    shift = np.cumsum([0, *(len(item.owners) for item in given)])
-    return Outlines(
-        np.concatenate([item.polygons for item in given]),
-        np.concatenate([item.owner + shift[i] for i, item in enumerate(given)]).astype(np.int64),
-        np.concatenate([item.k for item in given]).astype(np.int64),
-        [owner for item in given for owner in item.owners],
-    )
-
-
-def clipped(outlines: Outlines, box: Box) -> Outlines:
-    """Cut outlines at the border of the site."""
-    polygons, row = polygons_of(clip_polygons(outlines.polygons, box))
-    owner = outlines.owner[row]
-    order = np.lexsort((np.arange(len(owner)), outlines.k[row], owner))
-    return Outlines(polygons[order], owner[order], number_pieces(owner[order]), outlines.owners)
+    return Tagged(polygons, row_of, number_pieces(row_of), owners)

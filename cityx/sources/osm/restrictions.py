@@ -9,8 +9,9 @@ import shapely
 
 from cityx.city.layout import empty_table, make_table
 from cityx.geometry.identity import stable_id
-from cityx.sources.osm.elements import FloatArray, OsmMap, Tags
-from cityx.sources.osm.site import Box
+from cityx.sources.features.clipping import Box, FloatArray
+from cityx.sources.features.tagged import Tags
+from cityx.sources.osm.elements import OsmMap
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame

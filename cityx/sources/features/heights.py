@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.geometry.identity import UInt64Array, choose, uniform
-from cityx.sources.osm.elements import FloatArray, IntArray
+from cityx.sources.features.clipping import FloatArray, IntArray
 
 # Where levels are borrowed from: (metres, of how many neighbours, how many of them must be known,
 # share of the type that must be known). Where only a few are tagged those are the tallest, so that

@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.geometry.identity import UInt64Array
-from cityx.sources.osm.elements import FloatArray, IntArray
+from cityx.sources.features.clipping import FloatArray, IntArray
 
 TOLERANCE = 0.5  # square metres of overlap that is drawing noise
 SAME = 0.9  # intersection over union from which two outlines are one building drawn twice

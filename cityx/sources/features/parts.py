@@ -12,23 +12,22 @@ from numpy.typing import NDArray
 from cityx.city.layout import make_table
 from cityx.geometry.identity import UInt64Array, hash_ids
 from cityx.geometry.polygons import cut_at_waists
-from cityx.sources.osm.areas import tags_text
-from cityx.sources.osm.buildings import Shells, type_word, use_of
-from cityx.sources.osm.density import PLACES, Density
-from cityx.sources.osm.elements import FloatArray, IntArray
-from cityx.sources.osm.heights import (
+from cityx.sources.features.clipping import FloatArray, IntArray
+from cityx.sources.features.density import PLACES, Density
+from cityx.sources.features.heights import (
     TOWER_HEIGHT,
     building_types,
     fill_levels,
     height_of_levels,
     levels_of_height,
 )
-from cityx.sources.osm.multipolygons import MIN_SOLID, polygons_of
-from cityx.sources.osm.outlines import Outlines, number_pieces
-from cityx.sources.osm.overlaps import separate_volumes
-from cityx.sources.osm.roofs import SHAPE, SHAPES, fill_shapes, roof_heights
-from cityx.sources.osm.vertical import Vertical, read_vertical
-from cityx.sources.osm.vocabulary import ROOF_ONLY
+from cityx.sources.features.kinds import type_word, use_of
+from cityx.sources.features.overlaps import separate_volumes
+from cityx.sources.features.roofs import SHAPE, SHAPES, fill_shapes, roof_heights
+from cityx.sources.features.shells import Shells
+from cityx.sources.features.tagged import MIN_SOLID, Tagged, number_pieces, polygons_of
+from cityx.sources.features.vertical import Vertical, read_vertical
+from cityx.sources.features.vocabulary import ROOF_ONLY
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -88,13 +87,13 @@ def building_tables(
         Latitude and longitude of the site, degrees.
     """
     outlines = shells.outlines
-    if len(outlines.polygons) == 0:
+    if len(outlines.shapes) == 0:
         none = np.zeros(0, object)
         return make_table("buildings", none), make_table("parts", none)
     ids = outlines.ids()
     tags = outlines.tags()
     said = read_vertical(tags)
-    centres = shapely.get_coordinates(shapely.centroid(outlines.polygons))
+    centres = shapely.get_coordinates(shapely.centroid(outlines.shapes))
     place = density.place(centres)
     uses = [use_of(own) for own in tags]
     words = [type_word(own) for own in tags]
@@ -102,11 +101,11 @@ def building_tables(
     on_industry[
         shapely.STRtree(industrial).query(shapely.points(centres), predicate="within")[0]
     ] = True
-    types = building_types(words, shapely.area(outlines.polygons), place, on_industry)
+    types = building_types(words, shapely.area(outlines.shapes), place, on_industry)
     pieces = _pieces(shells)
     said_parts = read_vertical(shells.parts.tags())
     known = _known_levels(said, said_parts, shells, types)
-    levels = fill_levels(known, outlines.polygons, types, place, ids, seed=seed)
+    levels = fill_levels(known, outlines.shapes, types, place, ids, seed=seed)
     parts = _resolve(
         shells, pieces, said, said_parts, uses, types, place, levels, ids,
         at=at, seed=seed,
@@ -117,17 +116,15 @@ def building_tables(
     np.maximum.at(most, parts["row"], parts["total"])
     standing = highest > 0
     rows = np.flatnonzero(standing)
+    kept = outlines.take(rows)
     buildings = make_table(
         "buildings",
-        outlines.polygons[rows],
-        id=ids[rows],
-        source=[outlines.owners[owner].source for owner in outlines.owner[rows].tolist()],
+        kept.shapes,
         use=[uses[row] for row in rows.tolist()],
-        name=[tags[row].get("name", "") for row in rows.tolist()],
         levels=np.maximum(most[rows], 1).astype(np.int16),
         height=highest[rows],
         place=PLACES[place[rows]],
-        tags=[tags_text(tags[row]) for row in rows.tolist()],
+        **kept.columns(),
     )
     del parts["row"], parts["total"]
     return buildings, make_table("parts", parts.pop("geometry"), **parts)
@@ -155,7 +152,7 @@ def _known_levels(
 
 def _pieces(shells: Shells) -> Pieces:
     """List bodies, parts, and the rests of outlines that their parts leave uncovered."""
-    count = len(shells.outlines.polygons)
+    count = len(shells.outlines.shapes)
     divided = np.bincount(shells.building, minlength=count) > 0
     whole = np.flatnonzero(~divided)
     rows = np.flatnonzero(divided)
@@ -163,11 +160,11 @@ def _pieces(shells: Shells) -> Pieces:
     if len(rows):
         order = np.argsort(shells.building, kind="stable")
         collected = shapely.multipolygons(
-            shells.parts.polygons[order],
+            shells.parts.shapes[order],
             indices=np.searchsorted(rows, shells.building[order]),
         )
         cover = shapely.unary_union(collected.reshape(-1, 1), axis=1)
-        outline = shells.outlines.polygons[rows]
+        outline = shells.outlines.shapes[rows]
         rest = shapely.difference(outline, cover)
         large = shapely.area(rest) > UNCOVERED * shapely.area(outline)
         eroded = shapely.buffer(rest[large], -OPENING, join_style="mitre")
@@ -179,10 +176,10 @@ def _pieces(shells: Shells) -> Pieces:
         rest_rows = rows
     none = np.full(len(whole), -1, np.int64)
     return Pieces(
-        np.concatenate([shells.outlines.polygons[whole], shells.parts.polygons, rests]),
+        np.concatenate([shells.outlines.shapes[whole], shells.parts.shapes, rests]),
         np.concatenate([whole, shells.building, rest_rows]).astype(np.int64),
         np.concatenate(
-            [none, np.arange(len(shells.parts.polygons)), np.full(len(rest_rows), -1)]
+            [none, np.arange(len(shells.parts.shapes)), np.full(len(rest_rows), -1)]
         ).astype(np.int64),
         np.repeat([BODY, PART, REST], [len(whole), len(shells.building), len(rest_rows)]),
     )
@@ -298,7 +295,7 @@ def _raised_shape(shapes: IntArray) -> IntArray:
     return np.where(shapes == SHAPE["flat"], SHAPE["gabled"], shapes)
 
 
-def _piece_ids(parts: Outlines, pieces: Pieces, building_ids: UInt64Array) -> UInt64Array:
+def _piece_ids(parts: Tagged, pieces: Pieces, building_ids: UInt64Array) -> UInt64Array:
     found = np.zeros(len(pieces.kind), np.uint64)
     is_part = pieces.kind == PART
     found[is_part] = parts.ids()[pieces.part[is_part]]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from cityx.city.section import PARKING, TURN, Band
-from cityx.sources.osm import measures
-from cityx.sources.osm.elements import Tags
+from cityx.sources.features import measures
+from cityx.sources.features.tagged import Tags
 
 CYCLE_LANE = 1.6  # metres
 SHOULDER = 2.5

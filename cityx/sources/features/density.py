@@ -9,8 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.sources.osm.elements import FloatArray
-from cityx.sources.osm.site import Box
+from cityx.sources.features.clipping import Box, FloatArray
 
 CELL = 50.0  # metres; five cells make the window
 REACH = 2  # cells on either side

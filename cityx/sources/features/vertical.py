@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.sources.osm import measures
-from cityx.sources.osm.elements import FloatArray, IntArray, Tags
-from cityx.sources.osm.heights import MAX_HEIGHT, MAX_LEVELS
-from cityx.sources.osm.roofs import SHAPE
-from cityx.sources.osm.vocabulary import ROOF_WORDS
+from cityx.sources.features import measures
+from cityx.sources.features.clipping import FloatArray, IntArray
+from cityx.sources.features.heights import MAX_HEIGHT, MAX_LEVELS
+from cityx.sources.features.roofs import SHAPE
+from cityx.sources.features.tagged import Tags
+from cityx.sources.features.vocabulary import ROOF_WORDS
 
 _KEYS = frozenset({
     "height", "building:height", "est_height", "min_height", "building:min_height",

@@ -7,26 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.city.layout import make_table
 from cityx.city.section import PARKING, carriageway_width, section_text
-from cityx.geometry.identity import stable_id
-from cityx.sources.osm import measures
-from cityx.sources.osm.areas import tags_text
-from cityx.sources.osm.density import Density
-from cityx.sources.osm.elements import FloatArray, IntArray, OsmMap, Tags, way_lines
-from cityx.sources.osm.outlines import Report, number_pieces
-from cityx.sources.osm.sections import bands_of_tags
-from cityx.sources.osm.site import Box, clip_lines
-from cityx.sources.osm.vocabulary import (
-    CARS,
-    RAIL_WORDS,
-    ROAD_TABLE,
-    ROAD_WORDS,
-    SURFACE_WORDS,
-    closed_is_area,
-)
+from cityx.sources.features import measures
+from cityx.sources.features.density import Density
+from cityx.sources.features.kinds import road_kind
+from cityx.sources.features.sections import bands_of_tags
+from cityx.sources.features.tagged import Tagged, Tags
+from cityx.sources.features.vocabulary import CARS, RAIL_WORDS, ROAD_TABLE, SURFACE_WORDS
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -44,76 +33,36 @@ _PARKED = frozenset({
 _LEFT, _RIGHT = 0, 1
 
 
-def road_kind(tags: Tags) -> str:
-    """Return the class of a way that carries movement, or "" when it is none that is built."""
-    highway = tags.get("highway")
-    if highway:
-        kind = ROAD_WORDS.get(highway, highway)
-        if kind not in ROAD_TABLE or kind in RAIL_WORDS or tags.get("indoor") == "yes":
-            return ""
-        if tags.get("area") == "yes" or tags.get("conveying") or tags.get("tunnel") == "culvert":
-            return ""
-        return kind
-    railway = tags.get("railway")
-    if railway:
-        return RAIL_WORDS.get(railway, "")
-    return ""
+def road_table(roads: Tagged, density: Density, *, left_hand: bool = False) -> GeoDataFrame:
+    """Resolve the cross-section of every road and make the table.
 
-
-def read_roads(
-    osm: OsmMap, xy: FloatArray, ways: IntArray, box: Box, report: Report
-) -> tuple[NDArray[Any], IntArray]:
-    """Return the lines of the roads within the site and the way each is of.
-
-    Ways are broken where the file lacks nodes and cut at the border; points of ways that meet
-    stay equal.
+    Parameters
+    ----------
+    density
+        Of the site.
+    left_hand
+        Whether traffic keeps to the left.
     """
-    missing = osm.missing_nodes()[ways] > 0
-    report.count("roads with missing nodes", int(missing.sum()))
-    lines, index = way_lines(osm, xy, ways)
-    pieces, row = clip_lines(lines, box)
-    return pieces, ways[index[row]]
-
-
-def road_table(
-    osm: OsmMap, lines: NDArray[Any], way: IntArray, density: Density, *, left_hand: bool = False
-) -> GeoDataFrame:
-    """Resolve the cross-section of every road and make the table."""
+    lines = roads.shapes.copy()
     if len(lines) == 0:
         return make_table("roads", lines)
     middle = shapely.get_coordinates(shapely.line_interpolate_point(lines, 0.5, normalized=True))
-    coverage = density.at(middle)
-    numbers = number_pieces(way)
-    rows = []
-    backward = np.zeros(len(lines), bool)
-    cache: dict[tuple[int, bool, bool], tuple[Any, ...]] = {}
-    for index, (row, share, k) in enumerate(
-        zip(way.tolist(), coverage.tolist(), numbers.tolist(), strict=True)
-    ):
-        key = (row, share >= TOWN, share >= DENSE)
-        if key not in cache:
-            tags = osm.way_tags[row]
-            cache[key] = cross_section(
-                tags, town=share >= TOWN, dense=share >= DENSE, left_hand=left_hand
-            )
-        backward[index] = cache[key][-1]
-        osm_id = int(osm.way_id[row])
-        parts = ("osm", "way", osm_id, k) if k else ("osm", "way", osm_id)
-        tags = osm.way_tags[row]
-        rows.append(
-            (
-                stable_id(*parts),
-                f"osm/way/{osm_id}",
-                tags.get("name", ""),
-                tags_text(tags),
-                *cache[key][:-1],
-            )
+    share = density.at(middle)
+    town, dense = (share >= TOWN).tolist(), (share >= DENSE).tolist()
+    owner = roads.owner.tolist()
+    sections = {
+        key: cross_section(
+            roads.owners[key[0]].tags, town=key[1], dense=key[2], left_hand=left_hand
         )
-    lines = lines.copy()
-    lines[backward] = shapely.reverse(lines[backward])
-    columns = dict(zip(("id", "source", "name", "tags", *_COLUMNS), zip(*rows, strict=True), strict=True))  # fmt: skip  # noqa: E501
-    columns["id"] = np.array(columns["id"], np.uint64)  # type: ignore[assignment]
-    return make_table("roads", lines, **columns)
+        for key in set(zip(owner, town, dense, strict=True))
+    }
+    found = [sections[key] for key in zip(owner, town, dense, strict=True)]
+    *columns, backward = zip(*found, strict=True)
+    turned = np.array(backward, bool)
+    lines[turned] = shapely.reverse(lines[turned])
+    return make_table(
+        "roads", lines, **roads.columns(), **dict(zip(_COLUMNS, columns, strict=True))
+    )
 
 
 _COLUMNS = (
@@ -252,8 +201,3 @@ def _sidewalks(tags: Tags, of_class: float, *, default: bool) -> list[float]:
 
 def _no_walking(tags: Tags) -> bool:
     return tags.get("foot") == "no" or tags.get("motorroad") == "yes" or tags.get("tunnel") == "yes"
-
-
-def is_road_way(tags: Tags, *, closed: bool) -> bool:
-    """Tell whether a way is a road and not the outline of a square."""
-    return bool(road_kind(tags)) and not (closed and "area" in tags and closed_is_area(tags))

@@ -1,0 +1,109 @@
+"""What tags mean: the kind of building, land, way, line or thing that they describe."""
+
+from __future__ import annotations
+
+from cityx.sources.features import measures
+from cityx.sources.features.tagged import Tags
+from cityx.sources.features.vocabulary import (
+    LINE_TABLE,
+    NO_BUILDING,
+    POINT_TABLE,
+    RAIL_WORDS,
+    ROAD_TABLE,
+    ROAD_WORDS,
+    TOWERS,
+    area_kind,
+    closed_is_area,
+    is_underground,
+    lookup,
+)
+
+_INTERESTING = frozenset(key for key, values in POINT_TABLE if values)
+
+
+def building_kind(tags: Tags) -> str:
+    """Return "building", "part" or "" for the tags of an outline."""
+    if tags.get("building", "") not in NO_BUILDING or tags.get("man_made") in TOWERS:
+        return "" if is_underground(tags) else "building"
+    if tags.get("building:part", "") not in NO_BUILDING:
+        return "" if is_underground(tags) else "part"
+    return ""
+
+
+def use_of(tags: Tags) -> str:
+    """Return what a building is used for: the value of building=*, or the word of a tower."""
+    tower = tags.get("man_made", "")
+    value = measures.word(tags.get("building") or tags.get("building:part"))
+    if tower in TOWERS and value in ("", "yes", "tower", "industrial", "part"):
+        return tower
+    return value if value not in NO_BUILDING else "yes"
+
+
+def type_word(tags: Tags) -> str:
+    """Return the word that tells the type of a building; other tags help where it says "yes"."""
+    use = use_of(tags)
+    if use != "yes":
+        return use
+    amenity = tags.get("amenity", "")
+    if amenity == "place_of_worship":
+        return "church"
+    if amenity in ("parking", "school", "university", "college", "hospital", "kindergarten",
+                   "townhall", "library", "police", "fire_station", "theatre", "cinema",
+                   "restaurant", "pub", "bank", "toilets", "marketplace"):  # fmt: skip
+        return amenity
+    tourism = tags.get("tourism", "")
+    if tourism in ("hotel", "hostel", "museum", "guest_house"):
+        return "hotel" if tourism != "museum" else "museum"
+    if "shop" in tags:
+        return "supermarket" if tags["shop"] in ("supermarket", "mall") else "yes"
+    if "office" in tags:
+        return "office"
+    if tags.get("aeroway") in ("hangar", "terminal"):
+        return tags["aeroway"]
+    if tags.get("leisure") in ("stadium", "sports_centre", "sports_hall"):
+        return tags["leisure"]
+    return "yes"
+
+
+def land_kind(tags: Tags) -> str:
+    """Return the kind of area that a closed outline is, or "" when it is none or a building."""
+    if tags.get("building", "") not in NO_BUILDING or "building:part" in tags:
+        return ""
+    if not closed_is_area(tags) or is_underground(tags):
+        return ""
+    return area_kind(tags)
+
+
+def road_kind(tags: Tags) -> str:
+    """Return the class of a way that carries movement, or "" when it is none that is built."""
+    highway = tags.get("highway")
+    if highway:
+        kind = ROAD_WORDS.get(highway, highway)
+        if kind not in ROAD_TABLE or kind in RAIL_WORDS or tags.get("indoor") == "yes":
+            return ""
+        if tags.get("area") == "yes" or tags.get("conveying") or tags.get("tunnel") == "culvert":
+            return ""
+        return kind
+    railway = tags.get("railway")
+    if railway:
+        return RAIL_WORDS.get(railway, "")
+    return ""
+
+
+def is_road_way(tags: Tags, *, closed: bool) -> bool:
+    """Tell whether a way is a road and not the outline of a square."""
+    return bool(road_kind(tags)) and not (closed and "area" in tags and closed_is_area(tags))
+
+
+def line_kind(tags: Tags) -> str:
+    """Return the kind of a line that stands, or ""."""
+    if is_underground(tags) or tags.get("area") == "yes":
+        return ""
+    return lookup(LINE_TABLE, tags)
+
+
+def point_kind(tags: Tags) -> str:
+    """Return the kind of thing that stands at a node, or ""."""
+    if _INTERESTING.isdisjoint(tags) or is_underground(tags) or tags.get("indoor") == "yes":
+        return ""
+    return lookup(POINT_TABLE, tags)

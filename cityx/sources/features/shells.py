@@ -1,0 +1,156 @@
+"""Shells of buildings: disjoint outlines and the parts that belong to them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.geometry.identity import UInt64Array
+from cityx.sources.features.clipping import Box, IntArray, inside_site
+from cityx.sources.features.overlaps import separate_outlines
+from cityx.sources.features.tagged import (
+    MIN_SOLID,
+    Owner,
+    Report,
+    Tagged,
+    joined,
+    number_pieces,
+    polygons_of,
+)
+from cityx.sources.features.vocabulary import ROOF_ONLY
+
+SIMPLE = 0.01  # metres; a point nearer to the line of its neighbours is no corner
+ASSIGNED = 0.5  # share of a part that must lie in the outline it belongs to
+
+
+@dataclass(frozen=True)
+class Shells:
+    """Tagged of buildings and of their parts, as they stand in the map.
+
+    Attributes
+    ----------
+    outlines
+        Disjoint, one per polygon.
+    parts
+        Polygons of building:part.
+    building
+        (parts,) row of the outline each part belongs to.
+    """
+
+    outlines: Tagged
+    parts: Tagged
+    building: IntArray
+
+
+def make_shells(outlines: Tagged, parts: Tagged, box: Box, report: Report) -> tuple[Shells, Box]:
+    """Choose the buildings of a site, make their outlines disjoint and give them their parts.
+
+    Parameters
+    ----------
+    outlines, parts
+        Polygons of buildings and of parts of buildings.
+    box
+        The site.
+
+    Returns
+    -------
+    shells
+    box
+        The site, grown to hold every building it keeps.
+    """
+    outlines, parts = _simple(outlines), _simple(parts)
+    every = np.concatenate([outlines.shapes, parts.shapes])
+    kept, box = inside_site(every, box)
+    kept_outlines, kept_parts = np.split(kept, [len(outlines.shapes)])
+    report.count("buildings outside the site", int((~kept_outlines).sum()))
+    outlines = outlines.take(np.flatnonzero(kept_outlines))
+    parts = parts.take(np.flatnonzero(kept_parts))
+    outlines = _disjoint(outlines, report)
+    outlines, building = _assigned(outlines, parts)
+    return Shells(outlines, parts, building), box
+
+
+def _simple(outlines: Tagged) -> Tagged:
+    """Drop points that are no corners; the few outlines this would break stay as they are."""
+    plain = shapely.simplify(outlines.shapes, SIMPLE, preserve_topology=True)
+    sound = shapely.is_valid(plain) & (shapely.get_type_id(plain) == 3) & ~shapely.is_empty(plain)
+    polygons = shapely.orient_polygons(np.where(sound, plain, outlines.shapes))
+    return Tagged(polygons, outlines.owner, outlines.k, outlines.owners)
+
+
+def _disjoint(outlines: Tagged, report: Report) -> Tagged:
+    tags = outlines.tags()
+    # A canopy is worth less than a house, more tags are worth more.
+    worth = np.array(
+        [len(own) - 100 * (own.get("building") in ROOF_ONLY) for own in tags], np.int64
+    )
+    shapes, duplicate = separate_outlines(outlines.shapes, worth)
+    report.count("buildings drawn twice", int(duplicate.sum()))
+    polygons, row = polygons_of(shapes)
+    lost = np.setdiff1d(np.flatnonzero(~duplicate), row)
+    report.count("buildings covered by others", len(lost))
+    owner, k = outlines.owner[row], outlines.k[row]
+    order = np.lexsort((np.arange(len(row)), k, owner))
+    owner = owner[order]
+    return Tagged(
+        shapely.orient_polygons(polygons[order]), owner, number_pieces(owner), outlines.owners
+    )
+
+
+def _assigned(outlines: Tagged, parts: Tagged) -> tuple[Tagged, IntArray]:
+    """Find the outline of each part; parts without one form buildings of their own."""
+    building = np.full(len(parts.shapes), -1, np.int64)
+    if len(parts.shapes) == 0:
+        return outlines, building
+    part, outline = shapely.STRtree(outlines.shapes).query(parts.shapes, predicate="intersects")
+    shared = shapely.area(shapely.intersection(parts.shapes[part], outlines.shapes[outline]))
+    order = np.lexsort((outlines.ids()[outline], -np.round(shared, 3), part))
+    part, outline, shared = part[order], outline[order], shared[order]
+    first = np.ones(len(part), bool)
+    first[1:] = part[1:] != part[:-1]
+    enough = first & (shared >= ASSIGNED * shapely.area(parts.shapes[part]))
+    building[part[enough]] = outline[enough]
+    # Parts that overhang are none of their own where the ground below is another's.
+    orphan = np.flatnonzero(building < 0)
+    if len(orphan) == 0:
+        return outlines, building
+    taken = shapely.STRtree(outlines.shapes)
+    groups = _groups(parts.shapes[orphan], parts.ids()[orphan])
+    found: list[Any] = []
+    owners: list[Owner] = []
+    for group in np.unique(groups).tolist():
+        rows = orphan[groups == group]
+        head = parts.owners[parts.owner[rows[np.argmin(parts.ids()[rows])]]]
+        shape = shapely.union_all(parts.shapes[rows], grid_size=1e-3)
+        below = taken.query(shape, predicate="intersects")
+        free = shapely.difference(shape, shapely.union_all(outlines.shapes[below]))
+        pieces, _ = polygons_of(np.array([free], object), least=MIN_SOLID)
+        if len(pieces) == 0:  # all of it lies in other outlines: it belongs to the nearest
+            building[rows] = below[np.argmax(shapely.area(shapely.intersection(shape, outlines.shapes[below])))]  # fmt: skip  # noqa: E501
+            continue
+        # A building has one outline; the largest stands for all of its pieces.
+        building[rows] = len(outlines.shapes) + len(found)
+        found.append(pieces[0])
+        owners.append(replace(head, more=("building",)))
+    own = np.arange(len(found))
+    added = Tagged(
+        shapely.orient_polygons(np.array(found, object)), own, np.zeros(len(own), np.int64), owners
+    )
+    return joined(outlines, added), building
+
+
+def _groups(polygons: NDArray[Any], ids: UInt64Array) -> IntArray:
+    """Return the number of each polygon's group, joined by borders and shared areas."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    first, second = shapely.STRtree(polygons).query(polygons, predicate="intersects")
+    joined = shapely.intersection(polygons[first], polygons[second])
+    real = (shapely.area(joined) > 0) | (shapely.length(joined) > 0.5) | (first == second)
+    size = len(ids)
+    graph = coo_matrix((np.ones(real.sum()), (first[real], second[real])), (size, size))
+    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
