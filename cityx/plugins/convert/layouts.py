@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,11 +12,7 @@ import shapely
 from cityx.city.city import City
 from cityx.city.layout import Layout
 from cityx.errors import ActionFailed
-from cityx.plugins.convert.lines import line_to_layout_conversion
-from cityx.plugins.convert.points import point_to_layout_conversion
-from cityx.plugins.convert.surfaces import LEVEL_HEIGHT, face_to_layout_conversion
 from cityx.protocol import action
-from cityx.protocol.deposit import merged
 from cityx.protocol.values import (
     GeographicData,
     Lines,
@@ -26,6 +22,7 @@ from cityx.protocol.values import (
     make_points,
     make_surfaces,
 )
+from cityx.sources.features.kinds import KIND
 
 
 @action(
@@ -101,12 +98,9 @@ def layout_to_point_conversion(layout: Layout) -> Points:
     "convert/geographic_to_layout_conversion-v1",
     classname="Geographic_to_layout_conversion",
     extension=True,
-    lossy=0.2,
+    lossy=0.1,
     cost=2.0,
-    limits=[
-        "Loses features whose tags are no building, road, area or thing, and the uses, widths and "
-        "roofs that tags say; reading the map file itself keeps them."
-    ],
+    limits=["Loses features whose tags are no building, road, area or thing, and forbidden turns."],
 )
 def geographic_to_layout_conversion(city: City, data: GeographicData) -> Layout:
     """Convert geographic data to a layout in the frame of the city.
@@ -116,66 +110,22 @@ def geographic_to_layout_conversion(city: City, data: GeographicData) -> Layout:
     city
         City whose frame says where on Earth the layout lies.
     data
-        Features with tags in longitude and latitude.
+        Features with tags in longitude and latitude; each source names one feature.
     """
+    from cityx.sources.features.gather import gather
+    from cityx.sources.features.resolve import resolve
+    from cityx.sources.features.tagged import Owner, Report, tag
+
     if not len(data.geometry):
         return Layout((-10.0, -10.0, 10.0, 10.0))
     shapes = shapely.transform(data.geometry, city.frame.to_local)
-    faces: dict[str, list[Any]] = {"shape": [], "kind": [], "height": []}
-    lines: dict[str, list[Any]] = {"shape": [], "kind": [], "height": []}
-    points: dict[str, list[Any]] = {"shape": [], "kind": [], "height": []}
-    for shape, tags in zip(shapes, data.tags, strict=True):
-        for part in shapely.get_parts(shape):
-            table = {"Polygon": faces, "LineString": lines, "Point": points}.get(part.geom_type)
-            kind = _kind(tags, part.geom_type)
-            if table is not None and kind:
-                table["shape"].append(part)
-                table["kind"].append(kind)
-                table["height"].append(_height(tags))
-    xy = shapely.get_coordinates(np.array(points["shape"], object))
-    made = face_to_layout_conversion(
-        make_surfaces(np.array(faces["shape"], object), faces["kind"], faces["height"])
-    )
-    made = merged(made, line_to_layout_conversion(make_lines(lines["shape"], lines["kind"])))
-    made = merged(made, point_to_layout_conversion(make_points(xy, points["kind"])))
-    return Layout(
-        tuple(shapely.total_bounds(shapes).tolist()),
-        made.buildings, made.parts, made.roads, made.areas, made.lines, made.points,
-    )  # fmt: skip
-
-
-KIND = "cityx:kind"  # tag that carries the layout's own word where OpenStreetMap has none
-
-
-def _kind(tags: Mapping[str, str], shape: str) -> str:
-    """Return the layout's word for a feature, or ""."""
-    from cityx.sources.features.kinds import (
-        building_kind,
-        land_kind,
-        line_kind,
-        point_kind,
-        road_kind,
-    )
-
-    said = dict(tags)
-    if KIND in said:
-        return said[KIND]
-    if shape == "Polygon":
-        return "building" if building_kind(said) == "building" else land_kind(said)
-    if shape == "LineString":
-        return road_kind(said) or line_kind(said)
-    return point_kind(said)
-
-
-def _height(tags: Mapping[str, str]) -> float:
-    for key, metres in (("height", 1.0), ("building:levels", LEVEL_HEIGHT)):
-        try:
-            value = float(tags.get(key, "").removesuffix("m")) * metres
-        except ValueError:
-            continue
-        if 0 < value < 1000:
-            return value
-    return float("nan")
+    owners = [
+        Owner(tuple(source.split("/")), dict(tags))
+        for source, tags in zip(data.source, data.tags, strict=True)
+    ]
+    xmin, ymin, xmax, ymax = shapely.total_bounds(shapes).tolist()
+    features = gather(tag(shapes, owners), (xmin, ymin, xmax, ymax), Report())
+    return resolve(features, city.frame, seed=city.seed)
 
 
 @action(
@@ -195,27 +145,41 @@ def layout_to_geographic_conversion(city: City, layout: Layout) -> GeographicDat
     layout
         The layout.
     """
+    if not np.isfinite([city.frame.latitude, city.frame.longitude]).all():
+        raise ActionFailed("The city does not say where on Earth it lies.")
     shapes: list[Any] = []
     tags: list[Mapping[str, str]] = []
     source: list[str] = []
-    for name, word, column in _FEATURES:
+    for name, said in _SAID.items():
         rows = getattr(layout, name)
         shapes += rows.geometry.to_list()
         source += rows["source"].tolist()
-        heights = rows["height"].tolist() if name == "buildings" else [None] * len(rows)
-        for kind, height, text in zip(rows[column], heights, rows["tags"], strict=True):
-            said = {} if height is None else {"height": f"{height:g}"}
-            tags.append({word: kind, **said, **(json.loads(text) if text else {})})
-    if not np.isfinite([city.frame.latitude, city.frame.longitude]).all():
-        raise ActionFailed("The city does not say where on Earth it lies.")
+        for row in rows.drop(columns="geometry").to_dict("records"):
+            tags.append(said(row) | (json.loads(row["tags"]) if row["tags"] else {}))
     geometry = shapely.transform(np.array(shapes, object), city.frame.to_geographic)
     return GeographicData(geometry, tuple(tags), tuple(source), "; ".join(city.attribution))
 
 
-_FEATURES = (
-    ("buildings", "building", "use"),
-    ("roads", KIND, "kind"),
-    ("areas", KIND, "kind"),
-    ("lines", KIND, "kind"),
-    ("points", KIND, "kind"),
-)
+def _said_of_building(row: Mapping[str, Any]) -> dict[str, str]:
+    said = {"building": row["use"], "height": f"{row['height']:g}"}
+    return said | {"building:levels": str(row["levels"])}
+
+
+def _said_of_road(row: Mapping[str, Any]) -> dict[str, str]:
+    said = {KIND: row["kind"], "width": f"{row['width']:g}", "lanes": str(row["lanes"])}
+    flags = {"oneway": row["oneway"], "bridge": row["bridge"], "tunnel": row["tunnel"]}
+    said |= {"surface": row["surface"], "layer": str(row["layer"])}
+    return said | {key: "yes" for key, value in flags.items() if value}
+
+
+def _said_of_kind(row: Mapping[str, Any]) -> dict[str, str]:
+    return {KIND: row["kind"]}
+
+
+_SAID: Mapping[str, Callable[[Mapping[str, Any]], dict[str, str]]] = {
+    "buildings": _said_of_building,
+    "roads": _said_of_road,
+    "areas": _said_of_kind,
+    "lines": _said_of_kind,
+    "points": _said_of_kind,
+}

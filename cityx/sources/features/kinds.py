@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from cityx.city.layout import AREA_KINDS
 from cityx.sources.features import measures
 from cityx.sources.features.tagged import Tags
 from cityx.sources.features.vocabulary import (
+    LINE_HEIGHT,
     LINE_TABLE,
     NO_BUILDING,
+    POINT_HEIGHT,
     POINT_TABLE,
     RAIL_WORDS,
     ROAD_TABLE,
@@ -19,6 +22,8 @@ from cityx.sources.features.vocabulary import (
 )
 
 _INTERESTING = frozenset(key for key, values in POINT_TABLE if values)
+# Tag by which any source may say the layout's own word for the kind of a feature.
+KIND = "cityx:kind"
 
 
 def building_kind(tags: Tags) -> str:
@@ -67,6 +72,8 @@ def type_word(tags: Tags) -> str:
 
 def land_kind(tags: Tags) -> str:
     """Return the kind of area that a closed outline is, or "" when it is none or a building."""
+    if tags.get(KIND) in AREA_KINDS:
+        return tags[KIND]
     if tags.get("building", "") not in NO_BUILDING or "building:part" in tags:
         return ""
     if not closed_is_area(tags) or is_underground(tags):
@@ -76,6 +83,8 @@ def land_kind(tags: Tags) -> str:
 
 def road_kind(tags: Tags) -> str:
     """Return the class of a way that carries movement, or "" when it is none that is built."""
+    if tags.get(KIND) in ROAD_TABLE:
+        return tags[KIND]
     highway = tags.get("highway")
     if highway:
         kind = ROAD_WORDS.get(highway, highway)
@@ -97,6 +106,8 @@ def is_road_way(tags: Tags, *, closed: bool) -> bool:
 
 def line_kind(tags: Tags) -> str:
     """Return the kind of a line that stands, or ""."""
+    if tags.get(KIND) in LINE_HEIGHT:
+        return tags[KIND]
     if is_underground(tags) or tags.get("area") == "yes":
         return ""
     return lookup(LINE_TABLE, tags)
@@ -104,6 +115,8 @@ def line_kind(tags: Tags) -> str:
 
 def point_kind(tags: Tags) -> str:
     """Return the kind of thing that stands at a node, or ""."""
+    if tags.get(KIND) in POINT_HEIGHT:
+        return tags[KIND]
     if _INTERESTING.isdisjoint(tags) or is_underground(tags) or tags.get("indoor") == "yes":
         return ""
     return lookup(POINT_TABLE, tags)

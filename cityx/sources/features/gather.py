@@ -1,0 +1,100 @@
+"""Sorting tagged shapes into buildings, roads, land, lines and things, and cutting out a site."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.sources.features.clipping import Box
+from cityx.sources.features.kinds import (
+    building_kind,
+    land_kind,
+    line_kind,
+    point_kind,
+    road_kind,
+)
+from cityx.sources.features.resolve import Features
+from cityx.sources.features.shells import make_shells
+from cityx.sources.features.tagged import (
+    Report,
+    Tagged,
+    Tags,
+    clipped_lines,
+    clipped_polygons,
+    number_pieces,
+    polygons_of,
+)
+
+Kind = Callable[[Tags], str]
+_POINT, _LINE, _POLYGON = 0, 1, 3  # shapely's types
+
+
+def gather(found: Tagged, box: Box, report: Report) -> Features:
+    """Sort what a source found by what its tags mean, and keep what lies in the site.
+
+    Parameters
+    ----------
+    found
+        Points, lines and polygons, also in collections, scene frame.
+    box
+        The site, (xmin, ymin, xmax, ymax), metres; it grows by buildings that cross its border.
+    report
+        Counts what is dropped: shapes whose tags mean nothing here, buildings drawn twice, ...
+    """
+    flat = _flattened(found)
+    tags = flat.tags()
+    polygon, line, point = (
+        shapely.get_type_id(flat.shapes) == kind for kind in (_POLYGON, _LINE, _POINT)
+    )
+    built = _meant(building_kind, tags, polygon)
+    land = _meant(land_kind, tags, polygon)
+    road = _meant(road_kind, tags, line)
+    standing = _meant(line_kind, tags, line)
+    thing = _meant(point_kind, tags, point)
+    used = (built != "") | (land != "") | (road != "") | (standing != "") | (thing != "")
+    report.count("features without a use", int((~used).sum()))
+    shells, box = make_shells(
+        _polygons(flat.take(built == "building")),
+        _polygons(flat.take(built == "part")),
+        box,
+        report,
+    )
+    areas = clipped_polygons(_polygons(flat.take(land != "")), box)
+    things = flat.take(thing != "")
+    x, y = shapely.get_x(things.shapes), shapely.get_y(things.shapes)
+    inside = (x >= box[0]) & (x <= box[2]) & (y >= box[1]) & (y <= box[3])
+    return Features(
+        box,
+        shells,
+        roads=clipped_lines(flat.take(road != ""), box),
+        areas=areas,
+        area_kinds=np.array([land_kind(own) for own in areas.tags()], object),
+        lines=clipped_lines(flat.take(standing != ""), box),
+        points=things.take(inside),
+    )
+
+
+def _flattened(found: Tagged) -> Tagged:
+    """Take collections apart; the pieces of an owner are numbered in their order."""
+    shapes, row = shapely.get_parts(found.shapes, return_index=True)
+    owner = found.owner[row]
+    order = np.argsort(owner, kind="stable")
+    return Tagged(shapes[order], owner[order], number_pieces(owner[order]), found.owners)
+
+
+def _meant(kind: Kind, tags: list[Tags], rows: NDArray[np.bool_]) -> NDArray[Any]:
+    """Return what the tags of some rows mean, "" for the others."""
+    found = np.full(len(tags), "", object)
+    found[rows] = [kind(tags[row]) for row in np.flatnonzero(rows).tolist()]
+    return found
+
+
+def _polygons(outlines: Tagged) -> Tagged:
+    """Mend outlines; see `polygons_of`."""
+    shapes, row = polygons_of(shapely.force_2d(outlines.shapes))
+    owner = outlines.owner[row]
+    return Tagged(shapes, owner, number_pieces(owner), outlines.owners)
