@@ -86,11 +86,12 @@ SCHEMA: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "name": "str",
             "tags": "str",
         },
-        # Barriers, tree rows, power lines, geometry LineString.
+        # Barriers, tree rows and routes that agents may follow, geometry LineString.
         "lines": {
             "id": "uint64",
             "source": "str",
-            "kind": "str",  # "wall", "fence", "hedge", "city_wall", "tree_row", "retaining_wall"
+            # "wall", "fence", "hedge", "city_wall", "tree_row", "retaining_wall", "route"
+            "kind": "str",
             "height": "float64",
             "tags": "str",
         },
