@@ -110,7 +110,7 @@ def test_every_fault_is_told_at_once(tmp_path):
     for part in (
         "feature 0 has coordinates outside longitude and latitude; a drawing in metres says",
         "feature 1 is a line without length",
-        'feature 2 has the kind "rode", which means nothing here. Did you mean',
+        'feature 2 has the kind "rode", which has no meaning. Did you mean',
         'feature 3 has no "kind" and no tag of a map',
         "feature 4 has a geometry that cannot be read",
         "feature 5 has no geometry",
