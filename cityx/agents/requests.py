@@ -11,6 +11,7 @@ from cityx.errors import UsageError, nearest
 from cityx.protocol.stages import NEUTRAL, Stage, stages_after
 
 if TYPE_CHECKING:
+    from cityx.protocol.encapsulation import Encapsulation
     from cityx.protocol.parameters import Parameter
     from cityx.protocol.registry import Registry
 
