@@ -77,7 +77,8 @@ def _pixels(text: str) -> tuple[int, int]:
 @app.command()
 def build(
     inputs: Annotated[
-        list[Path], typer.Argument(help="Map (.osm[.gz|.bz2|.pbf]) and optional height file.")
+        list[Path],
+        typer.Argument(help="Map (.osm[.gz|.bz2|.pbf]), drawing (.geojson, .gpx), height file."),
     ],
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder of the results.")],
     seed: Annotated[int, typer.Option(min=0, max=2**63 - 1, help="Key of all draws.")] = 0,
@@ -92,8 +93,16 @@ def build(
     render: Annotated[bool, typer.Option("--render/--no-render", help="Make pictures.")] = True,
     samples: Annotated[int, typer.Option(min=1, max=65536, help="Samples per pixel.")] = 48,
     picture: Annotated[str, typer.Option(help="Size of the pictures, pixels.")] = "960x540",
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="[ACTION.]NAME=VALUE of an action of the build; may repeat."),
+    ] = None,
+    wishes: Annotated[
+        list[str] | None,
+        typer.Option("--do", help='"ACTION NAME=VALUE ...", an action to add; may repeat.'),
+    ] = None,
 ) -> None:
-    """Build a city from a map."""
+    """Build a city from a map, a drawing, or several inputs of one place."""
     from cityx.agents.build import BuildOptions
     from cityx.agents.build import build as build_city
     from cityx.allocator import keep_freed_memory
@@ -112,6 +121,8 @@ def build(
         render=render,
         samples=samples,
         picture=_pixels(picture),
+        settings=tuple(settings or ()),
+        wishes=tuple(wishes or ()),
     )
     with _progress() as say:
         report = build_city(inputs, out, options, say=say)

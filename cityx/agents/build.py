@@ -13,12 +13,14 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from cityx.agents.intake import Reading, read_sources, sort_inputs
 from cityx.agents.journal import Journal, derivation_key
+from cityx.agents.requests import Planned, with_requests
 from cityx.agents.workflow import MAP_TO_CITY, calls_of
 from cityx.city import City
 from cityx.errors import ActionFailed, ActionRejected, InputError, UsageError
 from cityx.outputs.usd import require_usd
-from cityx.sources.inputs import KINDS, Input, classify
+from cityx.protocol.stages import Stage, stage_of
 
 FORMATS = ("blend", "glb", "usd")
 DEFAULT_FORMATS = ("blend", "glb")  # what needs no extra
@@ -40,13 +42,16 @@ class BuildOptions:
     size
         (width, depth) of a window to cut out of the map, metres, or None for all of it.
     at
-        (latitude, longitude) of the window's centre, degrees; the site's centre when None.
+        (latitude, longitude) of the window's centre, degrees; the site's centre when None. Where
+        no input says where it lies, the place of their origin.
     render
         Whether to make the three pictures.
     samples
         Cycles samples per pixel.
     picture
         (width, height) of the pictures, pixels.
+    settings, wishes
+        Arguments of actions and actions of the user's own; see `cityx.agents.requests`.
     """
 
     seed: int = 0
@@ -61,6 +66,8 @@ class BuildOptions:
     render: bool = True
     samples: int = 48
     picture: tuple[int, int] = (960, 540)
+    settings: tuple[str, ...] = ()
+    wishes: tuple[str, ...] = ()
 
 
 @dataclass
@@ -134,45 +141,22 @@ class Run:
         return outcome.city
 
 
-def sort_inputs(paths: list[Path]) -> tuple[Input, Input | None]:
-    """Tell the map from the height file.
+def plan(options: BuildOptions, actions: Any) -> list[Planned]:
+    """Return every action of a build with its arguments.
 
     Raises
     ------
-    InputError, UsageError
-        If a file is of no use or the files do not make a city together.
+    UsageError
+        With every fault of what the options ask for.
     """
-    inputs = [classify(path) for path in paths]
-    maps = [item for item in inputs if item.kind == "osm"]
-    heights = [item for item in inputs if item.kind == "height"]
-    if len(maps) != 1 or len(heights) > 1:
-        raise UsageError(
-            f"Give one map and at most one height file ({KINDS}); "
-            f"given: {len(maps)} maps, {len(heights)} height files."
-        )
-    return maps[0], heights[0] if heights else None
-
-
-def read_map(item: Input, options: BuildOptions, watch: Stopwatch) -> City:
-    """Read the map into a city that has a layout.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or holds no city.
-    """
-    from cityx.sources.osm import read_osm
-
-    with watch.step("parse"):
-        name = item.path.name.split(".")[0].replace("_", " ")
-        city = read_osm(item.path, seed=options.seed, name=name)
-    return replace(city, seed=options.seed, lod=options.lod, style=options.style)
+    calls = calls_of(MAP_TO_CITY, options.lod, asdict(options))
+    return with_requests(calls, options.settings, options.wishes, actions)
 
 
 def generate(
-    city: City, heights: Input | None, options: BuildOptions, run: Run, say: Say = quiet
+    reading: Reading, calls: list[Planned], options: BuildOptions, run: Run, say: Say = quiet
 ) -> City:
-    """Cut the window out, lay the terrain and run the default workflow.
+    """Cut the window out, finish the layout, lay the terrain and run the rest of the workflow.
 
     Raises
     ------
@@ -181,29 +165,34 @@ def generate(
     ActionFailed
         If an action cannot do its work.
     """
-    if options.size or options.at:
-        city = run.do(city, "layout/crop-v1", _window(city, options))
+    city = replace(reading.city, seed=options.seed, lod=options.lod, style=options.style)
+    if options.size or (options.at and reading.located):
+        city = run.do(city, "layout/crop-v1", _window(city, options, located=reading.located))
         if not len(city.layout.buildings) and not len(city.layout.roads):
             raise InputError("The window holds no building and no road; move --at, enlarge --size.")
-    if heights is not None:
+    first = [call for call in calls if stage_of(call[0]) == Stage.LAYOUT]
+    rest = [call for call in calls if stage_of(call[0]) != Stage.LAYOUT]
+    for action, args in first:
+        say(action)
+        city = run.do(city, action, args)
+    if reading.heights is not None:
         from cityx.sources.height_field import read_height
 
         with run.watch.step("terrain"):
-            terrain = read_height(heights.path, city.frame, city.layout.extent)
+            terrain = read_height(reading.heights.path, city.frame, city.layout.extent)
             city = replace(city, terrain=terrain)
     city = replace(city, stages_done=city.stages_done | {"layout", "terrain"})
-    calls = calls_of(MAP_TO_CITY, options.lod, asdict(options))
-    for position, (action, args) in enumerate(calls, start=1):
-        say(f"{position}/{len(calls)} {action}")
+    for position, (action, args) in enumerate(rest, start=1):
+        say(f"{position}/{len(rest)} {action}")
         city = run.do(city, action, args)
     return city
 
 
-def _window(city: City, options: BuildOptions) -> dict[str, float]:
+def _window(city: City, options: BuildOptions, *, located: bool) -> dict[str, float]:
     """Arguments of the crop for the options ``at`` and ``size``."""
     xmin, ymin, xmax, ymax = city.layout.extent
     x, y = (xmin + xmax) / 2, (ymin + ymax) / 2
-    if options.at:
+    if options.at and located:
         x, y = city.frame.to_local([[options.at[1], options.at[0]]])[0].tolist()
         if not (xmin <= x <= xmax and ymin <= y <= ymax):
             west, south = city.frame.to_geographic([[xmin, ymin]])[0]
@@ -263,9 +252,11 @@ def _build(
     from cityx.city.store import write_city
 
     say("reading")
-    source, heights = sort_inputs(paths)
-    records = [item.record() for item in (source, heights) if item is not None]
-    city = read_map(source, options, watch)
+    inputs = sort_inputs(paths)
+    calls = plan(options, _registry())
+    records = inputs.records
+    with watch.step("parse"):
+        reading = read_sources(inputs, seed=options.seed, at=options.at)
     staging = _staging(out)
     try:
         journal_path = staging / "journal.sqlite"
@@ -273,7 +264,8 @@ def _build(
         with Journal(journal_path) as journal:
             number = journal.start_run(records, config, options.seed)
             state = derivation_key("", "inputs", {"files": records, "seed": options.seed})
-            city = generate(city, heights, options, Run(journal, number, state, watch), say)
+            run = Run(journal, number, state, watch)
+            city = generate(reading, calls, options, run, say)
             say("writing the store")
             with watch.step("store"):
                 write_city(city, staging / "city")

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City, Layout
-from cityx.city.sites import cut, merged, moved, pieces_of
+from cityx.city.sites import Box, cut, merged, moved, pieces_of
 from cityx.errors import InputError
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ ALONG = 0.5  # share of a street that runs along others from which it is one of 
 SAME_SPOT = 2.0  # metres within which two things of a kind are one
 
 
-def combine(over: City, under: City, *, names: tuple[str, str]) -> City:
+def combine(over: City, under: City, *, names: tuple[str, str], site: Box | None = None) -> City:
     """Put two cities of one site together; where they disagree, the first is kept.
 
     Parameters
@@ -31,11 +31,13 @@ def combine(over: City, under: City, *, names: tuple[str, str]) -> City:
         Cities with a layout.
     names
         What the two are called in notes: ("the map", "the image").
+    site
+        What is built of them, frame of `over`; the site of `over` when left out.
 
     Returns
     -------
     city
-        `over` with what `under` adds within its site; a note counts each kind of conflict.
+        `over` with what `under` adds within the site; a note counts each kind of conflict.
 
     Raises
     ------
@@ -45,7 +47,7 @@ def combine(over: City, under: City, *, names: tuple[str, str]) -> City:
     layout = moved(under.layout, under.frame, over.frame)
     _check_same_ground(over.layout, layout, names)
     held = over.layout
-    layout = cut(layout, held.extent)
+    layout = cut(layout, site or held.extent)
     conflicts = {
         "buildings": _on_ground(layout.buildings, held),
         "roads": _along(layout.roads, held.roads),
@@ -55,7 +57,7 @@ def combine(over: City, under: City, *, names: tuple[str, str]) -> City:
     kept = {name: getattr(layout, name)[~conflict] for name, conflict in conflicts.items()}
     kept["parts"] = layout.parts[layout.parts["building"].isin(kept["buildings"]["id"])]
     kept["areas"] = _uncovered(layout.areas, held.areas)
-    added = Layout(held.extent, restrictions=layout.restrictions, **kept)
+    added = Layout(layout.extent, restrictions=layout.restrictions, **kept)
     notes = tuple(
         f"{names[1]}: {count} {name} lie where {names[0]} has some; those of {names[0]} were kept"
         for name, count in ((name, int(found.sum())) for name, found in conflicts.items())

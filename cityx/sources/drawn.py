@@ -97,24 +97,26 @@ class _Item(NamedTuple):
 
 
 def read_drawn(path: Path, *, frame: Frame | None = None, seed: int = 0) -> City:
-    """Read a drawing into a city of its own, within its boundary where it draws one.
+    """Read a drawing into a city of its own; see `read_drawing` and `city_of_drawing`."""
+    return city_of_drawing(read_drawing(path), path.name, frame=frame, seed=seed)
+
+
+def city_of_drawing(
+    drawing: Drawing, name: str, *, frame: Frame | None = None, seed: int = 0
+) -> City:
+    """Make a city of a drawing, within its boundary where it draws one.
 
     Parameters
     ----------
-    path
-        .geojson, .json or .gpx.
+    drawing
+        The drawing.
+    name
+        Of its file.
     frame
         Frame to draw in; one about the middle of the drawing when left out.
     seed
         Key of every draw for what the drawing does not say.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, with every fault found, or draws nothing of use.
     """
-    path = Path(path)
-    drawing = read_drawing(path)
     if drawing.located and frame is None:
         west, south, east, north = shapely.total_bounds(drawing.every).tolist()
         frame = Frame(round((south + north) / 2, 6) + 0.0, round((west + east) / 2, 6) + 0.0)
@@ -130,17 +132,29 @@ def read_drawn(path: Path, *, frame: Frame | None = None, seed: int = 0) -> City
     report = Report()
     features = gather(tag(shapes, drawing.owners), tuple(site.tolist()), report)
     return City(
-        path.name.split(".")[0].replace("_", " "),
+        name.split(".")[0].replace("_", " "),
         frame,
         resolve(features, frame, seed=seed),
         seed=seed,
         stages_done=frozenset({"layout"}),
-        notes=tuple(f"drawing: {number} {what}" for what, number in sorted(report.counts.items())),
+        notes=tuple(f"{name}: {number} {what}" for what, number in sorted(report.counts.items())),
     )
 
 
 def read_drawing(path: Path) -> Drawing:
-    """Read the shapes of a file; see `read_drawn`."""
+    """Read the shapes of a file.
+
+    Parameters
+    ----------
+    path
+        .geojson, .json or .gpx.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, with every fault found, or draws nothing of use.
+    """
+    path = Path(path)
     try:
         if path.stat().st_size > MAX_BYTES:
             raise InputError(f"{path} is larger than {MAX_BYTES >> 20} MB; draw less.")
