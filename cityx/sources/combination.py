@@ -46,7 +46,7 @@ def combine(over: City, under: City, *, names: tuple[str, str], site: Box | None
     """
     layout = moved(under.layout, under.frame, over.frame)
     _check_same_ground(over.layout, layout, names)
-    held = over.layout
+    held = over.layout if site is None else cut(over.layout, site)
     layout = cut(layout, site or held.extent)
     conflicts = {
         "buildings": _on_ground(layout.buildings, held),
