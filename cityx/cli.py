@@ -76,11 +76,11 @@ def _pixels(text: str) -> tuple[int, int]:
 
 @app.command()
 def build(
-    inputs: Annotated[
-        list[Path],
-        typer.Argument(help="Map (.osm[.gz|.bz2|.pbf]), drawing (.geojson, .gpx), height file."),
-    ],
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder of the results.")],
+    inputs: Annotated[
+        list[Path] | None,
+        typer.Argument(help="Map (.osm[.gz|.bz2|.pbf]), drawing (.geojson, .gpx), height file."),
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, max=2**63 - 1, help="Key of all draws.")] = 0,
     workers: Annotated[int, typer.Option(min=1, max=64, help="Worker processes.")] = 1,
     lod: Annotated[int, typer.Option(min=0, max=3, help="Level of detail.")] = 2,
@@ -93,6 +93,9 @@ def build(
     render: Annotated[bool, typer.Option("--render/--no-render", help="Make pictures.")] = True,
     samples: Annotated[int, typer.Option(min=1, max=65536, help="Samples per pixel.")] = 48,
     picture: Annotated[str, typer.Option(help="Size of the pictures, pixels.")] = "960x540",
+    place: Annotated[
+        str, typer.Option(help="Place whose map is fetched: a name, or WEST,SOUTH,EAST,NORTH.")
+    ] = "",
     settings: Annotated[
         list[str] | None,
         typer.Option("--set", help="[ACTION.]NAME=VALUE of an action of the build; may repeat."),
@@ -121,12 +124,26 @@ def build(
         render=render,
         samples=samples,
         picture=_pixels(picture),
+        place=place,
         settings=tuple(settings or ()),
         wishes=tuple(wishes or ()),
     )
     with _progress() as say:
-        report = build_city(inputs, out, options, say=say)
+        report = build_city(inputs or [], out, options, say=say)
     _summary(report, out)
+
+
+@app.command()
+def fetch(
+    place: Annotated[str, typer.Argument(help="Name, or WEST,SOUTH,EAST,NORTH in degrees.")],
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder to keep the map in.")],
+) -> None:
+    """Fetch the OpenStreetMap data of a place from the network into a file."""
+    from cityx.sources.osm.retrieval import retrieve
+
+    with _progress() as say:
+        path = retrieve(place, out, say=say)
+    typer.echo(str(path))
 
 
 @app.command()

@@ -17,6 +17,7 @@ from cityx.agents.intake import Reading, read_sources, sort_inputs
 from cityx.agents.journal import Journal, derivation_key
 from cityx.agents.requests import Planned, with_requests
 from cityx.agents.workflow import MAP_TO_CITY, calls_of
+from cityx.cache import kept_folder
 from cityx.city import City
 from cityx.errors import ActionFailed, ActionRejected, InputError, UsageError
 from cityx.outputs.usd import require_usd
@@ -50,6 +51,8 @@ class BuildOptions:
         Cycles samples per pixel.
     picture
         (width, height) of the pictures, pixels.
+    place
+        Name or rectangle of a place whose map is fetched, or "".
     settings, wishes
         Arguments of actions and actions of the user's own; see `cityx.agents.requests`.
     """
@@ -66,6 +69,7 @@ class BuildOptions:
     render: bool = True
     samples: int = 48
     picture: tuple[int, int] = (960, 540)
+    place: str = ""
     settings: tuple[str, ...] = ()
     wishes: tuple[str, ...] = ()
 
@@ -250,8 +254,11 @@ def _build(
 ) -> dict[str, Any]:
     from cityx.checks.report import make_report
     from cityx.city.store import write_city
+    from cityx.sources.osm.retrieval import retrieve
 
     say("reading")
+    if options.place:
+        paths = [*paths, retrieve(options.place, kept_folder("maps"), say=say)]
     inputs = sort_inputs(paths)
     calls = plan(options, _registry())
     records = inputs.records
@@ -380,8 +387,8 @@ def _make_views(
 def write_report(report: dict[str, Any], folder: Path) -> None:
     """Write report.json and report.html, with the pictures that lie in ``renders``."""
     from cityx.agents.views import VIEWS
+    from cityx.atomic import replaced
     from cityx.checks.report_html import report_html
-    from cityx.outputs.atomic import replaced
 
     order = {f"{view}.png": index for index, view in enumerate(VIEWS)}
     pictures = sorted(

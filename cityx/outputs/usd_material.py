@@ -14,8 +14,8 @@ from pxr import Gf, Sdf
 
 from cityx.assets.materials import Material
 from cityx.assets.textures import texture
+from cityx.atomic import replaced
 from cityx.city.environment import Environment
-from cityx.outputs.atomic import replaced
 from cityx.outputs.gltf_material import FLAT, shines, weather_look
 from cityx.outputs.gltf_mesh import material_named
 from cityx.outputs.usd_mesh import TINT_STEPS, tint_of
