@@ -175,7 +175,7 @@ def _ways(layout: Layout, network: RoadNetwork, *, everywhere: bool) -> _Ways | 
         chosen = np.unique(near)
         shapes, road, edge, level = shapes[chosen], road[chosen], edge[chosen], level[chosen]
     lines = pack(shapely.segmentize(shapes, STATION))
-    node = shared_nodes(lines, level - level.min())[0]
+    node = _joined(shared_nodes(lines, level - level.min())[0], lines, edge, network)
     kind = kind[road]
     feet, rails = np.isin(kind, (*ON_FOOT, "steps")), np.isin(kind, RAILS)
     # Platforms join streets and the railway below them in one graph; no train climbs the stairs.
@@ -198,6 +198,19 @@ def _ways(layout: Layout, network: RoadNetwork, *, everywhere: bool) -> _Ways | 
         roads["tunnel"].to_numpy()[road] & (level < 0), feet | (rails & (level < 0)),
         arc_lengths(lines)[0], int(node.max()) + 1,
     )  # fmt: skip
+
+
+def _joined(
+    node: IntArray, lines: Polylines, edge: IntArray, network: RoadNetwork
+) -> IntArray:  # fmt: skip
+    """Give ends of edges that meet in the network one station, whatever paths do there."""
+    cars = np.flatnonzero(edge >= 0)
+    foot = np.concatenate([lines.start[:-1][cars], lines.start[1:][cars] - 1])
+    count = int(node.max()) + 1
+    meeting = count + network.edge_nodes[edge[cars]].T.ravel().astype(np.int64)
+    lowest = components(np.column_stack([node[foot], meeting]),
+                        count + len(network.node_position))  # fmt: skip
+    return np.unique(lowest[node], return_inverse=True)[1].astype(np.int64)
 
 
 def _places(ways: _Ways) -> FloatArray:
