@@ -109,8 +109,9 @@ def _with_heights(city: City) -> City:
         city = replace(city, heights=None)
     if city.heights is not None:
         return replace(city, network=network)
-    network, heights, terrain = way_heights(city.layout, network, city.terrain)
-    return replace(city, network=network, heights=heights, terrain=terrain)
+    network, heights, terrain, told = way_heights(city.layout, network, city.terrain)
+    notes = city.notes + told
+    return replace(city, network=network, heights=heights, terrain=terrain, notes=notes)
 
 
 def _regions(
@@ -191,7 +192,7 @@ def cell_lines(layout: Layout, terrain: Terrain, lod: int) -> NDArray[Any]:
 def ground_of(layout: Layout, *, terrain: Terrain | None = None, lod: int = 2) -> Ground:
     """Arrange the ground of a layout without the rest of a city."""
     terrain = terrain if terrain is not None else flat_terrain()
-    network, heights, terrain = way_heights(layout, road_network(layout), terrain)
+    network, heights, terrain, _ = way_heights(layout, road_network(layout), terrain)
     built = build_structures(layout, network, heights, terrain, detail=lod > 0)
     found = _regions(layout, network, heights, built, lod)
     arranged = arrange(found, layout.extent, lines=cell_lines(layout, terrain, lod))

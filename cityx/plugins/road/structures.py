@@ -38,10 +38,11 @@ from cityx.plugins.road.carriageway import (
     build_carriageway,
     road_labels,
 )
-from cityx.plugins.road.heights import DECK, FOOT_DECK, ON_FOOT, RAILS, WATER, way_levels
+from cityx.plugins.road.heights import WATER
 from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.landcover import TRACK_BED, rail_strips
 from cityx.plugins.road.painting import Painting
+from cityx.plugins.road.stations import DECK, FOOT_DECK, ON_FOOT, RAILS, way_levels
 from cityx.plugins.road.streets import USUAL, street_regions
 from cityx.plugins.road.tiers import Spans, cut_network, spans_of
 
@@ -255,10 +256,14 @@ def _relations(whole: _Tier) -> tuple[IntArray, IntArray, IntArray]:
     ]  # fmt: skip
     keys = joined[:, 0] * count + joined[:, 1]
     meets = np.isin(a * count + b, keys)
-    over = np.where(
-        meets, shapely.crosses(shapes[a], shapes[b]), np.abs(heights[0] - heights[1]) > PASSES_OVER
+    crosses, apart = (
+        shapely.crosses(shapes[a], shapes[b]),
+        np.abs(heights[0] - heights[1]) > PASSES_OVER,
     )
-    return joined, near[over], near[~meets]
+    over = np.where(meets, crosses, apart)
+    # What crosses at one height is one surface, as on the ground.
+    level = crosses & ~meets & ~apart
+    return np.concatenate([joined, near[level]]), near[over], near[~meets & ~level]
 
 
 def _touching(lines: Polylines, marked: BoolArray, shapes: Shapes) -> BoolArray:
@@ -313,10 +318,10 @@ def _build_tier(
     detail: bool,
     painting: Painting,
 ) -> tuple[MeshBatch, MeshBatch, Shapes]:
-    found = _regions(layout, part, detail, painting)
+    found = _open_wells(_regions(layout, part, detail, painting), part, network)
     bounds = shapely.total_bounds(found.polygons)
     extent = (bounds[0] - 1.0, bounds[1] - 1.0, bounds[2] + 1.0, bounds[3] + 1.0)
-    bars = np.concatenate([_bars(part, terrain), _edges_below(part, network)])
+    bars = np.concatenate([_bars(part, terrain), _passing_edges(part, network)])
     deck = arrange(found, extent, lines=bars, background=LABEL["void"])
     z = _surface_heights(part, deck.vertices)
     soil = terrain.height_at(deck.vertices)
@@ -363,6 +368,23 @@ def _regions(layout: Layout, part: _Tier, detail: bool, painting: Painting) -> R
             found.append(regions(road.strips, own, rank, ids[road.edge]))
             found.append(regions(road.stars, LABEL["junction"], rank))
     return join_regions([*found, _islands(found), _ends(part)])
+
+
+def _open_wells(found: Regions, part: _Tier, network: RoadNetwork) -> Regions:
+    """Cut away lawns of large islands under which a carriageway passes."""
+    lawn = np.flatnonzero((found.label == LABEL["grass"]) & (shapely.area(found.polygons) > ISLAND))
+    if not len(lawn):
+        return found
+    polygons = found.polygons[lawn]
+    shapes = to_linestrings(edge_lines(network))
+    well, edge = shapely.STRtree(shapes).query(polygons, predicate="intersects")
+    lowest = np.minimum.reduceat(network.z, network.point_start[:-1])
+    height = _surface_heights(part, shapely.get_coordinates(shapely.point_on_surface(polygons)))
+    rows = lawn[np.unique(well[lowest[edge] < height[well] - STORY])]
+    label, priority = found.label.copy(), found.priority.copy()
+    label[rows] = LABEL["void"]
+    priority[rows] = SURFACES[LABEL["void"]].priority
+    return replace(found, label=label, priority=priority)
 
 
 def _islands(found: list[Regions]) -> Regions:
@@ -441,16 +463,19 @@ def _bars(part: _Tier, terrain: Terrain) -> Shapes:
     return np.asarray(shapely.linestrings(np.concatenate(at)))
 
 
-def _edges_below(part: _Tier, network: RoadNetwork) -> Shapes:
-    """Lines along carriageways that pass under, between which a deck spans."""
+def _passing_edges(part: _Tier, network: RoadNetwork) -> Shapes:
+    """Lines along carriageways that pass under, between which a deck spans, and of those beside."""
     lines = edge_lines(network)
     shapes, own = to_linestrings(lines), to_linestrings(part.lines)
     way, edge = shapely.STRtree(shapes).query(own, predicate="dwithin", distance=part.reach + UNDER)
     highest = np.maximum.reduceat(part.z, part.lines.start[:-1])
     lowest = np.minimum.reduceat(network.z, network.point_start[:-1])
-    below = np.unique(edge[highest[way] - lowest[edge] > STORY])
-    reach = network.half_width[below] + UNDER
-    return np.asarray(shapely.boundary(shapely.buffer(shapes[below], reach, quad_segs=2)))
+    passes = highest[way] - lowest[edge] > STORY
+    below = np.unique(edge[passes])
+    beside = np.unique(edge[~np.isin(network.edge_id[edge], part.network.edge_id)])
+    chosen = np.concatenate([below, beside])
+    reach = network.half_width[chosen] + np.repeat([UNDER, 0.0], [len(below), len(beside)])
+    return np.asarray(shapely.boundary(shapely.buffer(shapes[chosen], reach, quad_segs=2)))
 
 
 def _surface_heights(part: _Tier, points: FloatArray) -> FloatArray:
