@@ -345,7 +345,7 @@ def _build_tier(
     made += _rims(part, deck, network, np.where(solid, 0, -1), z, soil, covered, thick)
     if covered.any():
         made.append(slabs(deck, np.where(covered, 0, -1), z + ROOM, z + ROOM + CEILING))
-        made.append(_headwalls(deck, covered, solid, z, soil))
+        made.append(_headwalls(deck, network, covered, solid, z, soil))
     made.append(_piers(part, deck, spanning, terrain, layout))
     batches = [_batch(bodies, f"structures {number} {k}") for k, bodies in enumerate(made)]
     opened = filled & ~covered & ~wet
@@ -551,15 +551,8 @@ def _rims(
         [at_seam, covered[inside], lift > PARAPET_FROM, lift < -WALL_FROM], [-1, 2, 0, 1], -1
     )
     made: list[Bodies] = []
-    run = np.diff(ends, axis=1)[:, 0]
-    right = np.column_stack([run[:, 1], -run[:, 0]]) / np.maximum(np.hypot(*run.T), 1e-9)[:, None]
-    beside = ends.mean(axis=1) + right * CUTTING_WALL / 2
-    floor, crown = z[edges].mean(axis=1), np.maximum(z, soil)[edges].mean(axis=1) + PARAPET
-    # No wall stands in a carriageway that lies beside this one at about its height.
-    passing = _traffic(
-        network, beside, 0.0, lambda row, at: (at > floor[row] - 2 * DECK) & (at < crown[row])
-    )
-    kind[passing] = -1
+    crown = np.maximum(z, soil) + PARAPET
+    kind[_in_the_way(deck, network, edges, CUTTING_WALL, z - 2 * DECK, crown)] = -1
     shapes = (
         (z - SOFFIT, z + PARAPET, PARAPET_WIDTH),
         (z - FOOTING, soil + CUTTING_PARAPET, CUTTING_WALL),
@@ -597,14 +590,33 @@ def _traffic(
 
 
 def _headwalls(
-    deck: Ground, covered: BoolArray, solid: BoolArray, z: FloatArray, soil: FloatArray
-) -> Bodies:
+    deck: Ground, network: RoadNetwork, covered: BoolArray, solid: BoolArray, z: FloatArray,
+    soil: FloatArray,
+) -> Bodies:  # fmt: skip
     """Close the space over the mouth of a tunnel up to a parapet above the ground."""
     edges, _, beyond = rim_edges(deck, np.where(covered, 0, -1))
     edges = edges[(beyond >= 0) & solid[np.maximum(beyond, 0)]]
+    low, high = z + ROOM, soil + CUTTING_PARAPET
+    edges = edges[~_in_the_way(deck, network, edges, CUTTING_WALL, low, high)]
     vertex, start = chains_of(edges, np.zeros(len(edges), np.int64))
-    lines = Polylines(deck.vertices[vertex], start)
-    return beams(lines, z[vertex] + ROOM, soil[vertex] + CUTTING_PARAPET, 0.0, CUTTING_WALL)
+    return beams(Polylines(deck.vertices[vertex], start), low[vertex], high[vertex], 0.0,
+                 CUTTING_WALL)  # fmt: skip
+
+
+def _in_the_way(
+    deck: Ground, network: RoadNetwork, edges: IntArray, width: float, low: FloatArray,
+    high: FloatArray,
+) -> BoolArray:  # fmt: skip
+    """(k,) whether a wall to the right of edges would stand in a carriageway at its height.
+
+    ``low`` and ``high`` are (n,) heights of its foot and its crown at all vertices.
+    """
+    ends = deck.vertices[edges]
+    run = np.diff(ends, axis=1)[:, 0]
+    right = np.column_stack([run[:, 1], -run[:, 0]]) / np.maximum(np.hypot(*run.T), 1e-9)[:, None]
+    middle = ends.mean(axis=1) + right * width / 2
+    foot, crown = low[edges].mean(axis=1), high[edges].mean(axis=1)
+    return _traffic(network, middle, 0.0, lambda row, at: (at > foot[row]) & (at < crown[row]))
 
 
 def _piers(
