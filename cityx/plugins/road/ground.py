@@ -44,6 +44,7 @@ from cityx.plugins.road.landcover import (
 from cityx.plugins.road.network import road_network
 from cityx.plugins.road.painting import Painting, painting_of
 from cityx.plugins.road.park_paths import park_regions
+from cityx.plugins.road.stairs import build_stairs
 from cityx.plugins.road.streets import USUAL, street_regions
 from cityx.plugins.road.structures import Structures, build_structures, grounded_lines
 from cityx.plugins.road.tiers import cut_network
@@ -95,7 +96,10 @@ def ground(city: City) -> City:
     draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0)
     scene = city.scene.with_mesh("ground", draped)
     scene = scene.with_mesh("surroundings", surroundings(arranged, city.terrain))
-    for layer, mesh in (("decks", built.surfaces), ("structures", built.bodies)):
+    layers = {"decks": built.surfaces, "structures": built.bodies}
+    if city.lod > 1:
+        layers["stairs"] = build_stairs(city.layout, city.heights, city.terrain)
+    for layer, mesh in layers.items():
         if mesh.count:
             scene = scene.with_mesh(layer, mesh)
     return replace(city, ground=arranged, scene=scene)

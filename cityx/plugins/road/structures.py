@@ -75,7 +75,6 @@ PAST = 0.6  # metres past the end of a deck that its kerbs could reach
 SAME_PLACE = 0.06  # metres
 PASSES_OVER = 1.0  # metres of difference in height from which ways side by side have no one surface
 BLEND = 3.0  # metres beyond the edge of a way in which its height still counts
-MATERIALS = ("concrete",)
 
 
 @dataclass(frozen=True)
@@ -347,7 +346,7 @@ def _build_tier(
         made.append(slabs(deck, np.where(covered, 0, -1), z + ROOM, z + ROOM + CEILING))
         made.append(_headwalls(deck, network, covered, solid, z, soil))
     made.append(_piers(part, deck, spanning, terrain, layout))
-    batches = [_batch(bodies, f"structures {number} {k}") for k, bodies in enumerate(made)]
+    batches = [body_batch(bodies, f"structures {number} {k}") for k, bodies in enumerate(made)]
     opened = filled & ~covered & ~wet
     return surfaces, concatenate(batches), _outline(deck, opened)
 
@@ -663,7 +662,7 @@ def _piers(
                  np.repeat(top, 2), -width, width)  # fmt: skip
 
 
-def _batch(bodies: Bodies, name: str) -> MeshBatch:
+def body_batch(bodies: Bodies, name: str, material: str = "concrete") -> MeshBatch:
     """Make an object of each body, named by where it stands."""
     count, size = len(bodies.key), len(bodies.vertices)
     vertex, face = (np.argsort(of, kind="stable") for of in (bodies.vertex_body, bodies.face_body))
@@ -683,7 +682,7 @@ def _batch(bodies: Bodies, name: str) -> MeshBatch:
         vertices,
         np.where(faces < 0, NO_VERTEX, moved[faces]).astype(np.int32),
         np.zeros(len(faces), np.int16),
-        MATERIALS,
+        (material,),
         bodies.uv[face].astype(np.float32),
         np.ones((len(faces), 3), np.float32),
     )
