@@ -22,6 +22,7 @@ EVERY = 1.5  # metres between the heights of stairs that lie on the ground
 DEEP = 0.3  # metres that the foot of a tread reaches below its slope
 SOLE = 0.02  # metres of the first tread above what it stands on, so that they never flicker
 RAIL, RAIL_THICK = 0.9, 0.05  # metres from a tread up to the handrail; metres
+RAIL_FREE = 0.06  # metres between the handrail and the side of the stairs, for the hand
 POST_EVERY = 5  # steps
 METAL = "metal_dark"
 
@@ -86,7 +87,7 @@ def _handrails(treads: Treads, half: FloatArray) -> list[MeshBatch]:
     nose = np.insert(treads.top, last + 1, treads.top[last]) + SOLE
     at, ahead = locate(treads.climbs, climb, along)
     start = np.searchsorted(climb, np.arange(treads.climbs.count + 1)).astype(np.int64)
-    rails, wide = Polylines(at, start), half[last]
+    rails, wide = Polylines(at, start), half[last] - RAIL_FREE
     post = np.flatnonzero((np.arange(len(climb)) - start[climb]) % POST_EVERY == 0)
     ends = np.stack([at[post], at[post] + RAIL_THICK * ahead[post]], axis=1).reshape(-1, 2)
     posts, stand = Polylines(ends, 2 * np.arange(len(post) + 1)), np.repeat(nose[post], 2)
