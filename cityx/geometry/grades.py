@@ -100,7 +100,10 @@ def graded(slopes: Slopes, height: ArrayLike) -> FloatArray:
     over = rise_to(slopes, np.where(known, height, -np.inf))
     under = fall_to(slopes, np.where(known, height, np.inf))
     # Far from every known station only the grades count, and the two differ without end.
-    return np.asarray(np.where(np.isfinite(over), (over + under) / 2, 0.0))
+    middle = np.zeros(len(height))
+    near = np.isfinite(over)
+    middle[near] = (over[near] + under[near]) / 2
+    return middle
 
 
 def evened(slopes: Slopes, height: ArrayLike, free: ArrayLike, rounds: int) -> FloatArray:

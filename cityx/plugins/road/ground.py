@@ -44,6 +44,7 @@ from cityx.plugins.road.landcover import (
 from cityx.plugins.road.network import road_network
 from cityx.plugins.road.painting import Painting, painting_of
 from cityx.plugins.road.park_paths import park_regions
+from cityx.plugins.road.stairs import build_stairs
 from cityx.plugins.road.streets import USUAL, street_regions
 from cityx.plugins.road.structures import Structures, build_structures, grounded_lines
 from cityx.plugins.road.tiers import cut_network
@@ -95,7 +96,10 @@ def ground(city: City) -> City:
     draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0)
     scene = city.scene.with_mesh("ground", draped)
     scene = scene.with_mesh("surroundings", surroundings(arranged, city.terrain))
-    for layer, mesh in (("decks", built.surfaces), ("structures", built.bodies)):
+    layers = {"decks": built.surfaces, "structures": built.bodies}
+    if city.lod > 1:
+        layers["stairs"] = build_stairs(city.layout, city.heights, city.terrain)
+    for layer, mesh in layers.items():
         if mesh.count:
             scene = scene.with_mesh(layer, mesh)
     return replace(city, ground=arranged, scene=scene)
@@ -109,8 +113,9 @@ def _with_heights(city: City) -> City:
         city = replace(city, heights=None)
     if city.heights is not None:
         return replace(city, network=network)
-    network, heights, terrain = way_heights(city.layout, network, city.terrain)
-    return replace(city, network=network, heights=heights, terrain=terrain)
+    network, heights, terrain, told = way_heights(city.layout, network, city.terrain)
+    notes = city.notes + told
+    return replace(city, network=network, heights=heights, terrain=terrain, notes=notes)
 
 
 def _regions(
@@ -191,7 +196,7 @@ def cell_lines(layout: Layout, terrain: Terrain, lod: int) -> NDArray[Any]:
 def ground_of(layout: Layout, *, terrain: Terrain | None = None, lod: int = 2) -> Ground:
     """Arrange the ground of a layout without the rest of a city."""
     terrain = terrain if terrain is not None else flat_terrain()
-    network, heights, terrain = way_heights(layout, road_network(layout), terrain)
+    network, heights, terrain, _ = way_heights(layout, road_network(layout), terrain)
     built = build_structures(layout, network, heights, terrain, detail=lod > 0)
     found = _regions(layout, network, heights, built, lod)
     arranged = arrange(found, layout.extent, lines=cell_lines(layout, terrain, lod))

@@ -58,7 +58,7 @@ def road_network(layout: Layout, *, left_hand: bool = False) -> RoadNetwork:
     """Build the carriageway graph of a layout.
 
     Nodes are coordinates that ways share. A way that passes over another at the same coordinate
-    without ending there (another layer, or a bridge) does not touch it.
+    and goes on (another layer, or a bridge) does not touch it.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def road_network(layout: Layout, *, left_hand: bool = False) -> RoadNetwork:
         return _graph_without_edges()
     section = _codes(roads.iloc[rows], SECTION)
     level = _codes(roads.iloc[rows], ("layer", "bridge", "tunnel"))
-    node, position = shared_nodes(lines, level)
+    node, position = shared_nodes(lines, level, np.ones(lines.count, bool))
     owner = lines.line_of_point()
     first = np.flatnonzero(owner[1:] == owner[:-1])
     ends, way = np.column_stack([node[first], node[first + 1]]), owner[first]
@@ -131,21 +131,29 @@ def _codes(table: Any, columns: tuple[str, ...]) -> IntArray:
     return code
 
 
-def shared_nodes(lines: Polylines, level: IntArray) -> tuple[IntArray, FloatArray]:
-    """Find the node of each point, (p,), and their positions, (n, 2), sorted by position."""
+def shared_nodes(
+    lines: Polylines, level: IntArray, joins: BoolArray
+) -> tuple[IntArray, FloatArray]:  # fmt: skip
+    """Find the node of each point, (p,), and their positions, (n, 2), sorted by position.
+
+    Levels meet where ways of both end; elsewhere they cross without touching. An end that nothing
+    goes on from joins what passes at its place, whatever the level, if its line ``joins``, (l,).
+    """
     whole = np.rint(lines.points * PER_METRE).astype(np.int64)
     low = whole.min(axis=0)
     x, y = (whole - low).T
     place = np.unique((x << np.int64(32)) | y, return_inverse=True)[1]
     ends = np.zeros(len(whole), bool)
     ends[lines.start[:-1]] = ends[lines.start[1:] - 1] = True
-    # Levels meet only where a way ends; elsewhere they cross without touching.
     point_level = level[lines.line_of_point()]
     pair = place * (int(level.max()) + 1) + point_level
     pairs, which = np.unique(pair, return_inverse=True)
     meets = np.zeros(len(pairs), bool)
     np.logical_or.at(meets, which, ends)
-    key = place * (int(level.max()) + 2) + np.where(meets[which], 0, point_level + 1)
+    loose = np.bincount(place, np.where(meets[which], 2 - ends, 0)) == 1
+    loose &= np.bincount(place, ends & joins[lines.line_of_point()]) > 0
+    joined = meets[which] | loose[place]
+    key = place * (int(level.max()) + 2) + np.where(joined, 0, point_level + 1)
     _, sample, node = np.unique(key, return_index=True, return_inverse=True)
     return node, whole[sample] / PER_METRE
 

@@ -36,6 +36,20 @@ def test_a_bridge_joins_the_ground_at_its_ends(layout_of):
     assert sorted(network.node_degree.tolist()) == [1, 1, 2]
 
 
+def test_a_bridge_that_ends_in_the_middle_of_a_street_joins_it(layout_of):
+    over = {"bridge": True, "layer": 1}
+    street = ([WEST, MIDDLE, EAST], {})
+    network = road_network(layout_of([street, ([MIDDLE, NORTH], over)]))
+    assert sorted(network.node_degree.tolist()) == [1, 1, 1, 3]
+
+
+def test_a_bridge_of_two_ways_passes_over_a_shared_coordinate(layout_of):
+    over = {"bridge": True, "layer": 1}
+    street = ([WEST, MIDDLE, EAST], {})
+    network = road_network(layout_of([street, ([SOUTH, MIDDLE], over), ([MIDDLE, NORTH], over)]))
+    assert sorted(network.node_degree.tolist()) == [1, 1, 1, 1]
+
+
 def test_ways_of_one_section_become_one_edge(layout_of):
     network = road_network(layout_of([([WEST, MIDDLE], {}), ([MIDDLE, EAST], {"name": "other"})]))
     assert network.edge_count == 1
