@@ -186,11 +186,11 @@ def generate(
         if not len(city.layout.buildings) and not len(city.layout.roads):
             raise InputError("The window holds no building and no road; move --at, enlarge --size.")
     if heights is not None:
-        from cityx.sources.height_field import read_height
+        from cityx.sources.height_field import survey_site
 
         with run.watch.step("terrain"):
-            terrain = read_height(heights.path, city.frame, city.layout.extent)
-            city = replace(city, terrain=terrain)
+            terrain, survey = survey_site(heights.path, city.frame, city.layout.extent)
+            city = replace(city, terrain=terrain, survey=survey)
     city = replace(city, stages_done=city.stages_done | {"layout", "terrain"})
     calls = calls_of(MAP_TO_CITY, options.lod, asdict(options))
     for position, (action, args) in enumerate(calls, start=1):
