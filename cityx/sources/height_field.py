@@ -144,16 +144,18 @@ def _terrain(
     """Return the terrain of a site, and the metres by which it misses the file at most."""
     native = _resolution(raster, frame, extent)
     wanted = cell or float(np.clip(native / 3, FINEST, COARSEST))
+    x, y, step = _nodes(extent, wanted)
+    column, row = _places(raster, frame, x, y)
+    _check_cover(path, raster, frame, extent, column, row)
+    _check_voids(path, raster, column, row)
     while True:
-        x, y, step = _nodes(extent, wanted)
-        column, row = _places(raster, frame, x, y)
-        _check_cover(path, raster, frame, extent, column, row)
-        _check_voids(path, raster, column, row)
         heights, moved = _sample(raster, column, row, smooth=native >= COARSE)
         bend = _bend(heights)
         if cell or bend <= RESAMPLED or wanted <= FINEST or step > wanted:
             break
         wanted = max(wanted / 2, FINEST)
+        x, y, step = _nodes(extent, wanted)
+        column, row = _places(raster, frame, x, y)
     datum = round(float(heights.min()), 3)
     terrain = Terrain(extent[:2], step, np.round(heights - datum, 3), datum)
     return terrain, round(moved + max(bend, RESAMPLED), 3)
