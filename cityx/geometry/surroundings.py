@@ -75,7 +75,9 @@ def _rim(ground: Ground, terrain: Terrain) -> tuple[FloatArray, FloatArray]:
     used = np.unique(ground.edges[ground.edge_faces[:, 1] == BEYOND])
     rim = ground.vertices[used]
     if len(rim):
-        rim = rim[np.argsort(_way_round(rim, *_box(rim)))]
+        along = _way_round(rim, *_box(rim))
+        along[np.isnan(along)] = np.inf  # a gap inside the site is no border
+        rim = rim[np.argsort(along)[: np.isfinite(along).sum()]]
     return rim, np.round(terrain.height_at(rim) + OFFSET, 4)
 
 

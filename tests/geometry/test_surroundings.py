@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
@@ -5,7 +7,7 @@ import shapely
 from cityx.city.ground import LABEL
 from cityx.city.mesh import NO_VERTEX
 from cityx.city.terrain import Terrain, flat_terrain
-from cityx.geometry.arrangement import arrange, regions
+from cityx.geometry.arrangement import BEYOND, arrange, regions
 from cityx.geometry.clearance import cells_of_triangles, triangle_at
 from cityx.geometry.standing import heights_on
 from cityx.geometry.surroundings import (
@@ -75,3 +77,12 @@ def test_the_border_stands_on_soil_and_steep_land_is_green(ground):
     steep = np.hypot(*normal[:, :2].T) > 0.25 * normal[:, 2]
     assert steep.any()
     assert (mesh.material[: len(triangles)][steep] == OPEN).all()
+
+
+def test_a_gap_inside_the_site_is_no_border(ground):
+    inner = np.flatnonzero(ground.edge_faces[:, 1] != BEYOND)[:1]
+    sides = ground.edge_faces.copy()
+    sides[inner, 1] = BEYOND
+    whole = surroundings(ground, hills(), hills())[0]
+    torn = surroundings(replace(ground, edge_faces=sides), hills(), hills())[0]
+    assert np.array_equal(whole.vertices, torn.vertices)
