@@ -120,6 +120,8 @@ def _solved(
     soil = terrain.height_at(place)
     base = soil
     if not terrain.is_flat:
+        climbed = np.maximum(steps.rise, _climbed(ways, soil, steps))
+        steps = replace(steps, rise=climbed)
         base = graded(slopes_of(steps.pairs, steps.rise), np.where(on_ground, soil, np.nan))
         terrain = grade_terrain(terrain, *_profiles(ways, base), layout.extent)
         soil = terrain.height_at(place)
@@ -127,6 +129,12 @@ def _solved(
     z = _cleared(layout, ways, crossing, steps, base, soil, on_ground)
     lift = np.where(on_ground & (np.abs(z - base) < EXACT), 0.0, z - soil)
     return np.round(soil + lift, 4), soil, lift, terrain
+
+
+def _climbed(ways: Ways, soil: FloatArray, steps: _Steps) -> FloatArray:
+    """(k,) what paths on the ground climb with it, metres: nobody cuts a hill for a path."""
+    path = (ways.light & (ways.level == 0))[steps.way]
+    return np.where(path, np.abs(soil[steps.pairs[:, 1]] - soil[steps.pairs[:, 0]]), 0.0)
 
 
 def _meeting(ways: Ways, crossing: Crossings, closed: BoolArray) -> tuple[Ways, Crossings]:
