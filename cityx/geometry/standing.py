@@ -52,14 +52,14 @@ def stand_on(ground: MeshBatch | None, xy: ArrayLike) -> Footing:
     if ground is None or not ground.count or not len(spots):
         return Footing(label, z)
     faces, prepared = _tops(ground)
-    triangles = ground.faces[faces, :3]
     found = triangle_at(spots, prepared)
     hit = np.flatnonzero(found >= 0)
     known = {stable_id("ground", surface.name): i for i, surface in enumerate(SURFACES)}
     labels = np.array([known.get(int(own), NOWHERE) for own in ground.object_id])
-    own = np.searchsorted(ground.face_start, faces[found[hit]], side="right") - 1
+    face = faces[found[hit]]
+    own = np.searchsorted(ground.face_start, face, side="right") - 1
     label[hit] = labels[own]
-    a, b, c = ground.vertices[triangles[found[hit]]].transpose(1, 0, 2)
+    a, b, c = ground.vertices[ground.faces[face, :3]].transpose(1, 0, 2)
     u, v, w = (b - a)[:, :2], (c - a)[:, :2], spots[hit] - a[:, :2]
     area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
     area = np.where(np.abs(area) < 1e-12, 1.0, area)
