@@ -13,7 +13,6 @@ from cityx.city import City
 from cityx.city.ground import LABEL, PAINT, ROADWAY, Ground
 from cityx.geometry.arrangement import BEYOND, face_areas
 from cityx.geometry.chains import components, join_segments
-from cityx.geometry.clearance import in_triangles
 from cityx.geometry.identity import id_text
 from cityx.geometry.polylines import Polylines, every, locate, to_linestrings
 
@@ -200,8 +199,7 @@ def _walks(city: City, ground: Ground) -> Check:
         length = shapely.length(to_linestrings(lines)[on_ground])
         line, along = every(length, SPACING)
         places = locate(lines, np.flatnonzero(on_ground)[line], along)[0]
-        triangles = ground.triangles_of(*STONES, "sidewalk")
-        over = int(in_triangles(places, ground.vertices, triangles).sum())
+        over = int(ground.on(places, *STONES, "sidewalk").sum())
         share = max(over - LET_PASS, 0) / max(len(places), 1)
     return Check("sidewalk_on_carriageway", share, 0.001,
                  "share of the middles of lanes that run over a kerb or a sidewalk, "
