@@ -134,8 +134,8 @@ class Run:
         return outcome.city
 
 
-def sort_inputs(paths: list[Path]) -> tuple[Input, Input | None]:
-    """Tell the map from the height file.
+def sort_inputs(paths: list[Path]) -> dict[str, Input]:
+    """Tell the map, the drawing and the height file by their kinds.
 
     Raises
     ------
@@ -143,30 +143,42 @@ def sort_inputs(paths: list[Path]) -> tuple[Input, Input | None]:
         If a file is of no use or the files do not make a city together.
     """
     inputs = [classify(path) for path in paths]
-    maps = [item for item in inputs if item.kind == "osm"]
-    heights = [item for item in inputs if item.kind == "height"]
-    if len(maps) != 1 or len(heights) > 1:
+    kinds = [item.kind for item in inputs]
+    maps, drawings, heights = (kinds.count(kind) for kind in ("osm", "drawing", "height"))
+    if not maps + drawings or max(maps, drawings, heights) > 1:
         raise UsageError(
-            f"Give one map and at most one height file ({KINDS}); "
-            f"given: {len(maps)} maps, {len(heights)} height files."
+            f"Give one map or drawing or both, and at most one height file ({KINDS}); "
+            f"given: {maps} maps, {drawings} drawings, {heights} height files."
         )
-    return maps[0], heights[0] if heights else None
+    return {item.kind: item for item in inputs}
 
 
-def read_map(item: Input, options: BuildOptions, watch: Stopwatch) -> City:
-    """Read the map into a city that has a layout.
+def read_layout(inputs: dict[str, Input], options: BuildOptions, watch: Stopwatch) -> City:
+    """Read the map and the drawing into a city that has a layout.
 
     Raises
     ------
     InputError
-        If the file cannot be read or holds no city.
+        If a file cannot be read or holds no city.
     """
+    from cityx.sources.drawn import drawn_city, read_drawing, with_drawing
     from cityx.sources.osm import read_osm
 
+    source, drawing = inputs.get("osm"), inputs.get("drawing")
     with watch.step("parse"):
-        name = item.path.name.split(".")[0].replace("_", " ")
-        city = read_osm(item.path, seed=options.seed, name=name)
+        drawn = read_drawing(drawing.path) if drawing else None
+        if source:
+            city = read_osm(source.path, seed=options.seed, name=_title(source))
+            city = with_drawing(city, drawn) if drawn else city
+        else:
+            assert drawn
+            assert drawing
+            city = drawn_city(drawn, seed=options.seed, name=_title(drawing))
     return replace(city, seed=options.seed, lod=options.lod, style=options.style)
+
+
+def _title(item: Input) -> str:
+    return item.path.name.split(".")[0].replace("_", " ")
 
 
 def generate(
@@ -183,7 +195,8 @@ def generate(
     """
     if options.size or options.at:
         city = run.do(city, "layout/crop-v1", _window(city, options))
-        if not len(city.layout.buildings) and not len(city.layout.roads):
+        layout = city.layout
+        if not any(len(table) for table in (layout.buildings, layout.roads, layout.lines)):
             raise InputError("The window holds no building and no road; move --at, enlarge --size.")
     if heights is not None:
         from cityx.sources.height_field import read_height
@@ -263,9 +276,9 @@ def _build(
     from cityx.city.store import write_city
 
     say("reading")
-    source, heights = sort_inputs(paths)
-    records = [item.record() for item in (source, heights) if item is not None]
-    city = read_map(source, options, watch)
+    inputs = sort_inputs(paths)
+    records = [inputs[kind].record() for kind in ("osm", "drawing", "height") if kind in inputs]
+    city = read_layout(inputs, options, watch)
     staging = _staging(out)
     try:
         journal_path = staging / "journal.sqlite"
@@ -273,7 +286,9 @@ def _build(
         with Journal(journal_path) as journal:
             number = journal.start_run(records, config, options.seed)
             state = derivation_key("", "inputs", {"files": records, "seed": options.seed})
-            city = generate(city, heights, options, Run(journal, number, state, watch), say)
+            city = generate(
+                city, inputs.get("height"), options, Run(journal, number, state, watch), say
+            )
             say("writing the store")
             with watch.step("store"):
                 write_city(city, staging / "city")

@@ -31,6 +31,7 @@ class WorkflowStep:
 MAP_TO_CITY: tuple[WorkflowStep, ...] = (
     WorkflowStep("background/sun-v1", options={"time": "time"}),
     WorkflowStep("background/weather-v1", options={"preset": "weather"}),
+    WorkflowStep("road/drawn_streets-v1"),
     WorkflowStep("road/network-v1"),
     WorkflowStep("road/heights-v1"),
     WorkflowStep("road/lanes-v1"),

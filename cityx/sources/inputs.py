@@ -12,9 +12,13 @@ from typing import Any
 from cityx.errors import InputError
 
 _HEIGHT_SUFFIXES = (".tif", ".tiff", ".hgt", ".hgt.zip", ".asc")
+_DRAWING_SUFFIXES = (".geojson", ".json")
 _IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp")
 _OSM_SUFFIXES = (".osm", ".osm.gz", ".osm.bz2", ".osm.pbf", ".pbf", ".xml")
-KINDS = "OpenStreetMap (.osm, .osm.gz, .osm.bz2, .osm.pbf) or heights (.tif, .hgt, .hgt.zip, .asc)"
+KINDS = (
+    "OpenStreetMap (.osm, .osm.gz, .osm.bz2, .osm.pbf), drawings (.geojson) or heights "
+    "(.tif, .hgt, .hgt.zip, .asc)"
+)
 
 
 @dataclass(frozen=True)
@@ -24,7 +28,7 @@ class Input:
     Attributes
     ----------
     kind
-        "osm" or "height".
+        "osm", "drawing" or "height".
     """
 
     path: Path
@@ -64,6 +68,8 @@ def _kind(path: Path) -> str:
     name = path.name.lower()
     if name.endswith(_HEIGHT_SUFFIXES):
         return "height"
+    if name.endswith(_DRAWING_SUFFIXES):
+        return "drawing"
     head = _head(path)
     if name.endswith(_OSM_SUFFIXES) or b"<osm" in head or b"OSMHeader" in head:
         return "osm"
