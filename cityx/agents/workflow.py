@@ -36,6 +36,7 @@ MAP_TO_CITY: tuple[WorkflowStep, ...] = (
     WorkflowStep("road/heights-v1"),
     WorkflowStep("road/lanes-v1"),
     WorkflowStep("road/ground-v1"),
+    WorkflowStep("road/surface_material-v1", lods=(1, 2, 3)),
     WorkflowStep("building/prism-v1", lods=(0,)),
     WorkflowStep("building/design-v1", lods=(1, 2, 3)),
     WorkflowStep("building/shell-v1", lods=(1, 2, 3), options={"workers": "workers"}),
