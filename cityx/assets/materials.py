@@ -99,7 +99,7 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("asphalt_red", (0.20, 0.06, 0.045), 0.9, texture="asphalt", tile=3.0, porosity=0.4),
     _M("setts", (0.22, 0.21, 0.20), 0.75, texture="setts", tile=2.0, porosity=0.4),
     _M("cobbles", (0.20, 0.19, 0.17), 0.75, texture="cobbles", tile=2.0, porosity=0.4),
-    _M("clinker", (0.24, 0.105, 0.07), 0.85, texture="clinker", tile=2.0, porosity=0.6),
+    _M("clinker", (0.21, 0.115, 0.085), 0.85, texture="clinker", tile=2.0, porosity=0.6),
     _M("pavers", (0.28, 0.275, 0.26), 0.88, texture="clinker", tile=2.0, porosity=0.5),
     _M("road_concrete", (0.34, 0.335, 0.315), 0.88, texture="road_slabs", tile=8.0, porosity=0.5),
     _M("paving", (0.32, 0.31, 0.29), 0.85, texture="paving", tile=2.4, porosity=0.5),
