@@ -17,6 +17,7 @@ from cityx.sources.osm.areas import tags_text
 from cityx.sources.osm.density import Density
 from cityx.sources.osm.elements import FloatArray, IntArray, OsmMap, Tags, way_lines
 from cityx.sources.osm.outlines import Report, number_pieces
+from cityx.sources.osm.road_findings import name_points, name_repairs
 from cityx.sources.osm.sections import bands_of_tags
 from cityx.sources.osm.site import Box, clip_lines
 from cityx.sources.osm.vocabulary import (
@@ -71,8 +72,11 @@ def read_roads(
     missing = osm.missing_nodes()[ways] > 0
     report.count("roads with missing nodes", int(missing.sum()))
     lines, index = way_lines(osm, xy, ways)
+    name_points(osm, ways[~missing & ~np.isin(np.arange(len(ways)), index)], report)
     pieces, row = clip_lines(lines, box)
-    return pieces, ways[index[row]]
+    way = ways[index[row]]
+    name_repairs(osm, pieces, way, box, {"lanes": MAX_LANES, "width": MAX_WIDTH}, report)
+    return pieces, way
 
 
 def road_table(
