@@ -211,7 +211,8 @@ def _room(layout: Layout, place: FloatArray, gap: FloatArray) -> FloatArray:
         )
         distance[corner] = shapely.distance(shapely.points(place[corner]), walls[wall])
     # The middle of the curve lies this share of the radius behind the corner.
-    depth = np.maximum(1.0 / np.sin(gap / 2) - 1.0, 0.05)
+    slim = np.maximum(np.sin(gap / 2), 1e-9)  # arms may leave in one direction
+    depth = np.maximum(1.0 / slim - 1.0, 0.05)
     wide = (distance - WALK_LEFT) / depth
     least = np.minimum((distance - WALK_LEAST) / depth, LEAST_RADIUS)
     return np.asarray(np.clip(np.maximum(wide, least), TIGHTEST, MOST_RADIUS))

@@ -15,6 +15,7 @@ from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.roundabouts import roundabout_regions
 from cityx.plugins.road.sections import bands_of
 from cityx.plugins.road.strips import strip_regions
+from cityx.plugins.road.verges import verge_regions
 
 USUAL = Painting()
 
@@ -35,12 +36,14 @@ def street_regions(
     """
     chosen = np.ones(network.edge_count, bool)
     road = build_carriageway(layout, network, chosen)
-    street = street_of(layout, network, bands_of(layout, network))
+    bands = bands_of(layout, network)
+    street = street_of(layout, network, bands)
     painted = painted_edges(street, chosen)
     zebras = zebras_of(street, painted)
     found = join_regions([
         carriageway_regions(layout, network, chosen, road),
         strip_regions(layout, network, chosen),
+        verge_regions(network, bands),
         marking_regions(street, zebras, painted, road, painting),
         dropped_regions(street, zebras, yellow=painting.yellow_tactile),
         median_regions(layout, network, chosen),
