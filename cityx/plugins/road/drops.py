@@ -12,6 +12,7 @@ from cityx.city.ground import DROPPED, KERB_HEIGHT, KERB_WIDTH, LABEL, SURFACES
 from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.drape import RAMP_SLOPE
 from cityx.geometry.polylines import locate
+from cityx.plugins.road.carriageway import Carriageway, joined_by
 from cityx.plugins.road.markings import Street, Zebras
 
 FloatArray = NDArray[np.float64]
@@ -20,10 +21,11 @@ IntArray = NDArray[np.int64]
 RAMP = RAMP_SLOPE * (KERB_HEIGHT - DROPPED)  # metres
 RIBS = 0.6  # metres of tactile paving behind the kerb (ISO 23599)
 LEAST_WALK = 0.3  # metres left behind a ramp
+FLARE = 0.5  # metres by which the kerb may bend away from its street within a crossing
 FREE_SIDE = 0.2  # metres that a drop reaches beyond the bars at both ends
 
 
-def dropped_regions(street: Street, zebras: Zebras, *, yellow: bool) -> Regions:
+def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, yellow: bool) -> Regions:
     """Lower the kerbs on both sides of crossings, with ribs and a ramp where there is a walk.
 
     Parameters
@@ -32,6 +34,8 @@ def dropped_regions(street: Street, zebras: Zebras, *, yellow: bool) -> Regions:
         The network and what its marks share.
     zebras
         The crossings.
+    road
+        The surfaces along whose rims the kerbs run.
     yellow
         Whether the ribs are yellow.
     """
@@ -49,15 +53,25 @@ def dropped_regions(street: Street, zebras: Zebras, *, yellow: bool) -> Regions:
         front = kerb + np.where(ribbed, RIBS, 0.0)
         everywhere = np.ones(len(walk), bool)
         for name, chosen, near, far in (
-            ("kerb_dropped", everywhere, half, kerb),
+            ("kerb_dropped", everywhere, half, kerb + FLARE),
             (ribs, ribbed, kerb, front),
             ("ramp", sloped, front, front + RAMP),
         ):
             rows = np.flatnonzero(chosen)
             shapes = _patches(street, zebras, rows, sign * near[rows], sign * far[rows])
+            if name == "kerb_dropped":
+                shapes = along_rims(shapes, road)
             label = LABEL[name]
             parts.append(regions(shapes, label, SURFACES[label].priority))
     return join_regions(parts)
+
+
+def along_rims(patches: NDArray[Any], road: Carriageway) -> NDArray[Any]:
+    """Cut patches to the kerb stones along the rims of what is driven on."""
+    driven = road.driven
+    patch, row = shapely.STRtree(driven).query(patches, predicate="dwithin", distance=KERB_WIDTH)
+    near, of_patch = joined_by(shapely.buffer(driven[row], KERB_WIDTH, join_style="mitre"), patch)
+    return np.asarray(shapely.intersection(patches[of_patch], near))
 
 
 def _patches(

@@ -42,7 +42,7 @@ def street_regions(
         carriageway_regions(layout, network, chosen, road),
         strip_regions(layout, network, chosen),
         marking_regions(street, zebras, painted, road, painting),
-        dropped_regions(street, zebras, yellow=painting.yellow_tactile),
+        dropped_regions(street, zebras, road, yellow=painting.yellow_tactile),
         median_regions(layout, network, chosen),
         roundabout_regions(layout, network, chosen),
     ])  # fmt: skip
