@@ -1,4 +1,4 @@
-"""Dropped kerbs: where a crossing or a drive meets the walk, with ribs and a ramp behind."""
+"""Dropped kerbs: where a crossing meets the walk, or the walk a drive, with a ramp behind."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.drape import RAMP_SLOPE
 from cityx.geometry.polylines import locate
 from cityx.plugins.road.carriageway import Carriageway, joined_by
+from cityx.plugins.road.corners import LEAST_RADIUS
 from cityx.plugins.road.markings import Street, Zebras
 
 FloatArray = NDArray[np.float64]
@@ -58,26 +59,67 @@ def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, yellow
             ("ramp", sloped, front, front + RAMP),
         ):
             rows = np.flatnonzero(chosen)
-            shapes = _patches(street, zebras, rows, sign * near[rows], sign * far[rows])
+            shapes = patches(street, zebras, rows, sign * near[rows], sign * far[rows])
             if name == "kerb_dropped":
-                shapes = along_rims(shapes, road)
+                shapes = along_rims(shapes, road, KERB_WIDTH)
             label = LABEL[name]
             parts.append(regions(shapes, label, SURFACES[label].priority))
     return join_regions(parts)
 
 
-def along_rims(patches: NDArray[Any], road: Carriageway) -> NDArray[Any]:
-    """Cut patches to the kerb stones along the rims of what is driven on."""
+def drive_regions(street: Street, road: Carriageway) -> Regions:
+    """Lower the kerbs at both sides of service ways where they cross the walk of a street."""
+    drives, walk = _drives(street)
+    rows = np.flatnonzero(walk > 0)
+    if not len(rows):
+        return Regions()
+    half = street.network.half_width[drives.edge[rows]]
+    parts = []
+    for sign in (1.0, -1.0):
+        shapes = patches(street, drives, rows, sign * half, sign * (half + LEAST_RADIUS + RAMP))
+        for name, width in (("kerb_dropped", KERB_WIDTH), ("ramp", KERB_WIDTH + RAMP)):
+            label = LABEL[name]
+            parts.append(regions(along_rims(shapes, road, width), label, SURFACES[label].priority))
+    return join_regions(parts)
+
+
+def _drives(street: Street) -> tuple[Zebras, FloatArray]:
+    """Places where service ways cross the walks of streets, and the width of these walks."""
+    network = street.network
+    table = street.layout.roads.iloc[network.edge_road]
+    walk = np.maximum(
+        table["sidewalk_left"].to_numpy(float), table["sidewalk_right"].to_numpy(float)
+    )
+    service = street.kind == "service"
+    nodes = network.edge_nodes
+    of_node, half = np.zeros(len(network.node_position)), np.zeros(len(network.node_position))
+    for column in nodes[~service].T:
+        np.maximum.at(of_node, column, walk[~service])
+        np.maximum.at(half, column, network.half_width[~service])
+    edge, end = np.nonzero(service[:, None] & (of_node[nodes] > RAMP + LEAST_WALK))
+    node = nodes[edge, end]
+    depth = of_node[node] - FREE_SIDE
+    back = half[node] + KERB_WIDTH + of_node[node] / 2
+    room = back + depth / 2 < street.length[edge]
+    along = np.where(end == 0, back, street.length[edge] - back)
+    return Zebras(edge, along, depth), np.where(room, depth, 0.0)
+
+
+def along_rims(shapes: NDArray[Any], road: Carriageway, width: float) -> NDArray[Any]:
+    """Cut shapes to what lies so near the rims of what is driven on, in metres."""
     driven = road.driven
-    patch, row = shapely.STRtree(driven).query(patches, predicate="dwithin", distance=KERB_WIDTH)
-    near, of_patch = joined_by(shapely.buffer(driven[row], KERB_WIDTH, join_style="mitre"), patch)
-    return np.asarray(shapely.intersection(patches[of_patch], near))
+    patch, row = shapely.STRtree(driven).query(shapes, predicate="dwithin", distance=width)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a needle's mitre is cut off
+        grown = shapely.buffer(driven[row], width, join_style="mitre")
+    near, of_patch = joined_by(grown, patch)
+    whole = shapely.make_valid(shapes[of_patch])  # where a way bends its patch may cross itself
+    return np.asarray(shapely.intersection(whole, near))
 
 
-def _patches(
+def patches(
     street: Street, zebras: Zebras, rows: IntArray, near: FloatArray, far: FloatArray
 ) -> NDArray[Any]:
-    """Return strips beside crossings between two distances from the centreline, (k,)."""
+    """Return strips across crossings between two distances left of the centreline, (k,)."""
     edge = zebras.edge[rows]
     reach = zebras.depth[rows] / 2 + FREE_SIDE
     corners = []
