@@ -219,12 +219,13 @@ def kerb_curves(city: City, ground: Ground) -> KerbCurves:
     ) / np.maximum(total, 1e-9)[:, None]  # fmt: skip
     kept = (total > CORNER[0]) & (total < CORNER[1])
     # What is narrower than two of the least curves, as a median is, has a nose instead.
-    first = np.flatnonzero(np.diff(run, prepend=-1))
-    last = np.append(first[1:], len(point))[: len(first)] - 1
-    apart = np.hypot(*(outline.points[point[first[1:]]] - outline.points[point[last[:-1]]]).T)
-    nose = (owner[point[first[1:]]] == owner[point[last[:-1]]]) & (apart < 2 * RADII[0])
-    nose &= total[1:] + total[:-1] > CORNER[1]
-    kept &= ~(np.append(nose, False) | np.insert(nose, 0, False))[: len(kept)]
+    bend = np.flatnonzero(total > CORNER[0])
+    line = owner[point[np.flatnonzero(np.diff(run, prepend=-1))]][bend]
+    spots = shapely.points(middle[bend])
+    one, other = shapely.STRtree(spots).query(spots, predicate="dwithin", distance=2 * RADII[0])
+    nose = (one != other) & (line[one] == line[other])
+    nose &= total[bend[one]] + total[bend[other]] > CORNER[1]
+    kept[bend[one[nose]]] = False
     kept[kept] = _at_junctions(city, middle[kept])
     middle, total, length = middle[kept], total[kept], length[kept]
     free = ~_given(city.layout, middle)

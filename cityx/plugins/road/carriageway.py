@@ -55,6 +55,7 @@ TAPER = 8.0  # metres on both sides of a node along which a kerb passes from wid
 GORE_REACH = 60.0  # metres from the node within which a gore is paved up to its nose
 HEAD = 2 * KERB_WIDTH  # metres
 AGAIN = 0.25  # share by which the curve of a corner may begin further away on arms that bend
+JOINT = GRID  # metres; more would show as a step of the kerb
 LEAST_CURVE = 0.03  # square metres; smaller pieces come from rounding
 NOSE_REACH = 4 * LEAST_RADIUS  # metres behind a junction in which medians have their noses
 NARROW_MEDIAN = 1.5  # metres; what parts two carriageways less is paved
@@ -318,7 +319,8 @@ def _added(shapes: Shapes, closed: Shapes) -> tuple[Shapes, IntArray]:
     """Return the pieces by which shapes have grown, and the row of each."""
     parts, row = shapely.get_parts(shapely.difference(closed, shapes), return_index=True)
     kept = (shapely.get_type_id(parts) == 3) & (shapely.area(parts) > LEAST_CURVE)
-    return parts[kept], row[kept]
+    # They overlap what they join, so that rounding to the grid leaves no sliver between.
+    return shapely.buffer(parts[kept], JOINT, join_style="mitre"), row[kept]
 
 
 def _gores(
