@@ -83,6 +83,7 @@ SURFACES: tuple[Surface, ...] = (
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
 PAINT = ("marking", "marking_yellow", "cycle_lane")  # lies on a carriageway and is part of it
+ON_ROADWAY = (*PAINT, "tramway")  # whatever a roadway is made of below it
 ROADWAY = ("carriageway", "setts", "gravel_road", "junction", *PAINT)
 
 

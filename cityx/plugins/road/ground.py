@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.city import City
-from cityx.city.ground import LABEL, SURFACES, Ground
+from cityx.city.ground import LABEL, ON_ROADWAY, SURFACES, Ground
 from cityx.city.heights import WayHeights
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
@@ -54,7 +54,7 @@ from cityx.protocol import Port, action, has_network
 TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
 PLAIN_TILE = 1000.0  # the same at detail level 0, where faces have fewer corners
 ROADWAY = tuple(LABEL[name] for name in ("carriageway", "setts", "gravel_road"))
-SCRAP = 0.5  # square metres of a junction's surface that something cut off from the rest
+SCRAP = 3.0  # square metres of a junction's surface that something cut off from the rest
 COARSE = 2.0  # metres by which land cover is simplified at detail level 0
 
 
@@ -94,7 +94,7 @@ def ground(city: City) -> City:
     found = _regions(city.layout, network, city.heights, built, city.lod, painting)
     arranged = arrange(found, city.layout.extent, lines=lines)
     if city.lod > 0:
-        arranged = absorb_scraps(arranged, LABEL["junction"], SCRAP)
+        arranged = absorb_scraps(arranged, LABEL["junction"], SCRAP, ON_ROADWAY)
         arranged = pave_blocks(arranged, city.layout)
     draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0)
     scene = city.scene.with_mesh("ground", draped)

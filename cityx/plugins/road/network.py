@@ -42,6 +42,9 @@ SECTION = (
     "parking_right", "section", "oneway", "layer", "bridge", "tunnel", "passage", "roundabout",
     "surface",
 )  # fmt: skip
+# What a street keeps up to the junction even where only its last metres have it.
+FIXED = ("oneway", "layer", "bridge", "tunnel", "passage", "roundabout")
+SHORT_SECTION = 15.0  # metres; no longer than a junction, or what a change of width takes
 
 PER_METRE = 1000.0  # nodes are shared coordinates to the millimetre
 SPUR = 3.0  # metres; a shorter dead end is a drawing mistake
@@ -80,7 +83,7 @@ def road_network(layout: Layout, *, left_hand: bool = False) -> RoadNetwork:
     lines = pack(geometry)
     if not lines.count:
         return _graph_without_edges()
-    section = _codes(roads.iloc[rows], SECTION)
+    section, fixed = _codes(roads.iloc[rows], SECTION), _codes(roads.iloc[rows], FIXED)
     level = _codes(roads.iloc[rows], ("layer", "bridge", "tunnel"))
     node, position = shared_nodes(lines, level, np.ones(lines.count, bool))
     owner = lines.line_of_point()
@@ -88,6 +91,8 @@ def road_network(layout: Layout, *, left_hand: bool = False) -> RoadNetwork:
     ends, way = np.column_stack([node[first], node[first + 1]]), owner[first]
     keep = _unrepeated(ends)
     ends, way, first = ends[keep], way[keep], first[keep]
+    for _ in range(2):
+        ends, way = _continued(ends, way, section, fixed, position)
     for _ in range(2):
         head, rank = join_segments(ends, section[way])
         keep = ~_spurs(ends, head, position, layout.extent)
@@ -165,6 +170,40 @@ def _unrepeated(ends: IntArray) -> BoolArray:
     keep = np.zeros(len(ends), bool)
     keep[first] = True
     return np.asarray(keep & (low != high))
+
+
+def _continued(
+    ends: IntArray, way: IntArray, section: IntArray, fixed: IntArray, position: FloatArray
+) -> tuple[IntArray, IntArray]:
+    """Give pieces too short for a section of their own that of the longer piece they lead on from.
+
+    Returns
+    -------
+    ends, way
+        (m, 2) and (m,) nodes and way of each segment; turned where the longer piece runs against
+        the short one.
+    """
+    head, _ = join_segments(ends, section[way])
+    size = np.hypot(*(position[ends[:, 1]] - position[ends[:, 0]]).T)
+    length = np.bincount(head, size, minlength=len(ends))
+    order = np.argsort(ends.ravel(), kind="stable")
+    count = np.bincount(ends.ravel(), minlength=len(position))
+    change = np.flatnonzero(count == 2)
+    pair = order[(np.cumsum(count) - 2)[change][:, None] + [0, 1]] // 2  # (k, 2) segments
+    against = (ends[pair] == change[:, None, None]).argmax(axis=2)
+    against = against[:, 0] == against[:, 1]
+    same = (fixed[way[pair[:, 0]]] == fixed[way[pair[:, 1]]]) & (
+        head[pair[:, 0]] != head[pair[:, 1]]
+    )
+    pair, against = pair[same], against[same]
+    source, turned = np.arange(len(ends)), np.zeros(len(ends), bool)
+    for short, long in (pair.T, pair.T[::-1]):
+        taken = (length[head[short]] < SHORT_SECTION) & (length[head[long]] > length[head[short]])
+        source[head[short[taken]]] = long[taken]
+        turned[head[short[taken]]] = against[taken]
+    own = source[head] == head
+    way = way[np.where(own, np.arange(len(ends)), source[head])]
+    return np.where((turned[head] & ~own)[:, None], ends[:, ::-1], ends), way
 
 
 def _spurs(

@@ -61,6 +61,21 @@ def test_a_change_of_width_ends_an_edge(layout_of):
     assert network.half_width.tolist() == [3.0, 4.5]
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_last_metres_before_a_junction_have_the_section_of_the_street_behind(layout_of, turned):
+    near = [MIDDLE, (8, 0)][:: -1 if turned else 1]
+    streets = [([WEST, MIDDLE], {}), ([SOUTH, MIDDLE, NORTH], {}),
+               (near, {"width": 9.0}), ([(8, 0), EAST], {})]  # fmt: skip
+    network = road_network(layout_of(streets))
+    assert network.half_width.tolist() == [3.0] * 4
+    assert sorted(lengths(network).tolist()) == [90.0] * 4
+
+
+def test_a_short_one_way_piece_keeps_its_direction(layout_of):
+    streets = [([WEST, MIDDLE], {}), ([MIDDLE, (8, 0)], {"oneway": True}), ([(8, 0), EAST], {})]
+    assert road_network(layout_of(streets)).edge_count == 3
+
+
 def test_garage_tunnels_footways_and_repeated_ways_are_left_out(layout_of):
     network = road_network(
         layout_of([
