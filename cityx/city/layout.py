@@ -133,13 +133,17 @@ POINT_KINDS = (
 )  # fmt: skip
 
 
-def _column(values: Any, dtype: str, size: int) -> Any:
+# Measures that are zero, not unknown, where a source gives none.
+NONE_THERE = ("sidewalk_left", "sidewalk_right")
+
+
+def _column(name: str, values: Any, dtype: str, size: int) -> Any:
     import pandas as pd
 
     if dtype == "str":
         return pd.array(np.full(size, "") if values is None else np.asarray(values, object), "str")
     if values is None:
-        fill: Any = np.nan if dtype.startswith("float") else 0
+        fill: Any = np.nan if dtype.startswith("float") and name not in NONE_THERE else 0
         return np.full(size, fill, dtype=dtype)
     return np.asarray(values).astype(dtype)
 
@@ -169,7 +173,7 @@ def make_table(name: str, geometry: Any, /, **columns: Any) -> GeoDataFrame:
         raise KeyError(f"table {name!r} has no column {sorted(unknown)}")
     geometry = np.asarray(geometry, dtype=object)
     size = len(geometry)
-    data = {key: _column(columns.get(key), dtype, size) for key, dtype in schema.items()}
+    data = {key: _column(key, columns.get(key), dtype, size) for key, dtype in schema.items()}
     order = np.argsort(data["id"], kind="stable")
     data = {key: values[order] for key, values in data.items()}
     return GeoDataFrame(data, geometry=geometry[order])

@@ -21,6 +21,7 @@ STEP = 0.001  # metres; lower steps between surfaces get no vertical face
 TINT_RANGE = 0.10  # of the brightness of neighbouring pieces of one material
 FLAT_WATER = 2.0  # metres of relief along the shore above which water is a sloping river
 SHORE_QUANTILE = 10.0  # percent; most of the shore stands above the water
+HEAD = 0.002  # metres; what a ramp lacks to the walk that rounding to the grid explains
 RAMP_SLOPE = 12.0  # metres of ramp per metre of rise (ADA 2010, 405.2)
 
 
@@ -54,7 +55,9 @@ def ramp_heights(ground: Ground) -> FloatArray:
         spots = shapely.points(ground.vertices[used])
         row, edge = shapely.STRtree(feet).query_nearest(spots, all_matches=False)
         distance = shapely.distance(spots[row], feet[edge])
-        rise[used[row]] = np.minimum(DROPPED + distance / RAMP_SLOPE, KERB_HEIGHT)
+        climbed = DROPPED + distance / RAMP_SLOPE
+        # Its foot may lie a step of the grid off; its head meets the walk all the same.
+        rise[used[row]] = np.where(climbed > KERB_HEIGHT - HEAD, KERB_HEIGHT, climbed)
     return np.asarray(np.round(rise, 4))
 
 

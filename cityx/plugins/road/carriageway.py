@@ -320,7 +320,7 @@ def _added(shapes: Shapes, closed: Shapes) -> tuple[Shapes, IntArray]:
     parts, row = shapely.get_parts(shapely.difference(closed, shapes), return_index=True)
     kept = (shapely.get_type_id(parts) == 3) & (shapely.area(parts) > LEAST_CURVE)
     # They overlap what they join, so that rounding to the grid leaves no sliver between.
-    return shapely.buffer(parts[kept], JOINT, join_style="mitre"), row[kept]
+    return shapely.buffer(parts[kept], JOINT, join_style="bevel"), row[kept]
 
 
 def _gores(
