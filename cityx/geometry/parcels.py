@@ -16,12 +16,12 @@ from cityx.geometry.block_splits import Pieces, joined_pieces, split_blocks
 from cityx.geometry.block_strips import strip_blocks
 from cityx.geometry.identity import UInt64Array, hash_ids, uniform
 from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.seams import moved, on_grid
 from cityx.geometry.street_edges import fronts_of, street_edges, street_lines
 
 DOOR = 1.2  # metres of street that every parcel has at least
 SHARE = 0.45  # of the wanted area; a smaller strip parcel joins its neighbour
 ROUND = 6  # decimals of metres to which borders of blocks are read
-FINE = 2.0**30  # steps per metre of what is cut; such places keep every bit up to 8,000 km away
 
 
 @dataclass(frozen=True)
@@ -121,22 +121,22 @@ def parcels_of(
         lines = np.zeros(0, object)
         return Parcels(blocks, none, ids, np.zeros((0, 2, 2)), lines, ids)
     origin = np.floor(shapely.bounds(blocks)[:, :2])
-    local = _moved(blocks, -origin, ROUND)
+    local = moved(blocks, -origin, ROUND)
     streets = shapely.boundary(local)
     pieces = _cut(local, streets, ids, zones, density, seed=seed)
     pieces = _on_the_street(pieces, local, streets, _wanted_area(zones, density))
     order = np.lexsort((pieces.code, pieces.block))
     block, code = pieces.block[order], pieces.code[order]
-    shapes = _fine(pieces.shapes[order])
+    shapes = on_grid(pieces.shapes[order])
     edges = street_edges(shapes, streets, block)
     front = fronts_of(edges, len(shapes), pieces.heading[order])
     shift = origin[block]
     return Parcels(
-        _moved(shapes, shift),
+        moved(shapes, shift),
         block,
         hash_ids(0, "parcel", ids[block], code),
         front + shift[:, None],
-        _moved(street_lines(edges, len(shapes)), shift),
+        moved(street_lines(edges, len(shapes)), shift),
         ids[block],
     )
 
@@ -150,21 +150,6 @@ def _checked(blocks: NDArray[Any], zones: NDArray[Any]) -> None:
     faults += [f"zone {word!r} is none of {', '.join(SCHEMES)}" for word in unknown]
     if faults:
         raise UsageError("; ".join(faults))
-
-
-def _moved(shapes: NDArray[Any], shift: FloatArray, decimals: int | None = None) -> NDArray[Any]:
-    """Move each shape by its own shift, (n, 2), and round it."""
-    points, row = shapely.get_coordinates(shapes, return_index=True)
-    points = points + shift[row]
-    points = points if decimals is None else np.round(points, decimals)
-    return np.asarray(shapely.set_coordinates(shapes.copy(), points + 0.0), object)
-
-
-def _fine(shapes: NDArray[Any]) -> NDArray[Any]:
-    """Put corners on a binary grid, on which adding an origin is exact."""
-    points = shapely.get_coordinates(shapes)
-    snapped = shapely.set_coordinates(shapes.copy(), np.round(points * FINE) / FINE)
-    return np.where(shapely.is_valid(snapped), snapped, shapes)
 
 
 def _sizes(zones: NDArray[Any], density: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -15,6 +15,7 @@ from cityx.geometry.polygons import FloatArray, IntArray, rings_of
 TOUCH = 1e-6  # metres; far above what rounding moves, far below any wall
 PROBES = (0.37, 0.71)  # of an edge; two odd places that only an edge along the border touches both
 BEND = np.radians(20.0)  # edges that turn less are one front
+STRAIGHT = 0.8  # of its length from end to end; of a run more bent the longest edge is the front
 WRONG_WAY = 0.2  # of its length that an edge counts which does not look the wanted way
 NONE = -1
 
@@ -96,8 +97,12 @@ def fronts_of(edges: StreetEdges, count: int, heading: FloatArray) -> FloatArray
     if not len(edges.owner):
         return front
     run, head, tail = _runs(edges)
-    chord = edges.end[tail] - edges.start[head]
     length = np.bincount(run, edges.length, minlength=len(head))
+    bent = np.hypot(*(edges.end[tail] - edges.start[head]).T) < STRAIGHT * length
+    longest = np.lexsort((np.arange(len(run)), -np.round(edges.length, 6), run))
+    longest = longest[np.searchsorted(run[longest], np.arange(len(head)))]
+    head, tail = np.where(bent, longest, head), np.where(bent, longest, tail)
+    chord = edges.end[tail] - edges.start[head]
     wanted = heading[edges.owner[head]]
     along = (chord * wanted).sum(axis=1) / np.maximum(np.hypot(*chord.T), TOUCH)
     score = length * np.where(np.isnan(along), 1.0, np.maximum(along, 0.0) + WRONG_WAY)
