@@ -51,6 +51,10 @@ class Pieces:
     code: UInt64Array
     heading: FloatArray
 
+    def take(self, rows: Any) -> Pieces:
+        """Return some of the pieces."""
+        return Pieces(self.shapes[rows], self.block[rows], self.code[rows], self.heading[rows])
+
 
 def joined_pieces(given: Sequence[Pieces]) -> Pieces:
     """Put pieces together."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -217,7 +217,7 @@ def _on_the_street(
     rows = np.flatnonzero(kept & ~lost[pieces.block])
     whole = np.flatnonzero(lost)
     return joined_pieces([
-        Pieces(shapes[rows], pieces.block[rows], pieces.code[rows], pieces.heading[rows]),
+        replace(pieces, shapes=shapes).take(rows),
         Pieces(blocks[whole], whole, np.zeros(len(whole), np.uint64),
                np.full((len(whole), 2), np.nan)),
     ])  # fmt: skip

@@ -14,6 +14,7 @@ from cityx.errors import UsageError
 from cityx.geometry.identity import id_text
 from cityx.geometry.parcels import Parcels
 from cityx.geometry.plots import Plots, plots_of
+from cityx.geometry.polygons import IntArray
 from cityx.geometry.seams import moved, on_grid
 from cityx.sources.features.tagged import Owner, Tagged, Tags, joined, number_pieces
 from cityx.sources.parcels.built import Built, built, tagged_of
@@ -23,6 +24,7 @@ from cityx.sources.parcels.houses import farms, row_houses, suburban_houses
 
 FENCE_GRID = 1e-3  # metres; borders that are the same to the millimetre get one fence
 CLEAR = 0.3  # metres between a fence and a wall
+PLAIN = {"cap_style": "flat", "join_style": "mitre"}  # of a margin; round ones cost three times
 SHORTEST = 1.5  # metres of fence
 
 
@@ -132,34 +134,40 @@ def _collected(plots: Plots, raised: list[Built], wanted: Callable[[Tags], bool]
     return taken
 
 
+def _by_block(
+    shapes: NDArray[Any], block: IntArray, count: int, collect: Callable[..., NDArray[Any]]
+) -> NDArray[Any]:
+    """Collect the parts of shapes block by block, (count,) collections."""
+    parts, row = shapely.get_parts(shapes, return_index=True)
+    order = np.argsort(block[row], kind="stable")
+    rows, index = np.unique(block[row][order], return_inverse=True)
+    found = np.full(count, shapely.GeometryCollection(), object)
+    if len(rows):
+        found[rows] = collect(parts[order], indices=index)
+    return found
+
+
 def _fences(
     parcels: Parcels, plots: Plots, raised: list[Built], kinds: tuple[str, ...], *, seed: int
 ) -> Tagged:
     """Draw fences between the parcels of each block, once along each border, clear of walls."""
-    origin = np.floor(shapely.bounds(parcels.shapes)[:, :2])
-    blocks, first, block = np.unique(parcels.block_id, return_index=True, return_inverse=True)
-    shift = origin[first]
-    borders = moved(parcels.shapes, -shift[block])
-    sides = shapely.get_parts(shapely.boundary(borders), return_index=True)
-    streets, of = shapely.get_parts(moved(parcels.street, -shift[block]), return_index=True)
-    order = np.argsort(block[sides[1]], kind="stable")
-    lines = shapely.multilinestrings(sides[0][order], indices=block[sides[1]][order])
-    once = shapely.unary_union(lines.reshape(-1, 1), axis=1, grid_size=FENCE_GRID)
-    order = np.argsort(block[of], kind="stable")
-    street = shapely.multilinestrings(streets[order], indices=block[of][order])
+    blocks, first, block = np.unique(plots.block_id, return_index=True, return_inverse=True)
+    shift = np.floor(shapely.bounds(parcels.shapes)[first, :2])
+    count = len(blocks)
+    borders = shapely.boundary(moved(parcels.shapes, -shift[block]))
+    streets = moved(parcels.street, -shift[block])
     walls = _collected(plots, raised, lambda own: "building" in own or "area:highway" in own)
-    solid, of = shapely.get_parts(moved(walls, plots.shift - shift[block]), return_index=True)
-    keep_off = [shapely.buffer(street, CLEAR)]
-    rows = np.unique(block[of])
-    order = np.argsort(block[of], kind="stable")
-    if len(rows):
-        houses = np.full(len(blocks), shapely.Polygon(), object)
-        houses[rows] = shapely.multipolygons(
-            solid[order], indices=np.searchsorted(rows, block[of][order])
-        )
-        keep_off.append(shapely.buffer(houses, CLEAR))
-    for area in keep_off:
-        once = shapely.difference(once, area)
+    walls = moved(walls, plots.shift - shift[block])
+    once = shapely.unary_union(
+        _by_block(borders, block, count, shapely.multilinestrings).reshape(-1, 1),
+        axis=1, grid_size=FENCE_GRID,
+    )  # fmt: skip
+    margins = (
+        shapely.buffer(_by_block(streets, block, count, shapely.multilinestrings), CLEAR, **PLAIN),
+        _by_block(shapely.buffer(walls, CLEAR, **PLAIN), block, count, shapely.multipolygons),
+    )
+    for margin in margins:
+        once = shapely.difference(once, shapely.make_valid(margin))
     merged = shapely.line_merge(once)
     pieces, owner = shapely.get_parts(moved(merged, shift), return_index=True)
     long = shapely.length(pieces) > SHORTEST
