@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 from cityx.geometry.identity import UInt64Array, choose, stable_id, uniform
 from cityx.plugins.layout.districts import District
-from cityx.plugins.layout.plane import Plane
+from cityx.plugins.layout.plane import DENSITY, ZONES, Plane
 from cityx.plugins.layout.streets import half_width, local_tags, side_tags
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+HIGH = (30.0, 110.0)  # metres of towers where the core begins and where it is densest
 FILLET = 4  # segments of a quarter of a circle round the corner of a block
 LEAST = 220.0  # square metres; less is left as green between streets
 THIN = 4.0  # metres; what is narrower does not count to a block
@@ -48,7 +51,9 @@ class Blocks:
     kind
         (b,) of the land: "residential", "park", "pedestrian", ...
     density
-        (b,) 0 to 1.
+        (b,) 0 to 1, from the least to the most dense place of the zone.
+    height
+        (b,) metres that main buildings shall have, NaN where the zone decides.
     """
 
     shapes: NDArray[Any]
@@ -56,6 +61,7 @@ class Blocks:
     zone: NDArray[Any]
     kind: NDArray[Any]
     density: FloatArray
+    height: FloatArray
 
 
 def blocks_of(plane: Plane, district: District) -> Blocks:
@@ -80,7 +86,20 @@ def blocks_of(plane: Plane, district: District) -> Blocks:
     _lay_plaza(plane, district, shapes, zone, kind)
     small = area < LEAST
     kind[small], zone[small] = "grass", ""
-    return Blocks(shapes, ids, zone, kind, density)
+    within, height = _within_zone(plane, ids, zone, density)
+    return Blocks(shapes, ids, zone, kind, within, height)
+
+
+def _within_zone(
+    plane: Plane, ids: UInt64Array, zone: NDArray[Any], density: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the density within the range of each block's zone, and the heights it asks for."""
+    edges = dict(zip(ZONES, pairwise((1.0, *DENSITY, 0.0)), strict=True))
+    high, low = np.array([edges.get(word, (1.0, 0.0)) for word in zone]).reshape(-1, 2).T
+    within = np.clip((density - low) / (high - low), 0.0, 1.0)
+    rise = np.exp(np.log(HIGH[0]) + within * np.log(HIGH[1] / HIGH[0]))
+    rough = np.exp(0.25 * ndtri(0.02 + 0.96 * uniform(plane.seed, "block/height", ids)))
+    return within, np.where(zone == "core", np.round(rise * rough, 1), np.nan)
 
 
 def _between_streets(plane: Plane, district: District) -> NDArray[Any]:

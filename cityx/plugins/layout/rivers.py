@@ -158,7 +158,7 @@ def landing(turn: Turn, bank: IntArray, road: IntArray) -> IntArray | None:
 
 
 def across(turn: Turn, start: IntArray, bank: IntArray) -> IntArray | None:
-    """Return where a bridge that begins at a landing and runs over the middle meets the other bank."""
+    """Return where a bridge that begins at a landing and runs over the middle meets a bank."""
     way = (turn.middle - start) / PER_METRE
     begin = (start - turn.place) / PER_METRE
     ray = shapely.LineString([begin, begin + 4.0 * way])

@@ -6,8 +6,8 @@ same whatever window shows it. A building belongs to the window that its middle 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,9 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import Frame, Layout
+from cityx.geometry.identity import id_text
 from cityx.geometry.lattice import PER_METRE, Corner, Key
+from cityx.geometry.parcels import parcels_of
 from cityx.plugins.layout.blocks import Blocks, blocks_of
 from cityx.plugins.layout.districts import District, Districts
 from cityx.plugins.layout.plane import Plan, Plane
@@ -23,15 +25,21 @@ from cityx.plugins.layout.rivers import ABUTMENT, around
 from cityx.plugins.layout.streets import local_tags, main_rank, main_tags, side_tags
 from cityx.plugins.layout.waters import waters_of
 from cityx.sources.features.gather import gather
-from cityx.sources.features.kinds import KIND
+from cityx.sources.features.kinds import KIND, PLACE
 from cityx.sources.features.resolve import resolve
-from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, tag
+from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, joined, tag
+from cityx.sources.parcels.footprints import footprints_of
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 Box = tuple[float, float, float, float]
 
 ORIGINS = 10_000  # metres between the places a scene may have its origin at
+# How the surroundings of a zone's buildings are built.
+PLACES: Mapping[str, str] = {
+    "core": "core", "midrise": "urban", "row": "urban", "suburb": "low", "rural": "low",
+    "industry": "low", "campus": "urban", "slab": "urban", "retail strip": "low",
+}  # fmt: skip
 HALO = 80.0  # metres around a window from which buildings that reach into it may come
 
 
@@ -61,7 +69,7 @@ class Found:
         return (np.asarray(places, np.int64) - self.origin) / PER_METRE
 
     def moved(self, shapes: Any, anchor: IntArray) -> Any:
-        """Take a shape or shapes from the frame of a district into that of the scene, to whole millimetres."""
+        """Take shapes from the frame of a district into the scene, to whole millimetres."""
 
         def move(points: FloatArray) -> FloatArray:
             return self.scene(anchor + np.rint(points * PER_METRE).astype(np.int64))
@@ -123,6 +131,7 @@ def features_of_window(window: Box, plan: Plan, seed: int) -> Tagged:
     keys = _touching(districts, wide)
     for a, b in sorted(_roads_of(districts, keys)):
         _add_main(found, districts, a, b)
+    built: list[tuple[Blocks, NDArray[Any]]] = []
     for name in sorted({name for key in keys for name in plane.cell(key).corners}):
         _add_corner(found, districts, name)
     for key in keys:
@@ -132,8 +141,54 @@ def features_of_window(window: Box, plan: Plan, seed: int) -> Tagged:
         district = districts.district(key)
         _add_bank(found, districts, district)
         _add_streets(found, plane, district)
-        _add_blocks(found, district, blocks_of(plane, district))
-    return found.tagged()
+        blocks = blocks_of(plane, district)
+        land = found.moved(blocks.shapes, district.sketch.rim.anchor)
+        _add_land(found, district, blocks, land)
+        built.append((blocks, land))
+    return joined(found.tagged(), *_buildings(built, window, (x, y), seed))
+
+
+def _buildings(
+    built: list[tuple[Blocks, NDArray[Any]]], window: Box, origin: tuple[int, int], seed: int
+) -> list[Tagged]:
+    """Return what stands on the parcels of the blocks near a window.
+
+    A building belongs to the window that the middle of its parcel lies in.
+    """
+    if not built:
+        return []
+    shapes = np.concatenate([land for _, land in built])
+    ids, zone, density, height = (
+        np.concatenate([getattr(blocks, name) for blocks, _ in built])
+        for name in ("ids", "zone", "density", "height")
+    )
+    xmin, ymin = window[0] - origin[0], window[1] - origin[1]
+    xmax, ymax = window[2] - origin[0], window[3] - origin[1]
+    rows = np.flatnonzero((zone != "") & shapely.intersects(shapes, shapely.box(xmin, ymin, xmax, ymax)))  # fmt: skip  # noqa: E501
+    if not len(rows):
+        return []
+    zone, density, height = zone[rows], density[rows], height[rows]
+    parcels = parcels_of(shapes[rows], ids[rows], zone, density, seed=seed)
+    block = parcels.block
+    stand = footprints_of(parcels, zone[block], density[block], height[block], seed=seed)
+    middle = np.round(shapely.get_coordinates(shapely.centroid(parcels.shapes)), 3)
+    own = ((middle >= [xmin, ymin]) & (middle < [xmax, ymax])).all(axis=1)
+    place = {id_text(one): PLACES[word] for one, word in zip(parcels.id.tolist(), zone[block].tolist(), strict=True)}  # fmt: skip  # noqa: E501
+    mine = {id_text(one) for one in parcels.id[own].tolist()}
+    owners = [_placed(owner, place) for owner in stand.owners]
+    kept = [
+        ("building" not in owners[index].tags and "building:part" not in owners[index].tags)
+        or owners[index].key[1] in mine
+        for index in stand.owner.tolist()
+    ]  # fmt: skip
+    return [Tagged(stand.shapes, stand.owner, stand.k, owners).take(np.flatnonzero(kept))]
+
+
+def _placed(owner: Owner, place: dict[str, str]) -> Owner:
+    """Say of a building how its surroundings are built, so that no window has to be measured."""
+    if "building" not in owner.tags:
+        return owner
+    return replace(owner, tags={**owner.tags, PLACE: place[str(owner.key[1])]})
 
 
 def _touching(districts: Districts, box: Box) -> list[Key]:
@@ -267,9 +322,8 @@ def _add_water(found: Found, districts: Districts, key: Key) -> None:
     found.add(("town", *key, "shore"), {KIND: land}, found.moved(shore, anchor))
 
 
-def _add_blocks(found: Found, district: District, blocks: Blocks) -> None:
+def _add_land(found: Found, district: District, blocks: Blocks, land: NDArray[Any]) -> None:
     """Add the land of a district's blocks."""
     rim = district.sketch.rim
-    land = found.moved(blocks.shapes, rim.anchor)
     for k, (shape, kind) in enumerate(zip(land, blocks.kind.tolist(), strict=True)):
         found.add(("town", *rim.key, "land", k), {KIND: kind}, shape)
