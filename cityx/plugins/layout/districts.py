@@ -36,8 +36,9 @@ SHAPE = {
 SPARSE = {"rural": 2.6, "suburb": 1.1, "industry": 1.1}  # times that blocks are larger by zone
 CLEAR = (34.0, 0.5)  # metres, and share of a block's depth, from main roads to streets along them
 # Share of the large blocks that a blind street leads into, and from which size on.
+DENSE = ("core", "midrise")  # zones of closed rows of houses, without blind streets
 BLIND = {"cul_de_sac": 0.9, "organic": 0.6, "grid": 0.35, "radial": 0.5, "superblock": 0.6}
-LEAST_BLIND = {"core": 13e3, "midrise": 12e3, "row": 10e3, "suburb": 10e3, "rural": 9e9,
+LEAST_BLIND = {"core": 14e3, "midrise": 14e3, "row": 10e3, "suburb": 10e3, "rural": 9e9,
                "industry": 20e3}  # fmt: skip
 BENDS = {"organic": 0.42, "cul_de_sac": 0.45}  # of a block's depth that streets are moved by
 BEND_WAVE = 2.2  # of a block's depth
@@ -280,7 +281,7 @@ class Districts:
         net = Net(rim.local(places), links, street)
         grown, ends = with_blind_streets(
             net, rim.lines(), [rim.local(door) for door in doors],
-            often=BLIND[sketch.kind], least=LEAST_BLIND[sketch.zone],
+            often=BLIND[sketch.kind], least=LEAST_BLIND[sketch.zone], blind=sketch.zone not in DENSE,
             drawn=lambda k: float(uniform(self.plane.seed, "district/blind", identity, k)),
         )  # fmt: skip
         return District(

@@ -257,11 +257,30 @@ class Rims:
                 taken.append(bridge.line)
         if ring:
             places.append(places[0][:1])
-        return Side(np.concatenate(places), cell.beyond[run[0]], "bank", np.concatenate(taken))
+        return Side(_without_loops(np.concatenate(places)), cell.beyond[run[0]], "bank", np.concatenate(taken))
 
 
 def _is_mouth(turn: Turn) -> bool:
     return len(turn.sides) == 1
+
+
+def _without_loops(line: IntArray) -> IntArray:
+    """Cut off the loops of a line, which tight bends of a river leave inside of them."""
+    points = (line - line[0]) / PER_METRE
+    closed = bool((line[0] == line[-1]).all())
+    parts = shapely.linestrings(np.stack([points[:-1], points[1:]], axis=1))
+    first, second = shapely.STRtree(parts).query(parts, predicate="intersects")
+    loops = (second > first + 1) & ~(closed & (first == 0) & (second == len(parts) - 1))
+    pairs = sorted(zip(first[loops].tolist(), (-second[loops]).tolist(), strict=True))
+    kept, done = [], -1
+    for begin, end in pairs:
+        if begin <= done:
+            continue
+        kept.append(line[done + 1 : begin + 1])
+        met = shapely.get_coordinates(shapely.intersection(parts[begin], parts[-end]))[:1]
+        kept.append(line[0] + np.rint(met * PER_METRE).astype(np.int64))
+        done = -end
+    return np.concatenate([*kept, line[done + 1 :]])
 
 
 def _cut_to(before: Side, side: Side, after: Side) -> Side:

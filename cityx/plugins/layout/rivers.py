@@ -21,8 +21,8 @@ IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 Pair = tuple[Key, Key]
 
-QUAY = 19.0  # metres from the water to the middle of the road along the bank
-ABUTMENT = 9.0  # metres of a crossing at either end that lie on the ground
+QUAY = 28.0  # metres from the water to the middle of the road along the bank
+ABUTMENT = 18.0  # metres of a crossing at either end that lie on the ground
 PIECES = 14  # pieces of the course round a corner
 MOUTH = 90.0  # metres that a river runs on into the water it ends in
 GREEN = 9.5  # metres from the middle of the bank's road to the green beside it
@@ -87,15 +87,17 @@ def turn_at(plane: Plane, name: Corner) -> Turn | None:
         way = (place - middles[0]) / np.hypot(*(place - middles[0]))
         end = place + np.rint(MOUTH * PER_METRE * way).astype(np.int64)
         course, normal = np.stack([middles[0], place, end]), np.stack([-normals[0]] * 2)
+        dry = 2  # points of the course before the shore
     else:
         course = _parabola(middles[0], place, middles[1])
         normal = np.stack([-normals[0], normals[1]])
+        dry = len(course)
     half = plane.plan.river_width / 2
     left, right = _beside(course, normal, half + QUAY)
     edge = half + QUAY - GREEN
     return Turn(
         place, course[len(course) // 2], tuple(wet[:2]), left, right,
-        _ring(*_beside(course, normal, half)), _ring(*_beside(course, normal, edge)),
+        _ring(*_beside(course, normal, half)), _ring(*_beside(course[:dry], normal, edge)),
     )  # fmt: skip
 
 
