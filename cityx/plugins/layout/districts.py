@@ -107,7 +107,7 @@ class District:
 def sketched(plane: Plane, rim: Rim) -> Sketch:
     """Lay out the streets of a district by itself."""
     key = rim.key
-    density = float(plane.density(rim.anchor[None])[0])
+    density = plane.site_density(key)
     identity = hash_bits(plane.seed, "district", key[0], key[1])
     zone = zone_of(plane, identity, density)
     kind = kind_of(plane, identity, zone)
@@ -281,7 +281,8 @@ class Districts:
         net = Net(rim.local(places), links, street)
         grown, ends = with_blind_streets(
             net, rim.lines(), [rim.local(door) for door in doors],
-            often=BLIND[sketch.kind], least=LEAST_BLIND[sketch.zone], blind=sketch.zone not in DENSE,
+            often=BLIND[sketch.kind], least=LEAST_BLIND[sketch.zone],
+            blind=sketch.zone not in DENSE,
             drawn=lambda k: float(uniform(self.plane.seed, "district/blind", identity, k)),
         )  # fmt: skip
         return District(

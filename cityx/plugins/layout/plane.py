@@ -109,6 +109,10 @@ class Plane:
         )
         self._cells: dict[Key, Cell] = {}
         self._edges: dict[tuple[Key, Key], IntArray] = {}
+        self._densities: dict[Key, float] = {}
+        self._quarters: dict[Key, Key] = {}
+        self._waters: dict[Key, str] = {}
+        self._banks: dict[Key, int] = {}
 
     def noise(self, purpose: str, places: IntArray, wave: float, octaves: int = 1) -> FloatArray:
         """Evaluate noise of its own for each purpose, (n,) of unit spread."""
@@ -160,12 +164,25 @@ class Plane:
         """
         places = np.asarray(places, np.int64).reshape(-1, 2)
         base = np.rint(places / (PER_METRE * CENTRES)).astype(np.int64)
-        found = np.zeros(len(places))
-        for di in (-1, 0, 1):
-            for dj in (-1, 0, 1):
-                found = np.maximum(found, self._town(base + np.array([di, dj]), places))
+        around = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)])
+        keys = (base[:, None] + around).reshape(-1, 2)
+        near = self._town(keys, np.repeat(places, len(around), axis=0))
+        found = near.reshape(-1, len(around)).max(axis=1)
         rough = 0.05 * self.noise("town/density", places, 180.0)
         return np.asarray(np.clip(found + np.where(found > 0, rough, 0.0), 0.0, 1.0))
+
+    def site_density(self, key: Key) -> float:
+        """Return the density at the middle of a district."""
+        if key not in self._densities:
+            self._densities[key] = float(self.density(self.cell(key).site[None])[0])
+        return self._densities[key]
+
+    def quarter_of(self, key: Key) -> Key:
+        """Return the quarter of a district."""
+        if key not in self._quarters:
+            i, j = self.quarter(self.cell(key).site[None])[0].tolist()
+            self._quarters[key] = i, j
+        return self._quarters[key]
 
     def _town(self, keys: IntArray, places: IntArray) -> FloatArray:
         ids = hash_ids(self.seed, "town/centre", keys[:, 0].astype(np.uint64), keys[:, 1])
@@ -189,17 +206,13 @@ class Plane:
 
     def is_wet(self, key: Key) -> bool:
         """Tell whether a district is a lake or the sea."""
-        return bool(self._wet(key))
+        return bool(self.water_kind(key))
 
-    @cached_property
-    def _wet_known(self) -> dict[Key, str]:
-        return {}
-
-    def _wet(self, key: Key) -> str:
-        known = self._wet_known
-        if key not in known:
-            known[key] = self._water_of(self.cell(key).site[None])
-        return known[key]
+    def water_kind(self, key: Key) -> str:
+        """Return the kind of water that a wet district is, "" for a dry one."""
+        if key not in self._waters:
+            self._waters[key] = self._water_of(self.cell(key).site[None])
+        return self._waters[key]
 
     def _water_of(self, site: IntArray) -> str:
         plan = self.plan
@@ -215,15 +228,13 @@ class Plane:
             return "water"
         return ""
 
-    def water_kind(self, key: Key) -> str:
-        """Return the kind of water that a wet district is, "" for a dry one."""
-        return self._wet(key)
-
     def bank(self, key: Key) -> int:
         """Return the side of the river that a district lies on, 1 or -1."""
-        site = self.cell(key).site[None]
-        here = self.noise("town/river", np.concatenate([site, self._ford]), RIVER_WAVE)
-        return 1 if here[0] >= here[1] else -1
+        if key not in self._banks:
+            places = np.concatenate([self.cell(key).site[None], self._ford])
+            here, ford = self.noise("town/river", places, RIVER_WAVE)
+            self._banks[key] = 1 if here >= ford else -1
+        return self._banks[key]
 
     @cached_property
     def _ford(self) -> IntArray:

@@ -17,6 +17,7 @@ from cityx.plugins.layout.rivers import ABUTMENT, Pair, Turn, across, around, la
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 
+MEETING = 45.0  # metres along a bank within which a bridge bends to meet a road there
 STRAIGHT = 70.0  # metres from a corner by a river within which a road runs straight to the bank
 
 
@@ -196,10 +197,14 @@ class Rims:
             if not (place == turn.place).all():
                 ends[pair] = (place, self.plane.bank(pair[0]))
         for pair, (place, bank) in ends.items():
-            other = [far for far, side in ends.values() if side != bank]
-            there = other[0] if other else across(turn, place, self._far_bank(turn, pair[0]))
-            if there is not None:
-                return Bridge(pair, np.stack([place, there]))
+            there = across(turn, place, self._far_bank(turn, pair[0]))
+            if there is None:
+                continue
+            others = [far for far, side in ends.values() if side != bank]
+            away = [float(np.hypot(*((far - there) / PER_METRE))) for far in others]
+            if others and min(away) < MEETING:
+                there = others[int(np.argmin(away))]
+            return Bridge(pair, np.stack([place, there]))
         return None
 
     def _far_bank(self, turn: Turn, key: Key) -> IntArray:
@@ -221,6 +226,9 @@ class Rims:
             else:
                 run = order[:1]
                 sides.append(self._along_road(key, run[0]))
+                after = (run[0] + 1) % count
+                if kinds[after] == "road":
+                    sides += self._at_bank(key, cell.corners[after], sides[-1], after)
             order = order[len(run) :]
         joined = [_cut_to(sides[k - 1], side, sides[(k + 1) % len(sides)]) for k, side in enumerate(sides)]  # fmt: skip  # noqa: E501
         return Rim(key, cell.site, tuple(joined))
@@ -237,6 +245,25 @@ class Rims:
                 line = self._cut(line, turn, key)
             line = line[::-1]
         return Side(line, cell.beyond[m], "road", np.zeros((0, 2), np.int64))
+
+    def _at_bank(self, key: Key, name: Corner, before: Side, m: int) -> list[Side]:
+        """Return the bank at a corner where a district only touches a river, between its roads."""
+        turn = self.turn(name)
+        if turn is None or _is_mouth(turn):
+            return []
+        after = self._along_road(key, m)
+        if (before.line[-1] == after.line[0]).all():
+            return []
+        bank = self._bank(turn, key)
+        line = turn.line(bank)
+        first, last = (
+            line.project(shapely.Point((place - turn.place) / PER_METRE))
+            for place in (before.line[-1], after.line[0])
+        )
+        bank = bank if first < last else bank[::-1]
+        bridge = self.bridge(name)
+        taken = np.zeros((0, 2), np.int64) if bridge is None else bridge.line
+        return [Side(bank, after.beyond, "bank", taken)]
 
     def _along_river(self, key: Key, run: list[int], *, ring: bool) -> Side:
         """Return the whole of a district's bank along consecutive sides."""
@@ -257,7 +284,12 @@ class Rims:
                 taken.append(bridge.line)
         if ring:
             places.append(places[0][:1])
-        return Side(_without_loops(np.concatenate(places)), cell.beyond[run[0]], "bank", np.concatenate(taken))
+        return Side(
+            _without_loops(np.concatenate(places)),
+            cell.beyond[run[0]],
+            "bank",
+            np.concatenate(taken),
+        )
 
 
 def _is_mouth(turn: Turn) -> bool:

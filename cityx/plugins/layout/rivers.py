@@ -40,6 +40,8 @@ class Turn:
         (2,) of its course, where roads to the corner meet it, whole millimetres.
     sides
         The sides it comes along and goes along; one where it ends.
+    course
+        (k, 2) of the middle of the water, whole millimetres.
     left, right
         (k, 2) each: its banks where their roads run, whole millimetres, in the order of ``sides``.
     water, green
@@ -49,6 +51,7 @@ class Turn:
     place: IntArray
     middle: IntArray
     sides: tuple[Pair, ...]
+    course: IntArray
     left: IntArray
     right: IntArray
     water: IntArray
@@ -96,7 +99,7 @@ def turn_at(plane: Plane, name: Corner) -> Turn | None:
     left, right = _beside(course, normal, half + QUAY)
     edge = half + QUAY - GREEN
     return Turn(
-        place, course[len(course) // 2], tuple(wet[:2]), left, right,
+        place, course[len(course) // 2], tuple(wet[:2]), course, left, right,
         _ring(*_beside(course, normal, half)), _ring(*_beside(course[:dry], normal, edge)),
     )  # fmt: skip
 
@@ -160,10 +163,11 @@ def landing(turn: Turn, bank: IntArray, road: IntArray) -> IntArray | None:
 
 
 def across(turn: Turn, start: IntArray, bank: IntArray) -> IntArray | None:
-    """Return where a bridge that begins at a landing and runs over the middle meets a bank."""
-    way = (turn.middle - start) / PER_METRE
+    """Return where a bridge that crosses a river squarely from a landing meets the other bank."""
     begin = (start - turn.place) / PER_METRE
-    ray = shapely.LineString([begin, begin + 4.0 * way])
+    course = turn.line(turn.course)
+    way = shapely.get_coordinates(course.interpolate(course.project(shapely.Point(begin))))[0]
+    ray = shapely.LineString([begin, begin + 4.0 * (way - begin)])
     met = shapely.get_coordinates(shapely.intersection(ray, turn.line(bank)))
     if not len(met):
         return None

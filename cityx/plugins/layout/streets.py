@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 
-import numpy as np
-
 from cityx.geometry.identity import hash_bits
 from cityx.geometry.lattice import Key
 from cityx.plugins.layout.plane import DENSITY, Plane
@@ -74,18 +72,17 @@ def main_rank(plane: Plane, a: Key, b: Key) -> str:
     """
     if plane.is_wet(a) or plane.is_wet(b):
         return "tertiary"
-    sites = np.stack([plane.cell(a).site, plane.cell(b).site])
-    quarter = plane.quarter(sites)
-    if (quarter[0] != quarter[1]).any():
+    if plane.quarter_of(a) != plane.quarter_of(b):
         return "primary"
-    return "secondary" if plane.density(sites).max() >= DENSITY[2] else "tertiary"
+    densest = max(plane.site_density(a), plane.site_density(b))
+    return "secondary" if densest >= TOWN else "tertiary"
 
 
 def main_tags(plane: Plane, a: Key, b: Key) -> Tags:
     """Return the tags of the main road between two districts."""
     a, b = min(a, b), max(a, b)
-    sites = np.stack([plane.cell(a).site, plane.cell(b).site])
-    in_open = bool(plane.density(sites).max() < OPEN) and not plane.plan.zone
+    densest = max(plane.site_density(a), plane.site_density(b))
+    in_open = densest < OPEN and not plane.plan.zone
     tags = MAIN[main_rank(plane, a, b), in_open]
     return {**tags, "name": name(plane.seed, _MAIN_LAST, a[0], a[1], b[0] - a[0], b[1] - a[1])}
 
