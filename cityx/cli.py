@@ -8,7 +8,7 @@ import traceback
 from math import isfinite
 from pathlib import Path
 from tempfile import gettempdir
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -51,23 +51,24 @@ def _root(
     del version
 
 
-def _pair(
+def _numbers(
     text: str | None, separator: str, option: str, example: str
-) -> tuple[float, float] | None:
-    """Read "AxB" or "A,B" into two numbers."""
+) -> Any:  # a tuple as long as the example, or None
+    """Read as many numbers as an example has: "AxB", "A,B" or "A,B,C,D"."""
     if text is None:
         return None
+    words = text.lower().split(separator)
     try:
-        first, second = (float(word) for word in text.lower().split(separator))
-        if not (isfinite(first) and isfinite(second)):
+        numbers = tuple(float(word) for word in words)
+        if len(numbers) != len(example.split(separator)) or not all(map(isfinite, numbers)):
             raise ValueError(text)
     except ValueError:
         raise UsageError(f'{option} "{text}" is not of the form {example}.') from None
-    return first, second
+    return numbers
 
 
 def _pixels(text: str) -> tuple[int, int]:
-    pair = _pair(text, "x", "Picture size", "960x540") or (0, 0)
+    pair = _numbers(text, "x", "Picture size", "960x540") or (0, 0)
     width, height = int(pair[0]), int(pair[1])
     if not (16 <= width <= 16384 and 16 <= height <= 16384):
         raise UsageError(f'Picture size "{text}" is outside 16x16 to 16384x16384.')
@@ -92,6 +93,9 @@ def build(
     weather: Annotated[str | None, typer.Option(help="clear, fog, rain, storm dusk, ...")] = None,
     size: Annotated[str | None, typer.Option(help="WxH of a window to cut out, metres.")] = None,
     at: Annotated[str | None, typer.Option(help="LAT,LON of the window's centre.")] = None,
+    window: Annotated[
+        str | None, typer.Option(help="X,Y,W,H of the plane of towns, metres, without a map.")
+    ] = None,
     formats: Annotated[str, typer.Option(help="Comma-separated: blend, glb, usd.")] = "blend,glb",
     render: Annotated[bool, typer.Option("--render/--no-render", help="Make pictures.")] = True,
     samples: Annotated[int, typer.Option(min=1, max=65536, help="Samples per pixel.")] = 48,
@@ -121,8 +125,9 @@ def build(
         style=style,
         time=time,
         weather=weather,
-        size=_pair(size, "x", "--size", "800x600"),
-        at=_pair(at, ",", "--at", "60.17,24.94"),
+        size=_numbers(size, "x", "--size", "800x600"),
+        at=_numbers(at, ",", "--at", "60.17,24.94"),
+        window=_numbers(window, ",", "--window", "-300,-300,600,600"),
         formats=tuple(word.strip() for word in formats.split(",") if word.strip()),
         render=render,
         samples=samples,

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from cityx.city import City, Frame
+from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
 from cityx.city.sites import Box, moved
 from cityx.errors import UsageError
@@ -51,9 +51,9 @@ def sort_inputs(paths: list[Path]) -> Inputs:
     heights = [item for item in items if item.kind == "height"]
     sources = [item for kind in PRECEDENCE for item in items if item.kind == kind]
     maps = sum(item.kind == "osm" for item in sources)
-    if not sources or maps > 1 or len(heights) > 1:
+    if maps > 1 or len(heights) > 1:
         raise UsageError(
-            f"Give one map or drawings, and at most one height file ({KINDS}); given: "
+            f"Give at most one map and one height file, and any drawings ({KINDS}); given: "
             f"{maps} maps, {len(sources) - maps} drawings, {len(heights)} height files."
         )
     return Inputs(tuple(sources), heights[0] if heights else None)
@@ -85,7 +85,7 @@ class Reading:
 
 
 def read_sources(inputs: Inputs, *, seed: int, at: tuple[float, float] | None = None) -> Reading:
-    """Read every file that gives a layout and put them together.
+    """Read every file that gives a layout and put them together; none gives an empty city.
 
     Parameters
     ----------
@@ -98,6 +98,9 @@ def read_sources(inputs: Inputs, *, seed: int, at: tuple[float, float] | None = 
     InputError
         If a file cannot be read, holds no city or lies elsewhere than the others.
     """
+    if not inputs.sources:
+        city = City("town", Frame(*at) if at else NOWHERE, Layout((0.0, 0.0, 0.0, 0.0)), seed=seed)
+        return Reading("", city, located=False, site=None, heights=inputs.heights)
     readings = [_READERS[item.kind](item, seed) for item in inputs.sources]
     located = [reading.city.frame for reading in readings if reading.located]
     frame = located[-1] if located else Frame(*at) if at else NOWHERE

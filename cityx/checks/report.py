@@ -14,6 +14,7 @@ from cityx.checks.buildings import check_buildings
 from cityx.checks.check import Check
 from cityx.checks.facades import check_facades
 from cityx.checks.furniture import check_furniture
+from cityx.checks.goals import measured
 from cityx.checks.ground import check_ground
 from cityx.checks.heights import check_heights
 from cityx.checks.junctions import check_junctions
@@ -168,6 +169,7 @@ def _goals(city: City, brief: Mapping[str, Any]) -> list[dict[str, Any]]:
             (f"weather is {weather}", city.environment.weather == str(weather).lower(),
              f"the environment says {city.environment.weather}")
         )  # fmt: skip
+    goals += [(goal.text, *measured(city, goal)) for goal in city.goals]
     return [{"goal": goal, "met": bool(met), "evidence": evidence} for goal, met, evidence in goals]
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from cityx.city.environment import Environment
 from cityx.city.frame import Frame
+from cityx.city.goals import Goal
 from cityx.city.ground import Ground
 from cityx.city.heights import WayHeights
 from cityx.city.lanes import LaneGraph
@@ -60,6 +61,8 @@ class City:
         Stages of the protocol that have run.
     failures, notes
         What could not be built; what a reader of the report should know.
+    goals
+        What was asked of it beyond what every city must have; the report measures them.
     """
 
     name: str
@@ -80,3 +83,4 @@ class City:
     stages_done: frozenset[str] = frozenset()
     failures: tuple[Failure, ...] = ()
     notes: tuple[str, ...] = ()
+    goals: tuple[Goal, ...] = ()

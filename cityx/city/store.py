@@ -22,6 +22,7 @@ import numpy as np
 from cityx.city.city import City, Failure
 from cityx.city.environment import Environment
 from cityx.city.frame import Frame
+from cityx.city.goals import Goal
 from cityx.city.ground import Ground
 from cityx.city.heights import WayHeights
 from cityx.city.lanes import LaneGraph
@@ -132,6 +133,7 @@ def write_city(city: City, folder: Path) -> None:
             for f in city.failures
         ],
         "notes": city.notes,
+        "goals": [asdict(goal) for goal in city.goals],
         "materials": materials,
         "prototypes": [[p.name, p.kind, p.mesh.materials] for p in prototypes],
         "prototype_materials": shared.materials,
@@ -185,6 +187,7 @@ def read_city(folder: Path) -> City:
             Failure(int(f["id"], 16), f["action"], f["error"]) for f in record["failures"]
         ),
         notes=tuple(record["notes"]),
+        goals=tuple(Goal(**goal) for goal in record.get("goals", ())),
     )
 
 

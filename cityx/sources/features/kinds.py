@@ -22,6 +22,8 @@ from cityx.sources.features.vocabulary import (
 )
 
 _INTERESTING = frozenset(key for key, values in POINT_TABLE if values)
+# Tag by which a source says how a place is built, "low", "urban" or "core", and leaves no doubt.
+PLACE = "cityx:place"
 
 
 def building_kind(tags: Tags) -> str:
