@@ -53,6 +53,16 @@ def test_a_drawing_of_another_place_is_refused(town_map, tmp_path):
         read(town_map, path)
 
 
-def test_inputs_without_a_layout_are_refused():
-    with pytest.raises(UsageError, match="given: 0 maps, 0 drawings, 0 height files"):
-        sort_inputs([])
+def test_no_input_gives_an_empty_city_for_a_town():
+    found = read()
+    assert not found.name
+    assert not len(found.city.layout.roads)
+    assert found.city.frame == NOWHERE
+
+
+def test_two_height_files_are_refused(tmp_path):
+    paths = [tmp_path / "a.tif", tmp_path / "b.tif"]
+    for path in paths:
+        path.write_bytes(b"II*")
+    with pytest.raises(UsageError, match="given: 0 maps, 0 drawings, 2 height files"):
+        sort_inputs(paths)
