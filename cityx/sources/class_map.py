@@ -27,6 +27,7 @@ from cityx.geometry.raster.patches import (
     without_specks,
 )
 from cityx.geometry.raster.regions import filled, regions, without_small_patches
+from cityx.geometry.raster.rows import Plots, cut_into_houses
 from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, joined, tag
@@ -41,6 +42,13 @@ LEAST_GAP = 20.0  # square metres; a smaller hole in a street is no block
 LEAST_REGION = 30.0  # square metres
 LEAST_PIXELS = 6  # of any patch, whatever it measures on the ground
 CROWN = 120.0  # square metres; a larger patch of crowns is a wood
+EXACT, PLAUSIBLE = "exact", "plausible"  # fidelity of what is drawn to what is shown
+LARGE_HOUSE = 2500.0  # square metres from which a patch may be a row of houses
+BENT = 0.62  # share of its box below which a large patch is no single house
+LONG = 3.0  # area over the square of its width, from which a large patch is a row
+WAVY = 2.0  # pixels that the width of a patch may be off
+PLOT = (17.0, 22.0, 4.0)  # metres along and across the row that a house takes, and between two
+LEAST_HOUSE = 60.0  # square metres of a house cut out of a row
 JOG = 1.6  # metres; shorter walls are drawing noise
 JOG_PIXELS = 2.0  # and so are walls of two pixels
 STRAY = 0.6  # metres that a centreline may stray
@@ -84,13 +92,15 @@ class ClassMap:
         return max(square_metres / self.grid.pixel**2, LEAST_PIXELS)
 
 
-def features_of(found: ClassMap, source: str) -> Tagged:
+def features_of(found: ClassMap, source: str, fidelity: str = EXACT) -> Tagged:
     """Draw everything a class map shows.
 
     Parameters
     ----------
     source
         First word of every provenance: "semantic", "satellite".
+    fidelity
+        `EXACT` for the houses that the map shows, `PLAUSIBLE` to cut whole rows into houses.
 
     Returns
     -------
@@ -98,7 +108,7 @@ def features_of(found: ClassMap, source: str) -> Tagged:
         Polygons, lines and points with tags, scene frame.
     """
     found = uncovered(found)
-    houses = _buildings(found, source)
+    houses = _buildings(found, source, fidelity)
     streets = _ways(found, source, Role.ROAD)
     rails = _ways(found, source, Role.RAIL)
     trees, found = _trees(found, source)
@@ -125,10 +135,12 @@ def _owned(grid: Grid, source: str, word: str, shapes: NDArray[Any], tags: list[
     return tag(metres, owners)
 
 
-def _buildings(found: ClassMap, source: str) -> Tagged:
+def _buildings(found: ClassMap, source: str, fidelity: str) -> Tagged:
     """Draw the houses, with a wall between those that touch."""
     mask = without_specks(found.mask(Role.BUILDING), found.pixels(LEAST_BUILDING))
     mask = without_holes(mask, found.pixels(LEAST_YARD))
+    if fidelity == PLAUSIBLE:
+        mask = _houses_of_rows(mask, found)
     bodies, _ = label_patches(mask)
     jog = max(JOG / found.grid.pixel, JOG_PIXELS)
     shapes, exact = outlines(bodies, jog=jog)
@@ -140,6 +152,32 @@ def _buildings(found: ClassMap, source: str) -> Tagged:
     return _owned(
         found.grid, source, "building", shapes, [dict(found.classes[c].tags) for c in classes]
     )
+
+
+def _houses_of_rows(mask: BoolArray, found: ClassMap) -> BoolArray:
+    """Cut what is no single house into houses, and drop the shreds."""
+    pixel = found.grid.pixel
+    labels, _ = label_patches(mask)
+    plots = Plots(PLOT[0] / pixel, PLOT[1] / pixel, PLOT[2] / pixel)
+    return without_specks(
+        cut_into_houses(labels, rows_of_houses(labels, pixel), plots), found.pixels(LEAST_HOUSE)
+    )
+
+
+def rows_of_houses(labels: NDArray[Any], pixel: float) -> NDArray[np.int64]:
+    """Return the numbers of patches that are whole rows of houses: too large and bent for one."""
+    area = np.bincount(labels.ravel())[1:] * pixel**2
+    large = np.flatnonzero(area > LARGE_HOUSE) + 1
+    if len(large) == 0:
+        return large
+    number = np.zeros(len(area) + 1, np.int64)
+    number[large] = np.arange(1, len(large) + 1)
+    _, exact = outlines(number[labels], jog=0.0)
+    box = shapely.area(shapely.oriented_envelope(exact))
+    deep = 2 * shapely.length(shapely.maximum_inscribed_circle(exact, WAVY))
+    bent = shapely.area(exact) < BENT * box
+    row = bent | (shapely.area(exact) > LONG * deep**2)
+    return np.asarray(large[row], np.int64)
 
 
 def _by_class(found: ClassMap, bodies: NDArray[Any], mask: BoolArray) -> NDArray[Any]:
@@ -170,7 +208,8 @@ def _ways(found: ClassMap, source: str, role: Role) -> Tagged:
 def traced(mask: BoolArray, grid: Grid) -> Centrelines:
     """Trace the streets of a mask, without specks and pinholes."""
     mask = without_specks(mask, LEAST_STREET / grid.pixel**2)
-    mask = without_holes(mask, LEAST_GAP / grid.pixel**2)
+    # A slit one pixel wide falls into specks and goes: one surface carries all of its lanes.
+    mask = ~without_specks(~mask, LEAST_GAP / grid.pixel**2)
     return centrelines(mask, tolerance=STRAY / grid.pixel)
 
 
@@ -227,15 +266,24 @@ def _regions(found: ClassMap, source: str) -> Tagged:
     return _owned(found.grid, source, "region", shapes[said], tags)
 
 
-def layout_of(found: ClassMap, frame: Frame, *, source: str, seed: int) -> tuple[Layout, Report]:
+def layout_of(
+    found: ClassMap, frame: Frame, *, source: str, seed: int, fidelity: str = EXACT
+) -> tuple[Layout, Report]:
     """Make a complete layout from a class map; see `city_of`."""
     report = Report()
-    features = gather(features_of(found, source), found.grid.extent, report)
+    features = gather(features_of(found, source, fidelity), found.grid.extent, report)
     return resolve(features, frame, seed=seed), report
 
 
 def city_of(
-    found: ClassMap, frame: Frame, *, source: str, name: str, seed: int, notes: tuple[str, ...] = ()
+    found: ClassMap,
+    frame: Frame,
+    *,
+    source: str,
+    name: str,
+    seed: int,
+    notes: tuple[str, ...] = (),
+    fidelity: str = EXACT,
 ) -> City:
     """Make a city with a complete layout from a class map.
 
@@ -247,13 +295,15 @@ def city_of(
         First word of every provenance: "semantic", "satellite".
     name, seed, notes
         Of the city.
+    fidelity
+        See `features_of`.
 
     Raises
     ------
     InputError
         If the map shows neither a building nor a street.
     """
-    layout, report = layout_of(found, frame, source=source, seed=seed)
+    layout, report = layout_of(found, frame, source=source, seed=seed, fidelity=fidelity)
     if not len(layout.buildings) and not len(layout.roads):
         shown = ", ".join(sorted({found.classes[i].word for i in np.unique(found.labels).tolist()}))
         raise InputError(
