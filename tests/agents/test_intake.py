@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from cityx.agents.intake import read_sources, sort_inputs
+from cityx.agents.intake import HowToRead, read_sources, sort_inputs
 from cityx.city.frame import NOWHERE
 from cityx.city.layout import CURVE
 from cityx.errors import InputError, UsageError
@@ -23,7 +23,7 @@ def drawing(tmp_path, coordinates, *, metres=True, properties=STREET, name="plan
 
 
 def read(*paths, **more):
-    return read_sources(sort_inputs(list(paths)), seed=0, **more)
+    return read_sources(sort_inputs(list(paths)), HowToRead(**more))
 
 
 def test_a_drawing_alone_lies_nowhere_unless_it_is_told(tmp_path):
@@ -61,8 +61,8 @@ def test_no_input_gives_an_empty_city_for_a_town():
 
 
 def test_two_height_files_are_refused(tmp_path):
-    paths = [tmp_path / "a.tif", tmp_path / "b.tif"]
+    paths = [tmp_path / "a.asc", tmp_path / "b.asc"]
     for path in paths:
-        path.write_bytes(b"II*")
-    with pytest.raises(UsageError, match="given: 0 maps, 0 drawings, 2 height files"):
+        path.write_text("ncols 1")
+    with pytest.raises(UsageError, match="given: 0 maps, 2 height files"):
         sort_inputs(paths)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cityx.city import City, Frame
+from cityx.city.frame import NOWHERE
 from cityx.errors import InputError, UsageError
 from cityx.geometry.raster.grid import Grid
 from cityx.geometry.raster.patches import label_patches
@@ -19,8 +20,6 @@ from cityx.sources.semantic_map.scale import COARSEST, FINEST, estimated_pixel
 
 __all__ = ["read_semantic_map"]
 
-# Where a map lies that does not say so: in the middle of Europe, for which most priors are made.
-SOMEWHERE = (50.0, 8.0)
 DOUBT = 0.9  # share of pixels that a legend given by the caller explains without a doubt
 
 
@@ -141,13 +140,8 @@ def _placed(
     if pixel is None:
         bare = ClassMap(labels, classes, Grid.about_origin(rows, columns, 1.0))
         if not bare.mask(Role.ROAD, Role.BUILDING).any():
-            return bare, Frame(*SOMEWHERE), ()  # no city; whoever draws it says so
+            return bare, NOWHERE, ()  # no city; whoever draws it says so
         pixel, why = estimated_pixel(bare)
         notes.append(f"semantic map: {why}")
-    if at is None:
-        notes.append(
-            "semantic map: it does not say where on Earth it lies; sun, roofs and traffic are "
-            f"those of {SOMEWHERE[0]:g}° north, {SOMEWHERE[1]:g}° east"
-        )
     grid = Grid.about_origin(rows, columns, pixel)
-    return ClassMap(labels, classes, grid), Frame(*(at or SOMEWHERE)), tuple(notes)
+    return ClassMap(labels, classes, grid), Frame(*at) if at else NOWHERE, tuple(notes)
