@@ -141,6 +141,7 @@ class Rims:
     def _cut(self, line: IntArray, turn: Turn, key: Key) -> IntArray:
         """Lead a road that begins at a corner to the bank of the river there."""
         away = np.hypot(*((line - turn.place) / PER_METRE).T)
+        away[-1] = np.inf  # a short road keeps its other end
         line = np.concatenate([turn.middle[None], line[away > STRAIGHT]])
         place = landing(turn, self._bank(turn, key), line)
         if place is None:
@@ -148,6 +149,7 @@ class Rims:
         metres = (line - turn.place) / PER_METRE
         cut = shapely.LineString(metres).project(shapely.Point((place - turn.place) / PER_METRE))
         at = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(metres, axis=0).T))])
+        at[-1] = np.inf
         return np.concatenate([place[None], line[at > cut + 1.0]])
 
     def _bank(self, turn: Turn, key: Key) -> IntArray:
