@@ -6,11 +6,14 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from cityx.atomic import replaced
 
 VARIABLE = "CITYX_CACHE"  # another folder, or empty for none
 Arrays = dict[str, NDArray[Any]]
@@ -50,12 +53,12 @@ def cached_arrays(key: str, make: Callable[[], Arrays]) -> Arrays:
             return {name: held[name] for name in held.files}
     except Exception:  # noqa: BLE001  (zipfile, zlib, NumPy and the system each have their own)
         arrays = make()
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        number, partial = tempfile.mkstemp(dir=path.parent, suffix=".partial")
-        with os.fdopen(number, "wb") as target:
-            np.savez_compressed(target, **arrays)
-        Path(partial).replace(path)
-    except OSError:
-        pass
+    with suppress(OSError), replaced(path) as temporary, temporary.open("wb") as target:
+        np.savez_compressed(target, **arrays)
     return arrays
+
+
+def kept_folder(name: str) -> Path:
+    """Return a folder of the cache for files of a user's, one of this process without a cache."""
+    folder = cache_folder()
+    return folder / name if folder else Path(tempfile.gettempdir()) / f"cityx-{os.getpid()}" / name

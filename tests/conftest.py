@@ -12,3 +12,11 @@ def _own_cache(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("CITYX_CACHE", str(tmp_path_factory.mktemp("cache")))
         yield
+
+
+@pytest.fixture(scope="session")
+def town_map(tmp_path_factory):
+    """A map file of a small town."""
+    from town import small_town
+
+    return small_town().write(tmp_path_factory.mktemp("map") / "town.osm")

@@ -18,11 +18,6 @@ OPTIONS = BuildOptions(formats=("glb",), render=False, seed=5)
 
 
 @pytest.fixture(scope="module")
-def town_map(tmp_path_factory):
-    return small_town().write(tmp_path_factory.mktemp("map") / "town.osm")
-
-
-@pytest.fixture(scope="module")
 def built(town_map, tmp_path_factory):
     out = tmp_path_factory.mktemp("built") / "city"
     return out, build([town_map], out, OPTIONS)

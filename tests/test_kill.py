@@ -9,7 +9,6 @@ import sys
 import time
 
 import pytest
-from town import small_town
 
 from cityx.agents import build as builds
 from cityx.agents.build import BuildOptions, build
@@ -17,11 +16,6 @@ from cityx.city.content import content_hash
 from cityx.city.store import read_city
 
 QUICK = BuildOptions(formats=("glb",), render=False)
-
-
-@pytest.fixture(scope="module")
-def town_map(tmp_path_factory):
-    return small_town().write(tmp_path_factory.mktemp("map") / "town.osm")
 
 
 def contents(folder):

@@ -13,15 +13,19 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from cityx.agents.intake import Reading, read_sources, sort_inputs
 from cityx.agents.journal import Journal, derivation_key
+from cityx.agents.requests import Planned, with_requests
 from cityx.agents.workflow import MAP_TO_CITY, calls_of
+from cityx.cache import kept_folder
 from cityx.city import City
 from cityx.errors import ActionFailed, ActionRejected, InputError, UsageError
 from cityx.outputs.usd import require_usd
-from cityx.sources.inputs import KINDS, Input, classify
+from cityx.protocol.stages import Stage, stage_of
 
 FORMATS = ("blend", "glb", "usd")
 DEFAULT_FORMATS = ("blend", "glb")  # what needs no extra
+TOWN = "layout/town-v1"  # what makes a layout where no input gives one
 DEFAULT_WINDOW = (1000.0, 1000.0)  # metres, when --at comes without --size
 PRODUCTS = (
     "city", "city.blend", "city.glb", "city.usdc", "city_textures", "renders",
@@ -38,15 +42,24 @@ class BuildOptions:
     Attributes
     ----------
     size
-        (width, depth) of a window to cut out of the map, metres, or None for all of it.
+        (width, depth) of a window to cut out of the map, metres, or None for all of it. Without
+        a map, the size of the town.
     at
-        (latitude, longitude) of the window's centre, degrees; the site's centre when None.
+        (latitude, longitude) of the window's centre, degrees; the site's centre when None. Where
+        no input says where it lies, the place of their origin.
+    window
+        (x, y, width, depth), metres: the part of the plane of towns to build when no input gives a
+        layout; x and y are its south-west corner.
     render
         Whether to make the three pictures.
     samples
         Cycles samples per pixel.
     picture
         (width, height) of the pictures, pixels.
+    place
+        Name or rectangle of a place whose map is fetched, or "".
+    settings, wishes
+        Arguments of actions and actions of the user's own; see `cityx.agents.requests`.
     """
 
     seed: int = 0
@@ -57,10 +70,14 @@ class BuildOptions:
     weather: str | None = None
     size: tuple[float, float] | None = None
     at: tuple[float, float] | None = None
+    window: tuple[float, float, float, float] | None = None
     formats: tuple[str, ...] = DEFAULT_FORMATS
     render: bool = True
     samples: int = 48
     picture: tuple[int, int] = (960, 540)
+    place: str = ""
+    settings: tuple[str, ...] = ()
+    wishes: tuple[str, ...] = ()
 
 
 @dataclass
@@ -134,45 +151,39 @@ class Run:
         return outcome.city
 
 
-def sort_inputs(paths: list[Path]) -> tuple[Input, Input | None]:
-    """Tell the map from the height file.
+def plan(options: BuildOptions, actions: Any, *, town: bool = False) -> list[Planned]:
+    """Return every action of a build with its arguments.
+
+    Parameters
+    ----------
+    town
+        Whether no input gives a layout, so that one is made by rule.
 
     Raises
     ------
-    InputError, UsageError
-        If a file is of no use or the files do not make a city together.
+    UsageError
+        With every fault of what the options ask for.
     """
-    inputs = [classify(path) for path in paths]
-    maps = [item for item in inputs if item.kind == "osm"]
-    heights = [item for item in inputs if item.kind == "height"]
-    if len(maps) != 1 or len(heights) > 1:
-        raise UsageError(
-            f"Give one map and at most one height file ({KINDS}); "
-            f"given: {len(maps)} maps, {len(heights)} height files."
-        )
-    return maps[0], heights[0] if heights else None
+    calls = calls_of(MAP_TO_CITY, options.lod, asdict(options))
+    if town:
+        calls = [(TOWN, _town_window(options)), *calls]
+    elif options.window:
+        raise UsageError("--window asks for a part of the plane of towns; a map has --at, --size.")
+    return with_requests(calls, options.settings, options.wishes, actions)
 
 
-def read_map(item: Input, options: BuildOptions, watch: Stopwatch) -> City:
-    """Read the map into a city that has a layout.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or holds no city.
-    """
-    from cityx.sources.osm import read_osm
-
-    with watch.step("parse"):
-        name = item.path.name.split(".")[0].replace("_", " ")
-        city = read_osm(item.path, seed=options.seed, name=name)
-    return replace(city, seed=options.seed, lod=options.lod, style=options.style)
+def _town_window(options: BuildOptions) -> dict[str, float]:
+    """Arguments of the town for the options ``window`` and ``size``."""
+    if options.window:
+        x, y, width, depth = options.window
+        return {"x": x + width / 2, "y": y + depth / 2, "width": width, "depth": depth}
+    return dict(zip(("width", "depth"), options.size or (), strict=False))
 
 
 def generate(
-    city: City, heights: Input | None, options: BuildOptions, run: Run, say: Say = quiet
+    reading: Reading, calls: list[Planned], options: BuildOptions, run: Run, say: Say = quiet
 ) -> City:
-    """Cut the window out, lay the terrain and run the default workflow.
+    """Cut the window out, finish the layout, lay the terrain and run the rest of the workflow.
 
     Raises
     ------
@@ -181,29 +192,34 @@ def generate(
     ActionFailed
         If an action cannot do its work.
     """
-    if options.size or options.at:
-        city = run.do(city, "layout/crop-v1", _window(city, options))
-        if not len(city.layout.buildings) and not len(city.layout.roads):
+    city = replace(reading.city, seed=options.seed, lod=options.lod, style=options.style)
+    if reading.name and (options.size or (options.at and reading.located)):
+        city = run.do(city, "layout/crop-v1", _window(city, options, located=reading.located))
+        if not any(len(getattr(city.layout, name)) for name in ("buildings", "roads", "lines")):
             raise InputError("The window holds no building and no road; move --at, enlarge --size.")
-    if heights is not None:
-        from cityx.sources.height_field import read_height
+    first = [call for call in calls if stage_of(call[0]) == Stage.LAYOUT]
+    rest = [call for call in calls if stage_of(call[0]) != Stage.LAYOUT]
+    for action, args in first:
+        say(action)
+        city = run.do(city, action, args)
+    if reading.heights is not None:
+        from cityx.sources.height_field import survey_site
 
         with run.watch.step("terrain"):
-            terrain = read_height(heights.path, city.frame, city.layout.extent)
-            city = replace(city, terrain=terrain)
+            terrain, survey = survey_site(reading.heights.path, city.frame, city.layout.extent)
+            city = replace(city, terrain=terrain, survey=survey)
     city = replace(city, stages_done=city.stages_done | {"layout", "terrain"})
-    calls = calls_of(MAP_TO_CITY, options.lod, asdict(options))
-    for position, (action, args) in enumerate(calls, start=1):
-        say(f"{position}/{len(calls)} {action}")
+    for position, (action, args) in enumerate(rest, start=1):
+        say(f"{position}/{len(rest)} {action}")
         city = run.do(city, action, args)
     return city
 
 
-def _window(city: City, options: BuildOptions) -> dict[str, float]:
+def _window(city: City, options: BuildOptions, *, located: bool) -> dict[str, float]:
     """Arguments of the crop for the options ``at`` and ``size``."""
     xmin, ymin, xmax, ymax = city.layout.extent
     x, y = (xmin + xmax) / 2, (ymin + ymax) / 2
-    if options.at:
+    if options.at and located:
         x, y = city.frame.to_local([[options.at[1], options.at[0]]])[0].tolist()
         if not (xmin <= x <= xmax and ymin <= y <= ymax):
             west, south = city.frame.to_geographic([[xmin, ymin]])[0]
@@ -261,11 +277,16 @@ def _build(
 ) -> dict[str, Any]:
     from cityx.checks.report import make_report
     from cityx.city.store import write_city
+    from cityx.sources.osm.retrieval import retrieve
 
     say("reading")
-    source, heights = sort_inputs(paths)
-    records = [item.record() for item in (source, heights) if item is not None]
-    city = read_map(source, options, watch)
+    if options.place:
+        paths = [*paths, retrieve(options.place, kept_folder("maps"), say=say)]
+    inputs = sort_inputs(paths)
+    calls = plan(options, _registry(), town=not inputs.sources)
+    records = inputs.records
+    with watch.step("parse"):
+        reading = read_sources(inputs, seed=options.seed, at=options.at)
     staging = _staging(out)
     try:
         journal_path = staging / "journal.sqlite"
@@ -273,7 +294,8 @@ def _build(
         with Journal(journal_path) as journal:
             number = journal.start_run(records, config, options.seed)
             state = derivation_key("", "inputs", {"files": records, "seed": options.seed})
-            city = generate(city, heights, options, Run(journal, number, state, watch), say)
+            run = Run(journal, number, state, watch)
+            city = generate(reading, calls, options, run, say)
             say("writing the store")
             with watch.step("store"):
                 write_city(city, staging / "city")
@@ -339,7 +361,7 @@ def _rare_collection() -> Iterator[None]:
 
 
 def _brief(options: BuildOptions) -> dict[str, Any]:
-    names = ("style", "time", "weather", "lod", "seed", "size", "at")
+    names = ("style", "time", "weather", "lod", "seed", "size", "at", "window")
     given = {name: getattr(options, name) for name in names}
     given = {name: value for name, value in given.items() if value not in (None, "")}
     if "weather" in given:  # by its own name: "rainy" asks for rain
@@ -388,8 +410,8 @@ def _make_views(
 def write_report(report: dict[str, Any], folder: Path) -> None:
     """Write report.json and report.html, with the pictures that lie in ``renders``."""
     from cityx.agents.views import VIEWS
+    from cityx.atomic import replaced
     from cityx.checks.report_html import report_html
-    from cityx.outputs.atomic import replaced
 
     order = {f"{view}.png": index for index, view in enumerate(VIEWS)}
     pictures = sorted(

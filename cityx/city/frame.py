@@ -54,3 +54,8 @@ class Frame:
         doubled = np.repeat(pairs, 2, axis=0) if len(pairs) == 1 else pairs
         x, y = _transformer(self.projection, inverse=inverse).transform(*doubled.T)
         return np.column_stack([x, y])[: len(pairs)]
+
+
+# Where a city lies that lies nowhere: rules that depend on the place (side of the road, signs,
+# roofs, daylight) are those of central Europe.
+NOWHERE = Frame(50.0, 10.0)

@@ -18,12 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx import __version__
+from cityx.atomic import replaced
 from cityx.city.environment import Environment
 from cityx.city.mesh import MeshBatch
 from cityx.city.rooms import lit_scene
 from cityx.city.scene import Instances
 from cityx.geometry.identity import id_text
-from cityx.outputs.atomic import replaced
 from cityx.outputs.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfBuffer
 from cityx.outputs.gltf_instances import id_words, tint_groups, y_up_quaternions
 from cityx.outputs.gltf_light import EXTENSION as LIGHTS

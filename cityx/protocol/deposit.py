@@ -10,10 +10,10 @@ import numpy as np
 from cityx.city.city import City
 from cityx.city.layout import Layout
 from cityx.city.mesh import MeshBatch, concatenate
+from cityx.city.sites import merged
 from cityx.geometry.identity import stable_id
 from cityx.protocol.conversions import ConversionGraph, Path, apply_path
 from cityx.protocol.formats import Format
-from cityx.protocol.preconditions import TABLES
 
 if TYPE_CHECKING:
     from cityx.protocol.encapsulation import Encapsulation
@@ -42,26 +42,6 @@ def deposit(city: City, value: Any, record: Encapsulation, actions: Registry) ->
     if isinstance(value, MeshBatch):
         return replace(city, scene=city.scene.with_mesh(record.name, _named(value, record)))
     return city
-
-
-def merged(old: Layout, new: Layout) -> Layout:
-    """Join two layouts; rows of the new one replace rows of the same id."""
-    import pandas as pd
-
-    tables: dict[str, Any] = {}
-    for name in TABLES:
-        first, second = getattr(old, name), getattr(new, name)
-        kept = first[~first["id"].isin(second["id"])]
-        if not len(second):
-            tables[name] = first
-        elif not len(kept):
-            tables[name] = second
-        else:
-            rows = pd.concat([kept, second], ignore_index=True)
-            tables[name] = rows.sort_values("id", kind="stable", ignore_index=True)
-    corners = np.array([old.extent, new.extent])
-    low, high = corners[:, :2].min(axis=0), corners[:, 2:].max(axis=0)
-    return Layout((*low.tolist(), *high.tolist()), **tables)
 
 
 def _named(batch: MeshBatch, record: Encapsulation) -> MeshBatch:

@@ -14,7 +14,11 @@ from cityx.errors import InputError
 _HEIGHT_SUFFIXES = (".tif", ".tiff", ".hgt", ".hgt.zip", ".asc")
 _IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp")
 _OSM_SUFFIXES = (".osm", ".osm.gz", ".osm.bz2", ".osm.pbf", ".pbf", ".xml")
-KINDS = "OpenStreetMap (.osm, .osm.gz, .osm.bz2, .osm.pbf) or heights (.tif, .hgt, .hgt.zip, .asc)"
+_DRAWN_SUFFIXES = (".geojson", ".json", ".gpx")
+KINDS = (
+    "OpenStreetMap (.osm, .osm.gz, .osm.bz2, .osm.pbf), heights (.tif, .hgt, .hgt.zip, .asc) or "
+    "drawings (.geojson, .json, .gpx)"
+)
 
 
 @dataclass(frozen=True)
@@ -24,7 +28,7 @@ class Input:
     Attributes
     ----------
     kind
-        "osm" or "height".
+        "osm", "height" or "drawn".
     """
 
     path: Path
@@ -64,6 +68,8 @@ def _kind(path: Path) -> str:
     name = path.name.lower()
     if name.endswith(_HEIGHT_SUFFIXES):
         return "height"
+    if name.endswith(_DRAWN_SUFFIXES):
+        return "drawn"
     head = _head(path)
     if name.endswith(_OSM_SUFFIXES) or b"<osm" in head or b"OSMHeader" in head:
         return "osm"

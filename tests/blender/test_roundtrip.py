@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from town import small_town
 
 from cityx.agents.build import BuildOptions, build
 from cityx.blender.scene import title
@@ -16,11 +15,6 @@ from cityx.city.store import read_city
 from cityx.geometry.identity import id_text
 
 pytestmark = pytest.mark.blender
-
-
-@pytest.fixture(scope="module")
-def town_map(tmp_path_factory):
-    return small_town().write(tmp_path_factory.mktemp("map") / "town.osm")
 
 
 @pytest.fixture(scope="module")

@@ -133,7 +133,7 @@ class Plane:
             return places
         reach = share * BEND * PER_METRE * SPREAD[1]
         moved = np.stack([self.noise(f"town/bend-{k}", places, WAVE) for k in "xy"], axis=1)
-        return places + np.rint(reach * moved).astype(np.int64)
+        return np.asarray(places + np.rint(reach * moved), np.int64)
 
     def edge(self, a: Key, b: Key) -> IntArray:
         """Return the side between two cells, (k, 2), the lower cell on its left."""

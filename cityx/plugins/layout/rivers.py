@@ -159,7 +159,7 @@ def landing(turn: Turn, bank: IntArray, road: IntArray) -> IntArray | None:
     if not len(met):
         return None
     at = shapely.line_locate_point(line, shapely.points(met))
-    return turn.place + np.rint(met[np.argmax(at)] * PER_METRE).astype(np.int64)
+    return np.asarray(turn.place + np.rint(met[np.argmax(at)] * PER_METRE), np.int64)
 
 
 def across(turn: Turn, start: IntArray, bank: IntArray) -> IntArray | None:
@@ -172,4 +172,4 @@ def across(turn: Turn, start: IntArray, bank: IntArray) -> IntArray | None:
     if not len(met):
         return None
     nearest = met[np.argmin(np.hypot(*(met - begin).T))]
-    return turn.place + np.rint(nearest * PER_METRE).astype(np.int64)
+    return np.asarray(turn.place + np.rint(nearest * PER_METRE), np.int64)

@@ -25,9 +25,9 @@ from cityx.plugins.layout.rivers import ABUTMENT, around
 from cityx.plugins.layout.streets import local_tags, main_rank, main_tags, side_tags
 from cityx.plugins.layout.waters import waters_of
 from cityx.sources.features.gather import gather
-from cityx.sources.features.kinds import KIND, PLACE
+from cityx.sources.features.kinds import PLACE
 from cityx.sources.features.resolve import resolve
-from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, joined, tag
+from cityx.sources.features.tagged import KIND, Owner, Report, Tagged, Tags, joined, tag
 from cityx.sources.parcels.footprints import footprints_of
 
 IntArray = NDArray[np.int64]

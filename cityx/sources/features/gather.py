@@ -18,6 +18,7 @@ from cityx.sources.features.kinds import (
     road_kind,
 )
 from cityx.sources.features.resolve import Features
+from cityx.sources.features.road_findings import name_repairs
 from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import (
     Report,
@@ -25,12 +26,15 @@ from cityx.sources.features.tagged import (
     Tags,
     clipped_lines,
     clipped_polygons,
+    joined,
     number_pieces,
     polygons_of,
 )
+from cityx.sources.features.vocabulary import WATER_KINDS
+from cityx.sources.features.waterways import waterway_width, waterways
 
 Kind = Callable[[Tags], str]
-_POINT, _LINE, _POLYGON = 0, 1, 3  # shapely's types
+_TYPES = (0, 1, 3)  # shapely's numbers of points, lines and polygons
 
 
 def gather(found: Tagged, box: Box, report: Report) -> Features:
@@ -46,36 +50,40 @@ def gather(found: Tagged, box: Box, report: Report) -> Features:
         Counts what is dropped: shapes whose tags mean nothing here, buildings drawn twice, ...
     """
     flat = _flattened(found)
+    point, line, polygon = (shapely.get_type_id(flat.shapes) == kind for kind in _TYPES)
     tags = flat.tags()
-    polygon, line, point = (
-        shapely.get_type_id(flat.shapes) == kind for kind in (_POLYGON, _LINE, _POINT)
-    )
-    built = _meant(building_kind, tags, polygon)
-    land = _meant(land_kind, tags, polygon)
-    road = _meant(road_kind, tags, line)
-    standing = _meant(line_kind, tags, line)
+    built, land = (_meant(kind, tags, polygon) for kind in (building_kind, land_kind))
+    road, standing, flow = (_meant(kind, tags, line) for kind in (road_kind, line_kind, _flow))
     thing = _meant(point_kind, tags, point)
-    used = (built != "") | (land != "") | (road != "") | (standing != "") | (thing != "")
+    used = np.any([kind != "" for kind in (built, land, road, standing, flow, thing)], axis=0)
     report.count("features without a use", int((~used).sum()))
-    shells, box = make_shells(
-        _polygons(flat.take(built == "building")),
-        _polygons(flat.take(built == "part")),
-        box,
-        report,
-    )
+
+    outlines, parts = (_polygons(flat.take(built == word)) for word in ("building", "part"))
+    shells, box = make_shells(outlines, parts, box, report)
     areas = clipped_polygons(_polygons(flat.take(land != "")), box)
-    things = flat.take(thing != "")
-    x, y = shapely.get_x(things.shapes), shapely.get_y(things.shapes)
-    inside = (x >= box[0]) & (x <= box[2]) & (y >= box[1]) & (y <= box[3])
+    kinds = np.array([land_kind(own) for own in areas.tags()], object)
+    water = areas.shapes[np.isin(kinds, sorted(WATER_KINDS))]
+    rivers = waterways(flat.take(flow != ""), water, box)
+    roads = clipped_lines(flat.take(road != ""), box)
+    name_repairs(roads, box, report)
     return Features(
         box,
         shells,
-        roads=clipped_lines(flat.take(road != ""), box),
-        areas=areas,
-        area_kinds=np.array([land_kind(own) for own in areas.tags()], object),
+        roads=roads,
+        areas=joined(areas, rivers),
+        area_kinds=np.concatenate([kinds, np.repeat(np.array(["river"], object), len(rivers.k))]),
         lines=clipped_lines(flat.take(standing != ""), box),
-        points=things.take(inside),
+        points=_inside(flat.take(thing != ""), box),
     )
+
+
+def _inside(points: Tagged, box: Box) -> Tagged:
+    x, y = shapely.get_x(points.shapes), shapely.get_y(points.shapes)
+    return points.take((x >= box[0]) & (x <= box[2]) & (y >= box[1]) & (y <= box[3]))
+
+
+def _flow(tags: Tags) -> str:
+    return "river" if waterway_width(tags) > 0 else ""
 
 
 def _flattened(found: Tagged) -> Tagged:

@@ -1,6 +1,6 @@
 import pytest
 
-from cityx.outputs.atomic import replaced
+from cityx.atomic import replaced
 
 
 def test_the_file_appears_when_the_block_ends(tmp_path):

@@ -1,0 +1,68 @@
+import json
+
+import pytest
+
+from cityx.agents.intake import read_sources, sort_inputs
+from cityx.city.frame import NOWHERE
+from cityx.city.layout import CURVE
+from cityx.errors import InputError, UsageError
+
+STREET = {"kind": "residential", "name": "New Street"}
+
+
+def drawing(tmp_path, coordinates, *, metres=True, properties=STREET, name="plan.geojson"):
+    feature = {
+        "type": "Feature",
+        "properties": properties,
+        "geometry": {"type": "LineString", "coordinates": coordinates},
+    }
+    content = {"type": "FeatureCollection", "features": [feature]}
+    path = tmp_path / name
+    path.write_text(json.dumps({**content, **({"units": "metres"} if metres else {})}))
+    return path
+
+
+def read(*paths, **more):
+    return read_sources(sort_inputs(list(paths)), seed=0, **more)
+
+
+def test_a_drawing_alone_lies_nowhere_unless_it_is_told(tmp_path):
+    path = drawing(tmp_path, [[0, 0], [100, 0]])
+    found = read(path)
+    assert not found.located
+    assert found.city.frame == NOWHERE
+    assert read(path, at=(48.2, 16.4)).city.frame.latitude == 48.2
+    assert "does not say where it lies" in read(path).city.notes[-1]
+
+
+def test_a_drawn_street_goes_before_the_map_and_leaves_its_site(town_map, tmp_path):
+    alone = read(town_map).city
+    x, y = (alone.layout.extent[0] + alone.layout.extent[2]) / 2, alone.layout.extent[1] + 5
+    both = read(town_map, drawing(tmp_path, [[x - 20, y], [x + 20, y]])).city
+    assert both.frame == alone.frame
+    assert both.layout.extent == alone.layout.extent
+    assert both.name == alone.name
+    assert both.layout.lines["kind"].tolist().count(CURVE) == 1
+    assert set(both.layout.buildings["id"]) <= set(alone.layout.buildings["id"])
+    assert len(both.layout.roads) > 1
+
+
+def test_a_drawing_of_another_place_is_refused(town_map, tmp_path):
+    path = drawing(tmp_path, [[0, 0], [0.001, 0]], metres=False)
+    with pytest.raises(InputError, match="do not lie on the same ground"):
+        read(town_map, path)
+
+
+def test_no_input_gives_an_empty_city_for_a_town():
+    found = read()
+    assert not found.name
+    assert not len(found.city.layout.roads)
+    assert found.city.frame == NOWHERE
+
+
+def test_two_height_files_are_refused(tmp_path):
+    paths = [tmp_path / "a.tif", tmp_path / "b.tif"]
+    for path in paths:
+        path.write_bytes(b"II*")
+    with pytest.raises(UsageError, match="given: 0 maps, 0 drawings, 2 height files"):
+        sort_inputs(paths)
