@@ -115,7 +115,8 @@ def test_another_process_lays_out_the_same_town():
     text = (
         "from cityx.city import Frame\nfrom cityx.plugins.layout.plane import Plan\n"
         "from cityx.plugins.layout.window import layout_of_window\nimport hashlib, shapely\n"
-        "made = layout_of_window((-90, -90, 90, 90), Plan(river=True), 3, frame=Frame(50.0, 10.0))\n"
+        "box, plan = (-90, -90, 90, 90), Plan(river=True)\n"
+        "made = layout_of_window(box, plan, 3, frame=Frame(50.0, 10.0))\n"
         "total = hashlib.sha256()\n"
         "for name in ('buildings', 'parts', 'roads', 'areas', 'lines', 'points'):\n"
         "    table = getattr(made, name)\n"
