@@ -18,6 +18,7 @@ IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 
 MEETING = 45.0  # metres along a bank within which a bridge bends to meet a road there
+ON = 0.01  # metres from a line within which a place lies on it
 STRAIGHT = 70.0  # metres from a corner by a river within which a road runs straight to the bank
 
 
@@ -141,6 +142,7 @@ class Rims:
     def _cut(self, line: IntArray, turn: Turn, key: Key) -> IntArray:
         """Lead a road that begins at a corner to the bank of the river there."""
         away = np.hypot(*((line - turn.place) / PER_METRE).T)
+        away[-1] = np.inf  # a short road keeps its other end
         line = np.concatenate([turn.middle[None], line[away > STRAIGHT]])
         place = landing(turn, self._bank(turn, key), line)
         if place is None:
@@ -148,6 +150,7 @@ class Rims:
         metres = (line - turn.place) / PER_METRE
         cut = shapely.LineString(metres).project(shapely.Point((place - turn.place) / PER_METRE))
         at = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(metres, axis=0).T))])
+        at[-1] = np.inf
         return np.concatenate([place[None], line[at > cut + 1.0]])
 
     def _bank(self, turn: Turn, key: Key) -> IntArray:
@@ -324,7 +327,8 @@ def _cut_to(before: Side, side: Side, after: Side) -> Side:
     at = shapely.line_locate_point(bank, shapely.points((side.line - base) / PER_METRE))
     low, high = (bank.project(shapely.Point((p - base) / PER_METRE)) for p in (start, end))
     inner = side.line[(at > low + 1.0) & (at < high - 1.0)]
-    away = (side.taken - base) / PER_METRE
-    near = shapely.distance(shapely.points(away.reshape(-1, 2)), bank) < 0.01
     places = np.concatenate([start[None], inner, end[None]])
+    cut = shapely.LineString((places - base) / PER_METRE)
+    away = (side.taken - base) / PER_METRE
+    near = shapely.distance(shapely.points(away.reshape(-1, 2)), cut) < ON
     return replace(side, line=places, taken=side.taken[near])

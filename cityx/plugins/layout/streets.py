@@ -84,26 +84,26 @@ def main_tags(plane: Plane, a: Key, b: Key) -> Tags:
     densest = max(plane.site_density(a), plane.site_density(b))
     in_open = densest < OPEN and not plane.plan.zone
     tags = MAIN[main_rank(plane, a, b), in_open]
-    return {**tags, "name": name(plane.seed, _MAIN_LAST, a[0], a[1], b[0] - a[0], b[1] - a[1])}
+    return {**tags, "name": name_of(plane.seed, _MAIN_LAST, a[0], a[1], b[0] - a[0], b[1] - a[1])}
 
 
 def side_tags(plane: Plane, key: Key, side: Side) -> Tags:
     """Return the tags of the road along one side of a district."""
     if side.kind == "road":
         return main_tags(plane, key, side.beyond)
-    return {**MAIN["tertiary", False], "name": name(plane.seed, ("Quay", "Embankment"), *key, 3)}
+    return {**MAIN["tertiary", False], "name": name_of(plane.seed, ("Quay", "Embankment"), *key, 3)}
 
 
 def local_tags(plane: Plane, key: Key, zone: str, kind: str, family: int, line: int) -> Tags:
     """Return the tags of a local street: its line in a family of streets, -1 for a dead end."""
     if family < 0:
-        return {**BLIND, "name": name(plane.seed, _BLIND_LAST, *key, 7, line)}
+        return {**BLIND, "name": name_of(plane.seed, _BLIND_LAST, *key, 7, line)}
     old = kind == "organic" and zone in ("core", "midrise") and family == 1
     tags = NARROW if old else LOCAL[zone]
-    return {**tags, "name": name(plane.seed, _LOCAL_LAST, *key, family, line)}
+    return {**tags, "name": name_of(plane.seed, _LOCAL_LAST, *key, family, line)}
 
 
-def name(seed: int, last: tuple[str, ...], *identity: int) -> str:
+def name_of(seed: int, last: tuple[str, ...], *identity: int) -> str:
     """Return a name of its own for a street."""
     bits = 0
     for part in identity:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Annotated
 
-from cityx.city import City
+from cityx.city import City, Goal
 from cityx.plugins.layout.plane import COASTS, PATTERNS, ZONES, Plan
 from cityx.plugins.layout.window import layout_of_window, origin_of
 from cityx.protocol import Choice, Port, Range, action
@@ -90,4 +90,9 @@ def town(
     notes = city.notes
     if origin != (0, 0):
         notes = (*notes, f"town: the scene's origin is the plane's ({origin[0]}, {origin[1]}) m")
-    return replace(city, layout=layout, notes=notes, stages_done=city.stages_done | {"layout"})
+    goals = city.goals
+    if river:
+        goals = (*goals, Goal("a river that is crossed", "crossings", {"count": 1}))
+    return replace(
+        city, layout=layout, notes=notes, goals=goals, stages_done=city.stages_done | {"layout"}
+    )

@@ -22,7 +22,7 @@ from cityx.plugins.layout.blocks import Blocks, blocks_of
 from cityx.plugins.layout.districts import District, Districts
 from cityx.plugins.layout.plane import Plan, Plane
 from cityx.plugins.layout.rivers import ABUTMENT, around
-from cityx.plugins.layout.streets import local_tags, main_rank, main_tags, side_tags
+from cityx.plugins.layout.streets import local_tags, main_rank, main_tags, name_of, side_tags
 from cityx.plugins.layout.waters import waters_of
 from cityx.sources.features.gather import gather
 from cityx.sources.features.kinds import PLACE
@@ -40,6 +40,9 @@ PLACES: Mapping[str, str] = {
     "core": "core", "midrise": "urban", "row": "urban", "suburb": "low", "rural": "low",
     "industry": "low", "campus": "urban", "slab": "urban", "retail strip": "low",
 }  # fmt: skip
+TREES_IN = 5.5  # metres from the rim of a plaza to the trees along it
+TREES_APART = 9.0  # metres between them
+_NAMED = {"pedestrian": ("Square", "Place", "Market"), "park": ("Park", "Gardens", "Green")}
 HALO = 80.0  # metres around a window from which buildings that reach into it may come
 
 
@@ -143,7 +146,7 @@ def features_of_window(window: Box, plan: Plan, seed: int) -> Tagged:
         _add_streets(found, plane, district)
         blocks = blocks_of(plane, district)
         land = found.moved(blocks.shapes, district.sketch.rim.anchor)
-        _add_land(found, district, blocks, land)
+        _add_land(found, district, blocks, land, seed)
         built.append((blocks, land))
     return joined(found.tagged(), *_buildings(built, window, (x, y), seed))
 
@@ -322,8 +325,27 @@ def _add_water(found: Found, districts: Districts, key: Key) -> None:
     found.add(("town", *key, "shore"), {KIND: land}, found.moved(shore, anchor))
 
 
-def _add_land(found: Found, district: District, blocks: Blocks, land: NDArray[Any]) -> None:
+def _add_land(
+    found: Found, district: District, blocks: Blocks, land: NDArray[Any], seed: int
+) -> None:
     """Add the land of a district's blocks."""
     rim = district.sketch.rim
     for k, (shape, kind) in enumerate(zip(land, blocks.kind.tolist(), strict=True)):
-        found.add(("town", *rim.key, "land", k), {KIND: kind}, shape)
+        tags = {KIND: kind}
+        if kind in _NAMED:
+            tags["name"] = name_of(seed, _NAMED[kind], *rim.key, 11, k)
+        found.add(("town", *rim.key, "land", k), tags, shape)
+        if kind == "pedestrian":
+            _add_plaza(found, ("town", *rim.key, "plaza", k), shape)
+
+
+def _add_plaza(found: Found, key: tuple[object, ...], plaza: Any) -> None:
+    """Add what stands on a plaza: a fountain in its middle, and trees along its rim."""
+    middle = shapely.maximum_inscribed_circle(plaza, tolerance=1.0).coords[0]
+    found.add((*key, "fountain"), {"amenity": "fountain"}, shapely.Point(np.round(middle, 3)))
+    for ring, row in enumerate(shapely.get_parts(shapely.buffer(plaza, -TREES_IN)).tolist()):
+        rim = row.exterior
+        along = np.arange(0.5, int(rim.length / TREES_APART)) * TREES_APART
+        spots = shapely.get_coordinates(shapely.line_interpolate_point(rim, along))
+        for tree, spot in enumerate(np.round(spots, 3).tolist()):
+            found.add((*key, "tree", ring, tree), {"natural": "tree"}, shapely.Point(spot))
