@@ -47,7 +47,7 @@ LARGE_HOUSE = 2500.0  # square metres from which a patch may be a row of houses
 BENT = 0.62  # share of its box below which a large patch is no single house
 LONG = 3.0  # area over the square of its width, from which a large patch is a row
 WAVY = 2.0  # pixels that the width of a patch may be off
-PLOT = (17.0, 22.0, 4.0)  # metres along and across the row that a house takes, and between two
+PLOT = (18.0, 24.0, 6.0)  # metres along and across the row that a house takes, and between two
 LEAST_HOUSE = 60.0  # square metres of a house cut out of a row
 JOG = 1.6  # metres; shorter walls are drawing noise
 JOG_PIXELS = 2.0  # and so are walls of two pixels
@@ -139,29 +139,43 @@ def _buildings(found: ClassMap, source: str, fidelity: str) -> Tagged:
     """Draw the houses, with a wall between those that touch."""
     mask = without_specks(found.mask(Role.BUILDING), found.pixels(LEAST_BUILDING))
     mask = without_holes(mask, found.pixels(LEAST_YARD))
+    rows = np.zeros_like(mask)
     if fidelity == PLAUSIBLE:
-        mask = _houses_of_rows(mask, found)
+        mask, rows = _houses_of_rows(mask, found)
     bodies, _ = label_patches(mask)
     jog = max(JOG / found.grid.pixel, JOG_PIXELS)
     shapes, exact = outlines(bodies, jog=jog)
     solidity = shapely.area(exact) / np.maximum(shapely.area(shapely.convex_hull(exact)), 1e-9)
     parts = _by_class(found, split_at_necks(bodies, solidity), mask)
     shapes, part = parted(shapes, bodies, parts)
-    number, first = np.unique(parts, return_index=True)
-    classes = found.labels.ravel()[first[np.searchsorted(number, part)]]
-    return _owned(
-        found.grid, source, "building", shapes, [dict(found.classes[c].tags) for c in classes]
-    )
+    tags = _said_of_houses(found, parts, rows)
+    return _owned(found.grid, source, "building", shapes, [tags[n] for n in part.tolist()])
 
 
-def _houses_of_rows(mask: BoolArray, found: ClassMap) -> BoolArray:
-    """Cut what is no single house into houses, and drop the shreds."""
+def _said_of_houses(found: ClassMap, parts: NDArray[Any], rows: BoolArray) -> dict[int, Tags]:
+    """Return the tags of each part by its number; a house of a row is one for a family."""
+    number = parts.ravel()
+    built = np.flatnonzero(found.mask(Role.BUILDING).ravel() & (number > 0))
+    known, first = np.unique(number[built], return_index=True)
+    pixel = built[first]
+    said = {}
+    for part, label, cut in zip(
+        known.tolist(), found.labels.ravel()[pixel].tolist(), rows.ravel()[pixel].tolist(),
+        strict=True,
+    ):  # fmt: skip
+        tags = dict(found.classes[label].tags)
+        said[part] = {**tags, "building": "house"} if cut and tags["building"] == "yes" else tags
+    return said
+
+
+def _houses_of_rows(mask: BoolArray, found: ClassMap) -> tuple[BoolArray, BoolArray]:
+    """Cut what is no single house into houses without the shreds; tell which pixels were cut."""
     pixel = found.grid.pixel
     labels, _ = label_patches(mask)
+    numbers = rows_of_houses(labels, pixel)
     plots = Plots(PLOT[0] / pixel, PLOT[1] / pixel, PLOT[2] / pixel)
-    return without_specks(
-        cut_into_houses(labels, rows_of_houses(labels, pixel), plots), found.pixels(LEAST_HOUSE)
-    )
+    houses = cut_into_houses(labels, numbers, plots)
+    return without_specks(houses, found.pixels(LEAST_HOUSE)), np.isin(labels, numbers)
 
 
 def rows_of_houses(labels: NDArray[Any], pixel: float) -> NDArray[np.int64]:
