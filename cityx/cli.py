@@ -85,7 +85,10 @@ def build(
     workers: Annotated[int, typer.Option(min=1, max=64, help="Worker processes.")] = 1,
     lod: Annotated[int, typer.Option(min=0, max=3, help="Level of detail.")] = 2,
     style: Annotated[str, typer.Option(help="Style of buildings, e.g. european, brick.")] = "",
-    time: Annotated[str | None, typer.Option(help="HH:MM, dusk, 2026-12-21 16:00, ...")] = None,
+    time: Annotated[
+        str | None,
+        typer.Option(help="HH:MM, dusk, 2026-12-21 16:00, ...; midsummer without a date."),
+    ] = None,
     weather: Annotated[str | None, typer.Option(help="clear, fog, rain, storm dusk, ...")] = None,
     size: Annotated[str | None, typer.Option(help="WxH of a window to cut out, metres.")] = None,
     at: Annotated[str | None, typer.Option(help="LAT,LON of the window's centre.")] = None,

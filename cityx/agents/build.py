@@ -180,11 +180,11 @@ def generate(
         say(action)
         city = run.do(city, action, args)
     if reading.heights is not None:
-        from cityx.sources.height_field import read_height
+        from cityx.sources.height_field import survey_site
 
         with run.watch.step("terrain"):
-            terrain = read_height(reading.heights.path, city.frame, city.layout.extent)
-            city = replace(city, terrain=terrain)
+            terrain, survey = survey_site(reading.heights.path, city.frame, city.layout.extent)
+            city = replace(city, terrain=terrain, survey=survey)
     city = replace(city, stages_done=city.stages_done | {"layout", "terrain"})
     for position, (action, args) in enumerate(rest, start=1):
         say(f"{position}/{len(rest)} {action}")

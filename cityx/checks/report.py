@@ -19,6 +19,7 @@ from cityx.checks.heights import check_heights
 from cityx.checks.junctions import check_junctions
 from cityx.checks.lanes import check_lanes
 from cityx.checks.meshes import check_meshes, triangle_counts
+from cityx.checks.terrain import check_terrain
 from cityx.checks.trees import check_trees
 from cityx.city import City
 from cityx.city.content import content_hash
@@ -36,6 +37,7 @@ def run_checks(city: City) -> list[Check]:
         *check_furniture(city),
         *check_lanes(city),
         *check_heights(city),
+        *check_terrain(city),
         *check_trees(city),
         *check_junctions(city),
         *check_meshes(city),

@@ -12,7 +12,7 @@ from cityx.city.lanes import LaneGraph
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.scene import Scene
-from cityx.city.terrain import Terrain, flat_terrain
+from cityx.city.terrain import Survey, Terrain, flat_terrain
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,8 @@ class City:
         Style word asked for, or "".
     layout, terrain, network, heights, lanes, ground, scene, environment
         The parts; None until the action that makes them has run.
+    survey
+        What the height file says, None without one; the terrain is cut and filled for streets.
     attribution
         Texts that must be shown with the data, e.g. "© OpenStreetMap contributors, ODbL 1.0".
     stages_done
@@ -67,6 +69,7 @@ class City:
     lod: int = 2
     style: str = ""
     terrain: Terrain = field(default_factory=flat_terrain)
+    survey: Survey | None = None
     network: RoadNetwork | None = None
     heights: WayHeights | None = None
     lanes: LaneGraph | None = None

@@ -59,14 +59,19 @@ def stand_on(ground: MeshBatch | None, xy: ArrayLike) -> Footing:
     labels = np.array([known.get(int(own), NOWHERE) for own in ground.object_id])
     own = np.searchsorted(ground.face_start, faces[found[hit]], side="right") - 1
     label[hit] = labels[own]
-    a, b, c = ground.vertices[triangles[found[hit]]].transpose(1, 0, 2)
-    u, v, w = (b - a)[:, :2], (c - a)[:, :2], spots[hit] - a[:, :2]
+    z[hit] = heights_on(ground.vertices[triangles[found[hit]]], spots[hit])
+    return Footing(label, z)
+
+
+def heights_on(corners: FloatArray, xy: FloatArray) -> FloatArray:
+    """Return (n,) heights at (n, 2) places on the planes of (n, 3, 3) triangles."""
+    a, b, c = corners.transpose(1, 0, 2)
+    u, v, w = (b - a)[:, :2], (c - a)[:, :2], xy - a[:, :2]
     area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
     area = np.where(np.abs(area) < 1e-12, 1.0, area)
     s = (w[:, 0] * v[:, 1] - w[:, 1] * v[:, 0]) / area
     t = (u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0]) / area
-    z[hit] = a[:, 2] + s * (b - a)[:, 2] + t * (c - a)[:, 2]
-    return Footing(label, z)
+    return np.asarray(a[:, 2] + s * (b - a)[:, 2] + t * (c - a)[:, 2])
 
 
 _LAST: list[tuple[weakref.ref[FloatArray], NDArray[np.int64], TriangleCells]] = []

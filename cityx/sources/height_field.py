@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.frame import Frame
-from cityx.city.terrain import Terrain
+from cityx.city.terrain import Survey, Terrain
 from cityx.errors import InputError
 
 FloatArray = NDArray[np.float64]
@@ -21,8 +21,13 @@ Box = tuple[float, float, float, float]
 
 MAX_NODES = 4_000_000  # of the terrain's grid, 32 MB
 COARSE = 25.0  # metres; from this resolution on whole-metre steps show and are smoothed away
+SMOOTHED = 0.5  # metres by which smoothing moves a height at most: what rounding to metres took
+SMOOTHINGS = 8  # rounds; more change little
+RESAMPLED = 0.1  # metres by which straight lines between nodes may miss the file's surface
 FINEST, COARSEST = 1.0, 30.0  # metres between terrain nodes unless asked otherwise
 SLACK = 1.5  # cells of the file that the site may reach beyond it
+SURROUNDINGS = 3000.0  # metres round the site that are read for the view
+SAMPLES = 50_000  # cells of the file that a survey keeps; more say nothing new
 EDGE = 4  # cells read around the site, for the cubic kernel and the filter
 CONTROL = 65  # nodes per side at which projections are computed; between them they are smooth
 RELAX = 200  # sweeps that smooth filled voids
@@ -58,12 +63,19 @@ class Raster:
         a, b, c, d, e, f = self.to_cell
         return a * x + b * y + c, d * x + e * y + f
 
+    def places(self, column: Any, row: Any) -> tuple[FloatArray, FloatArray]:
+        """Return the places of columns and rows."""
+        a, b, c, d, e, f = self.to_cell
+        x, y = np.linalg.solve([[a, b], [d, e]], [np.subtract(column, c), np.subtract(row, f)])
+        return x, y
+
 
 def read_height(path: Path, frame: Frame, extent: Box, *, cell: float | None = None) -> Terrain:
     """Read the terrain of a site from a height file.
 
     Voids are filled from their borders. The heights are resampled by cubic splines; grids of 25 m
-    and coarser in whole metres are smoothed by one cell first, else their steps would show.
+    and coarser in whole metres are smoothed first, each height by half a metre at most, else their
+    steps would show.
 
     Parameters
     ----------
@@ -73,7 +85,7 @@ def read_height(path: Path, frame: Frame, extent: Box, *, cell: float | None = N
         Of the site, metres.
     cell
         Metres between the nodes of the terrain; by default a third of the file's own, within 1 and
-        30 m.
+        30 m, and less where straight lines between them would miss the file by more than 0.1 m.
 
     Returns
     -------
@@ -86,19 +98,83 @@ def read_height(path: Path, frame: Frame, extent: Box, *, cell: float | None = N
         If the file cannot be read, does not say where it lies or does not cover the site.
     """
     path = Path(path)
+    return _terrain(path, _read(path), frame, extent, cell)[0]
+
+
+def survey_site(path: Path, frame: Frame, extent: Box) -> tuple[Terrain, Survey]:
+    """Read the terrain of a site, and what its height file says of the site and the land round it.
+
+    Parameters
+    ----------
+    path, frame, extent
+        As of `read_height`.
+
+    Returns
+    -------
+    terrain
+        As of `read_height`.
+    survey
+        The same heights before any change; the land round the site is level where the file ends.
+
+    Raises
+    ------
+    InputError
+        As of `read_height`.
+    """
+    path = Path(path)
     raster = _read(path)
-    size = np.array([extent[2] - extent[0], extent[3] - extent[1]])
+    terrain, bound = _terrain(path, raster, frame, extent)
+    wide = (
+        extent[0] - SURROUNDINGS, extent[1] - SURROUNDINGS,
+        extent[2] + SURROUNDINGS, extent[3] + SURROUNDINGS,
+    )  # fmt: skip
+    x, y, step = _nodes(wide, COARSEST)
+    column, row = _places(raster, frame, x, y)
+    coarse = _resolution(raster, frame, extent) >= COARSE
+    heights = _sample(raster, column, row, smooth=coarse)[0]
+    around = Terrain(wide[:2], step, np.round(heights - terrain.datum, 3), terrain.datum)
+    points = _cells(raster, frame, extent)
+    points[:, 2] -= terrain.datum
+    return terrain, Survey(np.round(points, 3), around, bound)
+
+
+def _terrain(
+    path: Path, raster: Raster, frame: Frame, extent: Box, cell: float | None = None
+) -> tuple[Terrain, float]:
+    """Return the terrain of a site, and the metres by which it misses the file at most."""
     native = _resolution(raster, frame, extent)
-    step = float(np.clip(native / 3, FINEST, COARSEST)) if cell is None else cell
-    step = max(step, float(np.sqrt(size.prod() / MAX_NODES)))
-    columns, rows = (np.maximum(np.ceil(size / step), 1).astype(int) + 1).tolist()
-    x = extent[0] + step * np.arange(columns)
-    y = extent[1] + step * np.arange(rows)
+    wanted = cell or float(np.clip(native / 3, FINEST, COARSEST))
+    x, y, step = _nodes(extent, wanted)
     column, row = _places(raster, frame, x, y)
     _check_cover(path, raster, frame, extent, column, row)
-    heights = _sample(path, raster, column, row, smooth=native >= COARSE)
-    datum = float(heights.min())
-    return Terrain((extent[0], extent[1]), step, np.round(heights - datum, 3), round(datum, 3))
+    _check_voids(path, raster, column, row)
+    while True:
+        heights, moved = _sample(raster, column, row, smooth=native >= COARSE)
+        bend = _bend(heights)
+        if cell or bend <= RESAMPLED or wanted <= FINEST or step > wanted:
+            break
+        wanted = max(wanted / 2, FINEST)
+        x, y, step = _nodes(extent, wanted)
+        column, row = _places(raster, frame, x, y)
+    datum = round(float(heights.min()), 3)
+    terrain = Terrain(extent[:2], step, np.round(heights - datum, 3), datum)
+    return terrain, round(moved + max(bend, RESAMPLED), 3)
+
+
+def _bend(heights: FloatArray) -> float:
+    """Return by how much straight lines between the nodes of a grid miss a smooth surface at most.
+
+    The middle of an arc lies an eighth of its second difference off the chord.
+    """
+    return sum(float(np.abs(np.diff(heights, 2, axis=k)).max(initial=0.0)) for k in (0, 1)) / 8
+
+
+def _nodes(extent: Box, step: float) -> tuple[FloatArray, FloatArray, float]:
+    """Return the places of the nodes of a grid over an extent, and the metres between them."""
+    size = np.array([extent[2] - extent[0], extent[3] - extent[1]])
+    step = max(step, float(np.sqrt(size.prod() / MAX_NODES)))
+    columns, rows = (np.maximum(np.ceil(size / step), 1).astype(int) + 1).tolist()
+    return extent[0] + step * np.arange(columns), extent[1] + step * np.arange(rows), step
 
 
 def _places(
@@ -168,11 +244,9 @@ def _corners(raster: Raster) -> FloatArray:
     from pyproj import Transformer
 
     rows, columns = raster.values.shape
-    a, b, c, d, e, f = raster.to_cell
     cells = np.array([(i, j) for i in (-0.5, columns - 0.5) for j in (-0.5, rows - 0.5)])
-    places = np.linalg.solve(np.array([[a, b], [d, e]]), (cells - [c, f]).T)
     change = Transformer.from_crs(raster.crs, "EPSG:4326", always_xy=True)
-    return np.column_stack(change.transform(places[0], places[1]))
+    return np.column_stack(change.transform(*raster.places(*cells.T)))
 
 
 def _box_text(places: Any) -> str:
@@ -180,25 +254,71 @@ def _box_text(places: Any) -> str:
     return ", ".join(f"{value:.4f}" for value in (*low, *high))
 
 
-def _sample(
-    path: Path, raster: Raster, column: FloatArray, row: FloatArray, *, smooth: bool
-) -> FloatArray:
-    from scipy.ndimage import gaussian_filter, map_coordinates
-
-    rows, columns = raster.values.shape
-    top, bottom = _span(row, rows)
-    left, right = _span(column, columns)
-    values = raster.values[top:bottom, left:right]
-    void = np.isnan(values)
+def _check_voids(path: Path, raster: Raster, column: FloatArray, row: FloatArray) -> None:
+    void = np.isnan(_window(raster, column, row)[0])
     if void.mean() > MAX_VOID:
         raise InputError(
             f"{path} has no heights for {void.mean():.0%} of the site; give one without such gaps."
         )
+
+
+def _window(
+    raster: Raster, column: FloatArray, row: FloatArray
+) -> tuple[FloatArray, tuple[int, int]]:
+    """Return the cells of a raster around some places, and the row and column of the first."""
+    rows, columns = raster.values.shape
+    top, bottom = _span(row, rows)
+    left, right = _span(column, columns)
+    return raster.values[top:bottom, left:right], (top, left)
+
+
+def _sample(
+    raster: Raster, column: FloatArray, row: FloatArray, *, smooth: bool
+) -> tuple[FloatArray, float]:
+    """Return heights at some places, and the metres by which smoothing moved any at most."""
+    from scipy.ndimage import map_coordinates
+
+    values, (top, left) = _window(raster, column, row)
+    void = np.isnan(values)
     values = _filled(values, void)
-    if smooth and bool((values[~void] == np.rint(values[~void])).all()):
-        values = gaussian_filter(values, 1.0, mode="nearest")
-    place = [np.clip(row - top, 0, bottom - top - 1), np.clip(column - left, 0, right - left - 1)]
-    return np.asarray(map_coordinates(values, place, order=3, mode="nearest"), float)
+    stepped = smooth and bool((values[~void] == np.rint(values[~void])).all())
+    if stepped:
+        values = _smoothed(values)
+    rows, columns = values.shape
+    place = [np.clip(row - top, 0, rows - 1), np.clip(column - left, 0, columns - 1)]
+    heights = np.asarray(map_coordinates(values, place, order=3, mode="nearest"), float)
+    return heights, SMOOTHED if stepped else 0.0
+
+
+def _smoothed(values: FloatArray) -> FloatArray:
+    """Even out steps and noise; no height moves by more than `SMOOTHED`."""
+    from scipy.ndimage import gaussian_filter
+
+    even = values
+    for _ in range(SMOOTHINGS):
+        even = gaussian_filter(even, 1.0, mode="nearest")
+        even = np.clip(even, values - SMOOTHED, values + SMOOTHED)
+    return even
+
+
+def _cells(raster: Raster, frame: Frame, extent: Box) -> FloatArray:
+    """(k, 3) cells of a raster on a site, at most `SAMPLES`, with heights above sea level."""
+    from pyproj import Transformer
+
+    x, y = np.array([extent[0], extent[2]]), np.array([extent[1], extent[3]])
+    column, row = _exact_places(raster, frame, x, y)
+    top, bottom = _span(row, raster.values.shape[0])
+    left, right = _span(column, raster.values.shape[1])
+    stride = int(np.ceil(np.sqrt((bottom - top) * (right - left) / SAMPLES)))
+    i, j = (axis.ravel() for axis in np.mgrid[top:bottom:stride, left:right:stride])
+    known = np.isfinite(raster.values[i, j])
+    i, j = i[known], j[known]
+    east, north = raster.places(j, i)
+    change = Transformer.from_crs(raster.crs, "EPSG:4326", always_xy=True)
+    xy: FloatArray = frame.to_local(np.column_stack(change.transform(east, north)))
+    low, high = np.array(extent[:2]), np.array(extent[2:])
+    inside = ((xy >= low) & (xy <= high)).all(axis=1)
+    return np.asarray(np.column_stack([xy, raster.values[i, j]])[inside])
 
 
 def _span(index: FloatArray, size: int) -> tuple[int, int]:

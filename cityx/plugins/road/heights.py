@@ -143,6 +143,7 @@ def way_heights(
     soil = terrain.height_at(place)
     base = soil
     if not terrain.is_flat:
+        rise = np.maximum(rise, _climbed(ways, soil, pairs, of_pair))
         base = graded(slopes_of(pairs, rise), np.where(on_ground, soil, np.nan))
         terrain = grade_terrain(terrain, *_profiles(ways, base), layout.extent)
         soil = terrain.height_at(place)
@@ -152,6 +153,12 @@ def way_heights(
     z = np.round(soil + lift, 4)
     heights = _pieces(ways, z, soil, lift)
     return _with_heights(network, ways, terrain, z, lift), heights, terrain
+
+
+def _climbed(ways: _Ways, soil: FloatArray, pairs: IntArray, of_pair: IntArray) -> FloatArray:
+    """(m,) what paths on the ground climb with it, metres: nobody cuts a hill for a path."""
+    path = (ways.light & (ways.level == 0))[of_pair]
+    return np.where(path, np.abs(soil[pairs[:, 1]] - soil[pairs[:, 0]]), 0.0)
 
 
 def _ways(layout: Layout, network: RoadNetwork, *, everywhere: bool) -> _Ways | None:
