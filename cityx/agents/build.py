@@ -172,7 +172,7 @@ def generate(
     city = replace(reading.city, seed=options.seed, lod=options.lod, style=options.style)
     if options.size or (options.at and reading.located):
         city = run.do(city, "layout/crop-v1", _window(city, options, located=reading.located))
-        if not len(city.layout.buildings) and not len(city.layout.roads):
+        if not any(len(getattr(city.layout, name)) for name in ("buildings", "roads", "lines")):
             raise InputError("The window holds no building and no road; move --at, enlarge --size.")
     first = [call for call in calls if stage_of(call[0]) == Stage.LAYOUT]
     rest = [call for call in calls if stage_of(call[0]) != Stage.LAYOUT]

@@ -86,11 +86,11 @@ SCHEMA: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "name": "str",
             "tags": "str",
         },
-        # Barriers, tree rows and routes that agents may follow, geometry LineString.
+        # Barriers, tree rows, routes that agents may follow and curves to build on, LineString.
         "lines": {
             "id": "uint64",
             "source": "str",
-            # "wall", "fence", "hedge", "city_wall", "tree_row", "retaining_wall", "route"
+            # "wall", "fence", "hedge", "city_wall", "tree_row", "retaining_wall", "route", `CURVE`
             "kind": "str",
             "height": "float64",
             "tags": "str",
@@ -114,6 +114,8 @@ SCHEMA: Mapping[str, Mapping[str, str]] = MappingProxyType(
         },
     }
 )
+
+CURVE = "curve"  # kind of a line that is no thing itself: a user drew it to build something on
 
 AREA_KINDS = (
     "water", "sea", "river", "pool", "wetland",
@@ -171,6 +173,19 @@ def make_table(name: str, geometry: Any, /, **columns: Any) -> GeoDataFrame:
     order = np.argsort(data["id"], kind="stable")
     data = {key: values[order] for key, values in data.items()}
     return GeoDataFrame(data, geometry=geometry[order])
+
+
+def joined_tables(first: GeoDataFrame, second: GeoDataFrame) -> GeoDataFrame:
+    """Join two tables of one schema, sorted by id; rows of the second replace those of its ids."""
+    import pandas as pd
+
+    kept = first[~first["id"].isin(second["id"])]
+    if not len(second):
+        return first
+    if not len(kept):
+        return second
+    rows = pd.concat([kept, second], ignore_index=True)
+    return rows.sort_values("id", kind="stable", ignore_index=True)
 
 
 def empty_table(name: str) -> GeoDataFrame:

@@ -114,8 +114,10 @@ def _between(slopes: Slopes, height: FloatArray) -> FloatArray:
     over = rise_to(slopes, np.where(known, height, -np.inf))
     under = fall_to(slopes, np.where(known, height, np.inf))
     # Far from every known station only the grades count, and the two differ without end.
-    reached = np.isfinite(over)
-    return np.asarray(np.where(reached, np.where(reached, over, 0.0) + under, 0.0) / 2)
+    middle = np.zeros(len(height))
+    near = np.isfinite(over)
+    middle[near] = (over[near] + under[near]) / 2
+    return middle
 
 
 def evened(slopes: Slopes, height: ArrayLike, free: ArrayLike, rounds: int) -> FloatArray:

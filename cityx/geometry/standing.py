@@ -52,14 +52,14 @@ def stand_on(ground: MeshBatch | None, xy: ArrayLike) -> Footing:
     if ground is None or not ground.count or not len(spots):
         return Footing(label, z)
     faces, prepared = _tops(ground)
-    triangles = ground.faces[faces, :3]
     found = triangle_at(spots, prepared)
     hit = np.flatnonzero(found >= 0)
     known = {stable_id("ground", surface.name): i for i, surface in enumerate(SURFACES)}
     labels = np.array([known.get(int(own), NOWHERE) for own in ground.object_id])
-    own = np.searchsorted(ground.face_start, faces[found[hit]], side="right") - 1
+    face = faces[found[hit]]
+    own = np.searchsorted(ground.face_start, face, side="right") - 1
     label[hit] = labels[own]
-    z[hit] = heights_on(ground.vertices[triangles[found[hit]]], spots[hit])
+    z[hit] = heights_on(ground.vertices[ground.faces[face, :3]], spots[hit])
     return Footing(label, z)
 
 

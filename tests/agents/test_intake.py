@@ -4,6 +4,7 @@ import pytest
 
 from cityx.agents.intake import read_sources, sort_inputs
 from cityx.city.frame import NOWHERE
+from cityx.city.layout import CURVE
 from cityx.errors import InputError, UsageError
 
 STREET = {"kind": "residential", "name": "New Street"}
@@ -17,7 +18,7 @@ def drawing(tmp_path, coordinates, *, metres=True, properties=STREET, name="plan
     }
     content = {"type": "FeatureCollection", "features": [feature]}
     path = tmp_path / name
-    path.write_text(json.dumps({**content, **({"cityx:frame": "metres"} if metres else {})}))
+    path.write_text(json.dumps({**content, **({"units": "metres"} if metres else {})}))
     return path
 
 
@@ -41,7 +42,7 @@ def test_a_drawn_street_goes_before_the_map_and_leaves_its_site(town_map, tmp_pa
     assert both.frame == alone.frame
     assert both.layout.extent == alone.layout.extent
     assert both.name == alone.name
-    assert "New Street" in both.layout.roads["name"].tolist()
+    assert both.layout.lines["kind"].tolist().count(CURVE) == 1
     assert set(both.layout.buildings["id"]) <= set(alone.layout.buildings["id"])
     assert len(both.layout.roads) > 1
 

@@ -3,9 +3,8 @@ import shapely
 
 from cityx.city import Frame
 from cityx.sources.features.gather import gather
-from cityx.sources.features.kinds import KIND
 from cityx.sources.features.resolve import resolve
-from cityx.sources.features.tagged import Owner, Report, tag
+from cityx.sources.features.tagged import KIND, Owner, Report, tag
 
 BOX = (0.0, 0.0, 200.0, 200.0)
 

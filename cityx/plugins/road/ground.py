@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.city import City
-from cityx.city.ground import LABEL, SURFACES, Ground
+from cityx.city.ground import LABEL, ON_ROADWAY, SURFACES, Ground
 from cityx.city.heights import WayHeights
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
@@ -45,6 +45,7 @@ from cityx.plugins.road.landcover import (
 from cityx.plugins.road.network import road_network
 from cityx.plugins.road.painting import Painting, painting_of
 from cityx.plugins.road.park_paths import park_regions
+from cityx.plugins.road.stairs import build_stairs
 from cityx.plugins.road.streets import USUAL, street_regions
 from cityx.plugins.road.structures import Structures, build_structures, grounded_lines
 from cityx.plugins.road.tiers import cut_network
@@ -53,7 +54,7 @@ from cityx.protocol import Port, action, has_network
 TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
 PLAIN_TILE = 1000.0  # the same at detail level 0, where faces have fewer corners
 ROADWAY = tuple(LABEL[name] for name in ("carriageway", "setts", "gravel_road"))
-SCRAP = 0.5  # square metres of a junction's surface that something cut off from the rest
+SCRAP = 3.0  # square metres of a junction's surface that something cut off from the rest
 COARSE = 2.0  # metres by which land cover is simplified at detail level 0
 
 
@@ -93,7 +94,7 @@ def ground(city: City) -> City:
     found = _regions(city.layout, network, city.heights, built, city.lod, painting)
     arranged = arrange(found, city.layout.extent, lines=lines)
     if city.lod > 0:
-        arranged = absorb_scraps(arranged, LABEL["junction"], SCRAP)
+        arranged = absorb_scraps(arranged, LABEL["junction"], SCRAP, ON_ROADWAY)
         arranged = pave_blocks(arranged, city.layout)
     draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0)
     scene = city.scene.with_mesh("ground", draped)
@@ -103,7 +104,10 @@ def ground(city: City) -> City:
     scene = scene.with_mesh("surroundings", beyond)
     if survey is not None:
         survey = replace(survey, tolerance=tolerance, far_tolerance=far_tolerance)
-    for layer, mesh in (("decks", built.surfaces), ("structures", built.bodies)):
+    layers = {"decks": built.surfaces, "structures": built.bodies}
+    if city.lod > 1:
+        layers["stairs"] = build_stairs(city.layout, city.heights, city.terrain)
+    for layer, mesh in layers.items():
         if mesh.count:
             scene = scene.with_mesh(layer, mesh)
     return replace(city, ground=arranged, scene=scene, survey=survey)
@@ -117,8 +121,9 @@ def _with_heights(city: City) -> City:
         city = replace(city, heights=None)
     if city.heights is not None:
         return replace(city, network=network)
-    network, heights, terrain = way_heights(city.layout, network, city.terrain)
-    return replace(city, network=network, heights=heights, terrain=terrain)
+    network, heights, terrain, told = way_heights(city.layout, network, city.terrain)
+    notes = city.notes + told
+    return replace(city, network=network, heights=heights, terrain=terrain, notes=notes)
 
 
 def _regions(
@@ -202,7 +207,7 @@ def cell_lines(layout: Layout, terrain: Terrain, lod: int) -> tuple[NDArray[Any]
 def ground_of(layout: Layout, *, terrain: Terrain | None = None, lod: int = 2) -> Ground:
     """Arrange the ground of a layout without the rest of a city."""
     terrain = terrain if terrain is not None else flat_terrain()
-    network, heights, terrain = way_heights(layout, road_network(layout), terrain)
+    network, heights, terrain, _ = way_heights(layout, road_network(layout), terrain)
     built = build_structures(layout, network, heights, terrain, detail=lod > 0)
     found = _regions(layout, network, heights, built, lod)
     arranged = arrange(found, layout.extent, lines=cell_lines(layout, terrain, lod)[0])

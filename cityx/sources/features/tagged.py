@@ -15,6 +15,8 @@ from cityx.geometry.identity import stable_id
 from cityx.sources.features.clipping import Box, IntArray, clip_lines, clip_polygons
 
 Tags = dict[str, str]
+# Tag by which any source may say the layout's own word for the kind of a feature.
+KIND = "cityx:kind"
 
 MIN_AREA = 1.0  # square metres; less is a slip of the pen
 MIN_SOLID = 0.05  # square metres; monuments are modelled in small parts
@@ -189,6 +191,6 @@ def polygons_of(shapes: NDArray[Any], *, least: float = MIN_AREA) -> tuple[NDArr
 
 
 def tags_text(tags: Tags) -> str:
-    """Return tags as the JSON object that the tables keep, keys in order."""
-    quoted = [f"{_quote(key)}: {_quote(tags[key])}" for key in sorted(tags)]
+    """Return tags as the JSON object that the tables keep, keys in order; the kind is a column."""
+    quoted = [f"{_quote(key)}: {_quote(tags[key])}" for key in sorted(tags) if key != KIND]
     return f"{{{', '.join(quoted)}}}"
