@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.frame import Frame
-from cityx.city.sites import Box
+from cityx.city.sites import MARGIN, Box
 from cityx.city.terrain import Survey, Terrain
 from cityx.errors import InputError
 from cityx.sources.height_files import HeightFile, HeightOptions
@@ -33,7 +33,7 @@ FINE_STEP = 0.05  # metres; smaller steps do not show
 SMOOTHINGS = 8  # rounds over neighbouring cells; more change little
 WIDEST = 32.0  # cells over which long terraces are evened out at most
 RESAMPLED = 0.1  # metres by which straight lines between nodes may miss the file's surface
-UNSEEN = 2.0  # times as much as its nodes say a surface may bend between them
+UNSEEN = 3.0  # times the second difference of its nodes that a cubic spline curves at most
 FINEST, COARSEST = 1.0, 30.0  # metres between terrain nodes unless asked otherwise
 SLACK = 1.5  # cells of the file that the site may reach beyond it
 SURROUNDINGS = 3000.0  # metres round the site that are read for the view
@@ -195,7 +195,9 @@ def _exact_places(
 
 
 def _check_cover(files: list[HeightFile], frame: Frame, extent: Box) -> None:
-    spots = grid_points(extent)
+    width, depth = extent[2] - extent[0], extent[3] - extent[1]
+    edge = min(MARGIN, width / 4, depth / 4)  # the site grew by so much round its houses
+    spots = grid_points((extent[0] + edge, extent[1] + edge, extent[2] - edge, extent[3] - edge))
     inside = np.zeros(len(spots), bool)
     for file in files:
         assert file.to_cell is not None

@@ -206,7 +206,7 @@ def test_every_fault_of_several_files_is_said_at_once(tmp_path):
 
 @pytest.mark.parametrize("options", [{"span": (5.0, 5.0)}, {"span": (0.0, 1e9)}, {"pixel": -1.0}])
 def test_options_without_sense_are_refused(options):
-    with pytest.raises(UsageError, match="--height-range|--pixel"):
+    with pytest.raises(UsageError, match=r"--height-range|--pixel"):
         HeightOptions(**options)
 
 
