@@ -30,7 +30,7 @@ from cityx.geometry.raster.regions import filled, regions, without_small_patches
 from cityx.geometry.raster.rows import Plots, cut_into_houses
 from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
-from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, joined, tag
+from cityx.sources.features.tagged import Report, Tagged, Tags, joined, tag, tag_by_place
 from cityx.sources.map_classes import MapClass, Role
 
 BoolArray = NDArray[np.bool_]
@@ -122,17 +122,7 @@ def uncovered(found: ClassMap) -> ClassMap:
 
 
 def _owned(grid: Grid, source: str, word: str, shapes: NDArray[Any], tags: list[Tags]) -> Tagged:
-    """Name each shape by its place, so that what changes elsewhere changes no id."""
-    metres = grid.shapes_to_metres(shapes)
-    along = shapely.get_dimensions(metres) == 1
-    spots = shapely.point_on_surface(metres)
-    spots[along] = _middles(metres[along])
-    places = np.round(shapely.get_coordinates(spots), 2) + 0.0
-    owners = [
-        Owner((source, word, f"{x:.2f},{y:.2f}"), own)
-        for (x, y), own in zip(places.tolist(), tags, strict=True)
-    ]
-    return tag(metres, owners)
+    return tag_by_place(grid.shapes_to_metres(shapes), tags, (source, word))
 
 
 def _buildings(found: ClassMap, source: str, fidelity: str) -> Tagged:
