@@ -109,6 +109,10 @@ def build(
     ] = False,
     pixel: Annotated[float | None, typer.Option(help="Metres of an image's pixel.")] = None,
     fidelity: Annotated[str, typer.Option(help="Of images: exact, plausible.")] = "exact",
+    height_range: Annotated[
+        str | None, typer.Option(help="LOW,HIGH: metres of heights in other numbers.")
+    ] = None,
+    height_crs: Annotated[str, typer.Option(help="Coordinate system of heights: EPSG:3067.")] = "",
     place: Annotated[
         str, typer.Option(help="Place whose map is fetched: a name, or WEST,SOUTH,EAST,NORTH.")
     ] = "",
@@ -149,6 +153,8 @@ def build(
             confirm_legend=confirm_legend,
             pixel=pixel,
             fidelity=fidelity,
+            height_range=_numbers(height_range, ",", "--height-range", "0,120"),
+            height_crs=height_crs,
         ),
         settings=tuple(settings or ()),
         wishes=tuple(wishes or ()),

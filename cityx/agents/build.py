@@ -206,11 +206,10 @@ def generate(
         say(action)
         city = run.do(city, action, args)
     if reading.heights is not None:
-        from cityx.sources.height_field import survey_site
+        from cityx.sources.heights import lay_terrain
 
         with run.watch.step("terrain"):
-            terrain, survey = survey_site(reading.heights.path, city.frame, city.layout.extent)
-            city = replace(city, terrain=terrain, survey=survey)
+            city = lay_terrain(city, reading.heights)
     city = replace(city, stages_done=city.stages_done | {"layout", "terrain"})
     for position, (action, args) in enumerate(rest, start=1):
         say(f"{position}/{len(rest)} {action}")
@@ -286,10 +285,12 @@ def _build(
     if options.place:
         paths = [*paths, retrieve(options.place, kept_folder("maps"), say=say)]
     inputs = sort_inputs(paths, options.read.kinds)
-    calls = plan(options, _registry(), town=not inputs.sources)
     records = inputs.records
+    # What is asked of a map's workflow is known to be sound before the map is read.
+    calls = plan(options, _registry()) if inputs.sources else []
     with watch.step("parse"):
         reading = read_sources(inputs, replace(options.read, seed=options.seed, at=options.at))
+    calls = calls or plan(options, _registry(), town=not reading.name)
     staging = _staging(out)
     try:
         journal_path = staging / "journal.sqlite"

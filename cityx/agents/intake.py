@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
@@ -12,6 +13,9 @@ from cityx.city.sites import Box, moved
 from cityx.errors import UsageError, nearest
 from cityx.sources.combination import combine
 from cityx.sources.inputs import KINDS, WORDS, Input, classify
+
+if TYPE_CHECKING:
+    from cityx.sources.heights import Heights
 
 # What a person drew goes before what a map says, and a map before what was seen from above.
 PRECEDENCE = ("drawn", "osm", "semantic", "satellite")
@@ -35,6 +39,10 @@ class HowToRead:
         Metres of a pixel.
     fidelity
         "exact" or "plausible", of images.
+    height_range
+        Metres of the lowest and the highest number of heights that are no metres.
+    height_crs
+        Coordinate system of heights that do not name theirs.
     """
 
     seed: int = 0
@@ -44,6 +52,8 @@ class HowToRead:
     confirm_legend: bool = False
     pixel: float | None = None
     fidelity: str = "exact"
+    height_range: tuple[float, float] | None = None
+    height_crs: str = ""
 
 
 @dataclass(frozen=True)
@@ -55,17 +65,16 @@ class Inputs:
     sources
         Files that give a layout, in the order of their precedence.
     heights
-        The height file, or None.
+        Height files.
     """
 
     sources: tuple[Input, ...]
-    heights: Input | None
+    heights: tuple[Input, ...]
 
     @property
     def records(self) -> list[dict[str, object]]:
         """What the report says about the files."""
-        every = (*self.sources, *([self.heights] if self.heights else []))
-        return [item.record() for item in every]
+        return [item.record() for item in (*self.sources, *self.heights)]
 
 
 def sort_inputs(paths: list[Path], kinds: Iterable[str] = ()) -> Inputs:
@@ -83,15 +92,15 @@ def sort_inputs(paths: list[Path], kinds: Iterable[str] = ()) -> Inputs:
     """
     said = _said_kinds(paths, kinds)
     items = [classify(path, said.get(path.name, "")) for path in paths]
-    heights = [item for item in items if item.kind == "height"]
+    heights = tuple(item for item in items if item.kind == "height")
     sources = [item for kind in PRECEDENCE for item in items if item.kind == kind]
     maps = sum(item.kind == "osm" for item in sources)
-    if maps > 1 or len(heights) > 1:
+    if maps > 1:
         raise UsageError(
-            f"Give at most one map and one height file, and any drawings and images ({KINDS}); "
-            f"given: {maps} maps, {len(heights)} height files, {len(sources) - maps} others."
+            f"Give at most one map, and any drawings, images and heights ({KINDS}); given: "
+            f"{maps} maps."
         )
-    return Inputs(tuple(sources), heights[0] if heights else None)
+    return Inputs(tuple(sources), heights)
 
 
 def _said_kinds(paths: list[Path], kinds: Iterable[str]) -> dict[str, str]:
@@ -130,13 +139,14 @@ class Reading:
     site
         The rectangle that the file wants built, frame of the city, or None for any.
     heights
-        The height file of the site, or None.
+        The height files of the site, whose terrain is laid when its window is known; None for
+        none, and where the city has its terrain.
     """
 
     name: str
     city: City
     site: Box | None = None
-    heights: Input | None = None
+    heights: Heights | None = None
 
     @property
     def located(self) -> bool:
@@ -155,10 +165,9 @@ def read_sources(inputs: Inputs, how: HowToRead) -> Reading:
     InputError
         If a file cannot be read, holds no city or lies elsewhere than the others.
     """
+    heights = _read_heights(inputs, how) if inputs.heights else None
     if not inputs.sources:
-        frame = Frame(*how.at) if how.at else NOWHERE
-        city = City("town", frame, Layout((0.0, 0.0, 0.0, 0.0)), seed=how.seed)
-        return Reading("", city, heights=inputs.heights)
+        return _without_layout(heights, how)
     readings = [_READERS[item.kind](item, how) for item in inputs.sources]
     located = [reading.city.frame for reading in readings if reading.located]
     frame = located[-1] if located else Frame(*how.at) if how.at else NOWHERE
@@ -168,7 +177,29 @@ def read_sources(inputs: Inputs, how: HowToRead) -> Reading:
     city, name = placed[0].city, placed[0].name
     for other in placed[1:]:
         city = combine(city, other.city, names=(name, other.name), site=owner.city.layout.extent)
-    return replace(owner, city=replace(city, name=owner.city.name), heights=inputs.heights)
+    return replace(owner, city=replace(city, name=owner.city.name), heights=heights)
+
+
+def _read_heights(inputs: Inputs, how: HowToRead) -> Heights:
+    from cityx.sources.height_files import HeightOptions
+    from cityx.sources.heights import read_heights
+
+    options = HeightOptions(span=how.height_range, crs=how.height_crs, pixel=how.pixel)
+    return read_heights([item.path for item in inputs.heights], options)
+
+
+def _without_layout(heights: Heights | None, how: HowToRead) -> Reading:
+    """Return a city of heights alone, or an empty one for a town on the ground that they give."""
+    frame = Frame(*how.at) if how.at else NOWHERE
+    if heights is not None:
+        from cityx.sources.heights import height_city, place_of
+
+        if heights.has_houses:
+            city = height_city(heights, seed=how.seed, at=how.at)
+            return Reading(heights.files[0].path.name, city)
+        frame = place_of(heights, how.at)[0]
+    city = City("town", frame, Layout((0.0, 0.0, 0.0, 0.0)), seed=how.seed)
+    return Reading("", city, heights=heights)
 
 
 def _ground(readings: list[Reading], inputs: Inputs) -> Reading:
