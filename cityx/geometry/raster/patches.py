@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
-NECK = 0.2  # of the greatest depth of a patch; bodies joined by less are two
-BODY = 2.0  # depths of the neck that each of the bodies it joins is deep
+NECK = 0.15  # of the greatest depth of a patch; bodies joined by less are two
+BODY = 3.0  # depths of the neck that each of the bodies it joins is deep
 SOLID = 0.8  # share of its hull from which a patch is one body whatever its depth
 SHALLOW = 2.0  # pixels; patches not deeper than this have no neck that could be told from noise
 
