@@ -15,11 +15,14 @@ from scipy.special import ndtri
 from cityx.geometry.identity import UInt64Array, choose, stable_id, uniform
 from cityx.plugins.layout.districts import District
 from cityx.plugins.layout.plane import DENSITY, ZONES, Plane
-from cityx.plugins.layout.streets import half_width, local_tags, side_tags
+from cityx.plugins.layout.streets import half_width, local_tags, main_rank, side_tags
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+BUSY = ("primary", "secondary")  # main roads with shops along them
+STRIPS, STRIP_SIZE, STRIP_REACH = 0.15, 3000.0, 16.0  # share, square metres, metres to the road
+CAMPUSES, CAMPUS_SIZE = 0.12, 11_000.0  # share of the large blocks, square metres
 HIGH = (30.0, 110.0)  # metres of towers where the core begins and where it is densest
 FILLET = 4  # segments of a quarter of a circle round the corner of a block
 LEAST = 220.0  # square metres; less is left as green between streets
@@ -78,6 +81,7 @@ def blocks_of(plane: Plane, district: District) -> Blocks:
         zone[:] = "industry"
     elif sketch.kind == "superblock":
         zone[np.isin(zone, ["midrise", "core"])] = "slab"
+    _set_apart(plane, district, shapes, ids, zone)
     kind = np.array([LAND[word] for word in zone], object)
     area = shapely.area(shapes)
     green = _parks(plane, ids, area)
@@ -88,6 +92,25 @@ def blocks_of(plane: Plane, district: District) -> Blocks:
     kind[small], zone[small] = "grass", ""
     within, height = _within_zone(plane, ids, zone, density)
     return Blocks(shapes, ids, zone, kind, within, height)
+
+
+def _set_apart(
+    plane: Plane, district: District, shapes: NDArray[Any], ids: UInt64Array, zone: NDArray[Any]
+) -> None:
+    """Give some blocks to shops along main roads, and some large ones to schools and the like."""
+    if plane.plan.zone:
+        return
+    rim, area = district.sketch.rim, shapely.area(shapes)
+    drawn = uniform(plane.seed, "block/apart", ids)
+    ranks = [side.kind == "road" and main_rank(plane, rim.key, side.beyond) in BUSY for side in rim.sides]  # fmt: skip  # noqa: E501
+    busy = shapely.multilinestrings(rim.lines()[ranks])
+    beside = (
+        shapely.distance(shapes, busy) < STRIP_REACH if any(ranks) else np.zeros(len(ids), bool)
+    )
+    shops = beside & np.isin(zone, ["row", "suburb"]) & (area > STRIP_SIZE)
+    zone[shops & (drawn < STRIPS)] = "retail strip"
+    wide = np.isin(zone, ["midrise", "row", "suburb"]) & (area > CAMPUS_SIZE)
+    zone[wide & (drawn > 1.0 - CAMPUSES)] = "campus"
 
 
 def _within_zone(

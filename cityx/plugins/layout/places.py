@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cityx.checks.goals import KINDS, places_of
 from cityx.city import City, Goal
 from cityx.errors import ActionFailed
-from cityx.plugins.layout.rebuilding import cleared, street_blocks, with_area
+from cityx.plugins.layout.rebuilding import BORDER, cleared, street_blocks, with_area
 from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.tagged import Owner
 
@@ -25,6 +25,7 @@ SIZES: Mapping[str, tuple[float, float, float]] = {
 OPEN = ("pedestrian", "park", "water", "sea", "river")
 LAND = {"plaza": "pedestrian", "park": "park", "lake": "water"}
 NEARER = 150.0  # metres farther from the middle that weigh as much as a size 2.7 times off
+CUT = 10.0  # of the same weight, against a block that the border of the site cuts
 SHORE = 12.0  # metres from the walk to a lake
 ROUND = 8.0  # metres of the corners of a lake
 INSTEAD = "grass"  # land where there is to be a place no more
@@ -102,6 +103,8 @@ def added_place(city: City, kind: str) -> City:
         )
     away = shapely.distance(shapely.centroid(blocks), shapely.box(*layout.extent).centroid)
     cost = np.abs(np.log(size / best)) + away / NEARER
+    border = shapely.box(*layout.extent).exterior
+    cost += CUT * (shapely.distance(blocks, border) <= BORDER)
     block = blocks[int(np.argmin(np.where(fit, np.round(cost, 6), np.inf)))]
     shape = block
     if kind == "lake":

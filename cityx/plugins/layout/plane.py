@@ -70,8 +70,10 @@ class Plan:
         Share of the districts of a town's middle that have a plaza.
     industry
         Share of the outer districts that are industrial.
-    river, lakes, coast
-        Whether a river flows by; share of the districts that are lakes; where the sea lies.
+    river, river_width
+        Whether a river flows by; metres of water.
+    lakes, coast
+        Share of the districts that are lakes; where the sea lies.
     shore
         Metres from the origin to the sea.
     """

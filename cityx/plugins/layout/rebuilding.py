@@ -33,7 +33,7 @@ BORDER = 1.0  # metres; land nearer to the border of the site goes on beyond it
 def street_blocks(layout: Layout) -> NDArray[Any]:
     """Return the land between the streets of a layout, nearest to the middle first, (b,) polygons.
 
-    What goes on beyond the border of the site is left out.
+    What goes on beyond the border of the site comes last.
     """
     roads = layout.roads[layout.roads["kind"].isin(DRIVABLE)]
     walks = roads[["sidewalk_left", "sidewalk_right"]].max(axis=1).to_numpy()
@@ -46,9 +46,10 @@ def street_blocks(layout: Layout) -> NDArray[Any]:
     land = shapely.buffer(shapely.buffer(land, -THIN / 2, quad_segs=4), THIN / 2, quad_segs=4)
     found = shapely.get_parts(land)
     inner = shapely.distance(found, site.exterior) > BORDER
-    found = found[inner & (shapely.area(found) >= LEAST_BLOCK)]
+    large = shapely.area(found) >= LEAST_BLOCK
+    found, inner = found[large], inner[large]
     away = np.round(shapely.distance(shapely.centroid(found), site.centroid), 3)
-    return np.asarray(found[np.argsort(away, kind="stable")])
+    return np.asarray(found[np.lexsort((away, ~inner))])
 
 
 def cleared(layout: Layout, place: Any) -> Layout:

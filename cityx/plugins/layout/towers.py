@@ -39,7 +39,7 @@ OPEN = ("pedestrian", "park")  # land that stays open
 def towers(
     city: City,
     *,
-    count: Annotated[int, Range(1, 400)] = 25,
+    count: Annotated[int, Range(1, 400)] = 1,
     lowest: Annotated[float, Range(20.0, 600.0)] = 80.0,
     highest: Annotated[float, Range(20.0, 600.0)] = 150.0,
     around: Annotated[str, Choice("plaza", "park", "water", "nothing")] = "plaza",

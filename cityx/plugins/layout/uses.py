@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.goals import POINTS
+from cityx.checks.goals import share_slack
 from cityx.city import City, Goal
 from cityx.errors import ActionFailed
 from cityx.protocol import Choice, Port, Range, action
@@ -40,7 +40,7 @@ def use_share(
     use
         Word of building=*.
     share
-        0 to 1; met to two points in a hundred where buildings are small enough.
+        0 to 1; met to two points in a hundred, in small places to half a building.
     """
     table = city.layout.buildings
     area = shapely.area(table.geometry.to_numpy())
@@ -58,7 +58,7 @@ def use_share(
             continue
         uses[row] = use if more else common
     reached = area[uses == use].sum() / max(area.sum(), 1e-9)
-    if abs(reached - share) > POINTS:
+    if abs(reached - share) > share_slack(area):
         raise ActionFailed(
             f"A share of {share:g} for {use} cannot be met: the buildings allow {reached:.3f}."
         )

@@ -41,7 +41,8 @@ def finding(city, number=-1):
 
 
 def test_so_many_towers_stand_around_a_plaza(city):
-    changed = towers(city, count=25, lowest=80.0, highest=150.0, around="plaza")
+    asked = {"count": 25, "lowest": 80.0, "highest": 150.0, "around": "plaza"}
+    changed = towers(city, **asked)
     height = changed.layout.buildings["height"].to_numpy()
     assert ((height >= 80.0) & (height <= 150.0)).sum() == 25
     assert (height > 150.0).sum() == 0
@@ -55,7 +56,7 @@ def test_so_many_towers_stand_around_a_plaza(city):
     pairs = first < second
     shared = shapely.area(shapely.intersection(houses[first[pairs]], houses[second[pairs]]))
     assert shared.max(initial=0.0) < 0.05
-    assert towers(city).layout.parts.equals(changed.layout.parts)
+    assert towers(city, **asked).layout.parts.equals(changed.layout.parts)
 
 
 def test_a_goal_that_is_no_longer_met_is_said_so(city):
