@@ -14,9 +14,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city import City, Frame
+from cityx.city import City, Frame, Layout
 from cityx.errors import InputError
-from cityx.geometry.raster.centrelines import centrelines
+from cityx.geometry.raster.centrelines import Centrelines, centrelines
 from cityx.geometry.raster.grid import Grid
 from cityx.geometry.raster.outlines import outlines
 from cityx.geometry.raster.party_walls import parted
@@ -111,14 +111,12 @@ def uncovered(found: ClassMap) -> ClassMap:
     return ClassMap(labels, found.classes, found.grid)
 
 
-def _owned(
-    found: ClassMap, source: str, word: str, shapes: NDArray[Any], tags: list[Tags]
-) -> Tagged:
+def _owned(grid: Grid, source: str, word: str, shapes: NDArray[Any], tags: list[Tags]) -> Tagged:
     """Name each shape by its place, so that what changes elsewhere changes no id."""
-    metres = found.grid.shapes_to_metres(shapes)
+    metres = grid.shapes_to_metres(shapes)
     along = shapely.get_dimensions(metres) == 1
     spots = shapely.point_on_surface(metres)
-    spots[along] = shapely.line_interpolate_point(metres[along], 0.5, normalized=True)
+    spots[along] = _middles(metres[along])
     places = np.round(shapely.get_coordinates(spots), 2) + 0.0
     owners = [
         Owner((source, word, f"{x:.2f},{y:.2f}"), own)
@@ -139,7 +137,9 @@ def _buildings(found: ClassMap, source: str) -> Tagged:
     shapes, part = parted(shapes, bodies, parts)
     number, first = np.unique(parts, return_index=True)
     classes = found.labels.ravel()[first[np.searchsorted(number, part)]]
-    return _owned(found, source, "building", shapes, [dict(found.classes[c].tags) for c in classes])
+    return _owned(
+        found.grid, source, "building", shapes, [dict(found.classes[c].tags) for c in classes]
+    )
 
 
 def _by_class(found: ClassMap, bodies: NDArray[Any], mask: BoolArray) -> NDArray[Any]:
@@ -156,24 +156,33 @@ def _by_class(found: ClassMap, bodies: NDArray[Any], mask: BoolArray) -> NDArray
 
 
 def _ways(found: ClassMap, source: str, role: Role) -> Tagged:
-    """Draw the middles of streets or tracks, with classes by width."""
-    mask = without_specks(found.mask(role), found.pixels(LEAST_STREET))
-    mask = without_holes(mask, found.pixels(LEAST_GAP))
-    ways = centrelines(mask, tolerance=STRAY / found.grid.pixel)
-    middle = shapely.line_interpolate_point(ways.lines, 0.5, normalized=True)
-    column, row = np.floor(shapely.get_coordinates(middle)).astype(np.int64).reshape(-1, 2).T
-    rows, columns = found.labels.shape
-    label = found.labels[np.clip(row, 0, rows - 1), np.clip(column, 0, columns - 1)]
-    own = [
-        dict(found.classes[index].tags) if found.classes[index].role is role else {}
-        for index in label.tolist()
-    ]
-    if role is Role.ROAD:
-        own = [
-            {**street_tags(width), **tags}
-            for width, tags in zip((ways.width * found.grid.pixel).tolist(), own, strict=True)
-        ]
-    return _owned(found, source, str(role), ways.lines, own)
+    """Draw the middles of streets or tracks; tags of the class win over those of the width."""
+    ways = traced(found.mask(role), found.grid)
+    middle = found.grid.to_metres(shapely.get_coordinates(_middles(ways.lines)))
+    label = found.grid.values_at(found.labels, middle).tolist()
+    own = [found.classes[i].tags if found.classes[i].role is role else {} for i in label]
+    widths = (ways.width * found.grid.pixel).tolist() if role is Role.ROAD else []
+    drawn = [street_tags(width) for width in widths] or [{} for _ in own]
+    tags = [{**by_width, **said} for by_width, said in zip(drawn, own, strict=True)]
+    return _owned(found.grid, source, str(role), ways.lines, tags)
+
+
+def traced(mask: BoolArray, grid: Grid) -> Centrelines:
+    """Trace the streets of a mask, without specks and pinholes."""
+    mask = without_specks(mask, LEAST_STREET / grid.pixel**2)
+    mask = without_holes(mask, LEAST_GAP / grid.pixel**2)
+    return centrelines(mask, tolerance=STRAY / grid.pixel)
+
+
+def streets_of(mask: BoolArray, grid: Grid, source: str) -> Tagged:
+    """Draw the streets of a mask that says nothing else: lines with class, width and lanes."""
+    ways = traced(mask, grid)
+    tags = [street_tags(width) for width in (ways.width * grid.pixel).tolist()]
+    return _owned(grid, source, "road", ways.lines, tags)
+
+
+def _middles(lines: NDArray[Any]) -> NDArray[Any]:
+    return np.asarray(shapely.line_interpolate_point(lines, 0.5, normalized=True), object)
 
 
 def street_tags(width: float) -> Tags:
@@ -199,7 +208,7 @@ def _trees(found: ClassMap, source: str) -> tuple[Tagged, ClassMap]:
     tags: list[Tags] = [
         {"natural": "tree", "diameter_crown": f"{metres:.1f}"} for metres in across.tolist()
     ]
-    trees = _owned(found, source, "tree", np.asarray(spots, object).reshape(-1), tags)
+    trees = _owned(found.grid, source, "tree", np.asarray(spots, object).reshape(-1), tags)
     crown = (size <= found.pixels(CROWN))[patches] & (patches > 0)
     return trees, ClassMap(filled(found.labels, crown), found.classes, found.grid)
 
@@ -215,7 +224,14 @@ def _regions(found: ClassMap, source: str) -> Tagged:
     shapes, label = regions(labels, smooth=smooth, tolerance=0.3 * smooth)
     said = np.array([bool(item.tags) for item in found.classes], bool)[label]
     tags = [dict(found.classes[index].tags) for index in label[said].tolist()]
-    return _owned(found, source, "region", shapes[said], tags)
+    return _owned(found.grid, source, "region", shapes[said], tags)
+
+
+def layout_of(found: ClassMap, frame: Frame, *, source: str, seed: int) -> tuple[Layout, Report]:
+    """Make a complete layout from a class map; see `city_of`."""
+    report = Report()
+    features = gather(features_of(found, source), found.grid.extent, report)
+    return resolve(features, frame, seed=seed), report
 
 
 def city_of(
@@ -237,10 +253,8 @@ def city_of(
     InputError
         If the map shows neither a building nor a street.
     """
-    features = features_of(found, source)
-    report = Report()
-    gathered = gather(features, found.grid.extent, report)
-    if len(gathered.shells.outlines.shapes) == 0 and len(gathered.roads.shapes) == 0:
+    layout, report = layout_of(found, frame, source=source, seed=seed)
+    if not len(layout.buildings) and not len(layout.roads):
         shown = ", ".join(sorted({found.classes[i].word for i in np.unique(found.labels).tolist()}))
         raise InputError(
             f"The map shows no city: nothing on it is a building or a street (it shows {shown}; "
@@ -250,7 +264,7 @@ def city_of(
     return City(
         name,
         frame,
-        resolve(gathered, frame, seed=seed),
+        layout,
         seed=seed,
         stages_done=frozenset({"layout"}),
         notes=(*notes, *counts),

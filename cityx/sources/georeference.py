@@ -73,7 +73,8 @@ def _border(shape: tuple[int, ...], affine: Any, crs: Any) -> NDArray[np.float64
     step = np.linspace(0, 1, EDGE)[:-1]
     column = np.concatenate([step, np.ones_like(step), 1 - step, np.zeros_like(step)]) * columns
     row = np.concatenate([np.zeros_like(step), step, np.ones_like(step), 1 - step]) * rows
-    x, y = affine * (column, row)
+    x = affine.a * column + affine.b * row + affine.c
+    y = affine.d * column + affine.e * row + affine.f
     try:
         lon, lat = to_crs(crs, "EPSG:4326", x.tolist(), y.tolist())
     except Exception as error:  # rasterio has no common base for errors of projection

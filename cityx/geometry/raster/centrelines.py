@@ -32,6 +32,8 @@ REACH = 3.0  # depths beyond that over which the direction of an arm is measured
 PULL = 0.05  # weight with which a crossing stays where the skeleton has it
 SMOOTH = 2.0  # pixels, deviation of the filter that takes the staircase out of a skeleton
 EVEN = 0.5  # pixels; a skeleton lies half a pixel off the middle of every other strip
+CALM = 0.4  # the same in depths: wide streets wave less than their ragged borders
+WAVES = 0.06  # widths that a line may stray when points are dropped
 ROUNDS = 4  # of cutting off spurs; each may lay bare the next
 
 
@@ -178,9 +180,10 @@ def _straightened(lines: NDArray[Any], deep: FloatArray, tolerance: float) -> Ce
         kept = _clear_part(points, arms, row)
         width.append(2 * float(np.median(_depth_at(deep, points[kept]))) + EVEN)
         shapes.append(_drawn(points[kept], arms, row, place, deep))
-    found = shapely.simplify(np.array(shapes, object), tolerance)
+    across = np.array(width)
+    found = shapely.simplify(np.array(shapes, object), np.maximum(tolerance, WAVES * across))
     real = shapely.length(found) > 0
-    return Centrelines(found[real], np.array(width)[real])
+    return Centrelines(found[real], across[real])
 
 
 @dataclass(frozen=True)
@@ -255,7 +258,8 @@ def _drawn(
     """Draw a line smoothly from node to node; loose ends reach to the border of the mask."""
     from scipy.ndimage import gaussian_filter1d
 
-    smooth = gaussian_filter1d(clear, SMOOTH, axis=0, mode="nearest")
+    at = float(np.median(_depth_at(deep, clear)))
+    smooth = gaussian_filter1d(clear, max(SMOOTH, CALM * at), axis=0, mode="nearest")
     first, last = arms.ends[row].tolist()
     head = place[first] if arms.degree[first] > 1 else _end(smooth, deep)
     tail = place[last] if arms.degree[last] > 1 else _end(smooth[::-1], deep)
