@@ -164,10 +164,10 @@ def _fences(
     )  # fmt: skip
     margins = (
         shapely.buffer(_by_block(streets, block, count, shapely.multilinestrings), CLEAR, **PLAIN),
-        _by_block(shapely.buffer(walls, CLEAR, **PLAIN), block, count, shapely.multipolygons),
+        shapely.buffer(_by_block(walls, block, count, shapely.multipolygons), CLEAR, **PLAIN),
     )
     for margin in margins:
-        once = shapely.difference(once, shapely.make_valid(margin))
+        once = shapely.difference(once, margin)
     merged = shapely.line_merge(once)
     pieces, owner = shapely.get_parts(moved(merged, shift), return_index=True)
     long = shapely.length(pieces) > SHORTEST
