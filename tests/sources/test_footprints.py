@@ -8,6 +8,7 @@ from cityx.city import Frame
 from cityx.errors import UsageError
 from cityx.geometry.parcels import DOOR, parcels_of
 from cityx.geometry.rectangles import rectangles_of
+from cityx.geometry.seams import NEEDLE
 from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import Report
@@ -67,7 +68,10 @@ def test_buildings_stand_on_their_parcels_and_apart(block, zone, density, seed):
     for shape, owner in zip(found.shapes, found.owner, strict=True):
         if found.owners[owner].key[0] == "parcel":
             parcel = of[found.owners[owner].key[1]]
-            assert shape.difference(parcel).area < 1e-6
+            # Grounds with needles are rounded, so that their border may move by that much.
+            solid = "building" in found.owners[owner].tags
+            limit = 1e-6 if solid else NEEDLE * parcel.length
+            assert shape.difference(parcel).area < limit
     a, b = shapely.STRtree(houses).query(houses, predicate="intersects")
     assert shapely.area(shapely.intersection(houses[a[a < b]], houses[b[a < b]])).sum() < 1e-6
     homes = [shape for shape, own in zip(found.shapes, found.tags(), strict=True)

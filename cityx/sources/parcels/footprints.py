@@ -70,6 +70,8 @@ def footprints_of(
 
     Parameters
     ----------
+    parcels
+        Those of a block together: how deep its houses are and where its fences run depends on all.
     zone
         (m,) words of `GROUNDS`.
     density
@@ -95,11 +97,11 @@ def footprints_of(
     plots = plots_of(parcels, np.asarray(density, float), np.asarray(height, float))
     found: list[Built] = []
     lines: list[Tagged] = []
-    for word in dict.fromkeys(GROUNDS):
+    for word, kind in GROUNDS.items():
         rows = np.flatnonzero(zones == word)
         if not len(rows):
             continue
-        some, kind = plots.take(rows), GROUNDS[word]
+        some = plots.take(rows)
         raised = kind.raise_on(some, kind.coverage, seed=seed)
         raised.append(_ground(some, raised, dict(kind.ground)))
         found += [one.of(rows) for one in raised]
