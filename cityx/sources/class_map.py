@@ -7,6 +7,7 @@ houses and streets, as on any map; the ground arrangement cuts them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -227,15 +228,29 @@ def _regions(found: ClassMap, source: str) -> Tagged:
     return _owned(found.grid, source, "region", shapes[said], tags)
 
 
-def layout_of(found: ClassMap, frame: Frame, *, source: str, seed: int) -> tuple[Layout, Report]:
+def layout_of(
+    found: ClassMap,
+    frame: Frame,
+    *,
+    source: str,
+    seed: int,
+    draw: Callable[[ClassMap, str], Tagged] = features_of,
+) -> tuple[Layout, Report]:
     """Make a complete layout from a class map; see `city_of`."""
     report = Report()
-    features = gather(features_of(found, source), found.grid.extent, report)
+    features = gather(draw(found, source), found.grid.extent, report)
     return resolve(features, frame, seed=seed), report
 
 
 def city_of(
-    found: ClassMap, frame: Frame, *, source: str, name: str, seed: int, notes: tuple[str, ...] = ()
+    found: ClassMap,
+    frame: Frame,
+    *,
+    source: str,
+    name: str,
+    seed: int,
+    notes: tuple[str, ...] = (),
+    draw: Callable[[ClassMap, str], Tagged] = features_of,
 ) -> City:
     """Make a city with a complete layout from a class map.
 
@@ -247,13 +262,15 @@ def city_of(
         First word of every provenance: "semantic", "satellite".
     name, seed, notes
         Of the city.
+    draw
+        Makes the features of a map and the first word of their provenance.
 
     Raises
     ------
     InputError
         If the map shows neither a building nor a street.
     """
-    layout, report = layout_of(found, frame, source=source, seed=seed)
+    layout, report = layout_of(found, frame, source=source, seed=seed, draw=draw)
     if not len(layout.buildings) and not len(layout.roads):
         shown = ", ".join(sorted({found.classes[i].word for i in np.unique(found.labels).tolist()}))
         raise InputError(

@@ -77,6 +77,14 @@ def read_semantic_map(
     )
 
 
+def nowhere(source: str) -> str:
+    """Say what is taken for the place of a raster that does not tell it."""
+    return (
+        f"{source}: it does not say where on Earth it lies; sun, roofs and traffic are those of "
+        f"{SOMEWHERE[0]:g}° north, {SOMEWHERE[1]:g}° east"
+    )
+
+
 def _legend(
     path: Path, picture: Picture, said: str | Path | None, *, confirm: bool
 ) -> tuple[Legend, tuple[str, ...]]:
@@ -126,9 +134,6 @@ def _placed(
         pixel, why = estimated_pixel(bare)
         notes.append(f"semantic map: {why}")
     if at is None:
-        notes.append(
-            "semantic map: it does not say where on Earth it lies; sun, roofs and traffic are "
-            f"those of {SOMEWHERE[0]:g}° north, {SOMEWHERE[1]:g}° east"
-        )
+        notes.append(nowhere("semantic map"))
     grid = Grid.about_origin(rows, columns, pixel)
     return ClassMap(labels, classes, grid), Frame(*(at or SOMEWHERE)), tuple(notes)
