@@ -46,6 +46,9 @@ NEAR = 8.0  # metres around houses that are their gardens
 BLOB = 1200.0  # square metres of one patch, from which it is several houses
 LOOSE = 0.75  # share of its hull below which a patch is several houses
 BLOBS = 0.5  # share of a block's houses in such patches, from which it is built anew
+# Roofs cover less of any block; where more is marked as houses, whole plots are meant, gardens too.
+MOST_ROOF = 0.75
+PLOTS = ("suburb", 0.6)  # zone and density of such blocks
 TOWN = ("suburb", "row", "midrise")  # zones from which one is taken by its coverage
 
 
@@ -81,22 +84,20 @@ def _streets(found: ClassMap) -> Centrelines:
 
 def with_streets_connected(found: ClassMap) -> ClassMap:
     """Smooth the borders of streets, and lead those that break off on to the next."""
-    from skimage.morphology import disk, isotropic_closing, isotropic_opening
+    from skimage.morphology import isotropic_closing, isotropic_opening
 
-    reach = ROUGH / found.grid.pixel
     road = found.mask(Role.ROAD)
-    even = isotropic_opening(isotropic_closing(np.pad(road, disk(2).shape[0]), reach), reach / 2)
-    even = even[5:-5, 5:-5]
-    label = next((i for i, item in enumerate(found.classes) if item.role is Role.ROAD), None)
-    if label is None:
+    if not road.any():
         return found
-    labels = filled(found.labels, road & ~even) if (road & ~even).any() else found.labels.copy()
-    labels = np.where(even, np.uint8(label), labels)
+    reach = ROUGH / found.grid.pixel
+    margin = int(np.ceil(reach)) + 1
+    even = isotropic_closing(np.pad(road, margin, mode="edge"), reach)
+    even = isotropic_opening(even, reach / 2)[margin:-margin, margin:-margin]
+    label = next(i for i, item in enumerate(found.classes) if item.role is Role.ROAD)
+    labels = np.where(even, np.uint8(label), filled(found.labels, road & ~even))
     smooth = replace(found, labels=labels)
     missing = _missing_links(_streets(smooth), found.grid)
-    if len(missing):
-        labels[_burnt(found.grid, missing)] = label
-    return replace(found, labels=labels)
+    return replace(smooth, labels=np.where(_burnt(found.grid, missing), np.uint8(label), labels))
 
 
 def _missing_links(ways: Centrelines, grid: Grid) -> NDArray[Any]:
@@ -235,6 +236,7 @@ def _houses(plots: NDArray[Any], share: FloatArray, source: str, seed: int) -> T
     nearest = np.abs(share[:, None] - cover).argmin(axis=1)
     zone = np.array(TOWN, object)[nearest]
     density = np.clip(share / cover[nearest], 0.0, 1.0)
+    zone[share > MOST_ROOF], density[share > MOST_ROOF] = PLOTS
     parcels = parcels_of(plots, ids, zone, density, seed=seed)
     rows = parcels.block
     height = np.full(len(rows), np.nan)
