@@ -47,7 +47,7 @@ BLOB = 1200.0  # square metres of one patch, from which it is several houses
 LOOSE = 0.75  # share of its hull below which a patch is several houses
 BLOBS = 0.5  # share of a block's houses in such patches, from which it is built anew
 # Roofs cover less of any block; where more is marked as houses, whole plots are meant, gardens too.
-MOST_ROOF = 0.75
+MOST_ROOF = 0.62
 PLOTS = ("suburb", 0.6)  # zone and density of such blocks
 TOWN = ("suburb", "row", "midrise")  # zones from which one is taken by its coverage
 
