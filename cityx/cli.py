@@ -109,6 +109,9 @@ def build(
     ] = False,
     pixel: Annotated[float | None, typer.Option(help="Metres of an image's pixel.")] = None,
     fidelity: Annotated[str, typer.Option(help="Of images: exact, plausible.")] = "exact",
+    segmenter: Annotated[
+        str, typer.Option(help="ONNX file for aerial images, or none for colour alone.")
+    ] = "",
     height_range: Annotated[
         str | None, typer.Option(help="LOW,HIGH: metres of heights in other numbers.")
     ] = None,
@@ -153,6 +156,7 @@ def build(
             confirm_legend=confirm_legend,
             pixel=pixel,
             fidelity=fidelity,
+            segmenter=segmenter,
             height_range=_numbers(height_range, ",", "--height-range", "0,120"),
             height_crs=height_crs,
         ),

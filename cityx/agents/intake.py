@@ -39,6 +39,9 @@ class HowToRead:
         Metres of a pixel.
     fidelity
         "exact" or "plausible", of images.
+    segmenter
+        ONNX file that tells the classes of a photograph, "none" for colour and texture alone, ""
+        for the network that comes with CityX.
     height_range
         Metres of the lowest and the highest number of heights that are no metres.
     height_crs
@@ -52,6 +55,7 @@ class HowToRead:
     confirm_legend: bool = False
     pixel: float | None = None
     fidelity: str = "exact"
+    segmenter: str = ""
     height_range: tuple[float, float] | None = None
     height_crs: str = ""
 
@@ -250,8 +254,22 @@ def _read_semantic_map(item: Input, how: HowToRead) -> Reading:
     return Reading(item.path.name, city)
 
 
+def _read_satellite(item: Input, how: HowToRead) -> Reading:
+    from cityx.sources.satellite import read_satellite
+
+    city = read_satellite(
+        item.path,
+        pixel=how.pixel,
+        segmenter=how.segmenter or None,
+        fidelity=how.fidelity,
+        seed=how.seed,
+    )
+    return Reading(item.path.name, city)
+
+
 _READERS: Mapping[str, Callable[[Input, HowToRead], Reading]] = {
     "osm": _read_map,
     "drawn": _read_drawing,
     "semantic": _read_semantic_map,
+    "satellite": _read_satellite,
 }

@@ -7,6 +7,7 @@ houses and streets, as on any map; the ground arrangement cuts them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -271,11 +272,16 @@ def _regions(found: ClassMap, source: str) -> Tagged:
 
 
 def layout_of(
-    found: ClassMap, frame: Frame, *, source: str, seed: int, fidelity: str = EXACT
+    found: ClassMap,
+    frame: Frame,
+    *,
+    source: str,
+    seed: int,
+    draw: Callable[[ClassMap, str], Tagged] = features_of,
 ) -> tuple[Layout, Report]:
     """Make a complete layout from a class map; see `city_of`."""
     report = Report()
-    features = gather(features_of(found, source, fidelity), found.grid.extent, report)
+    features = gather(draw(found, source), found.grid.extent, report)
     return resolve(features, frame, seed=seed), report
 
 
@@ -287,7 +293,7 @@ def city_of(
     name: str,
     seed: int,
     notes: tuple[str, ...] = (),
-    fidelity: str = EXACT,
+    draw: Callable[[ClassMap, str], Tagged] = features_of,
 ) -> City:
     """Make a city with a complete layout from a class map.
 
@@ -299,15 +305,15 @@ def city_of(
         First word of every provenance: "semantic", "satellite".
     name, seed, notes
         Of the city.
-    fidelity
-        See `features_of`.
+    draw
+        Makes the features of a map and the first word of their provenance.
 
     Raises
     ------
     InputError
         If the map shows neither a building nor a street.
     """
-    layout, report = layout_of(found, frame, source=source, seed=seed, fidelity=fidelity)
+    layout, report = layout_of(found, frame, source=source, seed=seed, draw=draw)
     if not len(layout.buildings) and not len(layout.roads):
         shown = ", ".join(sorted({found.classes[i].word for i in np.unique(found.labels).tolist()}))
         raise InputError(

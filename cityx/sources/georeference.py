@@ -40,8 +40,37 @@ def laid_on_ground(
     from rasterio.transform import Affine
     from rasterio.warp import Resampling, reproject
 
+    rows, columns = raster.shape
+    grid, frame = ground_of((rows, columns), crs, transform)
+    laid = np.full((grid.rows, grid.columns), void, raster.dtype)
+    reproject(
+        raster, laid, src_transform=Affine(*transform[:6]), src_crs=crs,
+        dst_crs=frame.projection,
+        dst_transform=Affine(grid.pixel, 0.0, grid.west, 0.0, -grid.pixel, grid.north),
+        resampling=Resampling.nearest, init_dest_nodata=False,
+    )  # fmt: skip
+    return laid, grid, frame
+
+
+def ground_of(shape: tuple[int, int], crs: Any, transform: Sequence[float]) -> tuple[Grid, Frame]:
+    """Return the north-up grid, and the frame about its middle, that hold a raster.
+
+    Parameters
+    ----------
+    shape
+        Rows and columns of the raster.
+    crs, transform
+        As in `laid_on_ground`.
+
+    Raises
+    ------
+    InputError
+        If the raster lies nowhere on Earth or reaches over more than a region.
+    """
+    from rasterio.transform import Affine
+
     affine = Affine(*transform[:6])
-    lonlat = _border(raster.shape, affine, crs)
+    lonlat = _border(shape, affine, crs)
     middle = (lonlat.min(axis=0) + lonlat.max(axis=0)) / 2
     frame = Frame(round(float(middle[1]), 6) + 0.0, round(float(middle[0]), 6) + 0.0)
     border = frame.to_local(lonlat)
@@ -51,18 +80,11 @@ def laid_on_ground(
             f"The map reaches over {(high - low).max() / 1000:,.0f} km; a site measures at most "
             f"{LARGEST / 1000:.0f} km. Is its coordinate system ({crs}) right?"
         )
-    rows, columns = raster.shape
+    rows, columns = shape
     outline = np.abs(np.cross(*(border[[EDGE - 1, 2 * EDGE - 2]] - border[0])))
     pixel = float(np.sqrt(outline / (rows * columns)))
     size = np.maximum(np.ceil((high - low) / pixel - 1e-6).astype(int), 1)
-    grid = Grid(int(size[1]), int(size[0]), pixel, float(low[0]), float(high[1]))
-    laid = np.full((grid.rows, grid.columns), void, raster.dtype)
-    reproject(
-        raster, laid, src_transform=affine, src_crs=crs, dst_crs=frame.projection,
-        dst_transform=Affine(pixel, 0.0, grid.west, 0.0, -pixel, grid.north),
-        resampling=Resampling.nearest, init_dest_nodata=False,
-    )  # fmt: skip
-    return laid, grid, frame
+    return Grid(int(size[1]), int(size[0]), pixel, float(low[0]), float(high[1])), frame
 
 
 def _border(shape: tuple[int, ...], affine: Any, crs: Any) -> NDArray[np.float64]:

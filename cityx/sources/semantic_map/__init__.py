@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 from cityx.city import City, Frame
@@ -9,7 +10,14 @@ from cityx.city.frame import NOWHERE
 from cityx.errors import InputError, UsageError
 from cityx.geometry.raster.grid import Grid
 from cityx.geometry.raster.patches import label_patches
-from cityx.sources.class_map import EXACT, PLAUSIBLE, ClassMap, city_of, rows_of_houses
+from cityx.sources.class_map import (
+    EXACT,
+    PLAUSIBLE,
+    ClassMap,
+    city_of,
+    features_of,
+    rows_of_houses,
+)
 from cityx.sources.georeference import laid_on_ground
 from cityx.sources.map_classes import Role, class_of
 from cityx.sources.semantic_map.evidence import best_reading, chosen_legend
@@ -79,7 +87,7 @@ def read_semantic_map(
         name=name or path.name.split(".")[0].replace("_", " "),
         seed=seed,
         notes=(*notes, *more, *_rows_note(found, fidelity)),
-        fidelity=fidelity,
+        draw=partial(features_of, fidelity=fidelity),
     )
 
 

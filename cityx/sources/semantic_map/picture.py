@@ -18,6 +18,7 @@ IntArray = NDArray[np.int64]
 MOST_PIXELS = 64_000_000  # 8,000 x 8,000; a city of 4 km at 0.5 m, within 4 GB of memory
 LEAST_SIDE = 8  # pixels; a smaller picture shows no street
 MANY = 1 << 24  # colours of eight bits
+CLIPPED = 2.0  # percent of the values of a photograph that are shown as black, and as white
 OPAQUE = 128  # alpha from which a pixel says something
 _LOSSY = frozenset({"JPEG", "WEBP", "MPO"})
 
@@ -84,8 +85,16 @@ def _distinct(plane: Any) -> tuple[IntArray, IntArray]:
     return keys, place[plane].astype(np.int64)
 
 
-def read_picture(path: Path) -> Picture:
+def read_picture(path: Path, *, photograph: bool = False) -> Picture:
     """Read an image file.
+
+    Parameters
+    ----------
+    path
+        PNG, TIFF or JPEG, or whatever else Pillow reads.
+    photograph
+        Whether values of more than eight bits are light, to be shown between the darkest and the
+        brightest `CLIPPED` of them, instead of classes.
 
     Raises
     ------
@@ -99,8 +108,8 @@ def read_picture(path: Path) -> Picture:
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror}.") from error
     if head in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
-        return _read_tiff(path)
-    return _read_image(path)
+        return _read_tiff(path, photograph)
+    return _read_image(path, photograph)
 
 
 def _check_size(path: Path, columns: int, rows: int) -> None:
@@ -116,7 +125,7 @@ def _check_size(path: Path, columns: int, rows: int) -> None:
         )
 
 
-def _read_image(path: Path) -> Picture:
+def _read_image(path: Path, photograph: bool) -> Picture:
     from PIL import Image, UnidentifiedImageError
 
     try:
@@ -128,7 +137,7 @@ def _read_image(path: Path) -> Picture:
                 if frames > 1:
                     raise InputError(f"{path} is animated ({frames} pictures); give one picture.")
                 image.load()
-                return _from_pil(path, image)
+                return _from_pil(path, image, photograph)
     except Image.DecompressionBombError as error:
         raise InputError(
             f"{path} has more than {MOST_PIXELS:,} pixels, too many to be read at once. Cut it "
@@ -140,7 +149,7 @@ def _read_image(path: Path) -> Picture:
         raise InputError(f"{path} is damaged or cut off: {str(error).rstrip('.')}.") from error
 
 
-def _from_pil(path: Path, image: Any) -> Picture:
+def _from_pil(path: Path, image: Any, photograph: bool) -> Picture:
     lossy = image.format in _LOSSY
     mode = image.mode
     void = np.zeros(image.size[::-1], bool)
@@ -158,17 +167,26 @@ def _from_pil(path: Path, image: Any) -> Picture:
         raise InputError(
             f"{path} has colours of the kind {mode}; save it as RGB, grey or with a palette."
         )
-    return Picture(values, _grey(values), void, lossy)
+    return Picture(values, _grey(values, void, photograph), void, lossy)
 
 
-def _grey(values: NDArray[Any]) -> NDArray[np.uint8]:
+def _grey(values: NDArray[Any], void: NDArray[np.bool_], photograph: bool) -> NDArray[np.uint8]:
     """Show values as greys; more than eight bits are scaled."""
-    top = int(values.max(initial=0))
-    shown = values if top <= 255 else values * 255 // top
-    return np.repeat(np.clip(shown, 0, 255).astype(np.uint8)[:, :, None], 3, axis=2)
+    if values.max(initial=0) > 255:
+        values = _scaled(values, void, photograph)
+    return np.repeat(np.clip(values, 0, 255).astype(np.uint8)[:, :, None], 3, axis=2)
 
 
-def _read_tiff(path: Path) -> Picture:
+def _scaled(bands: NDArray[Any], void: NDArray[np.bool_], photograph: bool) -> NDArray[np.uint8]:
+    """Show values of any range in eight bits."""
+    low, high = 0.0, float(np.nanmax(bands))
+    if photograph and not void.all():
+        low, high = np.nanpercentile(bands[..., ~void], (CLIPPED, 100 - CLIPPED))
+    shown = (np.nan_to_num(bands) - low) * (255.0 / ((high - low) or 1.0))
+    return np.clip(shown, 0, 255).astype(np.uint8)
+
+
+def _read_tiff(path: Path, photograph: bool) -> Picture:
     import rasterio
     from rasterio.errors import NotGeoreferencedWarning, RasterioError
 
@@ -177,12 +195,12 @@ def _read_tiff(path: Path) -> Picture:
             warnings.simplefilter("ignore", NotGeoreferencedWarning)
             with rasterio.open(path) as dataset:
                 _check_size(path, dataset.width, dataset.height)
-                return _from_dataset(path, dataset)
+                return _from_dataset(path, dataset, photograph)
     except RasterioError as error:
         raise InputError(f"{path} is damaged or cut off: {str(error).rstrip('.')}.") from error
 
 
-def _from_dataset(path: Path, dataset: Any) -> Picture:
+def _from_dataset(path: Path, dataset: Any, photograph: bool) -> Picture:
     from rasterio.enums import ColorInterp
 
     bands = dataset.read()
@@ -202,11 +220,10 @@ def _from_dataset(path: Path, dataset: Any) -> Picture:
         if palette is not None:
             colors = palette[np.clip(values, 0, len(palette) - 1)]
             return Picture(None, colors, void, lossy, crs, transform)
-        return Picture(values, _grey(values), void, lossy, crs, transform)
+        return Picture(values, _grey(values, void, photograph), void, lossy, crs, transform)
     colors = bands[:3]
     if colors.dtype != np.uint8:
-        top = float(np.nanmax(colors)) or 1.0
-        colors = np.clip(np.nan_to_num(colors * (255.0 / top)), 0, 255).astype(np.uint8)
+        colors = _scaled(colors, void, photograph)
     return Picture(None, np.moveaxis(colors, 0, 2), void, lossy, crs, transform)
 
 
