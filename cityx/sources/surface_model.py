@@ -27,7 +27,7 @@ BoolArray = NDArray[np.bool_]
 SOURCE = "surface"  # first word of every provenance
 JOG = 1.6  # metres; shorter walls are noise of the grid
 JOG_CELLS = 2.0  # and so are walls of two cells
-STRAY = 3.0  # metres that a street may stray from the middle of its gap
+STRAY = 1.5  # metres that a street may stray from the middle of its gap
 DEAD_END = 40.0  # metres; a shorter one leads into a yard
 LONE = 500.0  # metres of streets that hang together and lead nowhere, round a lone house
 CARRIAGEWAY = 0.5  # share of a gap between houses; the rest are walks and front gardens
@@ -133,7 +133,8 @@ def _streets(found: Standing) -> Tagged:
     lines = _leading(lines, found.grid)
     if len(lines) == 0:
         return tag([], [])
-    room = [_room(line, depth(ground)) * pixel for line in lines]
+    deep = depth(ground)
+    room = [_room(line, deep) * pixel for line in lines]
     tags = [street_tags(min(max(CARRIAGEWAY * width, NARROWEST), WIDEST)) for width in room]
     return tag_by_place(found.grid.shapes_to_metres(lines), tags, (SOURCE, "road"))
 

@@ -10,6 +10,7 @@ BoolArray = NDArray[np.bool_]
 
 WINDOW = 60.0  # metres; no roof is wider in both directions, but for the largest halls
 BLOCK = 2.0  # metres; the ground is sought in cells of this size, the lowest of each
+ROUNDS = 6  # of finding more ground; each reaches on from the last
 LOW = 0.4  # metres above the opened surface that is still ground: grass, kerbs, noise
 
 
@@ -44,9 +45,9 @@ def ground_below(surface: FloatArray, cell: float) -> FloatArray:
     opened = ndimage.grey_opening(lowest, size=(size, size), mode="nearest")
     bare = lowest - opened < LOW
     ground = _drawn(lowest, bare)
-    # Slopes rise above what was opened: what hangs together with the ground is ground as well.
-    for _ in range(size):
-        more = ~bare & (lowest - ground < LOW) & ndimage.binary_dilation(bare)
+    # Slopes rise above what was opened: what lies near the ground drawn so far is ground as well.
+    for _ in range(ROUNDS):
+        more = ~bare & (lowest - ground < LOW)
         if not more.any():
             break
         bare |= more
@@ -66,18 +67,40 @@ def _lowest(surface: FloatArray, stride: int) -> FloatArray:
 
 
 def _drawn(heights: FloatArray, known: BoolArray) -> FloatArray:
-    """Draw a smooth surface through the known heights."""
+    """Draw a smooth surface through the known heights: means of ever larger blocks fill the rest.
+
+    References
+    ----------
+    Gortler et al., "The lumigraph", 1996 (pull and push).
+    """
+    if known.all() or not known.any():
+        return heights
+    total, weight = np.where(known, heights, 0.0), known.astype(float)
+    levels = [(total, weight)]
+    while (weight == 0).any():
+        total, weight = _halved(total), _halved(weight)
+        levels.append((total, weight))
+    drawn = total / weight
+    for total, weight in reversed(levels[:-1]):
+        wide = _doubled(drawn, total.shape)
+        drawn = np.where(weight > 0, total / np.maximum(weight, 1.0), wide)
+    return np.asarray(drawn)
+
+
+def _halved(values: FloatArray) -> FloatArray:
+    """Add up blocks of 2 x 2."""
+    rows, columns = values.shape
+    even = np.pad(values, ((0, rows % 2), (0, columns % 2)))
+    return np.asarray(even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2])
+
+
+def _doubled(values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    """Draw a grid twice as fine, evenly between the middles of its cells."""
     from scipy import ndimage
 
-    total, weight = np.where(known, heights, 0.0), known.astype(float)
-    drawn, sigma = np.where(known, heights, np.nan), 1.0
-    while np.isnan(drawn).any() and sigma < max(heights.shape) * 2:
-        near = ndimage.gaussian_filter(weight, sigma, mode="nearest", truncate=3.0)
-        value = ndimage.gaussian_filter(total, sigma, mode="nearest", truncate=3.0)
-        here = np.isnan(drawn) & (near > 0.01)
-        drawn[here] = value[here] / near[here]
-        sigma *= 2
-    return np.asarray(np.where(np.isnan(drawn), heights, drawn))
+    rows, columns = np.arange(shape[0]) / 2 - 0.25, np.arange(shape[1]) / 2 - 0.25
+    place = np.meshgrid(rows, columns, indexing="ij")
+    return np.asarray(ndimage.map_coordinates(values, place, order=1, mode="nearest"))
 
 
 def unevenness(heights: FloatArray) -> FloatArray:

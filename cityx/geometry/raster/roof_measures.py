@@ -63,13 +63,16 @@ def measure_roofs(shapes: NDArray[Any], above: FloatArray, grid: Grid) -> Roofs:
     count = len(shapes)
     height, rise = np.full(count, np.nan), np.zeros(count)
     form, across = np.full(count, "", object), np.zeros(count, bool)
-    for index, (spots, tops) in enumerate(_cells_in(shapes, above, grid)):
+    number = _numbered(shapes, grid)
+    cells = _cells_of(number, count, above, grid)
+    depths = _cells_of(number, count, _depths(number, grid.pixel), grid)
+    for index, ((spots, tops), (_, depth)) in enumerate(zip(cells, depths, strict=True)):
         known = np.isfinite(tops)
         if known.sum() < FEWEST or known.mean() < KNOWN:
             continue
         height[index] = np.percentile(tops[known], TOP)
-        inner = known & (_depth(shapes[index], spots) > grid.pixel)
-        found = _form(shapes[index], spots[inner], tops[inner])
+        inner = known & (depth > grid.pixel)
+        found = _form(shapes[index], spots[inner], tops[inner], depth[inner])
         form[index], across[index] = found[0], found[2]
         if found[1] > 0:
             rise[index] = found[1]
@@ -82,60 +85,67 @@ def heights_over_ring(
 ) -> tuple[FloatArray, FloatArray]:
     """Return (n,) heights of tops and of the ground round houses, from a surface alone.
 
-    The ground is sought within 3 m of the wall, where no other house stands; NaN where no such
-    place is.
+    The ground is sought within 3 m of the wall, where no other house stands nearer; NaN where no
+    such place is.
     """
+    from scipy import ndimage
+
     top, foot = np.full(len(shapes), np.nan), np.full(len(shapes), np.nan)
-    rings = shapely.difference(
-        shapely.buffer(shapes, RING + grid.pixel), shapely.buffer(shapes, grid.pixel)
-    )
-    tree = shapely.STRtree(shapes)
-    for index, (_, tops) in enumerate(_cells_in(shapes, surface, grid)):
+    number = _numbered(shapes, grid)
+    for index, (_, tops) in enumerate(_cells_of(number, len(shapes), surface, grid)):
         known = tops[np.isfinite(tops)]
         if len(known) >= max(FEWEST, KNOWN * len(tops)):
             top[index] = np.percentile(known, TOP)
-    for index, (spots, low) in enumerate(_cells_in(rings, surface, grid)):
-        if len(spots) == 0:
-            continue
-        free = np.isfinite(low)
-        free[np.unique(tree.query(shapely.points(spots), predicate="intersects")[0])] = False
-        if free.sum() >= FEWEST:
-            foot[index] = np.percentile(low[free], FOOT)
+    away, (row, column) = ndimage.distance_transform_edt(number == 0, return_indices=True)
+    # Cells at a wall hold some of the roof.
+    beside = (away > 1) & (away * grid.pixel <= RING + grid.pixel) & np.isfinite(surface)
+    near = np.where(beside, number[row, column], 0)
+    for index, (_, low) in enumerate(_cells_of(near, len(shapes), surface, grid)):
+        if len(low) >= FEWEST:
+            foot[index] = np.percentile(low, FOOT)
     return top, foot
 
 
-def _cells_in(
-    shapes: NDArray[Any], values: FloatArray, grid: Grid
-) -> list[tuple[FloatArray, FloatArray]]:
-    """Return for each shape the middles, (k, 2) metres, and the values of the cells within."""
+def _numbered(shapes: NDArray[Any], grid: Grid) -> NDArray[np.int32]:
+    """Return the number from 1 of the shape that holds the middle of each cell, 0 for none."""
     from rasterio.features import rasterize
     from rasterio.transform import Affine
 
-    found = []
-    bounds = grid.to_pixels(shapely.bounds(shapes).reshape(-1, 2)).reshape(-1, 4)
-    for shape, (left, bottom, right, top) in zip(shapes, bounds.tolist(), strict=True):
-        first = (max(int(np.floor(top)), 0), max(int(np.floor(left)), 0))
-        last = (min(int(np.ceil(bottom)), grid.rows), min(int(np.ceil(right)), grid.columns))
-        if first[0] >= last[0] or first[1] >= last[1]:
-            found.append((np.zeros((0, 2)), np.zeros(0)))
-            continue
-        corner = grid.to_metres([[first[1], first[0]]])[0]
-        inside = rasterize(
-            [shape], (last[0] - first[0], last[1] - first[1]),
-            transform=Affine(grid.pixel, 0, corner[0], 0, -grid.pixel, corner[1]),
-        ).astype(bool)  # fmt: skip
-        row, column = np.nonzero(inside)
-        row, column = row + first[0], column + first[1]
-        spots = grid.to_metres(np.column_stack([column + 0.5, row + 0.5]))
-        found.append((spots, values[row, column]))
-    return found
+    size = (grid.rows, grid.columns)
+    if len(shapes) == 0:
+        return np.zeros(size, np.int32)
+    place = Affine(grid.pixel, 0, grid.west, 0, -grid.pixel, grid.north)
+    pairs = zip(shapes, range(1, len(shapes) + 1), strict=True)
+    return np.asarray(rasterize(pairs, size, transform=place, dtype="int32"))
 
 
-def _depth(shape: Any, spots: FloatArray) -> FloatArray:
-    return np.asarray(shapely.distance(shape.boundary, shapely.points(spots)))
+def _cells_of(
+    number: NDArray[np.int32], count: int, values: FloatArray, grid: Grid
+) -> list[tuple[FloatArray, FloatArray]]:
+    """Return the middles, (k, 2) metres, and the values of the cells of each number from 1."""
+    row, column = np.nonzero(number)
+    order = np.argsort(number[row, column], kind="stable")
+    row, column = row[order], column[order]
+    spots = grid.to_metres(np.column_stack([column, row]) + 0.5)
+    begin = np.searchsorted(number[row, column], np.arange(1, count + 2))
+    tops = values[row, column]
+    return [
+        (spots[first:last], tops[first:last])
+        for first, last in zip(begin[:-1].tolist(), begin[1:].tolist(), strict=True)
+    ]
 
 
-def _form(shape: Any, spots: FloatArray, tops: FloatArray) -> tuple[str, float, bool, float]:
+def _depths(number: NDArray[np.int32], pixel: float) -> FloatArray:
+    """Return the metres from the middle of each cell to the wall of its shape, nearly."""
+    from scipy import ndimage
+
+    wall = ndimage.maximum_filter(number, 3) != ndimage.minimum_filter(number, 3)
+    return np.asarray((ndimage.distance_transform_edt(~wall) + 0.5) * pixel)
+
+
+def _form(
+    shape: Any, spots: FloatArray, tops: FloatArray, depth: FloatArray
+) -> tuple[str, float, bool, float]:
     """Return form, rise, whether the ridge runs across, and the height of the ridge."""
     silent = ("", 0.0, False, 0.0)
     if len(tops) < FEWEST_ROOF:
@@ -143,8 +153,7 @@ def _form(shape: Any, spots: FloatArray, tops: FloatArray) -> tuple[str, float, 
     middle = float(np.median(tops))
     if float(np.sqrt(np.mean(np.minimum((tops - middle) ** 2, (3 * LEVEL) ** 2)))) < LEVEL:
         return "flat", 0.0, False, 0.0
-    rooms = _rooms(shape, spots)
-    fits = [_fit(room, tops) for room in rooms]
+    fits = [_fit(room, tops) for room in (*_rooms(shape, spots), depth)]
     best = int(np.argmax([share for share, _, _ in fits]))
     share, rise, ridge = fits[best]
     if share < CLEAR or rise < SPREAD:
@@ -153,7 +162,7 @@ def _form(shape: Any, spots: FloatArray, tops: FloatArray) -> tuple[str, float, 
 
 
 def _rooms(shape: Any, spots: FloatArray) -> list[FloatArray]:
-    """Return how far in from the eaves places lie: of a ridge along, of one across, of hips."""
+    """Return how far in from the eaves places lie: of a ridge along, and of one across."""
     box = shapely.get_coordinates(shapely.oriented_envelope(shape))[:4]
     sides = [box[1] - box[0], box[2] - box[1]]
     sides.sort(key=lambda side: -float(np.hypot(*side)))
@@ -162,7 +171,7 @@ def _rooms(shape: Any, spots: FloatArray) -> list[FloatArray]:
         half = float(np.hypot(*side)) / 2
         off = (spots - box.mean(axis=0)) @ (side / (2 * half))
         rooms.append(half - np.abs(off))
-    return [*rooms, _depth(shape, spots)]
+    return rooms
 
 
 def _fit(room: FloatArray, tops: FloatArray) -> tuple[float, float, float]:
