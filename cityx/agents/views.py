@@ -22,14 +22,9 @@ Say = Callable[[str], None]
 
 def cameras_of(view: View, names: Sequence[str], size: tuple[int, int]) -> list[Camera]:
     """Choose a camera for every named view of a city."""
-    from cityx.plugins.render import cameras
+    from cityx.plugins.render.cameras import choose_camera
 
-    choose = {
-        "street": cameras.street_camera,
-        "aerial": cameras.aerial_camera,
-        "top": cameras.top_camera,
-    }
-    return [replace(choose[name](view), name=name, width=size[0], height=size[1]) for name in names]
+    return [choose_camera(view, name, width=size[0], height=size[1]) for name in names]
 
 
 def blender_views(

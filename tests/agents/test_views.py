@@ -1,3 +1,5 @@
+from math import tan
+
 import pytest
 
 from cityx.agents import views
@@ -59,3 +61,11 @@ def test_the_command_takes_both(built):
     assert done.exit_code == 0, done.output
     assert "street_storm-dusk.png" in done.output
     assert jobs[0].environment.rain > 10
+
+
+def test_the_view_from_above_fills_a_picture_of_any_form(built):
+    folder, _, jobs = built
+    views.render_views(folder, "top", size=(400, 400), say=print)
+    camera = jobs[0].renders[0].camera
+    seen = 2 * camera.position[2] * tan(camera.hfov / 2)
+    assert seen == pytest.approx(50.0)
