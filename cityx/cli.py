@@ -80,7 +80,7 @@ def build(
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder of the results.")],
     inputs: Annotated[
         list[Path] | None,
-        typer.Argument(help="Map (.osm[.gz|.bz2|.pbf]), drawing (.geojson, .gpx), height file."),
+        typer.Argument(help="Maps, drawings, images and heights of one place; none for a town."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, max=2**63 - 1, help="Key of all draws.")] = 0,
     workers: Annotated[int, typer.Option(min=1, max=64, help="Worker processes.")] = 1,
@@ -100,6 +100,22 @@ def build(
     render: Annotated[bool, typer.Option("--render/--no-render", help="Make pictures.")] = True,
     samples: Annotated[int, typer.Option(min=1, max=65536, help="Samples per pixel.")] = 48,
     picture: Annotated[str, typer.Option(help="Size of the pictures, pixels.")] = "960x540",
+    kinds: Annotated[
+        list[str] | None, typer.Option("--as", help="NAME=KIND: osm, semantic, satellite, ...")
+    ] = None,
+    legend: Annotated[str, typer.Option(help="Classes of a semantic map: preset or file.")] = "",
+    confirm_legend: Annotated[
+        bool, typer.Option("--confirm-legend", help="Take the classes proposed.")
+    ] = False,
+    pixel: Annotated[float | None, typer.Option(help="Metres of an image's pixel.")] = None,
+    fidelity: Annotated[str, typer.Option(help="Of images: exact, plausible.")] = "exact",
+    segmenter: Annotated[
+        str, typer.Option(help="ONNX file for aerial images, or none for colour alone.")
+    ] = "",
+    height_range: Annotated[
+        str | None, typer.Option(help="LOW,HIGH: metres of heights in other numbers.")
+    ] = None,
+    height_crs: Annotated[str, typer.Option(help="Coordinate system of heights: EPSG:3067.")] = "",
     place: Annotated[
         str, typer.Option(help="Place whose map is fetched: a name, or WEST,SOUTH,EAST,NORTH.")
     ] = "",
@@ -112,9 +128,10 @@ def build(
         typer.Option("--do", help='"ACTION NAME=VALUE ...", an action to add; may repeat.'),
     ] = None,
 ) -> None:
-    """Build a city from a map, a drawing, or several inputs of one place."""
+    """Build a city from a map, a drawing, an image, from several of one place, or from nothing."""
     from cityx.agents.build import BuildOptions
     from cityx.agents.build import build as build_city
+    from cityx.agents.intake import HowToRead
     from cityx.allocator import keep_freed_memory
 
     keep_freed_memory()
@@ -133,6 +150,16 @@ def build(
         samples=samples,
         picture=_pixels(picture),
         place=place,
+        read=HowToRead(
+            kinds=tuple(kinds or ()),
+            legend=legend,
+            confirm_legend=confirm_legend,
+            pixel=pixel,
+            fidelity=fidelity,
+            segmenter=segmenter,
+            height_range=_numbers(height_range, ",", "--height-range", "0,120"),
+            height_crs=height_crs,
+        ),
         settings=tuple(settings or ()),
         wishes=tuple(wishes or ()),
     )

@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from cityx.agents.intake import Reading, read_sources, sort_inputs
+from cityx.agents.intake import HowToRead, Reading, read_sources, sort_inputs
 from cityx.agents.journal import Journal, derivation_key
 from cityx.agents.requests import Planned, with_requests
 from cityx.agents.workflow import MAP_TO_CITY, calls_of
@@ -56,6 +56,8 @@ class BuildOptions:
         Cycles samples per pixel.
     picture
         (width, height) of the pictures, pixels.
+    read
+        What the user says of inputs that do not say it themselves; seed and place are those above.
     place
         Name or rectangle of a place whose map is fetched, or "".
     settings, wishes
@@ -76,6 +78,7 @@ class BuildOptions:
     samples: int = 48
     picture: tuple[int, int] = (960, 540)
     place: str = ""
+    read: HowToRead = field(default_factory=HowToRead)
     settings: tuple[str, ...] = ()
     wishes: tuple[str, ...] = ()
 
@@ -203,11 +206,10 @@ def generate(
         say(action)
         city = run.do(city, action, args)
     if reading.heights is not None:
-        from cityx.sources.height_field import survey_site
+        from cityx.sources.heights import lay_terrain
 
         with run.watch.step("terrain"):
-            terrain, survey = survey_site(reading.heights.path, city.frame, city.layout.extent)
-            city = replace(city, terrain=terrain, survey=survey)
+            city = lay_terrain(city, reading.heights)
     city = replace(city, stages_done=city.stages_done | {"layout", "terrain"})
     for position, (action, args) in enumerate(rest, start=1):
         say(f"{position}/{len(rest)} {action}")
@@ -282,11 +284,13 @@ def _build(
     say("reading")
     if options.place:
         paths = [*paths, retrieve(options.place, kept_folder("maps"), say=say)]
-    inputs = sort_inputs(paths)
-    calls = plan(options, _registry(), town=not inputs.sources)
+    inputs = sort_inputs(paths, options.read.kinds)
     records = inputs.records
+    # What is asked of a map's workflow is known to be sound before the map is read.
+    calls = plan(options, _registry()) if inputs.sources else []
     with watch.step("parse"):
-        reading = read_sources(inputs, seed=options.seed, at=options.at)
+        reading = read_sources(inputs, replace(options.read, seed=options.seed, at=options.at))
+    calls = calls or plan(options, _registry(), town=not reading.name)
     staging = _staging(out)
     try:
         journal_path = staging / "journal.sqlite"

@@ -22,6 +22,7 @@ from cityx.geometry.rectangles import rectangles_of
 from cityx.geometry.street_edges import street_lengths
 
 JITTER = 0.12  # of the side, how far a cut may lie from the middle
+ENOUGH, SPREAD = 1.3, 0.5  # times the wanted area from which a piece is halved; a draw adds more
 SMALLEST = 0.5  # of the wanted area that a half must have
 # Cuts that are tried: whether across the longer side, and how far beside the middle.
 TRIES = ((True, 0.0), (False, 0.0), (True, -0.2), (True, 0.2), (False, -0.2), (False, 0.2))
@@ -100,8 +101,7 @@ def split_blocks(
     code = np.ones(len(blocks), np.uint64)
     done: list[tuple[NDArray[Any], IntArray, UInt64Array]] = []
     for _ in range(MOST):
-        # A half of the wanted size comes from twice of it; the jitter decides in between.
-        limit = area[block] * (1.3 + 0.5 * uniform(seed, "parcel/limit", ids[block], code))
+        limit = area[block] * (ENOUGH + SPREAD * uniform(seed, "parcel/limit", ids[block], code))
         large = shapely.area(shapes) > limit
         done.append((shapes[~large], block[~large], code[~large]))
         shapes, block, code = shapes[large], block[large], code[large]
@@ -158,5 +158,5 @@ def _halved(
     fine[rows] = street_lengths(flat[rows], streets, owner[rows]) >= front[owner[rows]]
     rows = np.flatnonzero(fine)
     shape = rectangles_of(flat[rows])
-    fine[rows] = shape.length < SLENDER * np.maximum(shape.width, length.repeat(2)[rows] / 9)
+    fine[rows] = shape.length < SLENDER * shape.width
     return halves, fine.reshape(-1, 2).all(axis=1)

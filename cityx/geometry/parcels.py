@@ -20,6 +20,8 @@ from cityx.geometry.seams import moved, on_grid
 from cityx.geometry.street_edges import fronts_of, street_edges, street_lines
 
 DOOR = 1.2  # metres of street that every parcel has at least
+SPREAD = 0.1  # of the frontage, how much blocks of a zone differ
+STREET = 0.25  # of the wanted frontage that a halved piece has at least
 SHARE = 0.45  # of the wanted area; a smaller strip parcel joins its neighbour
 ROUND = 6  # decimals of metres to which borders of blocks are read
 
@@ -178,7 +180,7 @@ def _cut(
     seed: int,
 ) -> Pieces:
     """Cut each block the way of its zone."""
-    spread = 0.9 + 0.2 * uniform(seed, "parcel/size", ids)
+    spread = 1.0 + SPREAD * (2 * uniform(seed, "parcel/size", ids) - 1)
     frontage, depth = _sizes(zones, density)
     frontage = frontage * spread
     by_strips = np.array([SCHEMES[word].strips for word in zones], bool)
@@ -190,8 +192,8 @@ def _cut(
     rows = np.flatnonzero(~by_strips)
     if len(rows):
         cut = split_blocks(
-            blocks[rows], streets[rows], ids[rows], (frontage * depth)[rows], frontage[rows] / 4,
-            seed=seed,
+            blocks[rows], streets[rows], ids[rows], (frontage * depth)[rows],
+            STREET * frontage[rows], seed=seed,
         )  # fmt: skip
         made.append(Pieces(cut.shapes, rows[cut.block], cut.code, cut.heading))
     return joined_pieces(made)

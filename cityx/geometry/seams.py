@@ -38,7 +38,12 @@ def moved(shapes: NDArray[Any], shift: FloatArray, decimals: int | None = None) 
 
 
 def on_grid(shapes: NDArray[Any]) -> NDArray[Any]:
-    """Put corners on a binary grid, on which adding an origin of whole metres is exact."""
+    """Put corners on a binary grid, on which adding an origin of whole metres is exact.
+
+    Shapes with needles thinner than the grid lose them, and are rounded to `NEEDLE`.
+    """
     points = shapely.get_coordinates(shapes)
     snapped = shapely.set_coordinates(shapes.copy(), np.round(points * FINE) / FINE)
-    return np.where(shapely.is_valid(snapped), snapped, shapes)
+    broken = np.flatnonzero(~shapely.is_valid(snapped))
+    snapped[broken] = shapely.set_precision(shapely.set_precision(shapes[broken], NEEDLE), 0.0)
+    return np.asarray(snapped, object)

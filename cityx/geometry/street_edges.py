@@ -16,7 +16,7 @@ TOUCH = 1e-6  # metres; far above what rounding moves, far below any wall
 PROBES = (0.37, 0.71)  # of an edge; two odd places that only an edge along the border touches both
 BEND = np.radians(20.0)  # edges that turn less are one front
 STRAIGHT = 0.8  # of its length from end to end; of a run more bent the longest edge is the front
-WRONG_WAY = 0.2  # of its length that an edge counts which does not look the wanted way
+WRONG_WAY = 0.02  # of its length that an edge counts which does not look the wanted way
 NONE = -1
 
 
@@ -105,7 +105,7 @@ def fronts_of(edges: StreetEdges, count: int, heading: FloatArray) -> FloatArray
     chord = edges.end[tail] - edges.start[head]
     wanted = heading[edges.owner[head]]
     along = (chord * wanted).sum(axis=1) / np.maximum(np.hypot(*chord.T), TOUCH)
-    score = length * np.where(np.isnan(along), 1.0, np.maximum(along, 0.0) + WRONG_WAY)
+    score = length * np.where(np.isnan(along), 1.0, np.maximum(along, 0.0) ** 2 + WRONG_WAY)
     owner = edges.owner[head]
     order = np.lexsort((head, -np.round(score, 6), owner))
     first = np.ones(len(order), bool)

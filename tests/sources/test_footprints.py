@@ -6,11 +6,13 @@ from hypothesis import strategies as st
 
 from cityx.city import Frame
 from cityx.errors import UsageError
-from cityx.geometry.parcels import parcels_of
+from cityx.geometry.parcels import DOOR, parcels_of
 from cityx.geometry.rectangles import rectangles_of
+from cityx.geometry.seams import NEEDLE
 from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import Report
+from cityx.sources.osm import read_osm
 from cityx.sources.parcels.built import LEAST_ROOM
 from cityx.sources.parcels.footprints import GROUNDS, footprints_of
 
@@ -66,7 +68,10 @@ def test_buildings_stand_on_their_parcels_and_apart(block, zone, density, seed):
     for shape, owner in zip(found.shapes, found.owner, strict=True):
         if found.owners[owner].key[0] == "parcel":
             parcel = of[found.owners[owner].key[1]]
-            assert shape.difference(parcel).area < 1e-6
+            # Grounds with needles are rounded, so that their border may move by that much.
+            solid = "building" in found.owners[owner].tags
+            limit = 1e-6 if solid else NEEDLE * parcel.length
+            assert shape.difference(parcel).area < limit
     a, b = shapely.STRtree(houses).query(houses, predicate="intersects")
     assert shapely.area(shapely.intersection(houses[a[a < b]], houses[b[a < b]])).sum() < 1e-6
     homes = [shape for shape, own in zip(found.shapes, found.tags(), strict=True)
@@ -131,3 +136,35 @@ def test_a_layout_is_made_of_every_zone(zone):
     assert len(layout.buildings) == rows(found, "building").sum()
     assert report.counts == {}
     assert not report.failures
+
+
+STREETS = ("residential", "living_street", "tertiary", "secondary", "primary", "unclassified")
+REAL = ("new_york_east_village.osm.gz", "harrisburg_pa_access.osm.gz", "london_camberwell.osm")
+
+
+@pytest.mark.shared
+@pytest.mark.slow
+@pytest.mark.parametrize("name", REAL)
+@pytest.mark.parametrize("zone", ["core", "midrise", "row", "suburb"])
+def test_blocks_of_real_towns_are_cut_and_built_on(name, zone, shared_osm):
+    roads = read_osm(shared_osm(name)).layout.roads
+    lines = roads.geometry.to_numpy()[roads["kind"].isin(STREETS).to_numpy()]
+    faces = shapely.polygonize([shapely.node(shapely.multilinestrings(lines))])
+    streets = shapely.union_all(shapely.buffer(lines, 6.0))
+    blocks = shapely.get_parts(shapely.difference(shapely.get_parts(faces), streets))
+    blocks = shapely.get_parts(shapely.set_precision(shapely.simplify(blocks, 0.3), 1e-3))
+    blocks = blocks[(shapely.area(blocks) > 200) & (shapely.area(blocks) < 150_000)]
+    parcels, found = built_on(blocks, zone)
+    area = shapely.area(blocks)
+    assert np.allclose(
+        np.bincount(parcels.block, shapely.area(parcels.shapes)), area, rtol=1e-9, atol=0
+    )
+    assert shapely.length(parcels.street).min() > DOOR
+    assert shapely.is_valid(found.shapes).all()
+    houses = found.shapes[rows(found, "building")]
+    a, b = shapely.STRtree(houses).query(houses, predicate="intersects")
+    assert (
+        shapely.area(shapely.intersection(houses[a[a < b]], houses[b[a < b]])).max(initial=0.0)
+        < 1e-6
+    )
+    assert len(houses) > 0.8 * len(parcels.shapes)

@@ -26,7 +26,7 @@ MARGIN = 10.0  # metres around what a layout is made of, so that no object lies 
     ],
 )
 def point_to_face_conversion(
-    points: Points, *, spacing: Annotated[float, Range(0.01, 1000.0)] = 1.0
+    points: Points, *, spacing: Annotated[float, Range(0.0, 1000.0)] = 0.0
 ) -> Surfaces:
     """Convert points to faces: neighbours of one class become one polygon.
 
@@ -38,12 +38,14 @@ def point_to_face_conversion(
     points
         Points with classes, such as those of a semantic map.
     spacing
-        Edge of a cell, the distance between neighbouring points, metres.
+        Edge of a cell, metres; 0 for the distance between neighbouring points.
     """
     if points.count == 0:
         return make_surfaces([])
-    low = points.position[:, :2].min(axis=0)
-    cells = np.rint((points.position[:, :2] - low) / spacing).astype(np.int64)
+    xy = points.position[:, :2]
+    low = xy.min(axis=0)
+    step = spacing or _spacing(xy)
+    cells = np.rint((xy - low) / step).astype(np.int64)
     order = np.lexsort((points.kind, cells[:, 0], cells[:, 1]))
     cells, kinds = cells[order], points.kind[order]
     first = np.ones(len(cells), bool)
@@ -51,27 +53,30 @@ def point_to_face_conversion(
     shapes: list[shapely.Polygon] = []
     names: list[str] = []
     for kind in np.unique(kinds).tolist():
-        for shape in _joined(cells[first & (kinds == kind)], low, spacing):
+        for shape in _joined(cells[first & (kinds == kind)]):
             shapes.append(shape)
             names.append(kind)
-    return make_surfaces(np.array(shapes, object), names)
+    # Whole cells until here, so that runs share corners exactly.
+    faces = shapely.transform(np.array(shapes, object), lambda p: low + (p - 0.5) * step)
+    return make_surfaces(shapely.orient_polygons(faces), names)
 
 
-def _joined(
-    cells: NDArray[np.int64], low: NDArray[np.float64], spacing: float
-) -> list[shapely.Polygon]:
-    """Join (n, 2) cells, sorted by row and column, to polygons."""
+def _spacing(xy: NDArray[np.float64]) -> float:
+    """Return the least distance of two rows or columns of points, a metre where there is none."""
+    steps = [np.diff(np.unique(np.round(axis, 4))) for axis in xy.T]
+    return float(min((step.min() for step in steps if len(step)), default=1.0))
+
+
+def _joined(cells: NDArray[np.int64]) -> list[shapely.Polygon]:
+    """Join (n, 2) cells, sorted by row and column, to polygons in whole cells."""
     if len(cells) == 0:
         return []
     starts = np.ones(len(cells), bool)
     starts[1:] = (np.diff(cells[:, 1]) != 0) | (np.diff(cells[:, 0]) != 1)
     begin = np.flatnonzero(starts)
     end = np.append(begin[1:], len(cells)) - 1
-    # Whole cells until the end, so that runs share corners exactly.
     runs = shapely.box(cells[begin, 0], cells[begin, 1], cells[end, 0] + 1, cells[end, 1] + 1)
-    parts = shapely.get_parts(shapely.simplify(shapely.union_all(runs), 0))
-    parts = shapely.transform(parts, lambda p: low + (p - 0.5) * spacing)
-    return list(shapely.orient_polygons(parts))
+    return list(shapely.get_parts(shapely.simplify(shapely.union_all(runs), 0)))
 
 
 @action(
@@ -80,13 +85,15 @@ def _joined(
     lossy=0.1,
     limits=["Loses heights and points that are alone in their group."],
 )
-def point_to_line_conversion(points: Points) -> Lines:
+def point_to_line_conversion(
+    points: Annotated[Points, Port("points", "point", "path")],
+) -> Lines:
     """Convert points to lines: the points of one group, in order, become one polyline.
 
     Parameters
     ----------
     points
-        Points; those of one group belong together.
+        Points; those of one group follow each other, which pixels of a map do not.
     """
     order = np.argsort(points.group, kind="stable")
     groups, index, size = np.unique(points.group[order], return_inverse=True, return_counts=True)

@@ -8,9 +8,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.city.city import City
 from cityx.city.layout import AREA_KINDS, Layout, make_table
 from cityx.city.mesh import MeshBatch
 from cityx.geometry.identity import stable_id, uniform
+from cityx.plugins.convert.pixels import pixels_of
 from cityx.plugins.convert.points import extent_of
 from cityx.protocol import Port, Range, action
 from cityx.protocol.blocks import raise_outlines
@@ -25,6 +27,7 @@ from cityx.protocol.values import (
     make_lines,
     make_points,
 )
+from cityx.sources.class_map import layout_of
 
 LEVEL_HEIGHT = 3.0  # metres of a storey where nothing is said
 SMALLEST = 1e-6  # square metres; smaller faces enclose nothing
@@ -213,20 +216,28 @@ def class_color(word: str) -> LinearColor:
     classname="Face_to_layout_conversion",
     extension=True,
     lossy=0.1,
-    limits=["Loses classes the layout has no word for: such faces become residential land."],
+    limits=[
+        "Loses classes the layout has no word for: such faces become residential land.",
+        "Faces with stairs for borders are pixels of a map and are drawn as what they stand for.",
+    ],
 )
 def face_to_layout_conversion(
-    surfaces: Surfaces, *, levels: Annotated[int, Range(1, 200)] = 3
+    city: City, surfaces: Surfaces, *, levels: Annotated[int, Range(1, 200)] = 3
 ) -> Layout:
     """Convert faces to rows of the layout: buildings with their part, and areas.
 
     Parameters
     ----------
+    city
+        City whose frame and seed the layout is for.
     surfaces
         Faces; classes are "building", a use such as "apartments", or a word such as "park".
     levels
         Storeys of buildings whose face carries no height.
     """
+    pixels = pixels_of(surfaces)
+    if pixels is not None:
+        return layout_of(pixels, city.frame, source="face", seed=city.seed)[0]
     shapes = shapely.orient_polygons(shapely.force_2d(surfaces.geometry))
     words = surfaces.kind.astype(object)
     words = np.where(np.isin(surfaces.kind, ROAD_WORDS), "road_area", words)

@@ -101,6 +101,12 @@ def way_levels(layout: Layout) -> IntArray:
     return np.asarray(np.where(passage, 0, level))
 
 
+def free_heights(kind: NDArray[np.str_]) -> FloatArray:
+    """(n,) metres that stay free over ways, by what moves on them."""
+    rails, feet = np.isin(kind, RAILS), np.isin(kind, (*ON_FOOT, "steps"))
+    return np.select([rails, feet], [OVER_RAILS, OVER_FEET], OVER_CARS)
+
+
 def collect_ways(layout: Layout, network: RoadNetwork, *, everywhere: bool) -> Ways | None:
     """Collect the centrelines that need heights, with a station every few metres."""
     roads = layout.roads
@@ -141,8 +147,7 @@ def collect_ways(layout: Layout, network: RoadNetwork, *, everywhere: bool) -> W
     walk = roads[["sidewalk_left", "sidewalk_right"]].to_numpy(float).max(axis=1)[road]
     return Ways(
         lines, node, road, edge, level, grade,
-        np.select([rails, feet], [OVER_RAILS, OVER_FEET], OVER_CARS),
-        np.where(feet, FOOT_DECK, DECK), half, half + walk + EDGE,
+        free_heights(kind), np.where(feet, FOOT_DECK, DECK), half, half + walk + EDGE,
         roads["tunnel"].to_numpy()[road] & (level < 0), feet | (rails & (level < 0)),
         arc_lengths(lines)[0], int(node.max()) + 1,
     )  # fmt: skip

@@ -42,7 +42,14 @@ from cityx.plugins.road.heights import WATER
 from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.landcover import TRACK_BED, rail_strips
 from cityx.plugins.road.painting import Painting
-from cityx.plugins.road.stations import DECK, FOOT_DECK, ON_FOOT, RAILS, way_levels
+from cityx.plugins.road.stations import (
+    DECK,
+    FOOT_DECK,
+    ON_FOOT,
+    RAILS,
+    free_heights,
+    way_levels,
+)
 from cityx.plugins.road.streets import USUAL, street_regions
 from cityx.plugins.road.tiers import Spans, cut_network, spans_of
 
@@ -53,8 +60,7 @@ Shapes = NDArray[Any]
 
 LOW = 2.2  # metres; a deck lower above the ground stands on fill
 FOOTING = 0.5  # metres that fill and piers reach into the ground
-ROOM = 5.2  # metres from a tunnel's carriageway to its ceiling
-CEILING = 0.4  # metres of its slab
+CEILING = 0.4  # metres of the slab over a tunnel; with its free height less than it lies deep
 MOUTH = 60.0  # metres into a tunnel that anybody sees
 TOP_GAP = 0.04  # metres from a surface down to the slab, so that they never flicker
 SOFFIT = 0.06  # metres that a parapet's outside covers below the slab
@@ -113,6 +119,7 @@ class _Tier:
     road: IntArray  # (w,) row of the layout
     level: IntArray  # (w,)
     reach: FloatArray  # (w,) half the width with kerbs and walks
+    room: FloatArray  # (w,) metres free over it in a tunnel
 
 
 def build_structures(
@@ -186,7 +193,13 @@ def _tier_of(layout: Layout, sub: RoadNetwork, other: WayHeights) -> _Tier:
         np.concatenate([sub.edge_road, other.road]).astype(np.int64),
         np.concatenate([way_levels(layout)[sub.edge_road], other.level.astype(np.int64)]),
         np.concatenate([sub.half_width + KERB_WIDTH + walk, half]),
+        np.concatenate([_rooms(layout, sub.edge_road), _rooms(layout, other.road)]),
     )  # fmt: skip
+
+
+def _rooms(layout: Layout, road: NDArray[np.int32]) -> FloatArray:
+    """(w,) metres free over ways in tunnels."""
+    return free_heights(layout.roads["kind"].to_numpy().astype(str)[road])
 
 
 def _groups(whole: _Tier) -> list[IntArray]:
@@ -282,20 +295,21 @@ def _with_room(
 ) -> tuple[RoadNetwork, WayHeights]:
     """Keep what there is room for and, of what lies below, what is seen from a mouth.
 
-    Paths and tracks that are low above a carriageway, and cuttings that would open up a
-    carriageway or a house, are left out.
+    Paths and tracks that are low above a carriageway or would open it up, and cuttings that would
+    open up a house, are left out.
     """
     houses = layout.buildings.geometry.to_numpy()
     cars, ways = (Polylines(part.points, part.point_start) for part in (sub, other))
     below = [way_levels(layout)[sub.edge_road] < 0, other.level < 0]
     keep, mouths = [], []
-    for lines, lift in ((cars, sub.lift), (ways, other.lift)):
-        opened = (lift > -(ROOM + CEILING)) & (lift < -WALL_FROM)
+    for lines, lift, road in ((cars, sub.lift, sub.edge_road), (ways, other.lift, other.road)):
+        shallow = lift > -(_rooms(layout, road) + CEILING)[lines.line_of_point()]
+        opened = shallow & (lift < -WALL_FROM)
         mouths.append(lines.points[opened])
         free = ~_touching(lines, opened, houses)
         # Streets join cuttings of streets; what is walked or rides on rails keeps off them.
         keep.append(
-            free if lines is cars else free & ~_touching(lines, np.abs(lift) < LOW, streets)
+            free if lines is cars else free & ~_touching(lines, shallow & (lift < LOW), streets)
         )
     keep[0] |= ~below[0]
     tree = shapely.STRtree(shapely.points(np.concatenate(mouths)))
@@ -329,22 +343,24 @@ def _build_tier(
     lift = _of_faces(deck, z - soil)
     middle = _of_faces(deck, deck.vertices)
     wet = _in_water(layout, middle)
-    way = shapely.STRtree(to_linestrings(part.lines)).nearest(shapely.points(middle))
+    nearest = shapely.STRtree(to_linestrings(part.lines)).nearest
+    way = nearest(shapely.points(middle))
     height = _of_faces(deck, z)
     below = _traffic(network, middle, UNDER, lambda row, at: at < height[row] - STORY)
     spanning = solid & (part.level[way] > 0) & ((lift > LOW) | (wet & (lift > 0)))
     spanning |= solid & below
-    covered = solid & (lift < -(ROOM + CEILING)) & (part.level[way] < 0)
+    covered = solid & (lift < -(part.room[way] + CEILING)) & (part.level[way] < 0)
     filled = solid & ~spanning
     walked = np.isin(layout.roads["kind"].to_numpy().astype(str)[part.road[way]], WALKED)
     group = np.select([spanning & walked, spanning, filled], [2, 1, 0], -1)
     low = np.stack([np.minimum(z, soil) - FOOTING, z - DECK, z - FOOT_DECK])
     made = [slabs(deck, group, low, z - TOP_GAP)]
     thick = np.where(walked, FOOT_DECK, DECK)
-    made += _rims(part, deck, network, np.where(solid, 0, -1), z, soil, covered, thick)
+    ceiling = z + part.room[nearest(shapely.points(deck.vertices))]
+    made += _rims(part, deck, network, np.where(solid, 0, -1), z, soil, ceiling, covered, thick)
     if covered.any():
-        made.append(slabs(deck, np.where(covered, 0, -1), z + ROOM, z + ROOM + CEILING))
-        made.append(_headwalls(deck, network, covered, solid, z, soil))
+        made.append(slabs(deck, np.where(covered, 0, -1), ceiling, ceiling + CEILING))
+        made.append(_headwalls(deck, network, covered, solid, ceiling, soil))
     made.append(_piers(part, deck, spanning, terrain, layout))
     batches = [body_batch(bodies, f"structures {number} {k}") for k, bodies in enumerate(made)]
     opened = filled & ~covered & ~wet
@@ -453,9 +469,10 @@ def _bars(part: _Tier, terrain: Terrain) -> Shapes:
     at = [ends]
     lift = part.z - terrain.height_at(lines.points)
     first = np.flatnonzero(owner[1:] == owner[:-1])
-    for limit in (LOW, -(ROOM + CEILING)):
-        cut = first[(lift[first] - limit) * (lift[first + 1] - limit) < 0]
-        share = ((limit - lift[cut]) / (lift[cut + 1] - lift[cut]))[:, None]
+    for limit in (np.full(lines.count, LOW), -(part.room + CEILING)):
+        over = lift - limit[owner]
+        cut = first[over[first] * over[first + 1] < 0]
+        share = ((limit[owner[cut]] - lift[cut]) / (lift[cut + 1] - lift[cut]))[:, None]
         spot = lines.points[cut] * (1 - share) + lines.points[cut + 1] * share
         way = across[cut] * (1 - share) + across[cut + 1] * share
         at.append(np.stack([spot - way, spot + way], axis=1))
@@ -532,7 +549,7 @@ def _seams(part: _Tier) -> Any:
 
 def _rims(
     part: _Tier, deck: Ground, network: RoadNetwork, group: IntArray, z: FloatArray,
-    soil: FloatArray, covered: BoolArray, thick: FloatArray,
+    soil: FloatArray, ceiling: FloatArray, covered: BoolArray, thick: FloatArray,
 ) -> list[Bodies]:  # fmt: skip
     """Raise parapets along decks and walls along cuttings."""
     edges, inside, _ = rim_edges(deck, group)
@@ -555,7 +572,7 @@ def _rims(
     shapes = (
         (z - SOFFIT, z + PARAPET, PARAPET_WIDTH),
         (z - FOOTING, soil + CUTTING_PARAPET, CUTTING_WALL),
-        (z - FOOTING, z + ROOM + CEILING, CUTTING_WALL),
+        (z - FOOTING, ceiling + CEILING, CUTTING_WALL),
     )
     for number, (low, high, width) in enumerate(shapes):
         for depth in np.unique(thick[inside[kind == number]]) if number == 0 else (0.0,):
@@ -589,13 +606,13 @@ def _traffic(
 
 
 def _headwalls(
-    deck: Ground, network: RoadNetwork, covered: BoolArray, solid: BoolArray, z: FloatArray,
+    deck: Ground, network: RoadNetwork, covered: BoolArray, solid: BoolArray, low: FloatArray,
     soil: FloatArray,
 ) -> Bodies:  # fmt: skip
     """Close the space over the mouth of a tunnel up to a parapet above the ground."""
     edges, _, beyond = rim_edges(deck, np.where(covered, 0, -1))
     edges = edges[(beyond >= 0) & solid[np.maximum(beyond, 0)]]
-    low, high = z + ROOM, soil + CUTTING_PARAPET
+    high = soil + CUTTING_PARAPET
     edges = edges[~_in_the_way(deck, network, edges, CUTTING_WALL, low, high)]
     vertex, start = chains_of(edges, np.zeros(len(edges), np.int64))
     return beams(Polylines(deck.vertices[vertex], start), low[vertex], high[vertex], 0.0,

@@ -160,6 +160,29 @@ def tag(shapes: Sequence[Any] | NDArray[Any], owners: list[Owner]) -> Tagged:
     return Tagged(held, np.arange(len(owners)), np.zeros(len(owners), np.int64), owners)
 
 
+def tag_by_place(shapes: NDArray[Any], tags: Sequence[Tags], key: tuple[object, ...]) -> Tagged:
+    """Name each shape by its place, so that what changes elsewhere changes no id.
+
+    Parameters
+    ----------
+    shapes
+        (n,) scene frame, metres.
+    tags
+        Of each.
+    key
+        First words of every provenance.
+    """
+    along = shapely.get_dimensions(shapes) == 1
+    spots = shapely.point_on_surface(shapes)
+    spots[along] = shapely.line_interpolate_point(shapes[along], 0.5, normalized=True)
+    places = np.round(shapely.get_coordinates(spots), 2) + 0.0
+    owners = [
+        Owner((*key, f"{x:.2f},{y:.2f}"), own)
+        for (x, y), own in zip(places.tolist(), tags, strict=True)
+    ]
+    return tag(shapes, owners)
+
+
 def nothing() -> Tagged:
     """Return no shapes."""
     return tag([], [])

@@ -18,6 +18,7 @@ from cityx.sources.features.heights import TYPE_OF_USE, height_of_levels, levels
 from cityx.sources.features.tagged import Owner, Tagged, Tags
 
 LEAST_ROOM = 4.2  # metres; no building is narrower
+LOST = 0.25  # of a building, how much may be corners too narrow for a room
 LEAST_AREA = 30.0  # square metres; nor smaller
 
 
@@ -64,7 +65,7 @@ def habitable(shapes: NDArray[Any]) -> NDArray[np.bool_]:
     # Nothing that a room's width does not reach into may be more than a corner of the shape.
     opened = shapely.buffer(inner, LEAST_ROOM / 2, join_style="mitre")
     lost = shapely.area(shapely.difference(shapes[rows], opened))
-    good[rows] = ~shapely.is_empty(inner) & (lost < 0.25 * shapely.area(shapes[rows]))
+    good[rows] = ~shapely.is_empty(inner) & (lost < LOST * shapely.area(shapes[rows]))
     return np.asarray(good, bool)
 
 

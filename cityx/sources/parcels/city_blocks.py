@@ -22,6 +22,8 @@ from cityx.sources.parcels.built import (
 BLOCK_DEPTH = (10.0, 13.5)  # metres of a house with light from two sides
 RING_SHARE = 0.9  # of the wanted ground that houses along the street take; wings take the rest
 WING = 5.8  # metres; a wing along the party wall has rooms to one side
+SHORTEST_WING, LONGEST_WING = 4.0, 18.0  # metres
+NEWTON = 4  # steps until the area of a base is right to a thousandth
 COURT = 4.0  # metres that a wing keeps from the rear border
 USUAL_DEPTH = 34.0  # metres; what lies further back counts for no wing
 TOWER_FROM = 30.0  # metres; a lower building of the core is all of a piece
@@ -39,12 +41,12 @@ def perimeter_blocks(plots: Plots, target: float, *, seed: int) -> list[Built]:
     counted = np.minimum(plots.area, USUAL_DEPTH * shapely.length(plots.street))
     missing = target * counted - shapely.area(front)
     room = plots.high[:, 1] - COURT - depth
-    reach = np.minimum(np.clip(missing / WING, 0.0, 18.0), room)
+    reach = np.minimum(np.clip(missing / WING, 0.0, LONGEST_WING), room)
     left = plots.draw("wing-side", 0, 1, seed=seed) < 0.5
     x0 = np.where(left, -FAR, plots.high[:, 0] - WING)
     x1 = np.where(left, plots.low[:, 0] + WING, FAR)
     wing = plots.within(plots.boxes(x0, depth - 1.0, x1, depth + reach))
-    fits = (reach > 4.0) & (shapely.get_type_id(wing) == 3) & habitable(wing)
+    fits = (reach > SHORTEST_WING) & (shapely.get_type_id(wing) == 3) & habitable(wing)
     house = front.copy()
     rows = np.flatnonzero(fits)
     house[rows] = unite(front[rows], wing[rows])
@@ -113,7 +115,7 @@ def core_towers(plots: Plots, target: float, *, seed: int) -> list[Built]:
 def _scaled(plots: Plots, target: float) -> NDArray[Any]:
     """Return the parcels less a margin all around that leaves a share of their area."""
     distance = np.zeros(plots.count)
-    for _ in range(4):  # Newton's method; a margin changes the area by its length
+    for _ in range(NEWTON):  # a step of Newton's method; a margin changes the area by its length
         left = shapely.buffer(plots.shapes, -distance, join_style="mitre")
         length = np.maximum(shapely.length(left), 1.0)
         distance = np.maximum(distance + _error(left, plots.area, target) / length, 0.0)

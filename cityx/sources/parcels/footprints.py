@@ -70,6 +70,8 @@ def footprints_of(
 
     Parameters
     ----------
+    parcels
+        Those of a block together: how deep its houses are and where its fences run depends on all.
     zone
         (m,) words of `GROUNDS`.
     density
@@ -95,11 +97,11 @@ def footprints_of(
     plots = plots_of(parcels, np.asarray(density, float), np.asarray(height, float))
     found: list[Built] = []
     lines: list[Tagged] = []
-    for word in dict.fromkeys(GROUNDS):
+    for word, kind in GROUNDS.items():
         rows = np.flatnonzero(zones == word)
         if not len(rows):
             continue
-        some, kind = plots.take(rows), GROUNDS[word]
+        some = plots.take(rows)
         raised = kind.raise_on(some, kind.coverage, seed=seed)
         raised.append(_ground(some, raised, dict(kind.ground)))
         found += [one.of(rows) for one in raised]
@@ -164,10 +166,10 @@ def _fences(
     )  # fmt: skip
     margins = (
         shapely.buffer(_by_block(streets, block, count, shapely.multilinestrings), CLEAR, **PLAIN),
-        _by_block(shapely.buffer(walls, CLEAR, **PLAIN), block, count, shapely.multipolygons),
+        shapely.buffer(_by_block(walls, block, count, shapely.multipolygons), CLEAR, **PLAIN),
     )
     for margin in margins:
-        once = shapely.difference(once, shapely.make_valid(margin))
+        once = shapely.difference(once, margin)
     merged = shapely.line_merge(once)
     pieces, owner = shapely.get_parts(moved(merged, shift), return_index=True)
     long = shapely.length(pieces) > SHORTEST

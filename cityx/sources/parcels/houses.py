@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,19 @@ from cityx.sources.parcels.built import Built, building_tags, built, habitable, 
 
 FAR = 500.0  # metres; wider than any parcel
 GARAGE = (3.2, 6.0)  # metres wide and deep
+GARAGE_BACK = 1.5  # metres that a garage stands behind the front of its house
+JAMB = 0.2  # metres beside a garage door
+BEHIND = 2.5  # metres of room that a garage needs besides its own depth
 PATH = 1.3  # metres wide
+FRONT_GARDEN = (4.0, 7.0)  # metres, alike along a block
+STEP_BACK = (-0.6, 1.2)  # metres by which a house leaves the line of its block
+SIDE_YARD = 1.6  # metres between a house and its neighbour's ground
+SMALLEST_SIDE, LARGEST_SIDE = 6.5, 14.5  # metres of a detached house
+ANGLED = 0.6  # of the houses that have a notch, where they are large enough
+NOTCHED = (9.5, 8.0)  # metres wide and deep
+TWO_STOREYS = 0.3  # of the houses where density is least
+HIPPED = 0.35  # of the roofs
+SHED, SHEDS = 2.6, 0.4  # metres deep; share of gardens that have one
 FARM_DEPTH = 9.5  # metres of a farmhouse
 SMALL_FARM = 80.0  # square metres; a smaller farmhouse has no barn
 YARD = 8.0  # metres between farmhouse and barn
@@ -53,63 +66,110 @@ def _with_wings(houses: NDArray[Any], wings: NDArray[Any], fits: NDArray[np.bool
     return np.where(shapely.get_type_id(whole) == 3, whole, houses)
 
 
+@dataclass(frozen=True)
+class _Homes:
+    """Boxes of detached houses in the frames of their plots, (m,) metres each.
+
+    Attributes
+    ----------
+    x0, y0, width, depth
+        Of the house; y0 is its front.
+    garage
+        (m,) whether a garage stands beside it.
+    mirrored
+        (m,) whether that is on its left.
+    """
+
+    x0: FloatArray
+    y0: FloatArray
+    width: FloatArray
+    depth: FloatArray
+    garage: NDArray[np.bool_]
+    mirrored: NDArray[np.bool_]
+
+
 def suburban_houses(plots: Plots, target: float, *, seed: int) -> list[Built]:
     """Raise detached houses with a garage, a drive, a path and now and then a shed."""
-    setback = plots.draw_alike("setback", 4.0, 7.0, seed=seed)
-    setback = setback + plots.draw("setback", -0.6, 1.2, seed=seed)
-    pads = pads_in(plots, plots.room(front=setback, side=1.6), deepest=DEEPEST)
-    wanted = target * plots.area - GARAGE[0] * GARAGE[1]
-    house_width = np.clip(pads.width - GARAGE[0] - 0.4, 0.0, 15.0)
-    garage = (pads.width >= 7.0 + GARAGE[0]) & (pads.depth > GARAGE[1] + 2.5)
-    house_width = np.where(garage, house_width, np.minimum(pads.width, 15.0))
-    wanted = np.where(garage, wanted, target * plots.area)
-    depth = np.clip(wanted / np.maximum(house_width, 1.0), 6.5, 14.0)
-    house_width = np.minimum(house_width, np.maximum(wanted / depth, 6.5))
-    depth = np.minimum(depth, pads.depth)
-    mirrored = plots.draw("mirror", 0, 1, seed=seed) < 0.5
-    block = house_width + np.where(garage, GARAGE[0], 0.0)
-    start = pads.x0 + plots.draw("shift", 0.2, 0.8, seed=seed) * np.maximum(pads.width - block, 0)
-    x0 = np.where(mirrored & garage, start + GARAGE[0], start)
-    house = _angled(plots, x0, pads.y0, house_width, depth, mirrored, seed=seed)
-    stands = habitable(house) & (house_width > 6.0)
-    hipped = plots.draw("roof", 0, 1, seed=seed)
-    levels = 1.0 + (plots.draw("levels", 0, 1, seed=seed) < 0.3 + 0.5 * plots.density)
-    tags = building_tags(plots, "detached", levels)
-    for own, u in zip(tags, hipped.tolist(), strict=True):
-        own["roof:shape"] = "hipped" if u < 0.35 else "gabled"
-    g0 = np.where(mirrored, x0 - GARAGE[0], x0 + house_width)
-    back = pads.y0 + 1.5
-    park = plots.boxes(g0, back, g0 + GARAGE[0], back + GARAGE[1])
-    garage &= stands
-    drive = plots.within(plots.boxes(g0 + 0.2, -1.0, g0 + GARAGE[0] - 0.2, back))
-    door = x0 + house_width / 2
-    path = plots.within(plots.boxes(door - PATH / 2, -1.0, door + PATH / 2, pads.y0))
-    shed, has_shed = _sheds(plots, pads, pads.y0 + np.maximum(depth, GARAGE[1] + 1.5), seed=seed)
+    setback = plots.draw_alike("setback-of-block", *FRONT_GARDEN, seed=seed)
+    setback = setback + plots.draw("setback", *STEP_BACK, seed=seed)
+    pads = pads_in(plots, plots.room(front=setback, side=SIDE_YARD), deepest=DEEPEST)
+    homes = _homes(plots, pads, target, seed=seed)
+    house = _angled(plots, homes, seed=seed)
+    stands = habitable(house)
+    two_storeys = plots.draw("levels", 0, 1, seed=seed) < TWO_STOREYS + plots.density / 2
+    tags = building_tags(plots, "detached", 1.0 + two_storeys)
+    for own, drawn in zip(tags, plots.draw("roof", 0, 1, seed=seed).tolist(), strict=True):
+        own["roof:shape"] = "hipped" if drawn < HIPPED else "gabled"
     return [
         built("house", house, tags, stands),
-        built("garage", park, {"building": "garage", "building:levels": "1", "roof:shape": "flat"},
-              garage),
-        built("shed", shed, {"building": "shed", "building:levels": "1", "roof:shape": "gabled"},
-              has_shed & stands),
-        built("drive", drive, {"area:highway": "service"}, garage & _plain(drive)),
+        *_garages(plots, homes, stands),
+        *_backyards(plots, pads, homes, stands, seed=seed),
+    ]
+
+
+def _homes(plots: Plots, pads: Pads, target: float, *, seed: int) -> _Homes:
+    """Size houses so that they and their garages take the wanted share of the plot."""
+    wide, deep = GARAGE
+    garage = (pads.width >= SMALLEST_SIDE + wide) & (pads.depth > deep + BEHIND)
+    room = np.minimum(np.where(garage, pads.width - wide, pads.width), LARGEST_SIDE)
+    wanted = target * plots.area - np.where(garage, wide * deep, 0.0)
+    depth = np.clip(wanted / np.maximum(room, 1.0), SMALLEST_SIDE, LARGEST_SIDE)
+    width = np.minimum(room, np.maximum(wanted / depth, SMALLEST_SIDE))
+    depth = np.minimum(depth, pads.depth)
+    mirrored = plots.draw("mirror", 0, 1, seed=seed) < 0.5
+    spare = np.maximum(pads.width - width - np.where(garage, wide, 0.0), 0.0)
+    x0 = pads.x0 + plots.draw("shift", 0.2, 0.8, seed=seed) * spare
+    x0 = np.where(mirrored & garage, x0 + wide, x0)
+    return _Homes(x0, pads.y0, width, depth, garage, mirrored)
+
+
+def _garages(plots: Plots, homes: _Homes, stands: NDArray[np.bool_]) -> list[Built]:
+    """Put garages beside houses, a little behind their fronts, with drives to the street."""
+    wide, deep = GARAGE
+    x0 = np.where(homes.mirrored, homes.x0 - wide, homes.x0 + homes.width)
+    y0 = homes.y0 + GARAGE_BACK
+    garage = plots.boxes(x0, y0, x0 + wide, y0 + deep)
+    drive = plots.within(plots.boxes(x0 + JAMB, -1.0, x0 + wide - JAMB, y0))
+    there = homes.garage & stands
+    tags = {"building": "garage", "building:levels": "1", "roof:shape": "flat"}
+    return [
+        built("garage", garage, tags, there),
+        built("drive", drive, {"area:highway": "service"}, there & _plain(drive)),
+    ]
+
+
+def _backyards(
+    plots: Plots, pads: Pads, homes: _Homes, stands: NDArray[np.bool_], *, seed: int
+) -> list[Built]:
+    """Lay paths to the doors and put sheds into rear corners of the pads."""
+    door = homes.x0 + homes.width / 2
+    path = plots.within(plots.boxes(door - PATH / 2, -1.0, door + PATH / 2, homes.y0))
+    width = plots.draw("shed", 2.2, 3.4, seed=seed)
+    left = plots.draw("shed-side", 0, 1, seed=seed) < 0.5
+    x0 = np.where(left, pads.x0, pads.x1 - width)
+    shed = plots.boxes(x0, pads.y1 - SHED, x0 + width, pads.y1)
+    behind = homes.y0 + np.maximum(homes.depth, GARAGE[1] + GARAGE_BACK)
+    there = stands & (pads.y1 - behind > 2 * SHED) & (pads.width > width)
+    there &= plots.draw("shed-or-not", 0, 1, seed=seed) < SHEDS
+    tags = {"building": "shed", "building:levels": "1", "roof:shape": "gabled"}
+    return [
+        built("shed", shed, tags, there),
         built("path", path, {"area:highway": "footway"}, stands & _plain(path)),
-    ]  # fmt: skip
+    ]
 
 
 def _plain(shapes: NDArray[Any]) -> NDArray[np.bool_]:
     return np.asarray(shapely.get_type_id(shapes) == 3)
 
 
-def _angled(
-    plots: Plots, x0: FloatArray, y0: FloatArray, width: FloatArray, depth: FloatArray,
-    mirrored: NDArray[np.bool_], *, seed: int,
-) -> NDArray[Any]:  # fmt: skip
+def _angled(plots: Plots, homes: _Homes, *, seed: int) -> NDArray[Any]:
     """Return house plans: plain, or with a front corner or a rear corner left out."""
+    width, depth = homes.width, homes.depth
     u = plots.draw("plan", 0, 1, seed=seed)
     cut_x = width * plots.draw("cut-x", 0.35, 0.5, seed=seed)
     cut_y = np.minimum(depth * 0.3, 2.6)
-    angled = (u < 0.6) & (width > 9.5) & (depth > 8.0)
-    front = u < 0.35
+    angled = (u < ANGLED) & (width > NOTCHED[0]) & (depth > NOTCHED[1])
+    front = u < ANGLED / 2
     zero = np.zeros(plots.count)
     # A ring of six corners; those of the notch fall together where there is none.
     notch_x, notch_y = np.where(angled, cut_x, 0.0), np.where(angled, cut_y, 0.0)
@@ -118,25 +178,13 @@ def _angled(
         [width, depth], [zero, depth],
     ])  # (6, 2, m)  # fmt: skip
     x, y = ring[:, 0].T.copy(), ring[:, 1].T.copy()
-    flip_x, flip_y = mirrored & angled, ~front & angled
+    flip_x, flip_y = homes.mirrored & angled, ~front & angled
     x[flip_x] = width[flip_x, None] - x[flip_x]
     y[flip_y] = depth[flip_y, None] - y[flip_y]
-    corners = np.stack([x + x0[:, None], y + y0[:, None]], axis=2)
+    corners = np.stack([x + homes.x0[:, None], y + homes.y0[:, None]], axis=2)
     plans = plots.outlines(corners)
-    plain = plots.boxes(x0, y0, x0 + width, y0 + depth)
+    plain = plots.boxes(homes.x0, homes.y0, homes.x0 + width, homes.y0 + depth)
     return np.where(angled, plans, plain)
-
-
-def _sheds(
-    plots: Plots, pads: Pads, behind: FloatArray, *, seed: int
-) -> tuple[NDArray[Any], NDArray[np.bool_]]:
-    """Return sheds in a rear corner of the pads, and which gardens have one."""
-    width = plots.draw("shed", 2.2, 3.4, seed=seed)
-    left = plots.draw("shed-side", 0, 1, seed=seed) < 0.5
-    x0 = np.where(left, pads.x0, pads.x1 - width)
-    has = (pads.y1 - behind > 6.0) & (pads.width > 5.0)
-    has &= plots.draw("shed-or-not", 0, 1, seed=seed) < 0.4
-    return plots.boxes(x0, pads.y1 - 2.6, x0 + width, pads.y1), has
 
 
 def farms(plots: Plots, target: float, *, seed: int) -> list[Built]:

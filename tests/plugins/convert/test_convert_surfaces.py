@@ -15,6 +15,7 @@ from cityx.plugins.convert.surfaces import (
     face_to_point_conversion,
     face_to_solid_conversion,
 )
+from cityx.protocol.example_city import example_city
 from cityx.protocol.values import make_surfaces
 
 quick = settings(max_examples=30, deadline=None, derandomize=True)
@@ -84,7 +85,7 @@ def test_a_semantic_map_reads_back_with_its_classes():
 def test_faces_become_buildings_with_parts_and_areas():
     shapes = [shapely.box(0, 0, 9, 9), shapely.box(20, 0, 30, 9), shapely.box(40, 0, 50, 9)]
     surfaces = make_surfaces(shapes, ["building", "park", "swamp thing"], [12.0, np.nan, np.nan])
-    layout = face_to_layout_conversion(surfaces)
+    layout = face_to_layout_conversion(example_city(), surfaces)
     assert layout.buildings["height"].tolist() == [12.0]
     assert layout.buildings["levels"].tolist() == [4]
     assert layout.parts["building"].tolist() == layout.buildings["id"].tolist()
@@ -98,4 +99,4 @@ def test_nothing_becomes_nothing():
     assert face_to_box_conversion(none).count == 0
     assert face_to_solid_conversion(none).count == 0
     assert face_to_image_conversion(none).pixels.shape == (1, 1, 3)
-    assert len(face_to_layout_conversion(none).buildings) == 0
+    assert len(face_to_layout_conversion(example_city(), none).buildings) == 0

@@ -150,6 +150,24 @@ def test_the_ground_is_open_where_a_ramp_stands_and_closed_under_the_deck(layout
     assert "decks" in city.scene.meshes
 
 
+@pytest.mark.parametrize("lod", [0, 2])
+def test_a_subway_opens_the_ground_at_its_stairs_alone(layout_of, city_of, lod):
+    path = {"kind": "footway", "width": 2.0, "sidewalk_left": 0.0, "sidewalk_right": 0.0}
+    ways = [([(-90, 0), (90, 0)], {}), ([(0, -24), (0, 24)], path | TUNNEL)]
+    for side in (-1, 1):
+        ways.append(([(0, side * 30), (0, side * 24)], path | TUNNEL | {"kind": "steps"}))
+        ways.append(([(0, side * 30), (0, side * 60)], path))
+    city = built(city_of, layout_of(ways), lod=lod)
+    void = shapely.union_all(shapely.polygons(
+        city.ground.vertices[city.ground.triangles[
+            city.ground.face_label[city.ground.triangle_face] == LABEL["void"]
+        ]]
+    ))  # fmt: skip
+    assert shapely.contains(void, shapely.points([[0, -28], [0, 28]])).all()
+    assert shapely.distance(void, shapely.box(-90, -10, 90, 10)) > 5.0
+    assert city.scene.meshes["decks"].vertices[:, 2].min() < -3.0
+
+
 def test_heights_do_not_depend_on_the_order_of_ways(layout_of):
     layout = crossed(layout_of)
     net, _, _ = solved(layout)

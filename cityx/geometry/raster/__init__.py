@@ -1,0 +1,1 @@
+"""Rasters to shapes: grids on the ground, outlines of masks, centrelines, regions."""

@@ -1,0 +1,73 @@
+"""Where the pixels of a north-up raster lie on the ground."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A north-up raster of square pixels on the ground.
+
+    Every function of `cityx.geometry.raster` counts in one way: the point (column, row) = (0, 0)
+    is the north-west corner of the first pixel, and the centre of pixel [i, j] of an array is the
+    point (j + 0.5, i + 0.5). Here alone it is said where that lies in metres.
+
+    Attributes
+    ----------
+    rows, columns
+        Size.
+    pixel
+        Edge of a pixel, metres.
+    west, north
+        The north-west corner, scene frame, metres.
+    """
+
+    rows: int
+    columns: int
+    pixel: float
+    west: float
+    north: float
+
+    @classmethod
+    def about_origin(cls, rows: int, columns: int, pixel: float) -> Grid:
+        """Return the grid whose middle is the origin."""
+        return cls(rows, columns, pixel, -columns * pixel / 2, rows * pixel / 2)
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        """(xmin, ymin, xmax, ymax), metres."""
+        east, south = self.west + self.columns * self.pixel, self.north - self.rows * self.pixel
+        return self.west, south, east, self.north
+
+    def to_metres(self, points: ArrayLike) -> FloatArray:
+        """Return (n, 2) metres of (n, 2) points given as (column, row)."""
+        points = np.asarray(points, float).reshape(-1, 2)
+        corner = np.array([self.west, self.north])
+        return np.asarray(corner + points * np.array([self.pixel, -self.pixel]))
+
+    def to_pixels(self, points: ArrayLike) -> FloatArray:
+        """Return (n, 2) points as (column, row) of (n, 2) metres."""
+        points = np.asarray(points, float).reshape(-1, 2)
+        corner = np.array([self.west, self.north])
+        return np.asarray((points - corner) / np.array([self.pixel, -self.pixel]))
+
+    def shapes_to_metres(self, shapes: ArrayLike) -> NDArray[Any]:
+        """Return shapes given as (column, row) in metres, rounded to 0.1 mm."""
+        return np.asarray(
+            shapely.transform(np.asarray(shapes, object), lambda p: np.round(self.to_metres(p), 4)),
+            object,
+        )
+
+    def values_at(self, raster: NDArray[Any], points: ArrayLike) -> NDArray[Any]:
+        """Return (n,) values of the pixels that hold (n, 2) metres; the nearest ones outside."""
+        cell = np.floor(self.to_pixels(points)).astype(np.int64)
+        column = np.clip(cell[:, 0], 0, self.columns - 1)
+        return np.asarray(raster[np.clip(cell[:, 1], 0, self.rows - 1), column])

@@ -1,0 +1,155 @@
+"""Semantic maps as a source: an image whose colours are classes becomes a city."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+from cityx.city import City, Frame
+from cityx.city.frame import NOWHERE
+from cityx.errors import InputError, UsageError
+from cityx.geometry.raster.grid import Grid
+from cityx.geometry.raster.patches import label_patches
+from cityx.sources.class_map import (
+    EXACT,
+    PLAUSIBLE,
+    ClassMap,
+    city_of,
+    features_of,
+    rows_of_houses,
+)
+from cityx.sources.georeference import laid_on_ground
+from cityx.sources.map_classes import Role, class_of
+from cityx.sources.semantic_map.evidence import best_reading, chosen_legend
+from cityx.sources.semantic_map.legends import Legend, find_legend
+from cityx.sources.semantic_map.matching import labelled, match
+from cityx.sources.semantic_map.picture import Picture, read_picture
+from cityx.sources.semantic_map.scale import COARSEST, FINEST, estimated_pixel
+
+__all__ = ["read_semantic_map"]
+
+DOUBT = 0.9  # share of pixels that a legend given by the caller explains without a doubt
+
+
+def read_semantic_map(
+    path: Path,
+    *,
+    legend: str | Path | None = None,
+    pixel: float | None = None,
+    at: tuple[float, float] | None = None,
+    confirm: bool = False,
+    fidelity: str = EXACT,
+    seed: int = 0,
+    name: str = "",
+) -> City:
+    """Read a semantic map into a city whose layout is complete.
+
+    Parameters
+    ----------
+    path
+        PNG, TIFF or JPEG whose colours or values are classes.
+    legend
+        Name of a preset or a legend file (.json, .csv); found by evidence when None.
+    pixel
+        Metres of a pixel; by default what the georeference says, else an estimate.
+    at
+        (latitude, longitude) of the middle, degrees, for a map without a georeference.
+    confirm
+        Whether to take the classes that are proposed for unknown colours.
+    fidelity
+        "exact" for the houses that the map shows, "plausible" to cut whole rows into houses.
+    seed
+        Key of every draw for what the map does not say.
+    name
+        Of the place; the file's own name by default.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, its colours are of no known legend, or it shows no city.
+    UsageError
+        If there is no such legend.
+    """
+    path = Path(path)
+    if fidelity not in (EXACT, PLAUSIBLE):
+        raise UsageError(f'There is no fidelity "{fidelity}"; write {EXACT} or {PLAUSIBLE}.')
+    if pixel is not None and not FINEST <= pixel <= COARSEST:
+        raise InputError(
+            f"A pixel of {pixel:g} m is of no use; a map of a city has {FINEST:g} to {COARSEST:g}."
+        )
+    picture = read_picture(path)
+    chosen, notes = _legend(path, picture, legend, confirm=confirm)
+    found, frame, more = _placed(picture, chosen, pixel, at)
+    return city_of(
+        found,
+        frame,
+        source="semantic",
+        name=name or path.name.split(".")[0].replace("_", " "),
+        seed=seed,
+        notes=(*notes, *more, *_rows_note(found, fidelity)),
+        draw=partial(features_of, fidelity=fidelity),
+    )
+
+
+def _rows_note(found: ClassMap, fidelity: str) -> tuple[str, ...]:
+    labels, _ = label_patches(found.mask(Role.BUILDING))
+    rows = len(rows_of_houses(labels, found.grid.pixel))
+    if not rows:
+        return ()
+    done = "are cut into houses" if fidelity == PLAUSIBLE else "are drawn as one house each"
+    return (
+        f"semantic map: {rows} patches of buildings are rows rather than houses and {done} "
+        "(--fidelity plausible cuts them)",
+    )
+
+
+def _legend(
+    path: Path, picture: Picture, said: str | Path | None, *, confirm: bool
+) -> tuple[Legend, tuple[str, ...]]:
+    if said is None:
+        return chosen_legend(path, picture, confirm=confirm)
+    chosen = find_legend(said)
+    measured = match(picture, chosen)
+    if measured.seen == 0:
+        raise InputError(
+            f"{path} shows nothing of the legend {chosen.name}: {best_reading(picture)}."
+        )
+    notes = [f"semantic map: legend {measured.text()}"]
+    if measured.share < DOUBT:
+        notes.append(
+            "semantic map: the legend leaves much of the map unexplained; is it the right one?"
+        )
+    return chosen, tuple(notes)
+
+
+def _placed(
+    picture: Picture,
+    legend: Legend,
+    pixel: float | None,
+    at: tuple[float, float] | None,
+) -> tuple[ClassMap, Frame, tuple[str, ...]]:
+    """Lay the classes on the ground."""
+    labels = labelled(picture, legend)
+    unknown = len(legend.entries)
+    classes = (*(entry.meaning for entry in legend.entries), class_of("unknown"))
+    notes = []
+    left = float(((labels == unknown) & ~picture.void).mean())
+    if left > 0:
+        notes.append(f"semantic map: {100 * left:.2g} % of the pixels are of no class")
+    if picture.crs is not None and picture.transform is not None:
+        labels, grid, frame = laid_on_ground(labels, picture.crs, picture.transform, void=unknown)
+        if pixel is not None:
+            notes.append(
+                f"semantic map: the georeference says {grid.pixel:.3g} m per pixel, which is taken "
+                f"instead of the {pixel:g} m given"
+            )
+        return ClassMap(labels, classes, grid), frame, tuple(notes)
+    rows, columns = picture.shape
+    if pixel is None:
+        bare = ClassMap(labels, classes, Grid.about_origin(rows, columns, 1.0))
+        if not bare.mask(Role.ROAD, Role.BUILDING).any():
+            return bare, NOWHERE, ()  # no city; whoever draws it says so
+        pixel, why = estimated_pixel(bare)
+        notes.append(f"semantic map: {why}")
+    grid = Grid.about_origin(rows, columns, pixel)
+    return ClassMap(labels, classes, grid), Frame(*at) if at else NOWHERE, tuple(notes)

@@ -1,0 +1,222 @@
+"""Proposals: what the colours of a map without a known legend may mean, with the evidence."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.geometry.raster.patches import depth, label_patches, without_specks
+from cityx.sources.map_classes import class_of
+from cityx.sources.semantic_map.legends import Entry, Legend
+from cityx.sources.semantic_map.matching import (
+    REJECT,
+    most_frequent,
+    to_lab,
+    unpacked,
+)
+from cityx.sources.semantic_map.picture import Picture, packed
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+MOST = 12  # classes that are looked for
+ALONE = 0.002  # share of the pixels from which a colour may be a class
+SAMPLE = 1_500_000  # pixels at which shapes are measured
+SPECK = 12  # pixels; smaller patches say nothing of a class
+THIN = 3.0  # length over width, from which a patch is a line
+PALE = 18.0  # CIELab; greyer colours have no hue that means something
+HUES = {
+    "bare": 105.0,
+    "green": 200.0,
+    "blue": 315.0,
+}  # degrees in CIELab, where each ends
+DARK = 45.0  # lightness below which green is trees
+MAIN = 0.25  # share of its class that the largest patch of a street network takes
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """One colour or value with what its pixels look like.
+
+    Attributes
+    ----------
+    key
+        The colour 0xRRGGBB or the value.
+    color
+        0xRRGGBB it is shown in.
+    share
+        Of all pixels.
+    patches
+        Number of its patches.
+    length
+        Of its patches over their width: of the whole class, by area and depth.
+    fill
+        Share of their boxes that patches fill, by area.
+    largest
+        Share of the class in its largest patch.
+    word
+        The class proposed.
+    """
+
+    key: int
+    color: int
+    share: float
+    patches: int
+    length: float
+    fill: float
+    largest: float
+    word: str = ""
+
+    def text(self, *, by_value: bool) -> str:
+        """Return the evidence as a line."""
+        name = str(self.key) if by_value else f"#{self.key:06X}"
+        return (
+            f"{name} {self.word}: {100 * self.share:.1f} % of the map in {self.patches} patches, "
+            f"{self.length:.0f} times as long as wide, filling {100 * self.fill:.0f} % of their "
+            f"boxes"
+        )
+
+
+def propose(picture: Picture) -> tuple[Legend, tuple[str, ...]]:
+    """Propose a legend for a picture.
+
+    Returns
+    -------
+    legend
+        At most `MOST` entries.
+    evidence
+        A line per entry.
+    """
+    by_value = picture.values is not None
+    keys, labels = _clusters(picture, by_value=by_value)
+    step = int(np.ceil(np.sqrt(labels.size / SAMPLE)))
+    labels = labels[::step, ::step]
+    shown = keys if not by_value else packed(_greys(keys))
+    found = [
+        measured(labels == i, int(k), int(c))
+        for i, (k, c) in enumerate(zip(keys, shown, strict=True))
+    ]
+    named = _named([item for item in found if item.share > 0])
+    entries = tuple(Entry(item.key, class_of(item.word)) for item in named)
+    return Legend("proposal", by_value, entries), tuple(
+        item.text(by_value=by_value) for item in named
+    )
+
+
+def legend_text(legend: Legend) -> str:
+    """Return the JSON of a legend file."""
+    spell = str if legend.by_value else (lambda key: f"#{key:06X}")
+    return json.dumps({spell(entry.key): entry.meaning.word for entry in legend.entries})
+
+
+def _greys(values: IntArray) -> NDArray[np.uint8]:
+    return np.repeat((values & 255).astype(np.uint8)[:, None], 3, axis=1)
+
+
+def _clusters(picture: Picture, *, by_value: bool) -> tuple[IntArray, IntArray]:
+    """Return at most `MOST` colours or values and the nearest of each pixel."""
+    keys, index = picture.distinct(by_value=by_value)
+    count = np.bincount(index[~picture.void], minlength=len(keys)).astype(float)
+    order = np.lexsort((keys, -count))
+    if by_value:
+        kept = np.sort(order[:MOST])
+        nearest = np.abs(keys[:, None] - keys[kept]).argmin(axis=1)
+        return keys[kept], nearest[index]
+    lab = to_lab(unpacked(keys))
+    kept = _apart(lab, count, order)
+    centres = lab[kept]
+    nearest = _assigned(lab, centres)
+    for _ in range(8):  # k-means; the colours themselves, not means, name the classes in the end
+        weight = np.bincount(nearest, count, minlength=len(kept))
+        sums = [np.bincount(nearest, count * axis, minlength=len(kept)) for axis in lab.T]
+        centres = np.where(
+            weight[:, None] > 0, np.column_stack(sums) / np.maximum(weight, 1)[:, None], centres
+        )
+        nearest = _assigned(lab, centres)
+    labels = nearest[index]
+    if picture.lossy:
+        labels = most_frequent(labels, len(kept)).astype(np.int64)
+    return keys[kept], labels
+
+
+def _apart(lab: FloatArray, count: FloatArray, order: IntArray) -> IntArray:
+    """Choose frequent colours that look different."""
+    kept: list[int] = []
+    for index in order[:4096].tolist():
+        if len(kept) == MOST or count[index] < ALONE * count.sum() / (1 + len(kept)):
+            break
+        if all(np.linalg.norm(lab[index] - lab[other]) > REJECT for other in kept):
+            kept.append(index)
+    return np.array(kept or order[:1].tolist(), np.int64)
+
+
+def _assigned(lab: FloatArray, centres: FloatArray) -> IntArray:
+    from scipy.spatial import cKDTree
+
+    return np.asarray(cKDTree(centres).query(lab)[1], np.int64)
+
+
+def measured(mask: NDArray[np.bool_], key: int, color: int) -> Proposal:
+    """Measure the patches of one class."""
+    from scipy import ndimage
+
+    share = float(mask.mean())
+    labels, count = label_patches(without_specks(mask, SPECK))
+    if count == 0:
+        return Proposal(key, color, share, 0, 0.0, 0.0, 0.0)
+    area = np.bincount(labels.ravel(), minlength=count + 1)[1:].astype(float)
+    boxes = ndimage.find_objects(labels)
+    box = np.array([(b[0].stop - b[0].start) * (b[1].stop - b[1].start) for b in boxes], float)
+    deep = np.asarray(ndimage.maximum(depth(mask), labels, np.arange(1, count + 1)))
+    length = area / np.maximum(2 * deep, 1.0) ** 2
+    weight = area / area.sum()
+    return Proposal(
+        key, color, share, count, float(weight @ length), float(weight @ (area / box)),
+        float(weight.max()),
+    )  # fmt: skip
+
+
+def _named(found: list[Proposal]) -> list[Proposal]:
+    """Give each proposal its class: the best street, the best houses, the rest by colour."""
+    street = max(found, key=_like_street)
+    others = [item for item in found if item is not street or _like_street(street) <= 0]
+    houses = max(others, key=_like_houses, default=street)
+    named = []
+    for item in found:
+        word = _by_color(item.color)
+        if item is street and _like_street(street) > 0:
+            word = "road"
+        elif item is houses and _like_houses(item) > 0:
+            word = "building"
+        named.append(replace(item, word=word))
+    return named
+
+
+def _like_street(item: Proposal) -> float:
+    """Streets are long and thin, hang together and cover little of their boxes."""
+    if item.length < THIN or item.share > 0.6:
+        return 0.0
+    return float(np.log(item.length) * (MAIN + item.largest) * (1.2 - item.fill))
+
+
+def _like_houses(item: Proposal) -> float:
+    """Houses are many, fill their boxes, and none is larger than the rest together."""
+    if item.patches < 4 or item.share > 0.7:
+        return 0.0
+    return float(np.log(item.patches) * item.fill * (1.2 - item.largest))
+
+
+def _by_color(color: int) -> str:
+    """Guess the land from the colour it is shown in."""
+    lightness, green_red, blue_yellow = to_lab(unpacked(np.array([color])))[0].tolist()
+    hue = np.degrees(np.arctan2(blue_yellow, green_red)) % 360
+    if np.hypot(green_red, blue_yellow) < PALE:
+        return "ground"
+    if hue < HUES["bare"]:
+        return "bare"
+    if hue < HUES["green"]:
+        return "wood" if lightness < DARK else "vegetation"
+    return "water" if hue < HUES["blue"] else "ground"
