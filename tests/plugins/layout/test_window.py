@@ -17,7 +17,7 @@ from cityx.sources.features.tagged import tags_text
 FRAME = Frame(50.0, 10.0)
 PITCH = 330.0
 FAR = settings(
-    max_examples=4, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+    max_examples=3, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
 )
 PLANS = [
     Plan(),
@@ -64,8 +64,10 @@ def test_a_place_is_the_same_alone_and_among_its_neighbours(plan, seed, cell):
     alone = shown(own, plan, seed)
     wide = shown(around(x + 40.0, y - 30.0, 360.0), plan, seed, inside=own)
     assert alone
-    assert alone.keys() == wide.keys()
-    assert [key for key in alone if alone[key] != wide[key]] == []
+    assert [key for key in alone if alone[key] != wide.get(key)] == []
+    # A house whose plot has its middle outside belongs to the neighbour, though it lies here.
+    more = [own for key, (_, own) in wide.items() if key not in alone]
+    assert all('"building' in own for own in more)
 
 
 def test_tiles_hold_every_building_once():
