@@ -23,11 +23,10 @@ from cityx.plugins.road.corners import (
     LEAST_RADIUS,
     NOSE,
     NOSE_RADIUS,
-    STRAIGHT,
     Arms,
     Corners,
 )
-from cityx.plugins.road.network import junction_clusters, node_corners
+from cityx.plugins.road.network import AIM, junction_clusters, node_corners
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -50,12 +49,15 @@ BETWEEN_HOUSES = 20.0  # metres from a centreline to the houses that make its ro
 SHORTEST = 0.5  # metres; a shorter piece between two junctions belongs to them
 BEND = 0.05  # radians; below it the wedge at a bend is thinner than the kerb's joint
 FLAT = np.radians(150.0)  # between arms whose kerbs run through; and as much beyond 180 degrees
+BENT = np.radians(12.0)  # at the points of a centreline; less looks round
+DIRECT = 0.95  # of the way along an arm that bends away is the straight one; it has no taper there
 TURNED = np.radians(185.0)  # beyond it two strips leave a wedge open
 TAPER = 8.0  # metres on both sides of a node along which a kerb passes from width to width
 GORE_REACH = 60.0  # metres from the node within which a gore is paved up to its nose
 HEAD = 2 * KERB_WIDTH  # metres
 AGAIN = 0.25  # share by which the curve of a corner may begin further away on arms that bend
 JOINT = GRID  # metres; more would show as a step of the kerb
+HAIR = 0.001  # metres; thinner strips, which come from rounding, would join what lies apart
 LEAST_CURVE = 0.03  # square metres; smaller pieces come from rounding
 NOSE_REACH = 4 * LEAST_RADIUS  # metres behind a junction in which medians have their noses
 NARROW_MEDIAN = 1.5  # metres; what parts two carriageways less is paved
@@ -241,12 +243,12 @@ def _junctions(
     joined, _ = joined_by(
         np.concatenate([paved, curves[inner]]), np.concatenate([hubs[many], curve_node[inner]])
     )
-    radius = _inner_radius(network, lines, arms, long)[hubs[many]]
-    added, row = _added(paved, _without_small_holes(_closed(joined, radius)))
+    medians = _medians(network, lines, arms, long)
+    added, row = _inner_curves(paved, joined, hubs[many], medians)
     return (
         hubs,
         shapely.simplify(stars, GRID),
-        np.concatenate([curve_node[~inner], hubs[many][row]]),
+        np.concatenate([curve_node[~inner], hubs[many[row]]]),
         np.concatenate([curves[~inner], added]),
     )
 
@@ -255,23 +257,63 @@ def _arm_strips(
     network: RoadNetwork, lines: Polylines, arms: Arms, rows: IntArray, near: Any, far: Any
 ) -> Shapes:
     """Return the carriageways of some arms between two distances from their nodes."""
+    part = _arm_lines(lines, arms, rows, near, far)
+    return _widened(part, network.half_width[arms.edge[rows]])
+
+
+def _arm_lines(lines: Polylines, arms: Arms, rows: IntArray, near: Any, far: Any) -> Polylines:
+    """Return the centrelines of some arms between two distances from their nodes."""
     edge, end = arms.edge[rows], arms.end[rows]
     length = arc_lengths(lines)[1][edge]
     begin, finish = np.minimum(near, length - SHORTEST), np.minimum(far, length)
     back = end == 1
-    part = pieces(
+    return pieces(
         lines, edge, np.where(back, length - finish, begin), np.where(back, length - begin, finish)
     )
-    return _widened(part, network.half_width[edge])
 
 
-def _inner_radius(network: RoadNetwork, lines: Polylines, arms: Arms, rows: IntArray) -> FloatArray:
-    """(n,) radius of the corners of junctions of several nodes, by the lowest of these.
+def _inner_curves(
+    paved: Shapes, joined: Shapes, hubs: IntArray, medians: tuple[IntArray, Shapes, FloatArray]
+) -> tuple[Shapes, IntArray]:
+    """Round all corners of junctions of several nodes: what lies before the curves, and its row.
 
-    A median between arms of two of the nodes keeps a round nose, as wide as itself.
+    Parameters
+    ----------
+    paved, joined
+        (j,) their surfaces with the beginnings of their arms, and these with known curves.
+    hubs
+        (j,) lowest node of each, rising.
+    medians
+        What `_medians` found; these keep noses, as wide as themselves.
+    """
+    node, between, width = medians
+    row = np.searchsorted(hubs, node)
+    radius = np.full(len(hubs), LEAST_RADIUS)
+    added, owner = _added(paved, _without_small_holes(_closed(joined, radius)))
+    np.minimum.at(radius, row, width / 2 - GRID)
+    parted = np.unique(row)
+    noses, at = _added(paved[parted], _without_small_holes(_closed(joined[parted], radius[parted])))
+    zone = np.full(len(hubs), None, object)
+    zone[parted] = joined_by(between, row)[0]
+    wide = ~shapely.intersects(added, zone[owner])
+    narrow = shapely.intersects(noses, zone[parted[at]])
+    return (
+        np.concatenate([added[wide], noses[narrow]]),
+        np.concatenate([owner[wide], parted[at[narrow]]]),
+    )
+
+
+def _medians(
+    network: RoadNetwork, lines: Polylines, arms: Arms, rows: IntArray
+) -> tuple[IntArray, Shapes, FloatArray]:
+    """Find medians between arms that run abreast from different nodes of one junction.
+
+    Returns
+    -------
+    node, between, width
+        (m,) the junction's lowest node, the land up to the middles of both arms, and metres.
     """
     cluster = junction_clusters(network)
-    found = np.full(len(cluster), LEAST_RADIUS)
     ends = cluster[network.edge_nodes[arms.edge[rows]]]
     rows = rows[ends[:, 0] != ends[:, 1]]
     trim = network.trim[arms.edge[rows], arms.end[rows]]
@@ -279,13 +321,15 @@ def _inner_radius(network: RoadNetwork, lines: Polylines, arms: Arms, rows: IntA
     one, other = shapely.STRtree(strips).query(
         strips, predicate="dwithin", distance=2 * LEAST_RADIUS
     )
-    node = arms.node[rows]
+    node, bearing = arms.node[rows], arms.bearing[rows]
     pair = (cluster[node[one]] == cluster[node[other]]) & (node[one] < node[other])
-    one, other = one[pair], other[pair]
+    pair &= np.cos(bearing[one] - bearing[other]) > np.cos(NOSE)
     width = shapely.distance(strips[one], strips[other])
-    median = width > NARROW_MEDIAN
-    np.minimum.at(found, cluster[node[one[median]]], width[median] / 2 - GRID)
-    return found
+    pair &= width > NARROW_MEDIAN
+    one, other, width = one[pair], other[pair], width[pair]
+    middles = to_linestrings(_arm_lines(lines, arms, rows, 0.0, trim + NOSE_REACH))
+    between = shapely.convex_hull(shapely.union(middles[one], middles[other]))
+    return cluster[node[one]], between, width
 
 
 def _curves(
@@ -317,7 +361,8 @@ def _curves(
 
 def _added(shapes: Shapes, closed: Shapes) -> tuple[Shapes, IntArray]:
     """Return the pieces by which shapes have grown, and the row of each."""
-    parts, row = shapely.get_parts(shapely.difference(closed, shapes), return_index=True)
+    grown = shapely.difference(closed, shapes, grid_size=HAIR)
+    parts, row = shapely.get_parts(grown, return_index=True)
     kept = (shapely.get_type_id(parts) == 3) & (shapely.area(parts) > LEAST_CURVE)
     # They overlap what they join, so that rounding to the grid leaves no sliver between.
     return shapely.buffer(parts[kept], JOINT, join_style="bevel"), row[kept]
@@ -375,12 +420,12 @@ def _bends(
     point = np.flatnonzero(same[1:] & same[:-1]) + 1
     a, b = step[point - 1], step[point]
     turn = np.abs(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)))
-    sharp = on_ground[owner[point]] & (turn > np.pi - STRAIGHT) & (turn < np.pi - NOSE)
+    sharp = on_ground[owner[point]] & (turn > BENT) & (turn < np.pi - NOSE)
     point, turn = point[sharp], turn[sharp]
     edge = owner[point]
     along, length = arc_lengths(lines)
     half = network.half_width[edge]
-    reach = (half + LEAST_RADIUS) * np.tan(turn / 2) + SHORTEST
+    reach = (half + LEAST_RADIUS) * np.tan(turn / 2) + LEAST_RADIUS  # the next bend may be near
     begin = np.maximum(along[point] - reach, 0.0)
     local = _widened(
         pieces(lines, edge, begin, np.minimum(along[point] + reach, length[edge])), half
@@ -438,6 +483,9 @@ def _wedges(
         # The kerb of the wider arm keeps its line up to the node.
         wider = network.half_width[edge] > network.half_width[arms.edge[other]] + BEND
         along = np.where(wider, 0.0, along)
+        far = locate(lines, edge, np.where(end == 0, along, length[edge] - along))[0]
+        direct = np.hypot(*(far - corners[0]).T)
+        along = np.where(direct < DIRECT * along, np.minimum(along, AIM), along)
         at, ahead = locate(lines, edge, np.where(end == 0, along, length[edge] - along))
         ahead = ahead * np.where(end == 0, 1.0, -1.0)[:, None]
         left = np.column_stack([-ahead[:, 1], ahead[:, 0]])

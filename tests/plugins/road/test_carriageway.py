@@ -34,3 +34,12 @@ def test_where_a_ramp_leaves_the_land_between_has_a_round_nose(layout_of):
     left = wedge.bounds[0]
     tip = shapely.intersection(wedge, shapely.box(left, 0, left + 3, 20))
     assert shapely.difference(tip, opened).area < 0.15
+
+
+def test_arms_that_bend_away_leave_the_land_between_them(layout_of):
+    # The two stubs leave to both sides and turn back; the third makes them a junction early.
+    stub = {"kind": "service", "width": 3.0, "sidewalk_left": 0.0, "sidewalk_right": 0.0}
+    stubs = [[(0, 0), (-9.4, 1.2), (-10.3, 8.5)], [(0, 0), (7.8, 2.8), (15, 13)],
+             [(0, 0), (-8.3, -5.3)]]  # fmt: skip
+    layout = layout_of([([(0, 0), (0, -80)], {}), *((line, stub) for line in stubs)])
+    assert not driven(layout).contains(shapely.Point(-0.8, 4.0))
