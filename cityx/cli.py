@@ -8,7 +8,7 @@ import traceback
 from math import isfinite
 from pathlib import Path
 from tempfile import gettempdir
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -51,23 +51,24 @@ def _root(
     del version
 
 
-def _pair(
+def _numbers(
     text: str | None, separator: str, option: str, example: str
-) -> tuple[float, float] | None:
-    """Read "AxB" or "A,B" into two numbers."""
+) -> Any:  # a tuple as long as the example, or None
+    """Read as many numbers as an example has: "AxB", "A,B" or "A,B,C,D"."""
     if text is None:
         return None
+    words = text.lower().split(separator)
     try:
-        first, second = (float(word) for word in text.lower().split(separator))
-        if not (isfinite(first) and isfinite(second)):
+        numbers = tuple(float(word) for word in words)
+        if len(numbers) != len(example.split(separator)) or not all(map(isfinite, numbers)):
             raise ValueError(text)
     except ValueError:
         raise UsageError(f'{option} "{text}" is not of the form {example}.') from None
-    return first, second
+    return numbers
 
 
 def _pixels(text: str) -> tuple[int, int]:
-    pair = _pair(text, "x", "Picture size", "960x540") or (0, 0)
+    pair = _numbers(text, "x", "Picture size", "960x540") or (0, 0)
     width, height = int(pair[0]), int(pair[1])
     if not (16 <= width <= 16384 and 16 <= height <= 16384):
         raise UsageError(f'Picture size "{text}" is outside 16x16 to 16384x16384.')
@@ -79,20 +80,42 @@ def build(
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder of the results.")],
     inputs: Annotated[
         list[Path] | None,
-        typer.Argument(help="Map (.osm[.gz|.bz2|.pbf]), drawing (.geojson, .gpx), height file."),
+        typer.Argument(help="Maps, drawings, images and heights of one place; none for a town."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, max=2**63 - 1, help="Key of all draws.")] = 0,
     workers: Annotated[int, typer.Option(min=1, max=64, help="Worker processes.")] = 1,
     lod: Annotated[int, typer.Option(min=0, max=3, help="Level of detail.")] = 2,
     style: Annotated[str, typer.Option(help="Style of buildings, e.g. european, brick.")] = "",
-    time: Annotated[str | None, typer.Option(help="HH:MM, dusk, 2026-12-21 16:00, ...")] = None,
+    time: Annotated[
+        str | None,
+        typer.Option(help="HH:MM, dusk, 2026-12-21 16:00, ...; midsummer without a date."),
+    ] = None,
     weather: Annotated[str | None, typer.Option(help="clear, fog, rain, storm dusk, ...")] = None,
     size: Annotated[str | None, typer.Option(help="WxH of a window to cut out, metres.")] = None,
     at: Annotated[str | None, typer.Option(help="LAT,LON of the window's centre.")] = None,
+    window: Annotated[
+        str | None, typer.Option(help="X,Y,W,H of the plane of towns, metres, without a map.")
+    ] = None,
     formats: Annotated[str, typer.Option(help="Comma-separated: blend, glb, usd.")] = "blend,glb",
     render: Annotated[bool, typer.Option("--render/--no-render", help="Make pictures.")] = True,
     samples: Annotated[int, typer.Option(min=1, max=65536, help="Samples per pixel.")] = 48,
     picture: Annotated[str, typer.Option(help="Size of the pictures, pixels.")] = "960x540",
+    kinds: Annotated[
+        list[str] | None, typer.Option("--as", help="NAME=KIND: osm, semantic, satellite, ...")
+    ] = None,
+    legend: Annotated[str, typer.Option(help="Classes of a semantic map: preset or file.")] = "",
+    confirm_legend: Annotated[
+        bool, typer.Option("--confirm-legend", help="Take the classes proposed.")
+    ] = False,
+    pixel: Annotated[float | None, typer.Option(help="Metres of an image's pixel.")] = None,
+    fidelity: Annotated[str, typer.Option(help="Of images: exact, plausible.")] = "exact",
+    segmenter: Annotated[
+        str, typer.Option(help='Of aerial images: ONNX file, or "none" for colours alone.')
+    ] = "",
+    height_range: Annotated[
+        str | None, typer.Option(help="LOW,HIGH: metres of heights in other numbers.")
+    ] = None,
+    height_crs: Annotated[str, typer.Option(help="Coordinate system of heights: EPSG:3067.")] = "",
     place: Annotated[
         str, typer.Option(help="Place whose map is fetched: a name, or WEST,SOUTH,EAST,NORTH.")
     ] = "",
@@ -105,9 +128,10 @@ def build(
         typer.Option("--do", help='"ACTION NAME=VALUE ...", an action to add; may repeat.'),
     ] = None,
 ) -> None:
-    """Build a city from a map, a drawing, or several inputs of one place."""
+    """Build a city from a map, a drawing, an image, from several of one place, or from nothing."""
     from cityx.agents.build import BuildOptions
     from cityx.agents.build import build as build_city
+    from cityx.agents.intake import HowToRead
     from cityx.allocator import keep_freed_memory
 
     keep_freed_memory()
@@ -118,13 +142,24 @@ def build(
         style=style,
         time=time,
         weather=weather,
-        size=_pair(size, "x", "--size", "800x600"),
-        at=_pair(at, ",", "--at", "60.17,24.94"),
+        size=_numbers(size, "x", "--size", "800x600"),
+        at=_numbers(at, ",", "--at", "60.17,24.94"),
+        window=_numbers(window, ",", "--window", "-300,-300,600,600"),
         formats=tuple(word.strip() for word in formats.split(",") if word.strip()),
         render=render,
         samples=samples,
         picture=_pixels(picture),
         place=place,
+        read=HowToRead(
+            kinds=tuple(kinds or ()),
+            legend=legend,
+            confirm_legend=confirm_legend,
+            pixel=pixel,
+            fidelity=fidelity,
+            segmenter=segmenter,
+            height_range=_numbers(height_range, ",", "--height-range", "0,120"),
+            height_crs=height_crs,
+        ),
         settings=tuple(settings or ()),
         wishes=tuple(wishes or ()),
     )

@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from cityx.agents.intake import Reading, read_sources, sort_inputs
+from cityx.agents.intake import HowToRead, Reading, read_sources, sort_inputs
 from cityx.agents.journal import Journal, derivation_key
 from cityx.agents.requests import Planned, with_requests
 from cityx.agents.workflow import MAP_TO_CITY, calls_of
@@ -25,6 +25,7 @@ from cityx.protocol.stages import Stage, stage_of
 
 FORMATS = ("blend", "glb", "usd")
 DEFAULT_FORMATS = ("blend", "glb")  # what needs no extra
+TOWN = "layout/town-v1"  # what makes a layout where no input gives one
 DEFAULT_WINDOW = (1000.0, 1000.0)  # metres, when --at comes without --size
 PRODUCTS = (
     "city", "city.blend", "city.glb", "city.usdc", "city_textures", "renders",
@@ -41,16 +42,22 @@ class BuildOptions:
     Attributes
     ----------
     size
-        (width, depth) of a window to cut out of the map, metres, or None for all of it.
+        (width, depth) of a window to cut out of the map, metres, or None for all of it. Without
+        a map, the size of the town.
     at
         (latitude, longitude) of the window's centre, degrees; the site's centre when None. Where
         no input says where it lies, the place of their origin.
+    window
+        (x, y, width, depth), metres: the part of the plane of towns to build when no input gives a
+        layout; x and y are its south-west corner.
     render
         Whether to make the three pictures.
     samples
         Cycles samples per pixel.
     picture
         (width, height) of the pictures, pixels.
+    read
+        What the user says of inputs that do not say it themselves; seed and place are those above.
     place
         Name or rectangle of a place whose map is fetched, or "".
     settings, wishes
@@ -65,11 +72,13 @@ class BuildOptions:
     weather: str | None = None
     size: tuple[float, float] | None = None
     at: tuple[float, float] | None = None
+    window: tuple[float, float, float, float] | None = None
     formats: tuple[str, ...] = DEFAULT_FORMATS
     render: bool = True
     samples: int = 48
     picture: tuple[int, int] = (960, 540)
     place: str = ""
+    read: HowToRead = field(default_factory=HowToRead)
     settings: tuple[str, ...] = ()
     wishes: tuple[str, ...] = ()
 
@@ -145,8 +154,13 @@ class Run:
         return outcome.city
 
 
-def plan(options: BuildOptions, actions: Any) -> list[Planned]:
+def plan(options: BuildOptions, actions: Any, *, town: bool = False) -> list[Planned]:
     """Return every action of a build with its arguments.
+
+    Parameters
+    ----------
+    town
+        Whether no input gives a layout, so that one is made by rule.
 
     Raises
     ------
@@ -154,7 +168,19 @@ def plan(options: BuildOptions, actions: Any) -> list[Planned]:
         With every fault of what the options ask for.
     """
     calls = calls_of(MAP_TO_CITY, options.lod, asdict(options))
+    if town:
+        calls = [(TOWN, _town_window(options)), *calls]
+    elif options.window:
+        raise UsageError("--window asks for a part of the plane of towns; a map has --at, --size.")
     return with_requests(calls, options.settings, options.wishes, actions)
+
+
+def _town_window(options: BuildOptions) -> dict[str, float]:
+    """Arguments of the town for the options ``window`` and ``size``."""
+    if options.window:
+        x, y, width, depth = options.window
+        return {"x": x + width / 2, "y": y + depth / 2, "width": width, "depth": depth}
+    return dict(zip(("width", "depth"), options.size or (), strict=False))
 
 
 def generate(
@@ -170,9 +196,9 @@ def generate(
         If an action cannot do its work.
     """
     city = replace(reading.city, seed=options.seed, lod=options.lod, style=options.style)
-    if options.size or (options.at and reading.located):
+    if reading.name and (options.size or (options.at and reading.located)):
         city = run.do(city, "layout/crop-v1", _window(city, options, located=reading.located))
-        if not len(city.layout.buildings) and not len(city.layout.roads):
+        if not any(len(getattr(city.layout, name)) for name in ("buildings", "roads", "lines")):
             raise InputError("The window holds no building and no road; move --at, enlarge --size.")
     first = [call for call in calls if stage_of(call[0]) == Stage.LAYOUT]
     rest = [call for call in calls if stage_of(call[0]) != Stage.LAYOUT]
@@ -180,11 +206,10 @@ def generate(
         say(action)
         city = run.do(city, action, args)
     if reading.heights is not None:
-        from cityx.sources.height_field import read_height
+        from cityx.sources.heights import lay_terrain
 
         with run.watch.step("terrain"):
-            terrain = read_height(reading.heights.path, city.frame, city.layout.extent)
-            city = replace(city, terrain=terrain)
+            city = lay_terrain(city, reading.heights)
     city = replace(city, stages_done=city.stages_done | {"layout", "terrain"})
     for position, (action, args) in enumerate(rest, start=1):
         say(f"{position}/{len(rest)} {action}")
@@ -259,11 +284,13 @@ def _build(
     say("reading")
     if options.place:
         paths = [*paths, retrieve(options.place, kept_folder("maps"), say=say)]
-    inputs = sort_inputs(paths)
-    calls = plan(options, _registry())
+    inputs = sort_inputs(paths, options.read.kinds)
     records = inputs.records
+    # What is asked of a map's workflow is known to be sound before the map is read.
+    calls = plan(options, _registry()) if inputs.sources else []
     with watch.step("parse"):
-        reading = read_sources(inputs, seed=options.seed, at=options.at)
+        reading = read_sources(inputs, replace(options.read, seed=options.seed, at=options.at))
+    calls = calls or plan(options, _registry(), town=not reading.name)
     staging = _staging(out)
     try:
         journal_path = staging / "journal.sqlite"
@@ -338,7 +365,7 @@ def _rare_collection() -> Iterator[None]:
 
 
 def _brief(options: BuildOptions) -> dict[str, Any]:
-    names = ("style", "time", "weather", "lod", "seed", "size", "at")
+    names = ("style", "time", "weather", "lod", "seed", "size", "at", "window")
     given = {name: getattr(options, name) for name in names}
     given = {name: value for name, value in given.items() if value not in (None, "")}
     if "weather" in given:  # by its own name: "rainy" asks for rain

@@ -2,19 +2,61 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from cityx.city import City, Frame
+from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
 from cityx.city.sites import Box, moved
-from cityx.errors import UsageError
+from cityx.errors import UsageError, nearest
 from cityx.sources.combination import combine
-from cityx.sources.inputs import KINDS, Input, classify
+from cityx.sources.inputs import KINDS, WORDS, Input, classify
 
-# What a person drew goes before what a map says.
-PRECEDENCE = ("drawn", "osm")
+if TYPE_CHECKING:
+    from cityx.sources.heights import Heights
+
+# What a person drew goes before what a map says, and a map before what was seen from above.
+PRECEDENCE = ("drawn", "osm", "semantic", "satellite")
+
+
+@dataclass(frozen=True)
+class HowToRead:
+    """What a user says of inputs that do not say it themselves.
+
+    Attributes
+    ----------
+    seed
+        Key of every draw for what an input does not say.
+    at
+        Latitude and longitude of what does not say where it lies.
+    kinds
+        "NAME=KIND", what a file is, where its content says something else.
+    legend, confirm_legend
+        Preset or file of a semantic map's classes; whether to take those that are proposed.
+    pixel
+        Metres of a pixel.
+    fidelity
+        "exact" or "plausible", of images.
+    segmenter
+        ONNX file of a network for images from above, "none" for colour and texture alone.
+    height_range
+        Metres of the lowest and the highest number of heights that are no metres.
+    height_crs
+        Coordinate system of heights that do not name theirs.
+    """
+
+    seed: int = 0
+    at: tuple[float, float] | None = None
+    kinds: tuple[str, ...] = ()
+    legend: str = ""
+    confirm_legend: bool = False
+    pixel: float | None = None
+    fidelity: str = "exact"
+    segmenter: str = ""
+    height_range: tuple[float, float] | None = None
+    height_crs: str = ""
 
 
 @dataclass(frozen=True)
@@ -26,37 +68,65 @@ class Inputs:
     sources
         Files that give a layout, in the order of their precedence.
     heights
-        The height file, or None.
+        Height files.
     """
 
     sources: tuple[Input, ...]
-    heights: Input | None
+    heights: tuple[Input, ...]
 
     @property
     def records(self) -> list[dict[str, object]]:
         """What the report says about the files."""
-        every = (*self.sources, *([self.heights] if self.heights else []))
-        return [item.record() for item in every]
+        return [item.record() for item in (*self.sources, *self.heights)]
 
 
-def sort_inputs(paths: list[Path]) -> Inputs:
+def sort_inputs(paths: list[Path], kinds: Iterable[str] = ()) -> Inputs:
     """Tell what each file is.
+
+    Parameters
+    ----------
+    kinds
+        "NAME=KIND" for files whose content would be taken for something else.
 
     Raises
     ------
     InputError, UsageError
         If a file is of no use or the files do not make a city together.
     """
-    items = [classify(path) for path in paths]
-    heights = [item for item in items if item.kind == "height"]
+    said = _said_kinds(paths, kinds)
+    items = [classify(path, said.get(path.name, "")) for path in paths]
+    heights = tuple(item for item in items if item.kind == "height")
     sources = [item for kind in PRECEDENCE for item in items if item.kind == kind]
     maps = sum(item.kind == "osm" for item in sources)
-    if not sources or maps > 1 or len(heights) > 1:
+    if maps > 1:
         raise UsageError(
-            f"Give one map or drawings, and at most one height file ({KINDS}); given: "
-            f"{maps} maps, {len(sources) - maps} drawings, {len(heights)} height files."
+            f"Give at most one map, and any drawings, images and heights ({KINDS}); given: "
+            f"{maps} maps."
         )
-    return Inputs(tuple(sources), heights[0] if heights else None)
+    return Inputs(tuple(sources), heights)
+
+
+def _said_kinds(paths: list[Path], kinds: Iterable[str]) -> dict[str, str]:
+    """Read "NAME=KIND" texts.
+
+    Raises
+    ------
+    UsageError
+        With every one that means nothing.
+    """
+    names = [path.name for path in paths]
+    said, faults = {}, []
+    for text in kinds:
+        name, _, kind = text.rpartition("=")
+        if kind not in WORDS:
+            faults.append(f'--as "{text}": write NAME=KIND, a kind is one of {", ".join(WORDS)}.')
+        elif Path(name).name not in names:
+            faults.append(f'--as "{text}": no input is called "{name}".{nearest(name, names)}')
+        else:
+            said[Path(name).name] = kind
+    if faults:
+        raise UsageError("\n".join(faults))
+    return said
 
 
 @dataclass(frozen=True)
@@ -66,76 +136,139 @@ class Reading:
     Attributes
     ----------
     name
-        Of the file.
+        Of the file, "" for a city that no file gave.
     city
-        A city with a layout.
-    located
-        Whether the file says where on Earth it lies; if not, its frame is arbitrary.
+        A city with a layout; it lies somewhere unless its frame is `NOWHERE`.
     site
         The rectangle that the file wants built, frame of the city, or None for any.
     heights
-        The height file of the site, or None.
+        The height files of the site, whose terrain is laid when its window is known; None for
+        none, and where the city has its terrain.
     """
 
     name: str
     city: City
-    located: bool
-    site: Box | None
-    heights: Input | None = None
+    site: Box | None = None
+    heights: Heights | None = None
+
+    @property
+    def located(self) -> bool:
+        """Whether it says where on Earth it lies."""
+        return self.city.frame != NOWHERE
 
 
-def read_sources(inputs: Inputs, *, seed: int, at: tuple[float, float] | None = None) -> Reading:
-    """Read every file that gives a layout and put them together.
+def read_sources(inputs: Inputs, how: HowToRead) -> Reading:
+    """Read every file that gives a layout and put them together; none gives an empty city.
 
-    Parameters
-    ----------
-    at
-        Latitude and longitude of files that do not say where they lie; without it they lie in the
-        middle of those that do.
+    What does not say where it lies is put at the place the user gives, else in the middle of what
+    does.
 
     Raises
     ------
     InputError
         If a file cannot be read, holds no city or lies elsewhere than the others.
     """
-    readings = [_READERS[item.kind](item, seed) for item in inputs.sources]
+    heights = _read_heights(inputs, how) if inputs.heights else None
+    if not inputs.sources:
+        return _without_layout(heights, how)
+    readings = [_READERS[item.kind](item, how) for item in inputs.sources]
     located = [reading.city.frame for reading in readings if reading.located]
-    frame = located[-1] if located else Frame(*at) if at else NOWHERE
+    frame = located[-1] if located else Frame(*how.at) if how.at else NOWHERE
     placed = [_placed(reading, frame) for reading in readings]
     # The site is that of a file that wants it, else of the map below all drawings.
-    owner = next((item for item in placed if item.site), placed[-1])
+    owner = next((item for item in placed if item.site), _ground(placed, inputs))
     city, name = placed[0].city, placed[0].name
     for other in placed[1:]:
         city = combine(city, other.city, names=(name, other.name), site=owner.city.layout.extent)
-    city = replace(city, name=owner.city.name)
-    return replace(owner, city=city, located=bool(located), heights=inputs.heights)
+    return replace(owner, city=replace(city, name=owner.city.name), heights=heights)
+
+
+def _read_heights(inputs: Inputs, how: HowToRead) -> Heights:
+    from cityx.sources.height_files import HeightOptions
+    from cityx.sources.heights import read_heights
+
+    options = HeightOptions(span=how.height_range, crs=how.height_crs, pixel=how.pixel)
+    return read_heights([item.path for item in inputs.heights], options)
+
+
+def _without_layout(heights: Heights | None, how: HowToRead) -> Reading:
+    """Return a city of heights alone, or an empty one for a town on the ground that they give."""
+    frame = Frame(*how.at) if how.at else NOWHERE
+    if heights is not None:
+        from cityx.sources.heights import height_city, place_of
+
+        if heights.has_houses:
+            city = height_city(heights, seed=how.seed, at=how.at)
+            return Reading(heights.files[0].path.name, city)
+        frame = place_of(heights, how.at)[0]
+    city = City("town", frame, Layout((0.0, 0.0, 0.0, 0.0)), seed=how.seed)
+    return Reading("", city, heights=heights)
+
+
+def _ground(readings: list[Reading], inputs: Inputs) -> Reading:
+    """Return the reading of the best source that covers a site: whatever is not a drawing."""
+    kinds = [item.kind for item in inputs.sources]
+    pairs = zip(kinds, readings, strict=True)
+    return next((item for kind, item in pairs if kind != "drawn"), readings[-1])
 
 
 def _placed(reading: Reading, frame: Frame) -> Reading:
     city = reading.city
     if reading.located:
-        return replace(
-            reading,
-            city=replace(city, frame=frame, layout=moved(city.layout, city.frame, frame)),
-        )
-    place = f"{frame.latitude:.6f}, {frame.longitude:.6f}"
-    note = f"{reading.name} does not say where it lies; its origin was put at {place}"
+        layout = moved(city.layout, city.frame, frame)
+        return replace(reading, city=replace(city, frame=frame, layout=layout))
+    if frame == NOWHERE:
+        note = f"{reading.name} does not say where it lies; rules of central Europe hold"
+    else:
+        place = f"{frame.latitude:.6f}, {frame.longitude:.6f}"
+        note = f"{reading.name} does not say where it lies; its origin was put at {place}"
     return replace(reading, city=replace(city, frame=frame, notes=(*city.notes, note)))
 
 
-def _read_map(item: Input, seed: int) -> Reading:
+def _read_map(item: Input, how: HowToRead) -> Reading:
     from cityx.sources.osm import read_osm
 
-    return Reading(item.path.name, read_osm(item.path, seed=seed), located=True, site=None)
+    return Reading(item.path.name, read_osm(item.path, seed=how.seed))
 
 
-def _read_drawing(item: Input, seed: int) -> Reading:
+def _read_drawing(item: Input, how: HowToRead) -> Reading:
     from cityx.sources.drawn import city_of_drawing, read_drawing
 
     drawing = read_drawing(item.path)
-    city = city_of_drawing(drawing, item.path.name, seed=seed)
-    site = city.layout.extent if len(drawing.boundary) else None
-    return Reading(item.path.name, city, located=drawing.located, site=site)
+    city = city_of_drawing(drawing, item.path.name, seed=how.seed)
+    return Reading(item.path.name, city, city.layout.extent if len(drawing.boundary) else None)
 
 
-_READERS: dict[str, Callable[[Input, int], Reading]] = {"osm": _read_map, "drawn": _read_drawing}
+def _read_semantic_map(item: Input, how: HowToRead) -> Reading:
+    from cityx.sources.semantic_map import read_semantic_map
+
+    city = read_semantic_map(
+        item.path,
+        legend=how.legend or None,
+        pixel=how.pixel,
+        confirm=how.confirm_legend,
+        fidelity=how.fidelity,
+        seed=how.seed,
+    )
+    return Reading(item.path.name, city)
+
+
+def _read_satellite(item: Input, how: HowToRead) -> Reading:
+    from cityx.sources.satellite import read_satellite
+
+    city = read_satellite(
+        item.path,
+        pixel=how.pixel,
+        segmenter=how.segmenter or None,
+        fidelity=how.fidelity,
+        seed=how.seed,
+    )
+    return Reading(item.path.name, city)
+
+
+_READERS: Mapping[str, Callable[[Input, HowToRead], Reading]] = {
+    "osm": _read_map,
+    "drawn": _read_drawing,
+    "semantic": _read_semantic_map,
+    "satellite": _read_satellite,
+}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
@@ -12,11 +11,9 @@ from cityx.protocol.stages import NEUTRAL, Stage, stages_after
 
 if TYPE_CHECKING:
     from cityx.protocol.encapsulation import Encapsulation
-    from cityx.protocol.parameters import Parameter
     from cityx.protocol.registry import Registry
 
 Planned = tuple[str, dict[str, Any]]  # an action and its arguments
-TRUE, FALSE = ("true", "yes", "on"), ("false", "no", "off")
 
 
 def with_requests(
@@ -85,7 +82,7 @@ def _set(text: str, planned: list[Planned], actions: Registry, faults: list[str]
     ]
     if len(holders) == 1:
         record, args = holders[0]
-        args[parameter] = value_of(record.parameter(parameter), value)
+        args |= record.read({parameter: value})
         return
     known = [actions[step] for step, _ in planned]
     if holders:
@@ -116,26 +113,11 @@ def _wish(text: str, actions: Registry, faults: list[str]) -> Planned | None:
         faults.append(f'--do "{text}": {error}')
         return None
     record = actions[action]
-    args = {}
+    args: dict[str, Any] = {}
     for word in words[1:]:
         name, equals, value = word.partition("=")
         if not equals:
             faults.append(f'--do "{text}": "{word}" is not of the form NAME=VALUE.')
             continue
-        args[name] = value_of(record.parameter(name), value)
+        args |= record.read({name: value})
     return action, args
-
-
-def value_of(parameter: Parameter | None, text: str) -> Any:
-    """Return the JSON value that a text stands for; the text itself where it stands for none.
-
-    Numbers of an array may be written with commas: "80,150".
-    """
-    if parameter is None or parameter.kind == "string":
-        return text
-    if parameter.kind == "boolean":
-        return True if text.lower() in TRUE else False if text.lower() in FALSE else text
-    try:
-        return json.loads(f"[{text.strip('[]')}]" if parameter.kind == "array" else text)
-    except ValueError:
-        return text

@@ -31,10 +31,12 @@ class WorkflowStep:
 MAP_TO_CITY: tuple[WorkflowStep, ...] = (
     WorkflowStep("background/sun-v1", options={"time": "time"}),
     WorkflowStep("background/weather-v1", options={"preset": "weather"}),
+    WorkflowStep("road/drawn_streets-v1"),
     WorkflowStep("road/network-v1"),
     WorkflowStep("road/heights-v1"),
     WorkflowStep("road/lanes-v1"),
     WorkflowStep("road/ground-v1"),
+    WorkflowStep("road/surface_material-v1", lods=(1, 2, 3)),
     WorkflowStep("building/prism-v1", lods=(0,)),
     WorkflowStep("building/design-v1", lods=(1, 2, 3)),
     WorkflowStep("building/shell-v1", lods=(1, 2, 3), options={"workers": "workers"}),

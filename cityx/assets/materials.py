@@ -35,6 +35,8 @@ class Material:
         Opacity, 1 for solid.
     porosity
         0 to 1, how much rain darkens it.
+    family
+        Material of the table that this is a state of, "" for those of the table.
     """
 
     name: str
@@ -47,6 +49,25 @@ class Material:
     emission: float = 0.0
     alpha: float = 1.0
     porosity: float = 0.5
+    family: str = ""
+
+    @property
+    def root(self) -> str:
+        """Name in the table: its own, or that of the material it is a state of."""
+        return self.family or self.name
+
+
+# Water darkens a porous surface to this share at most (Lekner and Dorf 1988 measure 0.5 to 0.7).
+_WETTEST = 0.55
+_FILM_ROUGHNESS = 0.12  # of a closed film of water
+
+
+def wet_look(material: Material, wetness: float) -> tuple[tuple[float, float, float], float]:
+    """Return the colour and the roughness of a surface on which rain has fallen, 0 to 1."""
+    darker = 1 - (1 - _WETTEST) * wetness * material.porosity
+    red, green, blue = (channel * darker for channel in material.color)
+    smoother = (_FILM_ROUGHNESS - material.roughness) * 0.6 * wetness
+    return (red, green, blue), material.roughness + smoother
 
 
 def _table(*materials: Material) -> Mapping[str, Material]:
@@ -77,6 +98,10 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("asphalt_light", (0.16, 0.155, 0.15), 0.9, texture="asphalt", tile=3.0, porosity=0.4),
     _M("asphalt_red", (0.20, 0.06, 0.045), 0.9, texture="asphalt", tile=3.0, porosity=0.4),
     _M("setts", (0.22, 0.21, 0.20), 0.75, texture="setts", tile=2.0, porosity=0.4),
+    _M("cobbles", (0.20, 0.19, 0.17), 0.75, texture="cobbles", tile=2.0, porosity=0.4),
+    _M("clinker", (0.21, 0.115, 0.085), 0.85, texture="clinker", tile=2.0, porosity=0.6),
+    _M("pavers", (0.28, 0.275, 0.26), 0.88, texture="clinker", tile=2.0, porosity=0.5),
+    _M("road_concrete", (0.34, 0.335, 0.315), 0.88, texture="road_slabs", tile=8.0, porosity=0.5),
     _M("paving", (0.32, 0.31, 0.29), 0.85, texture="paving", tile=2.4, porosity=0.5),
     _M("kerb_stone", (0.40, 0.39, 0.37), 0.8, texture="concrete", tile=2.0, porosity=0.4),
     _M("marking_white", (0.70, 0.70, 0.68), 0.7, texture="paint", tile=2.0, porosity=0.1),

@@ -12,6 +12,7 @@ from io import BytesIO
 import bpy
 
 from cityx.assets.materials import MATERIALS, Material
+from cityx.assets.surface_states import material_named
 from cityx.blender import nodes
 from cityx.blender.nodes import Socket, Tree
 from cityx.blender.weather import lights_group, weather_group
@@ -19,13 +20,17 @@ from cityx.city.rooms import WORK
 
 # Materials of level ground, where rain stands in puddles.
 PUDDLED = frozenset(
-    {"asphalt", "asphalt_light", "setts", "paving", "concrete", "bitumen", "pitch", "soil"}
-)
+    {"asphalt", "asphalt_light", "setts", "paving", "concrete", "bitumen", "pitch", "soil",
+     "cobbles", "clinker", "pavers", "road_concrete"}
+)  # fmt: skip
 # Materials of outer walls, which weather: splashes above the ground, streaks of rain, blotches.
 AGED = frozenset({"plaster", "brick", "stone", "concrete", "wood", "trim"})
 LEAVES = frozenset({"leaf", "foliage"})
 # Carriageways, where tyres press snow to slush.
-DRIVEN = frozenset({"asphalt", "setts", "marking_white", "marking_yellow"})
+DRIVEN = frozenset(
+    {"asphalt", "setts", "cobbles", "clinker", "pavers", "road_concrete", "marking_white",
+     "marking_yellow"}
+)  # fmt: skip
 GLAZED = frozenset({"glass", "glass_wall", "car_glass"})
 GLASS_IOR = 1.9  # a coated double pane mirrors twice as much as plain glass
 JPEG_QUALITY = 92
@@ -57,7 +62,7 @@ class MaterialLibrary:
         Parameters
         ----------
         name
-            Name in `cityx.assets.materials.MATERIALS`; unknown names give a grey surface.
+            Name for `cityx.assets.surface_states.material_named`.
         variant
             "" for shells; "instance" for prototypes, whose colour is also multiplied by the
             instance's tint; "room" for prototypes that have a room behind their glass; "sign" for
@@ -65,8 +70,7 @@ class MaterialLibrary:
         """
         key = (name, variant)
         if key not in self._made:
-            record = MATERIALS.get(name) or Material(name, (0.5, 0.5, 0.5))
-            self._made[key] = self._make(record, variant)
+            self._made[key] = self._make(material_named(name), variant)
         return self._made[key]
 
     def _make(self, record: Material, variant: str) -> bpy.types.Material:
@@ -92,8 +96,8 @@ class MaterialLibrary:
         nodes.assign(tree, weather.inputs["Roughness"], roughness)
         weather.inputs["Metallic"].default_value = record.metallic
         weather.inputs["Porosity"].default_value = record.porosity
-        weather.inputs["Puddles"].default_value = float(record.name in PUDDLED)
-        weather.inputs["Traffic"].default_value = float(record.name in DRIVEN and not variant)
+        weather.inputs["Puddles"].default_value = float(record.root in PUDDLED)
+        weather.inputs["Traffic"].default_value = float(record.root in DRIVEN and not variant)
         weather.inputs["Snow cover"].default_value = float(record.name not in SNOWLESS)
         weather.inputs["Variation"].default_value = 1.0 if record.texture else 0.0
         if record.name in AGED and self.textured:
@@ -101,7 +105,7 @@ class MaterialLibrary:
         for name in ("Metallic", "Roughness"):
             tree.links.new(weather.outputs[name], shader.inputs[name])
         tree.links.new(weather.outputs["Color"], shader.inputs["Base Color"])
-        if record.name in PUDDLED:  # water levels the surface
+        if record.root in PUDDLED:  # water levels the surface
             plain = tree.nodes.new("ShaderNodeNewGeometry").outputs["Normal"]
             tree.links.new(plain if normal is None else normal, weather.inputs["Normal"])
             normal = weather.outputs["Normal"]

@@ -15,6 +15,7 @@ OVERLAP_PAIR = 1.0  # m2; smaller overlaps are drawing accuracy, not two buildin
 ON_ROAD_SHARE = 0.002  # of the carriageway area, passages apart
 PLAN_AREA_ERROR = 0.005  # of the footprint
 PLAN_AREA_SLACK = 0.01  # m2; outlines are kept to the millimetre, which shows on a flagpole's base
+FOOT = 0.05  # metres over the lowest vertex of a building that are its foot
 FLOATING = 0.0  # metres of air allowed under a building
 GROUND_LEVEL = 0.5  # parts that begin lower stand on the ground, metres
 
@@ -107,8 +108,12 @@ def floating_gap(city: City) -> NDArray[np.float64]:
     """Return (k,) metres of air under the lowest vertices of each building that should stand."""
     batch = city.scene.meshes["buildings"]
     bottom = np.minimum.reduceat(batch.vertices[:, 2], batch.vertex_start[:-1])
-    surface = city.terrain.height_at(batch.vertices[:, :2])
-    lowest = np.minimum.reduceat(surface, batch.vertex_start[:-1])
+    of_vertex = np.repeat(np.arange(batch.count), np.diff(batch.vertex_start))
+    # Eaves reach out over ground that may lie lower: only where a building stands does it float.
+    foot = batch.vertices[:, 2] < bottom[of_vertex] + FOOT
+    lowest = np.full(batch.count, np.inf)
+    surface = city.terrain.height_at(batch.vertices[foot, :2])
+    np.minimum.at(lowest, of_vertex[foot], surface)
     parts = city.layout.parts
     grounded = (parts["base"].to_numpy() < GROUND_LEVEL) & parts["walls"].to_numpy()
     standing = parts["building"].to_numpy()[grounded]

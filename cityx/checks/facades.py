@@ -11,7 +11,8 @@ from cityx.city import City
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.levels import ground_levels
 from cityx.city.scene import Instances
-from cityx.geometry.identity import hash_ids
+from cityx.geometry.identity import hash_ids, id_text
+from cityx.geometry.standing import stand_on
 
 RAY = (0.08, 0.35)  # metres before a window between which nothing may stand
 RAY_HEIGHT = 0.6  # metres above the lower edge of a window
@@ -20,6 +21,7 @@ STREET_NEAR = 4.0  # metres between a building and a sidewalk that make it a str
 LEAST_HOUSE = 30.0  # square metres; smaller ones are sheds
 LEAST_TALL = 2.6  # metres; lower ones are no houses
 STEP = 0.2  # metres between a door and the pavement before it
+THRESHOLD = 0.3  # metres that a building may float over or be buried in the ground at its door
 DOOR_AT = 0.4  # metres before the wall where the pavement is measured
 DOOR_ROOM = 1.5  # metres of free wall that a door needs
 NEIGHBOURS = 8
@@ -33,7 +35,8 @@ def check_facades(city: City) -> list[Check]:
     doors = city.scene.instances.get("doors")
     if windows is None or doors is None or "buildings" not in city.scene.meshes:
         return []
-    return [_blind(city, windows), _doors(city, doors), _alike(city, windows)]
+    checks = [_blind(city, windows), _doors(city, doors), _alike(city, windows)]
+    return [*checks, _thresholds(city, doors)] if doors.count else checks
 
 
 def outward_of(rows: Instances) -> NDArray[np.float64]:
@@ -119,6 +122,24 @@ def _reachable(city: City, ids: NDArray[np.uint64]) -> NDArray[np.uint64]:
         pieces = shapely.get_parts(shapely.line_merge(free))
         found.append(bool((shapely.length(pieces) > DOOR_ROOM).any()))
     return np.asarray(ids[np.array(found, bool)])
+
+
+def threshold_gaps(city: City, doors: Instances) -> NDArray[np.float64]:
+    """Return (k,) metres from the foot of each door to the ground before it, NaN without ground."""
+    at = doors.position[:, :2] + DOOR_AT * outward_of(doors)
+    under = stand_on(city.scene.meshes.get("ground"), at)
+    return np.asarray(np.abs(doors.position[:, 2] - under.z))
+
+
+def _thresholds(city: City, doors: Instances) -> Check:
+    gap = np.nan_to_num(threshold_gaps(city, doors))
+    return Check(
+        "door_off_ground",
+        float(gap.max()),
+        THRESHOLD,
+        "largest height of a door's foot over or under the ground before it, metres",
+        ids=tuple(id_text(int(owner)) for owner in np.unique(doors.owner[gap > THRESHOLD])),
+    )
 
 
 def _alike(city: City, windows: Instances) -> Check:

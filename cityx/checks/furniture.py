@@ -17,7 +17,6 @@ from cityx.city import City
 from cityx.city.ground import ROADWAY
 from cityx.city.mesh import ranges
 from cityx.geometry.arrangement import BEYOND
-from cityx.geometry.clearance import in_triangles
 from cityx.geometry.polylines import Polylines, line_strips
 
 FloatArray = NDArray[np.float64]
@@ -88,7 +87,7 @@ def in_lanes(city: City, outlines: NDArray[Any], xy: FloatArray) -> NDArray[np.b
     """(n,) whether things reach into a lane, or stand on a carriageway."""
     ground, lanes = city.ground, city.lanes
     assert ground is not None
-    found = in_triangles(xy, ground.vertices, ground.triangles_of(*ROADWAY))
+    found = ground.on(xy, *ROADWAY)
     if lanes is not None and lanes.count:
         rows = np.flatnonzero(lanes.travelled & (np.diff(lanes.point_start) >= 2))
         level = city.layout.roads["layer"].to_numpy() == 0
@@ -118,7 +117,7 @@ def crowding(
     ground = city.ground
     assert ground is not None
     walk = ground.labelled(*WALKS)
-    on_walk = in_triangles(xy, ground.vertices, ground.triangles_of(*WALKS))
+    on_walk = ground.on(xy, *WALKS)
     xmin, ymin, xmax, ymax = city.layout.extent
     edge = np.minimum(xy - [xmin, ymin], np.array([xmax, ymax]) - xy).min(axis=1)
     rows = np.flatnonzero(on_walk & (edge > BORDER))

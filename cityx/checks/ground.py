@@ -9,7 +9,6 @@ from cityx.checks.check import Check
 from cityx.city import City
 from cityx.city.ground import PAINT
 from cityx.geometry.arrangement import check_arrangement
-from cityx.geometry.clearance import in_triangles
 
 AREA_ERROR = 1e-6  # relative; rounding to the grid moves the border by half a centimetre at most
 _NO_TRUNK = ("carriageway", "setts", "junction", *PAINT, "water")
@@ -37,5 +36,4 @@ def _standing_on(city: City, points: NDArray[np.float64], labels: tuple[str, ...
     ground = city.ground
     if ground is None:
         return 0
-    triangles = ground.triangles_of(*labels)
-    return int(np.count_nonzero(in_triangles(points, ground.vertices, triangles)))
+    return int(np.count_nonzero(ground.on(points, *labels)))

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from cityx.checks.check import Check
 from cityx.city import City
-from cityx.city.ground import LABEL, PAINT, ROADWAY, Ground
-from cityx.geometry.arrangement import BEYOND, face_areas
+from cityx.city.ground import LABEL, ON_ROADWAY, ROADWAY, Ground
+from cityx.city.layout import Layout
+from cityx.geometry.arrangement import BEYOND, face_areas, owners
 from cityx.geometry.chains import components, join_segments
-from cityx.geometry.clearance import in_triangles
 from cityx.geometry.identity import id_text
 from cityx.geometry.polylines import Polylines, every, locate, to_linestrings
 
@@ -28,6 +28,7 @@ SMOOTH = 0.02  # metres; corners of the outline that stand out less come from ro
 CHORD = 2.6  # metres; longer pieces of an outline are straight
 JOINT = 0.12  # metres; corners of the outline closer than that are one
 CORNER = np.radians([30.0, 125.0])  # turns of the kerb that lead from one arm into the next
+DRAWN = 2.0  # metres from a curve to a tram track whose bed, or a rim, that makes the corner
 HOUSE = 3.1  # metres from a curve to a house that leaves no room for the least radius and a walk
 BESIDE = 4.0  # metres beyond a junction's mouth within which a curve belongs to it
 GROUNDED = 0.05  # metres; lanes farther off the ground lie on structures of their own
@@ -51,7 +52,8 @@ class KerbCurves:
     radius
         (k,) float, metres.
     free
-        (k,) bool, whether neither a house so near nor a surface drawn on the map sets the radius.
+        (k,) bool, whether the radius is free: set by no house so near, surface drawn on the map,
+        tram track, or rim of the site.
     """
 
     middle: FloatArray
@@ -77,8 +79,8 @@ def check_junctions(city: City) -> list[Check]:
             0.9,
             f"share of {free:,} kerb curves between two arms of a junction with a radius of "
             f"{RADII[0]:g} to {RADII[1]:g} m, {LET_PASS} others let pass; "
-            f"{int((~curves.free).sum()):,} where houses leave no room or "
-            "the map draws the outline are left out",
+            f"{int((~curves.free).sum()):,} where houses leave no room, or the map's rim, its tram "
+            "tracks or road areas make the corner, are left out",
             at_least=True,
             ids=_places(curves.middle[wrong]),
         ),
@@ -132,24 +134,7 @@ def _surfaces(ground: Ground) -> list[Check]:
 
 def _junction_of_face(ground: Ground) -> IntArray:
     """(f,) the junction each face belongs to, from 1; 0 for none. What is painted on it counts."""
-    of_junction = ground.face_label == LABEL["junction"]
-    ids = np.unique(ground.face_object[of_junction])
-    owner = np.zeros(len(of_junction), np.int64)
-    owner[of_junction] = 1 + np.searchsorted(ids, ground.face_object[of_junction])
-    left, right = ground.edge_faces.T.astype(np.int64)
-    inner = right != BEYOND
-    left, right = left[inner], right[inner]
-    length = np.hypot(*np.diff(ground.vertices[ground.edges[inner]], axis=1)[:, 0].T)
-    paint = ground.labelled(*PAINT, "tramway")
-    rim = np.bincount(left, length, len(owner)) + np.bincount(right, length, len(owner))
-    for _ in range(3):  # rails cross each other inside of a junction
-        held, other = np.zeros(len(owner)), np.zeros(len(owner), np.int64)
-        for a, b in ((left, right), (right, left)):
-            rows = np.flatnonzero(paint[a] & (owner[a] == 0) & (owner[b] > 0))
-            np.add.at(held, a[rows], length[rows])
-            other[a[rows]] = owner[b[rows]]
-        owner = np.where((held > 0.5 * rim) & (owner == 0), other, owner)
-    return owner
+    return owners(ground, LABEL["junction"], ON_ROADWAY)
 
 
 def _usual_size(ground: Ground, owner: IntArray, count: int) -> FloatArray:
@@ -184,7 +169,8 @@ def _usual_size(ground: Ground, owner: IntArray, count: int) -> FloatArray:
         rows = rank == place_of
         best[place_of, of_mouth[rows]] = total[rows]
     returns = 2 * RETURN * (best > 0)
-    return np.asarray(TIMES * (best + returns).prod(axis=0))
+    # A junction inside of a wider paved area has one mouth all round and no size of its own.
+    return np.where(best[1] > 0, TIMES * (best + returns).prod(axis=0), np.inf)
 
 
 def _walks(city: City, ground: Ground) -> Check:
@@ -200,8 +186,7 @@ def _walks(city: City, ground: Ground) -> Check:
         length = shapely.length(to_linestrings(lines)[on_ground])
         line, along = every(length, SPACING)
         places = locate(lines, np.flatnonzero(on_ground)[line], along)[0]
-        triangles = ground.triangles_of(*STONES, "sidewalk")
-        over = int(in_triangles(places, ground.vertices, triangles).sum())
+        over = int(ground.on(places, *STONES, "sidewalk").sum())
         share = max(over - LET_PASS, 0) / max(len(places), 1)
     return Check("sidewalk_on_carriageway", share, 0.001,
                  "share of the middles of lanes that run over a kerb or a sidewalk, "
@@ -231,22 +216,35 @@ def kerb_curves(city: City, ground: Ground) -> KerbCurves:
         [np.bincount(run, turn * column[point], minlength=count) for column in outline.points.T]
     ) / np.maximum(total, 1e-9)[:, None]  # fmt: skip
     kept = (total > CORNER[0]) & (total < CORNER[1])
+    # What is narrower than two of the least curves, as a median is, has a nose instead.
+    bend = np.flatnonzero(total > CORNER[0])
+    line = owner[point[np.flatnonzero(np.diff(run, prepend=-1))]][bend]
+    spots = shapely.points(middle[bend])
+    one, other = shapely.STRtree(spots).query(spots, predicate="dwithin", distance=2 * RADII[0])
+    nose = (one != other) & (line[one] == line[other])
+    nose &= total[bend[one]] + total[bend[other]] > CORNER[1]
+    kept[bend[one[nose]]] = False
     kept[kept] = _at_junctions(city, middle[kept])
     middle, total, length = middle[kept], total[kept], length[kept]
-    parts = city.layout.parts
-    standing = (parts["base"].to_numpy() < 0.5) & parts["walls"].to_numpy()
-    free = np.ones(len(middle), bool)
-    near = shapely.STRtree(parts.geometry.to_numpy()[standing]).query(
-        shapely.points(middle), predicate="dwithin", distance=HOUSE
-    )[0]
-    free[near] = False
-    drawn = city.layout.areas.geometry.to_numpy()[
-        (city.layout.areas["kind"] == "road_area").to_numpy()
-    ]
-    free[shapely.STRtree(drawn).query(
-        shapely.points(middle), predicate="dwithin", distance=HOUSE
-    )[0]] = False  # fmt: skip
+    free = ~_given(city.layout, middle)
     return KerbCurves(middle, total, length / total, free)
+
+
+def _given(layout: Layout, places: FloatArray) -> BoolArray:
+    """(k,) whether a house, a drawn surface, a tram's bed or the site's rim makes a corner."""
+    parts, areas, roads = layout.parts, layout.areas, layout.roads
+    standing = (parts["base"].to_numpy() < 0.5) & parts["walls"].to_numpy()
+    found = np.zeros(len(places), bool)
+    spots = shapely.points(places)
+    for shapes, reach in (
+        (parts.geometry.to_numpy()[standing], HOUSE),
+        (areas.geometry.to_numpy()[(areas["kind"] == "road_area").to_numpy()], HOUSE),
+        (roads.geometry.to_numpy()[(roads["kind"] == "tram").to_numpy()], DRAWN),
+        (np.array([shapely.boundary(shapely.box(*layout.extent))]), DRAWN),
+    ):
+        near = shapely.STRtree(shapes).query(spots, predicate="dwithin", distance=reach)[0]
+        found[near] = True
+    return found
 
 
 def _outline(ground: Ground) -> Polylines:

@@ -14,11 +14,13 @@ from cityx.checks.buildings import check_buildings
 from cityx.checks.check import Check
 from cityx.checks.facades import check_facades
 from cityx.checks.furniture import check_furniture
+from cityx.checks.goals import measured
 from cityx.checks.ground import check_ground
 from cityx.checks.heights import check_heights
 from cityx.checks.junctions import check_junctions
 from cityx.checks.lanes import check_lanes
 from cityx.checks.meshes import check_meshes, triangle_counts
+from cityx.checks.terrain import check_terrain
 from cityx.checks.trees import check_trees
 from cityx.city import City
 from cityx.city.content import content_hash
@@ -36,6 +38,7 @@ def run_checks(city: City) -> list[Check]:
         *check_furniture(city),
         *check_lanes(city),
         *check_heights(city),
+        *check_terrain(city),
         *check_trees(city),
         *check_junctions(city),
         *check_meshes(city),
@@ -166,6 +169,7 @@ def _goals(city: City, brief: Mapping[str, Any]) -> list[dict[str, Any]]:
             (f"weather is {weather}", city.environment.weather == str(weather).lower(),
              f"the environment says {city.environment.weather}")
         )  # fmt: skip
+    goals += [(goal.text, *measured(city, goal)) for goal in city.goals]
     return [{"goal": goal, "met": bool(met), "evidence": evidence} for goal, met, evidence in goals]
 
 

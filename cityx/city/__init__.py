@@ -3,6 +3,7 @@
 from cityx.city.city import City, Failure
 from cityx.city.environment import Environment
 from cityx.city.frame import Frame
+from cityx.city.goals import Goal
 from cityx.city.ground import SURFACES, Ground, Surface
 from cityx.city.layout import Layout, empty_table, make_table
 from cityx.city.mesh import MeshBatch, concatenate, one_mesh
@@ -16,6 +17,7 @@ __all__ = [
     "Environment",
     "Failure",
     "Frame",
+    "Goal",
     "Ground",
     "Instances",
     "Layout",

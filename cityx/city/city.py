@@ -6,13 +6,14 @@ from dataclasses import dataclass, field
 
 from cityx.city.environment import Environment
 from cityx.city.frame import Frame
+from cityx.city.goals import Goal
 from cityx.city.ground import Ground
 from cityx.city.heights import WayHeights
 from cityx.city.lanes import LaneGraph
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.scene import Scene
-from cityx.city.terrain import Terrain, flat_terrain
+from cityx.city.terrain import Survey, Terrain, flat_terrain
 
 
 @dataclass(frozen=True)
@@ -52,12 +53,16 @@ class City:
         Style word asked for, or "".
     layout, terrain, network, heights, lanes, ground, scene, environment
         The parts; None until the action that makes them has run.
+    survey
+        What the height file says, None without one; the terrain is cut and filled for streets.
     attribution
         Texts that must be shown with the data, e.g. "© OpenStreetMap contributors, ODbL 1.0".
     stages_done
         Stages of the protocol that have run.
     failures, notes
         What could not be built; what a reader of the report should know.
+    goals
+        What was asked of it beyond what every city must have; the report measures them.
     """
 
     name: str
@@ -67,6 +72,7 @@ class City:
     lod: int = 2
     style: str = ""
     terrain: Terrain = field(default_factory=flat_terrain)
+    survey: Survey | None = None
     network: RoadNetwork | None = None
     heights: WayHeights | None = None
     lanes: LaneGraph | None = None
@@ -77,3 +83,4 @@ class City:
     stages_done: frozenset[str] = frozenset()
     failures: tuple[Failure, ...] = ()
     notes: tuple[str, ...] = ()
+    goals: tuple[Goal, ...] = ()

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from cityx.geometry.clearance import TriangleCells, cells_of_triangles, triangle_at
 
 KERB_WIDTH = 0.15  # metres
 KERB_HEIGHT = 0.12  # metres; the usual upstand of a city kerb
@@ -80,6 +83,7 @@ SURFACES: tuple[Surface, ...] = (
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
 PAINT = ("marking", "marking_yellow", "cycle_lane")  # lies on a carriageway and is part of it
+ON_ROADWAY = (*PAINT, "tramway")  # whatever a roadway is made of below it
 ROADWAY = ("carriageway", "setts", "gravel_road", "junction", *PAINT)
 
 
@@ -120,3 +124,12 @@ class Ground:
     def triangles_of(self, *names: str) -> NDArray[np.int32]:
         """(t, 3) triangles of the faces of some surfaces."""
         return np.asarray(self.triangles[self.labelled(*names)[self.triangle_face]])
+
+    @cached_property
+    def _cells(self) -> TriangleCells:
+        return cells_of_triangles(self.vertices, self.triangles)
+
+    def on(self, xy: ArrayLike, *names: str) -> NDArray[np.bool_]:
+        """Tell which of (n, 2) points lie in or on a face of some surfaces, by name."""
+        wanted = self.labelled(*names)[self.triangle_face]
+        return np.asarray(triangle_at(xy, self._cells, wanted) >= 0)

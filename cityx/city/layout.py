@@ -86,11 +86,11 @@ SCHEMA: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "name": "str",
             "tags": "str",
         },
-        # Barriers, tree rows and routes that agents may follow, geometry LineString.
+        # Barriers, tree rows, routes that agents may follow and curves to build on, LineString.
         "lines": {
             "id": "uint64",
             "source": "str",
-            # "wall", "fence", "hedge", "city_wall", "tree_row", "retaining_wall", "route"
+            # "wall", "fence", "hedge", "city_wall", "tree_row", "retaining_wall", "route", `CURVE`
             "kind": "str",
             "height": "float64",
             "tags": "str",
@@ -115,6 +115,8 @@ SCHEMA: Mapping[str, Mapping[str, str]] = MappingProxyType(
     }
 )
 
+CURVE = "curve"  # kind of a line that is no thing itself: a user drew it to build something on
+
 AREA_KINDS = (
     "water", "sea", "river", "pool", "wetland",
     "park", "garden", "grass", "meadow", "wood", "scrub", "orchard", "cemetery", "golf",
@@ -131,13 +133,17 @@ POINT_KINDS = (
 )  # fmt: skip
 
 
-def _column(values: Any, dtype: str, size: int) -> Any:
+# Measures that are zero, not unknown, where a source gives none.
+NONE_THERE = ("sidewalk_left", "sidewalk_right")
+
+
+def _column(name: str, values: Any, dtype: str, size: int) -> Any:
     import pandas as pd
 
     if dtype == "str":
         return pd.array(np.full(size, "") if values is None else np.asarray(values, object), "str")
     if values is None:
-        fill: Any = np.nan if dtype.startswith("float") else 0
+        fill: Any = np.nan if dtype.startswith("float") and name not in NONE_THERE else 0
         return np.full(size, fill, dtype=dtype)
     return np.asarray(values).astype(dtype)
 
@@ -167,10 +173,23 @@ def make_table(name: str, geometry: Any, /, **columns: Any) -> GeoDataFrame:
         raise KeyError(f"table {name!r} has no column {sorted(unknown)}")
     geometry = np.asarray(geometry, dtype=object)
     size = len(geometry)
-    data = {key: _column(columns.get(key), dtype, size) for key, dtype in schema.items()}
+    data = {key: _column(key, columns.get(key), dtype, size) for key, dtype in schema.items()}
     order = np.argsort(data["id"], kind="stable")
     data = {key: values[order] for key, values in data.items()}
     return GeoDataFrame(data, geometry=geometry[order])
+
+
+def joined_tables(first: GeoDataFrame, second: GeoDataFrame) -> GeoDataFrame:
+    """Join two tables of one schema, sorted by id; rows of the second replace those of its ids."""
+    import pandas as pd
+
+    kept = first[~first["id"].isin(second["id"])]
+    if not len(second):
+        return first
+    if not len(kept):
+        return second
+    rows = pd.concat([kept, second], ignore_index=True)
+    return rows.sort_values("id", kind="stable", ignore_index=True)
 
 
 def empty_table(name: str) -> GeoDataFrame:

@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.frame import Frame
-from cityx.city.layout import SCHEMA, Layout
+from cityx.city.layout import SCHEMA, Layout, joined_tables
 from cityx.geometry.identity import hash_ids
 
 if TYPE_CHECKING:
@@ -22,19 +22,7 @@ MARGIN = 15.0  # metres; no building touches the border of its site
 
 def merged(old: Layout, new: Layout) -> Layout:
     """Join two layouts of one frame; rows of the new one replace rows of the same id."""
-    import pandas as pd
-
-    tables: dict[str, Any] = {}
-    for name in SCHEMA:
-        first, second = getattr(old, name), getattr(new, name)
-        kept = first[~first["id"].isin(second["id"])]
-        if not len(second):
-            tables[name] = first
-        elif not len(kept):
-            tables[name] = second
-        else:
-            rows = pd.concat([kept, second], ignore_index=True)
-            tables[name] = rows.sort_values("id", kind="stable", ignore_index=True)
+    tables = {name: joined_tables(getattr(old, name), getattr(new, name)) for name in SCHEMA}
     corners = np.array([old.extent, new.extent])
     low, high = corners[:, :2].min(axis=0), corners[:, 2:].max(axis=0)
     return Layout((*low.tolist(), *high.tolist()), **tables)

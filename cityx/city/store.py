@@ -1,7 +1,8 @@
 """The store: a city on disk, written whole or not at all, read back without loss.
 
 Layout of the folder: ``city.json`` (everything small), ``layout/*.parquet`` (GeoParquet),
-``terrain.tif`` (GeoTIFF), ``network.npz``, ``heights.npz``, ``lanes.npz``, ``ground.npz``,
+``terrain.tif`` (GeoTIFF), ``surroundings.tif`` and ``survey.npz`` (what a height file says),
+``network.npz``, ``heights.npz``, ``lanes.npz``, ``ground.npz``,
 ``meshes/*.npz``, ``instances/*.npz``,
 ``prototypes.npz`` and ``objects.json`` (what each building is, for views that load no tables).
 """
@@ -21,6 +22,7 @@ import numpy as np
 from cityx.city.city import City, Failure
 from cityx.city.environment import Environment
 from cityx.city.frame import Frame
+from cityx.city.goals import Goal
 from cityx.city.ground import Ground
 from cityx.city.heights import WayHeights
 from cityx.city.lanes import LaneGraph
@@ -28,7 +30,7 @@ from cityx.city.layout import SCHEMA, Layout, make_table
 from cityx.city.mesh import MeshBatch, concatenate
 from cityx.city.roads import RoadNetwork
 from cityx.city.scene import Instances, Prototype, Scene
-from cityx.city.terrain import Terrain
+from cityx.city.terrain import Survey, Terrain
 from cityx.errors import InputError
 from cityx.geometry.identity import id_text
 
@@ -96,6 +98,9 @@ def write_city(city: City, folder: Path) -> None:
     for name in SCHEMA:
         _write_table(getattr(city.layout, name), temporary / "layout" / f"{name}.parquet", city)
     _write_terrain(city.terrain, temporary / "terrain.tif", city.frame)
+    if city.survey is not None:
+        _write_terrain(city.survey.around, temporary / "surroundings.tif", city.frame)
+        _write_arrays(temporary / "survey.npz", _arrays(city.survey))
     for name in ("network", "heights", "lanes", "ground"):
         value = getattr(city, name)
         if value is not None:
@@ -119,9 +124,8 @@ def write_city(city: City, folder: Path) -> None:
         "lod": city.lod,
         "style": city.style,
         "environment": asdict(city.environment),
-        "terrain": {
-            "origin": city.terrain.origin, "cell": city.terrain.cell, "datum": city.terrain.datum,
-        },
+        "terrain": _grid_of(city.terrain),
+        "survey": _record_of(city.survey) if city.survey is not None else None,
         "attribution": city.attribution,
         "stages_done": sorted(city.stages_done),
         "failures": [
@@ -129,6 +133,7 @@ def write_city(city: City, folder: Path) -> None:
             for f in city.failures
         ],
         "notes": city.notes,
+        "goals": [asdict(goal) for goal in city.goals],
         "materials": materials,
         "prototypes": [[p.name, p.kind, p.mesh.materials] for p in prototypes],
         "prototype_materials": shared.materials,
@@ -169,6 +174,7 @@ def read_city(folder: Path) -> City:
         lod=record["lod"],
         style=record["style"],
         terrain=_read_terrain(folder / "terrain.tif", record["terrain"]),
+        survey=_read_survey(folder, record.get("survey")),
         network=_read_value(folder / "network.npz", RoadNetwork),
         heights=_read_value(folder / "heights.npz", WayHeights),
         lanes=_read_value(folder / "lanes.npz", LaneGraph),
@@ -181,6 +187,7 @@ def read_city(folder: Path) -> City:
             Failure(int(f["id"], 16), f["action"], f["error"]) for f in record["failures"]
         ),
         notes=tuple(record["notes"]),
+        goals=tuple(Goal(**goal) for goal in record.get("goals", ())),
     )
 
 
@@ -276,6 +283,17 @@ def _read_table(path: Path, name: str) -> GeoDataFrame:
     return make_table(name, table.geometry.to_numpy(), **columns)
 
 
+def _grid_of(terrain: Terrain) -> dict[str, Any]:
+    return {"origin": terrain.origin, "cell": terrain.cell, "datum": terrain.datum}
+
+
+def _record_of(survey: Survey) -> dict[str, Any]:
+    return {
+        "around": _grid_of(survey.around),
+        "bounds": [survey.bound, survey.tolerance, survey.far_tolerance],
+    }
+
+
 def _write_terrain(terrain: Terrain, path: Path, frame: Frame) -> None:
     import rasterio
     from affine import Affine
@@ -298,3 +316,12 @@ def _read_terrain(path: Path, record: Mapping[str, Any]) -> Terrain:
     with rasterio.open(path) as dataset:
         heights = dataset.read(1)[::-1].copy()
     return Terrain(tuple(record["origin"]), record["cell"], heights, record["datum"])
+
+
+def _read_survey(folder: Path, record: Mapping[str, Any] | None) -> Survey | None:
+    if record is None:
+        return None
+    with np.load(folder / "survey.npz") as arrays:
+        points = arrays["points"]
+    around = _read_terrain(folder / "surroundings.tif", record["around"])
+    return Survey(points, around, *record["bounds"])

@@ -51,6 +51,30 @@ class Terrain:
         return np.asarray(south * (1 - dv) + north * dv)
 
 
+@dataclass(frozen=True)
+class Survey:
+    """What a height file says of a site and of the land round it, before streets cut and fill it.
+
+    Attributes
+    ----------
+    points
+        (k, 3) float64, cells of the file on the site, or some of them evenly spread.
+    around
+        The site and the land round it; its zero is that of the site's terrain.
+    bound
+        Metres by which the terrain of the site, as it was read, misses the file at most.
+    tolerance, far_tolerance
+        Metres by which the ground misses the terrain, and the land beyond the site its heights, at
+        the corners of their cells; 0 until they are meshed.
+    """
+
+    points: NDArray[np.float64]
+    around: Terrain
+    bound: float
+    tolerance: float = 0.0
+    far_tolerance: float = 0.0
+
+
 def flat_terrain() -> Terrain:
     """Return the terrain of a site without height data."""
     return Terrain((0.0, 0.0), 1.0, np.zeros((1, 1)))

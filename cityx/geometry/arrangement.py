@@ -319,7 +319,44 @@ def _absorb_slivers(ground: Ground, doubled: IntArray) -> Ground:
     return _given_away(ground, thin)
 
 
-def absorb_scraps(ground: Ground, label: int, area: float) -> Ground:
+def owners(ground: Ground, label: int, over: tuple[str, ...]) -> NDArray[np.int64]:
+    """Tell which surface of one label each face belongs to, also what lies on top of it.
+
+    Parameters
+    ----------
+    ground
+        The arrangement.
+    label
+        Of the surfaces, each known by its object.
+    over
+        Names of what may lie on them; it belongs to what it shares most of its rim with.
+
+    Returns
+    -------
+    owner
+        (f,) from 1 in the order of the objects; 0 for none.
+    """
+    mine = ground.face_label == label
+    ids = np.unique(ground.face_object[mine])
+    owner = np.zeros(len(mine), np.int64)
+    owner[mine] = 1 + np.searchsorted(ids, ground.face_object[mine])
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inner = right != BEYOND
+    left, right = left[inner], right[inner]
+    length = np.hypot(*np.diff(ground.vertices[ground.edges[inner]], axis=1)[:, 0].T)
+    paint = ground.labelled(*over)
+    rim = np.bincount(left, length, len(owner)) + np.bincount(right, length, len(owner))
+    for _ in range(3):  # rails cross each other inside of a junction
+        held, other = np.zeros(len(owner)), np.zeros(len(owner), np.int64)
+        for a, b in ((left, right), (right, left)):
+            rows = np.flatnonzero(paint[a] & (owner[a] == 0) & (owner[b] > 0))
+            np.add.at(held, a[rows], length[rows])
+            other[a[rows]] = owner[b[rows]]
+        owner = np.where((held > 0.5 * rim) & (owner == 0), other, owner)
+    return owner
+
+
+def absorb_scraps(ground: Ground, label: int, area: float, over: tuple[str, ...]) -> Ground:
     """Give scraps of the surfaces of one label to their neighbours.
 
     Parameters
@@ -330,24 +367,29 @@ def absorb_scraps(ground: Ground, label: int, area: float) -> Ground:
         Of the surfaces, each known by its object.
     area
         Square metres; smaller pieces of a surface are scraps if it has a larger one.
+    over
+        Names of what lies on surfaces without parting them, nor takes their scraps.
     """
     size = len(ground.face_label)
+    owner = owners(ground, label, over)
     left, right = ground.edge_faces.T.astype(np.int64)
-    inner = right != BEYOND
-    right = np.where(inner, right, left)
-    mine = ground.face_label == label
-    same = inner & mine[left] & mine[right]
-    same &= ground.face_object[left] == ground.face_object[right]
+    right = np.where(right != BEYOND, right, left)
+    same = (owner[left] == owner[right]) & (owner[left] > 0)
     piece = components(np.column_stack([left, right])[same], size)
     of_piece = np.bincount(piece, face_areas(ground), minlength=size)[piece]
-    owners, number = np.unique(ground.face_object, return_inverse=True)
-    largest = np.zeros(len(owners))
-    np.maximum.at(largest, number[mine], of_piece[mine])
-    return _given_away(ground, mine & (of_piece < area) & (of_piece < largest[number]))
+    largest = np.zeros(int(owner.max(initial=0)) + 1)
+    np.maximum.at(largest, owner, of_piece)
+    scrap = (ground.face_label == label) & (of_piece < area) & (of_piece < largest[owner])
+    return _given_away(ground, scrap, ~ground.labelled(*over))
 
 
-def _given_away(ground: Ground, given: NDArray[np.bool_]) -> Ground:
-    """Give faces the label of the neighbour along their longest edge that keeps its own."""
+def _given_away(
+    ground: Ground, given: NDArray[np.bool_], takes: NDArray[np.bool_] | None = None
+) -> Ground:
+    """Give faces the label of the neighbour along their longest edge that keeps its own.
+
+    Of the neighbours only those marked in `takes`, if given.
+    """
     length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
     inner = ground.edge_faces[:, 1] != BEYOND
     pairs, reach = ground.edge_faces[inner], length[inner]
@@ -355,6 +397,8 @@ def _given_away(ground: Ground, given: NDArray[np.bool_]) -> Ground:
     other = np.concatenate([pairs[:, 1], pairs[:, 0]])
     reach = np.concatenate([reach, reach])
     useful = given[own] & ~given[other]
+    if takes is not None:
+        useful &= takes[other]
     own, other, reach = own[useful], other[useful], reach[useful]
     order = np.lexsort((other, -np.round(reach, 6), own))
     own, other = own[order], other[order]

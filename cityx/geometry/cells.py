@@ -15,7 +15,7 @@ FloatArray = NDArray[np.float64]
 
 FINEST = 10.0  # metres; no cell is smaller
 TOLERANCE = 0.10  # metres a cell's corners may miss the terrain by before it is quartered
-MOST = 40_000  # cells; on a larger or rougher site the tolerance is doubled until so many do
+MOST = 100_000  # cells; on a larger or rougher site the tolerance is doubled until so many do
 
 
 def tile_lines(extent: Extent, step: float) -> NDArray[Any]:
@@ -31,7 +31,9 @@ def tile_lines(extent: Extent, step: float) -> NDArray[Any]:
     return np.concatenate(lines)
 
 
-def relief_lines(extent: Extent, terrain: Terrain, largest: float) -> tuple[NDArray[Any], float]:
+def relief_lines(
+    extent: Extent, terrain: Terrain, largest: float, tolerance: float = TOLERANCE
+) -> tuple[NDArray[Any], float]:
     """Lines between the cells of a quadtree that follows the terrain.
 
     Parameters
@@ -42,6 +44,8 @@ def relief_lines(extent: Extent, terrain: Terrain, largest: float) -> tuple[NDAr
         Heights; the corners of the smallest cells are nodes of its grid.
     largest
         Metres; no cell is larger.
+    tolerance
+        Metres a cell's corners may miss the terrain by; doubled until there are few enough cells.
 
     Returns
     -------
@@ -63,7 +67,6 @@ def relief_lines(extent: Extent, terrain: Terrain, largest: float) -> tuple[NDAr
     nodes = np.column_stack([np.tile(x, rows), np.repeat(y, columns)])
     heights = terrain.height_at(nodes).reshape(rows, columns)
     errors = [_misses(heights, 1 << level) for level in range(levels + 1)]
-    tolerance = TOLERANCE
     while (leaves := _leaves(errors, tolerance)) and _count(leaves) > MOST:
         tolerance *= 2
     return _sides(leaves, x, y), tolerance

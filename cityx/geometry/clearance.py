@@ -120,36 +120,57 @@ def push_off(
     return moved, free
 
 
-CELL = 20.0  # metres; points are looked up by such cells
-MOST_TABLE = 4_000_000  # cells of a table of those that are taken
-MOST_CELLS = 64  # that a triangle's box may meet; larger triangles ask a search tree
+CELL = 10.0  # metres; points are looked up by such cells
+MOST_CELLS = 16  # that a triangle's box may meet; larger triangles ask a search tree
+ROWS = np.int64(1 << 24)  # of cells, more than any site has
 
 
 @dataclass(frozen=True)
 class TriangleCells:
-    """(t,) triangles with the cells that their boxes meet, for several questions about them.
+    """(t,) triangles by the cells that their boxes meet, for several questions about them.
 
     Attributes
     ----------
-    corners
-        (t, 3, 2) float, metres.
-    low, size
-        (t, 2) int, first cell and number of cells along x and y.
+    vertices, triangles
+        (v, 2) float, metres, and the (t, 3) corners among them.
+    cell, triangle
+        (c,) int64 each, a cell and a triangle whose box meets it, sorted by cell.
+    large, tree
+        The triangles that meet too many cells, and an STRtree over them.
     """
 
-    corners: FloatArray
-    low: NDArray[np.int64]
-    size: NDArray[np.int64]
+    vertices: FloatArray
+    triangles: NDArray[np.int32]
+    cell: NDArray[np.int64]
+    triangle: NDArray[np.int64]
+    large: NDArray[np.int64]
+    tree: Any
 
 
 def cells_of_triangles(
     vertices: NDArray[np.float64], triangles: NDArray[np.int32]
 ) -> TriangleCells:
     """Prepare (t, 3) triangles over (v, 2) vertices."""
-    corners = vertices[triangles]
-    low = np.floor(corners.min(axis=1) / CELL).astype(np.int64)
-    size = np.floor(corners.max(axis=1) / CELL).astype(np.int64) - low + 1
-    return TriangleCells(corners, low, size)
+    a, b, c = _cells(vertices)[triangles].transpose(1, 0, 2)
+    low = np.minimum(np.minimum(a, b), c)
+    size = np.maximum(np.maximum(a, b), c) - low + 1
+    cells = size[:, 0] * size[:, 1]
+    small, large = np.flatnonzero(cells <= MOST_CELLS), np.flatnonzero(cells > MOST_CELLS)
+    row, part = _counted(cells[small])
+    row = small[row]
+    across = size[row, 1]
+    cell = _cell_number(low[row, 0] + part // across, low[row, 1] + part % across)
+    order = np.argsort(cell, kind="stable")
+    tree = shapely.STRtree(shapely.polygons(vertices[triangles[large]]))
+    return TriangleCells(vertices, triangles, cell[order], row[order], large, tree)
+
+
+def _cells(xy: FloatArray) -> NDArray[np.int64]:
+    return np.asarray(np.floor(xy / CELL), np.int64)
+
+
+def _cell_number(i: NDArray[np.int64], j: NDArray[np.int64]) -> NDArray[np.int64]:
+    return np.asarray(i * ROWS + j)
 
 
 def in_triangles(
@@ -159,7 +180,9 @@ def in_triangles(
     return np.asarray(triangle_at(xy, cells_of_triangles(vertices, triangles)) >= 0)
 
 
-def triangle_at(xy: ArrayLike, prepared: TriangleCells) -> NDArray[np.int64]:
+def triangle_at(
+    xy: ArrayLike, prepared: TriangleCells, among: BoolArray | None = None
+) -> NDArray[np.int64]:
     """Find the triangle under each of (n, 2) points.
 
     Parameters
@@ -168,6 +191,8 @@ def triangle_at(xy: ArrayLike, prepared: TriangleCells) -> NDArray[np.int64]:
         (n, 2) float, metres.
     prepared
         The triangles.
+    among
+        (t,) those that count; all when left out.
 
     Returns
     -------
@@ -177,54 +202,29 @@ def triangle_at(xy: ArrayLike, prepared: TriangleCells) -> NDArray[np.int64]:
     """
     spots = np.asarray(xy, float).reshape(-1, 2)
     found = np.full(len(spots), -1, np.int64)
-    if not len(spots) or not len(prepared.low):
-        return found
-    low, size = prepared.low, prepared.size
-    near = _meets(low, low + size, np.floor(spots / CELL).astype(np.int64))
-    low, size, corners = low[near], size[near], prepared.corners[near]
-    cells = size[:, 0] * size[:, 1]
-    large = np.flatnonzero(cells > MOST_CELLS)
-    if len(large):
-        shapes = shapely.polygons(corners[large])
-        tree = shapely.STRtree(shapely.points(spots))
-        shape, spot = tree.query(shapes, predicate="intersects")
-        np.maximum.at(found, spot, near[large[shape]])
-    small = np.flatnonzero(cells <= MOST_CELLS)
-    triangle, part = _counted(cells[small])
-    triangle = small[triangle]
-    across = size[triangle, 1]
-    i, j = low[triangle, 0] + part // across, low[triangle, 1] + part % across
-    width = np.int64(1 << 24)
-    cell = np.floor(spots / CELL).astype(np.int64)
-    key = cell[:, 0] * width + cell[:, 1]
-    order = np.argsort(key, kind="stable")
-    known, start, count = np.unique(key[order], return_index=True, return_counts=True)
-    wanted = i * width + j
-    at = np.minimum(np.searchsorted(known, wanted), len(known) - 1)
-    met = known[at] == wanted
-    pair, number = _counted(count[at[met]])
-    spot = order[start[at[met]][pair] + number]
-    a, b, c = corners[triangle[met][pair]].transpose(1, 0, 2)
-    turns = np.stack([_turn(a, b, spots[spot]), _turn(b, c, spots[spot]), _turn(c, a, spots[spot])])
+    spot, triangle = _candidates(spots, prepared)
+    if among is not None:
+        spot, triangle = spot[among[triangle]], triangle[among[triangle]]
+    a, b, c = prepared.vertices[prepared.triangles[triangle]].transpose(1, 0, 2)
+    at = spots[spot]
+    turns = np.stack([_turn(a, b, at), _turn(b, c, at), _turn(c, a, at)])
     hit = (turns >= 0).all(axis=0) | (turns <= 0).all(axis=0)
-    np.maximum.at(found, spot[hit], near[triangle[met][pair][hit]])
+    np.maximum.at(found, spot[hit], triangle[hit])
     return found
 
 
-def _meets(
-    low: NDArray[np.int64], high: NDArray[np.int64], cell: NDArray[np.int64]
-) -> NDArray[np.int64]:
-    """Rows of those ranges of cells, (t, 2) from `low` to below `high`, that hold a taken cell."""
-    first, last = cell.min(axis=0), cell.max(axis=0)
-    shape = last - first + 2
-    if int(shape[0]) * int(shape[1]) > MOST_TABLE:
-        return np.flatnonzero(((low <= last) & (high > first)).all(axis=1))
-    table = np.zeros(shape, np.int64)
-    at = cell - first + 1
-    table[at[:, 0], at[:, 1]] = 1
-    table = table.cumsum(axis=0).cumsum(axis=1)
-    (i, j), (k, m) = (np.clip(edge - first, 0, shape - 1).T for edge in (low, high))
-    return np.flatnonzero(table[k, m] - table[i, m] - table[k, j] + table[i, j] > 0)
+def _candidates(
+    spots: FloatArray, prepared: TriangleCells
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Pairs of points and triangles: small ones of the same cell, large ones whose box holds it."""
+    cell = _cell_number(*_cells(spots).T)
+    first, last = (np.searchsorted(prepared.cell, cell, side=side) for side in ("left", "right"))
+    spot, number = _counted(last - first)
+    held, shape = prepared.tree.query(shapely.points(spots))
+    return (
+        np.concatenate([spot, held]),
+        np.concatenate([prepared.triangle[first[spot] + number], prepared.large[shape]]),
+    )
 
 
 def _counted(count: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

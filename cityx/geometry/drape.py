@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.ground import DROPPED, KERB_HEIGHT, LABEL, SURFACES, Ground
-from cityx.city.mesh import NO_VERTEX, MeshBatch, concatenate, empty_batch, one_mesh
+from cityx.city.mesh import NO_VERTEX, MeshBatch, concatenate, one_mesh
 from cityx.city.terrain import Terrain
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.identity import stable_id, uniform
@@ -21,12 +21,8 @@ STEP = 0.001  # metres; lower steps between surfaces get no vertical face
 TINT_RANGE = 0.10  # of the brightness of neighbouring pieces of one material
 FLAT_WATER = 2.0  # metres of relief along the shore above which water is a sloping river
 SHORE_QUANTILE = 10.0  # percent; most of the shore stands above the water
-SURROUNDINGS = 1500.0  # metres of open land beyond the site, so that views do not end in a void
+HEAD = 0.002  # metres; what a ramp lacks to the walk that rounding to the grid explains
 RAMP_SLOPE = 12.0  # metres of ramp per metre of rise (ADA 2010, 405.2)
-SKIRT = 2.0  # metres the border reaches down
-OPEN_LAND = (0.95, 0.95, 0.90)  # tint of the land beyond
-TOWN_LAND = (0.55, 0.55, 0.53)  # the same where the site is a piece of a city
-OPEN_LABELS = ("block", "farmland", "grass", "meadow", "wood", "park", "sand", "bare", "pitch")
 
 
 @dataclass(frozen=True)
@@ -59,7 +55,9 @@ def ramp_heights(ground: Ground) -> FloatArray:
         spots = shapely.points(ground.vertices[used])
         row, edge = shapely.STRtree(feet).query_nearest(spots, all_matches=False)
         distance = shapely.distance(spots[row], feet[edge])
-        rise[used[row]] = np.minimum(DROPPED + distance / RAMP_SLOPE, KERB_HEIGHT)
+        climbed = DROPPED + distance / RAMP_SLOPE
+        # Its foot may lie a step of the grid off; its head meets the walk all the same.
+        rise[used[row]] = np.where(climbed > KERB_HEIGHT - HEAD, KERB_HEIGHT, climbed)
     return np.asarray(np.round(rise, 4))
 
 
@@ -253,53 +251,3 @@ class _Sides:
         faces = np.arange(4 * len(rows)).reshape(-1, 4)
         material = np.ones(len(rows), np.int16)
         return self.vertices[rows].reshape(-1, 3), faces, material, self.uv[rows], self.tint[rows]
-
-
-def surroundings(ground: Ground, terrain: Terrain, reach: float = SURROUNDINGS) -> MeshBatch:
-    """Lay open land round the site, joined to its border vertex by vertex."""
-    rim = ground.edges[ground.edge_faces[:, 1] == BEYOND]
-    if not len(rim):
-        return empty_batch()
-    low, high = ground.vertices.min(axis=0), ground.vertices.max(axis=0)
-    centre, half = (low + high) / 2, np.maximum((high - low) / 2, 0.01)
-    used, index = np.unique(rim, return_inverse=True)
-    border = ground.vertices[used]
-    outer = centre + (border - centre) * (half + reach) / half
-    offset = SURFACES[LABEL["block"]].offset
-    height = terrain.height_at(border)
-    # Far away the land evens out, so that the horizon is a line.
-    inner_z = np.round(height + offset, 4)
-    outer_z = np.full(len(border), np.round(height.mean() + offset, 4))
-    vertices = np.concatenate([
-        np.column_stack([border, inner_z]),
-        np.column_stack([outer, outer_z]),
-        np.column_stack([border, inner_z - SKIRT]),
-    ])  # fmt: skip
-    count = len(border)
-    a, b = index.reshape(-1, 2).T
-    none = np.full(len(a), NO_VERTEX)
-    faces = np.concatenate([
-        np.column_stack([a, a + count, b, none]),
-        np.column_stack([b, a + count, b + count, none]),
-        np.column_stack([b + 2 * count, b, a, a + 2 * count])[:, ::-1],
-    ])  # fmt: skip
-    uv = np.zeros((len(faces), 4, 2))
-    inside = faces != NO_VERTEX
-    uv[inside] = vertices[faces[inside], :2]
-    material = np.repeat([0, 0, 1], len(a))
-    name, tint = ("concrete", TOWN_LAND) if _in_town(ground) else ("grass", OPEN_LAND)
-    return one_mesh(
-        stable_id("ground", "surroundings"), vertices, faces, material=material,
-        materials=(name, "soil"), uv=uv, tint=tint,
-    )  # fmt: skip
-
-
-def _in_town(ground: Ground) -> bool:
-    """Whether most of the site's land is paved, so that the land beyond it is a city too."""
-    area = np.zeros(len(ground.face_label))
-    a, b, c = ground.vertices[ground.triangles].transpose(1, 0, 2)
-    cross = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
-    np.add.at(area, ground.triangle_face, np.abs(cross) / 2)
-    by_label = np.bincount(ground.face_label, weights=area, minlength=len(SURFACES))
-    open_land = by_label[[LABEL[name] for name in OPEN_LABELS]].sum()
-    return bool(by_label.sum() - by_label[LABEL["water"]] > 2 * open_land)

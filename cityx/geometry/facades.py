@@ -53,8 +53,9 @@ class Fronts:
         (w,) one of `PUNCHED`, `STRIP`, `CURTAIN`, `HALL`, `NAVE`, `SHED`.
     levels
         (w,) storeys of the part between base and eave.
-    foot
-        (w,) height where the wall leaves the ground; the part's base where it hangs above.
+    pavement
+        (w, 3) height of the ground at the start, the middle and the end of the wall; the part's
+        base where it hangs above.
     grounded
         (w,) bool, whether the part stands on the ground.
     street, shop, balcony
@@ -80,7 +81,7 @@ class Fronts:
     building: NDArray[np.uint64]
     mode: IntArray
     levels: IntArray
-    foot: FloatArray
+    pavement: FloatArray
     grounded: NDArray[np.bool_]
     street: NDArray[np.bool_]
     shop: NDArray[np.bool_]
@@ -97,6 +98,18 @@ class Fronts:
     door_along: FloatArray
     door_width: FloatArray
     door_height: FloatArray
+
+    @property
+    def foot(self) -> FloatArray:
+        """(w,) height of the ground where it is highest."""
+        return np.asarray(self.pavement.max(axis=1))
+
+    def pavement_at(self, walls: WallTable, wall: IntArray, along: FloatArray) -> FloatArray:
+        """Return the height of the ground at places along walls, (k,)."""
+        place = np.clip(2 * along / walls.length[wall], 0.0, 2.0)  # halves of the wall
+        half = np.minimum(place.astype(np.int64), 1)
+        a, b = self.pavement[wall, half], self.pavement[wall, half + 1]
+        return np.asarray(a + (place - half) * (b - a))
 
     def take(self, rows: Any) -> Fronts:
         """Return the facts of the given walls."""
@@ -188,7 +201,7 @@ def storeys_of(walls: WallTable, fronts: Fronts) -> Storeys:
     ground = np.where((count == 1) | ~fronts.grounded, mean, ground)
     upper = np.where(count > 1, (height - ground) / others, height)
     # On a slope the lower storeys disappear in the ground.
-    sunk = fronts.foot - walls.z_low
+    sunk = fronts.pavement.min(axis=1) - walls.z_low
     first = np.ceil((sunk - ground + MIN_GROUND) / np.maximum(upper, 0.1)).astype(np.int64)
     first = np.where(sunk > 0.05, np.clip(first, 0, count), 0)
     return Storeys(count, walls.z_low, ground, upper, first)
@@ -344,7 +357,7 @@ def _main_doors(walls: WallTable, fronts: Fronts, storeys: Storeys) -> Openings:
     reach = width / 2 + END_GAP + 0.01
     along = np.clip(along, reach, walls.length[wall] - reach)
     top = np.minimum(walls.z_high[wall] - EAVE_GAP, walls.open_to[wall])
-    low = fronts.foot[wall]
+    low = fronts.pavement_at(walls, wall, along)
     height = np.minimum(fronts.door_height[wall], top - low - 0.02)
     role = np.full(len(wall), DOOR)
     none = np.full(len(wall), -1)
@@ -372,7 +385,7 @@ def _shops(walls: WallTable, fronts: Fronts, storeys: Storeys, doors: Openings) 
     along = begin[piece] + (number + 0.5) * bay
     first = storeys.first[wall]
     ceiling = storeys.floor_of(wall, first + 1)
-    low = fronts.foot[wall]
+    low = fronts.pavement_at(walls, wall, along)
     height = np.clip(ceiling - low - ROOM_FOR_SIGN, 2.2, 3.5)
     height = np.minimum(height, walls.z_high[wall] - low - EAVE_GAP - 0.01)
     number = number + 500 * right[piece]
@@ -396,13 +409,12 @@ def _gates(walls: WallTable, fronts: Fronts, storeys: Storeys, seed: int) -> Ope
     along = 0.5 + (number + 0.5) * pitch
     is_hall = fronts.mode[wall] == HALL
     kept = ~is_hall | (uniform(seed, "facade/gate", key[wall], number) < 0.55)
-    room = walls.z_high[wall] - fronts.foot[wall]
+    low = fronts.pavement_at(walls, wall, along)
+    room = walls.z_high[wall] - low
     height = np.where(is_hall, np.minimum(4.2, room - 1.9), np.minimum(2.25, room - 0.3))
     width = np.where(is_hall, np.minimum(4.0, 0.95 * height + 0.6), 2.5)
     role = np.where(is_hall, ROLLER, GARAGE)
-    found = Openings(
-        wall, storeys.first[wall], 900 + number, role, along, fronts.foot[wall], width, height
-    )
+    found = Openings(wall, storeys.first[wall], 900 + number, role, along, low, width, height)
     return found.take(kept & (height > 1.8))
 
 
@@ -429,9 +441,13 @@ def _inside(table: Openings, walls: WallTable, fronts: Fronts) -> NDArray[np.boo
     """(k,) whether each opening lies wholly within the open stretch of its wall."""
     wall = table.wall
     top = table.low + table.height
-    floor = np.maximum(walls.z_low[wall], fronts.foot[wall])
     half = table.width / 2
     on_ground = np.isin(table.role, [*DOORS, SHOP])
+    ends = (table.along - half, table.along, table.along + half)
+    below = np.maximum.reduce([fronts.pavement_at(walls, wall, end) for end in ends])
+    # Doors lead out at the pavement, though it lies below the lowest floor.
+    floor = np.where(on_ground, fronts.pavement_at(walls, wall, table.along),
+                     np.maximum(walls.z_low[wall], below))  # fmt: skip
     covered = walls.blind_to[wall] > walls.z_low[wall]
     above = np.where(covered, walls.blind_to[wall] + BLIND_GAP, -np.inf)
     fits = (table.along - half >= END_GAP - 1e-6) & (

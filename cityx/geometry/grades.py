@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import dijkstra
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+EVEN = 1e-3  # metres that nobody moves a road for
 LEAST_RISE = 1e-6  # metres; a sparse graph takes an edge of weight zero for none
 
 
@@ -93,14 +94,30 @@ def graded(slopes: Slopes, height: ArrayLike) -> FloatArray:
     """Return heights near the given ones that keep every grade, cut and fill in balance.
 
     They lie halfway between the lowest such heights that are nowhere below the given ones, and the
-    highest that are nowhere above. Stations whose height is NaN are carried along.
+    highest that are nowhere above. That moves the worst places least, but all within their reach as
+    well; so it is done twice, the second time for heights from which the worst are already cut, as
+    far as no place moves more than at first. Stations whose height is NaN are carried along.
     """
     height = np.asarray(height, dtype=float)
+    moved = np.abs(_between(slopes, height) - height)  # NaN where nothing is given
+    if not (moved > EVEN).any():
+        return _between(slopes, height)
+    known = np.isfinite(height)
+    low = rise_to(slopes, np.where(known, height - moved, -np.inf))
+    high = fall_to(slopes, np.where(known, height + moved, np.inf))
+    return _between(slopes, np.where(known, np.clip(height, low, high), np.nan))
+
+
+def _between(slopes: Slopes, height: FloatArray) -> FloatArray:
+    """Return heights halfway between the lowest over and the highest under the given ones."""
     known = np.isfinite(height)
     over = rise_to(slopes, np.where(known, height, -np.inf))
     under = fall_to(slopes, np.where(known, height, np.inf))
     # Far from every known station only the grades count, and the two differ without end.
-    return np.asarray(np.where(np.isfinite(over), (over + under) / 2, 0.0))
+    middle = np.zeros(len(height))
+    near = np.isfinite(over)
+    middle[near] = (over[near] + under[near]) / 2
+    return middle
 
 
 def evened(slopes: Slopes, height: ArrayLike, free: ArrayLike, rounds: int) -> FloatArray:

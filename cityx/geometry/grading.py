@@ -15,7 +15,7 @@ VERGE = 2.5  # metres beside the carriageway that lie level with it: kerb and wa
 SLOPE = 2.0  # metres out for each metre of cut or fill
 LEAST_SLOPE = 4.0  # metres over which even a small step is evened out
 NEAR = 6  # stations whose heights are weighed at a place
-FARTHEST = 30.0  # metres from a road at which every terrain is left alone
+FARTHEST = 60.0  # metres from a road at which every terrain is left alone
 ROWS = 256  # of the grid that are graded at once
 
 
@@ -66,7 +66,9 @@ def grade_terrain(
         road = (pull * z[near]).sum(axis=1) / pull.sum(axis=1)
         old = heights[begin : begin + len(y)].reshape(-1)
         change = road - old[rows]
-        reach = np.maximum(SLOPE * np.abs(change), LEAST_SLOPE)
+        # A slope too long for the room beside the road gets steeper: it ends in no cliff.
+        room = FARTHEST - VERGE - half[near[:, 0]]
+        reach = np.clip(SLOPE * np.abs(change), LEAST_SLOPE, room)
         share = np.clip(1.0 - beyond.min(axis=1) / reach, 0.0, 1.0)
         old[rows] += change * share
     return Terrain(fine.origin, fine.cell, np.round(heights, 4), fine.datum)

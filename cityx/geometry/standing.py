@@ -52,21 +52,26 @@ def stand_on(ground: MeshBatch | None, xy: ArrayLike) -> Footing:
     if ground is None or not ground.count or not len(spots):
         return Footing(label, z)
     faces, prepared = _tops(ground)
-    triangles = ground.faces[faces, :3]
     found = triangle_at(spots, prepared)
     hit = np.flatnonzero(found >= 0)
     known = {stable_id("ground", surface.name): i for i, surface in enumerate(SURFACES)}
     labels = np.array([known.get(int(own), NOWHERE) for own in ground.object_id])
-    own = np.searchsorted(ground.face_start, faces[found[hit]], side="right") - 1
+    face = faces[found[hit]]
+    own = np.searchsorted(ground.face_start, face, side="right") - 1
     label[hit] = labels[own]
-    a, b, c = ground.vertices[triangles[found[hit]]].transpose(1, 0, 2)
-    u, v, w = (b - a)[:, :2], (c - a)[:, :2], spots[hit] - a[:, :2]
+    z[hit] = heights_on(ground.vertices[ground.faces[face, :3]], spots[hit])
+    return Footing(label, z)
+
+
+def heights_on(corners: FloatArray, xy: FloatArray) -> FloatArray:
+    """Return (n,) heights at (n, 2) places on the planes of (n, 3, 3) triangles."""
+    a, b, c = corners.transpose(1, 0, 2)
+    u, v, w = (b - a)[:, :2], (c - a)[:, :2], xy - a[:, :2]
     area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
     area = np.where(np.abs(area) < 1e-12, 1.0, area)
     s = (w[:, 0] * v[:, 1] - w[:, 1] * v[:, 0]) / area
     t = (u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0]) / area
-    z[hit] = a[:, 2] + s * (b - a)[:, 2] + t * (c - a)[:, 2]
-    return Footing(label, z)
+    return np.asarray(a[:, 2] + s * (b - a)[:, 2] + t * (c - a)[:, 2])
 
 
 _LAST: list[tuple[weakref.ref[FloatArray], NDArray[np.int64], TriangleCells]] = []

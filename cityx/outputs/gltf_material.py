@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.materials import Material
+from cityx.assets.materials import Material, wet_look
+from cityx.assets.surface_states import material_named
 from cityx.assets.textures import texture
 from cityx.city.environment import Environment
 from cityx.city.rooms import LIT
 from cityx.outputs.gltf_buffer import GltfBuffer
-from cityx.outputs.gltf_mesh import material_named
 
 # JPEG without chroma subsampling: at this quality blocks do not show, also in normal maps.
 _QUALITY = 90
@@ -23,28 +23,24 @@ _QUALITY = 90
 FLAT = 3  # of 255
 # Made of thin sheets that are seen from both sides.
 TWO_SIDED = frozenset({"leaf", "foliage", "hedge", "cloth"})
-# Water darkens a porous surface to this share at most (Lekner and Dorf 1988 measure 0.5 to 0.7).
-_WETTEST = 0.55
-_FILM_ROUGHNESS = 0.12  # of a closed film of water
-
-
 # Ground that snow whitens; roofs and walls share materials with a tint, which would dye the snow.
 SNOWED = frozenset(
     {"paving", "grass", "meadow", "forest_floor", "farmland", "soil", "sand", "gravel", "pitch",
      "rail_ballast", "kerb_stone"}
 )  # fmt: skip
-DRIVEN = frozenset({"asphalt", "setts"})  # where tyres leave slush
+DRIVEN = frozenset(
+    {"asphalt", "setts", "cobbles", "clinker", "pavers", "road_concrete"}
+)  # where tyres leave slush
 _SNOW = np.array([0.80, 0.82, 0.86])
 _SLUSH_SHARE = 0.35
 
 
 def weather_look(material: Material, environment: Environment) -> tuple[NDArray[np.float64], float]:
     """Return the linear base colour, (3,), and the roughness of a surface in rain and snow."""
-    wetness = environment.wetness
-    color = np.array(material.color) * (1 - (1 - _WETTEST) * wetness * material.porosity)
-    roughness = material.roughness + (_FILM_ROUGHNESS - material.roughness) * 0.6 * wetness
-    driven = _SLUSH_SHARE if material.name in DRIVEN else 0.0
-    share = environment.snow * (1.0 if material.name in SNOWED else driven)
+    wet, roughness = wet_look(material, environment.wetness)
+    color = np.array(wet)
+    driven = _SLUSH_SHARE if material.root in DRIVEN else 0.0
+    share = environment.snow * (1.0 if material.root in SNOWED else driven)
     return color + (_SNOW - color) * share, roughness + (0.7 - roughness) * share
 
 

@@ -8,7 +8,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.assets.materials import MATERIALS, Material
+from cityx.assets.surface_states import material_named
 from cityx.city.mesh import MeshBatch
 
 # Corners of one vertex that may differ in normal, texture place or colour and still be welded
@@ -26,11 +26,6 @@ def y_up(points: ArrayLike) -> NDArray[np.float64]:
     """Turn (..., 3) points from x east, y north, z up to glTF's x east, y up, z south."""
     points = np.asarray(points, dtype=np.float64)
     return np.stack([points[..., 0], points[..., 2], -points[..., 1]], axis=-1)
-
-
-def material_named(name: str) -> Material:
-    """Return a material of the table, or a grey one under a name the table does not have."""
-    return MATERIALS.get(name) or Material(name, (0.5, 0.5, 0.5))
 
 
 @dataclass(frozen=True)

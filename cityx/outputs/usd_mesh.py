@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cityx.assets.surface_states import material_named
 from cityx.city.mesh import MeshBatch
-from cityx.outputs.gltf_mesh import finite, material_named
+from cityx.outputs.gltf_mesh import finite
 
 # A preview surface cannot multiply its texture by the tint of a face, so each tint is a material of
 # its own. Tints are rounded on a fixed lattice of square roots, which is about as even to the eye:

@@ -220,6 +220,8 @@ def _example(parameter: Parameter, role: str) -> Any:
     low = 1.0 if parameter.low is None else parameter.low
     high = low + 10 if parameter.high is None else parameter.high
     number = min(max(low, 2.0), high)
+    if parameter.points:
+        return [[number + 10 * row, number] for row in range(max(2, parameter.points[0]))]
     if parameter.kind == "array":
         return [number] * (parameter.length or 0)
     return int(number) if parameter.kind == "integer" else number

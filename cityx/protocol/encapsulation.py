@@ -176,6 +176,13 @@ class Encapsulation:
         made["preconditions"] = tuple(map(Pre.from_json, record["preconditions"]))
         return cls(**made)
 
+    def read(self, said: Mapping[str, str]) -> dict[str, Any]:
+        """Return the values that texts stand for, by the kinds of the parameters."""
+        known = {p.name: p for p in self.parameters}
+        return {
+            name: known[name].read(text) if name in known else text for name, text in said.items()
+        }
+
     def argument_faults(self, args: Mapping[str, Any]) -> list[str]:
         """Return every reason why arguments are refused, one sentence each."""
         names = [p.name for p in self.parameters]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import shapely
 
+from cityx.city.layout import CURVE
 from cityx.protocol.formats import Format
 from cityx.protocol.values import Lines, Points, Surfaces, make_lines, make_points, make_surfaces
 
@@ -28,10 +29,14 @@ def _roads(city: City) -> Lines:
     )
 
 
-def _barriers(city: City) -> Lines:
-    rows = city.layout.lines
-    ids = rows["id"].to_numpy(np.uint64)
-    return make_lines(rows.geometry.to_numpy(), rows["kind"].to_numpy(str), object_id=ids)
+def _lines(*, curves: bool) -> Callable[[City], Lines]:
+    def read(city: City) -> Lines:
+        rows = city.layout.lines
+        rows = rows[(rows["kind"] == CURVE) == curves]
+        ids = rows["id"].to_numpy(np.uint64)
+        return make_lines(rows.geometry.to_numpy(), rows["kind"].to_numpy(str), object_id=ids)
+
+    return read
 
 
 def _edges(city: City) -> Lines:
@@ -69,7 +74,8 @@ _HOLDINGS: Mapping[Node, Callable[[City], Any]] = MappingProxyType(
         (Format.SCENE_LAYOUT, "layout"): lambda city: city.layout,
         (Format.LINE, "road_centerline"): _roads,
         (Format.LINE, "road_network"): _edges,
-        (Format.LINE, "barrier"): _barriers,
+        (Format.LINE, "barrier"): _lines(curves=False),
+        (Format.LINE, "curve"): _lines(curves=True),
         (Format.SURFACE, "building_footprint"): _surfaces("buildings", "use", "height"),
         (Format.SURFACE, "building_part"): _surfaces("parts", "use", "top"),
         (Format.SURFACE, "area"): _surfaces("areas", "kind", ""),
@@ -79,6 +85,7 @@ _HOLDINGS: Mapping[Node, Callable[[City], Any]] = MappingProxyType(
 _NEEDS: Mapping[Node, Callable[[City], bool]] = MappingProxyType(
     {
         (Format.LINE, "road_network"): lambda city: city.network is not None,
+        (Format.LINE, "curve"): lambda city: bool((city.layout.lines["kind"] == CURVE).any()),
         (Format.SURFACE, "ground"): lambda city: city.ground is not None,
     }
 )

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import math
 import types
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from itertools import chain
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from cityx.errors import UsageError, nearest
@@ -16,6 +18,9 @@ _LINEAR_COLOR = "cityx.protocol.values:LinearColor"
 # A parameter of one of these types or names would let a caller reach outside the city.
 _FORBIDDEN_TYPES = ("Path", "PosixPath", "PurePath", "Callable", "CodeType")
 _FORBIDDEN_NAMES = ("path", "file", "filename", "url", "uri", "code", "script", "expression")
+
+
+TRUE, FALSE = ("true", "yes", "on"), ("false", "no", "off")
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,14 @@ class Text:
 
 
 @dataclass(frozen=True)
+class Points:
+    """Mark rows of numbers as points of 2 or 3 coordinates, and bound how many they are."""
+
+    least: int = 2
+    most: int = 2000
+
+
+@dataclass(frozen=True)
 class Color:
     """Mark a number (0xRRGGBB, sRGB) or three numbers (linear) as a colour."""
 
@@ -79,7 +92,7 @@ class Parameter:
     name, description
         As in the signature and the docstring.
     kind
-        JSON type: "integer", "number", "boolean", "string" or "array" (of numbers).
+        JSON type: "integer", "number", "boolean", "string" or "array" (of numbers or points).
     format
         The data format the parameter counts as.
     default
@@ -90,6 +103,8 @@ class Parameter:
         Words admitted, or ().
     length
         Numbers in an array, or letters in a text.
+    points
+        Least and greatest number of points of an array of points, or ().
     nullable
         Whether None is admitted.
     names_object
@@ -105,6 +120,7 @@ class Parameter:
     high: float | None = None
     choices: tuple[str, ...] = ()
     length: int | None = None
+    points: tuple[int, ...] = ()
     nullable: bool = False
     names_object: bool = False
 
@@ -117,8 +133,12 @@ class Parameter:
         """Return the JSON schema of the value."""
         out: dict[str, Any] = {"type": [self.kind, "null"] if self.nullable else self.kind}
         if self.kind == "array":
-            items: dict[str, Any] = {"type": "number"} | self._bounds()
-            out |= {"items": items, "minItems": self.length, "maxItems": self.length}
+            number: dict[str, Any] = {"type": "number"} | self._bounds()
+            out |= (
+                _array_of(_array_of(number, 2, 3), *self.points)
+                if self.points
+                else _array_of(number, self.length, self.length)
+            )
         else:
             out |= self._bounds()
         if self.choices:
@@ -145,7 +165,8 @@ class Parameter:
             return self._text_fault(value, shown)
         if self.kind == "boolean":
             return ""
-        for number in value if self.kind == "array" else (value,):
+        numbers = chain.from_iterable(value) if self.points else value
+        for number in numbers if self.kind == "array" else (value,):
             if (self.low is not None and number < self.low) or (
                 self.high is not None and number > self.high
             ):
@@ -162,11 +183,12 @@ class Parameter:
             return (isinstance(value, int) and not isinstance(value, bool)) or whole
         if self.kind == "number":
             return _is_number(value)
-        return (
-            isinstance(value, list | tuple)
-            and len(value) == self.length
-            and all(_is_number(number) for number in value)
-        )
+        if not isinstance(value, list | tuple):
+            return False
+        if self.points:
+            least, most = self.points
+            return least <= len(value) <= most and all(_is_point(row) for row in value)
+        return len(value) == self.length and all(_is_number(number) for number in value)
 
     def _text_fault(self, value: str, shown: str) -> str:
         if self.choices:
@@ -184,6 +206,8 @@ class Parameter:
         return ""
 
     def _wanted(self) -> str:
+        if self.points:
+            return f"an array of {self.points[0]} to {self.points[1]} points [x, y] or [x, y, z]"
         if self.kind == "array":
             return f"an array of {self.length} numbers"
         return {
@@ -204,13 +228,31 @@ class Parameter:
         """Return the Python value of an admitted JSON value."""
         if value is None:
             return None
+        if self.points:
+            return tuple(tuple(float(number) for number in row) for row in value)
         if self.kind == "array":
             return tuple(float(number) for number in value)
         return {"integer": int, "number": float}.get(self.kind, lambda v: v)(value)
 
+    def read(self, text: str) -> Any:
+        """Return the JSON value that a text stands for; the text itself where it stands for none.
+
+        Numbers of an array may be written with commas: "80,150".
+        """
+        if self.kind == "string":
+            return text
+        if self.kind == "boolean":
+            return True if text.lower() in TRUE else False if text.lower() in FALSE else text
+        listed = self.kind == "array" and not text.strip().startswith("[")
+        try:
+            return json.loads(f"[{text}]" if listed else text)
+        except ValueError:
+            return text
+
     def to_json(self) -> dict[str, Any]:
         """Return a plain dictionary; a required parameter has no key "default"."""
         record = asdict(self) | {"format": self.format.value, "choices": list(self.choices)}
+        record["points"] = list(self.points)
         if self.required:
             del record["default"]
         return record
@@ -218,12 +260,25 @@ class Parameter:
     @classmethod
     def from_json(cls, record: Mapping[str, Any]) -> Parameter:
         """Rebuild a parameter from `to_json`."""
-        changed = {"format": Format(record["format"]), "choices": tuple(record["choices"])}
-        return cls(**{**record, **changed})
+        changed = {"format": Format(record["format"])}
+        lists = {name: tuple(record.get(name, ())) for name in ("choices", "points")}
+        return cls(**{**record, **changed, **lists})
 
 
 def _shown(number: float | None) -> str:
     return str(int(number)) if number is not None and number == int(number) else repr(number)
+
+
+def _array_of(items: dict[str, Any], least: int | None, most: int | None) -> dict[str, Any]:
+    return {"type": "array", "items": items, "minItems": least, "maxItems": most}
+
+
+def _is_point(value: Any) -> bool:
+    return (
+        isinstance(value, list | tuple)
+        and len(value) in (2, 3)
+        and all(_is_number(number) for number in value)
+    )
 
 
 def _is_number(value: Any) -> bool:
@@ -248,6 +303,8 @@ def parameter_from(name: str, annotation: Any, default: Any, description: str) -
             fields |= {"low": mark.low, "high": mark.high}
         elif isinstance(mark, Choice):
             fields["choices"] = mark.words
+        elif isinstance(mark, Points):
+            fields["points"] = (mark.least, mark.most)
         elif isinstance(mark, Text):
             fields["length"] = mark.max_length
         elif isinstance(mark, ObjectName) or mark is ObjectName:
@@ -268,12 +325,14 @@ def parameter_from(name: str, annotation: Any, default: Any, description: str) -
     elif kind is str and all(isinstance(word, str) for word in fields.get("choices", ())):
         json_kind, fmt = "string", Format.STRING
         fields.setdefault("length", MAX_TEXT)
+    elif fields.get("points") and kind == tuple[tuple[float, ...], ...]:
+        json_kind, fmt = "array", Format.POINT
     elif get_origin(kind) is tuple and set(get_args(kind)) <= {float, int}:
         json_kind, fields["length"] = "array", len(get_args(kind))
     else:
         raise UsageError(
             f"Parameter {name}: {annotation!r} is no type a call can carry; use int, float, bool, "
-            "str, Literal of words, a tuple of floats, or one of the types of the formats."
+            "str, Literal of words, a tuple of floats, points, or one of the types of the formats."
         )
     if default is not REQUIRED:
         fields["default"] = list(default) if isinstance(default, tuple) else default

@@ -28,9 +28,10 @@ from cityx.geometry.raster.patches import (
     without_specks,
 )
 from cityx.geometry.raster.regions import filled, regions, without_small_patches
+from cityx.geometry.raster.rows import Plots, cut_into_houses
 from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
-from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, joined, tag
+from cityx.sources.features.tagged import Report, Tagged, Tags, joined, tag, tag_by_place
 from cityx.sources.map_classes import MapClass, Role
 
 BoolArray = NDArray[np.bool_]
@@ -42,6 +43,13 @@ LEAST_GAP = 20.0  # square metres; a smaller hole in a street is no block
 LEAST_REGION = 30.0  # square metres
 LEAST_PIXELS = 6  # of any patch, whatever it measures on the ground
 CROWN = 120.0  # square metres; a larger patch of crowns is a wood
+EXACT, PLAUSIBLE = "exact", "plausible"  # fidelity of what is drawn to what is shown
+LARGE_HOUSE = 2500.0  # square metres from which a patch may be a row of houses
+BENT = 0.62  # share of its box below which a large patch is no single house
+LONG = 3.0  # area over the square of its width, from which a large patch is a row
+WAVY = 2.0  # pixels that the width of a patch may be off
+PLOT = (18.0, 24.0, 6.0)  # metres along and across the row that a house takes, and between two
+LEAST_HOUSE = 60.0  # square metres of a house cut out of a row
 JOG = 1.6  # metres; shorter walls are drawing noise
 JOG_PIXELS = 2.0  # and so are walls of two pixels
 STRAY = 0.6  # metres that a centreline may stray
@@ -85,13 +93,15 @@ class ClassMap:
         return max(square_metres / self.grid.pixel**2, LEAST_PIXELS)
 
 
-def features_of(found: ClassMap, source: str) -> Tagged:
+def features_of(found: ClassMap, source: str, fidelity: str = EXACT) -> Tagged:
     """Draw everything a class map shows.
 
     Parameters
     ----------
     source
         First word of every provenance: "semantic", "satellite".
+    fidelity
+        `EXACT` for the houses that the map shows, `PLAUSIBLE` to cut whole rows into houses.
 
     Returns
     -------
@@ -99,7 +109,7 @@ def features_of(found: ClassMap, source: str) -> Tagged:
         Polygons, lines and points with tags, scene frame.
     """
     found = uncovered(found)
-    houses = _buildings(found, source)
+    houses = _buildings(found, source, fidelity)
     streets = _ways(found, source, Role.ROAD)
     rails = _ways(found, source, Role.RAIL)
     trees, found = _trees(found, source)
@@ -113,34 +123,66 @@ def uncovered(found: ClassMap) -> ClassMap:
 
 
 def _owned(grid: Grid, source: str, word: str, shapes: NDArray[Any], tags: list[Tags]) -> Tagged:
-    """Name each shape by its place, so that what changes elsewhere changes no id."""
-    metres = grid.shapes_to_metres(shapes)
-    along = shapely.get_dimensions(metres) == 1
-    spots = shapely.point_on_surface(metres)
-    spots[along] = _middles(metres[along])
-    places = np.round(shapely.get_coordinates(spots), 2) + 0.0
-    owners = [
-        Owner((source, word, f"{x:.2f},{y:.2f}"), own)
-        for (x, y), own in zip(places.tolist(), tags, strict=True)
-    ]
-    return tag(metres, owners)
+    return tag_by_place(grid.shapes_to_metres(shapes), tags, (source, word))
 
 
-def _buildings(found: ClassMap, source: str) -> Tagged:
+def _buildings(found: ClassMap, source: str, fidelity: str) -> Tagged:
     """Draw the houses, with a wall between those that touch."""
     mask = without_specks(found.mask(Role.BUILDING), found.pixels(LEAST_BUILDING))
     mask = without_holes(mask, found.pixels(LEAST_YARD))
+    rows = np.zeros_like(mask)
+    if fidelity == PLAUSIBLE:
+        mask, rows = _houses_of_rows(mask, found)
     bodies, _ = label_patches(mask)
     jog = max(JOG / found.grid.pixel, JOG_PIXELS)
     shapes, exact = outlines(bodies, jog=jog)
     solidity = shapely.area(exact) / np.maximum(shapely.area(shapely.convex_hull(exact)), 1e-9)
     parts = _by_class(found, split_at_necks(bodies, solidity), mask)
     shapes, part = parted(shapes, bodies, parts)
-    number, first = np.unique(parts, return_index=True)
-    classes = found.labels.ravel()[first[np.searchsorted(number, part)]]
-    return _owned(
-        found.grid, source, "building", shapes, [dict(found.classes[c].tags) for c in classes]
-    )
+    tags = _said_of_houses(found, parts, rows)
+    return _owned(found.grid, source, "building", shapes, [tags[n] for n in part.tolist()])
+
+
+def _said_of_houses(found: ClassMap, parts: NDArray[Any], rows: BoolArray) -> dict[int, Tags]:
+    """Return the tags of each part by its number; a house of a row is one for a family."""
+    number = parts.ravel()
+    built = np.flatnonzero(found.mask(Role.BUILDING).ravel() & (number > 0))
+    known, first = np.unique(number[built], return_index=True)
+    pixel = built[first]
+    said = {}
+    for part, label, cut in zip(
+        known.tolist(), found.labels.ravel()[pixel].tolist(), rows.ravel()[pixel].tolist(),
+        strict=True,
+    ):  # fmt: skip
+        tags = dict(found.classes[label].tags)
+        said[part] = {**tags, "building": "house"} if cut and tags["building"] == "yes" else tags
+    return said
+
+
+def _houses_of_rows(mask: BoolArray, found: ClassMap) -> tuple[BoolArray, BoolArray]:
+    """Cut what is no single house into houses without the shreds; tell which pixels were cut."""
+    pixel = found.grid.pixel
+    labels, _ = label_patches(mask)
+    numbers = rows_of_houses(labels, pixel)
+    plots = Plots(PLOT[0] / pixel, PLOT[1] / pixel, PLOT[2] / pixel)
+    houses = cut_into_houses(labels, numbers, plots)
+    return without_specks(houses, found.pixels(LEAST_HOUSE)), np.isin(labels, numbers)
+
+
+def rows_of_houses(labels: NDArray[Any], pixel: float) -> NDArray[np.int64]:
+    """Return the numbers of patches that are whole rows of houses: too large and bent for one."""
+    area = np.bincount(labels.ravel())[1:] * pixel**2
+    large = np.flatnonzero(area > LARGE_HOUSE) + 1
+    if len(large) == 0:
+        return large
+    number = np.zeros(len(area) + 1, np.int64)
+    number[large] = np.arange(1, len(large) + 1)
+    _, exact = outlines(number[labels], jog=0.0)
+    box = shapely.area(shapely.oriented_envelope(exact))
+    deep = 2 * shapely.length(shapely.maximum_inscribed_circle(exact, WAVY))
+    bent = shapely.area(exact) < BENT * box
+    row = bent | (shapely.area(exact) > LONG * deep**2)
+    return np.asarray(large[row], np.int64)
 
 
 def _by_class(found: ClassMap, bodies: NDArray[Any], mask: BoolArray) -> NDArray[Any]:
@@ -171,7 +213,8 @@ def _ways(found: ClassMap, source: str, role: Role) -> Tagged:
 def traced(mask: BoolArray, grid: Grid) -> Centrelines:
     """Trace the streets of a mask, without specks and pinholes."""
     mask = without_specks(mask, LEAST_STREET / grid.pixel**2)
-    mask = without_holes(mask, LEAST_GAP / grid.pixel**2)
+    # A slit one pixel wide falls into specks and goes: one surface carries all of its lanes.
+    mask = ~without_specks(~mask, LEAST_GAP / grid.pixel**2)
     return centrelines(mask, tolerance=STRAY / grid.pixel)
 
 

@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City, Layout
+from cityx.city.layout import CURVE
 from cityx.city.sites import Box, cut, merged, moved, pieces_of
 from cityx.errors import InputError
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
 SAME_GROUND = 0.1  # share of a building on the ground of another one or of a street: a conflict
+NARROW = 6.0  # metres; whatever is built on a curve takes as much
 SAME_WAY = 8.0  # metres within which two lines may be the same street
 ALONG = 0.5  # share of a street that runs along others from which it is one of them
 SAME_SPOT = 2.0  # metres within which two things of a kind are one
@@ -89,7 +91,9 @@ def _on_ground(buildings: GeoDataFrame, held: Layout) -> NDArray[np.bool_]:
     streets = shapely.buffer(
         roads.geometry.to_numpy(), roads["width"].to_numpy() / 2, cap_style="flat"
     )
-    ground = np.concatenate([held.buildings.geometry.to_numpy(), streets])
+    curves = held.lines.geometry.to_numpy()[held.lines["kind"] == CURVE]
+    planned = shapely.buffer(curves, NARROW / 2, cap_style="flat")
+    ground = np.concatenate([held.buildings.geometry.to_numpy(), streets, planned])
     shapes = buildings.geometry.to_numpy()
     row, other = shapely.STRtree(ground).query(shapes, predicate="intersects")
     shared = shapely.area(shapely.intersection(shapes[row], ground[other]))

@@ -14,15 +14,16 @@ from numpy.typing import NDArray
 from shapely.errors import ShapelyError
 from shapely.geometry import shape as geojson_shape
 
-from cityx.city import City, Frame
+from cityx.city import City, Failure, Frame
 from cityx.city.frame import NOWHERE
+from cityx.city.layout import CURVE
 from cityx.errors import InputError, nearest
 from cityx.sources.features.gather import gather
-from cityx.sources.features.kinds import KIND
 from cityx.sources.features.resolve import resolve
-from cityx.sources.features.tagged import Owner, Report, Tags, tag
+from cityx.sources.features.tagged import KIND, Owner, Report, Tags, tag
 from cityx.sources.features.vocabulary import RAIL_WORDS, ROAD_TABLE
 
+ACTION = "source/drawn"
 MAX_BYTES = 256 << 20  # nobody draws more by hand
 MARGIN = 30.0  # metres of ground around what is drawn, where it makes the site
 FRAME = (
@@ -30,8 +31,8 @@ FRAME = (
 )
 # What a drawing may call things, as attributes of a map. Everything else is taken as it is.
 WORDS: Mapping[str, Tags] = {
-    "road": {"highway": "residential"},
-    "street": {"highway": "residential"},
+    "road": {KIND: CURVE, "kind": "residential"},
+    "street": {KIND: CURVE, "kind": "residential"},
     "river": {"waterway": "river"},
     "stream": {"waterway": "stream"},
     "lake": {"natural": "water"},
@@ -46,8 +47,8 @@ WORDS: Mapping[str, Tags] = {
     "trees": {"natural": "tree_row"},
     "tree": {"natural": "tree"},
     "route": {KIND: "route"},
-    **{kind: {"highway": kind} for kind in ROAD_TABLE if kind not in RAIL_WORDS},
-    **{kind: {"railway": kind} for kind in RAIL_WORDS},
+    # Streets, paths and rails stay curves: `road/drawn_streets` builds what the drawing asks for.
+    **{kind: {KIND: CURVE, "kind": kind} for kind in (*ROAD_TABLE, *RAIL_WORDS)},
 }
 BOUNDARY = "boundary"
 # Keys by which a drawing may use the words of a map instead.
@@ -68,24 +69,36 @@ class Drawing:
     Attributes
     ----------
     shapes
-        (n,) shapely geometries; longitude and latitude in degrees, or metres when not `located`.
+        (n,) shapely geometries; longitude and latitude in degrees, or metres.
     owners
         Names and attributes of the shapes.
     boundary
         Polygons that are the site; none when the drawing has no border.
-    located
-        Whether the file says where on Earth it lies.
+    degrees
+        Whether the shapes are in degrees.
+    frame
+        Frame of shapes in metres, or None where the file does not say.
     """
 
     shapes: NDArray[Any]
     owners: list[Owner]
     boundary: NDArray[Any]
-    located: bool
+    degrees: bool
+    frame: Frame | None
+
+    @property
+    def located(self) -> bool:
+        """Whether the file says where on Earth it lies."""
+        return self.degrees or self.frame is not None
 
     @property
     def every(self) -> NDArray[Any]:
         """Shapes and boundary."""
         return np.concatenate([self.shapes, self.boundary])
+
+
+DEGREES, METRES = "degrees", "metres"
+_Place = Frame | str
 
 
 class _Item(NamedTuple):
@@ -113,16 +126,17 @@ def city_of_drawing(
     name
         Of its file.
     frame
-        Frame to draw in; one about the middle of the drawing when left out.
+        Frame to draw in; that of the drawing, or one about its middle, when left out.
     seed
         Key of every draw for what the drawing does not say.
     """
-    if drawing.located and frame is None:
+    if not drawing.degrees:
+        frame = drawing.frame or frame or NOWHERE
+    elif frame is None:
         west, south, east, north = shapely.total_bounds(drawing.every).tolist()
         frame = Frame(round((south + north) / 2, 6) + 0.0, round((west + east) / 2, 6) + 0.0)
-    frame = frame or NOWHERE
     shapes, border = drawing.shapes, drawing.boundary
-    if drawing.located:
+    if drawing.degrees:
         shapes, border = (shapely.transform(item, frame.to_local) for item in (shapes, border))
     if len(border):
         site = shapely.total_bounds(border)
@@ -137,6 +151,7 @@ def city_of_drawing(
         resolve(features, frame, seed=seed),
         seed=seed,
         stages_done=frozenset({"layout"}),
+        failures=tuple(Failure(key, ACTION, why) for key, why in sorted(report.failures)),
         notes=tuple(f"{name}: {number} {what}" for what, number in sorted(report.counts.items())),
     )
 
@@ -163,9 +178,9 @@ def read_drawing(path: Path) -> Drawing:
         raise InputError(f"cannot read {path}: {error.strerror}.") from error
     read = _gpx if path.name.lower().endswith(".gpx") else _geojson
     faults: list[str] = []
-    items, located = read(path, content, faults)
+    items, place = read(path, content, faults)
     for item in items:
-        faults += _shape_faults(item, located=located)
+        faults += _shape_faults(item, degrees=place is DEGREES)
     if faults:
         more = f"; and {len(faults) - MOST_FAULTS} more" if len(faults) > MOST_FAULTS else ""
         raise InputError(f"{path}: {'; '.join(faults[:MOST_FAULTS])}{more}.")
@@ -176,28 +191,29 @@ def read_drawing(path: Path) -> Drawing:
     names = ("drawn", path.name)
     owners = [Owner((*names, item.name), _meaning(item.tags)) for item in drawn]
     shapes = np.array([item.shape for item in drawn], object)
-    return Drawing(shapes, owners, np.array(border, object), located)
+    frame = place if isinstance(place, Frame) else None
+    return Drawing(shapes, owners, np.array(border, object), place is DEGREES, frame)
 
 
 def _meaning(tags: Tags) -> Tags:
     """Put the plain word of a drawing into the words of a map."""
     said = WORDS.get(tags.get("kind", ""), {})
-    return {**said, **{key: value for key, value in tags.items() if key != "kind"}}
+    return {**{key: value for key, value in tags.items() if key != "kind"}, **said}
 
 
-def _shape_faults(item: _Item, *, located: bool) -> list[str]:
+def _shape_faults(item: _Item, *, degrees: bool) -> list[str]:
     shape, word = item.shape, item.tags.get("kind", "")
     faults = []
     if shapely.is_empty(shape):
         faults.append("has no coordinates")
     elif not np.isfinite(shapely.get_coordinates(shape)).all():
         faults.append("has coordinates that are no numbers")
-    elif located and not (np.abs(shape.bounds) <= [180, 90, 180, 90]).all():
+    elif degrees and not (np.abs(shape.bounds) <= [180, 90, 180, 90]).all():
         faults.append(
             "has coordinates outside longitude and latitude; a drawing in metres says "
-            f'"{FRAME}": "metres" beside its "type"'
+            '"units": "metres" beside its "type"'
         )
-    elif not located and np.abs(shape.bounds).max() > FARTHEST:
+    elif not degrees and np.abs(shape.bounds).max() > FARTHEST:
         faults.append(f"reaches farther than {FARTHEST:g} m from the origin")
     elif (shape.length if shapely.get_dimensions(shape) == 1 else 1.0) == 0.0:
         faults.append("is a line without length")
@@ -212,16 +228,13 @@ def _shape_faults(item: _Item, *, located: bool) -> list[str]:
     return [f"{item.name} {fault}" for fault in faults]
 
 
-def _geojson(path: Path, content: bytes, faults: list[str]) -> tuple[list[_Item], bool]:
+def _geojson(path: Path, content: bytes, faults: list[str]) -> tuple[list[_Item], _Place]:
     try:
         document = json.loads(content)
     except ValueError as error:
         raise InputError(f"{path} is not JSON ({error}).") from error
     if not isinstance(document, dict) or "type" not in document:
         raise InputError(f'{path} is no GeoJSON: it is no object with a "type".')
-    frame = document.get(FRAME, "degrees")
-    if frame not in ("degrees", "metres"):
-        faults.append(f'"{FRAME}" is "{frame}"; it may be "degrees" or "metres"')
     crs = document.get("crs")
     if crs is not None and not any(word in json.dumps(crs) for word in ("CRS84", "4326")):
         faults.append(f"the coordinate system {json.dumps(crs)} is not WGS84; convert it first")
@@ -234,7 +247,26 @@ def _geojson(path: Path, content: bytes, faults: list[str]) -> tuple[list[_Item]
             faults.append(f"{name} has a geometry that cannot be read ({error})")
             continue
         items.append(_Item(name, _tags(feature.get("properties")), shape))
-    return items, frame != "metres"
+    return items, _origin(document, faults)
+
+
+def _origin(document: Mapping[str, Any], faults: list[str]) -> _Place:
+    """Return what coordinates are: degrees, metres of a frame, or metres of none."""
+    units, origin = document.get("units", "degrees"), document.get("origin")
+    if units == "degrees":
+        return DEGREES
+    if units != "metres":
+        faults.append(f'"units" is "{units}"; it may be "degrees" or "metres"')
+    if origin is None:
+        return METRES
+    try:
+        frame = Frame(float(origin["latitude"]), float(origin["longitude"]))
+        if abs(frame.latitude) < 90.0 and abs(frame.longitude) <= 180.0:
+            return frame
+    except (TypeError, KeyError, ValueError):
+        pass
+    faults.append('"origin" is not like {"latitude": 48.2, "longitude": 16.3}')
+    return METRES
 
 
 def _features(
@@ -267,7 +299,7 @@ def _tags(properties: object) -> Tags:
     return said
 
 
-def _gpx(path: Path, content: bytes, faults: list[str]) -> tuple[list[_Item], bool]:
+def _gpx(path: Path, content: bytes, faults: list[str]) -> tuple[list[_Item], _Place]:
     from lxml import etree
 
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
@@ -287,7 +319,7 @@ def _gpx(path: Path, content: bytes, faults: list[str]) -> tuple[list[_Item], bo
             name = f"waypoint {number}"
             place = _gpx_points([element], name, faults)[0]
             items.append(_Item(name, _gpx_tags(element), shapely.Point(place)))
-    return items, True
+    return items, DEGREES
 
 
 def _gpx_parts(root: Any) -> Iterator[tuple[str, Any, list[Any]]]:

@@ -1,79 +1,75 @@
-"""Height fields: GeoTIFF, SRTM tiles and ESRI grids become the terrain of a site."""
+"""Height fields: the terrain of a site from the height files of its place."""
 
 from __future__ import annotations
 
 import logging
-import re
-import zipfile
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.frame import Frame
-from cityx.city.terrain import Terrain
+from cityx.city.sites import MARGIN, Box
+from cityx.city.terrain import Survey, Terrain
 from cityx.errors import InputError
+from cityx.sources.height_files import HeightFile, HeightOptions
+from cityx.sources.height_mosaic import (
+    Paths,
+    Raster,
+    corners,
+    crs_name,
+    grid_points,
+    laid,
+    open_heights,
+    raster_of,
+    spacing,
+)
 
 FloatArray = NDArray[np.float64]
-Box = tuple[float, float, float, float]
 
 MAX_NODES = 4_000_000  # of the terrain's grid, 32 MB
-COARSE = 25.0  # metres; from this resolution on whole-metre steps show and are smoothed away
+SMOOTHED = 0.5  # of a step of rounded heights: what rounding took, and smoothing moves at most
+FINE_STEP = 0.05  # metres; smaller steps do not show
+SMOOTHINGS = 8  # rounds over neighbouring cells; more change little
+WIDEST = 32.0  # cells over which long terraces are evened out at most
+RESAMPLED = 0.1  # metres by which straight lines between nodes may miss the file's surface
+UNSEEN = 3.0  # times the second difference of its nodes that a cubic spline curves at most
 FINEST, COARSEST = 1.0, 30.0  # metres between terrain nodes unless asked otherwise
 SLACK = 1.5  # cells of the file that the site may reach beyond it
-EDGE = 4  # cells read around the site, for the cubic kernel and the filter
+SURROUNDINGS = 3000.0  # metres round the site that are read for the view
+SAMPLES = 50_000  # cells of the file that a survey keeps; more say nothing new
 CONTROL = 65  # nodes per side at which projections are computed; between them they are smooth
 RELAX = 200  # sweeps that smooth filled voids
 MIN_COVER = 0.7  # share of the site that the file must cover; beyond it the border goes on level
 MAX_VOID = 0.6  # share of the site without a height that can be filled with sense
-LOWEST, HIGHEST = -12_000.0, 9_000.0  # metres; other values are markers of voids
 _LOG = logging.getLogger(__name__)
-_TILE = re.compile(r"([NS])(\d{2})([EW])(\d{3})", re.IGNORECASE)
-_TILE_SIDES = {1201 * 1201 * 2: 1201, 3601 * 3601 * 2: 3601}
 
 
-@dataclass(frozen=True)
-class Raster:
-    """Heights in the coordinate system of their file.
+def read_height(
+    paths: Paths,
+    frame: Frame,
+    extent: Box,
+    *,
+    cell: float | None = None,
+    options: HeightOptions | None = None,
+) -> Terrain:
+    """Read the terrain of a site from one height file or from several that lie side by side.
 
-    Attributes
-    ----------
-    values
-        (rows, columns) float64, NaN where void; row 0 is the first of the file.
-    to_cell
-        Affine coefficients (a, b, c, d, e, f): column = a x + b y + c, row = d x + e y + f, counted
-        from the centre of the first cell.
-    crs
-        Whatever pyproj reads.
-    """
-
-    values: FloatArray
-    to_cell: tuple[float, float, float, float, float, float]
-    crs: Any
-
-    def cells(self, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return column and row of places."""
-        a, b, c, d, e, f = self.to_cell
-        return a * x + b * y + c, d * x + e * y + f
-
-
-def read_height(path: Path, frame: Frame, extent: Box, *, cell: float | None = None) -> Terrain:
-    """Read the terrain of a site from a height file.
-
-    Voids are filled from their borders. The heights are resampled by cubic splines; grids of 25 m
-    and coarser in whole metres are smoothed by one cell first, else their steps would show.
+    Voids are filled from their borders. The heights are resampled by cubic splines; heights that
+    are whole numbers of some unit are smoothed first, each by half of it at most, else their steps
+    would show.
 
     Parameters
     ----------
-    path
-        GeoTIFF, .hgt, .hgt.zip or .asc.
+    paths
+        One file or several; see `cityx.sources.height_files.FORMS`.
     frame, extent
         Of the site, metres.
     cell
         Metres between the nodes of the terrain; by default a third of the file's own, within 1 and
-        30 m.
+        30 m, and less where straight lines between them would miss the file by more than 0.1 m.
+    options
+        What the files do not say themselves.
 
     Returns
     -------
@@ -83,22 +79,94 @@ def read_height(path: Path, frame: Frame, extent: Box, *, cell: float | None = N
     Raises
     ------
     InputError
-        If the file cannot be read, does not say where it lies or does not cover the site.
+        If a file cannot be read, does not say where it lies or the site is not covered.
+    UsageError
+        If the numbers of a file are no metres and the options do not say what they mean.
     """
-    path = Path(path)
-    raster = _read(path)
+    files = [laid(file, frame, extent, options) for file in open_heights(paths, options)]
+    return _terrain(files, raster_of(files, frame, extent), frame, extent, cell)[0]
+
+
+def survey_site(
+    paths: Paths, frame: Frame, extent: Box, *, options: HeightOptions | None = None
+) -> tuple[Terrain, Survey]:
+    """Read the terrain of a site, and what its height files say of it and of the land round it.
+
+    Parameters
+    ----------
+    paths, frame, extent, options
+        As of `read_height`.
+
+    Returns
+    -------
+    terrain
+        As of `read_height`.
+    survey
+        The same heights before any change; the land round the site is level where the files end.
+
+    Raises
+    ------
+    InputError, UsageError
+        As of `read_height`.
+    """
+    files = [laid(file, frame, extent, options) for file in open_heights(paths, options)]
+    return survey_files(files, frame, extent)
+
+
+def survey_files(files: list[HeightFile], frame: Frame, extent: Box) -> tuple[Terrain, Survey]:
+    """Do as `survey_site` with files that are open and say where they lie."""
+    raster = raster_of(files, frame, extent)
+    terrain, bound = _terrain(files, raster, frame, extent)
+    wide = (
+        extent[0] - SURROUNDINGS, extent[1] - SURROUNDINGS,
+        extent[2] + SURROUNDINGS, extent[3] + SURROUNDINGS,
+    )  # fmt: skip
+    x, y, step = _nodes(wide, COARSEST)
+    land = raster_of(files, frame, wide)
+    heights = _sample(land, *_places(land, frame, x, y))[0]
+    around = Terrain(wide[:2], step, np.round(heights - terrain.datum, 3), terrain.datum)
+    points = _cells(raster, frame, extent)
+    points[:, 2] -= terrain.datum
+    return terrain, Survey(np.round(points, 3), around, bound)
+
+
+def _terrain(
+    files: list[HeightFile],
+    raster: Raster,
+    frame: Frame,
+    extent: Box,
+    cell: float | None = None,
+) -> tuple[Terrain, float]:
+    """Return the terrain of a site, and the metres by which it misses the files at most."""
+    _check_cover(files, frame, extent)
+    _check_voids(files, raster)
+    wanted = cell or float(np.clip(spacing(raster, frame, extent) / 3, FINEST, COARSEST))
+    while True:
+        x, y, step = _nodes(extent, wanted)
+        heights, moved = _sample(raster, *_places(raster, frame, x, y))
+        bend = _bend(heights)
+        if cell or bend <= RESAMPLED or wanted <= FINEST or step > wanted:
+            break
+        wanted = max(wanted / 2, FINEST)
+    datum = round(float(heights.min()), 3)
+    terrain = Terrain(extent[:2], step, np.round(heights - datum, 3), datum)
+    return terrain, round(moved + max(UNSEEN * bend, RESAMPLED), 3)
+
+
+def _bend(heights: FloatArray) -> float:
+    """Return by how much straight lines between the nodes of a grid miss a smooth surface at most.
+
+    The middle of an arc lies an eighth of its second difference off the chord.
+    """
+    return sum(float(np.abs(np.diff(heights, 2, axis=k)).max(initial=0.0)) for k in (0, 1)) / 8
+
+
+def _nodes(extent: Box, step: float) -> tuple[FloatArray, FloatArray, float]:
+    """Return the places of the nodes of a grid over an extent, and the metres between them."""
     size = np.array([extent[2] - extent[0], extent[3] - extent[1]])
-    native = _resolution(raster, frame, extent)
-    step = float(np.clip(native / 3, FINEST, COARSEST)) if cell is None else cell
     step = max(step, float(np.sqrt(size.prod() / MAX_NODES)))
     columns, rows = (np.maximum(np.ceil(size / step), 1).astype(int) + 1).tolist()
-    x = extent[0] + step * np.arange(columns)
-    y = extent[1] + step * np.arange(rows)
-    column, row = _places(raster, frame, x, y)
-    _check_cover(path, raster, frame, extent, column, row)
-    heights = _sample(path, raster, column, row, smooth=native >= COARSE)
-    datum = float(heights.min())
-    return Terrain((extent[0], extent[1]), step, np.round(heights - datum, 3), round(datum, 3))
+    return extent[0] + step * np.arange(columns), extent[1] + step * np.arange(rows), step
 
 
 def _places(
@@ -121,58 +189,50 @@ def _places(
 def _exact_places(
     raster: Raster, frame: Frame, x: FloatArray, y: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    from pyproj import Transformer
-
     grid = np.meshgrid(x, y)
-    lonlat = frame.to_geographic(np.column_stack([axis.ravel() for axis in grid]))
-    change = Transformer.from_crs("EPSG:4326", raster.crs, always_xy=True)
-    east, north = change.transform(lonlat[:, 0], lonlat[:, 1])
-    column, row = raster.cells(np.asarray(east), np.asarray(north))
+    column, row = raster.at(frame, np.column_stack([axis.ravel() for axis in grid]))
     return column.reshape(grid[0].shape), row.reshape(grid[0].shape)
 
 
-def _resolution(raster: Raster, frame: Frame, extent: Box) -> float:
-    """Return the metres between the cells of a raster at the site."""
-    middle = np.array([(extent[0] + extent[2]) / 2, (extent[1] + extent[3]) / 2])
-    column, row = _exact_places(
-        raster, frame, middle[0] + np.array([-50.0, 50.0]), middle[1] + np.array([-50.0, 50.0])
-    )
-    cells = np.hypot(column[1, 1] - column[0, 0], row[1, 1] - row[0, 0])
-    return float(np.hypot(100.0, 100.0) / cells) if np.isfinite(cells) and cells > 0 else COARSE
-
-
-def _check_cover(
-    path: Path, raster: Raster, frame: Frame, extent: Box, column: FloatArray, row: FloatArray
-) -> None:
-    rows, columns = raster.values.shape
-    # Cells are areas: half a cell beyond the outer centres still belongs to the file.
-    inside = (
-        (column >= -SLACK) & (column <= columns - 1 + SLACK)
-        & (row >= -SLACK) & (row <= rows - 1 + SLACK)
-    )  # fmt: skip
+def _check_cover(files: list[HeightFile], frame: Frame, extent: Box) -> None:
+    width, depth = extent[2] - extent[0], extent[3] - extent[1]
+    edge = min(MARGIN, width / 4, depth / 4)  # the site grew by so much round its houses
+    spots = grid_points((extent[0] + edge, extent[1] + edge, extent[2] - edge, extent[3] - edge))
+    inside = np.zeros(len(spots), bool)
+    for file in files:
+        assert file.to_cell is not None
+        column, row = Raster(np.zeros((0, 0)), file.to_cell, file.crs).at(frame, spots)
+        rows, columns = file.shape
+        # Cells are areas: half a cell beyond the outer centres still belongs to the file.
+        inside |= (
+            (column >= -SLACK) & (column <= columns - 1 + SLACK)
+            & (row >= -SLACK) & (row <= rows - 1 + SLACK)
+        )  # fmt: skip
     if inside.all():
         return
+    names = _names(files)
     if inside.mean() >= MIN_COVER:
-        _LOG.warning("%s covers %.0f %% of the site; beyond it is level", path, 100 * inside.mean())
+        _LOG.warning(
+            "%s covers %.0f %% of the site; beyond it is level", names, 100 * inside.mean()
+        )
         return
-    corners = [(x, y) for x in (extent[0], extent[2]) for y in (extent[1], extent[3])]
-    site = _box_text(frame.to_geographic(corners))
+    lies = ", ".join(_place(file) for file in files)
+    site = _box_text(frame.to_geographic(spots))
     raise InputError(
-        f"{path} does not cover the site: the file lies at {_box_text(_corners(raster))}, the site "
-        f"at {site} (west, south, east, north in degrees); give a height file of the same place."
+        f"{names} does not cover the site: the file lies at {lies}, the site at {site} (west, "
+        "south, east, north in degrees); give a height file of the same place."
     )
 
 
-def _corners(raster: Raster) -> FloatArray:
-    """Return longitude and latitude of the corners of a raster."""
-    from pyproj import Transformer
+def _names(files: list[HeightFile]) -> str:
+    return ", ".join(str(file.path) for file in files)
 
-    rows, columns = raster.values.shape
-    a, b, c, d, e, f = raster.to_cell
-    cells = np.array([(i, j) for i in (-0.5, columns - 0.5) for j in (-0.5, rows - 0.5)])
-    places = np.linalg.solve(np.array([[a, b], [d, e]]), (cells - [c, f]).T)
-    change = Transformer.from_crs(raster.crs, "EPSG:4326", always_xy=True)
-    return np.column_stack(change.transform(places[0], places[1]))
+
+def _place(file: HeightFile) -> str:
+    lonlat = corners(file)
+    if not np.isfinite(lonlat).all() or (np.abs(lonlat) > (360.0, 90.0)).any():
+        return f"no place on Earth by its coordinate system ({crs_name(file.crs)})"
+    return _box_text(lonlat)
 
 
 def _box_text(places: Any) -> str:
@@ -180,38 +240,73 @@ def _box_text(places: Any) -> str:
     return ", ".join(f"{value:.4f}" for value in (*low, *high))
 
 
-def _sample(
-    path: Path, raster: Raster, column: FloatArray, row: FloatArray, *, smooth: bool
-) -> FloatArray:
-    from scipy.ndimage import gaussian_filter, map_coordinates
-
-    rows, columns = raster.values.shape
-    top, bottom = _span(row, rows)
-    left, right = _span(column, columns)
-    values = raster.values[top:bottom, left:right]
-    void = np.isnan(values)
+def _check_voids(files: list[HeightFile], raster: Raster) -> None:
+    void = np.isnan(raster.values)
     if void.mean() > MAX_VOID:
         raise InputError(
-            f"{path} has no heights for {void.mean():.0%} of the site; give one without such gaps."
+            f"{_names(files)} has no heights for {void.mean():.0%} of the site; give one without "
+            "such gaps."
         )
-    values = _filled(values, void)
-    if smooth and bool((values[~void] == np.rint(values[~void])).all()):
-        values = gaussian_filter(values, 1.0, mode="nearest")
-    place = [np.clip(row - top, 0, bottom - top - 1), np.clip(column - left, 0, right - left - 1)]
-    return np.asarray(map_coordinates(values, place, order=3, mode="nearest"), float)
 
 
-def _span(index: FloatArray, size: int) -> tuple[int, int]:
-    low = int(np.clip(np.floor(index.min()) - EDGE, 0, size - 1))
-    return low, int(np.clip(np.ceil(index.max()) + EDGE + 1, low + 1, size))
+def _sample(raster: Raster, column: FloatArray, row: FloatArray) -> tuple[FloatArray, float]:
+    """Return heights at some places, and the metres by which smoothing moved any at most."""
+    from scipy.ndimage import map_coordinates
+
+    values = filled_voids(raster.values)
+    stepped = raster.step >= FINE_STEP
+    if stepped:
+        values = _smoothed(values, SMOOTHED * raster.step)
+    rows, columns = values.shape
+    place = [np.clip(row, 0, rows - 1), np.clip(column, 0, columns - 1)]
+    heights = np.asarray(map_coordinates(values, place, order=3, mode="nearest"), float)
+    return heights, SMOOTHED * raster.step if stepped else 0.0
 
 
-def _filled(values: FloatArray, void: NDArray[np.bool_]) -> FloatArray:
+def _smoothed(values: FloatArray, most: float) -> FloatArray:
+    """Even out steps and noise; no height moves by more than `most` metres."""
+    from scipy.ndimage import gaussian_filter
+
+    # A terrace of k cells wants a filter of its own width first, then of half of it, ...
+    wide = min(_terrace(values), WIDEST)
+    widths = [2.0**k for k in range(int(np.log2(wide)), 0, -1)] if wide >= 2 else []
+    even = values
+    for width in [*widths, *([1.0] * SMOOTHINGS)]:
+        even = gaussian_filter(even, width, mode="nearest")
+        even = np.clip(even, values - most, values + most)
+    return even
+
+
+def _terrace(values: FloatArray) -> float:
+    """Return how many cells of one height follow each other on average."""
+    changes = sum(int((np.diff(values, axis=k) != 0).sum()) for k in (0, 1))
+    return 2 * values.size / max(changes, 1)
+
+
+def _cells(raster: Raster, frame: Frame, extent: Box) -> FloatArray:
+    """(k, 3) cells of a raster on a site, at most `SAMPLES`, with heights above sea level."""
+    from pyproj import Transformer
+
+    stride = int(np.ceil(np.sqrt(raster.values.size / SAMPLES)))
+    rows, columns = raster.values.shape
+    i, j = (axis.ravel() for axis in np.mgrid[0:rows:stride, 0:columns:stride])
+    known = np.isfinite(raster.values[i, j])
+    i, j = i[known], j[known]
+    east, north = raster.places(j, i)
+    change = Transformer.from_crs(raster.crs, frame.projection, always_xy=True)
+    xy: FloatArray = np.round(np.column_stack(change.transform(east, north)), 4)
+    low, high = np.array(extent[:2]), np.array(extent[2:])
+    inside = ((xy >= low) & (xy <= high)).all(axis=1)
+    return np.asarray(np.column_stack([xy, raster.values[i, j]])[inside])
+
+
+def filled_voids(values: FloatArray) -> FloatArray:
     """Fill voids with the nearest heights, then relax them to a smooth surface."""
-    if not void.any():
-        return values
     from scipy.ndimage import distance_transform_edt
 
+    void = np.isnan(values)
+    if not void.any():
+        return values
     nearest = distance_transform_edt(void, return_distances=False, return_indices=True)
     filled = np.asarray(values[tuple(nearest)])
     for _ in range(RELAX):
@@ -219,135 +314,3 @@ def _filled(values: FloatArray, void: NDArray[np.bool_]) -> FloatArray:
         mean = (around[:-2, 1:-1] + around[2:, 1:-1] + around[1:-1, :-2] + around[1:-1, 2:]) / 4
         filled = np.where(void, mean, filled)
     return filled
-
-
-def _read(path: Path) -> Raster:
-    name = path.name.lower()
-    if not path.is_file():
-        raise InputError(f"{path} does not exist.")
-    if name.endswith((".hgt", ".hgt.zip")):
-        return _read_tile(path)
-    if name.endswith(".asc"):
-        return _read_grid(path)
-    return _read_geotiff(path)
-
-
-def _cleaned(values: Any, nodata: float | None) -> FloatArray:
-    heights = np.asarray(values, dtype=float).copy()
-    if nodata is not None:
-        heights[heights == nodata] = np.nan
-    heights[~((heights > LOWEST) & (heights < HIGHEST))] = np.nan
-    return heights
-
-
-def _read_geotiff(path: Path) -> Raster:
-    import rasterio
-    from rasterio.errors import RasterioError
-
-    try:
-        with rasterio.open(path) as dataset:
-            if dataset.count > 2:
-                raise InputError(
-                    f"{path} is an image of {dataset.count} bands; a height file has one."
-                )
-            crs = dataset.crs
-            inverse = ~dataset.transform
-            values = _cleaned(dataset.read(1), dataset.nodata)
-    except RasterioError as error:
-        raise InputError(
-            f"{path} is no height file that can be read ({str(error).rstrip('.')})."
-        ) from error
-    coefficients = (
-        inverse.a, inverse.b, inverse.c - 0.5, inverse.d, inverse.e, inverse.f - 0.5,
-    )  # fmt: skip
-    raster = Raster(values, coefficients, crs.to_wkt() if crs else None)
-    return raster if crs else _placed(path, raster)
-
-
-def _read_tile(path: Path) -> Raster:
-    """Read an SRTM tile: big-endian 16-bit metres on the nodes of a degree square."""
-    name, content = path.name, b""
-    if zipfile.is_zipfile(path):
-        with zipfile.ZipFile(path) as archive:
-            inside = [item for item in archive.infolist() if item.filename.lower().endswith(".hgt")]
-            if not inside or inside[0].file_size not in _TILE_SIDES:
-                raise InputError(f"{path} holds no SRTM tile (.hgt of 1201 or 3601 lines).")
-            name = inside[0].filename if _TILE.search(inside[0].filename) else name
-            try:
-                content = archive.read(inside[0])
-            except (zipfile.BadZipFile, OSError, EOFError, RuntimeError) as error:
-                raise InputError(f"{path} cannot be unpacked: {error}.") from error
-    else:
-        content = path.read_bytes()
-    side = _TILE_SIDES.get(len(content))
-    if side is None:
-        raise InputError(
-            f"{path} has {len(content):,} bytes; an SRTM tile has {min(_TILE_SIDES):,} or "
-            f"{max(_TILE_SIDES):,}."
-        )
-    corner = _TILE.search(name)
-    if corner is None:
-        raise InputError(
-            f"{path} does not say where it lies; an SRTM tile is named for its south-west corner, "
-            "such as N52E013.hgt."
-        )
-    south = int(corner[2]) * (1 if corner[1].upper() == "N" else -1)
-    west = int(corner[4]) * (1 if corner[3].upper() == "E" else -1)
-    values = _cleaned(np.frombuffer(content, ">i2").reshape(side, side), -32768.0)
-    scale = float(side - 1)
-    coefficients = (scale, 0.0, -west * scale, 0.0, -scale, (south + 1) * scale)
-    return Raster(values, coefficients, "EPSG:4326")
-
-
-def _read_grid(path: Path) -> Raster:
-    """Read an ESRI grid: a header of words, then rows from north to south."""
-    words = path.read_text(encoding="ascii", errors="replace").split()
-    header: dict[str, float] = {}
-    start = 0
-    try:
-        while (
-            start + 1 < len(words) and words[start][0].isalpha() and words[start].lower() != "nan"
-        ):
-            header[words[start].lower()] = float(words[start + 1])
-            start += 2
-        columns, rows = int(header["ncols"]), int(header["nrows"])
-        cell = header["cellsize"]
-        half = 0.0 if "xllcenter" in header else cell / 2
-        west = header.get("xllcorner", header.get("xllcenter", np.nan)) + half
-        south = header.get("yllcorner", header.get("yllcenter", np.nan)) + half
-        values = np.array(words[start:], dtype=float).reshape(rows, columns)
-    except (KeyError, ValueError, OverflowError) as error:
-        raise InputError(
-            f"{path} is no ESRI grid: it needs ncols, nrows, xllcorner, yllcorner, cellsize and "
-            f"nrows times ncols numbers ({error})."
-        ) from error
-    if not (cell > 0 and np.isfinite([west, south]).all()):
-        raise InputError(f"{path} does not say where it lies: xllcorner or yllcorner is missing.")
-    coefficients = (1 / cell, 0.0, -west / cell, 0.0, -1 / cell, south / cell + rows - 1)
-    cleaned = _cleaned(values, header.get("nodata_value"))
-    return _placed(path, Raster(cleaned, coefficients, None))
-
-
-def _placed(path: Path, raster: Raster) -> Raster:
-    """Find the coordinate system of a file that does not name one: a .prj beside it, or degrees."""
-    beside = path.with_suffix(".prj")
-    if beside.is_file():
-        from pyproj import CRS
-        from pyproj.exceptions import CRSError
-
-        try:
-            crs = CRS.from_user_input(beside.read_text(errors="replace").strip())
-        except CRSError as error:
-            raise InputError(f"{beside} names no coordinate system: {error}.") from error
-        return Raster(raster.values, raster.to_cell, crs)
-    rows, columns = raster.values.shape
-    a, _, c, _, e, f = raster.to_cell
-    west, east = sorted((-c / a, (columns - 1 - c) / a))
-    south, north = sorted((-f / e, (rows - 1 - f) / e))
-    fine = 1 / abs(a) < 0.1
-    if -180 <= west < east <= 180 and -90 <= south < north <= 90 and fine:
-        return Raster(raster.values, raster.to_cell, "EPSG:4326")
-    raise InputError(
-        f"{path} does not say in which coordinate system it lies (x {west:.0f} to {east:.0f}, "
-        f"y {south:.0f} to {north:.0f}); put its .prj file beside it or give a GeoTIFF."
-    )

@@ -8,17 +8,20 @@ from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
+from warnings import catch_warnings, simplefilter
 
 from cityx.errors import InputError
 
-_HEIGHT_SUFFIXES = (".tif", ".tiff", ".hgt", ".hgt.zip", ".asc")
-_IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp")
+_HEIGHT_SUFFIXES = (".hgt", ".hgt.zip", ".asc", ".npy")
+_IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
 _OSM_SUFFIXES = (".osm", ".osm.gz", ".osm.bz2", ".osm.pbf", ".pbf", ".xml")
 _DRAWN_SUFFIXES = (".geojson", ".json", ".gpx")
 KINDS = (
-    "OpenStreetMap (.osm, .osm.gz, .osm.bz2, .osm.pbf), heights (.tif, .hgt, .hgt.zip, .asc) or "
-    "drawings (.geojson, .json, .gpx)"
+    "OpenStreetMap (.osm, .osm.gz, .osm.bz2, .osm.pbf), semantic maps and aerial images (.png, "
+    ".tif, .jpg), heights (.tif, .hgt, .hgt.zip, .asc, .png of 16 bits, .npy) or drawings "
+    "(.geojson, .json, .gpx)"
 )
+WORDS = ("osm", "semantic", "satellite", "height", "drawn")  # kinds of inputs
 
 
 @dataclass(frozen=True)
@@ -28,23 +31,32 @@ class Input:
     Attributes
     ----------
     kind
-        "osm", "height" or "drawn".
+        One of `WORDS`.
+    why
+        What showed the kind where the name does not, "" otherwise.
     """
 
     path: Path
     kind: str
     size: int
     sha256: str
+    why: str = ""
 
     def record(self) -> dict[str, Any]:
         """Return what the report says about the file."""
         return {
             "name": self.path.name, "kind": self.kind, "bytes": self.size, "sha256": self.sha256,
+            **({"why": self.why} if self.why else {}),
         }  # fmt: skip
 
 
-def classify(path: Path) -> Input:
+def classify(path: Path, kind: str = "") -> Input:
     """Tell what a file is.
+
+    Parameters
+    ----------
+    kind
+        What the user says it is, or "".
 
     Raises
     ------
@@ -59,26 +71,50 @@ def classify(path: Path) -> Input:
         size = path.stat().st_size
         if size == 0:
             raise InputError(f"{path} is empty.")
-        return Input(path, _kind(path), size, _digest(path))
+        found, why = (kind, "") if kind else _kind(path)
+        return Input(path, found, size, _digest(path), why)
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror}.") from error
 
 
-def _kind(path: Path) -> str:
+def _kind(path: Path) -> tuple[str, str]:
+    """Return the kind of a file, and what showed it where its name does not."""
     name = path.name.lower()
     if name.endswith(_HEIGHT_SUFFIXES):
-        return "height"
+        return "height", ""
     if name.endswith(_DRAWN_SUFFIXES):
-        return "drawn"
+        return "drawn", ""
+    if name.endswith(_IMAGE_SUFFIXES):
+        return _image_kind(path)
     head = _head(path)
     if name.endswith(_OSM_SUFFIXES) or b"<osm" in head or b"OSMHeader" in head:
-        return "osm"
-    if name.endswith(_IMAGE_SUFFIXES):
-        raise InputError(
-            f"{path} is an image. Semantic maps and satellite images are no input of this version; "
-            f"give {KINDS}."
-        )
+        return "osm", ""
     raise InputError(f"{path} is of no known kind; give {KINDS}.")
+
+
+def _image_kind(path: Path) -> tuple[str, str]:
+    """Tell heights, semantic maps and photographs by their pixels."""
+    from cityx.sources.semantic_map.evidence import is_semantic
+    from cityx.sources.semantic_map.picture import read_picture
+
+    if _holds_heights(path):
+        return "height", "one band of more than eight bits"
+    evidence = is_semantic(read_picture(path))
+    return ("semantic" if evidence.semantic else "satellite"), evidence.text
+
+
+def _holds_heights(path: Path) -> bool:
+    """Tell whether an image has one band of numbers that are no colours and no classes."""
+    import rasterio
+    from rasterio.errors import RasterioError
+
+    try:
+        with catch_warnings():
+            simplefilter("ignore", rasterio.errors.NotGeoreferencedWarning)
+            with rasterio.open(path) as dataset:
+                return bool(dataset.count == 1 and dataset.dtypes[0] != "uint8")
+    except RasterioError:
+        return False  # whoever reads it says what is wrong
 
 
 def _head(path: Path) -> bytes:

@@ -10,8 +10,8 @@ from types import MappingProxyType
 
 from cityx.city.layout import AREA_KINDS
 from cityx.errors import InputError, nearest
-from cityx.sources.features.kinds import KIND, building_kind, land_kind, road_kind
-from cityx.sources.features.tagged import Tags
+from cityx.sources.features.kinds import building_kind, land_kind, road_kind
+from cityx.sources.features.tagged import KIND, Tags
 
 
 class Role(StrEnum):

@@ -2,8 +2,9 @@ import json
 
 import pytest
 
-from cityx.agents.intake import read_sources, sort_inputs
+from cityx.agents.intake import HowToRead, read_sources, sort_inputs
 from cityx.city.frame import NOWHERE
+from cityx.city.layout import CURVE
 from cityx.errors import InputError, UsageError
 
 STREET = {"kind": "residential", "name": "New Street"}
@@ -17,12 +18,12 @@ def drawing(tmp_path, coordinates, *, metres=True, properties=STREET, name="plan
     }
     content = {"type": "FeatureCollection", "features": [feature]}
     path = tmp_path / name
-    path.write_text(json.dumps({**content, **({"cityx:frame": "metres"} if metres else {})}))
+    path.write_text(json.dumps({**content, **({"units": "metres"} if metres else {})}))
     return path
 
 
 def read(*paths, **more):
-    return read_sources(sort_inputs(list(paths)), seed=0, **more)
+    return read_sources(sort_inputs(list(paths)), HowToRead(**more))
 
 
 def test_a_drawing_alone_lies_nowhere_unless_it_is_told(tmp_path):
@@ -41,7 +42,7 @@ def test_a_drawn_street_goes_before_the_map_and_leaves_its_site(town_map, tmp_pa
     assert both.frame == alone.frame
     assert both.layout.extent == alone.layout.extent
     assert both.name == alone.name
-    assert "New Street" in both.layout.roads["name"].tolist()
+    assert both.layout.lines["kind"].tolist().count(CURVE) == 1
     assert set(both.layout.buildings["id"]) <= set(alone.layout.buildings["id"])
     assert len(both.layout.roads) > 1
 
@@ -52,6 +53,28 @@ def test_a_drawing_of_another_place_is_refused(town_map, tmp_path):
         read(town_map, path)
 
 
-def test_inputs_without_a_layout_are_refused():
-    with pytest.raises(UsageError, match="given: 0 maps, 0 drawings, 0 height files"):
-        sort_inputs([])
+def test_no_input_gives_an_empty_city_for_a_town():
+    found = read()
+    assert not found.name
+    assert not len(found.city.layout.roads)
+    assert found.city.frame == NOWHERE
+
+
+def test_heights_without_houses_are_the_ground_of_a_town(tmp_path):
+    path = tmp_path / "hill.asc"
+    rows = "\n".join(" ".join(f"{0.1 * (x + y):.1f}" for x in range(60)) for y in range(60))
+    path.write_text(f"ncols 60\nnrows 60\nxllcorner 13\nyllcorner 52\ncellsize 0.0002\n{rows}\n")
+    found = read(path)
+    assert not found.name
+    assert found.heights is not None
+    assert found.city.frame.latitude == pytest.approx(52.006, abs=1e-4)
+
+
+def test_a_file_may_be_said_to_be_something_else(tmp_path):
+    path = drawing(tmp_path, [[0, 0], [100, 0]])
+    assert sort_inputs([path], ["plan.geojson=osm"]).sources[0].kind == "osm"
+    with pytest.raises(UsageError) as caught:
+        sort_inputs([path], ["plan.geojson=map", "plan.json=osm"])
+    said = str(caught.value)
+    assert "a kind is one of osm, semantic, satellite, height, drawn" in said
+    assert 'no input is called "plan.json". Did you mean "plan.geojson"?' in said

@@ -1,6 +1,6 @@
 import pytest
 
-from cityx.agents.requests import value_of, with_requests
+from cityx.agents.requests import with_requests
 from cityx.errors import UsageError
 from cityx.protocol import registry
 
@@ -76,4 +76,4 @@ def test_a_name_that_several_actions_have_must_be_qualified():
     ],
 )
 def test_texts_become_values_of_the_kind_wanted(name, text, value):
-    assert value_of(ACTIONS["scale_object"].parameter(name), text) == value
+    assert ACTIONS["scale_object"].parameter(name).read(text) == value

@@ -1,6 +1,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 import shapely
 
@@ -70,6 +71,24 @@ def test_a_kerb_that_is_too_sharp_is_named_with_its_place():
     check = by_name(replace(city, ground=replace(city.ground, face_label=sharp)))["kerb_radius"]
     assert not check.ok
     assert len(check.ids) == 4
+
+
+def test_where_a_tram_runs_past_its_track_sets_the_corner():
+    city = city_of(["residential"] * 2)
+    track = make_table("roads", [shapely.LineString([(-90, 4.5), (90, 4.5)])], id=[9],
+                       kind=["tram"])  # fmt: skip
+    layout = replace(city.layout, roads=pd.concat([city.layout.roads, track], ignore_index=True))
+    found = kerb_curves(replace(city, layout=layout), city.ground)
+    assert found.free.tolist() == (found.middle[:, 1] < 0).tolist()
+
+
+def test_a_junction_inside_of_a_paved_area_has_no_size_of_its_own():
+    city = city_of(["residential"] * 2)
+    label = city.ground.face_label.copy()
+    around = np.isin(label, [LABEL[name] for name in ("kerb", "sidewalk", "block")])
+    label[around] = LABEL["carriageway"]
+    paved = replace(city.ground, face_label=label)
+    assert by_name(replace(city, ground=paved))["junction_sizes"].ok
 
 
 def test_a_junction_with_a_hole_in_its_outline_is_found():

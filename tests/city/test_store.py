@@ -1,8 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from cityx.city.content import content_hash
 from cityx.city.store import read_city, read_view, write_city
+from cityx.city.terrain import Survey, Terrain
 from cityx.errors import InputError
 
 
@@ -63,3 +66,14 @@ def test_writing_again_replaces_the_folder_and_leaves_nothing_beside_it(small_ci
 def test_a_folder_without_a_city_is_refused_by_name(tmp_path):
     with pytest.raises(InputError, match=r"holds no city: city\.json is missing"):
         read_city(tmp_path)
+
+
+def test_what_the_height_file_says_is_kept(small_city, tmp_path):
+    grid = Terrain((-5.0, -5.0), 10.0, np.arange(6.0).reshape(2, 3), 3.0)
+    survey = Survey(np.array([[1.0, 2.0, 3.5]]), grid, 0.6, 0.1, 4.0)
+    write_city(replace(small_city, survey=survey), tmp_path / "city")
+    again = read_city(tmp_path / "city").survey
+    assert again.points.tolist() == survey.points.tolist()
+    assert (again.bound, again.tolerance, again.far_tolerance) == (0.6, 0.1, 4.0)
+    assert np.array_equal(again.around.heights, grid.heights)
+    assert (again.around.origin, again.around.datum) == ((-5.0, -5.0), 3.0)

@@ -5,7 +5,7 @@ import shapely
 from cityx.city.ground import KERB_HEIGHT, LABEL, WATER_LEVEL
 from cityx.city.terrain import Terrain, flat_terrain
 from cityx.geometry.arrangement import arrange, regions
-from cityx.geometry.drape import SURROUNDINGS, drape, surroundings
+from cityx.geometry.drape import drape
 from cityx.geometry.identity import stable_id
 
 SITE = (0.0, 0.0, 100.0, 80.0)
@@ -66,15 +66,3 @@ def test_a_river_down_a_steep_slope_follows_it():
     terrain = Terrain((0.0, 0.0), 100.0, np.array([[0.0, 20.0], [0.0, 20.0]]))
     ground = arrange(regions([shapely.box(10, 30, 90, 50)], WATER, 1, 3), SITE)
     assert np.ptp(one_of(drape(ground, terrain), "water").vertices[:, 2]) == pytest.approx(16.0)
-
-
-def test_the_land_beyond_shares_the_border():
-    ground = arrange(regions([shapely.box(0, 30, 100, 40)], ROAD, 1), SITE)
-    mesh = surroundings(ground, flat_terrain())
-    border = {tuple(p) for p in ground.vertices.tolist() if p[0] in (0, 100) or p[1] in (0, 80)}
-    assert border <= {tuple(p) for p in mesh.vertices[:, :2].tolist()}
-    assert mesh.vertices[:, :2].max(axis=0).tolist() == [100 + SURROUNDINGS, 80 + SURROUNDINGS]
-    normal, face = normals(mesh)
-    flat = mesh.material[face] == 0
-    assert (normal[flat, 2] > 0).all()
-    assert normal[flat, 2].sum() / 2 == pytest.approx(3100 * 3080 - 8000)

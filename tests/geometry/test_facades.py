@@ -20,7 +20,7 @@ def fronts(walls, **given):
     n = walls.count
     values = {
         "building": walls.part.astype(np.uint64) + np.uint64(7),
-        "mode": np.full(n, facades.PUNCHED), "levels": np.full(n, 5), "foot": walls.z_low.copy(),
+        "mode": np.full(n, facades.PUNCHED), "levels": np.full(n, 5), "foot": walls.z_low,
         "grounded": np.ones(n, bool), "street": np.ones(n, bool), "shop": np.zeros(n, bool),
         "balcony": np.zeros(n, bool), "free": np.full(n, 20.0),
         "screened": np.full(n, -np.inf), "bay": np.full(n, 2.5),
@@ -30,6 +30,7 @@ def fronts(walls, **given):
         "door_height": np.full(n, 2.6),
     }  # fmt: skip
     values.update({key: np.broadcast_to(value, n) for key, value in given.items()})
+    values["pavement"] = np.repeat(values.pop("foot")[:, None], 3, axis=1)
     return Fronts(**values)
 
 

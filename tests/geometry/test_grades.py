@@ -45,6 +45,15 @@ def test_graded_heights_keep_every_grade_and_even_heights_stay(heights, rises):
     assert steepest(slopes, over) < 1e-6
 
 
+def test_one_steep_place_moves_nothing_out_of_its_reach():
+    heights = np.zeros(41)
+    heights[20] = 4.0
+    z = graded(chain([0.25] * 40), heights)
+    assert 1.9 < z[20] < 2.2
+    assert np.abs(z[:11]).max() == 0.0
+    assert np.abs(z[30:]).max() == 0.0
+
+
 def test_evening_flattens_a_crest_and_leaves_what_is_held():
     z = np.array([0.0, 1.0, 2.0, 1.0, 0.0])
     free = np.array([False, True, True, True, False])

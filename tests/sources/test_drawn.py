@@ -7,12 +7,13 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cityx.city.layout import CURVE
 from cityx.errors import InputError
 from cityx.sources.drawn import read_drawn
 
 LON, LAT = 24.94, 60.17
 NORTH = LAT + 0.001
-METRES = {"cityx:frame": "metres"}
+METRES = {"units": "metres"}
 UNKNOWN_CRS = '{"type": "Point", "coordinates": [1, 2], "crs": {"name": "EPSG:3067"}}'
 
 
@@ -38,6 +39,7 @@ def test_plain_words_and_words_of_maps_become_a_layout(tmp_path):
     path = written(
         tmp_path,
         feature("LineString", [[LON, LAT], [LON + 0.002, LAT]], kind="street", name="Long Row"),
+        feature("LineString", [[LON, LAT], [LON, LAT + 0.0002]], highway="service"),
         feature("LineString", [[LON, NORTH], [LON + 0.002, NORTH]], kind="river", width=20),
         feature("Polygon", square(LON, LAT + 0.0003, 0.0002), building="house", height=9.5),
         feature("Point", [LON + 0.001, LAT + 0.0002], kind="tree"),
@@ -46,14 +48,16 @@ def test_plain_words_and_words_of_maps_become_a_layout(tmp_path):
     city = read_drawn(path)
     layout = city.layout
     assert (city.frame.latitude, city.frame.longitude) == pytest.approx((LAT + 0.0005, LON + 0.001))
-    assert layout.roads[["kind", "name"]].to_numpy().tolist() == [["residential", "Long Row"]]
-    assert layout.roads.geometry.length.sum() == pytest.approx(111, abs=2)
+    curves = layout.lines[layout.lines["kind"] == CURVE]
+    assert curves["tags"].tolist() == ['{"kind": "residential", "name": "Long Row"}']
+    assert curves.geometry.length.sum() == pytest.approx(111, abs=2)
+    assert layout.roads["kind"].tolist() == ["service"]
     assert layout.areas["kind"].tolist() == ["river"]
     assert layout.areas.geometry.area.sum() == pytest.approx(20 * 131, rel=0.03)  # with its caps
     assert layout.buildings["height"].tolist() == [9.5]
     assert layout.points["kind"].tolist() == ["tree"]
-    assert layout.lines["kind"].tolist() == ["route"]
-    assert set(layout.roads["source"]) == {"drawn/town.geojson/feature 0"}
+    assert sorted(layout.lines["kind"]) == [CURVE, "route"]
+    assert set(layout.roads["source"]) == {"drawn/town.geojson/feature 1"}
 
 
 def test_a_drawing_in_metres_needs_no_place(tmp_path):
@@ -63,7 +67,21 @@ def test_a_drawing_in_metres_needs_no_place(tmp_path):
         **METRES,
     )
     layout = read_drawn(path).layout
-    assert shapely.get_coordinates(layout.roads.geometry.to_numpy()).tolist() == [[0, 0], [300, 0]]
+    assert shapely.get_coordinates(layout.lines.geometry.to_numpy()).tolist() == [[0, 0], [300, 0]]
+
+
+def test_metres_about_an_origin_lie_there(tmp_path):
+    origin = {"latitude": 48.2, "longitude": 16.3}
+    path = written(
+        tmp_path, feature("LineString", [[0, 0], [9, 0]], kind="road"), origin=origin, **METRES
+    )
+    city = read_drawn(path)
+    assert (city.frame.latitude, city.frame.longitude) == (48.2, 16.3)
+    wrong = written(
+        tmp_path, feature("Point", [0, 0], kind="tree"), origin={"latitude": 99}, **METRES
+    )
+    with pytest.raises(InputError, match='"origin" is not like'):
+        read_drawn(wrong)
 
 
 def test_a_boundary_cuts_the_drawing(tmp_path):
@@ -75,7 +93,7 @@ def test_a_boundary_cuts_the_drawing(tmp_path):
     )
     layout = read_drawn(path).layout
     assert layout.extent == pytest.approx((0, 0, 100, 100), abs=0.11)
-    assert layout.roads.geometry.length.sum() == pytest.approx(100, abs=0.5)
+    assert layout.lines.geometry.length.sum() == pytest.approx(100, abs=0.5)
 
 
 def test_a_track_is_a_route_unless_it_says_more(tmp_path):
@@ -88,8 +106,7 @@ def test_a_track_is_a_route_unless_it_says_more(tmp_path):
         f'<wpt lat="{LAT}" lon="{LON}"><type>tree</type></wpt></gpx>'
     )
     layout = read_drawn(path).layout
-    assert layout.lines["kind"].tolist() == ["route"]
-    assert layout.roads["kind"].tolist() == ["residential"]
+    assert sorted(layout.lines["kind"]) == [CURVE, "route"]
     assert layout.points["kind"].tolist() == ["tree"]
 
 

@@ -3,9 +3,8 @@ import shapely
 
 from cityx.city import Frame
 from cityx.sources.features.gather import gather
-from cityx.sources.features.kinds import KIND
 from cityx.sources.features.resolve import resolve
-from cityx.sources.features.tagged import Owner, Report, tag
+from cityx.sources.features.tagged import KIND, Owner, Report, tag
 
 BOX = (0.0, 0.0, 200.0, 200.0)
 
@@ -87,3 +86,16 @@ def test_the_order_of_features_changes_nothing():
     first, second = (resolve(f, Frame(52.0, 13.0), seed=1) for f in (one, other))
     assert first.parts.equals(second.parts)
     assert first.buildings.equals(second.buildings)
+
+
+def test_a_small_ring_driven_one_way_is_a_roundabout():
+    turn = np.linspace(0, 2 * np.pi, 13)
+    ring = np.column_stack([np.cos(turn), np.sin(turn)])
+    small, wide = (shapely.LineString(100 + radius * ring) for radius in (8, 60))
+    one_way = {"highway": "residential", "oneway": "yes"}
+    layout = layout_of(
+        (small, one_way), (wide, one_way), (small, {"highway": "residential"}),
+        (shapely.LineString([(0, 0), (20, 0)]), one_way),
+    )  # fmt: skip
+    found = layout.roads.set_index("source")["roundabout"]
+    assert found[["made/0", "made/1", "made/2", "made/3"]].tolist() == [True, False, False, False]

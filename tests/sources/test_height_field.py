@@ -7,7 +7,7 @@ from affine import Affine
 
 from cityx.city import Frame
 from cityx.errors import InputError
-from cityx.sources.height_field import read_height
+from cityx.sources.height_field import SMOOTHED, read_height, survey_site
 
 FRAME = Frame(52.5, 13.5)
 SITE = (-200.0, -200.0, 200.0, 200.0)
@@ -91,7 +91,7 @@ def test_ascii_grids_in_metres_need_a_projection_file(tmp_path):
     header = "ncols 200\nnrows 200\nxllcorner 397600\nyllcorner 5817000\ncellsize 10\n"
     path = tmp_path / "dem.asc"
     path.write_text(header + "7 " * 40_000)
-    with pytest.raises(InputError, match=r"put its \.prj file beside it or give a GeoTIFF"):
+    with pytest.raises(InputError, match=r"put its \.prj file beside it, name it"):
         read_height(path, FRAME, SITE)
     path.with_suffix(".prj").write_text(rasterio.crs.CRS.from_epsg(25833).to_wkt())
     terrain = read_height(path, FRAME, SITE)
@@ -131,6 +131,32 @@ def test_pictures_and_empty_tiles_are_refused(tmp_path):
         dataset.write(np.zeros((3, 4, 4), np.uint8))
     with pytest.raises(InputError, match="image of 3 bands"):
         read_height(picture, FRAME, SITE)
+
+
+def rough(folder):
+    """Write a tile of whole metres with steep and with noisy places."""
+    values = np.random.default_rng(1).integers(0, 4, (1201, 1201))
+    values += 40 * (np.arange(1201) // 3 % 2)  # walls
+    (folder / "N52E013.hgt").write_bytes(tile(values))
+    return folder / "N52E013.hgt"
+
+
+def test_the_terrain_keeps_within_its_stated_bound_of_the_cells_of_the_file(tmp_path):
+    terrain, survey = survey_site(rough(tmp_path), FRAME, SITE)
+    assert len(survey.points) > 20
+    error = np.abs(terrain.height_at(survey.points[:, :2]) - survey.points[:, 2])
+    assert error.max() <= survey.bound < SMOOTHED + 0.5
+    assert error.max() > 0.1  # steps of a metre are smoothed away
+
+
+def test_the_survey_of_smooth_heights_is_exact_and_reaches_beyond_the_site(tmp_path):
+    slope = np.tile(np.arange(600, dtype=np.float32) / 7, (600, 1))
+    terrain, survey = survey_site(geotiff(tmp_path / "dem.tif", slope), FRAME, SITE)
+    error = np.abs(terrain.height_at(survey.points[:, :2]) - survey.points[:, 2])
+    assert error.max() < 0.01
+    places = [[-900.0, 0.0], [900.0, 0.0]]
+    assert np.ptp(survey.around.height_at(places)) == pytest.approx(1800 / 5 / 7, rel=0.02)
+    assert abs(survey.around.height_at([[0, 0]]) - terrain.height_at([[0, 0]]))[0] < 0.02
 
 
 @pytest.mark.shared

@@ -129,3 +129,30 @@ def test_a_change_elsewhere_changes_no_id(tmp_path):
     pixels[350:380, 100:150] = HOUSE
     other = read_semantic_map(saved(tmp_path, pixels, "other.png"), pixel=0.5)
     assert set(one.layout.buildings["id"]) < set(other.layout.buildings["id"])
+
+
+def crescent():
+    """A bent row of plots, 30 m deep, beside a street of 7 m, half a metre per pixel."""
+    y, x = np.mgrid[:500, :500] * 0.5
+    away = np.hypot(x - 20, y - 20)
+    picture = np.full((500, 500, 3), GRASS, np.uint8)
+    picture[(away > 140) & (away < 170)] = HOUSE
+    picture[(away > 175) & (away < 182)] = ROAD
+    return picture
+
+
+def test_a_row_of_plots_is_one_house_or_many_and_this_is_said(tmp_path):
+    path = saved(tmp_path, crescent())
+    exact = read_semantic_map(path, pixel=0.5)
+    assert len(exact.layout.buildings) == 1
+    assert any("1 patches of buildings are rows rather than houses" in n for n in exact.notes)
+    cut = read_semantic_map(path, pixel=0.5, fidelity="plausible")
+    assert 8 <= len(cut.layout.buildings) <= 16
+    assert set(cut.layout.buildings["use"]) == {"house"}
+    row, houses = (city.layout.buildings.geometry.union_all() for city in (exact, cut))
+    assert houses.difference(row).area < 0.05 * houses.area
+
+
+def test_an_unknown_fidelity_is_refused(tmp_path):
+    with pytest.raises(UsageError, match='no fidelity "some"'):
+        read_semantic_map(saved(tmp_path, town()), fidelity="some")

@@ -16,7 +16,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.textures import barks, grounds, roofs, walls
+from cityx.assets.textures import barks, grounds, roads, roofs, walls
 from cityx.assets.textures.relief import (
     Relief,
     exact_mean,
@@ -40,6 +40,7 @@ PATTERNS: Mapping[str, Callable[[int], Relief]] = MappingProxyType(
             roofs.roof_tiles, roofs.slate, roofs.seams, roofs.felt, roofs.gravel, roofs.thatch,
             grounds.asphalt, grounds.setts, grounds.paving, grounds.grass, grounds.soil,
             grounds.furrows, grounds.ripples,
+            roads.asphalt_worn, roads.cobbles, roads.clinker, roads.road_slabs,
             barks.bark, barks.bark_smooth,
         )
     }

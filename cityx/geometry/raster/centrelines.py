@@ -6,7 +6,8 @@ is set where the straight parts of its arms meet. All points are (column, row), 
 
 References
 ----------
-Zhang and Suen, "A fast parallel algorithm for thinning digital patterns", 1984.
+Lee, Kashyap and Chu, "Building skeleton models via 3-D medial surface/axis thinning algorithms",
+1994.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ SPUR = 2.0  # depths of its crossing that an end must reach out to be a street
 JOIN = 1.5  # depths at its two ends, on average, below which an edge lies within one crossing
 CLEAR = 1.2  # depths from a crossing at which the skeleton no longer bends towards it
 REACH = 3.0  # depths beyond that over which the direction of an arm is measured
+FURTHEST = 4.0  # depths that a loose end may lie beyond the clear part of its street
 PULL = 0.05  # weight with which a crossing stays where the skeleton has it
 SMOOTH = 2.0  # pixels, deviation of the filter that takes the staircase out of a skeleton
 EVEN = 0.5  # pixels; a skeleton lies half a pixel off the middle of every other strip
@@ -66,7 +68,7 @@ def centrelines(mask: BoolArray, *, tolerance: float) -> Centrelines:
     from skimage.morphology import skeletonize
 
     deep = depth(mask)
-    chains = _chains(skeletonize(mask))
+    chains = _chains(skeletonize(mask, method="lee") > 0)  # Zhang's loses slanting strips
     for _ in range(ROUNDS):
         spur = _spurs(chains, deep)
         if not spur.any():
@@ -172,7 +174,8 @@ def _straightened(lines: NDArray[Any], deep: FloatArray, tolerance: float) -> Ce
     room = np.zeros(len(place))
     np.maximum.at(room, node, at)
     degree = np.bincount(ends.ravel(), minlength=len(place))
-    arms = _Arms(lines, ends, middle, room, degree)
+    half = np.array([np.median(_depth_at(deep, shapely.get_coordinates(line))) for line in lines])
+    arms = _Arms(lines, ends, half, middle, room, degree)
     place = _met(arms)
     shapes, width = [], []
     for row, line in enumerate(lines):
@@ -188,10 +191,11 @@ def _straightened(lines: NDArray[Any], deep: FloatArray, tolerance: float) -> Ce
 
 @dataclass(frozen=True)
 class _Arms:
-    """Lines with their nodes: (k, 2) ends, and place, depth and degree of each node."""
+    """Lines with their ends and depth, and place, depth and degree of each node."""
 
     lines: NDArray[Any]
     ends: IntArray
+    half: FloatArray
     place: FloatArray
     room: FloatArray
     degree: IntArray
@@ -211,12 +215,11 @@ def _crossings(
 
 
 def _clear_part(points: FloatArray, arms: _Arms, row: int) -> slice:
-    """Return the points of a line that are clear of the crossings at its ends, at least two."""
+    """Return the points of a line that are clear of crossings and of its own ends, at least two."""
     begin, end = 0, len(points)
     for side, node in enumerate(arms.ends[row].tolist()):
-        if arms.degree[node] < 2:
-            continue
-        away = np.hypot(*(points - arms.place[node]).T) > CLEAR * arms.room[node]
+        room = CLEAR * arms.room[node] if arms.degree[node] > 1 else arms.half[row]
+        away = np.hypot(*(points - arms.place[node]).T) > room
         if side == 0:
             begin = int(np.argmax(away)) if away.any() else len(points)
         else:
@@ -258,18 +261,28 @@ def _drawn(
     """Draw a line smoothly from node to node; loose ends reach to the border of the mask."""
     from scipy.ndimage import gaussian_filter1d
 
-    at = float(np.median(_depth_at(deep, clear)))
-    smooth = gaussian_filter1d(clear, max(SMOOTH, CALM * at), axis=0, mode="nearest")
+    half = float(arms.half[row])
+    smooth = gaussian_filter1d(clear, max(SMOOTH, CALM * half), axis=0, mode="nearest")
     first, last = arms.ends[row].tolist()
-    head = place[first] if arms.degree[first] > 1 else _end(smooth, deep)
-    tail = place[last] if arms.degree[last] > 1 else _end(smooth[::-1], deep)
+    head = place[first] if arms.degree[first] > 1 else _end(smooth, half, deep)
+    tail = place[last] if arms.degree[last] > 1 else _end(smooth[::-1], half, deep)
     return shapely.LineString(np.vstack([head, smooth, tail]))
 
 
-def _end(points: FloatArray, deep: FloatArray) -> FloatArray:
+def _end(points: FloatArray, half: float, deep: FloatArray) -> FloatArray:
     """Return where a street ends that is seen to run to the first of some points."""
-    at = float(_depth_at(deep, points[:1])[0])
-    back = points[min(int(2 * at) + 2, len(points) - 1)]
+    back = points[min(int(REACH * half) + 2, len(points) - 1)]
     away = points[0] - back
     length = float(np.hypot(*away))
-    return np.asarray(points[0] + away / max(length, 1e-9) * at)
+    if length == 0.0:
+        return np.asarray(points[0])
+    ahead = np.arange(0.0, FURTHEST * half + 1.0, 0.5)
+    ray = points[0] + ahead[:, None] * away / length
+    inside = _inside(deep, ray)
+    return np.asarray(ray[max(int(np.argmin(inside)) - 1, 0)] if not inside.all() else points[0])
+
+
+def _inside(deep: FloatArray, points: FloatArray) -> BoolArray:
+    rows, columns = deep.shape
+    within = (points >= 0).all(axis=1) & (points < [columns, rows]).all(axis=1)
+    return np.asarray(within & (_depth_at(deep, points) > 0))

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
-NECK = 0.5  # of the greatest depth of a patch; two bodies joined by less are two
+NECK = 0.2  # of the greatest depth of a patch; bodies joined by less are two
+BODY = 2.0  # depths of the neck that each of the bodies it joins is deep
 SOLID = 0.8  # share of its hull from which a patch is one body whatever its depth
 SHALLOW = 2.0  # pixels; patches not deeper than this have no neck that could be told from noise
 
@@ -32,8 +33,14 @@ def without_specks(mask: BoolArray, least: float) -> BoolArray:
 
 
 def without_holes(mask: BoolArray, least: float) -> BoolArray:
-    """Fill holes of fewer than `least` pixels; what is open to the border is no hole."""
-    labels, count = label_patches(~mask)
+    """Fill holes of fewer than `least` pixels; what is open to the border is no hole.
+
+    Patches are 4-connected, so the gaps between them are 8-connected: a slanting gap one pixel wide
+    is no row of holes.
+    """
+    from scipy import ndimage
+
+    labels, count = ndimage.label(~mask, np.ones((3, 3)))
     small = np.bincount(labels.ravel(), minlength=count + 1) < least
     border = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
     small[border] = False
@@ -81,7 +88,7 @@ def split_at_necks(labels: NDArray[Any], solidity: NDArray[np.float64]) -> NDArr
         deep = depth(mask)
         if deep.max() <= SHALLOW:
             continue
-        seeds, bodies = label_patches(deep > NECK * deep.max())
+        seeds, bodies = _bodies(deep)
         if bodies < 2:
             continue
         parts = watershed(-deep, seeds, mask=mask)
@@ -90,3 +97,15 @@ def split_at_necks(labels: NDArray[Any], solidity: NDArray[np.float64]) -> NDArr
             count += 1
             view[parts == body] = count
     return found
+
+
+def _bodies(deep: NDArray[np.float64]) -> tuple[NDArray[Any], int]:
+    """Return the numbered middles of the bodies of one patch by its depth, and their count."""
+    from scipy import ndimage
+
+    neck = NECK * deep.max()
+    seeds, count = label_patches(deep > neck)
+    peak = np.asarray(ndimage.maximum(deep, seeds, np.arange(count + 1)))
+    body = (peak > BODY * neck) & (np.arange(count + 1) > 0)
+    number = np.where(body, np.cumsum(body), 0)
+    return number[seeds], int(body.sum())

@@ -15,7 +15,8 @@ from cityx.plugins.background.light import darkened
 from cityx.protocol import Port, Text, action
 
 # A fixed day keeps results reproducible; the seasons hardly move between years.
-YEAR, MONTH, DAY = 2025, 6, 21
+YEAR = 2025
+MIDSUMMER = {"north": (6, 21), "south": (12, 21)}  # month and day by hemisphere
 _DATE = re.compile(r"(?:(\d{4})-)?(\d{1,2})-(\d{1,2})(?:[t ]+|$)")
 
 # Words of the day by solar hour, or by the sun's elevation in degrees (rising or setting).
@@ -59,8 +60,8 @@ def clock_of(time: str, latitude: float, day: datetime) -> float:
     raise UsageError(f'"{time}" is no time of day; write HH:MM or one of {", ".join(TIMES)}.{hint}')
 
 
-def day_of(date: str) -> datetime:
-    """Return the midday of "YYYY-MM-DD" or "MM-DD"; of midsummer when it is empty.
+def day_of(date: str, latitude: float) -> datetime:
+    """Return the midday of "YYYY-MM-DD" or "MM-DD"; of the place's midsummer when it is empty.
 
     Raises
     ------
@@ -68,7 +69,8 @@ def day_of(date: str) -> datetime:
         If it is no date, or no day of the calendar.
     """
     if not date.strip():
-        return datetime(YEAR, MONTH, DAY, 12, tzinfo=UTC)
+        month, day = MIDSUMMER["north" if latitude >= 0 else "south"]
+        return datetime(YEAR, month, day, 12, tzinfo=UTC)
     match = _DATE.fullmatch(date.strip())
     if match is None:
         raise UsageError(f'"{date}" is no date; write YYYY-MM-DD or MM-DD.')
@@ -102,7 +104,7 @@ def sun_of(environment: Environment, latitude: float, longitude: float, *, time:
         Day, where `time` names none.
     """
     given, clock = moment_of(time)
-    midday = day_of(given or date)
+    midday = day_of(given or date, latitude)
     hour = clock_of(clock or "noon", latitude, midday)
     # Mean solar time: noon is when the mean sun culminates, whatever the legal clock says.
     when = midday + timedelta(hours=hour - 12.0 - longitude / 15.0)
@@ -141,7 +143,8 @@ def sun(
         "HH:MM" local solar time, or a word such as noon, morning, golden, dusk or night; a date
         may stand before it, as in "2026-12-21 16:00".
     date
-        "YYYY-MM-DD" or "MM-DD", where the time names none; midsummer when empty.
+        "YYYY-MM-DD" or "MM-DD", where the time names none; midsummer of the hemisphere
+        when empty: 21 June in the north, 21 December in the south.
     """
     frame = city.frame
     environment = sun_of(city.environment, frame.latitude, frame.longitude, time=time, date=date)

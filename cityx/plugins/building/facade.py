@@ -171,17 +171,19 @@ def _names_of(found: Facade) -> NDArray[np.str_]:
 
 
 def _on_the_pavement(city: City, walls: WallTable, openings: Openings) -> Openings:
-    """Let doors and shopfronts down to the pavement before them; their heads stay."""
+    """Set doors and shopfronts on the pavement before them."""
     rows = np.flatnonzero(np.isin(openings.role, [*facades.DOORS, facades.SHOP]))
     wall = openings.wall[rows]
     unit = (walls.end - walls.start)[wall] / walls.length[wall, None]
     at = walls.start[wall] + unit * openings.along[rows, None]
     ground = city.terrain.height_at(at + 0.4 * walls.normal[wall]) + KERB_HEIGHT
     low, height = openings.low.copy(), openings.height.copy()
-    drop = np.clip(low[rows] - ground, 0.0, 4.0)
+    # Up into the slope before it as far as the wall is high.
+    head = walls.z_high[wall] - facades.EAVE_GAP - low[rows] - height[rows]
+    drop = np.clip(low[rows] - ground, -np.maximum(head, 0.0), 4.0)
     low[rows] -= drop
     shop = openings.role[rows] == facades.SHOP
-    height[rows] += np.where(shop, np.minimum(drop, 0.8), 0.0)
+    height[rows] += np.where(shop, np.clip(drop, 0.0, 0.8), 0.0)
     return replace(openings, low=low, height=height)
 
 

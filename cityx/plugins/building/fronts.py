@@ -21,6 +21,7 @@ from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.walls import WallTable
 from cityx.plugins.building.catalogue import looks
 from cityx.plugins.building.shell import PARAPET_HIGH, PARAPET_LOW, PARAPET_SHARE
+from cityx.plugins.building.volumes import GROUNDED
 
 if TYPE_CHECKING:
     from cityx.city.city import City
@@ -40,7 +41,6 @@ STREETS: dict[str, tuple[float, float]] = {
     "pedestrian": (3.0, 0.65), "living_street": (2.6, 0.3), "residential": (2.6, 0.28),
     "unclassified": (2.6, 0.36), "road": (2.0, 0.2), "service": (1.0, 0.0), "track": (0.4, 0.0),
 }  # fmt: skip
-GROUNDED = 0.5  # metres; parts that begin lower stand on the ground
 ENTRANCE = 15.0  # what a zone made for the entrance is worth as the place of the door
 MIN_DOOR_WALL = 1.4  # metres
 MIN_DOOR_ROOM = 2.05  # metres of height a door needs
@@ -169,9 +169,9 @@ def fronts_of(
     kind = np.where(front.street >= 0, np.append(kinds, "")[front.street], "")
     worth, share = _worth(kind)
     grounded = parts["base"].to_numpy(float)[part] < GROUNDED
-    foot = np.where(grounded, _ground_at(city, walls), walls.z_low)
+    pavement = np.where(grounded[:, None], _ground_at(city, walls), walls.z_low[:, None])
 
-    room = np.minimum(walls.z_high, walls.open_to) - foot
+    room = np.minimum(walls.z_high, walls.open_to) - pavement.min(axis=1)
     usable = grounded & (walls.length >= MIN_DOOR_WALL) & (room >= MIN_DOOR_ROOM)
     usable &= walls.blind_to <= walls.z_low + 0.05
     score = 10 * worth + np.minimum(walls.length, 14.0) - 0.4 * np.minimum(front.distance, 20.0)
@@ -186,14 +186,14 @@ def fronts_of(
 
     shop = _shops(city, part, group, mode, worth, share, building)
     size = _sizes(designs, building, part, seed)
-    levels = np.maximum(parts["levels"].to_numpy(np.int64), 1)[part]
+    levels = (np.maximum(parts["levels"].to_numpy(np.int64), 1) + volumes.cellars)[part]
     tall = (walls.z_high - walls.z_low) / levels
     shop &= (levels > 1) | (tall >= MIN_SHOP_STOREY)
     shop &= grounded & (worth >= 2.0) & (walls.length >= 2.6)
     ground_storey = np.where(shop, np.maximum(size["ground_storey"], 3.9), size["ground_storey"])
     door_width, door_height = _door_sizes(designs.door[part], seed, building)
     return Fronts(
-        building, mode, levels, foot, grounded,
+        building, mode, levels, pavement, grounded,
         worth >= 2.0, shop, designs.balcony[part], front.free, front.screened,
         size["bay"], size["width"], size["height"], size["sill"], ground_storey, size["corner"],
         door, door_along, door_width, door_height,
@@ -249,10 +249,10 @@ def _modes(style: Words, walled: Words) -> IntArray:
 
 
 def _ground_at(city: City, walls: WallTable) -> FloatArray:
-    """Height of the pavement at walls, the highest of three places, (w,)."""
+    """Height of the pavement at the start, the middle and the end of walls, (w, 3)."""
     middle = (walls.start + walls.end) / 2
     heights = [city.terrain.height_at(at) for at in (walls.start, middle, walls.end)]
-    return np.asarray(np.maximum.reduce(heights) + KERB_HEIGHT)
+    return np.column_stack(heights) + KERB_HEIGHT
 
 
 def _worth(kind: Words) -> tuple[FloatArray, FloatArray]:

@@ -9,7 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city.levels import ground_levels
+from cityx.city.ground import KERB_HEIGHT
+from cityx.city.levels import ground_levels, terrain_at_walls
 from cityx.geometry.polygons import FloatArray, IntArray, clean_polygons
 from cityx.geometry.roofs import as_shapes
 from cityx.geometry.walls import WallTable, party_spans, wall_table
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from cityx.city.terrain import Terrain
 
 PLINTH = 0.5  # metres a shell reaches below its ground, so that nothing floats
+GROUNDED = 0.5  # metres; parts that begin lower stand on the ground
+CELLAR = 3.0  # metres of storeys that a slope lays open
 MIN_STOREY = 0.5  # metres; a volume is at least this high
 MIN_EAVE = 0.1  # metres between the base of a part and its eave
 DECK = 1.2  # metres; deeper than any parapet
@@ -44,6 +47,9 @@ class Volumes:
         of the visible wall, eave, and top of the roof.
     walls
         (n,) bool, False for a roof on posts.
+    cellars
+        (n,) int64, storeys below the ground's level that a slope lays open; they count to the
+        visible wall.
     """
 
     polygons: NDArray[Any]
@@ -54,6 +60,7 @@ class Volumes:
     eave: FloatArray
     top: FloatArray
     walls: NDArray[np.bool_]
+    cellars: IntArray
 
     @property
     def usable(self) -> NDArray[np.bool_]:
@@ -73,7 +80,10 @@ def volumes_of(layout: Layout, terrain: Terrain) -> Volumes:
     roof = np.nan_to_num(parts["roof_height"].to_numpy(float))
     roof = np.where(as_shapes(parts["roof_shape"].to_numpy()) == "flat", 0.0, roof)
     roof = np.clip(roof, 0.0, np.maximum(top - base - MIN_EAVE, 0.0))
-    low = np.where(base > 0, base, -PLINTH)
+    lowest, _ = terrain_at_walls(layout, terrain)
+    drop = np.where(base < GROUNDED, np.round(ground - lowest - KERB_HEIGHT, 6), 0.0)
+    cellars = np.floor(drop / CELLAR).astype(np.int64)
+    low = np.where((base > 0) & (drop == 0), base, -drop - PLINTH)
     # What stands on another part reaches down past its parapet to its deck.
     low = np.where(_resting(polygons, building, base, top), base - DECK, low)
     return Volumes(
@@ -81,10 +91,11 @@ def volumes_of(layout: Layout, terrain: Terrain) -> Volumes:
         building,
         ground,
         ground + low,
-        ground + base,
+        ground + base - cellars * CELLAR,
         ground + top - roof,
         ground + top,
         parts["walls"].to_numpy(bool),
+        cellars,
     )
 
 
@@ -120,7 +131,7 @@ def walls_of_volumes(volumes: Volumes) -> WallTable:
     """List the walls of volumes; see `walls_of`."""
     walled = np.where(volumes.walls, volumes.polygons, shapely.Polygon())
     walls = wall_table(walled, volumes.base, volumes.eave)
-    return party_spans(walls, walled, volumes.base, volumes.eave)
+    return party_spans(walls, walled, volumes.low, volumes.eave)  # a plinth covers too
 
 
 def covered(

@@ -22,7 +22,7 @@ from cityx.protocol.values import (
     make_points,
     make_surfaces,
 )
-from cityx.sources.features.kinds import KIND
+from cityx.sources.features.tagged import KIND
 
 
 @action(

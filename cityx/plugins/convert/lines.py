@@ -7,13 +7,14 @@ from typing import Annotated
 import numpy as np
 import shapely
 
-from cityx.city.layout import Layout, make_table
+from cityx.city.layout import CURVE, Layout, make_table
 from cityx.geometry.identity import stable_id
 from cityx.plugins.convert.points import extent_of
 from cityx.protocol import Range, action
 from cityx.protocol.values import Lines, Points, Surfaces, make_points, make_surfaces
 
 BARRIERS = ("wall", "fence", "hedge", "city_wall", "tree_row", "retaining_wall")
+LINES = (*BARRIERS, CURVE)
 LANE = 3.25  # metres; a usual lane of a street in a town
 ROUND = 8  # segments per quarter turn; 0.3 % of the width off a true circle
 
@@ -75,7 +76,7 @@ def line_to_point_conversion(lines: Lines) -> Points:
 def line_to_layout_conversion(
     lines: Lines, *, width: Annotated[float, Range(0.01, 500.0)] = 6.5
 ) -> Layout:
-    """Convert lines to rows of the layout: barriers by their class, everything else as roads.
+    """Convert lines to rows of the layout: barriers and curves by class, all else as roads.
 
     Parameters
     ----------
@@ -85,8 +86,8 @@ def line_to_layout_conversion(
         Carriageway of roads that do not carry their own, metres.
     """
     shapes = shapely.force_2d(lines.geometry)
-    ids = _ids(lines)
-    barrier = np.isin(lines.kind, BARRIERS)
+    ids = line_ids(lines)
+    barrier = np.isin(lines.kind, LINES)
     road = ~barrier
     wide = np.where(np.isnan(lines.width), width, lines.width)[road]
     lanes = np.maximum(1, np.rint(wide / LANE)).astype(np.int16)
@@ -116,7 +117,7 @@ def line_to_layout_conversion(
     return Layout(extent_of(shapely.get_coordinates(shapes)), roads=roads, lines=barriers)
 
 
-def _ids(lines: Lines) -> np.ndarray[tuple[int], np.dtype[np.uint64]]:
+def line_ids(lines: Lines) -> np.ndarray[tuple[int], np.dtype[np.uint64]]:
     """Ids of the lines: their own, else by their geometry, repeated geometry told apart."""
     ids = lines.object_id.copy()
     seen: dict[bytes, int] = {}

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city import City
 from cityx.city.ground import ROADWAY
-from cityx.geometry.clearance import in_triangles, near_any, push_off
+from cityx.geometry.clearance import near_any, push_off
 from cityx.geometry.driving import keeps_left
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import locate, to_linestrings
@@ -296,7 +296,7 @@ def _cleared(city: City, roads: _Roads, given: Pieces, mapped: int) -> Pieces:
         free &= ~near_any(xy, nodes, radius[joint] + 0.3)
     if city.ground is not None:
         ground = city.ground
-        free &= ~in_triangles(xy, ground.vertices, ground.triangles_of(*ROADWAY))
+        free &= ~ground.on(xy, *ROADWAY)
     xmin, ymin, xmax, ymax = city.layout.extent
     free &= (xy[:, 0] >= xmin) & (xy[:, 0] <= xmax) & (xy[:, 1] >= ymin) & (xy[:, 1] <= ymax)
     return replace(given, xy=xy).take(free)

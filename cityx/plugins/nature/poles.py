@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.city import City, MeshBatch
+from cityx.city.ground import ROADWAY
 from cityx.city.mesh import empty_batch
-from cityx.geometry.clearance import in_triangles, near_any
+from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, hash_ids
 from cityx.geometry.polylines import Polylines
 from cityx.plugins.nature.barriers import joined_by_id, sweep
@@ -40,9 +38,7 @@ WIRES = ((-0.9, 9.8, 0.55, 0.012), (-0.35, 9.8, 0.5, 0.012), (0.9, 9.8, 0.6, 0.0
 PIECES = 8  # straight pieces of a span
 
 
-def utility_poles(
-    city: City, blocked: FloatArray, driven: NDArray[Any]
-) -> tuple[Pieces, MeshBatch]:
+def utility_poles(city: City, blocked: FloatArray) -> tuple[Pieces, MeshBatch]:
     """Set poles along one side of narrow streets and hang their wires.
 
     Parameters
@@ -51,8 +47,6 @@ def utility_poles(
         City with a road network.
     blocked
         (k, 2) places at which something stands already.
-    driven
-        (t, 3) triangles of the ground that vehicles use.
 
     Returns
     -------
@@ -83,7 +77,7 @@ def utility_poles(
     free = inside_extent(city, places.xy, 0.5)
     free &= ~near_any(places.xy, city.layout.buildings.geometry.to_numpy(), FACADE)
     free &= ~near_any(places.xy, shapely.points(blocked), 1.0)
-    free &= ~in_triangles(places.xy, city.ground.vertices, driven)
+    free &= ~city.ground.on(places.xy, *ROADWAY)
     places = places.take(free)
     if not len(places.xy):
         return join_pieces([]), empty_batch()

@@ -10,8 +10,8 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
-from cityx.city.ground import LABEL, ROADWAY, Ground
-from cityx.geometry.clearance import distance_within, in_triangles, near_any
+from cityx.city.ground import LABEL, Ground
+from cityx.geometry.clearance import distance_within, near_any
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.scatter import Points, candidates, cells_of_polygons, near_pairs, thin
 from cityx.geometry.standing import WALKED, stand_on
@@ -155,7 +155,7 @@ def _along_kerbs(city: City, site: _Site, density: float) -> tuple[Pieces, Float
     out = -slots.toward_road
     fits = IN_KERB + room_along(slots.xy, out, site.rims, REACH) >= asked[:, 1]
     assert city.ground is not None
-    fits &= _on(city.ground, slots.xy, *WALKED)
+    fits &= city.ground.on(slots.xy, *WALKED)
     slip = (uniform(city.seed, f"{ACTION}/slip", ids) - 0.5) * 2.0
     xy = slots.xy + out * (asked[:, :1] - IN_KERB) + slots.ahead * slip[:, None]
     names = np.array([r.piece for r in KERB_RULES], object)[rule]
@@ -225,11 +225,6 @@ def _before_shops(city: City, site: _Site, density: float) -> Pieces:
     return join_pieces(found)
 
 
-def _on(ground: Ground, xy: FloatArray, *names: str) -> BoolArray:
-    """(n,) whether points lie on faces of some labels."""
-    return in_triangles(xy, ground.vertices, ground.triangles_of(*names))
-
-
 def _scattered(city: City, ground: Ground) -> Points:
     """Candidates about plazas and yards, the same whatever the site's rectangle."""
     triangles = ground.triangles_of("plaza", "courtyard")
@@ -245,7 +240,7 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
     if ground is None:
         return join_pieces([])
     spots = _scattered(city, ground)
-    plaza, yard = (_on(ground, spots.xy, name) for name in ("plaza", "courtyard"))
+    plaza, yard = (ground.on(spots.xy, name) for name in ("plaza", "courtyard"))
     open_ = plaza | yard
     spots, yard = Points(spots.xy[open_], spots.id[open_]), yard[open_]
     kept = np.isin(spots.id, thin(spots, OPEN_SPACING).id)
@@ -315,7 +310,7 @@ def _free(city: City, site: _Site, found: Pieces, half: FloatArray, depth: Float
         free[tree.query(shapely.points(found.xy), predicate="dwithin", distance=reach)[0]] = False
     free &= ~near_any(found.xy, site.houses, 0.05)
     assert city.ground is not None
-    free &= _on(city.ground, found.xy, *WALKED)
+    free &= city.ground.on(found.xy, *WALKED)
     # Of two that are too near to each other the one with the higher id stays.
     rows = np.flatnonzero(free)
     pairs = near_pairs(found.xy[rows], 2 * SIZE["kiosk"] + 0.3) if len(rows) else np.zeros((0, 2))
@@ -377,7 +372,7 @@ def street_pieces(
     posts = _signs(city, site) if signs else join_pieces([])
     if site.place == "japan":
         standing = np.concatenate([site.fixed, site.trunks, posts.xy])
-        poles, wires = utility_poles(city, standing, city.ground.triangles_of(*ROADWAY))
+        poles, wires = utility_poles(city, standing)
         posts = join_pieces([posts, poles])
         if wires.count:
             city = replace(city, scene=city.scene.with_mesh("wires", wires))

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from cityx.assets.tree_pits import PITS, pit
 from cityx.city import City, Instances
-from cityx.geometry.clearance import in_triangles
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
 from cityx.plugins.road.kerbs import edge_lines
@@ -35,7 +34,7 @@ def with_pits(city: City, trees: Instances) -> City:
     ground = city.ground
     rows = city.scene.instances["trees"]
     bush = np.array([p.name.startswith(BUSHES) for p in city.scene.prototypes])
-    on = in_triangles(trees.position[:, :2], ground.vertices, ground.triangles_of(*PAVED))
+    on = ground.on(trees.position[:, :2], *PAVED)
     chosen = np.flatnonzero(on & ~bush[rows.prototype])
     if not len(chosen):
         return city

@@ -14,7 +14,6 @@ from cityx.city.ground import PAINT
 from cityx.geometry.clearance import (
     Spots,
     distance_within,
-    in_triangles,
     near_any,
     push_off,
     spots_of,
@@ -112,7 +111,7 @@ def room_of(
         keep &= mapped | ~near_any(spots, shapely.points(lamps), LAMP_CLEARANCE)
     if city.ground is not None:
         ground = city.ground
-        keep &= ~in_triangles(moved, ground.vertices, ground.triangles_of(*TREELESS))
+        keep &= ~ground.on(moved, *TREELESS)
     road = _gap(spots, lines[driven], half[driven])
     path = _gap(spots, lines[~driven], half[~driven])
     return moved, keep, Room(facade, road, path)

@@ -21,6 +21,7 @@ ON_ROAD = tuple(LABEL[name] for name in (*PAINT, "tramway"))
 HARD = (*ROAD, "kerb", "sidewalk", "path", "plaza", "parking", "building", "courtyard", "trail",
         "furnishing")  # fmt: skip
 NARROW = 1.5  # metres; narrower islands between carriageways are not built
+BUILT_ISLAND = ("courtyard", "tactile", "tactile_pale")  # refuges and splitters are, however narrow
 DENSE = 0.35  # share of a block that is built over; gardens fill the rest of a looser one
 DENSE_URBAN = 0.12  # the same where most of what is built stands in urban surroundings
 TOWN_CELL = 50.0  # metres; about half a block
@@ -84,7 +85,9 @@ def _filled(ground: Ground, road: NDArray[np.bool_], block: IntArray) -> Ground:
     border[block[left[right == BEYOND]]] = True
     # Of a long strip, twice the area over its rim is the width.
     narrow = ~border & (2 * area < NARROW * rim)
-    island = ~road & narrow[block] & (ground.face_label != LABEL["building"])
+    meant = np.zeros(size, bool)
+    meant[block[ground.labelled(*BUILT_ISLAND)]] = True
+    island = ~road & (narrow & ~meant)[block] & (ground.face_label != LABEL["building"])
     order = np.lexsort((outer, -np.round(length[beside], 6), block[inner]))
     first = np.unique(block[inner][order], return_index=True)
     around = np.zeros(size, np.int64)

@@ -19,7 +19,14 @@ from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrangement import GRID, Regions, join_regions, regions
 from cityx.geometry.identity import mix
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pieces, to_linestrings
-from cityx.plugins.road.corners import LEAST_RADIUS, NOSE, STRAIGHT, Arms, Corners
+from cityx.plugins.road.corners import (
+    LEAST_RADIUS,
+    NOSE,
+    NOSE_RADIUS,
+    STRAIGHT,
+    Arms,
+    Corners,
+)
 from cityx.plugins.road.network import junction_clusters, node_corners
 
 IntArray = NDArray[np.int64]
@@ -45,11 +52,13 @@ BEND = 0.05  # radians; below it the wedge at a bend is thinner than the kerb's 
 FLAT = np.radians(150.0)  # between arms whose kerbs run through; and as much beyond 180 degrees
 TURNED = np.radians(185.0)  # beyond it two strips leave a wedge open
 TAPER = 8.0  # metres on both sides of a node along which a kerb passes from width to width
-GORE, GORE_REACH = 3.0, 60.0  # metres: width to which a gore is paved, farthest from the node
-LEAST_GORE = 2.0  # square metres
+GORE_REACH = 60.0  # metres from the node within which a gore is paved up to its nose
 HEAD = 2 * KERB_WIDTH  # metres
 AGAIN = 0.25  # share by which the curve of a corner may begin further away on arms that bend
+JOINT = GRID  # metres; more would show as a step of the kerb
 LEAST_CURVE = 0.03  # square metres; smaller pieces come from rounding
+NOSE_REACH = 4 * LEAST_RADIUS  # metres behind a junction in which medians have their noses
+NARROW_MEDIAN = 1.5  # metres; what parts two carriageways less is paved
 LEAST_ISLAND = 6.0  # square metres; a smaller hole in a junction is paved
 CURVE_PRIORITY = 68  # below the arms, whose surfaces a curve overlaps
 JUNCTION_PRIORITY = 72  # above every kind of carriageway, whatever the junction is paved with
@@ -96,6 +105,13 @@ class Carriageway:
     gore_edge: IntArray
     bends: Shapes
     bend_edge: IntArray
+
+    @property
+    def driven(self) -> Shapes:
+        """All surfaces whose rims kerbs follow."""
+        return np.concatenate(
+            [self.strips, self.stars, self.curves, self.discs, self.gores, self.bends]
+        )
 
 
 def road_labels(surface: Any) -> NDArray[np.uint8]:
@@ -199,17 +215,12 @@ def _junctions(
     none = np.zeros(0, np.int64), np.zeros(0, object)
     if not len(rows):
         return (*none, *none)
-    length = arc_lengths(lines)[1][arms.edge[rows]]
-    trim = network.trim[arms.edge[rows], arms.end[rows]]
-    reach = np.minimum(np.maximum(trim, SHORTEST), length)
-    begin = np.where(arms.end[rows] == 0, 0.0, length - reach)
-    strips = _widened(
-        pieces(lines, arms.edge[rows], begin, begin + reach), network.half_width[arms.edge[rows]]
-    )
+    trim = np.maximum(network.trim[arms.edge[rows], arms.end[rows]], SHORTEST)
+    strips = _arm_strips(network, lines, arms, rows, 0.0, trim)
     wedges, wedge_arm = _wedges(network, lines, arms, at_junction)
     cluster = junction_clusters(network)
     node = cluster[np.concatenate([arms.node[rows], arms.node[wedge_arm]])]
-    stars, hubs = _joined(np.concatenate([strips, wedges]), node)
+    stars, hubs = joined_by(np.concatenate([strips, wedges]), node)
     turned = np.flatnonzero(
         at_junction[corners.first] & at_junction[corners.second] & (corners.gap >= NOSE)
     )
@@ -219,18 +230,62 @@ def _junctions(
     several = np.bincount(cluster[np.unique(arms.node[rows])], minlength=len(degree)) > 1
     inner = several[curve_node]
     many = np.flatnonzero(several[hubs])
-    joined, _ = _joined(
-        np.concatenate([stars[many], curves[inner]]),
-        np.concatenate([hubs[many], curve_node[inner]]),
+    joins = several[cluster[arms.node[rows]]]
+    long = rows[joins]
+    paved, _ = joined_by(
+        np.concatenate(
+            [stars[many], _arm_strips(network, lines, arms, long, 0.0, trim[joins] + NOSE_REACH)]
+        ),
+        np.concatenate([hubs[many], cluster[arms.node[long]]]),
     )
-    closed = _without_small_holes(_closed(joined, np.full(len(many), LEAST_RADIUS)))
-    added, row = _added(stars[many], closed)
+    joined, _ = joined_by(
+        np.concatenate([paved, curves[inner]]), np.concatenate([hubs[many], curve_node[inner]])
+    )
+    radius = _inner_radius(network, lines, arms, long)[hubs[many]]
+    added, row = _added(paved, _without_small_holes(_closed(joined, radius)))
     return (
         hubs,
         shapely.simplify(stars, GRID),
         np.concatenate([curve_node[~inner], hubs[many][row]]),
         np.concatenate([curves[~inner], added]),
     )
+
+
+def _arm_strips(
+    network: RoadNetwork, lines: Polylines, arms: Arms, rows: IntArray, near: Any, far: Any
+) -> Shapes:
+    """Return the carriageways of some arms between two distances from their nodes."""
+    edge, end = arms.edge[rows], arms.end[rows]
+    length = arc_lengths(lines)[1][edge]
+    begin, finish = np.minimum(near, length - SHORTEST), np.minimum(far, length)
+    back = end == 1
+    part = pieces(
+        lines, edge, np.where(back, length - finish, begin), np.where(back, length - begin, finish)
+    )
+    return _widened(part, network.half_width[edge])
+
+
+def _inner_radius(network: RoadNetwork, lines: Polylines, arms: Arms, rows: IntArray) -> FloatArray:
+    """(n,) radius of the corners of junctions of several nodes, by the lowest of these.
+
+    A median between arms of two of the nodes keeps a round nose, as wide as itself.
+    """
+    cluster = junction_clusters(network)
+    found = np.full(len(cluster), LEAST_RADIUS)
+    ends = cluster[network.edge_nodes[arms.edge[rows]]]
+    rows = rows[ends[:, 0] != ends[:, 1]]
+    trim = network.trim[arms.edge[rows], arms.end[rows]]
+    strips = _arm_strips(network, lines, arms, rows, trim, trim + NOSE_REACH)
+    one, other = shapely.STRtree(strips).query(
+        strips, predicate="dwithin", distance=2 * LEAST_RADIUS
+    )
+    node = arms.node[rows]
+    pair = (cluster[node[one]] == cluster[node[other]]) & (node[one] < node[other])
+    one, other = one[pair], other[pair]
+    width = shapely.distance(strips[one], strips[other])
+    median = width > NARROW_MEDIAN
+    np.minimum.at(found, cluster[node[one[median]]], width[median] / 2 - GRID)
+    return found
 
 
 def _curves(
@@ -264,14 +319,15 @@ def _added(shapes: Shapes, closed: Shapes) -> tuple[Shapes, IntArray]:
     """Return the pieces by which shapes have grown, and the row of each."""
     parts, row = shapely.get_parts(shapely.difference(closed, shapes), return_index=True)
     kept = (shapely.get_type_id(parts) == 3) & (shapely.area(parts) > LEAST_CURVE)
-    return parts[kept], row[kept]
+    # They overlap what they join, so that rounding to the grid leaves no sliver between.
+    return shapely.buffer(parts[kept], JOINT, join_style="bevel"), row[kept]
 
 
 def _gores(
     network: RoadNetwork, lines: Polylines, arms: Arms, corners: Corners,
     on_ground: NDArray[np.bool_],
 ) -> tuple[Shapes, IntArray]:  # fmt: skip
-    """Find the wedges between arms that part at a sharp angle, up to where they are GORE wide."""
+    """Find the wedges between arms that part at a sharp angle, up to the nose that parts them."""
     rows = np.flatnonzero(
         (corners.gap < NOSE)
         & on_ground[arms.edge[corners.first]]
@@ -293,26 +349,24 @@ def _gores(
         shapely.multipoints(ring[np.argsort(np.r_[owner, other_owner], kind="stable")],
                             indices=np.sort(np.r_[owner, other_owner]))
     ) if len(ring) else np.zeros(0, object)  # fmt: skip
-    wedge = shapely.difference(hull, shapely.union(*strips))
-    # What is narrower than the gore closes when both sides grow by half its width.
-    grown = [shapely.buffer(strip, GORE / 2, cap_style="flat") for strip in strips]
-    closed = shapely.intersection(wedge, shapely.intersection(*grown))
-    parts, row = shapely.get_parts(closed, return_index=True)
-    kept = (shapely.get_type_id(parts) == 3) & (shapely.area(parts) > LEAST_GORE)
-    return parts[kept], arms.edge[pair[1]][row[kept]]
+    both = shapely.union(*strips)
+    closed = _closed(both, np.full(len(both), NOSE_RADIUS))
+    parts, row = _added(both, shapely.intersection(closed, hull))
+    return parts, arms.edge[pair[1]][row]
 
 
 def _bends(
     network: RoadNetwork, lines: Polylines, arms: Arms, corners: Corners,
     on_ground: NDArray[np.bool_],
 ) -> tuple[Shapes, IntArray]:  # fmt: skip
-    """Round the inside of bends, where two edges meet or part, and at the points of one."""
+    """Round the inside of bends, where two edges meet, and at the points of one."""
     degree = np.bincount(arms.node[on_ground[arms.edge]], minlength=len(network.node_position))
     ground = on_ground[arms.edge]
     rows = np.flatnonzero(
         ground[corners.first]
         & ground[corners.second]
-        & ((degree[arms.node[corners.first]] == 2) | (corners.gap < NOSE))
+        & (degree[arms.node[corners.first]] == 2)
+        & (corners.gap >= NOSE)
     )
     between, row = _curves(network, lines, arms, corners, rows)
     step = np.diff(lines.points, axis=0)
@@ -336,7 +390,7 @@ def _bends(
     return np.concatenate([between, inside]), np.concatenate([first, edge[at]])
 
 
-def _joined(shapes: Shapes, group: IntArray) -> tuple[Shapes, IntArray]:
+def joined_by(shapes: Shapes, group: IntArray) -> tuple[Shapes, IntArray]:
     """Unite the shapes of each group: one geometry each, and the groups in order."""
     parts, row = shapely.get_parts(shapes, return_index=True)
     order = np.argsort(group[row], kind="stable")
@@ -378,9 +432,12 @@ def _wedges(
     rows = np.flatnonzero(both & (np.abs(gap - np.pi) < np.pi - FLAT))
     length = arc_lengths(lines)[1]
     corners = [network.node_position[arms.node[rows]]]
-    for arm, side in ((rows, 1.0), (after[rows], -1.0)):
+    for arm, other, side in ((rows, after[rows], 1.0), (after[rows], rows, -1.0)):
         edge, end = arms.edge[arm], arms.end[arm]
         along = np.maximum(network.trim[edge, end], np.minimum(TAPER, length[edge] / 2))
+        # The kerb of the wider arm keeps its line up to the node.
+        wider = network.half_width[edge] > network.half_width[arms.edge[other]] + BEND
+        along = np.where(wider, 0.0, along)
         at, ahead = locate(lines, edge, np.where(end == 0, along, length[edge] - along))
         ahead = ahead * np.where(end == 0, 1.0, -1.0)[:, None]
         left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
@@ -404,7 +461,7 @@ def _without_small_holes(shapes: Shapes) -> Shapes:
     small = shapely.area(patches) < LEAST_ISLAND
     if small.any():
         patch, row = patches[small], owner[of_part[hole[small]]]
-        patched, rows = _joined(np.concatenate([patch, shapes[np.unique(row)]]),
+        patched, rows = joined_by(np.concatenate([patch, shapes[np.unique(row)]]),
                                 np.concatenate([row, np.unique(row)]))  # fmt: skip
         filled[rows] = patched
     return filled

@@ -30,7 +30,7 @@ RADIUS: Mapping[str, float] = MappingProxyType({
 INDUSTRIAL = 12.0  # metres on industrial land, whatever the class
 STRAIGHT = np.radians(150.0)  # arms that meet flatter than this leave each other alone
 ACUTE = np.radians(50.0)  # a sharper nose has the least radius
-NOSE, NOSE_RADIUS = np.radians(35.0), 1.0  # a merging lane is no corner that anybody turns round
+NOSE, NOSE_RADIUS = np.radians(35.0), 1.5  # a merging lane is no corner that anybody turns round
 LEAST_SINE = 0.15  # acute arms would trim each other without end
 MOST_TRIM = 25.0  # metres
 STUB = 1.0  # metres of carriageway that must be left between two junctions
@@ -211,7 +211,8 @@ def _room(layout: Layout, place: FloatArray, gap: FloatArray) -> FloatArray:
         )
         distance[corner] = shapely.distance(shapely.points(place[corner]), walls[wall])
     # The middle of the curve lies this share of the radius behind the corner.
-    depth = np.maximum(1.0 / np.sin(gap / 2) - 1.0, 0.05)
+    slim = np.maximum(np.sin(gap / 2), 1e-9)  # arms may leave in one direction
+    depth = np.maximum(1.0 / slim - 1.0, 0.05)
     wide = (distance - WALK_LEFT) / depth
     least = np.minimum((distance - WALK_LEAST) / depth, LEAST_RADIUS)
     return np.asarray(np.clip(np.maximum(wide, least), TIGHTEST, MOST_RADIUS))

@@ -1,4 +1,4 @@
-"""Dropped kerbs: where a crossing or a drive meets the walk, with ribs and a ramp behind."""
+"""Dropped kerbs: where a crossing meets the walk, or the walk a drive, with a ramp behind."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from cityx.city.ground import DROPPED, KERB_HEIGHT, KERB_WIDTH, LABEL, SURFACES
 from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.drape import RAMP_SLOPE
 from cityx.geometry.polylines import locate
+from cityx.plugins.road.carriageway import Carriageway, joined_by
+from cityx.plugins.road.corners import LEAST_RADIUS
 from cityx.plugins.road.markings import Street, Zebras
 
 FloatArray = NDArray[np.float64]
@@ -20,10 +22,11 @@ IntArray = NDArray[np.int64]
 RAMP = RAMP_SLOPE * (KERB_HEIGHT - DROPPED)  # metres
 RIBS = 0.6  # metres of tactile paving behind the kerb (ISO 23599)
 LEAST_WALK = 0.3  # metres left behind a ramp
+FLARE = 0.5  # metres by which the kerb may bend away from its street within a crossing
 FREE_SIDE = 0.2  # metres that a drop reaches beyond the bars at both ends
 
 
-def dropped_regions(street: Street, zebras: Zebras, *, yellow: bool) -> Regions:
+def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, yellow: bool) -> Regions:
     """Lower the kerbs on both sides of crossings, with ribs and a ramp where there is a walk.
 
     Parameters
@@ -32,6 +35,8 @@ def dropped_regions(street: Street, zebras: Zebras, *, yellow: bool) -> Regions:
         The network and what its marks share.
     zebras
         The crossings.
+    road
+        The surfaces along whose rims the kerbs run.
     yellow
         Whether the ribs are yellow.
     """
@@ -49,21 +54,72 @@ def dropped_regions(street: Street, zebras: Zebras, *, yellow: bool) -> Regions:
         front = kerb + np.where(ribbed, RIBS, 0.0)
         everywhere = np.ones(len(walk), bool)
         for name, chosen, near, far in (
-            ("kerb_dropped", everywhere, half, kerb),
+            ("kerb_dropped", everywhere, half, kerb + FLARE),
             (ribs, ribbed, kerb, front),
             ("ramp", sloped, front, front + RAMP),
         ):
             rows = np.flatnonzero(chosen)
-            shapes = _patches(street, zebras, rows, sign * near[rows], sign * far[rows])
+            shapes = patches(street, zebras, rows, sign * near[rows], sign * far[rows])
+            if name == "kerb_dropped":
+                shapes = along_rims(shapes, road, KERB_WIDTH)
             label = LABEL[name]
             parts.append(regions(shapes, label, SURFACES[label].priority))
     return join_regions(parts)
 
 
-def _patches(
+def drive_regions(street: Street, road: Carriageway) -> Regions:
+    """Lower the kerbs at both sides of service ways where they cross the walk of a street."""
+    drives, walk = _drives(street)
+    rows = np.flatnonzero(walk > 0)
+    if not len(rows):
+        return Regions()
+    half = street.network.half_width[drives.edge[rows]]
+    parts = []
+    for sign in (1.0, -1.0):
+        shapes = patches(street, drives, rows, sign * half, sign * (half + LEAST_RADIUS + RAMP))
+        for name, width in (("kerb_dropped", KERB_WIDTH), ("ramp", KERB_WIDTH + RAMP)):
+            label = LABEL[name]
+            parts.append(regions(along_rims(shapes, road, width), label, SURFACES[label].priority))
+    return join_regions(parts)
+
+
+def _drives(street: Street) -> tuple[Zebras, FloatArray]:
+    """Places where service ways cross the walks of streets, and the width of these walks."""
+    network = street.network
+    table = street.layout.roads.iloc[network.edge_road]
+    walk = np.maximum(
+        table["sidewalk_left"].to_numpy(float), table["sidewalk_right"].to_numpy(float)
+    )
+    service = street.kind == "service"
+    nodes = network.edge_nodes
+    of_node, half = np.zeros(len(network.node_position)), np.zeros(len(network.node_position))
+    for column in nodes[~service].T:
+        np.maximum.at(of_node, column, walk[~service])
+        np.maximum.at(half, column, network.half_width[~service])
+    edge, end = np.nonzero(service[:, None] & (of_node[nodes] > RAMP + LEAST_WALK))
+    node = nodes[edge, end]
+    depth = of_node[node] - FREE_SIDE
+    back = half[node] + KERB_WIDTH + of_node[node] / 2
+    room = back + depth / 2 < street.length[edge]
+    along = np.where(end == 0, back, street.length[edge] - back)
+    return Zebras(edge, along, depth), np.where(room, depth, 0.0)
+
+
+def along_rims(shapes: NDArray[Any], road: Carriageway, width: float) -> NDArray[Any]:
+    """Cut shapes to what lies so near the rims of what is driven on, in metres."""
+    driven = road.driven
+    patch, row = shapely.STRtree(driven).query(shapes, predicate="dwithin", distance=width)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a needle's mitre is cut off
+        grown = shapely.buffer(driven[row], width, join_style="mitre")
+    near, of_patch = joined_by(grown, patch)
+    whole = shapely.make_valid(shapes[of_patch])  # where a way bends its patch may cross itself
+    return np.asarray(shapely.intersection(whole, near))
+
+
+def patches(
     street: Street, zebras: Zebras, rows: IntArray, near: FloatArray, far: FloatArray
 ) -> NDArray[Any]:
-    """Return strips beside crossings between two distances from the centreline, (k,)."""
+    """Return strips across crossings between two distances left of the centreline, (k,)."""
     edge = zebras.edge[rows]
     reach = zebras.depth[rows] / 2 + FREE_SIDE
     corners = []

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from cityx.city.city import City
@@ -14,7 +15,7 @@ from cityx.city.section import BAND_KINDS, KIND, TRAVELLED, TURN
 from cityx.geometry.driving import keeps_left
 from cityx.geometry.identity import hash_ids
 from cityx.geometry.polylines import Polylines, arc_lengths, miters, pieces
-from cityx.plugins.road.network import arm_bearings, arms_of, road_network
+from cityx.plugins.road.network import DRIVABLE, arm_bearings, arms_of, road_network
 from cityx.plugins.road.sections import Bands, bands_of
 from cityx.protocol import Port, action, has_network
 
@@ -28,6 +29,7 @@ IntArray = NDArray[np.int64]
 LEFT, THROUGH, RIGHT, REVERSE = range(4)
 STRAIGHT = np.radians(40.0)  # a turn by less goes straight on
 BACK = np.radians(165.0)  # a turn by more goes back
+ON_WAY = 0.01  # metres from a way to the middle of its segments
 STEPS = 8  # pieces of a curve across a junction
 SPEED_KMH = {
     "motorway": 120.0, "trunk": 100.0, "primary": 60.0, "secondary": 50.0, "tertiary": 50.0,
@@ -189,8 +191,9 @@ def _allowed(layout: Layout, network: RoadNetwork, turns: _Turn) -> NDArray[np.b
 
     place = np.column_stack([rules.geometry.x, rules.geometry.y])
     gap, node = cKDTree(network.node_position).query(place)
-    source = layout.roads["source"].to_numpy().astype(str)[network.edge_road]
-    arriving, leaving = source[turns.edge_in], source[turns.edge_out]
+    source = _arm_sources(layout, network)
+    arriving = source[turns.edge_in, turns.side_in]
+    leaving = source[turns.edge_out, turns.side_out]
     columns = (rules["from_source"], rules["to_source"], rules["only"])
     for near, at, (begin, end, only) in zip(gap, node, zip(*columns, strict=True), strict=True):
         if near > 0.5:
@@ -203,6 +206,24 @@ def _allowed(layout: Layout, network: RoadNetwork, turns: _Turn) -> NDArray[np.b
         else:
             allowed[named] = False
     return allowed
+
+
+def _arm_sources(layout: Layout, network: RoadNetwork) -> NDArray[np.str_]:
+    """(e, 2) the way of the map that each edge starts and ends with; it may join several."""
+    source = layout.roads["source"].to_numpy().astype(str)
+    found = np.repeat(source[network.edge_road][:, None], 2, axis=1)
+    shapes = layout.roads.geometry.to_numpy()
+    tree = shapely.STRtree(shapes)
+    for side, step in ((0, 1), (1, -1)):
+        end = network.point_start[side:][: network.edge_count] - side
+        place = shapely.points((network.points[end] + network.points[end + step]) / 2)
+        arm, way = tree.query(place, predicate="dwithin", distance=ON_WAY)
+        # Of several ways at one place the edge's own is as good as any.
+        other = np.bincount(arm[way == network.edge_road[arm]], minlength=len(found)) == 0
+        cars = np.isin(layout.roads["kind"].to_numpy().astype(str)[way], DRIVABLE)
+        chosen = other[arm] & cars
+        found[arm[chosen], side] = source[way[chosen]]
+    return found
 
 
 def _by_arm(bands: Bands, kind: int, *, leaving: bool) -> dict[tuple[int, int], list[int]]:

@@ -307,7 +307,7 @@ def _halts(street: Street, chosen: NDArray[np.bool_], give_way: str) -> Marks:
         minor = ((rank > best[node]) & (best[node] <= 4) & ~ring) | enters
         stops = chosen & (network.node_degree[node] >= 3) & (minor | network.crossing[:, end])
         # Only where lanes arrive at this end: not at the start of a one-way street.
-        low, high = _spans(bands, len(chosen), 1 if end == 1 else -1)
+        low, high = spans_of(bands, len(chosen), 1 if end == 1 else -1)
         stops &= high > low
         zebra = network.crossing[:, end]
         behind = network.trim[:, end] + np.where(
@@ -362,13 +362,19 @@ def _line_across(
     return np.asarray(shapely.polygons(corners)), edge
 
 
-def _spans(bands: Bands, count: int, direction: int) -> tuple[FloatArray, FloatArray]:
+def spans_of(bands: Bands, count: int, direction: int) -> tuple[FloatArray, FloatArray]:
     """(e,) lateral bounds of the lanes of one direction; empty where there are none."""
     rows = np.flatnonzero(np.isin(bands.kind, _MOVING) & (bands.direction == direction))
     low, high = np.full(count, np.inf), np.full(count, -np.inf)
     np.minimum.at(low, bands.edge[rows], bands.right[rows])
     np.maximum.at(high, bands.edge[rows], bands.left[rows])
     return low, high
+
+
+def lane_count(bands: Bands, count: int, direction: int) -> IntArray:
+    """(e,) number of lanes for cars in one direction."""
+    cars = np.isin(bands.kind, _FOR_CARS) & (bands.direction == direction)
+    return np.bincount(bands.edge[cars], minlength=count)
 
 
 def _symbols(street: Street, chosen: NDArray[np.bool_]) -> Marks:

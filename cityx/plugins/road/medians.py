@@ -23,6 +23,7 @@ IntArray = NDArray[np.int64]
 WIDEST = 25.0  # metres between the centrelines of two carriageways of one road
 OPPOSED = np.cos(np.radians(155.0))  # of the angle between them
 GREEN = 2.5  # metres of median that is planted; a narrower one is paved
+NARROW = 1.5  # metres; what parts two carriageways less is paved
 PRIORITY = SURFACES[LABEL["sidewalk"]].priority  # kerbs win, and all that is driven on
 FINE = 0.1  # metres by which centrelines are simplified
 SHARES = (0.1, 0.3, 0.5, 0.7, 0.9)  # of a carriageway at which its distance is measured

@@ -42,6 +42,9 @@ SECTION = (
     "parking_right", "section", "oneway", "layer", "bridge", "tunnel", "passage", "roundabout",
     "surface",
 )  # fmt: skip
+# What a street keeps up to the junction even where only its last metres have it.
+FIXED = ("oneway", "layer", "bridge", "tunnel", "passage", "roundabout")
+SHORT_SECTION = 15.0  # metres; no longer than a junction, or what a change of width takes
 
 PER_METRE = 1000.0  # nodes are shared coordinates to the millimetre
 SPUR = 3.0  # metres; a shorter dead end is a drawing mistake
@@ -58,7 +61,7 @@ def road_network(layout: Layout, *, left_hand: bool = False) -> RoadNetwork:
     """Build the carriageway graph of a layout.
 
     Nodes are coordinates that ways share. A way that passes over another at the same coordinate
-    without ending there (another layer, or a bridge) does not touch it.
+    and goes on (another layer, or a bridge) does not touch it.
 
     Parameters
     ----------
@@ -80,14 +83,16 @@ def road_network(layout: Layout, *, left_hand: bool = False) -> RoadNetwork:
     lines = pack(geometry)
     if not lines.count:
         return _graph_without_edges()
-    section = _codes(roads.iloc[rows], SECTION)
+    section, fixed = _codes(roads.iloc[rows], SECTION), _codes(roads.iloc[rows], FIXED)
     level = _codes(roads.iloc[rows], ("layer", "bridge", "tunnel"))
-    node, position = shared_nodes(lines, level)
+    node, position = shared_nodes(lines, level, np.ones(lines.count, bool))
     owner = lines.line_of_point()
     first = np.flatnonzero(owner[1:] == owner[:-1])
     ends, way = np.column_stack([node[first], node[first + 1]]), owner[first]
     keep = _unrepeated(ends)
     ends, way, first = ends[keep], way[keep], first[keep]
+    for _ in range(2):
+        ends, way = _continued(ends, way, section, fixed, position)
     for _ in range(2):
         head, rank = join_segments(ends, section[way])
         keep = ~_spurs(ends, head, position, layout.extent)
@@ -131,21 +136,29 @@ def _codes(table: Any, columns: tuple[str, ...]) -> IntArray:
     return code
 
 
-def shared_nodes(lines: Polylines, level: IntArray) -> tuple[IntArray, FloatArray]:
-    """Find the node of each point, (p,), and their positions, (n, 2), sorted by position."""
+def shared_nodes(
+    lines: Polylines, level: IntArray, joins: BoolArray
+) -> tuple[IntArray, FloatArray]:  # fmt: skip
+    """Find the node of each point, (p,), and their positions, (n, 2), sorted by position.
+
+    Levels meet where ways of both end; elsewhere they cross without touching. An end that nothing
+    goes on from joins what passes at its place, whatever the level, if its line ``joins``, (l,).
+    """
     whole = np.rint(lines.points * PER_METRE).astype(np.int64)
     low = whole.min(axis=0)
     x, y = (whole - low).T
     place = np.unique((x << np.int64(32)) | y, return_inverse=True)[1]
     ends = np.zeros(len(whole), bool)
     ends[lines.start[:-1]] = ends[lines.start[1:] - 1] = True
-    # Levels meet only where a way ends; elsewhere they cross without touching.
     point_level = level[lines.line_of_point()]
     pair = place * (int(level.max()) + 1) + point_level
     pairs, which = np.unique(pair, return_inverse=True)
     meets = np.zeros(len(pairs), bool)
     np.logical_or.at(meets, which, ends)
-    key = place * (int(level.max()) + 2) + np.where(meets[which], 0, point_level + 1)
+    loose = np.bincount(place, np.where(meets[which], 2 - ends, 0)) == 1
+    loose &= np.bincount(place, ends & joins[lines.line_of_point()]) > 0
+    joined = meets[which] | loose[place]
+    key = place * (int(level.max()) + 2) + np.where(joined, 0, point_level + 1)
     _, sample, node = np.unique(key, return_index=True, return_inverse=True)
     return node, whole[sample] / PER_METRE
 
@@ -157,6 +170,40 @@ def _unrepeated(ends: IntArray) -> BoolArray:
     keep = np.zeros(len(ends), bool)
     keep[first] = True
     return np.asarray(keep & (low != high))
+
+
+def _continued(
+    ends: IntArray, way: IntArray, section: IntArray, fixed: IntArray, position: FloatArray
+) -> tuple[IntArray, IntArray]:
+    """Give pieces too short for a section of their own that of the longer piece they lead on from.
+
+    Returns
+    -------
+    ends, way
+        (m, 2) and (m,) nodes and way of each segment; turned where the longer piece runs against
+        the short one.
+    """
+    head, _ = join_segments(ends, section[way])
+    size = np.hypot(*(position[ends[:, 1]] - position[ends[:, 0]]).T)
+    length = np.bincount(head, size, minlength=len(ends))
+    order = np.argsort(ends.ravel(), kind="stable")
+    count = np.bincount(ends.ravel(), minlength=len(position))
+    change = np.flatnonzero(count == 2)
+    pair = order[(np.cumsum(count) - 2)[change][:, None] + [0, 1]] // 2  # (k, 2) segments
+    against = (ends[pair] == change[:, None, None]).argmax(axis=2)
+    against = against[:, 0] == against[:, 1]
+    same = (fixed[way[pair[:, 0]]] == fixed[way[pair[:, 1]]]) & (
+        head[pair[:, 0]] != head[pair[:, 1]]
+    )
+    pair, against = pair[same], against[same]
+    source, turned = np.arange(len(ends)), np.zeros(len(ends), bool)
+    for short, long in (pair.T, pair.T[::-1]):
+        taken = (length[head[short]] < SHORT_SECTION) & (length[head[long]] > length[head[short]])
+        source[head[short[taken]]] = long[taken]
+        turned[head[short[taken]]] = against[taken]
+    own = source[head] == head
+    way = way[np.where(own, np.arange(len(ends)), source[head])]
+    return np.where((turned[head] & ~own)[:, None], ends[:, ::-1], ends), way
 
 
 def _spurs(

@@ -136,7 +136,8 @@ def _usual(table: Any, total: FloatArray, left_hand: NDArray[np.bool_]) -> Bands
 
 def _fitted(bands: tuple[Band, ...], total: float) -> tuple[Band, ...] | None:
     """Scale a cross-section to the width between the kerbs; None when it does not fit."""
-    outside = tuple(band for band in bands if band.kind not in CARRIAGEWAY)
+    kerbs = [number for number, band in enumerate(bands) if band.kind in CARRIAGEWAY]
+    before, after = bands[: kerbs[0]], bands[kerbs[-1] + 1 :]
     inside = [band for band in bands if band.kind in CARRIAGEWAY]
     for leaving in ("", *GIVES_WAY):
         inside = [band for band in inside if band.kind != leaving]
@@ -156,8 +157,6 @@ def _fitted(bands: tuple[Band, ...], total: float) -> tuple[Band, ...] | None:
              band.turns)
         for band in inside
     ]  # fmt: skip
-    before = [band for band in outside if bands.index(band) < bands.index(inside[0])]
-    after = [band for band in outside if band not in before]
     return (*before, *scaled, *after)
 
 

@@ -8,13 +8,15 @@ from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrangement import Regions, join_regions
 from cityx.plugins.road.carriageway import Carriageway, build_carriageway, carriageway_regions
-from cityx.plugins.road.drops import dropped_regions
+from cityx.plugins.road.drops import drive_regions, dropped_regions
 from cityx.plugins.road.markings import marking_regions, painted_edges, street_of, zebras_of
 from cityx.plugins.road.medians import median_regions
 from cityx.plugins.road.painting import Painting
+from cityx.plugins.road.refuges import refuge_regions
 from cityx.plugins.road.roundabouts import roundabout_regions
 from cityx.plugins.road.sections import bands_of
 from cityx.plugins.road.strips import strip_regions
+from cityx.plugins.road.verges import verge_regions
 
 USUAL = Painting()
 
@@ -35,14 +37,18 @@ def street_regions(
     """
     chosen = np.ones(network.edge_count, bool)
     road = build_carriageway(layout, network, chosen)
-    street = street_of(layout, network, bands_of(layout, network))
+    bands = bands_of(layout, network)
+    street = street_of(layout, network, bands)
     painted = painted_edges(street, chosen)
     zebras = zebras_of(street, painted)
     found = join_regions([
         carriageway_regions(layout, network, chosen, road),
         strip_regions(layout, network, chosen),
+        verge_regions(network, bands),
         marking_regions(street, zebras, painted, road, painting),
-        dropped_regions(street, zebras, yellow=painting.yellow_tactile),
+        dropped_regions(street, zebras, road, yellow=painting.yellow_tactile),
+        drive_regions(street, road),
+        refuge_regions(street, zebras, yellow=painting.yellow_tactile),
         median_regions(layout, network, chosen),
         roundabout_regions(layout, network, chosen),
     ])  # fmt: skip

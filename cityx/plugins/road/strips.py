@@ -51,15 +51,15 @@ def strip_regions(layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bo
         walk = roads[column].to_numpy()[row]
         edges = np.flatnonzero(street & asphalt & (walk > 0))
         lateral = sign * (network.half_width - GUTTER / 2)
-        found.append(_strips(network, edges, lateral, GUTTER, "setts", GUTTER_PRIORITY, 0.0))
+        found.append(edge_strips(network, edges, lateral, GUTTER, "setts", GUTTER_PRIORITY, 0.0))
         edges = np.flatnonzero(street & (walk >= WIDE))
         lateral = sign * (network.half_width + KERB_WIDTH + STRIP / 2)
         priority = SURFACES[LABEL["furnishing"]].priority
-        found.append(_strips(network, edges, lateral, STRIP, "furnishing", priority, BEFORE))
+        found.append(edge_strips(network, edges, lateral, STRIP, "furnishing", priority, BEFORE))
     return join_regions(found)
 
 
-def _strips(
+def edge_strips(
     network: RoadNetwork, edges: NDArray[np.int64], lateral: NDArray[np.float64], width: float,
     label: str, priority: int, before: float,
 ) -> Regions:  # fmt: skip

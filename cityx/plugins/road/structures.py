@@ -38,10 +38,11 @@ from cityx.plugins.road.carriageway import (
     build_carriageway,
     road_labels,
 )
-from cityx.plugins.road.heights import DECK, FOOT_DECK, ON_FOOT, RAILS, WATER, way_levels
+from cityx.plugins.road.heights import WATER
 from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.landcover import TRACK_BED, rail_strips
 from cityx.plugins.road.painting import Painting
+from cityx.plugins.road.stations import DECK, FOOT_DECK, ON_FOOT, RAILS, way_levels
 from cityx.plugins.road.streets import USUAL, street_regions
 from cityx.plugins.road.tiers import Spans, cut_network, spans_of
 
@@ -74,7 +75,6 @@ PAST = 0.6  # metres past the end of a deck that its kerbs could reach
 SAME_PLACE = 0.06  # metres
 PASSES_OVER = 1.0  # metres of difference in height from which ways side by side have no one surface
 BLEND = 3.0  # metres beyond the edge of a way in which its height still counts
-MATERIALS = ("concrete",)
 
 
 @dataclass(frozen=True)
@@ -255,10 +255,14 @@ def _relations(whole: _Tier) -> tuple[IntArray, IntArray, IntArray]:
     ]  # fmt: skip
     keys = joined[:, 0] * count + joined[:, 1]
     meets = np.isin(a * count + b, keys)
-    over = np.where(
-        meets, shapely.crosses(shapes[a], shapes[b]), np.abs(heights[0] - heights[1]) > PASSES_OVER
+    crosses, apart = (
+        shapely.crosses(shapes[a], shapes[b]),
+        np.abs(heights[0] - heights[1]) > PASSES_OVER,
     )
-    return joined, near[over], near[~meets]
+    over = np.where(meets, crosses, apart)
+    # What crosses at one height is one surface, as on the ground.
+    level = crosses & ~meets & ~apart
+    return np.concatenate([joined, near[level]]), near[over], near[~meets & ~level]
 
 
 def _touching(lines: Polylines, marked: BoolArray, shapes: Shapes) -> BoolArray:
@@ -313,10 +317,10 @@ def _build_tier(
     detail: bool,
     painting: Painting,
 ) -> tuple[MeshBatch, MeshBatch, Shapes]:
-    found = _regions(layout, part, detail, painting)
+    found = _open_wells(_regions(layout, part, detail, painting), part, network)
     bounds = shapely.total_bounds(found.polygons)
     extent = (bounds[0] - 1.0, bounds[1] - 1.0, bounds[2] + 1.0, bounds[3] + 1.0)
-    bars = np.concatenate([_bars(part, terrain), _edges_below(part, network)])
+    bars = np.concatenate([_bars(part, terrain), _passing_edges(part, network)])
     deck = arrange(found, extent, lines=bars, background=LABEL["void"])
     z = _surface_heights(part, deck.vertices)
     soil = terrain.height_at(deck.vertices)
@@ -340,9 +344,9 @@ def _build_tier(
     made += _rims(part, deck, network, np.where(solid, 0, -1), z, soil, covered, thick)
     if covered.any():
         made.append(slabs(deck, np.where(covered, 0, -1), z + ROOM, z + ROOM + CEILING))
-        made.append(_headwalls(deck, covered, solid, z, soil))
+        made.append(_headwalls(deck, network, covered, solid, z, soil))
     made.append(_piers(part, deck, spanning, terrain, layout))
-    batches = [_batch(bodies, f"structures {number} {k}") for k, bodies in enumerate(made)]
+    batches = [body_batch(bodies, f"structures {number} {k}") for k, bodies in enumerate(made)]
     opened = filled & ~covered & ~wet
     return surfaces, concatenate(batches), _outline(deck, opened)
 
@@ -363,6 +367,23 @@ def _regions(layout: Layout, part: _Tier, detail: bool, painting: Painting) -> R
             found.append(regions(road.strips, own, rank, ids[road.edge]))
             found.append(regions(road.stars, LABEL["junction"], rank))
     return join_regions([*found, _islands(found), _ends(part)])
+
+
+def _open_wells(found: Regions, part: _Tier, network: RoadNetwork) -> Regions:
+    """Cut away lawns of large islands under which a carriageway passes."""
+    lawn = np.flatnonzero((found.label == LABEL["grass"]) & (shapely.area(found.polygons) > ISLAND))
+    if not len(lawn):
+        return found
+    polygons = found.polygons[lawn]
+    shapes = to_linestrings(edge_lines(network))
+    well, edge = shapely.STRtree(shapes).query(polygons, predicate="intersects")
+    lowest = np.minimum.reduceat(network.z, network.point_start[:-1])
+    height = _surface_heights(part, shapely.get_coordinates(shapely.point_on_surface(polygons)))
+    rows = lawn[np.unique(well[lowest[edge] < height[well] - STORY])]
+    label, priority = found.label.copy(), found.priority.copy()
+    label[rows] = LABEL["void"]
+    priority[rows] = SURFACES[LABEL["void"]].priority
+    return replace(found, label=label, priority=priority)
 
 
 def _islands(found: list[Regions]) -> Regions:
@@ -441,16 +462,19 @@ def _bars(part: _Tier, terrain: Terrain) -> Shapes:
     return np.asarray(shapely.linestrings(np.concatenate(at)))
 
 
-def _edges_below(part: _Tier, network: RoadNetwork) -> Shapes:
-    """Lines along carriageways that pass under, between which a deck spans."""
+def _passing_edges(part: _Tier, network: RoadNetwork) -> Shapes:
+    """Lines along carriageways that pass under, between which a deck spans, and of those beside."""
     lines = edge_lines(network)
     shapes, own = to_linestrings(lines), to_linestrings(part.lines)
     way, edge = shapely.STRtree(shapes).query(own, predicate="dwithin", distance=part.reach + UNDER)
     highest = np.maximum.reduceat(part.z, part.lines.start[:-1])
     lowest = np.minimum.reduceat(network.z, network.point_start[:-1])
-    below = np.unique(edge[highest[way] - lowest[edge] > STORY])
-    reach = network.half_width[below] + UNDER
-    return np.asarray(shapely.boundary(shapely.buffer(shapes[below], reach, quad_segs=2)))
+    passes = highest[way] - lowest[edge] > STORY
+    below = np.unique(edge[passes])
+    beside = np.unique(edge[~np.isin(network.edge_id[edge], part.network.edge_id)])
+    chosen = np.concatenate([below, beside])
+    reach = network.half_width[chosen] + np.repeat([UNDER, 0.0], [len(below), len(beside)])
+    return np.asarray(shapely.boundary(shapely.buffer(shapes[chosen], reach, quad_segs=2)))
 
 
 def _surface_heights(part: _Tier, points: FloatArray) -> FloatArray:
@@ -526,15 +550,8 @@ def _rims(
         [at_seam, covered[inside], lift > PARAPET_FROM, lift < -WALL_FROM], [-1, 2, 0, 1], -1
     )
     made: list[Bodies] = []
-    run = np.diff(ends, axis=1)[:, 0]
-    right = np.column_stack([run[:, 1], -run[:, 0]]) / np.maximum(np.hypot(*run.T), 1e-9)[:, None]
-    beside = ends.mean(axis=1) + right * CUTTING_WALL / 2
-    floor, crown = z[edges].mean(axis=1), np.maximum(z, soil)[edges].mean(axis=1) + PARAPET
-    # No wall stands in a carriageway that lies beside this one at about its height.
-    passing = _traffic(
-        network, beside, 0.0, lambda row, at: (at > floor[row] - 2 * DECK) & (at < crown[row])
-    )
-    kind[passing] = -1
+    crown = np.maximum(z, soil) + PARAPET
+    kind[_in_the_way(deck, network, edges, CUTTING_WALL, z - 2 * DECK, crown)] = -1
     shapes = (
         (z - SOFFIT, z + PARAPET, PARAPET_WIDTH),
         (z - FOOTING, soil + CUTTING_PARAPET, CUTTING_WALL),
@@ -572,14 +589,33 @@ def _traffic(
 
 
 def _headwalls(
-    deck: Ground, covered: BoolArray, solid: BoolArray, z: FloatArray, soil: FloatArray
-) -> Bodies:
+    deck: Ground, network: RoadNetwork, covered: BoolArray, solid: BoolArray, z: FloatArray,
+    soil: FloatArray,
+) -> Bodies:  # fmt: skip
     """Close the space over the mouth of a tunnel up to a parapet above the ground."""
     edges, _, beyond = rim_edges(deck, np.where(covered, 0, -1))
     edges = edges[(beyond >= 0) & solid[np.maximum(beyond, 0)]]
+    low, high = z + ROOM, soil + CUTTING_PARAPET
+    edges = edges[~_in_the_way(deck, network, edges, CUTTING_WALL, low, high)]
     vertex, start = chains_of(edges, np.zeros(len(edges), np.int64))
-    lines = Polylines(deck.vertices[vertex], start)
-    return beams(lines, z[vertex] + ROOM, soil[vertex] + CUTTING_PARAPET, 0.0, CUTTING_WALL)
+    return beams(Polylines(deck.vertices[vertex], start), low[vertex], high[vertex], 0.0,
+                 CUTTING_WALL)  # fmt: skip
+
+
+def _in_the_way(
+    deck: Ground, network: RoadNetwork, edges: IntArray, width: float, low: FloatArray,
+    high: FloatArray,
+) -> BoolArray:  # fmt: skip
+    """(k,) whether a wall to the right of edges would stand in a carriageway at its height.
+
+    ``low`` and ``high`` are (n,) heights of its foot and its crown at all vertices.
+    """
+    ends = deck.vertices[edges]
+    run = np.diff(ends, axis=1)[:, 0]
+    right = np.column_stack([run[:, 1], -run[:, 0]]) / np.maximum(np.hypot(*run.T), 1e-9)[:, None]
+    middle = ends.mean(axis=1) + right * width / 2
+    foot, crown = low[edges].mean(axis=1), high[edges].mean(axis=1)
+    return _traffic(network, middle, 0.0, lambda row, at: (at > foot[row]) & (at < crown[row]))
 
 
 def _piers(
@@ -626,7 +662,7 @@ def _piers(
                  np.repeat(top, 2), -width, width)  # fmt: skip
 
 
-def _batch(bodies: Bodies, name: str) -> MeshBatch:
+def body_batch(bodies: Bodies, name: str, material: str = "concrete") -> MeshBatch:
     """Make an object of each body, named by where it stands."""
     count, size = len(bodies.key), len(bodies.vertices)
     vertex, face = (np.argsort(of, kind="stable") for of in (bodies.vertex_body, bodies.face_body))
@@ -646,7 +682,7 @@ def _batch(bodies: Bodies, name: str) -> MeshBatch:
         vertices,
         np.where(faces < 0, NO_VERTEX, moved[faces]).astype(np.int32),
         np.zeros(len(faces), np.int16),
-        MATERIALS,
+        (material,),
         bodies.uv[face].astype(np.float32),
         np.ones((len(faces), 3), np.float32),
     )

@@ -18,6 +18,7 @@ from cityx.sources.features.kinds import (
     road_kind,
 )
 from cityx.sources.features.resolve import Features
+from cityx.sources.features.road_findings import name_repairs
 from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import (
     Report,
@@ -63,10 +64,12 @@ def gather(found: Tagged, box: Box, report: Report) -> Features:
     kinds = np.array([land_kind(own) for own in areas.tags()], object)
     water = areas.shapes[np.isin(kinds, sorted(WATER_KINDS))]
     rivers = waterways(flat.take(flow != ""), water, box)
+    roads = clipped_lines(flat.take(road != ""), box)
+    name_repairs(roads, box, report)
     return Features(
         box,
         shells,
-        roads=clipped_lines(flat.take(road != ""), box),
+        roads=roads,
         areas=joined(areas, rivers),
         area_kinds=np.concatenate([kinds, np.repeat(np.array(["river"], object), len(rivers.k))]),
         lines=clipped_lines(flat.take(standing != ""), box),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cityx.city.layout import AREA_KINDS
 from cityx.sources.features import measures
-from cityx.sources.features.tagged import Tags
+from cityx.sources.features.tagged import KIND, Tags
 from cityx.sources.features.vocabulary import (
     LINE_HEIGHT,
     LINE_TABLE,
@@ -22,8 +22,8 @@ from cityx.sources.features.vocabulary import (
 )
 
 _INTERESTING = frozenset(key for key, values in POINT_TABLE if values)
-# Tag by which any source may say the layout's own word for the kind of a feature.
-KIND = "cityx:kind"
+# Tag by which a source says how a place is built, "low", "urban" or "core", and leaves no doubt.
+PLACE = "cityx:place"
 
 
 def building_kind(tags: Tags) -> str:

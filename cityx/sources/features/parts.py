@@ -21,11 +21,11 @@ from cityx.sources.features.heights import (
     height_of_levels,
     levels_of_height,
 )
-from cityx.sources.features.kinds import type_word, use_of
+from cityx.sources.features.kinds import PLACE, type_word, use_of
 from cityx.sources.features.overlaps import separate_volumes
 from cityx.sources.features.roofs import SHAPE, SHAPES, fill_shapes, roof_heights
 from cityx.sources.features.shells import Shells
-from cityx.sources.features.tagged import MIN_SOLID, Tagged, number_pieces, polygons_of
+from cityx.sources.features.tagged import MIN_SOLID, Tagged, Tags, number_pieces, polygons_of
 from cityx.sources.features.vertical import Vertical, read_vertical
 from cityx.sources.features.vocabulary import ROOF_ONLY
 
@@ -94,7 +94,7 @@ def building_tables(
     tags = outlines.tags()
     said = read_vertical(tags)
     centres = shapely.get_coordinates(shapely.centroid(outlines.shapes))
-    place = density.place(centres)
+    place = _places(tags, density.place(centres))
     uses = [use_of(own) for own in tags]
     words = [type_word(own) for own in tags]
     on_industry = np.zeros(len(ids), bool)
@@ -128,6 +128,13 @@ def building_tables(
     )
     del parts["row"], parts["total"]
     return buildings, make_table("parts", parts.pop("geometry"), **parts)
+
+
+def _places(tags: list[Tags], measured: IntArray) -> IntArray:
+    """Return the class of the surroundings of buildings: what the source says, else as measured."""
+    known = {word: index for index, word in enumerate(PLACES.tolist())}
+    said = [known.get(own.get(PLACE, ""), -1) for own in tags]
+    return np.where(np.array(said, np.int64) >= 0, said, measured).astype(np.int64)
 
 
 def known_levels(said: Vertical, types: IntArray) -> FloatArray:

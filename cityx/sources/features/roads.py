@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from cityx.city.layout import make_table
 from cityx.city.section import PARKING, carriageway_width, section_text
@@ -25,6 +26,7 @@ MAX_WIDTH = 60.0  # metres of carriageway
 TOWN = 0.10  # coverage from which streets have sidewalks
 DENSE = 0.16  # coverage from which cars park along residential streets
 SIDEWALK = 1.8  # metres, where a tag asks for one on a road whose class has none
+CIRCLE = 120.0  # metres round the largest ring that is a roundabout though no tag says so
 MIN_LANE = 2.0  # metres; a narrower carriageway has fewer lanes than its class
 _PARKED = frozenset({
     "yes", "lane", "street_side", "on_kerb", "half_on_kerb", "shoulder", "parallel", "diagonal",
@@ -57,12 +59,18 @@ def road_table(roads: Tagged, density: Density, *, left_hand: bool = False) -> G
         for key in set(zip(owner, town, dense, strict=True))
     }
     found = [sections[key] for key in zip(owner, town, dense, strict=True)]
-    *columns, backward = zip(*found, strict=True)
+    *values, backward = zip(*found, strict=True)
     turned = np.array(backward, bool)
     lines[turned] = shapely.reverse(lines[turned])
-    return make_table(
-        "roads", lines, **roads.columns(), **dict(zip(_COLUMNS, columns, strict=True))
-    )
+    columns: dict[str, Any] = dict(zip(_COLUMNS, values, strict=True))
+    columns["roundabout"] = np.array(columns["roundabout"], bool) | _circles(lines, columns)
+    return make_table("roads", lines, **roads.columns(), **columns)
+
+
+def _circles(lines: NDArray[Any], columns: dict[str, Any]) -> NDArray[np.bool_]:
+    """Tell small rings that are driven round in one direction: traffic circles without a tag."""
+    small = shapely.is_closed(lines) & (shapely.length(lines) < CIRCLE)
+    return np.asarray(small & np.array(columns["oneway"], bool) & np.isin(columns["kind"], [*CARS]))
 
 
 _COLUMNS = (

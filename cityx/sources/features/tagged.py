@@ -15,6 +15,8 @@ from cityx.geometry.identity import stable_id
 from cityx.sources.features.clipping import Box, IntArray, clip_lines, clip_polygons
 
 Tags = dict[str, str]
+# Tag by which any source may say the layout's own word for the kind of a feature.
+KIND = "cityx:kind"
 
 MIN_AREA = 1.0  # square metres; less is a slip of the pen
 MIN_SOLID = 0.05  # square metres; monuments are modelled in small parts
@@ -158,6 +160,29 @@ def tag(shapes: Sequence[Any] | NDArray[Any], owners: list[Owner]) -> Tagged:
     return Tagged(held, np.arange(len(owners)), np.zeros(len(owners), np.int64), owners)
 
 
+def tag_by_place(shapes: NDArray[Any], tags: Sequence[Tags], key: tuple[object, ...]) -> Tagged:
+    """Name each shape by its place, so that what changes elsewhere changes no id.
+
+    Parameters
+    ----------
+    shapes
+        (n,) scene frame, metres.
+    tags
+        Of each.
+    key
+        First words of every provenance.
+    """
+    along = shapely.get_dimensions(shapes) == 1
+    spots = shapely.point_on_surface(shapes)
+    spots[along] = shapely.line_interpolate_point(shapes[along], 0.5, normalized=True)
+    places = np.round(shapely.get_coordinates(spots), 2) + 0.0
+    owners = [
+        Owner((*key, f"{x:.2f},{y:.2f}"), own)
+        for (x, y), own in zip(places.tolist(), tags, strict=True)
+    ]
+    return tag(shapes, owners)
+
+
 def nothing() -> Tagged:
     """Return no shapes."""
     return tag([], [])
@@ -189,6 +214,6 @@ def polygons_of(shapes: NDArray[Any], *, least: float = MIN_AREA) -> tuple[NDArr
 
 
 def tags_text(tags: Tags) -> str:
-    """Return tags as the JSON object that the tables keep, keys in order."""
-    quoted = [f"{_quote(key)}: {_quote(tags[key])}" for key in sorted(tags)]
+    """Return tags as the JSON object that the tables keep, keys in order; the kind is a column."""
+    quoted = [f"{_quote(key)}: {_quote(tags[key])}" for key in sorted(tags) if key != KIND]
     return f"{{{', '.join(quoted)}}}"

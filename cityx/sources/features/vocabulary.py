@@ -176,7 +176,7 @@ LINE_TABLE: tuple[tuple[str, Mapping[str, str]], ...] = (
 )  # fmt: skip
 LINE_HEIGHT: Mapping[str, float] = {
     "wall": 1.8, "fence": 1.5, "hedge": 1.5, "city_wall": 6.0, "tree_row": 9.0,
-    "retaining_wall": 1.5, "route": 0.0,
+    "retaining_wall": 1.5, "route": 0.0, "curve": 0.0,
 }  # fmt: skip
 
 POINT_TABLE: tuple[tuple[str, Mapping[str, str]], ...] = (

@@ -18,6 +18,7 @@ from cityx.sources.features.kinds import (
     point_kind,
 )
 from cityx.sources.features.resolve import Features, resolve
+from cityx.sources.features.road_findings import name_points, name_repairs
 from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import Owner, Report, Tagged, clipped_lines, tag
 from cityx.sources.osm.areas import read_areas
@@ -136,8 +137,14 @@ def _local_box(frame: Frame, degrees: Box) -> Box:
 
 def _roads(osm: OsmMap, xy: FloatArray, ways: IntArray, box: Box, report: Report) -> Tagged:
     """Return the roads of the site; points of ways that meet stay equal."""
-    report.count("roads with missing nodes", int((osm.missing_nodes()[ways] > 0).sum()))
-    return clipped_lines(tagged_lines(osm, xy, ways), box)
+    missing = osm.missing_nodes()[ways] > 0
+    report.count("roads with missing nodes", int(missing.sum()))
+    lines = tagged_lines(osm, xy, ways)
+    pointlike = np.setdiff1d(np.flatnonzero(~missing), lines.owner)
+    name_points((lines.owners[row] for row in pointlike.tolist()), report)
+    roads = clipped_lines(lines, box)
+    name_repairs(roads, box, report)
+    return roads
 
 
 def _points(osm: OsmMap, xy: FloatArray, box: Box) -> Tagged:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import StrEnum
 from functools import partial
 from pathlib import Path
 
@@ -12,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city import City, Frame
+from cityx.city.frame import NOWHERE
 from cityx.errors import InputError, MissingDependency, UsageError
 from cityx.geometry.raster.grid import Grid
-from cityx.sources.class_map import ClassMap, city_of, features_of
+from cityx.sources.class_map import EXACT, PLAUSIBLE, ClassMap, city_of, features_of
 from cityx.sources.features.tagged import Tagged
 from cityx.sources.georeference import ground_of, laid_on_ground
 from cityx.sources.map_classes import Role, class_of
@@ -28,11 +28,10 @@ from cityx.sources.satellite.segmenter import (
     shipped_segmenter,
 )
 from cityx.sources.satellite.unlearned import unlearned_segmenter
-from cityx.sources.semantic_map import SOMEWHERE, nowhere
 from cityx.sources.semantic_map.picture import MOST_PIXELS, Picture, read_picture
 from cityx.sources.semantic_map.scale import estimated_pixel
 
-__all__ = ["Fidelity", "read_satellite"]
+__all__ = ["read_satellite"]
 
 WITHOUT = "none"  # the word for a segmenter without learning
 UNSURE = 0.5  # confidence below which a pixel is said to be doubtful
@@ -41,20 +40,13 @@ LEAST_SHOWN = 0.002  # share of an image that is surely street or house, if it s
 CLOSE = 1.25  # the same, below which an image is not segmented again at another scale
 
 
-class Fidelity(StrEnum):
-    """How much of a segmented image is kept."""
-
-    EXACT = "exact"  # every outline as it was segmented
-    PLAUSIBLE = "plausible"  # streets connected, blocks built up as densely as the image shows
-
-
 def read_satellite(
     path: Path,
     *,
     pixel: float | None = None,
     at: tuple[float, float] | None = None,
     segmenter: str | Path | None = None,
-    fidelity: str = Fidelity.EXACT,
+    fidelity: str = EXACT,
     flips: bool = True,
     seed: int = 0,
     name: str = "",
@@ -73,7 +65,8 @@ def read_satellite(
         An ONNX file that keeps the contract of `cityx.sources.satellite.segmenter`, "none" for
         colour and texture alone, or None for the network that comes with CityX.
     fidelity
-        "exact" or "plausible".
+        "exact" for every outline as it was segmented, "plausible" for streets that are connected
+        and blocks that are built up as densely as the image shows.
     flips
         Whether every part is also looked at mirrored, which is surer and takes longer.
     seed
@@ -91,8 +84,8 @@ def read_satellite(
         If onnxruntime is absent and a network of the user's own is asked for.
     """
     path = Path(path)
-    if fidelity not in tuple(Fidelity):
-        raise UsageError(f'"{fidelity}" is no fidelity; there are {" and ".join(Fidelity)}.')
+    if fidelity not in (EXACT, PLAUSIBLE):
+        raise UsageError(f'There is no fidelity "{fidelity}"; write {EXACT} or {PLAUSIBLE}.')
     if pixel is not None and not FINEST <= pixel <= COARSEST:
         raise InputError(
             f"A pixel of {pixel:g} m is of no use; an image of a city has {FINEST:g} to "
@@ -102,14 +95,14 @@ def read_satellite(
     chosen, notes = _chosen(segmenter)
     seen = _seen(picture, chosen, pixel, flips=flips)
     _check_shown(path, seen.what, chosen)
-    found, frame, more = _placed(picture, seen, chosen, at)
+    found, frame = _placed(picture, seen, chosen, at)
     return city_of(
         found,
         frame,
         source="satellite",
         name=name or path.name.split(".")[0].replace("_", " "),
         seed=seed,
-        notes=(*notes, *seen.notes, _doubt(seen.what, picture, chosen), *more),
+        notes=(*notes, *seen.notes, _doubt(seen.what, picture, chosen)),
         draw=_drawing(fidelity, seed),
     )
 
@@ -146,7 +139,7 @@ def _chosen(said: str | Path | None) -> tuple[Segmenter, tuple[str, ...]]:
 
 
 def _drawing(fidelity: str, seed: int) -> Callable[[ClassMap, str], Tagged]:
-    return partial(plausible_features, seed=seed) if fidelity == Fidelity.PLAUSIBLE else features_of
+    return partial(plausible_features, seed=seed) if fidelity == PLAUSIBLE else features_of
 
 
 def _seen(picture: Picture, segmenter: Segmenter, pixel: float | None, *, flips: bool) -> _Seen:
@@ -246,7 +239,7 @@ def _placed(
     seen: _Seen,
     segmenter: Segmenter,
     at: tuple[float, float] | None,
-) -> tuple[ClassMap, Frame, tuple[str, ...]]:
+) -> tuple[ClassMap, Frame]:
     """Lay what was seen on the ground."""
     void = len(segmenter.classes)
     labels = np.where(_void_of(picture, seen.what), np.uint8(void), seen.what.labels)
@@ -257,8 +250,7 @@ def _placed(
         a, b, c, d, e, f = picture.transform
         transform = (a * wide, b * high, c, d * wide, e * high, f)
         labels, grid, frame = laid_on_ground(labels, picture.crs, transform, void=void)
-        return ClassMap(labels, classes, grid), frame, ()
+        return ClassMap(labels, classes, grid), frame
     pixel = (seen.pixel or 1.0) * picture.shape[1] / columns
-    notes = () if at else (nowhere("satellite"),)
     grid = Grid.about_origin(rows, columns, pixel)
-    return ClassMap(labels, classes, grid), Frame(*(at or SOMEWHERE)), notes
+    return ClassMap(labels, classes, grid), Frame(*at) if at else NOWHERE

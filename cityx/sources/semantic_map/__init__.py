@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 from cityx.city import City, Frame
-from cityx.errors import InputError
+from cityx.city.frame import NOWHERE
+from cityx.errors import InputError, UsageError
 from cityx.geometry.raster.grid import Grid
-from cityx.sources.class_map import ClassMap, city_of
+from cityx.geometry.raster.patches import label_patches
+from cityx.sources.class_map import EXACT, PLAUSIBLE, ClassMap, city_of, features_of, rows_of_houses
 from cityx.sources.georeference import laid_on_ground
 from cityx.sources.map_classes import Role, class_of
 from cityx.sources.semantic_map.evidence import best_reading, chosen_legend
@@ -18,8 +21,6 @@ from cityx.sources.semantic_map.scale import COARSEST, FINEST, estimated_pixel
 
 __all__ = ["read_semantic_map"]
 
-# Where a map lies that does not say so: in the middle of Europe, for which most priors are made.
-SOMEWHERE = (50.0, 8.0)
 DOUBT = 0.9  # share of pixels that a legend given by the caller explains without a doubt
 
 
@@ -30,6 +31,7 @@ def read_semantic_map(
     pixel: float | None = None,
     at: tuple[float, float] | None = None,
     confirm: bool = False,
+    fidelity: str = EXACT,
     seed: int = 0,
     name: str = "",
 ) -> City:
@@ -47,6 +49,8 @@ def read_semantic_map(
         (latitude, longitude) of the middle, degrees, for a map without a georeference.
     confirm
         Whether to take the classes that are proposed for unknown colours.
+    fidelity
+        "exact" for the houses that the map shows, "plausible" to cut whole rows into houses.
     seed
         Key of every draw for what the map does not say.
     name
@@ -60,6 +64,8 @@ def read_semantic_map(
         If there is no such legend.
     """
     path = Path(path)
+    if fidelity not in (EXACT, PLAUSIBLE):
+        raise UsageError(f'There is no fidelity "{fidelity}"; write {EXACT} or {PLAUSIBLE}.')
     if pixel is not None and not FINEST <= pixel <= COARSEST:
         raise InputError(
             f"A pixel of {pixel:g} m is of no use; a map of a city has {FINEST:g} to {COARSEST:g}."
@@ -73,15 +79,20 @@ def read_semantic_map(
         source="semantic",
         name=name or path.name.split(".")[0].replace("_", " "),
         seed=seed,
-        notes=(*notes, *more),
+        notes=(*notes, *more, *_rows_note(found, fidelity)),
+        draw=partial(features_of, fidelity=fidelity),
     )
 
 
-def nowhere(source: str) -> str:
-    """Say what is taken for the place of a raster that does not tell it."""
+def _rows_note(found: ClassMap, fidelity: str) -> tuple[str, ...]:
+    labels, _ = label_patches(found.mask(Role.BUILDING))
+    rows = len(rows_of_houses(labels, found.grid.pixel))
+    if not rows:
+        return ()
+    done = "are cut into houses" if fidelity == PLAUSIBLE else "are drawn as one house each"
     return (
-        f"{source}: it does not say where on Earth it lies; sun, roofs and traffic are those of "
-        f"{SOMEWHERE[0]:g}° north, {SOMEWHERE[1]:g}° east"
+        f"semantic map: {rows} patches of buildings are rows rather than houses and {done} "
+        "(--fidelity plausible cuts them)",
     )
 
 
@@ -130,10 +141,8 @@ def _placed(
     if pixel is None:
         bare = ClassMap(labels, classes, Grid.about_origin(rows, columns, 1.0))
         if not bare.mask(Role.ROAD, Role.BUILDING).any():
-            return bare, Frame(*SOMEWHERE), ()  # no city; whoever draws it says so
+            return bare, NOWHERE, ()  # no city; whoever draws it says so
         pixel, why = estimated_pixel(bare)
         notes.append(f"semantic map: {why}")
-    if at is None:
-        notes.append(nowhere("semantic map"))
     grid = Grid.about_origin(rows, columns, pixel)
-    return ClassMap(labels, classes, grid), Frame(*(at or SOMEWHERE)), tuple(notes)
+    return ClassMap(labels, classes, grid), Frame(*at) if at else NOWHERE, tuple(notes)

@@ -6,22 +6,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.errors import InputError
-from cityx.geometry.raster.patches import depth, label_patches, without_specks
 from cityx.sources.semantic_map.legends import PRESETS, Legend
 from cityx.sources.semantic_map.matching import NEARLY, Match, fitting
 from cityx.sources.semantic_map.picture import Picture
-from cityx.sources.semantic_map.proposal import legend_text, propose
+from cityx.sources.semantic_map.proposal import legend_text, measured, propose
 
 FEW = 24  # colours; a legend has no more
 COVERED = 0.97  # share of the pixels that the few most frequent colours of a map cover
 SAME = 6  # steps of 255; JPEG moves flat colour by less
 FLAT = 0.90  # share of pixels like their neighbour, in a map
 FLAT_LOSSY = 0.75  # the same after compression
-NARROW = 40  # pixels; a street is not deeper
-LONG = 4.0  # area of a mask over the square of its greatest width, from which it is a network
+LONG = 4.0  # times as long as wide, from which the patches of a mask are streets
 CELL = 16  # steps of 255 that are one colour when colours are counted in lossy pictures
 
 
@@ -142,17 +139,5 @@ def _by_shape(picture: Picture, found: list[Match]) -> list[Match]:
     masks = [item for item in found if "-mask" in item.legend.name]
     if not masks or picture.values is None:
         return found
-    shown = without_specks(picture.values > 0, CELL)
-    widest = 2 * float(depth(shown).max(initial=0.0))
-    streets = shown.sum() > LONG * max(widest, 1.0) ** 2 and _joined(shown)
-    kept = "road" if streets else "building"
+    kept = "road" if measured(picture.values > 0, 0, 0).length > LONG else "building"
     return [item for item in found if item not in masks or item.legend.name.startswith(kept)]
-
-
-def _joined(mask: NDArray[np.bool_]) -> bool:
-    """Tell whether most of a mask hangs together, as streets do and houses do not."""
-    labels, count = label_patches(mask)
-    if count == 0:
-        return False
-    size = np.bincount(labels.ravel())[1:]
-    return bool(np.sort(size)[::-1][:3].sum() > 0.5 * size.sum())

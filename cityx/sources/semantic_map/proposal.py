@@ -96,7 +96,7 @@ def propose(picture: Picture) -> tuple[Legend, tuple[str, ...]]:
     labels = labels[::step, ::step]
     shown = keys if not by_value else packed(_greys(keys))
     found = [
-        _measured(labels == i, int(k), int(c))
+        measured(labels == i, int(k), int(c))
         for i, (k, c) in enumerate(zip(keys, shown, strict=True))
     ]
     named = _named([item for item in found if item.share > 0])
@@ -159,7 +159,7 @@ def _assigned(lab: FloatArray, centres: FloatArray) -> IntArray:
     return np.asarray(cKDTree(centres).query(lab)[1], np.int64)
 
 
-def _measured(mask: NDArray[np.bool_], key: int, color: int) -> Proposal:
+def measured(mask: NDArray[np.bool_], key: int, color: int) -> Proposal:
     """Measure the patches of one class."""
     from scipy import ndimage
 

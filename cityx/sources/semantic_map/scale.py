@@ -7,7 +7,7 @@ import shapely
 
 from cityx.errors import InputError
 from cityx.geometry.raster.centrelines import centrelines
-from cityx.geometry.raster.patches import label_patches, without_holes, without_specks
+from cityx.geometry.raster.patches import label_patches, without_specks
 from cityx.sources.class_map import ClassMap, uncovered
 from cityx.sources.map_classes import Role
 
@@ -58,7 +58,7 @@ def estimated_pixel(found: ClassMap) -> tuple[float, str]:
 
 def _street(found: ClassMap) -> float | None:
     """Return the median width of streets by length, pixels."""
-    mask = without_holes(without_specks(found.mask(Role.ROAD), SPECK), SPECK)
+    mask = ~without_specks(~without_specks(found.mask(Role.ROAD), SPECK), SPECK)
     ways = centrelines(mask, tolerance=1.0)
     length = shapely.length(ways.lines)
     if len(length) == 0:

@@ -23,6 +23,14 @@ def test_at_noon_of_midsummer_the_sun_stands_at_ninety_less_latitude_plus_tilt()
     assert degrees(light.sun_azimuth) == pytest.approx(180.0, abs=1.5)
 
 
+def test_without_a_date_it_is_summer_in_both_hemispheres():
+    assert sun_of(Environment(), *BERLIN, time="noon").date.endswith("-06-21")
+    sydney = sun_of(Environment(), -33.9, 151.2, time="noon")
+    assert sydney.date.endswith("-12-21")
+    assert degrees(sydney.sun_elevation) == pytest.approx(90 - 33.9 + 23.44, abs=0.1)
+    assert sun_of(Environment(), -33.9, 151.2, time="2026-06-21T17:00").date == "2026-06-21"
+
+
 def test_noon_is_solar_noon_at_every_longitude():
     lights = [sun_of(Environment(), 40.0, east, time="12:00") for east in (-120.0, 0.0, 139.0)]
     assert (

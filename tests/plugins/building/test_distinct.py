@@ -43,3 +43,13 @@ def test_a_window_turned_into_its_neighbour_is_found():
     low = np.flatnonzero(windows.position[:, 2] < 6.0)[:5]
     windows.rotation[low, 2] += np.pi
     assert len(blind_windows(city, windows)) == 5
+
+
+def test_a_door_over_the_ground_is_found():
+    city = ground(network(sample_city(sheet_of(["perimeter_block"], (1,)))))
+    city = facade(shell(design(city)))
+    city.scene.instances["doors"].position[:, 2] += 0.5
+    found = {check.name: check for check in check_facades(city)}["door_off_ground"]
+    assert found.value == pytest.approx(0.5, abs=0.1)
+    assert found.ids
+    assert not found.ok

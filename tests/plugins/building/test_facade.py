@@ -5,11 +5,13 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.city import City, Environment, Frame, Layout, make_table
+from cityx.checks.buildings import floating_gap
+from cityx.city import City, Environment, Frame, Layout, Terrain, make_table
 from cityx.city.content import content_hash
 from cityx.city.ground import KERB_HEIGHT
 from cityx.geometry import facades
-from cityx.plugins.building.facade import facade, facade_of
+from cityx.plugins.building.facade import WINDOW_ROLES, facade, facade_of
+from cityx.plugins.building.shell import shell
 
 SOHO = Path(__file__).parents[3] / "../shared/data/osm/london_soho.osm.gz"
 COUNT = 8
@@ -51,6 +53,40 @@ def test_party_walls_have_no_openings():
     blind = found.walls.blind_to > found.walls.z_low + 0.5
     assert blind.sum() == 2 * (COUNT - 1)
     assert not blind[found.openings.wall].any()
+
+
+def hillside(rise_x, rise_y):
+    """Stand the terrace on a slope that rises to the east and away from the street."""
+    x, y = np.arange(-60.0, 161.0, 10.0), np.arange(-30.0, 51.0, 10.0)
+    slope = Terrain((-60.0, -30.0), 10.0, rise_x * x[None] + rise_y * y[:, None])
+    return replace(terrace(), terrain=slope)
+
+
+def test_doors_on_a_slope_stand_at_the_ground_and_walls_reach_below_it():
+    for rise in ((0.0, 0.5), (0.2, 0.0), (0.1, -0.3)):
+        city = shell(hillside(*rise))
+        found = facade_of(city)
+        doors = found.openings.take(found.openings.role == facades.DOOR)
+        assert sorted(found.walls.part[doors.wall].tolist()) == list(range(COUNT))
+        unit = (found.walls.end - found.walls.start) / found.walls.length[:, None]
+        place = found.walls.start[doors.wall] + unit[doors.wall] * doors.along[:, None]
+        gap = doors.low - city.terrain.height_at(place) - KERB_HEIGHT
+        assert np.abs(gap).max() < 0.3
+        assert floating_gap(city).max() == 0.0
+
+
+def test_windows_on_a_slope_step_with_the_ground():
+    city = hillside(0.0, 0.8)
+    found = facade_of(city)
+    windows = found.openings.take(np.isin(found.openings.role, WINDOW_ROLES))
+    unit = (found.walls.end - found.walls.start) / found.walls.length[:, None]
+    place = found.walls.start[windows.wall] + unit[windows.wall] * windows.along[:, None]
+    clear = windows.low - city.terrain.height_at(place)
+    assert clear.min() > KERB_HEIGHT
+    # The side that the slope lays open shows more storeys than the one at its top.
+    faces = found.walls.normal[windows.wall][:, 1]
+    below, above = (windows.floor[side] for side in (faces < -0.9, faces > 0.9))
+    assert len(np.unique(below)) > len(np.unique(above)) > 2
 
 
 def test_a_mapped_entrance_moves_the_door():

@@ -8,8 +8,9 @@ from cityx.city.terrain import Terrain, flat_terrain
 from cityx.geometry.polylines import Polylines, values_along
 from cityx.geometry.solids import check_closed, volume
 from cityx.plugins.road.ground import ground
-from cityx.plugins.road.heights import DECK, OVER_CARS, heights, way_heights
+from cityx.plugins.road.heights import heights, way_heights
 from cityx.plugins.road.network import network, road_network
+from cityx.plugins.road.stations import DECK, OVER_CARS
 
 BRIDGE = {"bridge": True, "layer": 1}
 TUNNEL = {"tunnel": True, "layer": -1}
@@ -25,7 +26,7 @@ def crossed(layout_of, middle=BRIDGE, half=60, **options):
 
 def solved(layout, terrain=None):
     terrain = terrain or flat_terrain()
-    return way_heights(layout, road_network(layout), terrain)
+    return way_heights(layout, road_network(layout), terrain)[:3]
 
 
 def lift_at(net, x, y):
@@ -158,3 +159,104 @@ def test_heights_do_not_depend_on_the_order_of_ways(layout_of):
     )  # fmt: skip
     other, _, _ = solved(flipped)
     assert np.allclose(np.sort(net.z), np.sort(other.z))
+
+
+def steepest(off):
+    owner = np.repeat(np.arange(off.count), np.diff(off.point_start))
+    first = np.flatnonzero(owner[1:] == owner[:-1])
+    run = np.hypot(*(off.points[first + 1] - off.points[first]).T)
+    return (np.abs(off.z[first + 1] - off.z[first]) / run).max()
+
+
+def test_a_ramp_goes_on_past_a_short_piece_between_it_and_the_bridge(layout_of):
+    # The side of the bridge reaches over the way that goes on from it: that is not under it.
+    over, on = [(-60, 0), (12, 0)], [(14, 2), (390, 60)]
+    streets = [(over, BRIDGE), ([(-390, 0), (-60, 0)], {}), ([(12, 0), (14, 2)], {}), (on, {}),
+               ([(14, 2), (14, -90)], {})]  # fmt: skip
+    streets = [(line, options | {"width": 14.0}) for line, options in streets]
+    _, off, _ = solved(layout_of([*streets, UNDER], extent=LONG))
+    assert steepest(off) < 0.15
+
+
+def test_a_bridge_drawn_too_short_still_passes_over(layout_of):
+    streets = [
+        ([(-390, 0), (-40, 0)], {}),
+        ([(-40, 0), (-8, 0)], BRIDGE),
+        ([(-8, 0), (390, 0)], {}),
+    ]
+    net, _, _ = solved(layout_of([*streets, UNDER], extent=LONG))
+    below, above = sorted(lift_at(net, 0, 0))
+    assert below == 0.0
+    assert above >= OVER_CARS + DECK - 0.15
+
+
+def test_a_path_sinks_where_the_bridge_over_it_has_no_room_to_rise(layout_of):
+    path = {"kind": "footway", "width": 2.0, "sidewalk_left": 0.0, "sidewalk_right": 0.0}
+    # Its street passes under other bridges on both sides.
+    streets = [([(-9, 0), (9, 0)], BRIDGE), ([(-390, 0), (-9, 0)], {}), ([(9, 0), (390, 0)], {})]
+    streets += [([(x, -300), (x, 300)], BRIDGE) for x in (-11, 11)]
+    layout = layout_of([*streets, ([(0, -300), (0, 300)], path)], extent=LONG)
+    net, off, _ = solved(layout)
+    assert off.lift.min() < -0.2
+    assert lift_at(net, 0, 0)[0] - off.lift.min() >= 2.7 + DECK - 0.05
+    assert steepest(off.take(np.flatnonzero(off.edge >= 0))) <= 2.5 * 0.12 + 1e-3
+
+
+def contradictory(layout_of, streets):
+    layout = layout_of(streets, extent=LONG)
+    return way_heights(layout, road_network(layout), flat_terrain())[3], layout
+
+
+def test_ways_without_room_to_pass_meet_at_one_height_and_are_named(layout_of, city_of):
+    # The bridge and the street below it end in one node, eight metres past the crossing.
+    streets = [([(-60, 0), (8, 0)], BRIDGE), ([(-390, 0), (-60, 0)], {}), ([(8, 0), (390, 0)], {}),
+               ([(0, -60), (0, 4), (8, 0)], {})]  # fmt: skip
+    notes, layout = contradictory(layout_of, streets)
+    assert len(notes) == 1
+    assert "1 pairs of ways without room" in notes[0]
+    assert f"{1:016x} x {4:016x}" in notes[0]
+    city = built(city_of, layout, lod=2)
+    assert city.notes == notes
+    assert np.ptp(lift_at(city.network, 0, 0)) < 0.01
+    assert all(check.ok for check in check_heights(city))
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"bridge": True, "layer": -1}, "1 bridges with a layer below the ground pass over it"),
+        ({"tunnel": True, "layer": 1}, "1 tunnels with a layer above the ground run below it"),
+        ({}, "1 pairs of streets of one level that cross without a node are one surface"),
+    ],
+)
+def test_contradictory_layers_are_built_and_named(layout_of, city_of, options, text):
+    over = [(-60, 0), (60, 0)]
+    ends = [([(-390, 0), (-60, 0)], {}), ([(60, 0), (390, 0)], {})]
+    notes, layout = contradictory(layout_of, [(over, options), *ends, UNDER])
+    assert [note.split(": ")[1] for note in notes] == [text]
+    assert f"{4 if not options else 1:016x}" in notes[0]
+    assert all(check.ok for check in check_heights(built(city_of, layout, lod=2)))
+
+
+def test_a_bridge_under_a_way_that_is_none_is_named(layout_of):
+    ends = [([(-390, 0), (-60, 0)], {}), ([(60, 0), (390, 0)], {})]
+    high = ([(-60, 0), (60, 0)], {"layer": 2})
+    notes, _ = contradictory(layout_of, [high, *ends, (UNDER[0], BRIDGE)])
+    assert notes == (f"map: 1 ways that are no bridges pass over bridges, as their layers say: "
+                     f"{1:016x} x {4:016x}",)  # fmt: skip
+
+
+def test_a_roundabout_on_a_bridge_is_open_over_the_street_below(layout_of, city_of):
+    turn = np.arange(25) * np.pi / 12
+    ring = np.column_stack([30 * np.cos(turn), 30 * np.sin(turn)]).round(3)
+    ring[-1] = ring[0]
+    ring = [tuple(point) for point in ring.tolist()]
+    options = BRIDGE | {"roundabout": True, "oneway": True}
+    streets = [(ring, options), (([(30, 0), (390, 0)]), {}), ([(-30, 0), (-390, 0)], {}), UNDER]
+    city = built(city_of, layout_of(streets, extent=LONG), lod=2)
+    bodies = city.scene.meshes["structures"]
+    over = shapely.polygons(bodies.vertices[bodies.triangles()[0]][:, :, :2])
+    assert not shapely.intersects(over, shapely.Point(0.3, 0.2).buffer(15.0)).any()
+    checks = {check.name: check for check in check_heights(city)}
+    assert checks["clearance_short"].ok
+    assert checks["streets_blocked"].ok

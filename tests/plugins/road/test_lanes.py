@@ -135,6 +135,14 @@ def test_turn_restrictions_close_movements(layout_of, only, left):
     assert goals(graph, lane_at(graph, (-50, -1.5))) == left
 
 
+def test_a_restriction_from_a_way_that_became_part_of_another_counts(layout_of):
+    streets = [([WEST, (-8, 0)], {"source": "w"}),
+               ([(-8, 0), MIDDLE], {"source": "v", "width": 9.0}),
+               ([MIDDLE, EAST], {"source": "e"}), ([MIDDLE, NORTH], {"source": "n"})]  # fmt: skip
+    graph, _ = graph_of(restricted(layout_of(streets), "v", "n", only=False))
+    assert goals(graph, lane_at(graph, (-50, -1.5))) == ["east"]
+
+
 def test_a_restriction_that_would_close_a_street_is_passed_over(layout_of):
     layout = restricted(layout_of([([WEST, MIDDLE], {"source": "w"}), ([MIDDLE, EAST], {}),
                                    ([MIDDLE, NORTH], {})]), "w", "nowhere", only=True)  # fmt: skip

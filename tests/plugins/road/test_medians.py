@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
+import shapely
 
 from cityx.city.ground import LABEL
 from cityx.geometry.arrangement import check_arrangement, face_areas
+from cityx.plugins.road.carriageway import build_carriageway
 from cityx.plugins.road.ground import ground_of
 from cityx.plugins.road.medians import twins_of
 from cityx.plugins.road.network import road_network
@@ -53,3 +55,20 @@ def test_what_lies_between_them_follows_the_width(layout_of, gap, label):
     assert set(labels.tolist()) <= {LABEL[label]}
     if label in ("plaza", "grass"):
         assert areas(found)[label] == pytest.approx((gap - 0.3) * 160, rel=0.1)
+
+
+@pytest.mark.parametrize("gap", [2.5, 4.0, 5.5])
+def test_a_median_has_round_noses_as_wide_as_itself(layout_of, gap):
+    apart = 6.0 + gap
+    across = [(0, -90), (0, 0), (0, apart), (0, 90)]
+    streets = [([(-90, 0), (0, 0), (90, 0)], ONE),
+               ([(90, apart), (0, apart), (-90, apart)], ONE), (across, {})]  # fmt: skip
+    layout = layout_of(streets)
+    network = road_network(layout)
+    road = build_carriageway(layout, network, np.ones(network.edge_count, bool))
+    between = shapely.box(3, 3, 40, 3 + gap)
+    median = shapely.difference(between, shapely.union_all(road.driven))
+    nose = shapely.box(0, 0, median.bounds[0] + gap / 2, 90)
+    half_disc = np.pi * (gap / 2) ** 2 / 2
+    assert shapely.intersection(median, nose).area == pytest.approx(half_disc, rel=0.1)
+    assert shapely.get_type_id(median) == 3

@@ -36,6 +36,20 @@ def test_a_bridge_joins_the_ground_at_its_ends(layout_of):
     assert sorted(network.node_degree.tolist()) == [1, 1, 2]
 
 
+def test_a_bridge_that_ends_in_the_middle_of_a_street_joins_it(layout_of):
+    over = {"bridge": True, "layer": 1}
+    street = ([WEST, MIDDLE, EAST], {})
+    network = road_network(layout_of([street, ([MIDDLE, NORTH], over)]))
+    assert sorted(network.node_degree.tolist()) == [1, 1, 1, 3]
+
+
+def test_a_bridge_of_two_ways_passes_over_a_shared_coordinate(layout_of):
+    over = {"bridge": True, "layer": 1}
+    street = ([WEST, MIDDLE, EAST], {})
+    network = road_network(layout_of([street, ([SOUTH, MIDDLE], over), ([MIDDLE, NORTH], over)]))
+    assert sorted(network.node_degree.tolist()) == [1, 1, 1, 1]
+
+
 def test_ways_of_one_section_become_one_edge(layout_of):
     network = road_network(layout_of([([WEST, MIDDLE], {}), ([MIDDLE, EAST], {"name": "other"})]))
     assert network.edge_count == 1
@@ -45,6 +59,21 @@ def test_ways_of_one_section_become_one_edge(layout_of):
 def test_a_change_of_width_ends_an_edge(layout_of):
     network = road_network(layout_of([([WEST, MIDDLE], {}), ([MIDDLE, EAST], {"width": 9.0})]))
     assert network.half_width.tolist() == [3.0, 4.5]
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_last_metres_before_a_junction_have_the_section_of_the_street_behind(layout_of, turned):
+    near = [MIDDLE, (8, 0)][:: -1 if turned else 1]
+    streets = [([WEST, MIDDLE], {}), ([SOUTH, MIDDLE, NORTH], {}),
+               (near, {"width": 9.0}), ([(8, 0), EAST], {})]  # fmt: skip
+    network = road_network(layout_of(streets))
+    assert network.half_width.tolist() == [3.0] * 4
+    assert sorted(lengths(network).tolist()) == [90.0] * 4
+
+
+def test_a_short_one_way_piece_keeps_its_direction(layout_of):
+    streets = [([WEST, MIDDLE], {}), ([MIDDLE, (8, 0)], {"oneway": True}), ([(8, 0), EAST], {})]
+    assert road_network(layout_of(streets)).edge_count == 3
 
 
 def test_garage_tunnels_footways_and_repeated_ways_are_left_out(layout_of):

@@ -1,0 +1,179 @@
+"""Roofs measured from a height grid: how high houses are, and which form their roofs have."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.geometry.raster.grid import Grid
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+TOP = 90.0  # percentile of the cells of a roof that is its height; chimneys lie above
+FOOT = 5.0  # percentile of the cells round a house that is its ground
+RING = 3.0  # metres round a house in which its ground is sought
+FEWEST = 4  # cells from which anything can be said
+KNOWN = 0.7  # share of the cells of a house that must have a height
+FEWEST_ROOF = 16  # cells inside a roof from which its form can be told
+LEVEL = 0.6  # metres of deviation up to which a roof is flat
+SPREAD = 1.0  # metres that a pitched roof rises at least, and that is more than noise
+CLEAR = 0.6  # share of the variance that a form must explain to be the form
+STEEP = 2.5  # metres per metre; what rises faster is a wall or a step
+
+
+@dataclass(frozen=True)
+class Roofs:
+    """What was measured of n houses.
+
+    Attributes
+    ----------
+    height
+        (n,) metres from the ground to the top, NaN where too little is known.
+    shape
+        (n,) "flat", "gabled", "hipped" or "" where it is not clear.
+    rise
+        (n,) metres from eave to ridge, 0 unless pitched.
+    across
+        (n,) whether the ridge runs across the longer side.
+    """
+
+    height: FloatArray
+    shape: NDArray[Any]
+    rise: FloatArray
+    across: BoolArray
+
+
+def measure_roofs(shapes: NDArray[Any], above: FloatArray, grid: Grid) -> Roofs:
+    """Measure the heights and forms of roofs.
+
+    Parameters
+    ----------
+    shapes
+        (n,) polygons, scene frame, metres.
+    above
+        (rows, columns) metres above the ground, NaN where void.
+    grid
+        Where the cells lie.
+    """
+    count = len(shapes)
+    height, rise = np.full(count, np.nan), np.zeros(count)
+    form, across = np.full(count, "", object), np.zeros(count, bool)
+    for index, (spots, tops) in enumerate(_cells_in(shapes, above, grid)):
+        known = np.isfinite(tops)
+        if known.sum() < FEWEST or known.mean() < KNOWN:
+            continue
+        height[index] = np.percentile(tops[known], TOP)
+        inner = known & (_depth(shapes[index], spots) > grid.pixel)
+        found = _form(shapes[index], spots[inner], tops[inner])
+        form[index], across[index] = found[0], found[2]
+        if found[1] > 0:
+            rise[index] = found[1]
+            height[index] = max(height[index], found[3])
+    return Roofs(height, form, rise, across)
+
+
+def heights_over_ring(
+    shapes: NDArray[Any], surface: FloatArray, grid: Grid
+) -> tuple[FloatArray, FloatArray]:
+    """Return (n,) heights of tops and of the ground round houses, from a surface alone.
+
+    The ground is sought within 3 m of the wall, where no other house stands; NaN where no such
+    place is.
+    """
+    top, foot = np.full(len(shapes), np.nan), np.full(len(shapes), np.nan)
+    rings = shapely.difference(
+        shapely.buffer(shapes, RING + grid.pixel), shapely.buffer(shapes, grid.pixel)
+    )
+    tree = shapely.STRtree(shapes)
+    for index, (_, tops) in enumerate(_cells_in(shapes, surface, grid)):
+        known = tops[np.isfinite(tops)]
+        if len(known) >= max(FEWEST, KNOWN * len(tops)):
+            top[index] = np.percentile(known, TOP)
+    for index, (spots, low) in enumerate(_cells_in(rings, surface, grid)):
+        if len(spots) == 0:
+            continue
+        free = np.isfinite(low)
+        free[np.unique(tree.query(shapely.points(spots), predicate="intersects")[0])] = False
+        if free.sum() >= FEWEST:
+            foot[index] = np.percentile(low[free], FOOT)
+    return top, foot
+
+
+def _cells_in(
+    shapes: NDArray[Any], values: FloatArray, grid: Grid
+) -> list[tuple[FloatArray, FloatArray]]:
+    """Return for each shape the middles, (k, 2) metres, and the values of the cells within."""
+    from rasterio.features import rasterize
+    from rasterio.transform import Affine
+
+    found = []
+    bounds = grid.to_pixels(shapely.bounds(shapes).reshape(-1, 2)).reshape(-1, 4)
+    for shape, (left, bottom, right, top) in zip(shapes, bounds.tolist(), strict=True):
+        first = (max(int(np.floor(top)), 0), max(int(np.floor(left)), 0))
+        last = (min(int(np.ceil(bottom)), grid.rows), min(int(np.ceil(right)), grid.columns))
+        if first[0] >= last[0] or first[1] >= last[1]:
+            found.append((np.zeros((0, 2)), np.zeros(0)))
+            continue
+        corner = grid.to_metres([[first[1], first[0]]])[0]
+        inside = rasterize(
+            [shape], (last[0] - first[0], last[1] - first[1]),
+            transform=Affine(grid.pixel, 0, corner[0], 0, -grid.pixel, corner[1]),
+        ).astype(bool)  # fmt: skip
+        row, column = np.nonzero(inside)
+        row, column = row + first[0], column + first[1]
+        spots = grid.to_metres(np.column_stack([column + 0.5, row + 0.5]))
+        found.append((spots, values[row, column]))
+    return found
+
+
+def _depth(shape: Any, spots: FloatArray) -> FloatArray:
+    return np.asarray(shapely.distance(shape.boundary, shapely.points(spots)))
+
+
+def _form(shape: Any, spots: FloatArray, tops: FloatArray) -> tuple[str, float, bool, float]:
+    """Return form, rise, whether the ridge runs across, and the height of the ridge."""
+    silent = ("", 0.0, False, 0.0)
+    if len(tops) < FEWEST_ROOF:
+        return silent
+    middle = float(np.median(tops))
+    if float(np.sqrt(np.mean(np.minimum((tops - middle) ** 2, (3 * LEVEL) ** 2)))) < LEVEL:
+        return "flat", 0.0, False, 0.0
+    rooms = _rooms(shape, spots)
+    fits = [_fit(room, tops) for room in rooms]
+    best = int(np.argmax([share for share, _, _ in fits]))
+    share, rise, ridge = fits[best]
+    if share < CLEAR or rise < SPREAD:
+        return silent
+    return ("gabled", "gabled", "hipped")[best], rise, best == 1, ridge
+
+
+def _rooms(shape: Any, spots: FloatArray) -> list[FloatArray]:
+    """Return how far in from the eaves places lie: of a ridge along, of one across, of hips."""
+    box = shapely.get_coordinates(shapely.oriented_envelope(shape))[:4]
+    sides = [box[1] - box[0], box[2] - box[1]]
+    sides.sort(key=lambda side: -float(np.hypot(*side)))
+    rooms = []
+    for side in reversed(sides):  # the ridge along the longer side falls across it
+        half = float(np.hypot(*side)) / 2
+        off = (spots - box.mean(axis=0)) @ (side / (2 * half))
+        rooms.append(half - np.abs(off))
+    return [*rooms, _depth(shape, spots)]
+
+
+def _fit(room: FloatArray, tops: FloatArray) -> tuple[float, float, float]:
+    """Return the share of the variance that a slope explains, its rise and its highest point."""
+    spread = float(np.var(room))
+    if spread == 0:
+        return 0.0, 0.0, 0.0
+    slope = float(np.cov(room, tops, bias=True)[0, 1]) / spread
+    rest = tops - tops.mean() - slope * (room - room.mean())
+    share = 1 - float(np.var(rest)) / float(np.var(tops))
+    if not 0 < slope < STEEP:
+        return 0.0, 0.0, 0.0
+    most = float(room.max())
+    return share, slope * most, float(tops.mean()) + slope * (most - float(room.mean()))

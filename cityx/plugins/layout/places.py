@@ -1,0 +1,125 @@
+"""An exact number of plazas, parks or lakes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Annotated, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.goals import KINDS, places_of
+from cityx.city import City, Goal
+from cityx.errors import ActionFailed
+from cityx.plugins.layout.rebuilding import cleared, street_blocks, with_area
+from cityx.protocol import Choice, Port, Range, action
+from cityx.sources.features.tagged import Owner
+
+# Square metres that suit a place, least, best and most.
+SIZES: Mapping[str, tuple[float, float, float]] = {
+    "plaza": (900.0, 3500.0, 12_000.0), "park": (2500.0, 9000.0, 40_000.0),
+    "lake": (3500.0, 12_000.0, 60_000.0),
+}  # fmt: skip
+OPEN = ("pedestrian", "park", "water", "sea", "river")
+LAND = {"plaza": "pedestrian", "park": "park", "lake": "water"}
+NEARER = 150.0  # metres farther from the middle that weigh as much as a size 2.7 times off
+SHORE = 12.0  # metres from the walk to a lake
+ROUND = 8.0  # metres of the corners of a lake
+INSTEAD = "grass"  # land where there is to be a place no more
+
+
+@action(
+    "layout/places-v1",
+    limits=["Blocks with buildings are cleared where there are too few; none is built again."],
+    requires=("layout",),
+    takes=(Port("layout", "scene_layout"),),
+    gives=(Port("layout", "scene_layout"),),
+)
+def places(
+    city: City,
+    *,
+    kind: Annotated[str, Choice("plaza", "park", "lake")] = "plaza",
+    count: Annotated[int, Range(0, 50)] = 1,
+) -> City:
+    """Give a city exactly so many plazas, parks or lakes.
+
+    Parameters
+    ----------
+    city
+        City with streets.
+    kind
+        What is counted: pieces of at least 300 square metres, those that touch as one.
+    count
+        How many there shall be; the smallest are given up, blocks become new ones.
+    """
+    found = places_of(city, kind)
+    order = np.argsort(np.round(shapely.area(found), 2), kind="stable")
+    for place in found[order][: max(len(found) - count, 0)].tolist():
+        city = _given_up(city, kind, place)
+    for _ in range(count - len(found)):
+        city = added_place(city, kind)
+    word = kind if count == 1 else f"{kind}s"
+    goal = Goal(f"{count} {word}", "places", {"kind": kind, "count": count})
+    return replace(city, goals=(*city.goals, goal))
+
+
+def _given_up(city: City, kind: str, place: Any) -> City:
+    areas = city.layout.areas.copy()
+    own = areas["kind"].isin(KINDS[kind]).to_numpy()
+    inside = shapely.intersects(areas.geometry.to_numpy(), shapely.buffer(place, -0.1))
+    words = areas["kind"].to_numpy().astype(object)
+    words[own & inside] = INSTEAD
+    areas["kind"] = words
+    areas["kind"] = areas["kind"].astype(city.layout.areas["kind"].dtype)
+    return replace(city, layout=replace(city.layout, areas=areas))
+
+
+def added_place(city: City, kind: str) -> City:
+    """Turn the block that suits best, near the middle, into a plaza, park or lake.
+
+    Raises
+    ------
+    ActionFailed
+        If no block suits.
+    """
+    layout = city.layout
+    least, best, most = SIZES[kind]
+    blocks = street_blocks(layout)
+    open_land = layout.areas["kind"].isin(OPEN).to_numpy()
+    # What was built because it was asked for stays, too.
+    made = layout.buildings["source"].str.startswith("made/").to_numpy(bool)
+    kept = np.concatenate(
+        [layout.areas.geometry.to_numpy()[open_land], layout.buildings.geometry.to_numpy()[made]]
+    )
+    size = shapely.area(blocks)
+    fit = (size >= least) & (size <= most) & _free(blocks, kept)
+    if not fit.any():
+        raise ActionFailed(
+            f"No block of the site is free for a {kind} of {least:g} to {most:g} square metres; "
+            "ask for fewer, or for a larger site."
+        )
+    away = shapely.distance(shapely.centroid(blocks), shapely.box(*layout.extent).centroid)
+    cost = np.abs(np.log(size / best)) + away / NEARER
+    block = blocks[int(np.argmin(np.where(fit, np.round(cost, 6), np.inf)))]
+    shape = block
+    if kind == "lake":
+        inner = shapely.buffer(block, -SHORE - ROUND)
+        shape = max(shapely.get_parts(shapely.buffer(inner, ROUND)), key=lambda part: part.area)
+    layout = cleared(layout, block)
+    number = len(layout.areas)
+    owner = Owner(("made", kind, number), {})
+    layout = with_area(layout, LAND[kind], shapely.orient_polygons(shape), owner)
+    if kind == "lake":
+        shore = shapely.orient_polygons(shapely.difference(block, shape))
+        layout = with_area(layout, "grass", shore, Owner(("made", "shore", number), {}))
+    return replace(city, layout=layout)
+
+
+def _free(blocks: NDArray[Any], kept: NDArray[Any]) -> NDArray[np.bool_]:
+    """Tell which blocks hold nothing that stays."""
+    free = np.ones(len(blocks), bool)
+    inner = shapely.buffer(blocks, -1.0)
+    free[shapely.STRtree(kept).query(inner, predicate="intersects")[0]] = False
+    return free

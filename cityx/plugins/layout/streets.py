@@ -1,0 +1,123 @@
+"""Streets of a procedural town: their classes, cross-sections and names, as tags."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+
+from cityx.geometry.identity import hash_bits
+from cityx.geometry.lattice import Key
+from cityx.plugins.layout.plane import DENSITY, Plane
+from cityx.plugins.layout.rims import Side
+from cityx.sources.features.roads import cross_section
+from cityx.sources.features.tagged import Tags
+
+OPEN = DENSITY[-1]  # density below which is open country
+TOWN = DENSITY[2]  # density from which main roads have houses on both sides
+
+_PAVED = {"surface": "asphalt", "lit": "yes"}
+_NO_WALK = {"sidewalk": "no", "lit": "no", "parking:both": "no", "surface": "asphalt"}
+
+
+def _section(
+    highway: str, lanes: int, walk: float, parking: str, speed: int, more: Tags | None = None
+) -> Tags:
+    """Return the tags of a street; nothing is left for the surroundings to decide."""
+    sides = {"parking:left": "lane" if parking in ("left", "both") else "no",
+             "parking:right": "lane" if parking in ("right", "both") else "no"}  # fmt: skip
+    return {
+        "highway": highway, "lanes": str(lanes), "maxspeed": str(speed), "sidewalk": "both",
+        "sidewalk:both:width": f"{walk:g}", **sides, **_PAVED, **(more or {}),
+    }  # fmt: skip
+
+
+_CYCLES = {"cycleway:both": "lane"}
+# Main roads by rank, and by whether they run in the open.
+MAIN: Mapping[tuple[str, bool], Tags] = {
+    ("primary", False): _section("primary", 4, 4.0, "", 50, _CYCLES),
+    ("secondary", False): _section("secondary", 2, 3.5, "both", 50, _CYCLES),
+    ("tertiary", False): _section("tertiary", 2, 3.0, "both", 30),
+    ("primary", True): {"highway": "primary", "lanes": "2", "maxspeed": "80", **_NO_WALK},
+    ("secondary", True): {"highway": "secondary", "lanes": "2", "maxspeed": "70", **_NO_WALK},
+    ("tertiary", True): {"highway": "tertiary", "lanes": "2", "maxspeed": "70", **_NO_WALK},
+}
+# Local streets by the zone of their district.
+LOCAL: Mapping[str, Tags] = {
+    "core": _section("residential", 2, 3.2, "both", 30),
+    "midrise": _section("residential", 2, 2.6, "both", 30),
+    "row": _section("residential", 2, 2.2, "right", 30),
+    "suburb": _section("residential", 2, 1.8, "", 30),
+    "rural": {"highway": "unclassified", "lanes": "2", "maxspeed": "50", **_NO_WALK},
+    "industry": _section("unclassified", 2, 1.8, "right", 50),
+}
+# Narrow streets of old quarters, in one direction only.
+NARROW = _section("residential", 1, 2.0, "right", 20, {"oneway": "yes"})
+BLIND = _section("residential", 2, 1.6, "", 20)
+
+_FIRST = (
+    "Mill", "Church", "Market", "Linden", "Orchard", "Station", "Castle", "Bridge", "Garden",
+    "Harbour", "Abbey", "School", "Forge", "Meadow", "Willow", "Tanner", "Cooper", "Weaver",
+    "Potter", "Miller", "Bishop", "King", "Queen", "Fountain", "Chapel", "Elm", "Oak", "Ash",
+    "Beech", "Rose", "Well", "Hill", "Spring", "Quarry", "Park", "Tower", "Copper", "Silver",
+    "Lantern", "Rope", "Sail", "Anchor", "Hay", "Corn", "Wool", "Salt", "Glass", "Bell",
+)  # fmt: skip
+_MAIN_LAST, _LOCAL_LAST, _BLIND_LAST = ("Avenue", "Road", "Boulevard"), ("Street", "Lane", "Row", "Way"), ("Close", "Court", "Mews")  # fmt: skip  # noqa: E501
+
+
+def main_rank(plane: Plane, a: Key, b: Key) -> str:
+    """Return the rank of the main road between two districts.
+
+    Where quarters meet it is "primary": the quarters are cells of a coarser lattice, so these
+    roads make a closed net of their own.
+    """
+    if plane.is_wet(a) or plane.is_wet(b):
+        return "tertiary"
+    if plane.quarter_of(a) != plane.quarter_of(b):
+        return "primary"
+    densest = max(plane.site_density(a), plane.site_density(b))
+    return "secondary" if densest >= TOWN else "tertiary"
+
+
+def main_tags(plane: Plane, a: Key, b: Key) -> Tags:
+    """Return the tags of the main road between two districts."""
+    a, b = min(a, b), max(a, b)
+    densest = max(plane.site_density(a), plane.site_density(b))
+    in_open = densest < OPEN and not plane.plan.zone
+    tags = MAIN[main_rank(plane, a, b), in_open]
+    return {**tags, "name": name_of(plane.seed, _MAIN_LAST, a[0], a[1], b[0] - a[0], b[1] - a[1])}
+
+
+def side_tags(plane: Plane, key: Key, side: Side) -> Tags:
+    """Return the tags of the road along one side of a district."""
+    if side.kind == "road":
+        return main_tags(plane, key, side.beyond)
+    return {**MAIN["tertiary", False], "name": name_of(plane.seed, ("Quay", "Embankment"), *key, 3)}
+
+
+def local_tags(plane: Plane, key: Key, zone: str, kind: str, family: int, line: int) -> Tags:
+    """Return the tags of a local street: its line in a family of streets, -1 for a dead end."""
+    if family < 0:
+        return {**BLIND, "name": name_of(plane.seed, _BLIND_LAST, *key, 7, line)}
+    old = kind == "organic" and zone in ("core", "midrise") and family == 1
+    tags = NARROW if old else LOCAL[zone]
+    return {**tags, "name": name_of(plane.seed, _LOCAL_LAST, *key, family, line)}
+
+
+def name_of(seed: int, last: tuple[str, ...], *identity: int) -> str:
+    """Return a name of its own for a street."""
+    bits = 0
+    for part in identity:
+        bits = hash_bits(seed, "town/name", part, bits)
+    return f"{_FIRST[bits % len(_FIRST)]} {last[(bits >> 32) % len(last)]}"
+
+
+def half_width(tags: Tags) -> float:
+    """Return the metres from the middle of a street to the houses' side of its walk."""
+    return _half_width(tuple(sorted((key, value) for key, value in tags.items() if key != "name")))
+
+
+@lru_cache(maxsize=256)
+def _half_width(tags: tuple[tuple[str, str], ...]) -> float:
+    section = cross_section(dict(tags), town=True, dense=True)
+    width, left, right = section[5:8]
+    return float(width / 2 + max(left, right))

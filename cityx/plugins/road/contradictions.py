@@ -1,0 +1,136 @@
+"""Contradictions: where a map says of ways what cannot be, and what is built there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.geometry.identity import id_text
+from cityx.geometry.polylines import to_linestrings
+from cityx.plugins.road.crossings import Crossings
+from cityx.plugins.road.kerbs import edge_lines
+from cityx.plugins.road.stations import Ways, way_levels
+
+if TYPE_CHECKING:
+    from cityx.city.layout import Layout
+    from cityx.city.roads import RoadNetwork
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+MOST = 12  # ways or pairs that a note names
+
+
+def notes_on(
+    layout: Layout,
+    network: RoadNetwork,
+    ways: Ways | None = None,
+    crossing: Crossings | None = None,
+    gap: FloatArray | None = None,
+    closed: BoolArray | None = None,
+) -> tuple[str, ...]:
+    """Say in sentences where the map contradicts itself, with the ways it names.
+
+    Parameters
+    ----------
+    layout, network
+        The map and the graph of its streets.
+    ways, crossing
+        What was given heights, and where one way passes over another.
+    gap
+        (c,) metres of height missing at each crossing, negative; 0 where nothing is.
+    closed
+        (c,) crossings where the two ways meet at one height instead.
+    """
+    found = [*_tags(layout), _flat(layout, network, ways, crossing)]
+    if ways is not None and crossing is not None and gap is not None and closed is not None:
+        found += [_bridges_below(layout, ways, crossing), _closed(layout, ways, crossing, closed),
+                  _low(layout, ways, crossing, np.where(closed, 0.0, gap))]  # fmt: skip
+    return tuple(note for note in found if note)
+
+
+def _tags(layout: Layout) -> list[str]:
+    """Name bridges below the ground and tunnels above it."""
+    roads = layout.roads
+    layer, passage = roads["layer"].to_numpy(), roads["passage"].to_numpy()
+    bridges = np.flatnonzero(roads["bridge"].to_numpy() & (layer < 0) & ~passage)
+    tunnels = np.flatnonzero(roads["tunnel"].to_numpy() & (layer > 0) & ~passage)
+    return [
+        _note("bridges with a layer below the ground pass over it", _names(layout, bridges)),
+        _note("tunnels with a layer above the ground run below it", _names(layout, tunnels)),
+    ]
+
+
+def _flat(
+    layout: Layout, network: RoadNetwork, ways: Ways | None, crossing: Crossings | None
+) -> str:
+    """Name streets of one level that cross without a node."""
+    if not network.edge_count:
+        return ""
+    shapes = to_linestrings(edge_lines(network))
+    one, other = shapely.STRtree(shapes).query(shapes, predicate="crosses")
+    road = network.edge_road.astype(np.int64)
+    level = way_levels(layout)[road]
+    flat = (one < other) & (level[one] == level[other])
+    pairs = np.sort(np.column_stack([road[one], road[other]])[flat], axis=1)
+    if ways is not None and crossing is not None:
+        passed = np.column_stack([ways.road[crossing.upper], ways.road[crossing.lower]])
+        size = len(layout.roads)
+        keys = np.sort(passed, axis=1) @ [size, 1]
+        pairs = pairs[~np.isin(pairs @ [size, 1], keys)]
+    return _note("pairs of streets of one level that cross without a node are one surface",
+                 _pairs(layout, pairs))  # fmt: skip
+
+
+def _bridges_below(layout: Layout, ways: Ways, crossing: Crossings) -> str:
+    """Name bridges that lie lower than what they cross."""
+    bridge = layout.roads["bridge"].to_numpy()[ways.road]
+    wrong = bridge[crossing.lower] & ~bridge[crossing.upper]
+    pairs = np.column_stack([crossing.upper, crossing.lower])[wrong]
+    return _note("ways that are no bridges pass over bridges, as their layers say",
+                 _pairs(layout, ways.road[pairs]))  # fmt: skip
+
+
+def _closed(layout: Layout, ways: Ways, crossing: Crossings, closed: BoolArray) -> str:
+    pairs = np.column_stack([crossing.upper, crossing.lower])[closed]
+    return _note("pairs of ways without room for one to pass over the other meet at one height",
+                 _pairs(layout, ways.road[pairs]))  # fmt: skip
+
+
+def _low(layout: Layout, ways: Ways, crossing: Crossings, gap: FloatArray) -> str:
+    """Name what passes over another way too low, with the free height that is left."""
+    low = np.flatnonzero(gap < 0)
+    low = low[np.argsort(gap[low], kind="stable")]
+    free = ways.clear[crossing.lower[low]] + gap[low]
+    pairs = ways.road[np.column_stack([crossing.upper[low], crossing.lower[low]])]
+    _, first = np.unique(pairs, axis=0, return_index=True)
+    named = [f"{name} ({free[row]:.1f} m)"
+             for row in np.sort(first) for name in _pairs(layout, pairs[[row]])]  # fmt: skip
+    return _note("ways pass over others with less free height than usual for want of room", named)
+
+
+def _pairs(layout: Layout, pairs: IntArray) -> list[str]:
+    found = np.unique(pairs, axis=0)
+    return [" x ".join(pair) for pair in _names(layout, found.ravel()).reshape(-1, 2).tolist()]
+
+
+def _names(layout: Layout, rows: IntArray) -> NDArray[np.str_]:
+    """Return what the ways are called in the map, or else their ids."""
+    table = layout.roads.iloc[rows]
+    return np.array([source or id_text(number)
+                     for source, number in zip(table["source"], table["id"], strict=True)],
+                    dtype=str)  # fmt: skip
+
+
+def _note(text: str, names: Iterable[str]) -> str:
+    """Return one sentence with its count and names; nothing where there are none."""
+    names = list(names)
+    if not names:
+        return ""
+    more = f" and {len(names) - MOST} more" if len(names) > MOST else ""
+    return f"map: {len(names)} {text}: {', '.join(names[:MOST])}{more}"
