@@ -110,7 +110,7 @@ def build(
     pixel: Annotated[float | None, typer.Option(help="Metres of an image's pixel.")] = None,
     fidelity: Annotated[str, typer.Option(help="Of images: exact, plausible.")] = "exact",
     segmenter: Annotated[
-        str, typer.Option(help="ONNX file for aerial images, or none for colour alone.")
+        str, typer.Option(help='Of aerial images: ONNX file, or "none" for colours alone.')
     ] = "",
     height_range: Annotated[
         str | None, typer.Option(help="LOW,HIGH: metres of heights in other numbers.")

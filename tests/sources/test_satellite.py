@@ -128,7 +128,7 @@ def test_an_image_without_a_city_is_refused(tmp_path):
 
 def test_wrong_words_are_refused(tmp_path):
     path = saved(tmp_path, town(64))
-    with pytest.raises(UsageError, match='"nice" is no fidelity; there are exact and plausible'):
+    with pytest.raises(UsageError, match='no fidelity "nice"; write exact or plausible'):
         read_satellite(path, fidelity="nice")
     with pytest.raises(InputError, match="A pixel of 40 m is of no use"):
         read_satellite(path, pixel=40)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import StrEnum
 from functools import partial
 from pathlib import Path
 
@@ -15,7 +14,7 @@ from cityx.city import City, Frame
 from cityx.city.frame import NOWHERE
 from cityx.errors import InputError, MissingDependency, UsageError
 from cityx.geometry.raster.grid import Grid
-from cityx.sources.class_map import ClassMap, city_of, features_of
+from cityx.sources.class_map import EXACT, PLAUSIBLE, ClassMap, city_of, features_of
 from cityx.sources.features.tagged import Tagged
 from cityx.sources.georeference import ground_of, laid_on_ground
 from cityx.sources.map_classes import Role, class_of
@@ -32,7 +31,7 @@ from cityx.sources.satellite.unlearned import unlearned_segmenter
 from cityx.sources.semantic_map.picture import MOST_PIXELS, Picture, read_picture
 from cityx.sources.semantic_map.scale import estimated_pixel
 
-__all__ = ["Fidelity", "read_satellite"]
+__all__ = ["read_satellite"]
 
 WITHOUT = "none"  # the word for a segmenter without learning
 UNSURE = 0.5  # confidence below which a pixel is said to be doubtful
@@ -41,20 +40,13 @@ LEAST_SHOWN = 0.002  # share of an image that is surely street or house, if it s
 CLOSE = 1.25  # the same, below which an image is not segmented again at another scale
 
 
-class Fidelity(StrEnum):
-    """How much of a segmented image is kept."""
-
-    EXACT = "exact"  # every outline as it was segmented
-    PLAUSIBLE = "plausible"  # streets connected, blocks built up as densely as the image shows
-
-
 def read_satellite(
     path: Path,
     *,
     pixel: float | None = None,
     at: tuple[float, float] | None = None,
     segmenter: str | Path | None = None,
-    fidelity: str = Fidelity.EXACT,
+    fidelity: str = EXACT,
     flips: bool = True,
     seed: int = 0,
     name: str = "",
@@ -73,7 +65,8 @@ def read_satellite(
         An ONNX file that keeps the contract of `cityx.sources.satellite.segmenter`, "none" for
         colour and texture alone, or None for the network that comes with CityX.
     fidelity
-        "exact" or "plausible".
+        "exact" for every outline as it was segmented, "plausible" for streets that are connected
+        and blocks that are built up as densely as the image shows.
     flips
         Whether every part is also looked at mirrored, which is surer and takes longer.
     seed
@@ -91,8 +84,8 @@ def read_satellite(
         If onnxruntime is absent and a network of the user's own is asked for.
     """
     path = Path(path)
-    if fidelity not in tuple(Fidelity):
-        raise UsageError(f'"{fidelity}" is no fidelity; there are {" and ".join(Fidelity)}.')
+    if fidelity not in (EXACT, PLAUSIBLE):
+        raise UsageError(f'There is no fidelity "{fidelity}"; write {EXACT} or {PLAUSIBLE}.')
     if pixel is not None and not FINEST <= pixel <= COARSEST:
         raise InputError(
             f"A pixel of {pixel:g} m is of no use; an image of a city has {FINEST:g} to "
@@ -146,7 +139,7 @@ def _chosen(said: str | Path | None) -> tuple[Segmenter, tuple[str, ...]]:
 
 
 def _drawing(fidelity: str, seed: int) -> Callable[[ClassMap, str], Tagged]:
-    return partial(plausible_features, seed=seed) if fidelity == Fidelity.PLAUSIBLE else features_of
+    return partial(plausible_features, seed=seed) if fidelity == PLAUSIBLE else features_of
 
 
 def _seen(picture: Picture, segmenter: Segmenter, pixel: float | None, *, flips: bool) -> _Seen:

@@ -16,17 +16,11 @@ from numpy.typing import NDArray
 
 from cityx.geometry.identity import stable_id
 from cityx.geometry.parcels import parcels_of
-from cityx.geometry.raster.centrelines import Centrelines, centrelines
+from cityx.geometry.raster.centrelines import Centrelines
 from cityx.geometry.raster.grid import Grid
-from cityx.geometry.raster.patches import label_patches, without_holes, without_specks
+from cityx.geometry.raster.patches import label_patches
 from cityx.geometry.raster.regions import filled
-from cityx.sources.class_map import (
-    LEAST_GAP,
-    LEAST_STREET,
-    STRAY,
-    ClassMap,
-    features_of,
-)
+from cityx.sources.class_map import ClassMap, features_of, traced
 from cityx.sources.features.tagged import Tagged, joined
 from cityx.sources.map_classes import Role
 from cityx.sources.parcels.footprints import GROUNDS, footprints_of
@@ -65,7 +59,7 @@ def plausible_features(found: ClassMap, source: str, *, seed: int) -> Tagged:
         Key of every draw.
     """
     found = with_streets_connected(found)
-    ways = _streets(found)
+    ways = traced(found.mask(Role.ROAD), found.grid)
     blocks = _blocks(found, ways)
     share, anew = _reading(found, blocks)
     built = _burnt(found.grid, blocks[anew])
@@ -73,13 +67,6 @@ def plausible_features(found: ClassMap, source: str, *, seed: int) -> Tagged:
     kept = features_of(replace(found, labels=land), source)
     plots, of = _plots(found, blocks[anew])
     return joined(kept, _houses(plots, share[anew][of], source, seed)) if len(plots) else kept
-
-
-def _streets(found: ClassMap) -> Centrelines:
-    """Trace the streets as they will be drawn, in pixels."""
-    mask = without_specks(found.mask(Role.ROAD), found.pixels(LEAST_STREET))
-    mask = without_holes(mask, found.pixels(LEAST_GAP))
-    return centrelines(mask, tolerance=STRAY / found.grid.pixel)
 
 
 def with_streets_connected(found: ClassMap) -> ClassMap:
@@ -95,9 +82,8 @@ def with_streets_connected(found: ClassMap) -> ClassMap:
     even = isotropic_opening(even, reach / 2)[margin:-margin, margin:-margin]
     label = next(i for i, item in enumerate(found.classes) if item.role is Role.ROAD)
     labels = np.where(even, np.uint8(label), filled(found.labels, road & ~even))
-    smooth = replace(found, labels=labels)
-    missing = _missing_links(_streets(smooth), found.grid)
-    return replace(smooth, labels=np.where(_burnt(found.grid, missing), np.uint8(label), labels))
+    missing = _missing_links(traced(even, found.grid), found.grid)
+    return replace(found, labels=np.where(_burnt(found.grid, missing), np.uint8(label), labels))
 
 
 def _missing_links(ways: Centrelines, grid: Grid) -> NDArray[Any]:
