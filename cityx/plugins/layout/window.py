@@ -156,7 +156,7 @@ def _buildings(
 ) -> list[Tagged]:
     """Return what stands on the parcels of the blocks near a window.
 
-    A building belongs to the window that the middle of its parcel lies in.
+    A building belongs to the window that a point in its middle lies in.
     """
     if not built:
         return []
@@ -174,17 +174,33 @@ def _buildings(
     parcels = parcels_of(shapes[rows], ids[rows], zone, density, seed=seed)
     block = parcels.block
     stand = footprints_of(parcels, zone[block], density[block], height[block], seed=seed)
-    middle = np.round(shapely.get_coordinates(shapely.centroid(parcels.shapes)), 3)
-    own = ((middle >= [xmin, ymin]) & (middle < [xmax, ymax])).all(axis=1)
-    place = {id_text(one): PLACES[word] for one, word in zip(parcels.id.tolist(), zone[block].tolist(), strict=True)}  # fmt: skip  # noqa: E501
-    mine = {id_text(one) for one in parcels.id[own].tolist()}
+    place = {
+        id_text(one): PLACES[word]
+        for one, word in zip(parcels.id.tolist(), zone[block].tolist(), strict=True)
+    }
     owners = [_placed(owner, place) for owner in stand.owners]
-    kept = [
-        ("building" not in owners[index].tags and "building:part" not in owners[index].tags)
-        or owners[index].key[1] in mine
-        for index in stand.owner.tolist()
-    ]  # fmt: skip
+    kept = _owned(stand, (xmin, ymin, xmax, ymax))
     return [Tagged(stand.shapes, stand.owner, stand.k, owners).take(np.flatnonzero(kept))]
+
+
+def _owned(stand: Tagged, window: Box) -> NDArray[np.bool_]:
+    """Tell what a window owns: buildings with a point of theirs in it, their parts with them."""
+    tags = stand.tags()
+    outline = np.flatnonzero(["building" in own for own in tags])
+    part = np.flatnonzero(["building:part" in own and "building" not in own for own in tags])
+    kept = np.ones(len(tags), bool)
+    kept[outline] = _within(stand.shapes[outline], window)
+    kept[part] = _within(stand.shapes[part], window)
+    inner = shapely.point_on_surface(stand.shapes[part])
+    of, whole = shapely.STRtree(stand.shapes[outline]).query(inner, predicate="within")
+    kept[part[of]] = kept[outline[whole]]
+    return kept
+
+
+def _within(shapes: NDArray[Any], window: Box) -> NDArray[np.bool_]:
+    points = shapely.get_coordinates(shapely.point_on_surface(shapes)).reshape(-1, 2)
+    points = np.round(points, 3)
+    return np.asarray(((points >= window[:2]) & (points < window[2:])).all(axis=1))
 
 
 def _placed(owner: Owner, place: dict[str, str]) -> Owner:

@@ -65,7 +65,7 @@ def test_a_place_is_the_same_alone_and_among_its_neighbours(plan, seed, cell):
     wide = shown(around(x + 40.0, y - 30.0, 360.0), plan, seed, inside=own)
     assert alone
     assert [key for key in alone if alone[key] != wide.get(key)] == []
-    # A house whose plot has its middle outside belongs to the neighbour, though it lies here.
+    # What only the wider window shows are houses: one may belong to the window beside.
     more = [own for key, (_, own) in wide.items() if key not in alone]
     assert all('"building' in own for own in more)
 
