@@ -91,9 +91,7 @@ def test_ascii_grids_in_metres_need_a_projection_file(tmp_path):
     header = "ncols 200\nnrows 200\nxllcorner 397600\nyllcorner 5817000\ncellsize 10\n"
     path = tmp_path / "dem.asc"
     path.write_text(header + "7 " * 40_000)
-    with pytest.raises(
-        InputError, match=r"put its \.prj file beside it, name it"
-    ):
+    with pytest.raises(InputError, match=r"put its \.prj file beside it, name it"):
         read_height(path, FRAME, SITE)
     path.with_suffix(".prj").write_text(rasterio.crs.CRS.from_epsg(25833).to_wkt())
     terrain = read_height(path, FRAME, SITE)
