@@ -20,9 +20,9 @@ FloatArray = NDArray[np.float64]
 COARSE = 6.0  # metres; cells larger than this show no house
 LARGEST = 1500  # cells of a side of the middle of a file that is looked at
 BEND = 1.0  # metres off the mean of its neighbours: a cell at a wall or in a crown
-# Share of all cells that stand high and bend so. Measured: surfaces 2.6 to 21 %, ground 0.2 % at
+# Share of all cells that stand high and bend so. Measured: surfaces 2.6 to 21 %, ground 0.1 % at
 # most, be it rock or whole metres.
-SHARP = 0.01
+SHARP = 0.004
 GROUND = 0.5  # metres; heights above the ground have their ground below this, nearly everywhere
 MOSTLY = 95.0  # per cent
 CROWNS = 0.65  # metres of unevenness in the middle of things; measured: roofs 0.07 to 0.43, crowns

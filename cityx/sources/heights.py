@@ -267,6 +267,7 @@ def height_city(
         )
     frame, box = place_of(heights, at)
     grid = _grid(heights, box)
+    placing = _placing_notes(heights)
     heights = replace(
         heights, files=tuple(laid(file, frame, box, heights.options) for file in heights.files)
     )
@@ -287,7 +288,7 @@ def height_city(
         resolve(features, frame, seed=seed),
         seed=seed,
         stages_done=frozenset({"layout"}),
-        notes=(how, *_drawn_note(features.shells.outlines.tags()), *counts),
+        notes=(*placing, how, *_drawn_note(features.shells.outlines.tags()), *counts),
     )
     return lay_terrain(city, heights)
 

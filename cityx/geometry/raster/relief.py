@@ -42,7 +42,8 @@ def ground_below(surface: FloatArray, cell: float) -> FloatArray:
     stride = max(1, round(BLOCK / cell))
     lowest = _lowest(surface, stride)
     size = max(3, int(WINDOW / (cell * stride)) | 1)
-    opened = ndimage.grey_opening(lowest, size=(size, size), mode="nearest")
+    trend = _plane(_lowest(lowest, min(size, *lowest.shape)), lowest.shape)
+    opened = ndimage.grey_opening(lowest - trend, size=(size, size), mode="nearest") + trend
     bare = lowest - opened < LOW
     ground = _drawn(lowest, bare)
     # Slopes rise above what was opened: what lies near the ground drawn so far is ground as well.
@@ -64,6 +65,21 @@ def _lowest(surface: FloatArray, stride: int) -> FloatArray:
     padded = np.pad(surface, ((0, rows), (0, columns)), mode="edge")
     shape = (padded.shape[0] // stride, stride, padded.shape[1] // stride, stride)
     return np.asarray(padded.reshape(shape).min(axis=(1, 3)))
+
+
+def _plane(values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    """Return the plane that fits some blocks best, at cells as fine as `shape`."""
+    row, column = (
+        axis / size for axis, size in zip(_middles(values.shape), values.shape, strict=True)
+    )
+    terms = np.column_stack([row.ravel(), column.ravel(), np.ones(values.size)])
+    down, right, level = np.linalg.lstsq(terms, values.ravel(), rcond=None)[0].tolist()
+    row, column = (axis / size for axis, size in zip(_middles(shape), shape, strict=True))
+    return np.asarray(down * row + right * column + level)
+
+
+def _middles(shape: tuple[int, ...]) -> FloatArray:
+    return np.mgrid[0 : shape[0], 0 : shape[1]] + 0.5
 
 
 def _drawn(heights: FloatArray, known: BoolArray) -> FloatArray:

@@ -81,26 +81,38 @@ def measure_roofs(shapes: NDArray[Any], above: FloatArray, grid: Grid) -> Roofs:
 
 
 def heights_over_ring(
-    shapes: NDArray[Any], surface: FloatArray, grid: Grid
+    shapes: NDArray[Any], above: FloatArray, grid: Grid
 ) -> tuple[FloatArray, FloatArray]:
-    """Return (n,) heights of tops and of the ground round houses, from a surface alone.
+    """Return (n,) heights of tops and of the ground round houses.
 
-    The ground is sought within 3 m of the wall, where no other house stands nearer; NaN where no
-    such place is.
+    Parameters
+    ----------
+    shapes
+        (n,) polygons, scene frame, metres.
+    above
+        (rows, columns) metres above a ground that is known roughly, NaN where void.
+    grid
+        Where the cells lie.
+
+    Returns
+    -------
+    top, foot
+        (n,) metres above that ground. The foot is sought within 3 m of the wall, where no other
+        house stands nearer; NaN where no such place is.
     """
     from scipy import ndimage
 
     top, foot = np.full(len(shapes), np.nan), np.full(len(shapes), np.nan)
     number = _numbered(shapes, grid)
-    for index, (_, tops) in enumerate(_cells_of(number, len(shapes), surface, grid)):
+    for index, (_, tops) in enumerate(_cells_of(number, len(shapes), above, grid)):
         known = tops[np.isfinite(tops)]
         if len(known) >= max(FEWEST, KNOWN * len(tops)):
             top[index] = np.percentile(known, TOP)
     away, (row, column) = ndimage.distance_transform_edt(number == 0, return_indices=True)
     # Cells at a wall hold some of the roof.
-    beside = (away > 1) & (away * grid.pixel <= RING + grid.pixel) & np.isfinite(surface)
+    beside = (away > 1) & (away * grid.pixel <= RING + grid.pixel) & np.isfinite(above)
     near = np.where(beside, number[row, column], 0)
-    for index, (_, low) in enumerate(_cells_of(near, len(shapes), surface, grid)):
+    for index, (_, low) in enumerate(_cells_of(near, len(shapes), above, grid)):
         if len(low) >= FEWEST:
             foot[index] = np.percentile(low, FOOT)
     return top, foot
