@@ -46,15 +46,17 @@ class HeightKind:
     evidence: str
 
 
-def kind_of(file: HeightFile) -> HeightKind:
+def kind_of(file: HeightFile, pixel: float | None = None) -> HeightKind:
     """Tell what a height file shows from the middle of it.
 
     Parameters
     ----------
-    file
-        If it does not say where it lies, its cells are taken for metres.
+    pixel
+        Metres of a cell of a file that does not say where it lies; without it that is terrain.
     """
-    cell = cell_size(file)
+    if file.to_cell is None and pixel is None:
+        return HeightKind(Shows.TERRAIN, "its cells are not measured; --pixel says their metres")
+    cell = pixel if file.to_cell is None and pixel else cell_size(file)
     if cell > COARSE:
         return HeightKind(Shows.TERRAIN, f"cells of {cell:.3g} m show no house")
     heights = _middle(file)

@@ -100,7 +100,7 @@ def read_heights(paths: Path | Sequence[Path], options: HeightOptions | None = N
     """
     options = options or HeightOptions()
     files = open_heights(paths, options)
-    return Heights(tuple(files), tuple(kind_of(file) for file in files), options)
+    return Heights(tuple(files), tuple(kind_of(file, options.pixel) for file in files), options)
 
 
 def place_of(heights: Heights, at: tuple[float, float] | None = None) -> tuple[Frame, Box]:

@@ -20,7 +20,8 @@ def hill(step, reach):
 @pytest.fixture(scope="module")
 def slope():
     roads = make_table("roads", [shapely.LineString([(-200, 0), (200, 0)])], id=[1],
-                       kind=["residential"], width=[6.0])  # fmt: skip
+                       kind=["residential"], width=[6.0], sidewalk_left=[0.0],
+                       sidewalk_right=[0.0])  # fmt: skip
     terrain = hill(5.0, 200.0)
     x, y = (axis.ravel() for axis in np.meshgrid(*2 * [np.arange(-190.0, 191.0, 20.0)]))
     points = np.column_stack([x, y, terrain.height_at(np.column_stack([x, y]))])

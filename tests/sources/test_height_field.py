@@ -100,7 +100,7 @@ def test_ascii_grids_in_metres_need_a_projection_file(tmp_path):
 
 
 def test_a_file_of_another_place_is_refused_with_both_places(tmp_path):
-    with pytest.raises(InputError, match=r"file lies at 9\.9996.*site at 13\.4971"):
+    with pytest.raises(InputError, match=r"file lies at 9\.9996.*site at 13\.4973"):
         read_height(hgt(tmp_path, "N52E010.hgt"), FRAME, SITE)
 
 

@@ -104,6 +104,13 @@ def test_a_surface_without_a_place_stands_where_it_is_told(tmp_path):
     assert any("does not say where it lies" in note for note in city.notes)
 
 
+def test_cells_that_nobody_measured_show_no_houses(tmp_path):
+    np.save(tmp_path / "dsm.npy", (ground() + standing()).astype(np.float32))
+    heights = read_heights(tmp_path / "dsm.npy")
+    assert not heights.has_houses
+    assert "--pixel says their metres" in heights.notes[0]
+
+
 def test_a_country_is_refused_with_the_limit(tmp_path):
     file = tmp_path / "dsm.tif"
     profile = {"driver": "GTiff", "width": 8000, "height": 8000, "count": 1, "dtype": "float32"}
