@@ -25,7 +25,7 @@ ENGINE_FAILED = 3
 
 app = typer.Typer(
     name="cityx",
-    help="Maps, images, heights and drawings become explicit, editable, simulation-ready 3D cities.",
+    help="Maps, images, heights and drawings become explicit, editable 3D cities.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

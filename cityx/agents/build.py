@@ -207,8 +207,11 @@ def generate(
         city = run.do(city, action, args)
     if reading.heights is not None:
         from cityx.sources.heights import lay_terrain
+        from cityx.sources.measured_heights import heights_from_surface
 
         with run.watch.step("terrain"):
+            if reading.heights.has_houses and len(city.layout.buildings):
+                city = heights_from_surface(city, reading.heights)
             city = lay_terrain(city, reading.heights)
     city = replace(city, stages_done=city.stages_done | {"layout", "terrain"})
     for position, (action, args) in enumerate(rest, start=1):
