@@ -41,6 +41,8 @@ STREETS: dict[str, tuple[float, float]] = {
     "pedestrian": (3.0, 0.65), "living_street": (2.6, 0.3), "residential": (2.6, 0.28),
     "unclassified": (2.6, 0.36), "road": (2.0, 0.2), "service": (1.0, 0.0), "track": (0.4, 0.0),
 }  # fmt: skip
+DOORSTEP = 0.6  # metres before a door that must be ground
+WATER = ("water", "river", "sea", "pool")
 ENTRANCE = 15.0  # what a zone made for the entrance is worth as the place of the door
 MIN_DOOR_WALL = 1.4  # metres
 MIN_DOOR_ROOM = 2.05  # metres of height a door needs
@@ -168,12 +170,13 @@ def fronts_of(
     front = frontage_of(walls, lines, obstacles, volumes.base, volumes.eave)
     kind = np.where(front.street >= 0, np.append(kinds, "")[front.street], "")
     worth, share = _worth(kind)
+    dry = ~_on_water(layout, walls)
     grounded = parts["base"].to_numpy(float)[part] < GROUNDED
     pavement = np.where(grounded[:, None], _ground_at(city, walls), walls.z_low[:, None])
 
     room = np.minimum(walls.z_high, walls.open_to) - pavement.min(axis=1)
     usable = grounded & (walls.length >= MIN_DOOR_WALL) & (room >= MIN_DOOR_ROOM)
-    usable &= walls.blind_to <= walls.z_low + 0.05
+    usable &= (walls.blind_to <= walls.z_low + 0.05) & dry
     score = 10 * worth + np.minimum(walls.length, 14.0) - 0.4 * np.minimum(front.distance, 20.0)
     score = score + np.minimum(front.free, 6.0) - 25.0 * (front.free < CLOSE)
     score = score + ENTRANCE * designs.entrance[part]
@@ -189,12 +192,12 @@ def fronts_of(
     levels = (np.maximum(parts["levels"].to_numpy(np.int64), 1) + volumes.cellars)[part]
     tall = (walls.z_high - walls.z_low) / levels
     shop &= (levels > 1) | (tall >= MIN_SHOP_STOREY)
-    shop &= grounded & (worth >= 2.0) & (walls.length >= 2.6)
+    shop &= grounded & dry & (worth >= 2.0) & (walls.length >= 2.6)
     ground_storey = np.where(shop, np.maximum(size["ground_storey"], 3.9), size["ground_storey"])
     door_width, door_height = _door_sizes(designs.door[part], seed, building)
     return Fronts(
         building, mode, levels, pavement, grounded,
-        worth >= 2.0, shop, designs.balcony[part], front.free, front.screened,
+        dry & (worth >= 2.0), shop, designs.balcony[part], front.free, front.screened,
         size["bay"], size["width"], size["height"], size["sill"], ground_storey, size["corner"],
         door, door_along, door_width, door_height,
     )  # fmt: skip
@@ -260,6 +263,17 @@ def _worth(kind: Words) -> tuple[FloatArray, FloatArray]:
     table = np.array([STREETS.get(word, (0.0, 0.0)) for word in known.tolist()]).reshape(-1, 2)
     both = table[index] if len(kind) else np.zeros((0, 2))
     return both[:, 0], both[:, 1]
+
+
+def _on_water(layout: Layout, walls: WallTable) -> NDArray[np.bool_]:
+    """(n,) whether water reaches the ground before a wall."""
+    areas = layout.areas
+    water = areas.geometry.to_numpy()[np.isin(areas["kind"].to_numpy(str), WATER)]
+    ends = np.stack([walls.start, walls.end], axis=1) + DOORSTEP * walls.normal[:, None]
+    before = shapely.linestrings(ends)
+    found = np.zeros(walls.count, bool)
+    found[shapely.STRtree(water).query(before, predicate="intersects")[0]] = True
+    return found
 
 
 def _entrances(points: Any) -> tuple[FloatArray, IntArray]:

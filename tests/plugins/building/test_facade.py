@@ -48,6 +48,18 @@ def test_every_house_has_one_door_on_its_street():
     assert np.allclose(doors.low, KERB_HEIGHT)
 
 
+@pytest.mark.parametrize("use", ["apartments", "retail"])
+def test_no_door_opens_onto_water(use):
+    city = terrace(use=use)
+    pond = make_table("areas", [shapely.box(-20, -5, 50, 0)], id=[9], kind=["water"])
+    found = facade_of(replace(city, layout=replace(city.layout, areas=pond)))
+    doors = found.openings.take(np.isin(found.openings.role, [facades.DOOR, facades.SHOP]))
+    wall = doors.wall
+    south = found.walls.normal[wall][:, 1] < -0.99
+    assert sorted(np.unique(found.walls.part[wall[south]]).tolist()) == [5, 6, 7]
+    assert set(found.walls.part[wall].tolist()) == set(range(COUNT))
+
+
 def test_party_walls_have_no_openings():
     found = facade_of(terrace())
     blind = found.walls.blind_to > found.walls.z_low + 0.5
