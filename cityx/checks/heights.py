@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.check import Check
 from cityx.city import City
+from cityx.geometry.clearance import cells_of_triangles, triangles_at
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, values_along
 
 FloatArray = NDArray[np.float64]
@@ -106,12 +104,14 @@ def _above(city: City, xy: FloatArray) -> tuple[IntArray, FloatArray]:
     u, v = (b - a)[:, :2], (c - a)[:, :2]
     flat = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) > 1e-9
     corners = corners[flat]
-    shapes: NDArray[Any] = shapely.polygons(corners[:, :, :2])
+    faces = cells_of_triangles(
+        corners[:, :, :2].reshape(-1, 2), np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3)
+    )
     # Moved by less than anything built, so that no line runs through an edge two faces share.
-    spots = shapely.points(xy + np.array([1.7e-5, 2.9e-5]))
-    hit, face = shapely.STRtree(shapes).query(spots, predicate="intersects")
+    pairs = list(triangles_at(xy + np.array([1.7e-5, 2.9e-5]), faces))
+    hit, face = (np.concatenate(column) for column in zip(*pairs, strict=True))
     a, b, c = corners[face].transpose(1, 0, 2)
     normal = np.cross(b - a, c - a)
     offset = xy[hit] - a[:, :2]
     rise = (normal[:, :2] * offset).sum(axis=1) / normal[:, 2]
-    return np.asarray(hit, np.int64), np.asarray(a[:, 2] - rise)
+    return hit, np.asarray(a[:, 2] - rise)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -123,6 +124,7 @@ def push_off(
 CELL = 10.0  # metres; points are looked up by such cells
 MOST_CELLS = 16  # that a triangle's box may meet; larger triangles ask a search tree
 ROWS = np.int64(1 << 24)  # of cells, more than any site has
+AT_ONCE = 20_000  # points looked up at once; each may have hundreds of triangles in its cell
 
 
 @dataclass(frozen=True)
@@ -202,15 +204,37 @@ def triangle_at(
     """
     spots = np.asarray(xy, float).reshape(-1, 2)
     found = np.full(len(spots), -1, np.int64)
-    spot, triangle = _candidates(spots, prepared)
-    if among is not None:
-        spot, triangle = spot[among[triangle]], triangle[among[triangle]]
-    a, b, c = prepared.vertices[prepared.triangles[triangle]].transpose(1, 0, 2)
-    at = spots[spot]
-    turns = np.stack([_turn(a, b, at), _turn(b, c, at), _turn(c, a, at)])
-    hit = (turns >= 0).all(axis=0) | (turns <= 0).all(axis=0)
-    np.maximum.at(found, spot[hit], triangle[hit])
+    for spot, triangle in triangles_at(spots, prepared, among):
+        np.maximum.at(found, spot, triangle)
     return found
+
+
+def triangles_at(
+    xy: ArrayLike, prepared: TriangleCells, among: BoolArray | None = None
+) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """Yield, for some points after the others, all pairs of a point and a triangle that holds it.
+
+    Parameters
+    ----------
+    xy, prepared, among
+        As for `triangle_at`.
+
+    Yields
+    ------
+    point, triangle
+        (k,) each.
+    """
+    spots = np.asarray(xy, float).reshape(-1, 2)
+    for begin in range(0, len(spots), AT_ONCE):
+        spot, triangle = _candidates(spots[begin : begin + AT_ONCE], prepared)
+        spot += begin
+        if among is not None:
+            spot, triangle = spot[among[triangle]], triangle[among[triangle]]
+        a, b, c = prepared.vertices[prepared.triangles[triangle]].transpose(1, 0, 2)
+        at = spots[spot]
+        turns = np.stack([_turn(a, b, at), _turn(b, c, at), _turn(c, a, at)])
+        hit = (turns >= 0).all(axis=0) | (turns <= 0).all(axis=0)
+        yield spot[hit], triangle[hit]
 
 
 def _candidates(
