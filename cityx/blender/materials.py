@@ -26,6 +26,7 @@ PUDDLED = frozenset(
 # Materials of outer walls, which weather: splashes above the ground, streaks of rain, blotches.
 AGED = frozenset({"plaster", "brick", "stone", "concrete", "wood", "trim"})
 LEAVES = frozenset({"leaf", "foliage"})
+FOLIAGE = LEAVES | {"hedge"}  # what catches snow at any slope
 # Carriageways, where tyres press snow to slush.
 DRIVEN = frozenset(
     {"asphalt", "setts", "cobbles", "clinker", "pavers", "road_concrete", "marking_white",
@@ -99,6 +100,7 @@ class MaterialLibrary:
         weather.inputs["Puddles"].default_value = float(record.root in PUDDLED)
         weather.inputs["Traffic"].default_value = float(record.root in DRIVEN and not variant)
         weather.inputs["Snow cover"].default_value = float(record.name not in SNOWLESS)
+        weather.inputs["Foliage"].default_value = float(record.name in FOLIAGE)
         weather.inputs["Variation"].default_value = 1.0 if record.texture else 0.0
         if record.name in AGED and self.textured:
             weather.inputs["Age"].default_value = 1.0 if not variant else 0.3

@@ -37,6 +37,10 @@ RIPPLE_SIZE = 0.16  # metres between drops that fall on a puddle in the rain
 SNOW_COLOR = (0.80, 0.82, 0.86, 1.0)
 SLUSH_COLOR = (0.42, 0.425, 0.435, 1.0)
 SNOW_REACH = 8.0  # metres within which a roof, an awning or a bridge keeps snow off
+# Clipped leaves hold snow at any slope, the more of the sky they see: the top of a hedge sees all
+# of it, its sides half, where a dusting lies in clumps.
+CAUGHT = (0.42, 0.9)  # shares of open sky between which a leaf is covered
+CLUMP = 0.3  # metres
 SNOW_SAMPLES = 12  # the share of open sky is compared with a threshold: few would blur it
 TRACKS, TRACKS_CORNER, TRACKS_SCALE = "Tyre tracks", "Corner of the tracks", "Scale of the tracks"
 # Kelvin: bulbs and lamps of homes; tubes at work and in shops.
@@ -80,6 +84,7 @@ def weather_group() -> Tree:
     inputs = {
         "Color": (0.8, 0.8, 0.8, 1.0), "Roughness": 0.8, "Metallic": 0.0, "Porosity": 0.5,
         "Puddles": 0.0, "Snow cover": 1.0, "Traffic": 0.0, "Variation": 0.0, "Age": 0.0,
+        "Foliage": 0.0,
         "Normal": (0.0, 0.0, 0.0),
     }  # fmt: skip
     outputs = {"Color": "Color", "Roughness": "Float", "Metallic": "Float", "Normal": "Vector"}
@@ -217,6 +222,10 @@ def _snow(tree: Tree, up: Socket, snow: Socket, given: Any) -> Socket:
     # Nothing holds on what is steeper than 60 degrees, whatever the noise says.
     lying = nodes.math(tree, "MULTIPLY", lying, nodes.smoothstep(tree, up, 0.5, 0.6))
     lying = nodes.math(tree, "MULTIPLY", lying, open_sky)
+    clumps = nodes.math(tree, "MULTIPLY_ADD", nodes.noise(tree, CLUMP, 3.0), 0.8, -0.4)
+    caught = nodes.math(tree, "ADD", sky.outputs["AO"], clumps)
+    caught = nodes.smoothstep(tree, caught, *CAUGHT)
+    lying = nodes.mix(tree, given["Foliage"], lying, caught, kind="FLOAT")
     # Tyres press a path for each wheel through it, and slush it a little all over the street.
     patches = nodes.smoothstep(tree, nodes.noise(tree, 1.7, 5.0), 0.3, 0.62)
     left = nodes.math(tree, "MULTIPLY_ADD", patches, 0.4, 0.45)
