@@ -21,7 +21,7 @@ from cityx.city.rooms import WORK
 # Materials of level ground, where rain stands in puddles.
 PUDDLED = frozenset(
     {"asphalt", "asphalt_light", "setts", "paving", "concrete", "bitumen", "pitch", "soil",
-     "cobbles", "clinker", "pavers", "road_concrete"}
+     "cobbles", "clinker", "pavers", "yard", "road_concrete"}
 )  # fmt: skip
 # Materials of outer walls, which weather: splashes above the ground, streaks of rain, blotches.
 AGED = frozenset({"plaster", "brick", "stone", "concrete", "wood", "trim"})
