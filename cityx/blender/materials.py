@@ -32,6 +32,7 @@ DRIVEN = frozenset(
     {"asphalt", "setts", "cobbles", "clinker", "pavers", "road_concrete", "marking_white",
      "marking_yellow"}
 )  # fmt: skip
+CRACKED = frozenset({"asphalt", "asphalt_light"})
 GLAZED = frozenset({"glass", "glass_wall", "car_glass"})
 GLASS_IOR = 1.9  # a coated double pane mirrors twice as much as plain glass
 JPEG_QUALITY = 92
@@ -99,6 +100,7 @@ class MaterialLibrary:
         weather.inputs["Porosity"].default_value = record.porosity
         weather.inputs["Puddles"].default_value = float(record.root in PUDDLED)
         weather.inputs["Traffic"].default_value = float(record.root in DRIVEN and not variant)
+        weather.inputs["Cracks"].default_value = float(record.root in CRACKED and not variant)
         weather.inputs["Snow cover"].default_value = float(record.name not in SNOWLESS)
         weather.inputs["Foliage"].default_value = float(record.name in FOLIAGE)
         weather.inputs["Variation"].default_value = 1.0 if record.texture else 0.0
