@@ -78,7 +78,7 @@ def _half_drum(radius: float, low: float, high: float, material: str) -> MeshBat
 
 
 def door_lobby() -> Shapes:
-    """Entrance of an office tower: a revolving door between swing doors, under a steel canopy."""
+    """Entrance of an office tower: a revolving door between swing doors, a hung canopy."""
     shapes = surround(5.0, 3.4, 0.09, -0.10, "metal_grey", bottom=False)
     shapes += [
         pane(-2.4, 2.4, 0.0, 3.32, "glass"),
@@ -91,12 +91,13 @@ def door_lobby() -> Shapes:
     for x in (-1.5, 1.5):
         shapes.append(slab(x - 0.015, x + 0.015, 0.85, 1.6, -0.12, "metal_grey", back=-0.07))
     shapes += [
-        slab(-3.0, 3.0, 3.4, 3.62, -2.6, "metal_grey"),
-        slab(-2.9, 2.9, 3.36, 3.4, -2.5, "frame_paint"),
+        slab(-3.0, 3.0, 3.4, 3.58, -1.7, "metal_grey"),
+        slab(-2.9, 2.9, 3.36, 3.4, -1.6, "frame_paint"),
         slab(-2.7, 2.7, -0.35, 0.02, -1.4, "concrete"),
     ]
-    for x in (-2.8, 2.8):
-        shapes.append(cylinder((x, -2.35, 3.4), (x, -2.35, -0.3), 0.09, "metal_grey", sides=8))
+    # Hung on rods: posts would stand in the street before a narrow pavement.
+    for x in (-2.6, 2.6):
+        shapes.append(cylinder((x, -1.5, 3.55), (x, -0.02, 4.35), 0.025, "metal_grey", sides=6))
     return shapes
 
 

@@ -21,16 +21,18 @@ from cityx.city.rooms import WORK
 # Materials of level ground, where rain stands in puddles.
 PUDDLED = frozenset(
     {"asphalt", "asphalt_light", "setts", "paving", "concrete", "bitumen", "pitch", "soil",
-     "cobbles", "clinker", "pavers", "road_concrete"}
+     "cobbles", "clinker", "pavers", "yard", "road_concrete"}
 )  # fmt: skip
 # Materials of outer walls, which weather: splashes above the ground, streaks of rain, blotches.
 AGED = frozenset({"plaster", "brick", "stone", "concrete", "wood", "trim"})
 LEAVES = frozenset({"leaf", "foliage"})
+FOLIAGE = LEAVES | {"hedge"}  # what catches snow at any slope
 # Carriageways, where tyres press snow to slush.
 DRIVEN = frozenset(
     {"asphalt", "setts", "cobbles", "clinker", "pavers", "road_concrete", "marking_white",
      "marking_yellow"}
 )  # fmt: skip
+CRACKED = frozenset({"asphalt", "asphalt_light"})
 GLAZED = frozenset({"glass", "glass_wall", "car_glass"})
 GLASS_IOR = 1.9  # a coated double pane mirrors twice as much as plain glass
 JPEG_QUALITY = 92
@@ -98,7 +100,9 @@ class MaterialLibrary:
         weather.inputs["Porosity"].default_value = record.porosity
         weather.inputs["Puddles"].default_value = float(record.root in PUDDLED)
         weather.inputs["Traffic"].default_value = float(record.root in DRIVEN and not variant)
+        weather.inputs["Cracks"].default_value = float(record.root in CRACKED and not variant)
         weather.inputs["Snow cover"].default_value = float(record.name not in SNOWLESS)
+        weather.inputs["Foliage"].default_value = float(record.name in FOLIAGE)
         weather.inputs["Variation"].default_value = 1.0 if record.texture else 0.0
         if record.name in AGED and self.textured:
             weather.inputs["Age"].default_value = 1.0 if not variant else 0.3

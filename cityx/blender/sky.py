@@ -32,6 +32,10 @@ MOON_RADIUS = 0.9  # degrees, four times as wide as real: so it looks in a wide 
 CLOSED = 0.9  # cloud cover from which no sun and no blue is seen
 CLOUD_BASE = 0.12  # flattens the dome so that clouds shrink towards the horizon
 VEILED = (3_000.0, 12_000.0)  # metres of visibility between which haze begins to veil the sky
+# Radiance of far air beside that of a white level plane: under a high sun, under one close to the
+# horizon, whose light has lost its blue on the way, and that of fog, which mixes sun and sky.
+CLEAR_HAZE, LOW_SUN_HAZE, FOG_HAZE = (0.145, 0.17, 0.215), (0.55, 0.33, 0.20), (0.30, 0.31, 0.32)
+LOW_SUN = (-7.0, -1.0, 3.0, 14.0)  # degrees of the sun between which it reddens the air
 
 
 def clear_radiance(elevation: float) -> float:
@@ -51,6 +55,11 @@ def deep_night(elevation: float) -> float:
     return t * t * (3 - 2 * t)
 
 
+def low_sun(elevation: float) -> float:
+    """Return how far the sun reddens the air: 1 while it rises or sets, 0 by day and at night."""
+    return float(np.interp(np.degrees(elevation), LOW_SUN, (0.0, 1.0, 1.0, 0.0)))
+
+
 def lamp_balance(environment: Environment) -> float:
     """Return the factor on all lamps: at dusk they are weak beside the sky, at night 1."""
     return float(np.interp(np.degrees(environment.sun_elevation), *np.array(LAMP_BALANCE).T))
@@ -68,9 +77,11 @@ def haze_color(environment: Environment) -> tuple[float, float, float]:
     cover = environment.cloud_cover
     level = clear_radiance(environment.sun_elevation) * environment.sky_strength
     night = night_share(environment.sun_elevation)
-    clear = np.array([0.145, 0.17, 0.215]) * level
-    # Fog scatters light of sun and sky evenly.
-    grey = np.array([0.30, 0.31, 0.32]) * level * (1 if cover < 0.95 else OVERCAST_SHARE * 2)
+    warm = (1 - cover) * low_sun(environment.sun_elevation)
+    low = np.array(LOW_SUN_HAZE) * warm
+    clear = (np.array(CLEAR_HAZE) * (1 - warm) + low) * level
+    grey = (np.array(FOG_HAZE) * (1 - warm) + low) * level
+    grey *= 1 if cover < 0.95 else OVERCAST_SHARE * 2
     thick = min(1.0, 3000.0 / max(environment.visibility, 1.0))
     share = max(cover, thick)
     lamps = np.array([0.02, 0.014, 0.008]) * environment.lamps * night * lamp_balance(environment)
@@ -184,16 +195,17 @@ def _overcast(
 ) -> Socket:
     """Return the CIE overcast sky, three times brighter at the zenith, with folds of cloud in it.
 
-    Folds are darker and stand out more the higher the contrast; under a storm a pale band is left
-    above the horizon, where one looks out beneath the cloud.
+    Folds are darker and stand out more the higher the contrast; under a storm the cloud is a dark
+    ceiling, and a pale band is left above the horizon, where one looks out beneath it.
     """
     level = clear_radiance(environment.sun_elevation) * OVERCAST_SHARE * 9 / 7
     level *= environment.sky_strength
     contrast = environment.cloud_contrast
     rise = tree.nodes.new("ShaderNodeMapRange")
     tree.links.new(up, rise.inputs["Value"])
+    storm = contrast**2  # of thin layers little of it shows
     rise.inputs["To Min"].default_value = level / 3 * (1 + 0.8 * contrast)
-    rise.inputs["To Max"].default_value = level * (1 - 0.25 * contrast)
+    rise.inputs["To Max"].default_value = level * (1 - 0.2 * contrast - 0.5 * storm)
     deep: Socket = 0.5  # 0 thin and bright, 1 thick and dark
     if detailed:
         place = _ceiling(tree, direction, up)
@@ -202,7 +214,8 @@ def _overcast(
         mixed = nodes.math(
             tree, "MULTIPLY_ADD", small, 0.3, nodes.math(tree, "MULTIPLY", folds, 0.7)
         )
-        deep = nodes.smoothstep(tree, mixed, 0.38, 0.6)
+        # A storm's folds are closed towers with ragged edges, and few gaps between them.
+        deep = nodes.smoothstep(tree, mixed, 0.38 - 0.07 * storm, 0.6 - 0.09 * storm)
     deep = nodes.math(tree, "MULTIPLY", deep, nodes.smoothstep(tree, up, 0.0, 0.12))
     shade = nodes.math(tree, "MULTIPLY_ADD", deep, -1.0 * contrast, 1.0 + 0.4 * contrast)
     bright = nodes.math(tree, "MULTIPLY", rise.outputs["Result"], shade)

@@ -27,6 +27,9 @@ BALANCE = "Balance of lamps and sky"
 # Splashes above the ground, streaks of rain and blotches on old walls.
 SPLASH_HEIGHT = 1.3  # metres above the ground that rain throws soil up a wall
 SPLASH, STREAK, BLOTCH = 0.26, 0.16, 0.14  # shares of light they take at most
+# Cracks in asphalt, sealed with bitumen in bands a hand wide: metres between them, half the width
+# of a band, the share of light it takes, and the size of the worn stretches that have them.
+CRACK_CELL, CRACK_HALF, CRACK, CRACK_STRETCH = 3.0, 0.03, 0.6, 13.0
 # Water in the pores of a surface bends light inward again: wet concrete keeps about half of it, and
 # more of its colour (Lekner and Dorf 1988).
 WET_LOSS = 0.42
@@ -37,6 +40,10 @@ RIPPLE_SIZE = 0.16  # metres between drops that fall on a puddle in the rain
 SNOW_COLOR = (0.80, 0.82, 0.86, 1.0)
 SLUSH_COLOR = (0.42, 0.425, 0.435, 1.0)
 SNOW_REACH = 8.0  # metres within which a roof, an awning or a bridge keeps snow off
+# Clipped leaves hold snow at any slope, the more of the sky they see: the top of a hedge sees all
+# of it, its sides half, where a dusting lies in clumps.
+CAUGHT = (0.42, 0.9)  # shares of open sky between which a leaf is covered
+CLUMP = 0.3  # metres
 SNOW_SAMPLES = 12  # the share of open sky is compared with a threshold: few would blur it
 TRACKS, TRACKS_CORNER, TRACKS_SCALE = "Tyre tracks", "Corner of the tracks", "Scale of the tracks"
 # Kelvin: bulbs and lamps of homes; tubes at work and in shops.
@@ -80,6 +87,7 @@ def weather_group() -> Tree:
     inputs = {
         "Color": (0.8, 0.8, 0.8, 1.0), "Roughness": 0.8, "Metallic": 0.0, "Porosity": 0.5,
         "Puddles": 0.0, "Snow cover": 1.0, "Traffic": 0.0, "Variation": 0.0, "Age": 0.0,
+        "Foliage": 0.0, "Cracks": 0.0,
         "Normal": (0.0, 0.0, 0.0),
     }  # fmt: skip
     outputs = {"Color": "Color", "Roughness": "Float", "Metallic": "Float", "Normal": "Vector"}
@@ -99,6 +107,9 @@ def weather_group() -> Tree:
     dirt = nodes.math(tree, "MULTIPLY", _dirt(tree, splash), given["Age"])
     dirt = nodes.math(tree, "MULTIPLY", dirt, nodes.math(tree, "SUBTRACT", 1.0, level))
     color = nodes.product(tree, color, nodes.math(tree, "SUBTRACT", 1.0, dirt))
+
+    cracks = nodes.math(tree, "MULTIPLY", _cracks(tree), given["Cracks"])
+    color = nodes.product(tree, color, nodes.math(tree, "SUBTRACT", 1.0, cracks))
 
     white = _snow(tree, up, snow, given)
     # Cars melt snow: what they leave is wet.
@@ -161,6 +172,24 @@ def _dirt(tree: Tree, splash: Socket) -> Socket:
     return nodes.math(tree, "MULTIPLY_ADD", streak, STREAK, total)
 
 
+def _cracks(tree: Tree) -> Socket:
+    """Return the share of light that sealed cracks take, in stretches that are worn."""
+    place = tree.nodes.new("ShaderNodeNewGeometry").outputs["Position"]
+    push = tree.nodes.new("ShaderNodeTexNoise")
+    push.inputs["Scale"].default_value = 2.0
+    tree.links.new(place, push.inputs["Vector"])
+    bent = nodes.vector(tree, "MULTIPLY_ADD", push.outputs["Color"], (0.7, 0.7, 0.0), place)
+    cells = tree.nodes.new("ShaderNodeTexVoronoi")
+    cells.voronoi_dimensions = "2D"
+    cells.feature = "DISTANCE_TO_EDGE"
+    cells.inputs["Scale"].default_value = 1 / CRACK_CELL
+    tree.links.new(bent, cells.inputs["Vector"])
+    near = CRACK_HALF / CRACK_CELL
+    line = nodes.smoothstep(tree, cells.outputs["Distance"], 1.3 * near, 0.7 * near)
+    worn = nodes.smoothstep(tree, nodes.noise(tree, CRACK_STRETCH), 0.42, 0.5)
+    return nodes.math(tree, "MULTIPLY", nodes.math(tree, "MULTIPLY", line, worn), CRACK)
+
+
 def _pools(tree: Tree, up: Socket, wetness: Socket, flag: Socket) -> Socket:
     """Return where water stands: in broad hollows of level ground, more of them the wetter."""
     hollow = nodes.noise(tree, PUDDLE_SIZE, 3.0)
@@ -217,6 +246,10 @@ def _snow(tree: Tree, up: Socket, snow: Socket, given: Any) -> Socket:
     # Nothing holds on what is steeper than 60 degrees, whatever the noise says.
     lying = nodes.math(tree, "MULTIPLY", lying, nodes.smoothstep(tree, up, 0.5, 0.6))
     lying = nodes.math(tree, "MULTIPLY", lying, open_sky)
+    clumps = nodes.math(tree, "MULTIPLY_ADD", nodes.noise(tree, CLUMP, 3.0), 0.8, -0.4)
+    caught = nodes.math(tree, "ADD", sky.outputs["AO"], clumps)
+    caught = nodes.smoothstep(tree, caught, *CAUGHT)
+    lying = nodes.mix(tree, given["Foliage"], lying, caught, kind="FLOAT")
     # Tyres press a path for each wheel through it, and slush it a little all over the street.
     patches = nodes.smoothstep(tree, nodes.noise(tree, 1.7, 5.0), 0.3, 0.62)
     left = nodes.math(tree, "MULTIPLY_ADD", patches, 0.4, 0.45)

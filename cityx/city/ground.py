@@ -44,7 +44,7 @@ class Surface:
 # Index in this tuple is the label stored with a face. Priorities leave room for plugins.
 SURFACES: tuple[Surface, ...] = (
     Surface("block", 0, KERB_HEIGHT, "grass", "soil"),  # land nobody described, open country
-    Surface("courtyard", 5, KERB_HEIGHT, "paving", "concrete"),  # the same inside a dense block
+    Surface("courtyard", 5, KERB_HEIGHT, "yard", "concrete"),  # the same inside a dense block
     Surface("farmland", 10, KERB_HEIGHT, "farmland", "soil"),
     Surface("grass", 12, KERB_HEIGHT, "grass", "soil"),
     Surface("meadow", 12, KERB_HEIGHT, "meadow", "soil"),

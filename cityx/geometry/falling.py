@@ -23,6 +23,9 @@ FLAKE_RADIUS = (0.002, 0.005)  # flakes that cling together
 SNOW_REACH = 14.0
 LEAST = 0.45  # pixels, the least width of a streak
 SIDES = 6  # corners of a flake
+# Gusts drive the rain in sheets some metres wide: between them the wind falls to a third.
+GUST_SIZE = 5.0
+GUST = (0.35, 1.65)
 
 
 def places(
@@ -80,7 +83,8 @@ def streaks(
     low, high = DROP_SPEED
     speed = low + draws[:, :1] * (high - low)
     # Wind carries big drops as fast as small ones, but gusts differ.
-    path = (down * speed + drift * (0.75 + 0.5 * draws[:, 1:2])) * SHUTTER  # (n, 3)
+    gust = _gusts(at)
+    path = (down * speed + drift * gust * (0.85 + 0.3 * draws[:, 1:2])) * SHUTTER  # (n, 3)
     path *= 0.8 + 0.7 * draws[:, 2:3]
     side = np.cross(path, at)
     side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-12)
@@ -91,6 +95,15 @@ def streaks(
          at + path / 2 + side * half, at + path / 2 - side * half], axis=1,
     )  # fmt: skip  # (n, 4, 3)
     return corners.reshape(-1, 3), np.arange(4 * len(at)).reshape(-1, 4)
+
+
+def _gusts(at: FloatArray) -> FloatArray:
+    """(n, 1) factor on the wind at places: two waves that cross, so that no sheet is straight."""
+    turn = 2 * pi / GUST_SIZE
+    right, up, ahead = at.T
+    wave = np.sin(turn * (right + 0.4 * up)) + np.sin(turn * (0.6 * ahead - 0.5 * right) + 1.0)
+    low, high = GUST
+    return np.asarray(low + (high - low) * (wave[:, None] + 2) / 4)
 
 
 def flakes(at: FloatArray, draws: FloatArray, pixel: float) -> tuple[FloatArray, NDArray[np.int64]]:

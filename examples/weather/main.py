@@ -33,7 +33,7 @@ CELLS = (
     ("rain", "rain", "15:00"),
     ("storm", "storm", "15:00"),
     ("snow", "snow", "12:00"),
-    ("dawn", "dawn", ""),
+    ("dawn", "dawn", "09-21 dawn"),  # when the sun rises behind the camera
     ("dusk", "dusk", ""),
     ("night", "night", ""),
     ("rain at night", "rain night", ""),

@@ -74,8 +74,8 @@ def test_deciduous_trees_alone_are_bare_under_snow(changed):
     }  # fmt: skip
 
 
-def ball(radius, steps=48):
-    """A ball of dark felt about the origin."""
+def ball(radius, steps=48, material="bitumen"):
+    """A ball about the origin."""
     polar = np.linspace(0, pi, steps // 2 + 1)
     around = np.linspace(0, 2 * pi, steps, endpoint=False)
     points = [(sin(p) * cos(a), sin(p) * sin(a), cos(p)) for p in polar for a in around]
@@ -85,21 +85,32 @@ def ball(radius, steps=48):
         for r in range(steps // 2) for c in range(steps)
     ]  # fmt: skip
     uv = np.zeros((len(faces), 4, 2))
-    return one_mesh(1, np.array(points) * radius, faces, materials=("bitumen",), uv=uv,
+    return one_mesh(1, np.array(points) * radius, faces, materials=(material,), uv=uv,
                     tint=(0.06, 0.06, 0.06))  # fmt: skip
 
 
-def test_snow_lies_on_what_faces_up_alone(tmp_path):
-    city = replace(quarter(1), scene=Scene().with_mesh("ground", ball(2.0)))
+def snow_on_ball(folder, material):
+    """What snow adds to a ball, (64, 64): its light, how far its surface faces up, what is ball."""
+    city = replace(quarter(1), scene=Scene().with_mesh("ground", ball(2.0, material=material)))
     # So far off that the picture is as good as an orthographic one: two metres are 30 pixels.
     camera = Camera("side", (0.0, -120.0, 0.0), 0.0, 0.0, 2 * np.arctan(32 / 15 / 120), 64, 64)
-    bare, snowed = (rendered(tmp_path, city, light, camera)
+    bare, snowed = (rendered(folder, city, light, camera)
                     for light in (replace(SNOWED, snow=0.0), SNOWED))  # fmt: skip
     row, column = np.indices((64, 64)) - 31.5
     inside = np.hypot(row, column) < 29
-    up = -row / 30.0
     # The white land around brightens what faces down; snow brightens much more.
-    gain = np.clip(snowed - bare - 25.0, 0, None) * inside
+    return np.clip(snowed - bare - 25.0, 0, None) * inside, -row / 30.0, inside
+
+
+def test_snow_dusts_the_sides_of_a_hedge_less_than_its_top(tmp_path):
+    gain, up, inside = snow_on_ball(tmp_path, "hedge")
+    top, side = gain[inside & (up > 0.85)].mean(), gain[inside & (np.abs(up) < 0.3)].mean()
+    assert top > 60
+    assert 5 < side < 0.6 * top
+
+
+def test_snow_lies_on_what_faces_up_alone(tmp_path):
+    gain, up, inside = snow_on_ball(tmp_path, "bitumen")
     assert gain[inside & (up > 0.85)].mean() > 60
     assert gain[up > 0.5].sum() > 0.95 * gain.sum()
 
@@ -123,6 +134,20 @@ def test_no_snow_lies_under_a_roof(tmp_path):
 
     assert gain[row(4.0), 24:40].mean() > 50
     assert gain[row(14.0), 24:40].mean() < 25
+
+
+def test_asphalt_alone_shows_sealed_cracks(tmp_path):
+    square = [(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)]
+    camera = Camera("top", (0.0, 0.0, 12.0), 0.0, radians(-90), radians(60), 160, 160)
+    dark = []
+    for material in ("asphalt", "asphalt_red"):
+        ground = one_mesh(1, square, [(0, 1, 2, 3)], materials=(material,),
+                          uv=np.array(square, float)[None, :, :2])  # fmt: skip
+        city = replace(quarter(1), scene=Scene().with_mesh("ground", ground))
+        picture = rendered(tmp_path, city, Environment(cloud_cover=1.0), camera)
+        dark.append((picture < 0.85 * np.median(picture)).mean())
+    assert 0.002 < dark[0] < 0.1
+    assert dark[1] < 0.2 * dark[0]
 
 
 def test_rain_is_seen_as_streaks(tmp_path):

@@ -29,7 +29,18 @@ def test_streaks_point_along_the_fall_and_lean_with_the_wind():
         lean = np.degrees(np.arctan2(way[:, 0], -way[:, 1]))
         assert (np.abs(lean) < 1e-6).all() if wind == 0 else 35 < np.median(lean) < 60
         size = np.linalg.norm(way, axis=1)
-        assert 0.05 < size.min() < size.max() < 0.4
+        assert 0.05 < size.min() < size.max() < 0.5
+
+
+def test_gusts_drive_the_rain_in_sheets():
+    at = np.column_stack([np.linspace(-6.0, 6.0, 600), np.zeros(600), np.full(600, 8.0)])
+    points, faces = streaks(at, np.full((600, 4), 0.5), np.array([0.0, -1.0, 0.0]),
+                            np.array([12.0, 0.0, 0.0]), PIXEL)  # fmt: skip
+    corners = points[faces]
+    way = corners[:, 2:].mean(axis=1) - corners[:, :2].mean(axis=1)
+    lean = np.degrees(np.arctan2(way[:, 0], -way[:, 1]))
+    assert np.ptp(lean) > 25
+    assert np.abs(np.diff(lean)).max() < 2  # neighbours lean alike
 
 
 def test_flakes_face_the_camera_and_are_millimetres_wide_nearby():

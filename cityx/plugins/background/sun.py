@@ -23,7 +23,7 @@ _DATE = re.compile(r"(?:(\d{4})-)?(\d{1,2})-(\d{1,2})(?:[t ]+|$)")
 _HOURS = {"noon": 12.0, "morning": 9.0, "afternoon": 15.0, "midnight": 0.0, "night": 23.5}
 _ELEVATIONS = {
     "sunrise": (0.5, True),
-    "dawn": (-3.0, True),
+    "dawn": (4.0, True),  # the first rays: shadows are fourteen times as long as things are high
     "evening": (12.0, False),
     "golden": (6.0, False),
     "sunset": (0.5, False),

@@ -18,6 +18,7 @@ from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.plugins.building.catalogue import generators
 from cityx.plugins.building.fronts import STREETS
 from cityx.plugins.building.selection import admitted, generators_of, widths_of
+from cityx.plugins.building.volumes import GROUNDED
 from cityx.protocol import action
 
 if TYPE_CHECKING:
@@ -32,6 +33,8 @@ GROUND_SHARE = 0.97  # of a mapped footprint that a generator's ground floor mus
 STEEPEST = 0.6  # of a building's height that a drawn roof may take
 LEAST_RISE = 0.8  # metres
 MIN_HEIGHT = 0.4  # metres of a volume
+PODIUM_LEVELS = 3  # storeys of a podium, at most
+TOWER_LEVELS = 4  # storeys by which another part of the building rises above it
 
 
 @action(
@@ -53,7 +56,7 @@ def design(city: City) -> City:
     layout = city.layout
     buildings = layout.buildings.copy()
     buildings["generator"] = names
-    layout = replace(layout, buildings=buildings)
+    layout = _with_podiums(replace(layout, buildings=buildings))
     plain = _plain_rows(layout)
     layout = _with_roofs(layout, plain, city.seed)
     kinds = generators()
@@ -136,6 +139,21 @@ def _named(city: City, name: str) -> IntArray:
     if not len(rows):
         raise ActionFailed(f'"{name}" names no building of the city.')
     return rows
+
+
+def _with_podiums(layout: Layout) -> Layout:
+    """Tell the low parts of mapped buildings whose others rise high: looks may have such a zone."""
+    parts = layout.parts
+    if not len(parts):
+        return layout
+    levels = parts["levels"].to_numpy(np.int64)
+    _, owner = np.unique(parts["building"].to_numpy(np.uint64), return_inverse=True)
+    highest = np.zeros(len(parts), np.int64)
+    np.maximum.at(highest, owner, levels)
+    zone = parts["zone"].to_numpy(str)
+    low = (levels <= PODIUM_LEVELS) & (highest[owner] >= levels + TOWER_LEVELS) & (zone == "")
+    low &= (parts["base"].to_numpy(float) < GROUNDED) & parts["walls"].to_numpy(bool)
+    return replace(layout, parts=parts.assign(zone=np.where(low, "podium", zone)))
 
 
 def _plain_rows(layout: Layout) -> IntArray:

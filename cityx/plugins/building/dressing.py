@@ -34,6 +34,9 @@ HEAD_DEPTH = 0.15
 JOINT = 0.01  # metres by which the pieces of a band overlap where its wall bends
 SKIN = 0.012  # metres; a faced ground floor stands out less than the panes of its windows
 BLOCK = 3.6  # metres of dressed stone in one piece
+FOOTING = 0.35  # metres; walls that show so much below their lowest floor get a base of stone
+FOOTING_TOP = 0.4  # metres above that floor, below all sills
+FOOTING_SHADE = 0.65  # of the trim's colour; feet of walls are dark
 _SHOP_SRGB = (
     0x5E2420, 0x1F3B2C, 0x1C2A44, 0x262627, 0x4F3C2A, 0x6C5B30, 0x802B26, 0x2A4C57, 0x3C4A30,
     0x5B4A60, 0x8C6C34, 0x33302D, 0x9A9890, 0x6F7B80, 0xB0A88E, 0x47586B,
@@ -268,13 +271,35 @@ def _flat_roofs(found: Facade) -> NDArray[np.bool_]:
     return np.asarray(found.volumes.top - found.volumes.eave < 0.15)
 
 
+def footings(found: Facade) -> tuple[NDArray[np.bool_], FloatArray, FloatArray]:
+    """Find the walls at streets that falling ground lays open below their lowest floor.
+
+    Returns
+    -------
+    footed, low, high
+        (w,) whether a wall is one, and the heights between which it takes a base of stone.
+    """
+    walls, fronts, storeys = found.walls, found.fronts, found.storeys
+    floor = storeys.floor_of(np.arange(walls.count), storeys.first)
+    ground, high = fronts.pavement.min(axis=1), floor + FOOTING_TOP
+    footed = fronts.grounded & fronts.street & (walls.length > 1.2) & (storeys.count > 0)
+    footed &= (floor - ground > FOOTING) & (high < walls.z_high)
+    footed &= walls.blind_to < walls.z_low + FOOTING
+    return footed, ground - 0.15, high
+
+
 def _faced(placing: Placing, found: Facade, wanted: NDArray[np.bool_], level: FloatArray) -> None:
-    """Face ground floors with dressed stone or smooth paint."""
+    """Face ground floors with dressed stone or smooth paint, and feet of walls on slopes."""
     walls, part = found.walls, found.walls.part.astype(np.int64)
     base = found.designs.base[part]
-    low = walls.z_low - 0.15
     wall_tint = found.finishes.wall_tint
-    stone = np.flatnonzero(wanted & (base == "stone") & (walls.length > 1.2))
+    footed, foot, top = footings(found)
+    dressed = wanted & (base == "stone") & (walls.length > 1.2)
+    footed &= ~dressed & ~(wanted & (base == "paint"))
+    low = np.where(footed, foot, walls.z_low - 0.15)
+    level = np.where(footed, top, level)
+    shade = np.where(footed, FOOTING_SHADE, 0.9)[:, None]
+    stone = np.flatnonzero(dressed | footed)
     paint = np.flatnonzero(wanted & (base == "paint"))
     pale = np.isin(found.designs.style[part[paint]], ["georgian", "walkup"])
     tint = np.where(
@@ -283,7 +308,7 @@ def _faced(placing: Placing, found: Facade, wanted: NDArray[np.bool_], level: Fl
     if placing.detail >= FINE:  # a facing without holes would close the niches behind it
         before, after = corner_reach(walls)
         for material, rows, color in (
-            ("stone", stone, 0.9 * found.finishes.trim_tint[part[stone]]),
+            ("stone", stone, shade[stone] * found.finishes.trim_tint[part[stone]]),
             ("door_paint", paint, tint),
         ):
             placing.facings.append(
@@ -301,7 +326,8 @@ def _faced(placing: Placing, found: Facade, wanted: NDArray[np.bool_], level: Fl
     high = level[row] - low[row]
     placing.add(
         "band_stone", partial(trim, "band_stone"), row, along, low[row],
-        scale=(length / BLOCK, 1.0, high / BLOCK), tint=0.9 * found.finishes.trim_tint[part[row]],
+        scale=(length / BLOCK, 1.0, high / BLOCK),
+        tint=shade[row] * found.finishes.trim_tint[part[row]],
         index=np.rint(1000 * along).astype(np.int64), reach=length / 2,
     )  # fmt: skip
     none = np.zeros(len(paint))

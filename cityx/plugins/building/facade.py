@@ -145,7 +145,7 @@ def facade(city: City) -> City:
     _place_shopfronts(placing, found, setting, city)
     dress(placing, found, city)
     strips(placing, found, city.seed)
-    fixtures(placing, found, city.seed)
+    fixtures(placing, found, city)
     pieces = []
     if setting.piece is not None and shells is not None:
         pieces = [setting.piece, *facing_pieces(shells, placing, found)]

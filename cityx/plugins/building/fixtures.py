@@ -18,10 +18,14 @@ from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.plugins.building.catalogue import looks
 from cityx.plugins.building.dressing import corner_reach
+from cityx.plugins.building.fronts import STREETS
 from cityx.plugins.building.placing import Placing
 from cityx.plugins.building.strips import TINTS
 
 if TYPE_CHECKING:
+    from geopandas import GeoDataFrame
+
+    from cityx.city.city import City
     from cityx.plugins.building.facade import Facade
 
 MARGIN = 0.25  # metres of a party wall below which a wall is free
@@ -31,6 +35,7 @@ GABLE_TURN = 0.97  # cosine between a gable's normal and the ridge
 LEAST_GABLE = 1.0  # metres of roof
 OVERLAP = 0.15  # metres by which a thing may stand out beyond the end of its wall
 HEADROOM = 2.6  # metres above which a thing is in no door's way
+PAVEMENT = 1.5  # metres; what stands out less finds room on the pavement
 DOOR_GAP = 0.15  # metres between a door and what stands beside it
 FAR = 1e5  # metres; longer than any wall
 SHARP = 0.3  # of the mitre of a right angle; flatter corners bear nothing
@@ -40,10 +45,10 @@ _SIGN_SRGB = (0xB03A2E, 0x2A5A8C, 0x2E6B45, 0xC28A2C, 0x3A3A3C, 0xC8C6BE, 0x7A3A
 _SIGNS = np.array([srgb_to_linear(color) for color in _SIGN_SRGB], np.float32) / 0.8
 
 
-def fixtures(placing: Placing, found: Facade, seed: int) -> None:
+def fixtures(placing: Placing, found: Facade, city: City) -> None:
     """Put the fixtures of every look in place."""
-    style = found.designs.style
-    site = Site(found)
+    style, seed = found.designs.style, city.seed
+    site = Site(found, city.layout.roads)
     for key in np.unique(style).tolist():
         parts = np.flatnonzero(style == key)
         for number, each in enumerate(looks()[key].facade.fixtures):
@@ -61,8 +66,17 @@ class Site:
     A class because each fact is worked out over the whole city, once, and only if a look asks.
     """
 
-    def __init__(self, found: Facade) -> None:
+    def __init__(self, found: Facade, roads: GeoDataFrame) -> None:
         self.found = found
+        self.roads = roads
+
+    @cached_property
+    def carriageways(self) -> tuple[NDArray[Any], FloatArray]:
+        """Centrelines and half widths of the streets that run by on the ground."""
+        kind, below = self.roads["kind"].to_numpy(str), self.roads["tunnel"].to_numpy(bool)
+        driven = np.isin(kind, list(STREETS)) & (kind != "pedestrian") & ~below
+        half = np.nan_to_num(self.roads["width"].to_numpy(float) / 2)
+        return self.roads.geometry.to_numpy()[driven], half[driven]
 
     @cached_property
     def reach(self) -> tuple[FloatArray, FloatArray]:
@@ -157,6 +171,8 @@ def _place(
             kept |= _clear_of_doors(site, wall, along, reach)
             wall, along, z, index = wall[kept], along[kept], z[kept], index[kept]
     if each.at != "window":
+        clear = _off_carriageways(site, placing, each, wall, along)
+        wall, along, z, index = wall[clear], along[clear], z[clear], index[clear]
         size = np.ones(len(wall)), np.ones(len(wall))
     if each.scattered:
         draw = uniform(seed, f"facade/fixture/{key}", placing.ids(each.name, wall, index))
@@ -322,6 +338,26 @@ def _has_room(
     if each.at != "foot" or each.lift > HEADROOM:
         return np.asarray(fits)
     return np.asarray(fits & _clear_of_doors(site, wall, along, reach))
+
+
+def _off_carriageways(
+    site: Site, placing: Placing, each: Fixture, wall: IntArray, along: FloatArray
+) -> NDArray[np.bool_]:
+    """(k,) whether what stands far before a wall, as a canopy on posts does, stands in no lane."""
+    clear = np.ones(len(wall), bool)
+    mesh = fixture(each.name, detail=placing.detail).mesh.vertices
+    posts = mesh[mesh[:, 2] + each.lift < HEADROOM]
+    out = each.out - float(posts[:, 1].min(initial=0.0))
+    if each.stretch or out < PAVEMENT or not len(wall):
+        return clear
+    unit, normal = placing.unit[wall], site.found.walls.normal[wall]
+    side = float(np.abs(posts[:, 0]).max()) * unit
+    foot = site.found.walls.start[wall] + unit * along[:, None]
+    ends = [foot - side, foot + side, foot + side + out * normal, foot - side + out * normal]
+    lines, half = site.carriageways
+    plans = shapely.STRtree(shapely.polygons(np.stack(ends, axis=1)))
+    clear[plans.query(lines, "dwithin", half)[1]] = False
+    return clear
 
 
 def _clear_of_doors(

@@ -115,6 +115,14 @@ _STAIR = replace(
     ),
 )  # fmt: skip
 
+# Shops and offices below a slab: broad panes between pilasters, over a base of dressed stone.
+_PODIUM = replace(
+    _FRONT, mode="strip", bay=4.2, windows=(("window_office", 1),), doors=(("door_glass", 1),),
+    ground_storey=3.4, base=(("stone", 1),),
+    fins=(Strip("band_box", 0.5, 0.16, "wall", 0.9, lobby=False),),
+    slabs=(Strip("band_box", 0.55, 0.10, "trim", 0.95, lobby=False),), fixtures=(),
+)  # fmt: skip
+
 
 def _look(facade: FacadeStyle) -> Look:
     return Look(facade, _WALLS, frames=(0xEFEDE8, 0xE6E2D8, 0xF2F1EE), own_trim=True)
@@ -127,7 +135,7 @@ GENERATOR = Generator(
     zones=MappingProxyType(
         {word: _look(_coloured(word)) for word in SPANDRELS}
         | {f"loggia_{word}": _look(_loggias(word)) for word in SPANDRELS}
-        | {"stair": _look(_STAIR)}
+        | {"stair": _look(_STAIR), "podium": _look(_PODIUM)}
     ),
     mass=masses,
     roofs=(("flat", 1.0),),

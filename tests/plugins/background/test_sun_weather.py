@@ -1,5 +1,5 @@
 from datetime import UTC, datetime
-from math import asin, atan2, cos, degrees, radians, sin
+from math import asin, atan2, cos, degrees, radians, sin, tan
 
 import pytest
 
@@ -131,12 +131,17 @@ def test_half_a_storm_lies_between_clear_air_and_a_storm():
     assert mixed(PRESETS["fog"], PRESETS["rain"], 1.0) == PRESETS["rain"]
 
 
-@pytest.mark.parametrize("word", ["dawn", "dusk", "night"])
-def test_an_hour_may_be_named_as_weather(word):
+@pytest.mark.parametrize(("word", "lamps"), [("dawn", 0.0), ("dusk", 1.0), ("night", 1.0)])
+def test_an_hour_may_be_named_as_weather(word, lamps):
     after = weather(city(), preset=word).environment
     assert after.weather == word
     assert after.sun_elevation == sun_of(after, *BERLIN, time=word).sun_elevation
-    assert after.lamps == 1.0
+    assert after.lamps == lamps
+
+
+def test_dawn_throws_long_shadows():
+    elevation = weather(city(), preset="dawn").environment.sun_elevation
+    assert 8 < 1 / tan(elevation) < 30
 
 
 def test_weather_and_hour_are_combined_in_one_word_or_two():

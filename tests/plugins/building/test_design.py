@@ -7,6 +7,7 @@ import shapely
 from cityx.errors import ActionFailed
 from cityx.plugins.building.design import design
 from cityx.plugins.building.samples import sample_city, sheet_of
+from cityx.plugins.building.selection import designs_of_parts
 from cityx.plugins.building.setback_skyscraper import setback_skyscraper
 from cityx.protocol.example_city import example_city
 
@@ -51,6 +52,19 @@ def test_mapped_parts_keep_their_volumes():
     both = pd.concat([parts, second], ignore_index=True).sort_values("id", ignore_index=True)
     city = replace(city, layout=replace(city.layout, parts=both))
     assert len(design(city).layout.parts) == 2
+
+
+def test_the_low_part_under_a_mapped_tower_is_its_podium():
+    import pandas as pd
+
+    city = sample_city(sheet_of(["panel_slab"], (1,)))
+    low = city.layout.parts.assign(levels=[2], top=[6.6])
+    high = low.assign(id=low["id"] + np.uint64(1), levels=[16], top=[50.0])
+    both = pd.concat([low, high], ignore_index=True)
+    made = design(replace(city, layout=replace(city.layout, parts=both)))
+    assert designs_of_parts(made).tolist() == ["panel_slab/podium", "panel_slab"]
+    alone = design(replace(city, layout=replace(city.layout, parts=low)))
+    assert "podium" not in set(alone.layout.parts["zone"])
 
 
 def test_one_building_becomes_another_kind():

@@ -10,6 +10,7 @@ from cityx.city import City, Environment, Frame, Layout, Terrain, make_table
 from cityx.city.content import content_hash
 from cityx.city.ground import KERB_HEIGHT
 from cityx.geometry import facades
+from cityx.plugins.building.dressing import footings
 from cityx.plugins.building.facade import WINDOW_ROLES, facade, facade_of
 from cityx.plugins.building.shell import shell
 
@@ -99,6 +100,18 @@ def test_windows_on_a_slope_step_with_the_ground():
     faces = found.walls.normal[windows.wall][:, 1]
     below, above = (windows.floor[side] for side in (faces < -0.9, faces > 0.9))
     assert len(np.unique(below)) > len(np.unique(above)) > 2
+
+
+def test_walls_that_a_slope_lays_open_stand_on_a_base_of_stone():
+    assert not footings(facade_of(terrace()))[0].any()
+    found = facade_of(hillside(0.0, 0.3))
+    footed, low, high = footings(found)
+    assert (found.walls.normal[footed][:, 1] < -0.99).all()
+    assert footed.sum() == COUNT
+    assert (low < found.fronts.pavement.min(axis=1))[footed].all()
+    windows = found.openings.take(np.isin(found.openings.role, WINDOW_ROLES))
+    of = footed[windows.wall]
+    assert (windows.low >= high[windows.wall])[of].all()
 
 
 def test_a_mapped_entrance_moves_the_door():

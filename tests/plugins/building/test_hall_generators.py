@@ -174,3 +174,15 @@ def test_fixtures_are_small_and_stand_before_their_wall(word):
         assert np.isfinite(mesh.vertices).all()
         assert 0 < len(mesh.faces) < 1600
         assert mesh.vertices[:, 1].min() < 0.1
+
+
+def test_a_canopy_on_posts_stands_in_no_carriageway():
+    city = design(sample_city(sheet_of(["hospital"], SEEDS)))  # streets run 7 m before the doors
+    found = []
+    for width in (2.0, 8.0):
+        roads = city.layout.roads.assign(width=width)
+        trims = facade(shell(replace(city, layout=replace(city.layout, roads=roads)))).scene
+        names_of = [prototype.name for prototype in trims.prototypes]
+        rows = trims.instances["trims"].prototype.tolist()
+        found.append(sum(names_of[row] == "canopy_ambulance" for row in rows))
+    assert found == [len(SEEDS), 0]
