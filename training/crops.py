@@ -16,7 +16,7 @@ SCALES = (0.7, 1.4)  # of the ground resolution
 BALANCED = 0.6  # share of crops that are sought around a pixel of a class drawn at random
 SEEDS = 400  # pixels kept of each class and pair to seek crops around
 # Share of crops from each set; the rest of the world is better known by many places than by one.
-SHARES = {"Dubai": 0.60, "Kampala": 0.15, "CityX": 0.25}
+SHARES = {"Dubai": 0.55, "Kampala": 0.20, "CityX": 0.25}
 GREY = 0.05  # share of crops without colour, for panchromatic images
 
 

@@ -21,9 +21,6 @@ def may_be(*words: str) -> int:
     return sum(1 << CLASSES.index(word) for word in set(words))
 
 
-NO_BUILDING = ANYTHING - may_be("building")
-
-
 def known(labels: NDArray[np.uint8], word: str) -> NDArray[np.bool_]:
     """Return which pixels are surely of a class."""
     return labels == may_be(word)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from labels import ANYTHING, NO_BUILDING, may_be
+from labels import ANYTHING, may_be
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -29,6 +29,8 @@ DUBAI_LEGEND = {
 }
 KAMPALA_ZOOM = 21
 KAMPALA_LATITUDE = 0.336  # degrees
+# Only buildings are labelled; the images show that the rest of the ground is dry.
+KAMPALA_REST = may_be("road", "vegetation", "bare")
 KAMPALA_SPLIT = 2 / 3  # of the ground from the west is for training
 TILE = 256  # pixels of a map tile
 EQUATOR = 40_075_016.7  # metres around
@@ -122,7 +124,7 @@ def kampala(images: Path) -> Iterator[Pair]:
         house = np.asarray(mask.resize((side, side), Image.Resampling.NEAREST)) > 127
         seen = np.asarray(picture)[:, :, 3] > 127
         image[where][seen] = np.asarray(picture)[:, :, :3][seen]
-        labels[where][seen] = np.where(house, may_be("building"), NO_BUILDING)[seen]
+        labels[where][seen] = np.where(house, may_be("building"), KAMPALA_REST)[seen]
     pixel = EQUATOR * math.cos(math.radians(KAMPALA_LATITUDE)) / (TILE << KAMPALA_ZOOM)
     cut = round(columns * KAMPALA_SPLIT)
     yield Pair("Kampala", "west", image[:, :cut], labels[:, :cut], pixel, held_back=False)

@@ -88,6 +88,11 @@ class ClassMap:
         wanted = np.array([item.role in roles for item in self.classes], bool)
         return np.asarray(wanted[self.labels])
 
+    def mask_of(self, word: str) -> BoolArray:
+        """Return the (rows, columns) pixels of the classes of one name."""
+        wanted = np.array([item.word == word for item in self.classes], bool)
+        return np.asarray(wanted[self.labels])
+
     def pixels(self, square_metres: float) -> float:
         """Return how many pixels an area takes, at least `LEAST_PIXELS`."""
         return max(square_metres / self.grid.pixel**2, LEAST_PIXELS)

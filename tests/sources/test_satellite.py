@@ -154,3 +154,22 @@ def test_what_is_no_network_is_refused(tmp_path):
         load_segmenter(path)
     with pytest.raises(InputError, match=r"gone\.onnx does not exist"):
         load_segmenter(tmp_path / "gone.onnx")
+
+
+def test_a_shadow_is_no_lake(tmp_path):
+    picture = town()
+    picture[300:310, 60:140] = picture[-60, -60]
+    city = read_satellite(saved(tmp_path, picture), pixel=0.6, segmenter="none")
+    lakes = city.layout.areas[city.layout.areas["kind"] == "water"].geometry
+    assert len(lakes) >= 1
+    assert (lakes.bounds["maxy"] < -30).all()  # all in the bay, none beside the houses
+
+
+@pytest.mark.parametrize(("color", "kind"), [(SAND, "sand"), ((176, 108, 66), "bare")])
+def test_bare_ground_is_named_by_its_colour(tmp_path, color, kind):
+    picture = town()
+    picture[(picture > 150).all(axis=2)] = color
+    city = read_satellite(saved(tmp_path, picture), pixel=0.6, segmenter="none")
+    kinds = set(city.layout.areas["kind"])
+    assert kind in kinds
+    assert not {"sand", "bare"} - {kind} & kinds

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -14,10 +14,12 @@ from cityx.city import City, Frame
 from cityx.city.frame import NOWHERE
 from cityx.errors import InputError, MissingDependency, UsageError
 from cityx.geometry.raster.grid import Grid
+from cityx.geometry.raster.patches import label_patches
+from cityx.geometry.raster.regions import filled
 from cityx.sources.class_map import EXACT, PLAUSIBLE, ClassMap, city_of, features_of
 from cityx.sources.features.tagged import Tagged
 from cityx.sources.georeference import ground_of, laid_on_ground
-from cityx.sources.map_classes import Role, class_of
+from cityx.sources.map_classes import MapClass, Role, class_of
 from cityx.sources.satellite.plausible import plausible_features
 from cityx.sources.satellite.segmented import SURE, Segmented, segment
 from cityx.sources.satellite.segmenter import (
@@ -36,6 +38,9 @@ __all__ = ["read_satellite"]
 WITHOUT = "none"  # the word for a segmenter without learning
 UNSURE = 0.5  # confidence below which a pixel is said to be doubtful
 GROSS = 1.6  # metres of a pixel, relative to what a segmenter knows, from which doubt is said
+PALE = 110.0  # of 255, light of bare ground from which it is sand rather than soil
+RUDDY = 0.35  # of that light, red over blue from which it is soil all the same
+NARROW = 12.0  # metres across of water; what is dark and narrower is a shadow
 LEAST_SHOWN = 0.002  # share of an image that is surely street or house, if it shows a city
 CLOSE = 1.25  # the same, below which an image is not segmented again at another scale
 
@@ -96,6 +101,7 @@ def read_satellite(
     seen = _seen(picture, chosen, pixel, flips=flips)
     _check_shown(path, seen.what, chosen)
     found, frame = _placed(picture, seen, chosen, at)
+    found = _without_shadows(found)
     return city_of(
         found,
         frame,
@@ -226,12 +232,46 @@ def _doubt(what: Segmented, picture: Picture, segmenter: Segmenter) -> str:
     )
 
 
+def _without_shadows(found: ClassMap) -> ClassMap:
+    """Take dark strips and spots too narrow for a river or pond for what lies around them."""
+    from skimage.morphology import isotropic_opening
+
+    kept = isotropic_opening(found.mask_of("water"), NARROW / 2 / found.grid.pixel)
+    shadows = found.mask_of("water") & ~_touched(found.mask_of("water"), kept)
+    return replace(found, labels=filled(found.labels, shadows))
+
+
+def _touched(mask: NDArray[np.bool_], marked: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return the patches of a mask that hold a marked pixel."""
+    patches, count = label_patches(mask)
+    held = np.bincount(patches.ravel(), marked.ravel(), minlength=count + 1) > 0
+    held[0] = False
+    return np.asarray(held[patches])
+
+
 def _void_of(picture: Picture, what: Segmented) -> NDArray[np.bool_]:
     """Return the pixels of a segmented image of which the picture says nothing."""
+    return np.asarray(picture.void[_nearest(picture, what)])
+
+
+def _nearest(picture: Picture, what: Segmented) -> tuple[NDArray[np.int64], ...]:
+    """Return the pixel of a picture at each pixel of the segmented image."""
     rows, columns = what.labels.shape
     row = np.arange(rows) * picture.shape[0] // rows
     column = np.arange(columns) * picture.shape[1] // columns
-    return np.asarray(picture.void[np.ix_(row, column)])
+    return np.ix_(row, column)
+
+
+def _earthed(picture: Picture, what: Segmented, segmenter: Segmenter) -> tuple[MapClass, ...]:
+    """Return the classes of a segmenter, bare ground being sand where the picture shows it pale."""
+    bare = np.array([item.word == "bare" for item in segmenter.classes])[what.labels]
+    if not bare.any():
+        return segmenter.classes
+    red, _, blue = color = np.median(picture.colors[_nearest(picture, what)][bare], axis=0)
+    pale = color.mean() > PALE and red - blue < RUDDY * color.mean()
+    return tuple(
+        class_of("sand") if pale and item.word == "bare" else item for item in segmenter.classes
+    )
 
 
 def _placed(
@@ -243,7 +283,7 @@ def _placed(
     """Lay what was seen on the ground."""
     void = len(segmenter.classes)
     labels = np.where(_void_of(picture, seen.what), np.uint8(void), seen.what.labels)
-    classes = (*segmenter.classes, class_of("unknown"))
+    classes = (*_earthed(picture, seen.what, segmenter), class_of("unknown"))
     rows, columns = labels.shape
     if picture.crs is not None and picture.transform is not None:
         wide, high = picture.shape[1] / columns, picture.shape[0] / rows

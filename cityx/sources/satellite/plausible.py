@@ -132,16 +132,11 @@ def _blocks(found: ClassMap, ways: Centrelines) -> NDArray[Any]:
     grid = found.grid
     lines = grid.shapes_to_metres(ways.lines)
     taken = list(shapely.buffer(lines, ways.width * grid.pixel / 2 + WALK, quad_segs=4))
-    water = _class_mask(found, "water")
+    water = found.mask_of("water")
     taken += list(_polygons(grid, water, WALK))
     rest = shapely.difference(shapely.box(*grid.extent), shapely.union_all(taken))
     parts = shapely.get_parts(rest)
     return np.asarray(parts[shapely.area(parts) >= LEAST_BLOCK], object)
-
-
-def _class_mask(found: ClassMap, word: str) -> BoolArray:
-    wanted = np.array([item.word == word for item in found.classes], bool)
-    return np.asarray(wanted[found.labels])
 
 
 def _burnt(grid: Grid, shapes: NDArray[Any]) -> BoolArray:

@@ -26,7 +26,7 @@ from cityx.sources.map_classes import WORDS, MapClass, class_of
 
 FloatArray = NDArray[np.float32]
 
-TILE = 512  # pixels of a side given to a network at once, unless it says its own
+TILE = 1024  # pixels of a side given to a network at once, unless it is bound to fewer
 STRIDE = 32  # of which sides are multiples, unless a network says its own
 LEAST_TILE = 128  # pixels; smaller windows are mostly border
 FINEST, COARSEST = 0.05, 10.0  # metres of a pixel that shows a city
@@ -96,10 +96,11 @@ def load_segmenter(path: Path) -> Segmenter:
     tile = TILE
     if not faults:
         side = _fixed(session.get_inputs()[0].shape[2:], faults)
-        tile = side or max(int(stride), TILE // int(stride) * int(stride))
+        tile = side or TILE // int(stride) * int(stride)
         stride = side or stride
     if not faults:
-        faults += _tried(session, tile, len(classes))
+        probe = -(-LEAST_TILE // int(stride)) * int(stride)
+        faults += _tried(session, probe, len(classes))
     if faults:
         raise InputError(f"{path} is no segmenter: {'; '.join(faults)}.")
     name = told.get("name") or path.name
