@@ -47,8 +47,9 @@ EXAMPLES = {
         "drone image, Kampala", ("satellite/kampala/{kampala}",), HowToRead(fidelity="plausible"),
     ),
     "map_dubai": Example("semantic map, six classes", ("semantic/dubai/tile7_part003.png",)),
-    "map_mask": Example(
+    "map_cover": Example(
         "semantic map, land cover", ("semantic/goteborg_kronenhuset_landcover.tif",),
+        HowToRead(legend="gothenburg"),
     ),
     "alexandria": Example("surface and ground, Alexandria",
                           ("height/alexandria_va_dsm.tif", "height/alexandria_va_dtm.tif")),
@@ -89,8 +90,9 @@ def picture_of(path: Path) -> Image.Image:
 
 def square(picture: Image.Image) -> Image.Image:
     """Scale a picture into a square with its form kept."""
-    scaled = picture.convert("RGB")
-    scaled.thumbnail((SIDE, SIDE))
+    share = SIDE / max(picture.size)
+    size = (max(round(picture.width * share), 1), max(round(picture.height * share), 1))
+    scaled = picture.convert("RGB").resize(size)
     held = Image.new("RGB", (SIDE, SIDE), "white")
     held.paste(scaled, ((SIDE - scaled.width) // 2, (SIDE - scaled.height) // 2))
     return held

@@ -51,7 +51,8 @@ def is_semantic(picture: Picture) -> Evidence:
     covered, colors = _coverage(picture)
     seen = f"{colors} colours, the {FEW} most frequent on {100 * covered:.0f} % of the pixels; " \
         f"{100 * flat:.0f} % of the pixels are like their neighbour"  # fmt: skip
-    if best:
+    # Photographs of sand and sea have the colours of some legend, but nothing in them is flat.
+    if best and flat >= FLAT_LOSSY:
         return Evidence(True, 1.0, f"{best[0].text()}; {seen}")
     enough = FLAT_LOSSY if picture.lossy else FLAT
     semantic = covered >= COVERED and flat >= enough and colors > 1
