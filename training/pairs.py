@@ -68,7 +68,7 @@ class Pair:
         rows, columns = self.labels.shape
         scale = self.pixel / pixel
         size = max(1, round(columns * scale)), max(1, round(rows * scale))
-        image = Image.fromarray(self.image).resize(size, Image.Resampling.BOX if scale < 0.5 else
+        image = Image.fromarray(self.image).resize(size, Image.Resampling.BOX if scale < 1 else
                                                    Image.Resampling.BICUBIC)  # fmt: skip
         labels = Image.fromarray(self.labels).resize(size, Image.Resampling.NEAREST)
         return Pair(self.place, self.name, np.asarray(image), np.asarray(labels), pixel,

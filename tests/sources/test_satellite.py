@@ -173,3 +173,27 @@ def test_bare_ground_is_named_by_its_colour(tmp_path, color, kind):
     kinds = set(city.layout.areas["kind"])
     assert kind in kinds
     assert not {"sand", "bare"} - {kind} & kinds
+
+
+def test_a_georeference_gives_place_and_scale(tmp_path):
+    import rasterio
+    from rasterio.transform import Affine
+
+    path = tmp_path / "town.tif"
+    pixels = np.moveaxis(town(), 2, 0)
+    place = Affine(0.6, 0, 330_000, 0, -0.6, 2_780_000)
+    with rasterio.open(path, "w", driver="GTiff", width=480, height=480, count=3, dtype="uint8",
+                       crs="EPSG:32640", transform=place) as file:  # fmt: skip
+        file.write(pixels)
+    city = read_satellite(path, pixel=2.0, segmenter="none")
+    assert 25.0 < city.frame.latitude < 25.3
+    assert 55.2 < city.frame.longitude < 55.4
+    west, south, east, north = city.layout.roads.total_bounds
+    assert 285 < east - west < 293
+    assert 285 < north - south < 293
+    assert any("the georeference says 0.6 m per pixel" in note for note in city.notes)
+
+
+def test_scale_is_estimated_where_nothing_tells_it(tmp_path):
+    city = read_satellite(saved(tmp_path, town()), segmenter="none")
+    assert any("a pixel is taken for" in note for note in city.notes)

@@ -104,7 +104,8 @@ def squares(
 
 def _spans(size: int, tile: int, stride: int) -> Iterator[tuple[IntArray, slice]]:
     margin = OVERLAP // 2
-    side = min(tile, -(-(size + OVERLAP) // stride) * stride)
+    count = -(-size // (tile - OVERLAP))
+    side = min(tile, -(-(-(-size // count) + OVERLAP) // stride) * stride)  # all of one size
     own = side - OVERLAP
     for start in range(0, size, own):
         wanted = np.arange(start - margin, start - margin + side)
