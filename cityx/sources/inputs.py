@@ -105,12 +105,15 @@ def _image_kind(path: Path) -> tuple[str, str]:
 
     band = _only_band(path)
     if band is not None and band.dtype != np.uint8 and len(np.unique(band)) > CLASSES:
-        return "height", "one band of more than eight bits; for a photograph say --as NAME=satellite"
+        return (
+            "height",
+            "one band of more than 8 bits; --as NAME=satellite for a photograph",
+        )
     evidence = is_semantic(read_picture(path))
     if evidence.semantic:
         return "semantic", evidence.text
     if band is not None and _smooth(band):
-        return "height", "one band that changes slowly; for a photograph say --as NAME=satellite"
+        return "height", "one band that changes slowly; --as NAME=satellite for a photograph"
     return "satellite", evidence.text
 
 
