@@ -380,7 +380,15 @@ def absorb_scraps(ground: Ground, label: int, area: float, over: tuple[str, ...]
     largest = np.zeros(int(owner.max(initial=0)) + 1)
     np.maximum.at(largest, owner, of_piece)
     scrap = (ground.face_label == label) & (of_piece < area) & (of_piece < largest[owner])
-    return _given_away(ground, scrap, ~ground.labelled(*over))
+    takes = ~ground.labelled(*over)
+    # A scrap among scraps waits until one of these has gone to a neighbour.
+    while scrap.any():
+        given = _given_away(ground, scrap, takes)
+        waiting = scrap & (given.face_object == ground.face_object)
+        if waiting.sum() == scrap.sum():
+            break
+        ground, scrap = given, waiting
+    return ground
 
 
 def _given_away(

@@ -15,6 +15,7 @@ VERGE = 2.5  # metres beside the carriageway that lie level with it: kerb and wa
 SLOPE = 2.0  # metres out for each metre of cut or fill
 LEAST_SLOPE = 4.0  # metres over which even a small step is evened out
 NEAR = 6  # stations whose heights are weighed at a place
+CARRIED = 5.0  # metres along a road to which a station tells its slope: to the next one
 FARTHEST = 60.0  # metres from a road at which every terrain is left alone
 ROWS = 256  # of the grid that are graded at once
 
@@ -23,6 +24,7 @@ def grade_terrain(
     terrain: Terrain,
     points: FloatArray,
     z: FloatArray,
+    climb: FloatArray,
     half: FloatArray,
     extent: tuple[float, float, float, float],
 ) -> Terrain:
@@ -32,8 +34,9 @@ def grade_terrain(
     ----------
     terrain
         The terrain as measured.
-    points, z, half
-        (p, 2), (p,) and (p,) float, stations of roads, their heights and half widths, metres.
+    points, z, climb, half
+        (p, 2), (p,), (p, 2) and (p,) float: stations of roads, their heights, the slope of the
+        road there as a vector along it, rise over run, and half widths; metres.
     extent
         (xmin, ymin, xmax, ymax) of the site, metres.
 
@@ -63,7 +66,9 @@ def grade_terrain(
         far, near = distance[rows], np.minimum(station[rows], len(points) - 1)
         beyond = np.maximum(far - half[near] - VERGE, 0.0)
         pull = np.where(np.isfinite(far), 1.0 / (0.25 + beyond) ** 2 / (1.0 + far) ** 2, 0.0)
-        road = (pull * z[near]).sum(axis=1) / pull.sum(axis=1)
+        rise = ((xy[rows][:, None] - points[near]) * climb[near]).sum(axis=2)
+        most = CARRIED * np.hypot(*np.moveaxis(climb[near], 2, 0))
+        road = (pull * (z[near] + np.clip(rise, -most, most))).sum(axis=1) / pull.sum(axis=1)
         old = heights[begin : begin + len(y)].reshape(-1)
         change = road - old[rows]
         # A slope too long for the room beside the road gets steeper: it ends in no cliff.

@@ -1,12 +1,14 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cityx.city.ground import LABEL
 from cityx.geometry.arrangement import (
+    absorb_scraps,
     arrange,
     check_arrangement,
     face_areas,
@@ -73,6 +75,19 @@ def test_an_invalid_polygon_does_no_harm():
 def test_slivers_take_the_label_of_their_longest_neighbour():
     given_ = regions([shapely.box(0, 0, 50, 80), shapely.box(50.01, 0, 100, 80)], ROAD, 1, [1, 2])
     assert set(arrange(given_, SITE).face_label.tolist()) == {ROAD}
+
+
+def test_a_scrap_among_scraps_goes_to_the_surface_around_them():
+    boxes = [shapely.box(-50, -50, 50, 50), shapely.box(-40, -10, -20, 10), shapely.box(0, 0, 1, 1)]
+    junction = LABEL["junction"]
+    labels = [ROAD, junction, junction]
+    found = regions(boxes, labels, [60, 72, 72], np.array([3, 7, 7], np.uint64))
+    at = [0.3, 0.6]
+    cuts = [[(a, -2), (a, 2)] for a in at] + [[(-2, a), (2, a)] for a in at]
+    ground = arrange(found, (-50, -50, 50, 50), lines=shapely.linestrings(cuts))
+    assert area_of(ground, junction) == pytest.approx(401.0)
+    absorbed = absorb_scraps(ground, junction, 3.0, ("marking",))
+    assert area_of(absorbed, junction) == pytest.approx(400.0)
 
 
 def test_an_edge_knows_the_faces_on_both_hands():

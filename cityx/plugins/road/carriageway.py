@@ -245,6 +245,9 @@ def _junctions(
     )
     medians = _medians(network, lines, arms, long)
     added, row = _inner_curves(paved, joined, hubs[many], medians)
+    # What lies farther out rounds a bend of an arm, whose kerb is its own.
+    near = shapely.distance(added, stars[many[row]]) < LEAST_RADIUS
+    added, row = added[near], row[near]
     return (
         hubs,
         shapely.simplify(stars, GRID),

@@ -94,8 +94,8 @@ def ground(city: City) -> City:
     found = _regions(city.layout, network, city.heights, built, city.lod, painting)
     arranged = arrange(found, city.layout.extent, lines=lines)
     if city.lod > 0:
-        arranged = absorb_scraps(arranged, LABEL["junction"], SCRAP, ON_ROADWAY)
         arranged = pave_blocks(arranged, city.layout)
+        arranged = absorb_scraps(arranged, LABEL["junction"], SCRAP, ON_ROADWAY)
     draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0)
     scene = city.scene.with_mesh("ground", draped)
     survey = city.survey

@@ -145,10 +145,18 @@ def _meeting(ways: Ways, crossing: Crossings, closed: BoolArray) -> tuple[Ways, 
     return replace(ways, node=node), crossing.take(~np.isin(key, key[closed]))
 
 
-def _profiles(ways: Ways, base: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return places, heights and half widths of the stations of ways on the ground."""
+def _profiles(
+    ways: Ways, base: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return places, heights, slopes and half widths of the stations of ways on the ground."""
     own = np.flatnonzero((ways.level == 0)[ways.owner])
-    return ways.lines.points[own], base[ways.node[own]], ways.half[ways.owner[own]]
+    points, z, owner = ways.lines.points, base[ways.node], ways.owner[own]
+    before = np.maximum(own - 1, ways.lines.start[owner])
+    after = np.minimum(own + 1, ways.lines.start[owner + 1] - 1)
+    step = points[after] - points[before]
+    square = np.maximum((step**2).sum(axis=1), EXACT)
+    climb = step * ((z[after] - z[before]) / square)[:, None]
+    return points[own], z[own], climb, ways.half[owner]
 
 
 def _across(ways: Ways) -> tuple[IntArray, FloatArray]:

@@ -32,6 +32,7 @@ GRADE = {"motorway": 0.06, "trunk": 0.07, "primary": 0.08, "secondary": 0.09, "t
          "service": 0.15, "track": 0.18, "steps": 0.6}  # fmt: skip
 USUAL_GRADE = 0.12
 LINK_GRADE = 0.01  # more on ramps between roads
+ROUND_GRADE = 0.04  # of roundabouts: steeper ones tilt cars outwards (FHWA, NCHRP 672, 6.8.7)
 FOOT_GRADE = 0.12
 RAIL_GRADE = 0.035
 # Free height over a way by what moves on it, metres, with a little more than the least required.
@@ -141,6 +142,8 @@ def collect_ways(layout: Layout, network: RoadNetwork, *, everywhere: bool) -> W
     grade = np.array([GRADE.get(word.removesuffix("_link"), USUAL_GRADE) for word in kind])
     grade = np.where(link, grade + LINK_GRADE, grade)
     grade = np.select([rails, feet & (kind != "steps")], [RAIL_GRADE, FOOT_GRADE], grade)
+    ring = roads["roundabout"].to_numpy(bool)[road]
+    grade = np.where(ring, np.minimum(grade, ROUND_GRADE), grade)
     half = np.maximum(roads["width"].to_numpy(float)[road], 1.5) / 2
     half[edge >= 0] = network.half_width[edge[edge >= 0]]
     half = np.where(rails, 2.25, half)
