@@ -46,7 +46,7 @@ def test_a_missing_file_is_named_and_nothing_is_written(monkeypatch, capsys, tmp
     [
         ("empty.osm", b"", "is empty."),
         ("notes.txt", b"hello", "is of no known kind"),
-        ("map.png", b"\x89PNG", "is an image."),
+        ("map.png", b"\x89PNG", "is no image"),
         ("binary.osm", bytes(range(256)) * 50, ""),
         ("other.osm", b"<?xml version='1.0'?><gpx></gpx>", ""),
         ("cut.osm", b"<?xml version='1.0'?><osm><node id='1' lat='1' lo", ""),
