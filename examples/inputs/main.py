@@ -77,10 +77,10 @@ def picture_of(path: Path) -> Image.Image:
     if len(bands) >= 3:
         return Image.fromarray(np.moveaxis(bands[:3], 0, 2).astype(np.uint8))
     values = bands[0].astype(float)
-    if bands.dtype == np.uint8 and values.max() < 16:  # numbers of classes
-        return Image.fromarray((values * 255 / max(values.max(), 1)).astype(np.uint8)).convert(
-            "RGB"
-        )
+    found, number = np.unique(values, return_inverse=True)
+    if len(found) < 24:  # classes: each a grey of its own
+        grey = np.linspace(40, 250, len(found))[number.reshape(values.shape)]
+        return Image.fromarray(grey.astype(np.uint8)).convert("RGB")
     values = np.where(np.abs(values) > 1e4, np.nan, values)
     values = np.nan_to_num(values, nan=float(np.nanmin(values)))
     south, east = np.gradient(values)
@@ -158,7 +158,7 @@ def main() -> None:
             pictures += made(name, example, options.work, options.samples)
         else:
             print(f"{name}: its input is not in {DATA}")
-    sheet(pictures).save(options.out, optimize=True)
+    sheet(pictures).quantize(256).save(options.out, optimize=True)
 
 
 if __name__ == "__main__":
