@@ -22,6 +22,7 @@ os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 CHECK_FAILED = 1
 BAD_INPUT = 2
 ENGINE_FAILED = 3
+NOTES = 6  # shown after a build; doubts of images and heights are among the first
 
 app = typer.Typer(
     name="cityx",
@@ -309,6 +310,10 @@ def _summary(report: dict, out: Path) -> None:  # type: ignore[type-arg]
     for name, item in report["checks"].items():
         if not item["ok"]:
             typer.echo(f"check failed: {name} = {item['value']}, {item['bound']} {item['limit']}")
+    for note in report["notes"][:NOTES]:
+        typer.echo(f"note: {note}")
+    if len(report["notes"]) > NOTES:
+        typer.echo(f"{len(report['notes']) - NOTES} more notes in report.json")
     if report["failures"]:
         typer.echo(f"{len(report['failures'])} objects needed a fallback; ids in report.json")
     typer.echo(f"hash {report['hash']}")
