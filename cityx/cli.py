@@ -20,7 +20,6 @@ from cityx.errors import CityxError, UsageError
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 CHECK_FAILED = 1
-BAD_INPUT = 2
 ENGINE_FAILED = 3
 NOTES = 6  # shown after a build; doubts of images and heights are among the first
 

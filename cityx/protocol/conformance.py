@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from importlib.util import find_spec
@@ -20,7 +20,7 @@ from cityx.protocol.fingerprint import fingerprint
 from cityx.protocol.formats import FORMATS, Format, type_name
 from cityx.protocol.inputs import InputFiles
 from cityx.protocol.parameters import Parameter
-from cityx.protocol.registry import BUILTIN, Registry
+from cityx.protocol.registry import Registry
 from cityx.protocol.run import Call, injected, run_action
 from cityx.protocol.stages import NEUTRAL, stages_after
 from cityx.protocol.values import (
@@ -104,13 +104,6 @@ def check_action(name: str, actions: Registry) -> tuple[Result, ...]:
         else:
             results.append(Result(action_id, title, True))
     return tuple(results)
-
-
-def check_all(actions: Registry, *, builtin_only: bool = False) -> Iterator[Result]:
-    """Run the suite on every action, in the order of ids."""
-    for action_id in actions:
-        if not builtin_only or actions.entry(action_id).package == BUILTIN:
-            yield from check_action(action_id, actions)
 
 
 def _record_is_complete(trial: _Trial) -> None:

@@ -101,13 +101,6 @@ class Encapsulation:
         stages = [f"Needs stage {stage} to have run." for stage in self.requires]
         return " ".join([*stages, *map(str, self.preconditions), *self.limits])
 
-    @property
-    def input_text(self) -> str:
-        """I as one text."""
-        data = [f"{port}." for port in self.takes]
-        scalars = [f"{p.name} ({p.kind}): {p.description}" for p in self.parameters]
-        return " ".join([*data, *scalars]) or "The city alone."
-
     def parameter(self, name: str) -> Parameter | None:
         """Return the parameter of a name, or None."""
         return next((p for p in self.parameters if p.name == name), None)

@@ -153,6 +153,24 @@ class Image:
     origin: tuple[float, float] = (0.0, 0.0)
     classes: tuple[tuple[LinearColor, str], ...] = ()
 
+    def labels(self, tolerance: float) -> NDArray[np.uint8]:
+        """Return the (h, w) index of the class nearest in colour; `len(classes)` where none is.
+
+        Parameters
+        ----------
+        tolerance
+            Greatest distance of a pixel's colour from the colour of its class.
+        """
+        rows, columns = self.pixels.shape[:2]
+        colors = np.broadcast_to(self.pixels[:, :, :3], (rows, columns, 3))
+        least = np.full((rows, columns), np.nextafter(tolerance, np.inf))
+        labels = np.full((rows, columns), len(self.classes), np.uint8)
+        for index, (color, _) in enumerate(self.classes):  # one pass per class keeps memory small
+            distance = np.linalg.norm(colors - np.array(color), axis=2)
+            closer = distance < least
+            labels[closer], least[closer] = index, distance[closer]
+        return labels
+
 
 @dataclass(frozen=True)
 class GeographicData:

@@ -16,7 +16,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City, Frame, Layout
-from cityx.errors import InputError
+from cityx.errors import InputError, UsageError
 from cityx.geometry.raster.centrelines import Centrelines, centrelines
 from cityx.geometry.raster.grid import Grid
 from cityx.geometry.raster.outlines import outlines
@@ -44,6 +44,7 @@ LEAST_REGION = 30.0  # square metres
 LEAST_PIXELS = 6  # of any patch, whatever it measures on the ground
 CROWN = 120.0  # square metres; a larger patch of crowns is a wood
 EXACT, PLAUSIBLE = "exact", "plausible"  # fidelity of what is drawn to what is shown
+FINEST, COARSEST = 0.05, 10.0  # metres of a pixel that can be read as a city
 LARGE_HOUSE = 2500.0  # square metres from which a patch may be a row of houses
 BENT = 0.62  # share of its box below which a large patch is no single house
 LONG = 3.0  # area over the square of its width, from which a large patch is a row
@@ -96,6 +97,25 @@ class ClassMap:
     def pixels(self, square_metres: float) -> float:
         """Return how many pixels an area takes, at least `LEAST_PIXELS`."""
         return max(square_metres / self.grid.pixel**2, LEAST_PIXELS)
+
+
+def check_asked(fidelity: str, pixel: float | None) -> None:
+    """Refuse what no image can be read with.
+
+    Raises
+    ------
+    InputError
+        If a pixel is too small or too large for a city.
+    UsageError
+        If there is no such fidelity.
+    """
+    if fidelity not in (EXACT, PLAUSIBLE):
+        raise UsageError(f'There is no fidelity "{fidelity}"; write {EXACT} or {PLAUSIBLE}.')
+    if pixel is not None and not FINEST <= pixel <= COARSEST:
+        raise InputError(
+            f"A pixel of {pixel:g} m is of no use; an image of a city has {FINEST:g} to "
+            f"{COARSEST:g}."
+        )
 
 
 def features_of(found: ClassMap, source: str, fidelity: str = EXACT) -> Tagged:
@@ -221,13 +241,6 @@ def traced(mask: BoolArray, grid: Grid) -> Centrelines:
     # A slit one pixel wide falls into specks and goes: one surface carries all of its lanes.
     mask = ~without_specks(~mask, LEAST_GAP / grid.pixel**2)
     return centrelines(mask, tolerance=STRAY / grid.pixel)
-
-
-def streets_of(mask: BoolArray, grid: Grid, source: str) -> Tagged:
-    """Draw the streets of a mask that says nothing else: lines with class, width and lanes."""
-    ways = traced(mask, grid)
-    tags = [street_tags(width) for width in (ways.width * grid.pixel).tolist()]
-    return _owned(grid, source, "road", ways.lines, tags)
 
 
 def _middles(lines: NDArray[Any]) -> NDArray[Any]:

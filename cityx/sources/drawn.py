@@ -22,6 +22,7 @@ from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import KIND, Owner, Report, Tags, tag
 from cityx.sources.features.vocabulary import RAIL_WORDS, ROAD_TABLE
+from cityx.sources.inputs import place_name
 
 ACTION = "source/drawn"
 MAX_BYTES = 256 << 20  # nobody draws more by hand
@@ -146,7 +147,7 @@ def city_of_drawing(
     report = Report()
     features = gather(tag(shapes, drawing.owners), tuple(site.tolist()), report)
     return City(
-        name.split(".")[0].replace("_", " "),
+        place_name(name),
         frame,
         resolve(features, frame, seed=seed),
         seed=seed,

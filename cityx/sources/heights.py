@@ -29,6 +29,7 @@ from cityx.sources.height_mosaic import (
     open_heights,
     raster_of,
 )
+from cityx.sources.inputs import place_name
 from cityx.sources.surface_model import features_above, find_standing
 
 FloatArray = NDArray[np.float64]
@@ -283,7 +284,7 @@ def height_city(
         )
     counts = tuple(f"heights: {number} {what}" for what, number in sorted(report.counts.items()))
     city = City(
-        name or heights.files[0].path.name.split(".")[0].replace("_", " "),
+        name or place_name(heights.files[0].path.name),
         frame,
         resolve(features, frame, seed=seed),
         seed=seed,

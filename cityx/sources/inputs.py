@@ -83,6 +83,11 @@ def classify(path: Path, kind: str = "") -> Input:
         raise InputError(f"cannot read {path}: {error.strerror}.") from error
 
 
+def place_name(file: str) -> str:
+    """Return what a city is called that is read from a file of this name."""
+    return file.split(".")[0].replace("_", " ")
+
+
 def _kind(path: Path) -> tuple[str, str]:
     """Return the kind of a file, and what showed it where its name does not."""
     name = path.name.lower()

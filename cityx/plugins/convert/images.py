@@ -47,19 +47,11 @@ def image_to_point_conversion(
     """
     if not image.classes:
         raise ActionFailed("The image says no classes; a semantic map needs a table of colours.")
-    palette = np.array([color for color, _ in image.classes])  # (c, 3)
     words = np.array([word for _, word in image.classes])
-    rows, columns = image.pixels.shape[:2]
-    colors = np.broadcast_to(image.pixels[:, :, :3], (rows, columns, 3)).reshape(-1, 3)
-    least = np.full(len(colors), np.inf)
-    nearest = np.zeros(len(colors), np.int64)
-    for index, color in enumerate(palette):  # one pass per class keeps memory small
-        distance = np.linalg.norm(colors - color, axis=1)
-        closer = distance < least
-        least[closer], nearest[closer] = distance[closer], index
-    kept = least <= tolerance
+    labels = image.labels(tolerance).ravel()
+    kept = labels < len(words)
     points = make_points(pixel_centres(image)[kept])
-    return replace(points, kind=words[nearest[kept]])
+    return replace(points, kind=words[labels[kept]])
 
 
 @action(

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cityx.city import City, Layout
 from cityx.errors import ActionFailed, InputError
 from cityx.geometry.raster.grid import Grid
@@ -46,20 +43,7 @@ def semantic_map(
     grid = Grid(rows, columns, image.pixel_size, x, y + rows * image.pixel_size)
     try:
         classes = (*(class_of(word) for _, word in image.classes), class_of("unknown"))
-        found = ClassMap(_nearest(image, tolerance), classes, grid)
+        found = ClassMap(image.labels(tolerance), classes, grid)
     except InputError as error:
         raise ActionFailed(str(error)) from error
     return layout_of(found, city.frame, source="image", seed=city.seed)[0]
-
-
-def _nearest(image: Image, tolerance: float) -> NDArray[np.uint8]:
-    """Return the (rows, columns) class of each pixel; one more than there are where it is none."""
-    rows, columns = image.pixels.shape[:2]
-    colors = np.broadcast_to(image.pixels[:, :, :3], (rows, columns, 3))
-    least = np.full((rows, columns), np.nextafter(tolerance, np.inf))
-    labels = np.full((rows, columns), len(image.classes), np.uint8)
-    for index, (color, _) in enumerate(image.classes):  # one pass per class keeps memory small
-        distance = np.linalg.norm(colors - np.array(color), axis=2)
-        closer = distance < least
-        labels[closer], least[closer] = index, distance[closer]
-    return labels

@@ -56,7 +56,6 @@ IN_KERB = 0.08  # metres beyond the carriageway where a look across the walk beg
 ZEBRA_GAP = 5.0  # metres behind a junction's trim that a zebra and its dropped kerb take
 CROSSING_GAP = 4.0  # metres round a mapped crossing
 TOWN = 25.0  # metres within which an urban building makes a kerb a kerb in town
-FACADE_GAP = 2.0  # metres from a facade to the kerb's strip of furniture, at least
 STRIP = 0.9  # metres at the kerb that other furniture may take
 CAFE_SHARE = {"shop_cafe": 0.75, "shop_classic": 0.10, "shop_modern": 0.08}
 BOARD_SHARE, TUB_SHARE, MACHINE_SHARE = 0.16, 0.14, 0.10

@@ -30,7 +30,6 @@ _COMPASS = {name: radians(22.5 * index) for index, name in enumerate(_POINTS)} |
 }  # fmt: skip
 _LONGEST = 64  # characters; longer values are prose
 YES = frozenset({"yes", "true", "1", "y", "on", "permanent", "designated"})
-NO = frozenset({"no", "false", "0", "none", "n", "off"})
 NO_COLOR = -1
 
 

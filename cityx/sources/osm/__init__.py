@@ -21,6 +21,7 @@ from cityx.sources.features.resolve import Features, resolve
 from cityx.sources.features.road_findings import name_points, name_repairs
 from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import Owner, Report, Tagged, clipped_lines, tag
+from cityx.sources.inputs import place_name
 from cityx.sources.osm.areas import read_areas
 from cityx.sources.osm.buildings import candidate_ways, read_outlines
 from cityx.sources.osm.elements import OsmMap
@@ -86,7 +87,7 @@ def read_osm(path: Path, *, seed: int = 0, name: str = "") -> City:
     )
     layout = resolve(features, frame, seed=seed)
     return City(
-        name or path.name.split(".")[0].replace("_", " "),
+        name or place_name(path.name),
         frame,
         layout,
         seed=seed,

@@ -18,7 +18,6 @@ from cityx.sources.features.tagged import Tags
 Member = tuple[str, int, str]  # "way", id, role
 
 ID_LIMIT = 1 << 62  # ids beyond are damage; OSM is near 2^34
-NO_TAGS: Mapping[str, str] = {}
 
 
 @dataclass(frozen=True)

@@ -12,19 +12,18 @@ from numpy.typing import NDArray
 
 from cityx.city import City, Frame
 from cityx.city.frame import NOWHERE
-from cityx.errors import InputError, MissingDependency, UsageError
+from cityx.errors import InputError, MissingDependency
 from cityx.geometry.raster.grid import Grid
 from cityx.geometry.raster.patches import label_patches
 from cityx.geometry.raster.regions import filled
-from cityx.sources.class_map import EXACT, PLAUSIBLE, ClassMap, city_of, features_of
+from cityx.sources.class_map import EXACT, PLAUSIBLE, ClassMap, check_asked, city_of, features_of
 from cityx.sources.features.tagged import Tagged
 from cityx.sources.georeference import ground_of, laid_on_ground
+from cityx.sources.inputs import place_name
 from cityx.sources.map_classes import MapClass, Role, class_of
 from cityx.sources.satellite.plausible import plausible_features
 from cityx.sources.satellite.segmented import SURE, Segmented, segment
 from cityx.sources.satellite.segmenter import (
-    COARSEST,
-    FINEST,
     Segmenter,
     load_segmenter,
     shipped_segmenter,
@@ -89,13 +88,7 @@ def read_satellite(
         If onnxruntime is absent and a network of the user's own is asked for.
     """
     path = Path(path)
-    if fidelity not in (EXACT, PLAUSIBLE):
-        raise UsageError(f'There is no fidelity "{fidelity}"; write {EXACT} or {PLAUSIBLE}.')
-    if pixel is not None and not FINEST <= pixel <= COARSEST:
-        raise InputError(
-            f"A pixel of {pixel:g} m is of no use; an image of a city has {FINEST:g} to "
-            f"{COARSEST:g}."
-        )
+    check_asked(fidelity, pixel)
     picture = read_picture(path, photograph=True)
     chosen, notes = _chosen(segmenter)
     seen = _seen(picture, chosen, pixel, flips=flips)
@@ -106,7 +99,7 @@ def read_satellite(
         found,
         frame,
         source="satellite",
-        name=name or path.name.split(".")[0].replace("_", " "),
+        name=name or place_name(path.name),
         seed=seed,
         notes=(*notes, *seen.notes, _doubt(seen.what, picture, chosen)),
         draw=_drawing(fidelity, seed),

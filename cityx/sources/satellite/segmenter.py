@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.errors import InputError, MissingDependency, nearest
+from cityx.sources.class_map import COARSEST, FINEST
 from cityx.sources.map_classes import WORDS, MapClass, class_of
 
 FloatArray = NDArray[np.float32]
@@ -29,7 +30,6 @@ FloatArray = NDArray[np.float32]
 TILE = 1024  # pixels of a side given to a network at once, unless it is bound to fewer
 STRIDE = 32  # of which sides are multiples, unless a network says its own
 LEAST_TILE = 128  # pixels; smaller windows are mostly border
-FINEST, COARSEST = 0.05, 10.0  # metres of a pixel that shows a city
 FLOAT = "tensor(float)"
 
 

@@ -7,24 +7,26 @@ from pathlib import Path
 
 from cityx.city import City, Frame
 from cityx.city.frame import NOWHERE
-from cityx.errors import InputError, UsageError
+from cityx.errors import InputError
 from cityx.geometry.raster.grid import Grid
 from cityx.geometry.raster.patches import label_patches
 from cityx.sources.class_map import (
     EXACT,
     PLAUSIBLE,
     ClassMap,
+    check_asked,
     city_of,
     features_of,
     rows_of_houses,
 )
 from cityx.sources.georeference import laid_on_ground
+from cityx.sources.inputs import place_name
 from cityx.sources.map_classes import Role, class_of
 from cityx.sources.semantic_map.evidence import best_reading, chosen_legend
 from cityx.sources.semantic_map.legends import Legend, find_legend
 from cityx.sources.semantic_map.matching import labelled, match
 from cityx.sources.semantic_map.picture import Picture, read_picture
-from cityx.sources.semantic_map.scale import COARSEST, FINEST, estimated_pixel
+from cityx.sources.semantic_map.scale import estimated_pixel
 
 __all__ = ["read_semantic_map"]
 
@@ -71,12 +73,7 @@ def read_semantic_map(
         If there is no such legend.
     """
     path = Path(path)
-    if fidelity not in (EXACT, PLAUSIBLE):
-        raise UsageError(f'There is no fidelity "{fidelity}"; write {EXACT} or {PLAUSIBLE}.')
-    if pixel is not None and not FINEST <= pixel <= COARSEST:
-        raise InputError(
-            f"A pixel of {pixel:g} m is of no use; a map of a city has {FINEST:g} to {COARSEST:g}."
-        )
+    check_asked(fidelity, pixel)
     picture = read_picture(path)
     chosen, notes = _legend(path, picture, legend, confirm=confirm)
     found, frame, more = _placed(picture, chosen, pixel, at)
@@ -84,7 +81,7 @@ def read_semantic_map(
         found,
         frame,
         source="semantic",
-        name=name or path.name.split(".")[0].replace("_", " "),
+        name=name or place_name(path.name),
         seed=seed,
         notes=(*notes, *more, *_rows_note(found, fidelity)),
         draw=partial(features_of, fidelity=fidelity),

@@ -8,14 +8,13 @@ import shapely
 from cityx.errors import InputError
 from cityx.geometry.raster.centrelines import centrelines
 from cityx.geometry.raster.patches import label_patches, without_specks
-from cityx.sources.class_map import ClassMap, uncovered
+from cityx.sources.class_map import COARSEST, FINEST, ClassMap, uncovered
 from cityx.sources.map_classes import Role
 
 USUAL_STREET = 7.0  # metres from kerb to kerb, the median by length over the maps of many cities
 USUAL_HOUSE = 150.0  # square metres, the median outline
 FEW = 12  # houses or widths of street from which a median says something
 SPECK = 30  # pixels
-FINEST, COARSEST = 0.05, 10.0  # metres of a pixel that can be read as a city
 
 
 def estimated_pixel(found: ClassMap) -> tuple[float, str]:
