@@ -18,6 +18,7 @@ LARGEST = 20_000.0  # metres
     "layout/town-v1",
     limits=["The plane lies nowhere on Earth; roofs and traffic are those of the city's frame."],
     gives=(Port("layout", "scene_layout"),),
+    binds={"x": "window.x", "y": "window.y", "width": "size.x", "depth": "size.y"},
 )
 def town(
     city: City,
