@@ -225,9 +225,11 @@ class Desk:
             self._store.rename(self.folder / OLD)
             following.rename(self._store)
             _put_away(self.folder, before)
-        finally:
+        except OSError as error:
             recover(self.folder)
             self.journal = Journal(self._store / JOURNAL)
+            raise UsageError(f"{self.folder} cannot be changed: {error.strerror}.") from error
+        self.journal = Journal(self._store / JOURNAL)
         self.city = city
         return self.revisions()[-1]
 
