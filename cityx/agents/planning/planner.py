@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from cityx.agents.planning.search import (
+    FILE,
     LAYOUT,
     STAGE,
     Fact,
@@ -18,18 +19,18 @@ from cityx.agents.planning.search import (
 )
 from cityx.agents.planning.workflow import PARTS, Item, Part, Workflow
 from cityx.protocol.encapsulation import Encapsulation
-from cityx.protocol.holdings import OF_LAYOUT
+from cityx.protocol.holdings import OF_LAYOUT, READABLE
 from cityx.protocol.stages import NEUTRAL, ORDER, stages_before, topological_order
 
 Slots = Mapping[str, tuple[Any, ...]]  # what is asked for, by the keys of a brief
 
-# What a file of a kind holds; where several serve, the first counts as the source of a layout.
+# What a file of a kind holds.
 FILES: Mapping[str, Fact] = {
-    "drawn": ("geographic_data", "drawn"),
-    "osm": ("geographic_data", "osm"),
-    "semantic": ("image", "semantic_map"),
-    "satellite": ("image", "satellite"),
-    "height": ("image", "height_field"),
+    "drawn": (FILE, "drawn"),
+    "osm": (FILE, "osm"),
+    "semantic": (FILE, "semantic_map"),
+    "satellite": (FILE, "satellite"),
+    "height": (FILE, "height_field"),
 }
 TERRAIN: Fact = ("surface", "terrain")
 
@@ -115,9 +116,11 @@ class OfflinePlanner:
     ) -> list[Item]:
         """Choose how the files become a layout, or how one is made without any."""
         start = [
-            Node(FILES[kind], frozenset({place}))
-            for place, kind in enumerate(situation.kinds) if kind in FILES
-        ]  # fmt: skip
+            Node(fact, frozenset({place}))
+            for place, kind in enumerate(situation.kinds)
+            if kind in FILES
+            for fact in (FILES[kind], *READABLE.get(kind, ()))
+        ]
         wanted = frozenset(place for place, kind in enumerate(situation.kinds) if kind in FILES)
         found = Reached(operators, start)
         node = found.best(LAYOUT, origin=wanted)
@@ -259,4 +262,4 @@ def _bind(use: Use, record: Encapsulation, found: Reached) -> dict[str, str]:
     ports = [port for port in record.takes if not port.optional]
     roots = [found.root(node) for node in use.given]
     pairs = zip(ports, roots, strict=False)
-    return {port.name: root[1] for port, root in pairs if root in FILES.values()}
+    return {port.name: root[1] for port, root in pairs if (root,) in READABLE.values()}
