@@ -2,10 +2,11 @@ import itertools
 
 import pytest
 
-from cityx.agents.planning.planner import OfflinePlanner, Situation, arguments, asked
+from cityx.agents.planning.planner import OfflinePlanner, Situation, arguments
 from cityx.agents.planning.workflow import PARTS, Workflow
 from cityx.protocol import registry
 from cityx.protocol.catalogue import known_records
+from cityx.protocol.serving import Serves
 from cityx.protocol.stages import is_linear_extension
 
 ACTIONS = registry(outside=False)
@@ -82,9 +83,10 @@ def test_a_brief_gives_arguments_and_calls_for_actions():
 
 def test_slots_are_asked_for_by_key_or_by_value():
     slots = {"building.count": (25,), "building.type": ("tower",)}
-    assert asked(("building.count", "building.type=tower"), slots)
-    assert not asked(("building.type=house",), slots)
-    assert not asked(("building.height.min",), slots)
+    assert Serves("building.count", "building.type=tower").asked(slots)
+    assert not Serves("building.type=house").asked(slots)
+    assert not Serves("building.height.min").asked(slots)
+    assert Serves.from_json(Serves("a=1", kind="plaza").to_json()) == Serves("a=1", kind="plaza")
 
 
 def test_a_value_that_a_parameter_refuses_leaves_its_default():
