@@ -189,6 +189,50 @@ def build(
 
 
 @app.command()
+def edit(
+    folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
+    text: Annotated[str, typer.Argument(help="What is to change, in words.")],
+) -> None:
+    """Change a built city as a sentence says, whole or not at all."""
+    from cityx.agents.edit import edit_city
+
+    with _progress() as say:
+        report = edit_city(folder, text, say=say)
+    _changed(report)
+
+
+@app.command()
+def undo(
+    folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
+    to: Annotated[int | None, typer.Option(min=1, help="A revision; see --list.")] = None,
+    show: Annotated[bool, typer.Option("--list", help="Show the revisions, change none.")] = False,
+) -> None:
+    """Go back to the city before the last change, or to any revision it had."""
+    from cityx.agents.desk import Desk
+    from cityx.agents.edit import undo as undo_change
+
+    if show:
+        with Desk(folder) as desk:
+            for item in desk.revisions():
+                what = item.text or ", ".join(item.actions[:3])
+                typer.echo(f"{item.number:4d}  {item.content[:12]}  {what}")
+        return
+    with _progress() as say:
+        report = undo_change(folder, to, say=say)
+    _changed(report)
+
+
+def _changed(report: dict) -> None:  # type: ignore[type-arg]
+    """Print what a change came to; end with exit code 1 if a goal is missed."""
+    typer.echo(f"revision {report['revision']}, hash {report['hash']}")
+    missed = [goal for goal in report["goals_of_change"] if goal["met"] is False]
+    for goal in missed:
+        typer.echo(f"missed: {goal['goal']} ({goal['evidence']})")
+    if missed:
+        raise typer.Exit(CHECK_FAILED)
+
+
+@app.command()
 def explain(
     words: Annotated[list[str], typer.Argument(help='"TEXT", and files if there are any.')],
     as_json: Annotated[bool, typer.Option("--json", help="Print it as JSON.")] = False,

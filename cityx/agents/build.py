@@ -22,6 +22,7 @@ from cityx.agents.pool import Message, Pool
 from cityx.agents.requests import with_requests
 from cityx.agents.results import publish, result_folder, staging_of, write_report
 from cityx.agents.run import SNAPSHOTS, Run, Stopwatch
+from cityx.agents.views import VIEWS, make_views
 from cityx.cache import kept_folder
 from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
@@ -184,7 +185,16 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
             say("writing the store")
             with watch.step("store"):
                 write_city(city, staging / "city")
-            memory = _make_views(city, staging, options, watch, say)
+            memory = make_views(
+                city,
+                staging,
+                options.formats,
+                views=VIEWS if options.render else (),
+                size=options.picture,
+                samples=options.samples,
+                watch=watch,
+                say=say,
+            )
             say("checking")
             with watch.step("check"):
                 report = make_report(
@@ -327,42 +337,6 @@ def _brief(job: Job) -> dict[str, Any]:
     if job.request.brief.text:
         given |= {**job.request.brief.to_json(), "reply": job.request.reply}
     return given
-
-
-def _make_views(
-    city: City, staging: Path, options: BuildOptions, watch: Stopwatch, say: Say
-) -> float:
-    """Write GLB, USD, .blend and pictures; return the peak memory of any process, MB."""
-    from cityx.agents.views import VIEWS, blender_views
-    from cityx.checks.report import peak_memory_mb
-    from cityx.city.store import view_of
-    from cityx.outputs.glb import write_glb
-    from cityx.outputs.usd import write_usd
-
-    if "glb" in options.formats:
-        say("writing city.glb")
-        with watch.step("glb"):
-            write_glb(view_of(city), staging / "city.glb")
-    if "usd" in options.formats:
-        say("writing city.usdc")
-        with watch.step("usd"):
-            write_usd(view_of(city), staging / "city.usdc")
-    if "blend" in options.formats or options.render:
-        blend = staging / "city.blend" if "blend" in options.formats else None
-        views = VIEWS if options.render else ()
-        times, _ = blender_views(
-            staging / "city",
-            blend=blend,
-            renders=staging / "renders",
-            views=views,
-            size=options.picture,
-            samples=options.samples,
-            say=say,
-        )
-        for name, spent in times.items():
-            watch.wall[f"blender {name}"] = spent["wall_s"]
-            watch.cpu[f"blender {name}"] = spent["cpu_s"]
-    return peak_memory_mb()
 
 
 def recheck(folder: Path) -> dict[str, Any]:

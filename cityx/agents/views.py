@@ -6,11 +6,16 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from cityx.agents.run import Stopwatch
 from cityx.blender.client import DEFAULT_SAMPLES, BlenderJob, RenderRequest, run_worker
 from cityx.city.camera import Camera
 from cityx.city.store import View, read_view
 from cityx.errors import UsageError, nearest
+
+if TYPE_CHECKING:
+    from cityx.city import City
 
 VIEWS = ("street", "aerial", "top")  # in the order of the report
 PICTURE = (960, 540)  # pixels
@@ -25,6 +30,67 @@ def cameras_of(view: View, names: Sequence[str], size: tuple[int, int]) -> list[
     from cityx.plugins.render.cameras import choose_camera
 
     return [choose_camera(view, name, width=size[0], height=size[1]) for name in names]
+
+
+def make_views(
+    city: City,
+    folder: Path,
+    formats: Sequence[str],
+    *,
+    store: Path | None = None,
+    views: Sequence[str] = (),
+    size: tuple[int, int] = PICTURE,
+    samples: int = DEFAULT_SAMPLES,
+    watch: Stopwatch | None = None,
+    say: Say,
+) -> float:
+    """Write GLB, USD, .blend and pictures of a city.
+
+    Parameters
+    ----------
+    city
+        The city.
+    folder
+        Where to write them.
+    formats
+        "blend", "glb", "usd".
+    store
+        Folder of the stored city; ``city`` of the same folder when left out.
+    views, size, samples
+        Pictures; as of `blender_views`.
+    watch
+        Measures the steps.
+
+    Returns
+    -------
+    peak
+        Largest memory of any process so far, MB.
+    """
+    from cityx.checks.report import peak_memory_mb
+    from cityx.city.store import view_of
+    from cityx.outputs.glb import write_glb
+    from cityx.outputs.usd import write_usd
+
+    watch = watch or Stopwatch()
+    folder.mkdir(parents=True, exist_ok=True)
+    if "glb" in formats:
+        say("writing city.glb")
+        with watch.step("glb"):
+            write_glb(view_of(city), folder / "city.glb")
+    if "usd" in formats:
+        say("writing city.usdc")
+        with watch.step("usd"):
+            write_usd(view_of(city), folder / "city.usdc")
+    if "blend" in formats or views:
+        blend = folder / "city.blend" if "blend" in formats else None
+        times, _ = blender_views(
+            store or folder / "city", blend=blend, renders=folder / "renders", views=views,
+            size=size, samples=samples, say=say,
+        )  # fmt: skip
+        for name, spent in times.items():
+            watch.wall[f"blender {name}"] = spent["wall_s"]
+            watch.cpu[f"blender {name}"] = spent["cpu_s"]
+    return peak_memory_mb()
 
 
 def blender_views(

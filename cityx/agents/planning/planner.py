@@ -113,6 +113,10 @@ class OfflinePlanner:
         items += self._parts(slots, situation, operators, others, missing)
         return Workflow(tuple(items), tuple(missing), rev)
 
+    def answers(self, slots: Slots) -> list[Item]:
+        """Return the actions that answer a wish by what they say they serve, in order."""
+        return self._wished(slots, frozenset())
+
     def _layout(
         self,
         slots: Slots,

@@ -9,7 +9,7 @@ from cityx.city import City, Environment
 from cityx.errors import UsageError, nearest
 from cityx.plugins.background.light import PRESET_TIMES, PRESETS, darkened, weather_row
 from cityx.plugins.background.sun import sun_of
-from cityx.protocol import Port, Range, Text, action
+from cityx.protocol import Port, Range, Serves, Text, action
 
 WEATHERS = tuple(PRESETS)
 _OTHER = {
@@ -112,6 +112,7 @@ def lit_anew(
     limits=["Trees lose their leaves for snow only if they are planted after it."],
     requires=("layout",),
     gives=(Port("environment", "scene_layout", role="weather"),),
+    serves=(Serves("edit=set_weather", "weather"),),
     binds={"preset": "weather"},
     labels=("sky", "rain", "fog", "snow", "clouds", "storm", "night"),
 )
