@@ -176,7 +176,7 @@ TIMES: Mapping[str, Moment] = MappingProxyType(
         "noon": Moment((0.0, 90.0), "", (11.0, 13.0)),
         "day": Moment((0.0, 90.0)),
         "afternoon": Moment((2.0, 90.0), DOWN, (12.5, 19.0)),
-        "evening": Moment((-12.0, 15.0), DOWN, (14.5, 24.0)),
+        "evening": Moment((-12.0, 15.0), DOWN, (13.5, 24.0)),
         "golden_hour": Moment((2.0, 12.0)),
         "sunset": Moment((-1.0, 8.0), DOWN),
         "dusk": Moment((-6.5, 6.0), DOWN),
