@@ -1,9 +1,21 @@
-"""The measures: one function for each form of the language."""
+"""The measures: one function for each form of the language.
+
+What the words leave open is settled so:
+
+- ``n`` counts the buildings that stand (those of the layout while none is built), streets from end
+  to end, places whose pieces touch as one, and every vehicle that one sees, parked ones as well.
+- ``share`` is of the things that class, id, name and place choose; its other conditions are what
+  they have. Streets weigh by length, in ``stat`` too; ``by=area`` weighs buildings by footprint.
+- ``inside`` wants one of the first in some of the second, ``crosses`` each of the first over some.
+- ``same(others)`` lets go of what the predicates measured together name one by one, and of kinds of
+  which they name none one by one; the ground, which is arranged anew, is no object.
+- What is not there is not met; what the city has no record of, such as traffic, cannot be told.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,9 +28,10 @@ from cityx.checks.predicates.changes import changed_ids, changed_parts, listed, 
 from cityx.checks.predicates.cleanliness import clean
 from cityx.checks.predicates.environment import air_number, times_of, weathers_of
 from cityx.checks.predicates.facts import SURFACES, Facts, Reply
+from cityx.checks.predicates.rasters import height_correlation, open_area, overlap_of_layers
 from cityx.checks.predicates.streets import Roads, street_pattern
-from cityx.checks.predicates.syntax import Call, Comparison, Expression, Name
-from cityx.checks.predicates.things import Absent, CannotTell, FloatArray, Selection
+from cityx.checks.predicates.syntax import Call, Comparison, Expression, Name, Within
+from cityx.checks.predicates.things import Absent, CannotTell, FloatArray, Selection, union
 from cityx.checks.predicates.vocabulary import (
     KINDS,
     OTHERS,
@@ -26,7 +39,6 @@ from cityx.checks.predicates.vocabulary import (
     kind_named,
     split_arguments,
 )
-from cityx.geometry.identity import id_text
 
 OPEN_SIDE = np.pi  # radians; a wider gap between two of them as seen from there is an open side
 LINE_REACH = 25.0  # metres from a street within which trees stand along it
@@ -85,13 +97,14 @@ def _cover(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     site = shapely.box(*facts.city.layout.extent)
     head = groups[0].head
     kind = kind_named(head.word) if isinstance(head, Name) else ""
-    if kind and not groups[0].conditions:
-        region = facts.region(kind)
+    if kind in SURFACES:
+        covered = float(shapely.area(facts.surface(kind)).sum())
+    elif kind == "green":  # nothing grows under houses and streets
+        built = [facts.layer(name).grounds for name in ("building", "road")]
+        covered = open_area(facts.select(groups[0]).grounds, np.concatenate(built), facts.city)
     else:
-        region = shapely.union_all(shapely.make_valid(facts.select(groups[0]).shapes))
-    if kind == "green":  # nothing grows under houses and streets
-        region = region.difference(facts.region("building")).difference(facts.region("road"))
-    covered = float(shapely.area(shapely.intersection(region, site)))
+        region = union(facts.select(groups[0]).grounds)
+        covered = float(shapely.area(shapely.intersection(region, site)))
     share = covered / max(site.area, 1e-9)
     return Measured(share, f"{groups[0]} covers {covered:,.0f} m2, {100 * share:.1f} % of the site")
 
@@ -398,8 +411,6 @@ def _ratio(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
 
 def _iou(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     layer, path = _layer_and_file(facts, groups)
-    from cityx.checks.predicates.rasters import overlap_of_layers
-
     value, evidence = overlap_of_layers(facts, layer, path)
     return Measured(value, evidence)
 
@@ -408,8 +419,6 @@ def _corr(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     layer, path = _layer_and_file(facts, groups)
     if layer != "terrain":
         raise CannotTell(f"only the terrain is correlated with a file, not {layer}")
-    from cityx.checks.predicates.rasters import height_correlation
-
     value, evidence = height_correlation(facts.city, path)
     return Measured(value, evidence)
 
@@ -430,22 +439,13 @@ def _each(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
 
     chosen = facts.select(groups[0])
     inner = groups[1].head
-    met = 0
-    for row in range(len(chosen.rows)):
-        here = _at(inner, id_text(int(chosen.ids[row])))
-        met += bool(finding_of(here, facts).met)
+    assert isinstance(inner, Call | Comparison | Within)
+    met = sum(
+        bool(finding_of(inner, replace(facts, focus=ground)).met)
+        for ground in chosen.grounds.tolist()
+    )
     every = met == len(chosen.rows) and met > 0
     return Measured(every, f"{inner} holds at {met} of {_said(chosen)}")
-
-
-def _at(predicate: Any, identity: str) -> Any:
-    """Return a predicate about what is on one thing: its counts get ``on=ID``."""
-    if isinstance(predicate, Comparison) and isinstance(predicate.left, Call):
-        call = predicate.left
-        first, rest = call.arguments[0], call.arguments[1:]
-        place = Comparison(Name("in"), "=", Name(identity))
-        return Comparison(Call(call.form, (first, place, *rest)), predicate.sign, predicate.right)
-    raise CannotTell(f"{predicate} does not count what is at each; write n(...) there")
 
 
 def _extreme(facts: Facts, groups: tuple[Group, ...], best: Callable[..., float]) -> Measured:

@@ -87,6 +87,13 @@ def _filled(region: Any, grid: Grid) -> BoolArray:
     return np.asarray(grid.numbered(parts[shapely.area(parts) > 0]) > 0)
 
 
+def open_area(shapes: NDArray[Any], covered: NDArray[Any], city: City) -> float:
+    """Return the square metres of the site that lie in some shapes and in none of others."""
+    grid = _grid(city.layout.extent, city.layout.extent)
+    free = (grid.numbered(shapes) > 0) & (grid.numbered(covered) == 0)
+    return float(free.sum() * grid.pixel**2)
+
+
 Shown = Callable[[Grid], BoolArray]
 
 
