@@ -63,6 +63,7 @@ TABLES = ("building", "road", "path", "railway", "bridge")  # kinds that ids are
 SURFACES: Mapping[str, tuple[str, ...]] = {
     "carriageway": ROADWAY, "sidewalk": ("sidewalk", "furnishing", "ramp", "kerb_dropped"),
 }  # fmt: skip
+Options = Mapping[str, Expression]  # settings of a form by name
 NEARLY = 1e-6  # by which a number may miss an equal one; floats
 
 
@@ -300,3 +301,9 @@ def names_of(predicate: Argument) -> list[Group]:
         elif wanted == PREDICATE:
             found += names_of(group.head)
     return found
+
+
+def said(chosen: Selection) -> str:
+    """Say how many things were chosen, as evidence does."""
+    remark = chosen.layer.remark
+    return f"{chosen.count} {chosen.text}" + (f" ({remark})" if remark else "")
