@@ -35,6 +35,7 @@ from cityx.checks.predicates.things import (
     FloatArray,
     Layer,
     Selection,
+    union,
 )
 from cityx.checks.predicates.vocabulary import (
     ATTRIBUTES,
@@ -62,6 +63,7 @@ TABLES = ("building", "road", "path", "railway", "bridge")  # kinds that ids are
 SURFACES: Mapping[str, tuple[str, ...]] = {
     "carriageway": ROADWAY, "sidewalk": ("sidewalk", "furnishing", "ramp", "kerb_dropped"),
 }  # fmt: skip
+Options = Mapping[str, Expression]  # settings of a form by name
 NEARLY = 1e-6  # by which a number may miss an equal one; floats
 
 
@@ -101,6 +103,8 @@ class Facts:
         What the agent answered.
     together
         Predicates measured together; ``others`` is what none of them names.
+    focus
+        Ground that things must lie on to be chosen, None for all of it.
     """
 
     city: City
@@ -108,6 +112,7 @@ class Facts:
     inputs: Mapping[str, Path] = field(default_factory=dict)
     reply: Reply | None = None
     together: tuple[Predicate, ...] = ()
+    focus: shapely.Geometry | None = None
     _layers: dict[str, Layer] = field(default_factory=dict, compare=False)
 
     @cached_property
@@ -135,10 +140,7 @@ class Facts:
             return shapely.box(*self.city.layout.extent).centroid
         if kind in SURFACES:
             return shapely.union_all(self.surface(kind))
-        layer = self.layer(kind)
-        if isinstance(layer, Roads):
-            return layer.surface
-        return shapely.union_all(shapely.make_valid(layer.shapes))
+        return union(self.layer(kind).grounds)
 
     def surface(self, kind: str) -> NDArray[Any]:
         """Return the triangles of a surface of the ground."""
@@ -153,6 +155,8 @@ class Facts:
         chosen = self._head(group.head)
         for condition in group.conditions:
             chosen = chosen.where(self._holds(condition, chosen))
+        if self.focus is not None:
+            chosen = chosen.where(shapely.intersects(chosen.shapes, self.focus))
         return replace(chosen, text=str(group))
 
     def select_apart(self, group: Group) -> tuple[Selection, BoolArray]:
@@ -238,7 +242,7 @@ class Facts:
     def _placed(self, chosen: Selection, word: str) -> BoolArray:
         """(r,) whether things stand on, lie in or lead over something."""
         kind = kind_named(word)
-        region = self.region(kind) if kind else shapely.union_all(self.named(word).shapes)
+        region = self.region(kind) if kind else shapely.union_all(self.named(word).grounds)
         shapely.prepare(region)
         return np.asarray(shapely.intersects(chosen.shapes, region))
 
@@ -297,3 +301,9 @@ def names_of(predicate: Argument) -> list[Group]:
         elif wanted == PREDICATE:
             found += names_of(group.head)
     return found
+
+
+def said(chosen: Selection) -> str:
+    """Say how many things were chosen, as evidence does."""
+    remark = chosen.layer.remark
+    return f"{chosen.count} {chosen.text}" + (f" ({remark})" if remark else "")

@@ -22,3 +22,19 @@ class Finding:
     met: bool | None
     evidence: str
     value: float | bool | tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was measured.
+
+    Attributes
+    ----------
+    value
+        A number, whether something holds, or the words that hold.
+    evidence
+        What was seen.
+    """
+
+    value: float | bool | tuple[str, ...]
+    evidence: str

@@ -1,24 +1,47 @@
-"""The measures: one function for each form of the language."""
+"""The measures: one function for each form of the language.
+
+What the words leave open is settled so:
+
+- ``n`` counts the buildings that stand (those of the layout while none is built), streets from end
+  to end, places whose pieces touch as one, and every vehicle that one sees, parked ones as well.
+- ``share`` is of the things that class, id, name and place choose; its other conditions are what
+  they have. Streets weigh by length, in ``stat`` too; ``by=area`` weighs buildings by footprint.
+- ``inside`` wants one of the first in some of the second, ``crosses`` each of the first over some.
+- ``same(others)`` lets go of what the predicates measured together name one by one, and of kinds of
+  which they name none one by one; the ground, which is arranged anew, is no object.
+- What is not there is not met; what the city has no record of, such as traffic, cannot be told.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.predicates import words
 from cityx.checks.predicates.buildings import Buildings
 from cityx.checks.predicates.changes import changed_ids, changed_parts, listed, named_elsewhere
 from cityx.checks.predicates.cleanliness import clean
 from cityx.checks.predicates.environment import air_number, times_of, weathers_of
-from cityx.checks.predicates.facts import SURFACES, Facts, Reply
+from cityx.checks.predicates.facts import SURFACES, Facts, Options, Reply, said
+from cityx.checks.predicates.finding import Measured
+from cityx.checks.predicates.rasters import height_correlation, open_area, overlap_of_layers
+from cityx.checks.predicates.relations import (
+    around,
+    axis,
+    crosses,
+    dist,
+    inside,
+    overlap,
+    side,
+    spans,
+)
 from cityx.checks.predicates.streets import Roads, street_pattern
-from cityx.checks.predicates.syntax import Call, Comparison, Expression, Name
-from cityx.checks.predicates.things import Absent, CannotTell, FloatArray, Selection
+from cityx.checks.predicates.syntax import Call, Comparison, Name, Within
+from cityx.checks.predicates.things import Absent, CannotTell, FloatArray, union
 from cityx.checks.predicates.vocabulary import (
     KINDS,
     OTHERS,
@@ -26,42 +49,18 @@ from cityx.checks.predicates.vocabulary import (
     kind_named,
     split_arguments,
 )
-from cityx.geometry.identity import id_text
 
-OPEN_SIDE = np.pi  # radians; a wider gap between two of them as seen from there is an open side
 LINE_REACH = 25.0  # metres from a street within which trees stand along it
 PER = 1000.0  # metres of street that a density counts per
 
 
-@dataclass(frozen=True)
-class Measured:
-    """What was measured.
-
-    Attributes
-    ----------
-    value
-        A number, whether something holds, or the words that hold.
-    evidence
-        What was seen.
-    """
-
-    value: float | bool | tuple[str, ...]
-    evidence: str
-
-
-Options = Mapping[str, Expression]
 Measure = Callable[[Facts, tuple[Group, ...], Options], Measured]
-
-
-def _said(chosen: Selection) -> str:
-    remark = chosen.layer.remark
-    return f"{chosen.count} {chosen.text}" + (f" ({remark})" if remark else "")
 
 
 def _count(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     chosen = facts.select(groups[0])
     examples = f": {chosen.examples()}" if 0 < chosen.count <= 4 else ""
-    return Measured(float(chosen.count), f"there are {_said(chosen)}{examples}")
+    return Measured(float(chosen.count), f"there are {said(chosen)}{examples}")
 
 
 def _share(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measured:
@@ -85,13 +84,14 @@ def _cover(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     site = shapely.box(*facts.city.layout.extent)
     head = groups[0].head
     kind = kind_named(head.word) if isinstance(head, Name) else ""
-    if kind and not groups[0].conditions:
-        region = facts.region(kind)
+    if kind in SURFACES:
+        covered = float(shapely.area(facts.surface(kind)).sum())
+    elif kind == "green":  # nothing grows under houses and streets
+        built = [facts.layer(name).grounds for name in ("building", "road")]
+        covered = open_area(facts.select(groups[0]).grounds, np.concatenate(built), facts.city)
     else:
-        region = shapely.union_all(shapely.make_valid(facts.select(groups[0]).shapes))
-    if kind == "green":  # nothing grows under houses and streets
-        region = region.difference(facts.region("building")).difference(facts.region("road"))
-    covered = float(shapely.area(shapely.intersection(region, site)))
+        region = union(facts.select(groups[0]).grounds)
+        covered = float(shapely.area(shapely.intersection(region, site)))
     share = covered / max(site.area, 1e-9)
     return Measured(share, f"{groups[0]} covers {covered:,.0f} m2, {100 * share:.1f} % of the site")
 
@@ -107,7 +107,7 @@ def _stat(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     if not kept.any():
         raise Absent(f"there is no {group} with a {attribute}")
     value = _statistic(values[kept], weight[kept], statistic.head.word)
-    return Measured(value, f"{attribute} of {_said(chosen)}: {statistic} {value:.4g}")
+    return Measured(value, f"{attribute} of {said(chosen)}: {statistic} {value:.4g}")
 
 
 def _statistic(values: FloatArray, weight: FloatArray, name: str) -> float:
@@ -176,146 +176,6 @@ def _gaps_along(line: Any, points: NDArray[Any]) -> FloatArray:
     way, off = ahead - foot, shapely.get_coordinates(points) - foot
     left = way[:, 0] * off[:, 1] - way[:, 1] * off[:, 0] > 0
     return np.concatenate([np.diff(np.sort(at[left == side])) for side in (True, False)])
-
-
-def _shapes(facts: Facts, group: Group) -> NDArray[Any]:
-    """Return the shapes of things, of a surface or of the middle of the site."""
-    head = group.head
-    kind = kind_named(head.word) if isinstance(head, Name) else ""
-    if kind == "center":
-        return np.array([facts.region(kind)], object)
-    if kind in SURFACES:
-        return facts.surface(kind)
-    chosen = facts.select(group)
-    if not len(chosen.rows):
-        raise Absent(f"there is no {group}")
-    return chosen.shapes
-
-
-def _dist(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
-    first, second = (_shapes(facts, group) for group in groups)
-    if len(first) > len(second):
-        first, second = second, first
-    tree = shapely.STRtree(second)
-    _, away = tree.query_nearest(first, return_distance=True, all_matches=False)
-    value = float(away.min())
-    return Measured(value, f"the nearest {groups[0]} and {groups[1]} are {value:.1f} m apart")
-
-
-def _overlap(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
-    first, second = (facts.select(group).shapes for group in groups)
-    pairs = shapely.STRtree(second).query(first, predicate="intersects")
-    shared = shapely.area(shapely.intersection(first[pairs[0]], second[pairs[1]]))
-    value = round(float(shared.sum()), 2)
-    return Measured(value, f"{groups[0]} and {groups[1]} share {value:,.1f} m2")
-
-
-def _inside(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
-    """Whether some of the first lie within one of the second."""
-    first, second = facts.select(groups[0]), facts.select(groups[1])
-    # A lake cut out of a park lies in it as well: holes count as the park.
-    whole = (
-        shapely.polygons(shapely.get_exterior_ring(second.shapes))
-        if len(second.rows)
-        and (shapely.get_type_id(second.shapes) == shapely.GeometryType.POLYGON).all()
-        else second.shapes
-    )
-    held = shapely.STRtree(whole).query(first.shapes, predicate="covered_by")[0]
-    number = len(np.unique(held))
-    return Measured(number > 0, f"{number} of {_said(first)} lie in one of {_said(second)}")
-
-
-def _crosses(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
-    """Whether each of the first leads from one side of one of the second to another."""
-    first, second = facts.select(groups[0]), facts.select(groups[1])
-    over = _leads_over(first.shapes, second.shapes)
-    met = bool(len(over)) and bool(over.all())
-    return Measured(met, f"{int(over.sum())} of {_said(first)} cross {_said(second)}")
-
-
-def _leads_over(first: NDArray[Any], second: NDArray[Any]) -> NDArray[np.bool_]:
-    """(n,) whether a shape is parted by another: it goes on beyond on two sides."""
-    over = np.zeros(len(first), bool)
-    a, b = shapely.STRtree(second).query(first, predicate="intersects")
-    left = shapely.difference(first[a], second[b])
-    parts = np.array([int((shapely.area(shapely.get_parts(each)) > 0).sum()) if each.area else
-                      shapely.get_num_geometries(each) for each in left.tolist()], int)  # fmt: skip
-    over[a[parts >= 2]] = True
-    return over
-
-
-def _around(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
-    """Whether things stand round one place of a kind, near it and on all sides."""
-    chosen, places = facts.select(groups[0]), facts.select(groups[1])
-    if not len(chosen.rows):
-        return Measured(False, f"there is no {groups[0]}")
-    if not len(places.rows):
-        return Measured(False, f"there is no {groups[1]}")
-    found = [_stand_around(chosen.shapes, place) for place in places.shapes.tolist()]
-    met, away, gap, place = min(found, key=lambda item: (not item[0], round(item[1], 3)))
-    return Measured(
-        met,
-        f"{_said(chosen)} stand within {away:.0f} m of a {groups[1]} of {place.area:.0f} m2, the "
-        f"widest gap between them is {np.degrees(gap):.0f} degrees",
-    )
-
-
-def _stand_around(shapes: NDArray[Any], place: Any) -> tuple[bool, float, float, Any]:
-    middle = shapely.centroid(shapes)
-    away = float(shapely.distance(middle, place).max())
-    x, y = shapely.get_coordinates(place.centroid)[0]
-    at = shapely.get_coordinates(middle)
-    turn = np.sort(np.arctan2(at[:, 1] - y, at[:, 0] - x))
-    gap = float(np.diff(np.append(turn, turn[0] + 2 * np.pi)).max())
-    return away <= words.NEAR and (gap <= OPEN_SIDE or len(turn) < 3), away, gap, place
-
-
-def _axis(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
-    shapes = _shapes(facts, groups[0])
-    points, line = shapely.get_coordinates(shapes, return_index=True)
-    way = np.diff(points, axis=0)[np.diff(line) == 0]
-    doubled = np.exp(2j * np.arctan2(way[:, 1], way[:, 0])) * np.hypot(*way.T)
-    mean = doubled.sum()
-    angle = np.degrees(np.angle(mean) / 2) % 180.0  # counter-clockwise from east
-    names = ("east_west", "northeast_southwest", "north_south", "northwest_southeast")
-    word = names[round(angle / 45.0) % 4]
-    straight = abs(mean) / max(np.abs(doubled).sum(), 1e-9)
-    return Measured(
-        (word,), f"{groups[0]} runs {word}, {(90 - angle) % 180:.0f} degrees from north, "
-        f"{100 * straight:.0f} % of it that way"
-    )  # fmt: skip
-
-
-def _spans(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measured:
-    chosen = facts.select(groups[0])
-    if not len(chosen.rows):
-        raise Absent(f"there is no {groups[0]}")
-    direction = options.get("dir")
-    side = 1 if isinstance(direction, Name) and direction.word == "y" else 0
-    extent = facts.city.layout.extent
-    bounds = shapely.bounds(chosen.shapes)
-    unit = chosen.layer.units(chosen.rows)
-    reach = [
-        np.ptp(np.clip(bounds[unit == n][:, [side, side + 2]], extent[side], extent[side + 2]))
-        for n in np.unique(unit).tolist()
-    ]
-    share = float(max(reach) / (extent[side + 2] - extent[side]))
-    return Measured(share, f"the longest {groups[0]} spans {100 * share:.0f} % of the site")
-
-
-def _side(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
-    shapes = _shapes(facts, groups[0])
-    xmin, ymin, xmax, ymax = facts.city.layout.extent
-    x, y = shapely.get_coordinates(shapely.union_all(shapes).centroid)[0]
-    east, north = 2 * (x - xmin) / (xmax - xmin) - 1, 2 * (y - ymin) / (ymax - ymin) - 1
-    word = ("east" if east > 0 else "west") if abs(east) > abs(north) else (
-        "north" if north > 0 else "south"
-    )  # fmt: skip
-    far = max(abs(east), abs(north))
-    return Measured(
-        (word,) if far > 0.2 else (),
-        f"the middle of {groups[0]} lies {100 * far:.0f} % of the way to the {word} side",
-    )
 
 
 def _color(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
@@ -398,8 +258,6 @@ def _ratio(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
 
 def _iou(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     layer, path = _layer_and_file(facts, groups)
-    from cityx.checks.predicates.rasters import overlap_of_layers
-
     value, evidence = overlap_of_layers(facts, layer, path)
     return Measured(value, evidence)
 
@@ -408,8 +266,6 @@ def _corr(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     layer, path = _layer_and_file(facts, groups)
     if layer != "terrain":
         raise CannotTell(f"only the terrain is correlated with a file, not {layer}")
-    from cityx.checks.predicates.rasters import height_correlation
-
     value, evidence = height_correlation(facts.city, path)
     return Measured(value, evidence)
 
@@ -430,22 +286,13 @@ def _each(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
 
     chosen = facts.select(groups[0])
     inner = groups[1].head
-    met = 0
-    for row in range(len(chosen.rows)):
-        here = _at(inner, id_text(int(chosen.ids[row])))
-        met += bool(finding_of(here, facts).met)
+    assert isinstance(inner, Call | Comparison | Within)
+    met = sum(
+        bool(finding_of(inner, replace(facts, focus=ground)).met)
+        for ground in chosen.grounds.tolist()
+    )
     every = met == len(chosen.rows) and met > 0
-    return Measured(every, f"{inner} holds at {met} of {_said(chosen)}")
-
-
-def _at(predicate: Any, identity: str) -> Any:
-    """Return a predicate about what is on one thing: its counts get ``on=ID``."""
-    if isinstance(predicate, Comparison) and isinstance(predicate.left, Call):
-        call = predicate.left
-        first, rest = call.arguments[0], call.arguments[1:]
-        place = Comparison(Name("in"), "=", Name(identity))
-        return Comparison(Call(call.form, (first, place, *rest)), predicate.sign, predicate.right)
-    raise CannotTell(f"{predicate} does not count what is at each; write n(...) there")
+    return Measured(every, f"{inner} holds at {met} of {said(chosen)}")
 
 
 def _extreme(facts: Facts, groups: tuple[Group, ...], best: Callable[..., float]) -> Measured:
@@ -496,8 +343,8 @@ def _unused(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measur
 
 FORMS: Mapping[str, Measure] = {
     "n": _count, "share": _share, "cover": _cover, "stat": _stat, "density": _density,
-    "spacing": _spacing, "dist": _dist, "overlap": _overlap, "inside": _inside,
-    "crosses": _crosses, "around": _around, "axis": _axis, "spans": _spans, "side": _side,
+    "spacing": _spacing, "dist": dist, "overlap": overlap, "inside": inside,
+    "crosses": crosses, "around": around, "axis": axis, "spans": spans, "side": side,
     "color": _color, "follows": _follows, "changed": _changed, "same": _same, "ratio": _ratio,
     "iou": _iou, "corr": _corr, "each": _each, "clean": _clean, "reply": _replied,
     "mentions": _mentions, "used": _used, "unused": _unused,

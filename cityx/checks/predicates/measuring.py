@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from cityx.checks.predicates.facts import Facts, Reply, compared
-from cityx.checks.predicates.finding import Finding
-from cityx.checks.predicates.forms import Measured, measured_call, measured_quantity
+from cityx.checks.predicates.finding import Finding, Measured
+from cityx.checks.predicates.forms import measured_call, measured_quantity
 from cityx.checks.predicates.parser import parse
 from cityx.checks.predicates.syntax import (
     Argument,

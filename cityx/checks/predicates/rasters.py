@@ -60,7 +60,7 @@ def overlap_of_layers(facts: Facts, layer: str, path: Path) -> tuple[float, str]
         raise CannotTell(f"{path.name} is {kind} and shows no {layer} that could be compared")
     grid = _grid(facts.city.layout.extent, box)
     wanted = shown(grid)
-    own = _filled([facts.region(layer)], grid)
+    own = _filled(facts.region(layer), grid)
     both, either = int((own & wanted).sum()), int((own | wanted).sum())
     if not wanted.any():
         raise CannotTell(f"{path.name} shows no {layer} within the site")
@@ -81,17 +81,17 @@ def _grid(site: Box, shown: Box) -> Grid:
     return Grid(rows, columns, CELL, float(low[0]), float(low[1] + rows * CELL))
 
 
-def _filled(shapes: list[Any], grid: Grid) -> BoolArray:
-    """Return the cells whose middles lie in shapes."""
-    from rasterio.features import rasterize
-    from rasterio.transform import from_origin
+def _filled(region: Any, grid: Grid) -> BoolArray:
+    """Return the cells whose middles lie in a region."""
+    parts = shapely.get_parts([region])
+    return np.asarray(grid.numbered(parts[shapely.area(parts) > 0]) > 0)
 
-    place = from_origin(grid.west, grid.north, grid.pixel, grid.pixel)
-    parts = [part for part in shapely.get_parts(shapes) if not part.is_empty and part.area > 0]
-    if not parts:
-        return np.zeros((grid.rows, grid.columns), bool)
-    found = rasterize(parts, (grid.rows, grid.columns), transform=place, dtype="uint8")
-    return np.asarray(found, bool)
+
+def open_area(shapes: NDArray[Any], covered: NDArray[Any], city: City) -> float:
+    """Return the square metres of the site that lie in some shapes and in none of others."""
+    grid = _grid(city.layout.extent, city.layout.extent)
+    free = (grid.numbered(shapes) > 0) & (grid.numbered(covered) == 0)
+    return float(free.sum() * grid.pixel**2)
 
 
 Shown = Callable[[Grid], BoolArray]
@@ -111,7 +111,7 @@ def _of_map(path: Path, layer: str, city: City, kind: str) -> tuple[Shown, Box]:
         found.layout if found.frame == NOWHERE else moved(found.layout, found.frame, city.frame)
     )
     source = Facts(City("input", city.frame, layout, seed=city.seed))
-    return lambda grid: _filled([source.region(layer)], grid), layout.extent
+    return lambda grid: _filled(source.region(layer), grid), layout.extent
 
 
 def _of_classes(path: Path, layer: str, city: City) -> tuple[Shown, Box]:

@@ -145,9 +145,10 @@ class Roads(Layer):
         return steepest
 
     @cached_property
-    def surface(self) -> Any:
-        """Carriageways of all, as a region."""
-        return union(shapely.buffer(self.shapes, self.number("width") / 2, cap_style="flat"))
+    def grounds(self) -> NDArray[Any]:
+        """(n,) carriageways."""
+        half = np.fmax(self.number("width"), NARROWEST) / 2
+        return np.asarray(shapely.buffer(self.shapes, half, cap_style="flat"), object)
 
 
 def _edge_lengths(network: RoadNetwork) -> FloatArray:

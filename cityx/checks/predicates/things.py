@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -52,6 +52,11 @@ class Layer:
     def shapes(self) -> NDArray[Any]:
         """(n,) shapely geometries on the ground, metres."""
         raise NotImplementedError
+
+    @property
+    def grounds(self) -> NDArray[Any]:
+        """(n,) ground that each covers; of streets their carriageways."""
+        return self.shapes
 
     @property
     def names(self) -> Mapping[str, NDArray[Any]]:
@@ -124,12 +129,16 @@ class Selection:
     rows: IntArray
     text: str
     missing: int = 0
-    narrowed: IntArray = field(default_factory=lambda: np.zeros(0, np.int64))
 
     @cached_property
     def shapes(self) -> NDArray[Any]:
         """(r,) geometries."""
         return np.asarray(self.layer.shapes[self.rows], object)
+
+    @property
+    def grounds(self) -> NDArray[Any]:
+        """(r,) ground that each covers."""
+        return np.asarray(self.layer.grounds[self.rows], object)
 
     @property
     def ids(self) -> UInt64Array:

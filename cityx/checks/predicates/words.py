@@ -11,10 +11,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
+from cityx.assets.palette_tables import HOUSE_AREA, SHED_AREA
+
 ROUGHLY = 0.1  # of a number, by which "~" may miss it
 ANY = (0.0, float("inf"))
-HOUSE_AREA = 420.0  # square metres; a larger building is no single house
-SMALLEST_HOUSE = 32.0  # square metres; a smaller one is a shed
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ BUILDING_TYPES: Mapping[str, Form] = MappingProxyType(
         "tower": Form(height=(50.0, ANY[1]), slender=1.5),
         "skyscraper": Form(height=(100.0, ANY[1]), slender=1.5),
         "high_rise": Form(height=(35.0, ANY[1])),
-        "house": Form(height=(0.0, 14.0), floors=(0, 3), area=(SMALLEST_HOUSE, HOUSE_AREA),
+        "house": Form(height=(0.0, 14.0), floors=(0, 3), area=(SHED_AREA, HOUSE_AREA),
                       uses=("house", "flats", "retail", "office", "civic")),
         "warehouse": Form(floors=(0, 3), area=(250.0, ANY[1]), uses=("industry",)),
         "factory": Form(floors=(0, 4), area=(600.0, ANY[1]), uses=("industry",)),

@@ -71,3 +71,21 @@ class Grid:
         cell = np.floor(self.to_pixels(points)).astype(np.int64)
         column = np.clip(cell[:, 0], 0, self.columns - 1)
         return np.asarray(raster[np.clip(cell[:, 1], 0, self.rows - 1), column])
+
+    def numbered(self, shapes: NDArray[Any]) -> NDArray[np.int32]:
+        """Return the number from 1 of the shape that holds the middle of each pixel, 0 for none.
+
+        Parameters
+        ----------
+        shapes
+            (n,) polygons in metres; of those that overlap the last one counts.
+        """
+        from rasterio.features import rasterize
+        from rasterio.transform import Affine
+
+        size = self.rows, self.columns
+        if len(shapes) == 0:
+            return np.zeros(size, np.int32)
+        place = Affine(self.pixel, 0.0, self.west, 0.0, -self.pixel, self.north)
+        pairs = zip(shapes, range(1, len(shapes) + 1), strict=True)
+        return np.asarray(rasterize(pairs, size, transform=place, dtype="int32"))

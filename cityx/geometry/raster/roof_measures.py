@@ -63,7 +63,7 @@ def measure_roofs(shapes: NDArray[Any], above: FloatArray, grid: Grid) -> Roofs:
     count = len(shapes)
     height, rise = np.full(count, np.nan), np.zeros(count)
     form, across = np.full(count, "", object), np.zeros(count, bool)
-    number = _numbered(shapes, grid)
+    number = grid.numbered(shapes)
     cells = _cells_of(number, count, above, grid)
     depths = _cells_of(number, count, _depths(number, grid.pixel), grid)
     for index, ((spots, tops), (_, depth)) in enumerate(zip(cells, depths, strict=True)):
@@ -103,7 +103,7 @@ def heights_over_ring(
     from scipy import ndimage
 
     top, foot = np.full(len(shapes), np.nan), np.full(len(shapes), np.nan)
-    number = _numbered(shapes, grid)
+    number = grid.numbered(shapes)
     for index, (_, tops) in enumerate(_cells_of(number, len(shapes), above, grid)):
         known = tops[np.isfinite(tops)]
         if len(known) >= max(FEWEST, KNOWN * len(tops)):
@@ -116,19 +116,6 @@ def heights_over_ring(
         if len(low) >= FEWEST:
             foot[index] = np.percentile(low, FOOT)
     return top, foot
-
-
-def _numbered(shapes: NDArray[Any], grid: Grid) -> NDArray[np.int32]:
-    """Return the number from 1 of the shape that holds the middle of each cell, 0 for none."""
-    from rasterio.features import rasterize
-    from rasterio.transform import Affine
-
-    size = (grid.rows, grid.columns)
-    if len(shapes) == 0:
-        return np.zeros(size, np.int32)
-    place = Affine(grid.pixel, 0, grid.west, 0, -grid.pixel, grid.north)
-    pairs = zip(shapes, range(1, len(shapes) + 1), strict=True)
-    return np.asarray(rasterize(pairs, size, transform=place, dtype="int32"))
 
 
 def _cells_of(

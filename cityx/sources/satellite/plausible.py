@@ -141,18 +141,7 @@ def _blocks(found: ClassMap, ways: Centrelines) -> NDArray[Any]:
 
 def _burnt(grid: Grid, shapes: NDArray[Any]) -> BoolArray:
     """Return the (rows, columns) pixels whose middles lie in polygons."""
-    return np.asarray(_numbered(grid, shapes) > 0)
-
-
-def _numbered(grid: Grid, shapes: NDArray[Any]) -> NDArray[np.int32]:
-    """Return (rows, columns) 1 + index of the polygon at each pixel, or 0."""
-    from rasterio.features import rasterize
-
-    size = grid.rows, grid.columns
-    if not len(shapes):
-        return np.zeros(size, np.int32)
-    numbers = zip(shapes, range(1, len(shapes) + 1), strict=True)
-    return np.asarray(rasterize(numbers, size, transform=_place(grid), dtype="int32"))
+    return np.asarray(grid.numbered(shapes) > 0)
 
 
 def _place(grid: Grid) -> Any:
@@ -184,7 +173,7 @@ def _reading(found: ClassMap, blocks: NDArray[Any]) -> tuple[FloatArray, BoolArr
         measured = regionprops_table(bodies, properties=("area", "solidity"))
         size = measured["area"] * found.grid.pixel**2
         blob[1:] = (size > BLOB) | ((size > BLOB / 4) & (measured["solidity"] < LOOSE))
-    number = _numbered(found.grid, blocks).ravel()
+    number = found.grid.numbered(blocks).ravel()
     total = np.bincount(number, minlength=len(blocks) + 1)[1:]
     built = np.bincount(number, house.ravel(), minlength=len(blocks) + 1)[1:]
     flowing = np.bincount(number, blob[bodies].ravel(), minlength=len(blocks) + 1)[1:]

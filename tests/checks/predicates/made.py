@@ -46,8 +46,8 @@ def houses(rows=HOUSES):
     )  # fmt: skip
     parts = make_table(
         "parts", shapes, id=ids_of("part", len(rows)), building=ids_of("building", len(rows)),
-        use=use, base=np.zeros(len(rows)), top=height, levels=levels, roof_shape=["flat"] * len(rows),
-        walls=[True] * len(rows),
+        use=use, base=np.zeros(len(rows)), top=height, levels=levels,
+        roof_shape=["flat"] * len(rows), walls=[True] * len(rows),
     )  # fmt: skip
     return buildings, parts
 
@@ -154,8 +154,10 @@ def made_city():
 
     buildings, parts = houses()
     layout = Layout(SITE, buildings, parts, joined_tables(streets(), crossing()), lands())
-    city = City("Made", Frame(50.0, 10.0), layout, seed=3, scene=Scene(), environment=Environment(
-        sun_elevation=float(np.radians(40.0)), sun_azimuth=float(np.radians(200.0)), hour=15.0))  # fmt: skip
+    sun = Environment(
+        sun_elevation=float(np.radians(40.0)), sun_azimuth=float(np.radians(200.0)), hour=15.0
+    )
+    city = City("Made", Frame(50.0, 10.0), layout, seed=3, scene=Scene(), environment=sun)
     city = with_shells(city, [shell(k, row) for k, row in enumerate(HOUSES)])
     along = [(185.0, float(y)) for y in range(5, 150, 10)]
     city = with_things(city, "trees", TREE, along)

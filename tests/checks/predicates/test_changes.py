@@ -20,8 +20,11 @@ from made import (
 
 from cityx.checks.predicates import measure, measure_all
 
-GLASS = ["changed(top(building, height, 3))", "share(top(building, height, 3), material=glass) == 1",
-         "same(others)"]  # fmt: skip
+GLASS = [
+    "changed(top(building, height, 3))",
+    "share(top(building, height, 3), material=glass) == 1",
+    "same(others)",
+]
 DOUBLE = ["ratio(b07, height) in [1.98, 2.02]", "n(building, id=b03) == 0", "same(others)"]
 
 

@@ -203,6 +203,9 @@ def test_each_wants_its_predicate_at_every_one(city):
     asked = "each(river, n(vehicle) >= 1)"
     assert not measure(asked, city).met
     assert measure(asked, with_things(city, "buses", BUS, [(100.0, 170.0)])).met
+    driven = with_things(city, "buses", BUS, [(301.0, 170.0)])
+    assert measure("each(bridge, n(vehicle, type=bus) >= 1)", driven).met
+    assert not measure("each(bridge, n(vehicle, type=bus) >= 1)", city).met
 
 
 def test_a_slope_is_that_of_the_streets_heights(city):

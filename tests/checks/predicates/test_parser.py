@@ -25,7 +25,9 @@ from cityx.errors import UsageError
 TASKS = Path(__file__).parents[4] / "shared" / "notes" / "bench_tasks.md"
 
 numbers = st.floats(-1e9, 1e9, allow_nan=False).map(lambda v: Number(float(round(v, 6)) + 0.0))
-kinds = st.sampled_from([kind for kind in KINDS if kind != "center"]).map(Name)
+kinds = st.sampled_from([kind for kind, of in KINDS.items() if of not in ("place", "surface")]).map(
+    Name
+)
 odd = st.text(st.characters(codec="utf-8", exclude_characters="\n"), min_size=1, max_size=8)
 ids = odd.map(lambda text: Name(f"7{text}"))
 things = st.one_of(kinds, ids)
@@ -67,10 +69,9 @@ def test_what_is_written_reads_back_the_same(predicate):
 def test_garbage_is_refused_and_never_crashes(text):
     try:
         found = parse(text)
-    except UsageError as error:
-        assert str(error)
-    else:
-        assert parse(str(found)) == found
+    except UsageError:
+        return
+    assert parse(str(found)) == found
 
 
 words = st.sampled_from([*FORMS, *list(KINDS)[:12], *QUANTITIES, "id", "height", "class", "b07",

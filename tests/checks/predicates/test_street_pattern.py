@@ -1,5 +1,7 @@
 """Patterns of streets, told by their geometry alone."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import shapely
@@ -43,7 +45,7 @@ def wheel(spokes=8, radii=(150.0, 280.0), reach=390.0, inner=30.0):
     stops = [inner, *radii, reach]
     lines = [
         [tuple(middle + a * w), tuple(middle + b * w)]
-        for w in way for a, b in zip(stops, stops[1:], strict=False)
+        for w in way for a, b in pairwise(stops)
     ]  # fmt: skip
     for radius in radii:
         for k in range(spokes):
@@ -97,8 +99,8 @@ def test_orientation_order_is_1_for_one_grid_and_0_for_all_directions():
 def test_avenues_and_rings_are_counted_by_their_shape():
     plaza = shapely.Point(SIDE / 2, SIDE / 2).buffer(30.0)
     city = city_of(wheel(), plaza=plaza)
-    for asked in ("road.pattern == radial", "n(road, class=avenue) == 8", "n(road, class=ring) == 2",
-                  "dist(plaza, center) <= 20"):  # fmt: skip
+    for asked in ("road.pattern == radial", "n(road, class=avenue) == 8",
+                  "n(road, class=ring) == 2", "dist(plaza, center) <= 20"):  # fmt: skip
         found = measure(asked, city)
         assert found.met, found
     assert not measure("n(road, class=ring) == 2", city_of(wheel(radii=(200.0,)), plaza=plaza)).met

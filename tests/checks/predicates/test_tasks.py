@@ -1,4 +1,4 @@
-"""The predicates of the public tasks, read and measured on a whole town; copied, so none is lost."""
+"""The predicates of the public tasks, copied: read one by one, and measured on a whole town."""
 
 import time
 

@@ -1,0 +1,163 @@
+"""How things lie to each other and to the site: distances, crossings, sides."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.predicates import words
+from cityx.checks.predicates.facts import SURFACES, Facts, Options, said
+from cityx.checks.predicates.finding import Measured
+from cityx.checks.predicates.syntax import Name
+from cityx.checks.predicates.things import Absent
+from cityx.checks.predicates.vocabulary import Group, kind_named
+
+OPEN_SIDE = np.pi  # radians; a wider gap between two of them as seen from there is an open side
+
+
+def _shapes(facts: Facts, group: Group) -> NDArray[Any]:
+    """Return the shapes of things, of a surface or of the middle of the site."""
+    head = group.head
+    kind = kind_named(head.word) if isinstance(head, Name) else ""
+    if kind == "center":
+        return np.array([facts.region(kind)], object)
+    if kind in SURFACES:
+        return facts.surface(kind)
+    chosen = facts.select(group)
+    if not len(chosen.rows):
+        raise Absent(f"there is no {group}")
+    return chosen.shapes
+
+
+def dist(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
+    """Measure the smallest distance between two kinds of things."""
+    first, second = (_shapes(facts, group) for group in groups)
+    if len(first) > len(second):
+        first, second = second, first
+    tree = shapely.STRtree(second)
+    _, away = tree.query_nearest(first, return_distance=True, all_matches=False)
+    value = float(away.min())
+    return Measured(value, f"the nearest {groups[0]} and {groups[1]} are {value:.1f} m apart")
+
+
+def overlap(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
+    """Measure the ground that two kinds of things share."""
+    first, second = (facts.select(group).shapes for group in groups)
+    pairs = shapely.STRtree(second).query(first, predicate="intersects")
+    shared = shapely.area(shapely.intersection(first[pairs[0]], second[pairs[1]]))
+    value = round(float(shared.sum()), 2)
+    return Measured(value, f"{groups[0]} and {groups[1]} share {value:,.1f} m2")
+
+
+def inside(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
+    """Tell whether some of the first lie within one of the second."""
+    first, second = facts.select(groups[0]), facts.select(groups[1])
+    # A lake cut out of a park lies in it as well: holes count as the park.
+    whole = (
+        shapely.polygons(shapely.get_exterior_ring(second.shapes))
+        if len(second.rows)
+        and (shapely.get_type_id(second.shapes) == shapely.GeometryType.POLYGON).all()
+        else second.shapes
+    )
+    held = shapely.STRtree(whole).query(first.shapes, predicate="covered_by")[0]
+    number = len(np.unique(held))
+    return Measured(number > 0, f"{number} of {said(first)} lie in one of {said(second)}")
+
+
+def crosses(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
+    """Tell whether each of the first leads from one side of one of the second to another."""
+    first, second = facts.select(groups[0]), facts.select(groups[1])
+    over = _leads_over(first.shapes, second.shapes)
+    met = bool(len(over)) and bool(over.all())
+    return Measured(met, f"{int(over.sum())} of {said(first)} cross {said(second)}")
+
+
+def _leads_over(first: NDArray[Any], second: NDArray[Any]) -> NDArray[np.bool_]:
+    """(n,) whether a shape is parted by another: it goes on beyond on two sides."""
+    over = np.zeros(len(first), bool)
+    a, b = shapely.STRtree(second).query(first, predicate="intersects")
+    left = shapely.difference(first[a], second[b])
+    parts = np.array([int((shapely.area(shapely.get_parts(each)) > 0).sum()) if each.area else
+                      shapely.get_num_geometries(each) for each in left.tolist()], int)  # fmt: skip
+    over[a[parts >= 2]] = True
+    return over
+
+
+def around(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
+    """Tell whether things stand round one place of a kind, near it and on all sides."""
+    chosen, places = facts.select(groups[0]), facts.select(groups[1])
+    if not len(chosen.rows):
+        return Measured(False, f"there is no {groups[0]}")
+    if not len(places.rows):
+        return Measured(False, f"there is no {groups[1]}")
+    found = [_stand_around(chosen.shapes, place) for place in places.shapes.tolist()]
+    met, away, gap, place = min(found, key=lambda item: (not item[0], round(item[1], 3)))
+    return Measured(
+        met,
+        f"{said(chosen)} stand within {away:.0f} m of a {groups[1]} of {place.area:.0f} m2, the "
+        f"widest gap between them is {np.degrees(gap):.0f} degrees",
+    )
+
+
+def _stand_around(shapes: NDArray[Any], place: Any) -> tuple[bool, float, float, Any]:
+    middle = shapely.centroid(shapes)
+    away = float(shapely.distance(middle, place).max())
+    x, y = shapely.get_coordinates(place.centroid)[0]
+    at = shapely.get_coordinates(middle)
+    turn = np.sort(np.arctan2(at[:, 1] - y, at[:, 0] - x))
+    gap = float(np.diff(np.append(turn, turn[0] + 2 * np.pi)).max())
+    return away <= words.NEAR and (gap <= OPEN_SIDE or len(turn) < 3), away, gap, place
+
+
+def axis(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
+    """Tell which way streets run."""
+    shapes = _shapes(facts, groups[0])
+    points, line = shapely.get_coordinates(shapes, return_index=True)
+    way = np.diff(points, axis=0)[np.diff(line) == 0]
+    doubled = np.exp(2j * np.arctan2(way[:, 1], way[:, 0])) * np.hypot(*way.T)
+    mean = doubled.sum()
+    angle = np.degrees(np.angle(mean) / 2) % 180.0  # counter-clockwise from east
+    names = ("east_west", "northeast_southwest", "north_south", "northwest_southeast")
+    word = names[round(angle / 45.0) % 4]
+    straight = abs(mean) / max(np.abs(doubled).sum(), 1e-9)
+    return Measured(
+        (word,), f"{groups[0]} runs {word}, {(90 - angle) % 180:.0f} degrees from north, "
+        f"{100 * straight:.0f} % of it that way"
+    )  # fmt: skip
+
+
+def spans(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measured:
+    """Measure how much of the site the longest street spans."""
+    chosen = facts.select(groups[0])
+    if not len(chosen.rows):
+        raise Absent(f"there is no {groups[0]}")
+    direction = options.get("dir")
+    side = 1 if isinstance(direction, Name) and direction.word == "y" else 0
+    extent = facts.city.layout.extent
+    bounds = shapely.bounds(chosen.shapes)
+    unit = chosen.layer.units(chosen.rows)
+    reach = [
+        np.ptp(np.clip(bounds[unit == n][:, [side, side + 2]], extent[side], extent[side + 2]))
+        for n in np.unique(unit).tolist()
+    ]
+    share = float(max(reach) / (extent[side + 2] - extent[side]))
+    return Measured(share, f"the longest {groups[0]} spans {100 * share:.0f} % of the site")
+
+
+def side(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
+    """Tell on which side of the site things lie."""
+    shapes = _shapes(facts, groups[0])
+    xmin, ymin, xmax, ymax = facts.city.layout.extent
+    x, y = shapely.get_coordinates(shapely.union_all(shapes).centroid)[0]
+    east, north = 2 * (x - xmin) / (xmax - xmin) - 1, 2 * (y - ymin) / (ymax - ymin) - 1
+    word = ("east" if east > 0 else "west") if abs(east) > abs(north) else (
+        "north" if north > 0 else "south"
+    )  # fmt: skip
+    far = max(abs(east), abs(north))
+    return Measured(
+        (word,) if far > 0.2 else (),
+        f"the middle of {groups[0]} lies {100 * far:.0f} % of the way to the {word} side",
+    )
