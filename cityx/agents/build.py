@@ -179,7 +179,8 @@ def _town_window(options: BuildOptions) -> dict[str, float]:
     """Arguments of the town for the options ``window`` and ``size``."""
     if options.window:
         x, y, width, depth = options.window
-        return {"x": x + width / 2, "y": y + depth / 2, "width": width, "depth": depth}
+        middle = {"x": x + width / 2, "y": y + depth / 2}
+        return {**middle, "width": width, "depth": depth, "bounded": False}
     return dict(zip(("width", "depth"), options.size or (), strict=False))
 
 

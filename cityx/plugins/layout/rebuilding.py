@@ -96,12 +96,11 @@ def with_area(layout: Layout, kind: str, shape: Any, owner: Owner) -> Layout:
 def with_buildings(
     city: City, layout: Layout, shapes: Sequence[Any], owners: list[Owner]
 ) -> Layout:
-    """Add buildings, resolved as those of any source are."""
+    """Add buildings within the site, resolved as those of any source are."""
     shells, box = make_shells(tag(shapes, owners), nothing(), layout.extent, Report())
     added = resolve(Features(box, shells), city.frame, seed=city.seed)
     return replace(
         layout,
-        extent=box,
         buildings=_together(layout.buildings, added.buildings),
         parts=_together(layout.parts, added.parts),
     )

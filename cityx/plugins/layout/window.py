@@ -143,15 +143,15 @@ def features_of_window(window: Box, plan: Plan, seed: int) -> Tagged:
             continue
         district = districts.district(key)
         _add_bank(found, districts, district)
-        _add_streets(found, plane, district)
+        add_streets(found, plane, district)
         blocks = blocks_of(plane, district)
         land = found.moved(blocks.shapes, district.sketch.rim.anchor)
-        _add_land(found, district, blocks, land, seed)
+        add_land(found, district, blocks, land, seed)
         built.append((blocks, land))
-    return joined(found.tagged(), *_buildings(built, window, (x, y), seed))
+    return joined(found.tagged(), *buildings_on(built, window, (x, y), seed))
 
 
-def _buildings(
+def buildings_on(
     built: list[tuple[Blocks, NDArray[Any]]], window: Box, origin: tuple[int, int], seed: int
 ) -> list[Tagged]:
     """Return what stands on the parcels of the blocks near a window.
@@ -305,7 +305,7 @@ def _add_corner(found: Found, districts: Districts, name: Corner) -> None:
         found.line((*key, "ramp", 1), tags, np.stack([last, bridge.line[1]]))
 
 
-def _add_streets(found: Found, plane: Plane, district: District) -> None:
+def add_streets(found: Found, plane: Plane, district: District) -> None:
     """Add local streets, one line per stretch that runs on under one name."""
     sketch = district.sketch
     key = sketch.rim.key
@@ -341,7 +341,7 @@ def _add_water(found: Found, districts: Districts, key: Key) -> None:
     found.add(("town", *key, "shore"), {KIND: land}, found.moved(shore, anchor))
 
 
-def _add_land(
+def add_land(
     found: Found, district: District, blocks: Blocks, land: NDArray[Any], seed: int
 ) -> None:
     """Add the land of a district's blocks."""
