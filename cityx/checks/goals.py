@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.checks.quantities import QUANTITIES
 from cityx.city import City, Goal
 
 Wanted = Mapping[str, Any]
@@ -21,6 +22,7 @@ SMALLEST = 300.0  # square metres of a plaza, park or lake that counts
 TOUCH = 0.5  # metres between pieces of one area
 POINTS = 0.02  # of a share, by which it may be missed
 NEARLY = 0.05  # metres of height
+NEARLY_NONE = 1e-6  # of a number, that sums in another order may differ by
 WATER = ("water", "sea", "river")
 KINDS: Mapping[str, tuple[str, ...]] = {
     "plaza": ("pedestrian",), "park": ("park",), "lake": ("water", "sea"), "water": WATER,
@@ -136,7 +138,15 @@ def _crossings(city: City, wanted: Wanted) -> Finding:
     )
 
 
+def _quantity(city: City, wanted: Wanted) -> Finding:
+    """Compare a quantity with its bounds."""
+    of = str(wanted["of"])
+    value = float(QUANTITIES[of](city))
+    low, high = float(wanted.get("least", -np.inf)), float(wanted.get("most", np.inf))
+    return low - NEARLY_NONE <= value <= high + NEARLY_NONE, f"{of} is {value:.4g}"
+
+
 _MEASURES: Mapping[str, Callable[[City, Wanted], Finding]] = {
     "towers": _towers, "places": _places, "highest": _highest, "share": _share,
-    "crossings": _crossings,
+    "crossings": _crossings, "quantity": _quantity,
 }  # fmt: skip

@@ -14,6 +14,7 @@ AVENUE, RING, SQUARE, ARC, SPOKE = 5, 6, 7, 0, 1  # families of streets
 STEP = 25.0  # metres between the points of an arc
 LAST = 0.8  # of the way to the nearest border, where the outermost ring runs
 STAGGER = 0.3  # of the metres between two arcs, by which those of neighbouring sectors differ
+ASIDE = 0.24  # of the way between two spokes, by which those on both sides of an arc differ
 SIDE = 38.0  # metres along the street round the square between two avenues
 LEAST = 40.0  # metres from the middle of the square to the street round it
 
@@ -71,8 +72,9 @@ def radial(
         low = sector * turn
         for gap, (a, b) in enumerate(pairwise(levels[sector])):
             count = max(round(turn * (a + b) / 2 / sizes[0]), 1)
+            aside = ASIDE * (0.5 if gap % 2 else -0.5)  # no spoke runs on across an arc
             for k in range(1, count):
-                angle = low + turn * k / count
+                angle = low + turn * (k + aside) / count
                 street = (SPOKE, (sector * len(levels[sector]) + gap) * 64 + k)
                 net.link(net.node(a, angle), net.node(b, angle), street)
                 on_arc.setdefault((sector, gap), set()).add(angle)

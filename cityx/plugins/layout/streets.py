@@ -144,6 +144,28 @@ def _fitted(tags: Tags, width: str, *, main: bool) -> Tags:
     return {**tags, **change}
 
 
+def boulevard_tags(seed: int, lanes: int) -> Tags:
+    """Return the tags of a boulevard."""
+    tags = _section("primary", lanes, 5.0, "", 50)
+    return {**tags, ROLE: "boulevard", "name": name_of(seed, ("Boulevard",), 1)}
+
+
+def shore_tags(seed: int, part: str, number: int) -> Tags:
+    """Return the tags of a street along water: a "quay" or a "promenade"."""
+    last = {"quay": ("Quay", "Embankment"), "promenade": ("Promenade", "Esplanade")}[part]
+    name = name_of(seed, last, 2, number=number)
+    return {**MAIN["tertiary", False], ROLE: part, "name": name}
+
+
+def bridge_tags(seed: int, number: int) -> Tags:
+    """Return the tags of a street over a river, its ramps included."""
+    tags = _section("tertiary", 2, 3.0, "", 30)
+    return {**tags, ROLE: "bridge", "name": name_of(seed, ("Bridge",), 3, number=number)}
+
+
+BRIDGE = {"bridge": "yes", "layer": "1"}
+
+
 def name_of(seed: int, last: tuple[str, ...], *identity: int, number: int = 0) -> str:
     """Return a name for a street; those of one identity differ by their numbers."""
     bits = 0

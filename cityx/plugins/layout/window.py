@@ -22,7 +22,14 @@ from cityx.plugins.layout.blocks import Blocks, blocks_of
 from cityx.plugins.layout.districts import District, Districts
 from cityx.plugins.layout.plane import Plan, Plane
 from cityx.plugins.layout.rivers import ABUTMENT, around
-from cityx.plugins.layout.streets import local_tags, main_rank, main_tags, name_of, side_tags
+from cityx.plugins.layout.streets import (
+    BRIDGE,
+    local_tags,
+    main_rank,
+    main_tags,
+    name_of,
+    side_tags,
+)
 from cityx.plugins.layout.waters import waters_of
 from cityx.sources.features.gather import gather
 from cityx.sources.features.kinds import PLACE
@@ -235,11 +242,8 @@ def _add_main(found: Found, districts: Districts, a: Key, b: Key) -> None:
     tags = main_tags(plane, a, b)
     places = with_places(rims.road(a, b), districts.portals(a, b).places)
     for k, (piece, bridge) in enumerate(_bridged(places, rims.over_mouths(a, b))):
-        more = _BRIDGE if bridge else {}
+        more = BRIDGE if bridge else {}
         found.line(("town", *a, *b, "road", k), {**tags, **more}, piece)
-
-
-_BRIDGE = {"bridge": "yes", "layer": "1"}
 
 
 def _bridged(places: IntArray, cuts: IntArray) -> list[tuple[IntArray, bool]]:
@@ -300,7 +304,7 @@ def _add_corner(found: Found, districts: Districts, name: Corner) -> None:
         way = (bridge.line[1] - bridge.line[0]) / PER_METRE
         step = np.rint(ABUTMENT * PER_METRE * way / np.hypot(*way)).astype(np.int64)
         first, last = bridge.line[0] + step, bridge.line[1] - step
-        found.line((*key, "bridge"), {**tags, **_BRIDGE}, np.stack([first, last]))
+        found.line((*key, "bridge"), {**tags, **BRIDGE}, np.stack([first, last]))
         found.line((*key, "ramp", 0), tags, np.stack([bridge.line[0], first]))
         found.line((*key, "ramp", 1), tags, np.stack([last, bridge.line[1]]))
 
