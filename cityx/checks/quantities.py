@@ -49,6 +49,17 @@ def _spanned(city: City, axis: int) -> float:
     return float(reach.max(initial=0.0) / (high[axis] - low[axis]))
 
 
+def _lakes_in_parks(city: City) -> float:
+    parks = shapely.buffer(shapely.union_all(_land(city, "park")), 0.1)
+    return float(shapely.within(_land(city, "water"), parks).sum())
+
+
+def _to_middle(city: City, *kinds: str) -> float:
+    """Return the metres from the middle of the site to the nearest land of some kinds."""
+    found = shapely.distance(_land(city, *kinds), shapely.box(*city.layout.extent).centroid)
+    return float(found.min(initial=np.inf))
+
+
 QUANTITIES: Mapping[str, Callable[[City], float]] = {
     "n(building)": lambda city: len(city.layout.buildings),
     "stat(building, floors, max)": lambda city: _column(city, "levels").max(initial=0),
@@ -57,7 +68,12 @@ QUANTITIES: Mapping[str, Callable[[City], float]] = {
     "stat(building, height, min)": lambda city: _column(city, "height").min(initial=9999),
     "cover(building)": lambda city: _cover(city, _houses(city)),
     "cover(green)": lambda city: _cover(city, _land(city, *GREEN)),
+    "dist(plaza, center)": lambda city: _to_middle(city, "pedestrian"),
+    "dist(park, center)": lambda city: _to_middle(city, "park"),
+    "dist(lake, center)": lambda city: _to_middle(city, "water"),
     "n(bridge)": lambda city: int(city.layout.roads["bridge"].sum()),
+    "n(park)": lambda city: len(_land(city, "park")),
+    "n(lake, in=park)": _lakes_in_parks,
     "n(sea)": lambda city: len(_land(city, "sea")),
     "n(beach)": lambda city: len(_land(city, "sand")),
     "stat(river, width, mean)": _river_width,

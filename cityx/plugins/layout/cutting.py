@@ -73,6 +73,21 @@ def with_streets(city: City, streets: Sequence[tuple[Any, Owner]], ground: Any) 
     return refilled(cut, city.layout, gone, ground)
 
 
+def given_up_in(layout: Layout, ground: Any) -> Layout:
+    """Take the streets off a piece of ground; what led there ends at the junction before it."""
+    shapes = layout.roads.geometry.to_numpy()
+    hit = shapely.intersects(shapes, ground)
+    left = np.where(hit, shapely.difference(shapes, ground), shapes)
+    parts, row = shapely.get_parts(left, return_index=True)
+    parts, row = parts[shapely.length(parts) > ON], row[shapely.length(parts) > ON]
+    rest = [(k, shapely.get_coordinates(part)) for k, part in zip(row.tolist(), parts, strict=True)]
+    tips = np.array([points[[0, -1]] for _, points in rest])
+    lost = shapely.union_all(shapely.intersection(shapes[hit], ground))
+    ends = np.argwhere(shapely.distance(shapely.points(tips), lost) <= ON)
+    kept = _shapes(_pruned(rest, ends), len(shapes))
+    return replace(layout, roads=pieces_of(layout.roads, kept, 1))
+
+
 def street_rows(city: City, lines: Sequence[Any], owners: list[Owner]) -> Any:
     """Make rows of the table of roads."""
     none = Shells(nothing(), nothing(), np.zeros(0, np.int64))

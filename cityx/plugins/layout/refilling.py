@@ -15,7 +15,7 @@ from cityx.city.layout import joined_tables
 from cityx.city.sites import Box, cut_to
 from cityx.geometry.identity import stable_id
 from cityx.plugins.layout.blocks import LAND, LEAST, THIN, Blocks
-from cityx.plugins.layout.rebuilding import cleared, street_blocks, with_area
+from cityx.plugins.layout.rebuilding import BUILT_ON, cleared, is_square, street_blocks, with_area
 from cityx.plugins.layout.window import buildings_on
 from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
@@ -27,11 +27,6 @@ ZONE_OF_USE: Mapping[str, str] = {
     "detached": "suburb", "bungalow": "suburb", "semidetached_house": "suburb",
     "industrial": "industry", "warehouse": "industry", "retail": "retail strip",
 }  # fmt: skip
-# Land of blocks and of the parcels on them.
-BUILT_ON = (
-    "residential", "commercial", "retail", "industrial", "civic", "garden", "grass", "pedestrian",
-    "parking", "road_area", "meadow",
-)  # fmt: skip
 NEXT = 2.0  # metres from what was taken to a block that lost ground
 BEYOND = 40.0  # metres beyond the border of the site to which a block that it cuts goes on
 OWN = ("town/", "made/block/")  # sources of the land of blocks
@@ -73,8 +68,8 @@ def refilled(city: City, before: Layout, gone: Any, ground: Any) -> City:
 
 def _open_blocks(layout: Layout, gone: Any, ground: Any) -> NDArray[Any]:
     """Return the blocks beside what was taken, less parks, squares and what else is no block."""
-    square = (layout.areas["kind"] == "pedestrian") & (layout.areas["name"] != "")
-    kept = layout.areas[square | ~layout.areas["kind"].isin(BUILT_ON)].geometry.to_numpy()
+    built_on = layout.areas["kind"].isin(BUILT_ON) & ~is_square(layout.areas)
+    kept = layout.areas[~built_on].geometry.to_numpy()
     made = layout.areas["source"].str.startswith("made/").to_numpy(bool)
     own = layout.areas["source"].str.startswith("made/block/").to_numpy(bool)
     shut = shapely.union_all([ground, *kept, *layout.areas.geometry.to_numpy()[made & ~own]])

@@ -30,7 +30,7 @@ from cityx.plugins.layout.districts import (
 )
 from cityx.plugins.layout.plane import Plan, Plane
 from cityx.plugins.layout.rims import Rim, Side
-from cityx.plugins.layout.streets import MAIN_LINE
+from cityx.plugins.layout.streets import MAIN_LINE, half_width, local_tags
 from cityx.plugins.layout.window import (
     Box,
     Found,
@@ -52,6 +52,7 @@ KEY = (0, 0)  # of the one district of a site
 BEYOND = 1.5  # blocks beyond the border of a site that are laid out, so that those on it are whole
 GAPS = {"grid": 0.03}  # share of the links left out, where it is not that of a district
 MAIN_EVERY = 4  # every so many streets one is a main street
+SMALL = 350.0  # metres; a smaller site has local streets alone, and in a grid one all round
 
 
 def layout_of_site(window: Box, plan: Plan, seed: int, *, frame: Frame) -> Layout:
@@ -103,10 +104,10 @@ def _district(plane: Plane, window: Box) -> District:
     sizes = (block * larger, depth * larger)
     half = (high - low) / 2
     rim = _rim(anchor, half + BEYOND * max(sizes))
-    pattern = _pattern(plane, half, sizes)
+    pattern = _pattern(plane, half, sizes, zone)
     inside = shapely.contains_xy(rim.polygon(), pattern.nodes)
     pattern = pattern.take(inside[pattern.links].any(axis=1))
-    if plan.pattern != "radial":
+    if plan.pattern != "radial" and not _is_small(half):
         gap = left_out(plane, identity, pattern, GAPS.get(plan.pattern, share)) & (
             pattern.street[:, 0] != MAIN_LINE
         )
@@ -114,6 +115,8 @@ def _district(plane: Plane, window: Box) -> District:
     places = rim.places(pattern.nodes)
     nodes = rim.local(places)
     loose = ~shapely.contains_xy(shapely.box(*-half, *half), nodes)
+    if not loose[pattern.links].any():  # no street leaves the site
+        loose[:] = True
     kept = settled(pattern.links, nodes, loose, loose)
     net = Net(nodes, pattern.links[kept], pattern.street[kept])
     net, ends = with_blind_streets(
@@ -140,7 +143,7 @@ def _rim(anchor: IntArray, half: FloatArray) -> Rim:
     return Rim(KEY, anchor, sides)
 
 
-def _pattern(plane: Plane, half: FloatArray, sizes: tuple[float, float]) -> Pattern:
+def _pattern(plane: Plane, half: FloatArray, sizes: tuple[float, float], zone: str) -> Pattern:
     """Lay the streets of a site about its middle."""
     plan = plane.plan
     if plan.pattern == "radial":
@@ -149,17 +152,45 @@ def _pattern(plane: Plane, half: FloatArray, sizes: tuple[float, float]) -> Patt
         )
     reach = half + BEYOND * max(sizes)
     box = (float(-reach[0]), float(-reach[1]), float(reach[0]), float(reach[1]))
+    small = _is_small(half)
     if plan.pattern == "grid":
-        # Whole blocks fill the site: its border runs through the middle of blocks.
-        counts = np.maximum(np.rint(2 * half / sizes), 1)
-        sizes = tuple((2 * half / counts).tolist())
-        origin = np.where(counts % 2 == 1, 0.0, np.array(sizes) / 2)
-        return divided(_with_main_lines(grid(box, origin, 0.0, sizes), (0, 1)))
+        found = _street_grid(
+            half,
+            box,
+            sizes,
+            half_width(local_tags(plane, KEY, zone, "grid", 0, 0)) if small else 0.0,
+        )
+        return divided(found if small else _with_main_lines(found, (0, 1)))
     found = grid(box, np.zeros(2), plane.lattice.angle, sizes, brick=True)
     return curved(
-        _with_main_lines(found, (0,)), hash_bits(plane.seed, "site/bend", *KEY) >> 1,
+        found if small else _with_main_lines(found, (0,)),
+        hash_bits(plane.seed, "site/bend", *KEY) >> 1,
         wave=BEND_WAVE * sizes[1], reach=BENDS[plan.pattern] * sizes[1],
     )  # fmt: skip
+
+
+def _is_small(half: FloatArray) -> bool:
+    return bool(2 * half.min() < SMALL)
+
+
+def _street_grid(half: FloatArray, box: Box, sizes: tuple[float, float], edge: float) -> Pattern:
+    """Lay a grid of which whole blocks fill the site.
+
+    Parameters
+    ----------
+    edge
+        Metres from the border to the streets all round; 0 for none, the border running through
+        the middle of blocks.
+    """
+    inner = 2 * (half - edge)
+    counts = np.maximum(np.rint(inner / sizes), 1)
+    size = inner / counts
+    odd = (counts % 2 == 1) != (edge > 0)
+    found = grid(box, np.where(odd, 0.0, size / 2), 0.0, (float(size[0]), float(size[1])))
+    if not edge:
+        return found
+    ends = np.abs(found.nodes[found.links]) <= inner / 2 + 1e-6
+    return found.take(ends.all(axis=(1, 2)))
 
 
 def _with_main_lines(pattern: Pattern, families: tuple[int, ...]) -> Pattern:
