@@ -14,7 +14,7 @@ from cityx.errors import ActionFailed
 from cityx.geometry.identity import draw
 from cityx.plugins.layout.cutting import given_up_in
 from cityx.plugins.layout.rebuilding import WET, cleared, street_blocks, with_area
-from cityx.plugins.layout.wishes import asked
+from cityx.plugins.layout.wishes import asked, with_goal
 from cityx.protocol import Port, Range, action
 from cityx.sources.features.tagged import Owner
 
@@ -61,7 +61,7 @@ def central_park(
         water = _lake(ground, draw(city.seed, "layout/lake", 1))
         layout = with_area(layout, "water", water, Owner(("made", "lake", "central"), {}))
     city = asked(replace(city, layout=layout), "a park", "n(park)", least=1)
-    return asked(city, "a lake in the park", "n(lake, in=park)", least=1) if lake else city
+    return with_goal(city, "a lake in the park", "inside(lake, park)") if lake else city
 
 
 def _joined_blocks(layout: Layout, wanted: float) -> Any:

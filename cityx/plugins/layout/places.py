@@ -10,8 +10,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.goals import KINDS, places_of
-from cityx.city import City, Goal
+from cityx.checks.predicates.places import places_of
+from cityx.checks.predicates.words import LANDS
+from cityx.city import City
 from cityx.errors import ActionFailed
 from cityx.plugins.layout.rebuilding import BORDER, cleared, is_square, street_blocks, with_area
 from cityx.plugins.layout.streets import name_of
@@ -74,8 +75,7 @@ def places(
     for _ in range(count - len(found)):
         city = added_place(city, kind)
     word = kind if count == 1 else f"{kind}s"
-    goal = Goal(f"{count} {word}", "places", {"kind": kind, "count": count})
-    city = replace(city, goals=(*city.goals, goal))
+    city = asked(city, f"{count} {word}", f"n({kind})", least=count, most=count)
     if not central or not count:
         return city
     return asked(city, f"a {kind} in the middle", f"dist({kind}, center)", most=central_reach(city))
@@ -89,7 +89,7 @@ def _is_central(city: City, found: NDArray[Any]) -> bool:
 
 def _given_up(city: City, kind: str, place: Any) -> City:
     areas = city.layout.areas.copy()
-    own = areas["kind"].isin(KINDS[kind]).to_numpy()
+    own = areas["kind"].isin(LANDS[kind]).to_numpy()
     inside = shapely.intersects(areas.geometry.to_numpy(), shapely.buffer(place, -0.1))
     words = areas["kind"].to_numpy().astype(object)
     words[own & inside] = INSTEAD

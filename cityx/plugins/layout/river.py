@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.goals import WATER
+from cityx.checks.predicates.words import LANDS
 from cityx.city import City, Layout
 from cityx.city.layout import joined_tables
 from cityx.errors import ActionFailed
@@ -116,7 +116,7 @@ def _course(city: City, axis: str, width: float) -> Any:
             f"A river {width:g} m wide with its quays needs {2 * half:.0f} m; the site has "
             f"{across:.0f} m across."
         )
-    wet = layout.areas.geometry.to_numpy()[layout.areas["kind"].isin(WATER).to_numpy()]
+    wet = layout.areas.geometry.to_numpy()[layout.areas["kind"].isin(LANDS["water"]).to_numpy()]
     dry = [pair for pair in found if not shapely.intersects(wet, pair[1].buffer(half)).any()]
     if not dry:
         raise ActionFailed("There is water already wherever a river could flow.")

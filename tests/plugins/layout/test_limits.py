@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.checks.goals import measured, places_of
+from cityx.checks.predicates.places import places_of
 from cityx.city import City, Frame, Layout
 from cityx.errors import ActionFailed, UsageError
 from cityx.plugins.layout.counting import buildings_count
@@ -21,20 +21,13 @@ def site(seed=3, size=200.0, **plan):
     return town(city, width=size, depth=size, **plan)
 
 
-def check_goals(city):
-    assert city.goals
-    for goal in city.goals:
-        met, evidence = measured(city, goal)
-        assert met, (goal, evidence)
-
-
 def overlap(city):
     houses = city.layout.buildings.geometry.to_numpy()
     return shapely.area(houses).sum() - shapely.union_all(houses).area
 
 
 @pytest.mark.parametrize("count", [0, 1, 12, 30, 60])
-def test_there_are_exactly_so_many_buildings(count):
+def test_there_are_exactly_so_many_buildings(count, check_goals):
     city = buildings_count(site(pattern="grid", zone="core"), count=count)
     layout = city.layout
     assert len(layout.buildings) == count
@@ -52,7 +45,7 @@ def test_more_buildings_than_fit_are_refused_with_what_fits():
         buildings_count(towers(site(size=400.0), count=3), count=2)
 
 
-def test_storeys_and_heights_stay_within_limits():
+def test_storeys_and_heights_stay_within_limits(check_goals):
     city = building_limits(site(zone="core"), most_floors=5)
     assert city.layout.buildings["levels"].max() == 5
     assert city.layout.parts["levels"].max() <= 5
@@ -73,7 +66,7 @@ def test_limits_that_contradict_each_other_are_refused():
         building_limits(site(), most_floors=2, lowest=60.0)
 
 
-def test_a_share_of_the_site_is_built_on():
+def test_a_share_of_the_site_is_built_on(check_goals):
     built = site(zone="row", pattern="grid", plazas=0.0, parks=0.0)
     less = cover(built, most=0.2)
     share = shapely.area(less.layout.buildings.geometry.to_numpy()).sum() / 200.0**2
@@ -94,14 +87,14 @@ def test_nothing_but_towers_stand_around_a_plaza_in_the_middle():
     assert set(city.layout.areas["kind"]) <= {"grass", "park", "pedestrian"}
 
 
-def test_a_plaza_lies_in_the_middle():
+def test_a_plaza_lies_in_the_middle(check_goals):
     city = places(site(size=600.0, zone="suburb", plazas=0.0), kind="plaza", count=2, central=True)
     assert len(places_of(city, "plaza")) == 2
     check_goals(city)
 
 
 @pytest.mark.parametrize("pattern", ["grid", "organic", "mixed"])
-def test_a_large_park_holds_a_lake(pattern):
+def test_a_large_park_holds_a_lake(pattern, check_goals):
     city = central_park(site(size=500.0, pattern=pattern, zone="row"), share=0.15)
     park = city.layout.areas[city.layout.areas["source"] == "made/park/central"].geometry.iloc[0]
     lake = city.layout.areas[city.layout.areas["kind"] == "water"].geometry.iloc[0]
