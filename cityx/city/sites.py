@@ -53,7 +53,6 @@ def cut(layout: Layout, window: Box) -> Layout:
     """
     box = shapely.box(*window)
     buildings = layout.buildings[_centroid_in(layout.buildings, box)]
-    parts = layout.parts[layout.parts["building"].isin(buildings["id"])]
     extent = window
     if len(buildings):
         low_x, low_y, high_x, high_y = buildings.total_bounds.tolist()
@@ -63,7 +62,19 @@ def cut(layout: Layout, window: Box) -> Layout:
             max(window[2], high_x + MARGIN),
             max(window[3], high_y + MARGIN),
         )
+    return _cut_at(layout, buildings, extent)
+
+
+def cut_to(layout: Layout, window: Box) -> Layout:
+    """Keep what lies in a window, which the site then is exactly; buildings that cross it go."""
+    inside = shapely.within(layout.buildings.geometry.to_numpy(), shapely.box(*window))
+    return _cut_at(layout, layout.buildings[inside], window)
+
+
+def _cut_at(layout: Layout, buildings: GeoDataFrame, extent: Box) -> Layout:
+    """Keep some buildings, and of the rest what lies in a rectangle."""
     frame = shapely.box(*extent)
+    parts = layout.parts[layout.parts["building"].isin(buildings["id"])]
     return Layout(
         extent,
         buildings=buildings.reset_index(drop=True),

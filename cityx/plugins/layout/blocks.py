@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from cityx.geometry.identity import UInt64Array, choose, stable_id, uniform
+from cityx.geometry.radial_patterns import SQUARE
 from cityx.plugins.layout.districts import District
 from cityx.plugins.layout.plane import DENSITY, ZONES, Plane
 from cityx.plugins.layout.streets import half_width, local_tags, main_rank, side_tags
@@ -173,7 +174,11 @@ def _leave_open(plane: Plane, ids: UInt64Array, zone: NDArray[Any], kind: NDArra
 def _lay_plaza(
     plane: Plane, district: District, shapes: NDArray[Any], zone: NDArray[Any], kind: NDArray[Any]
 ) -> None:
-    """Turn the block at the middle of a dense district into a plaza."""
+    """Turn the block at the middle of a dense district, or in a site's square, into a plaza."""
+    if (district.street[:, 0] == SQUARE).any():
+        best = int(np.argmin(shapely.distance(shapes, shapely.Point(0.0, 0.0))))
+        kind[best], zone[best] = "pedestrian", ""
+        return
     dense = np.isin(zone, ["core", "midrise"])
     ident = stable_id("town", *district.sketch.rim.key)
     if not dense.any() or uniform(plane.seed, "district/plaza", ident) >= plane.plan.plazas:

@@ -111,14 +111,14 @@ def sketched(plane: Plane, rim: Rim) -> Sketch:
     identity = hash_bits(plane.seed, "district", key[0], key[1])
     zone = zone_of(plane, identity, density)
     kind = kind_of(plane, identity, zone)
-    block, depth, left_out = SHAPE[kind]
+    block, depth, share = SHAPE[kind]
     larger = plane.plan.block * SPARSE.get(zone, 1.0)
     sizes = (block * larger, depth * larger)
     clearance = max(CLEAR[0], CLEAR[1] * sizes[1])
     polygon, lines = rim.polygon(), rim.lines()
     pattern = _pattern(plane, rim, kind, sizes, polygon, clearance)
     inner, ways = fitted(pattern, polygon, lines, clearance)
-    inner = inner.take(~_left_out(plane, identity, inner, left_out))
+    inner = inner.take(~left_out(plane, identity, inner, share))
     return Sketch(rim, kind, zone, density, inner, ways)
 
 
@@ -198,8 +198,8 @@ def _direction(plane: Plane, rim: Rim) -> float:
     return math.atan2(y, x) / 4
 
 
-def _left_out(plane: Plane, identity: int, inner: Pattern, share: float) -> BoolArray:
-    """Draw which stretches between crossings are left out, whole ones."""
+def left_out(plane: Plane, identity: int, inner: Pattern, share: float) -> BoolArray:
+    """Draw which stretches between crossings are left out, whole ones, (m,)."""
     code = hash_ids(identity & 0xFFFF, "district/link", inner.name[:, 0].astype(np.uint64), inner.name[:, 1])  # fmt: skip  # noqa: E501
     return np.asarray(uniform(plane.seed, "district/gap", code) < share)
 

@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates.places import places_of
 from cityx.checks.predicates.words import LANDS
-from cityx.city import City, Goal
+from cityx.city import City
 from cityx.errors import ActionFailed
-from cityx.plugins.layout.rebuilding import BORDER, cleared, street_blocks, with_area
+from cityx.plugins.layout.rebuilding import BORDER, cleared, is_square, street_blocks, with_area
+from cityx.plugins.layout.streets import name_of
+from cityx.plugins.layout.wishes import asked
 from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.tagged import Owner
 
@@ -23,9 +25,11 @@ SIZES: Mapping[str, tuple[float, float, float]] = {
     "plaza": (900.0, 3500.0, 12_000.0), "park": (2500.0, 9000.0, 40_000.0),
     "lake": (3500.0, 12_000.0, 60_000.0),
 }  # fmt: skip
-OPEN = ("pedestrian", "park", "water", "sea", "river")
+OPEN = ("park", "water", "sea", "river")
+NAMES = {"plaza": "Square", "park": "Park", "lake": "Lake"}
 LAND = {"plaza": "pedestrian", "park": "park", "lake": "water"}
 NEARER = 150.0  # metres farther from the middle that weigh as much as a size 2.7 times off
+CENTRAL = 0.15  # of the smaller side of a site, from its middle to a place that is central
 CUT = 10.0  # of the same weight, against a block that the border of the site cuts
 SHORE = 12.0  # metres from the walk to a lake
 ROUND = 8.0  # metres of the corners of a lake
@@ -44,6 +48,7 @@ def places(
     *,
     kind: Annotated[str, Choice("plaza", "park", "lake")] = "plaza",
     count: Annotated[int, Range(0, 50)] = 1,
+    central: bool = False,
 ) -> City:
     """Give a city exactly so many plazas, parks or lakes.
 
@@ -55,16 +60,31 @@ def places(
         What is counted: pieces of at least 300 square metres, those that touch as one.
     count
         How many there shall be; the smallest are given up, blocks become new ones.
+    central
+        Whether one of them must lie by the middle of the site.
     """
     found = places_of(city, kind)
-    order = np.argsort(np.round(shapely.area(found), 2), kind="stable")
+    if central and count and not _is_central(city, found):
+        city = added_place(city, kind, central=True)
+        found = places_of(city, kind)
+    middle = shapely.box(*city.layout.extent).centroid
+    kept = central & (shapely.distance(found, middle) <= central_reach(city))
+    order = np.lexsort((np.round(shapely.area(found), 2), kept))
     for place in found[order][: max(len(found) - count, 0)].tolist():
         city = _given_up(city, kind, place)
     for _ in range(count - len(found)):
         city = added_place(city, kind)
     word = kind if count == 1 else f"{kind}s"
-    goal = Goal(f"{count} {word}", f"n({kind}) == {count}")
-    return replace(city, goals=(*city.goals, goal))
+    city = asked(city, f"{count} {word}", f"n({kind})", least=count, most=count)
+    if not central or not count:
+        return city
+    return asked(city, f"a {kind} in the middle", f"dist({kind}, center)", most=central_reach(city))
+
+
+def _is_central(city: City, found: NDArray[Any]) -> bool:
+    """Tell whether one of some places lies by the middle of the site."""
+    middle = shapely.box(*city.layout.extent).centroid
+    return bool((shapely.distance(found, middle) <= central_reach(city)).any())
 
 
 def _given_up(city: City, kind: str, place: Any) -> City:
@@ -78,8 +98,19 @@ def _given_up(city: City, kind: str, place: Any) -> City:
     return replace(city, layout=replace(city.layout, areas=areas))
 
 
-def added_place(city: City, kind: str) -> City:
+def central_reach(city: City) -> float:
+    """Return the metres from the middle of a site within which a place is central."""
+    xmin, ymin, xmax, ymax = city.layout.extent
+    return CENTRAL * min(xmax - xmin, ymax - ymin)
+
+
+def added_place(city: City, kind: str, *, central: bool = False) -> City:
     """Turn the block that suits best, near the middle, into a plaza, park or lake.
+
+    Parameters
+    ----------
+    central
+        Whether it must lie within `central_reach`; what is too large there is cut to size.
 
     Raises
     ------
@@ -89,12 +120,15 @@ def added_place(city: City, kind: str) -> City:
     layout = city.layout
     least, best, most = SIZES[kind]
     blocks = street_blocks(layout)
-    open_land = layout.areas["kind"].isin(OPEN).to_numpy()
+    open_land = layout.areas["kind"].isin(OPEN).to_numpy() | is_square(layout.areas)
     # What was built because it was asked for stays, too.
     made = layout.buildings["source"].str.startswith("made/").to_numpy(bool)
     kept = np.concatenate(
         [layout.areas.geometry.to_numpy()[open_land], layout.buildings.geometry.to_numpy()[made]]
     )
+    middle = shapely.box(*layout.extent).centroid
+    if central:
+        blocks = _central(blocks, middle, central_reach(city), best)
     size = shapely.area(blocks)
     fit = (size >= least) & (size <= most) & _free(blocks, kept)
     if not fit.any():
@@ -102,7 +136,7 @@ def added_place(city: City, kind: str) -> City:
             f"No block of the site is free for a {kind} of {least:g} to {most:g} square metres; "
             "ask for fewer, or for a larger site."
         )
-    away = shapely.distance(shapely.centroid(blocks), shapely.box(*layout.extent).centroid)
+    away = shapely.distance(shapely.centroid(blocks), middle)
     cost = np.abs(np.log(size / best)) + away / NEARER
     border = shapely.box(*layout.extent).exterior
     cost += CUT * (shapely.distance(blocks, border) <= BORDER)
@@ -113,12 +147,24 @@ def added_place(city: City, kind: str) -> City:
         shape = max(shapely.get_parts(shapely.buffer(inner, ROUND)), key=lambda part: part.area)
     layout = cleared(layout, block)
     number = len(layout.areas)
-    owner = Owner(("made", kind, number), {})
+    name = name_of(city.seed, (NAMES[kind],), 5, number=number)
+    owner = Owner(("made", kind, number), {"name": name})
     layout = with_area(layout, LAND[kind], shapely.orient_polygons(shape), owner)
     if kind == "lake":
         shore = shapely.orient_polygons(shapely.difference(block, shape))
         layout = with_area(layout, "grass", shore, Owner(("made", "shore", number), {}))
     return replace(city, layout=layout)
+
+
+def _central(blocks: NDArray[Any], middle: Any, reach: float, best: float) -> NDArray[Any]:
+    """Return the blocks that begin near the middle; of large ones what lies nearest to it."""
+    near = blocks[shapely.distance(blocks, middle) <= reach]
+    large = shapely.area(near) > 2 * best
+    spots = shapely.get_point(shapely.shortest_line(near, middle), 0)
+    squares = shapely.buffer(spots, np.sqrt(best), cap_style="square")
+    cut = shapely.intersection(near, squares)
+    whole = shapely.get_type_id(cut) == 3
+    return np.where(large & whole, cut, near)
 
 
 def _free(blocks: NDArray[Any], kept: NDArray[Any]) -> NDArray[np.bool_]:

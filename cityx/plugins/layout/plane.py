@@ -25,6 +25,7 @@ FloatArray = NDArray[np.float64]
 
 PATTERNS = ("mixed", "grid", "radial", "organic", "cul_de_sac", "superblock")
 ZONES = ("core", "midrise", "row", "suburb", "rural")
+WIDTHS = ("usual", "narrow", "wide")  # of streets
 COASTS = ("none", "north", "east", "south", "west")
 # Least density of each of `ZONES` but the last.
 DENSITY = (0.8, 0.48, 0.28, 0.12)
@@ -63,7 +64,7 @@ class Plan:
     block
         Metres along a block of houses.
     zone
-        One of `ZONES` for every block, or "" to let the density decide.
+        One of `ZONES` or "industry" for every block, or "" to let the density decide.
     parks
         Share of the land that is parks.
     plazas
@@ -76,6 +77,10 @@ class Plan:
         Share of the districts that are lakes; where the sea lies.
     shore
         Metres from the origin to the sea.
+    streets
+        One of `WIDTHS`.
+    avenues, rings
+        Of a site with radial streets: avenues that leave its square, and rings that join them.
     """
 
     pattern: str = "mixed"
@@ -92,6 +97,9 @@ class Plan:
     lakes: float = 0.0
     coast: str = "none"
     shore: float = 400.0
+    streets: str = "usual"
+    avenues: int = 6
+    rings: int = 2
 
 
 class Plane:

@@ -24,6 +24,11 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 WET = ("water", "sea", "river", "pool", "wetland")
+# Land of blocks and of the parcels on them.
+BUILT_ON = (
+    "residential", "commercial", "retail", "industrial", "civic", "garden", "grass", "pedestrian",
+    "parking", "road_area", "meadow",
+)  # fmt: skip
 LEAST_BLOCK = 400.0  # square metres
 THIN = 6.0  # metres; narrower land between streets is no block
 LOWER = 0.9  # of a height that buildings are lowered to which must stay below it
@@ -96,14 +101,29 @@ def with_area(layout: Layout, kind: str, shape: Any, owner: Owner) -> Layout:
 def with_buildings(
     city: City, layout: Layout, shapes: Sequence[Any], owners: list[Owner]
 ) -> Layout:
-    """Add buildings, resolved as those of any source are."""
+    """Add buildings within the site, resolved as those of any source are."""
     shells, box = make_shells(tag(shapes, owners), nothing(), layout.extent, Report())
     added = resolve(Features(box, shells), city.frame, seed=city.seed)
     return replace(
         layout,
-        extent=box,
         buildings=_together(layout.buildings, added.buildings),
         parts=_together(layout.parts, added.parts),
+    )
+
+
+def is_square(areas: GeoDataFrame) -> NDArray[np.bool_]:
+    """(n,) whether paved land is a square, which has a name, and not the ground round a tower."""
+    return np.asarray((areas["kind"] == "pedestrian") & (areas["name"] != ""), bool)
+
+
+def without_buildings(layout: Layout, rows: NDArray[np.int64]) -> Layout:
+    """Take buildings down, by their rows."""
+    kept = np.ones(len(layout.buildings), bool)
+    kept[rows] = False
+    buildings = layout.buildings[kept]
+    parts = layout.parts[layout.parts["building"].isin(buildings["id"])]
+    return replace(
+        layout, buildings=buildings.reset_index(drop=True), parts=parts.reset_index(drop=True)
     )
 
 

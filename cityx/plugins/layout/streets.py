@@ -7,6 +7,7 @@ from functools import lru_cache
 
 from cityx.geometry.identity import hash_bits
 from cityx.geometry.lattice import Key
+from cityx.geometry.radial_patterns import AVENUE, RING, SQUARE
 from cityx.plugins.layout.plane import DENSITY, Plane
 from cityx.plugins.layout.rims import Side
 from cityx.sources.features.roads import cross_section
@@ -53,6 +54,24 @@ LOCAL: Mapping[str, Tags] = {
 # Narrow streets of old quarters, in one direction only.
 NARROW = _section("residential", 1, 2.0, "right", 20, {"oneway": "yes"})
 BLIND = _section("residential", 2, 1.6, "", 20)
+# Tag by which a street says its part in the plan of a site: "avenue", "ring", "square".
+ROLE = "cityx:role"
+MAIN_LINE = 8  # family of the main streets of a grid
+# Rank and part of the families of streets that a site has besides local ones.
+PARTS: Mapping[int, tuple[str, str]] = {
+    AVENUE: ("primary", "avenue"), RING: ("secondary", "ring"), SQUARE: ("tertiary", "square"),
+    MAIN_LINE: ("secondary", "main"),
+}  # fmt: skip
+# What a town of narrow or wide streets changes: of local streets and of main roads.
+_UNPARKED = {"parking:left": "no", "parking:right": "no"}
+_PARKED = {"parking:left": "lane", "parking:right": "lane"}
+_FITTED: Mapping[str, tuple[Tags, Tags]] = {
+    "narrow": (
+        {**_UNPARKED, "width:carriageway": "5", "sidewalk:both:width": "1.6"},
+        {**_UNPARKED, "lanes": "2", "width:carriageway": "6.5", "sidewalk:both:width": "2"},
+    ),
+    "wide": ({**_PARKED, "lanes": "2", "width:carriageway": "13"}, {**_PARKED, "lanes": "4"}),
+}
 
 _FIRST = (
     "Mill", "Church", "Market", "Linden", "Orchard", "Station", "Castle", "Bridge", "Garden",
@@ -61,6 +80,7 @@ _FIRST = (
     "Beech", "Rose", "Well", "Hill", "Spring", "Quarry", "Park", "Tower", "Copper", "Silver",
     "Lantern", "Rope", "Sail", "Anchor", "Hay", "Corn", "Wool", "Salt", "Glass", "Bell",
 )  # fmt: skip
+_LAST_OF = {"avenue": ("Avenue",), "ring": ("Ring",), "square": ("Square",), "main": ("Road",)}
 _MAIN_LAST, _LOCAL_LAST, _BLIND_LAST = ("Avenue", "Road", "Boulevard"), ("Street", "Lane", "Row", "Way"), ("Close", "Court", "Mews")  # fmt: skip  # noqa: E501
 
 
@@ -84,6 +104,7 @@ def main_tags(plane: Plane, a: Key, b: Key) -> Tags:
     densest = max(plane.site_density(a), plane.site_density(b))
     in_open = densest < OPEN and not plane.plan.zone
     tags = MAIN[main_rank(plane, a, b), in_open]
+    tags = tags if in_open else _fitted(tags, plane.plan.streets, main=True)
     return {**tags, "name": name_of(plane.seed, _MAIN_LAST, a[0], a[1], b[0] - a[0], b[1] - a[1])}
 
 
@@ -91,24 +112,66 @@ def side_tags(plane: Plane, key: Key, side: Side) -> Tags:
     """Return the tags of the road along one side of a district."""
     if side.kind == "road":
         return main_tags(plane, key, side.beyond)
-    return {**MAIN["tertiary", False], "name": name_of(plane.seed, ("Quay", "Embankment"), *key, 3)}
+    tags = _fitted(MAIN["tertiary", False], plane.plan.streets, main=True)
+    return {**tags, "name": name_of(plane.seed, ("Quay", "Embankment"), *key, 3)}
 
 
 def local_tags(plane: Plane, key: Key, zone: str, kind: str, family: int, line: int) -> Tags:
     """Return the tags of a local street: its line in a family of streets, -1 for a dead end."""
+    width = plane.plan.streets
     if family < 0:
-        return {**BLIND, "name": name_of(plane.seed, _BLIND_LAST, *key, 7, line)}
+        tags = _fitted(BLIND, width, main=False)
+        return {**tags, "name": name_of(plane.seed, _BLIND_LAST, *key, 7, line)}
+    if family in PARTS:
+        rank, part = PARTS[family]
+        tags = _fitted(MAIN[rank, False], width, main=True)
+        name = name_of(plane.seed, _LAST_OF[part], *key, family, number=line)
+        return {**tags, ROLE: part, "name": name}
     old = kind == "organic" and zone in ("core", "midrise") and family == 1
-    tags = NARROW if old else LOCAL[zone]
+    tags = _fitted(NARROW if old else LOCAL[zone], width, main=False)
     return {**tags, "name": name_of(plane.seed, _LOCAL_LAST, *key, family, line)}
 
 
-def name_of(seed: int, last: tuple[str, ...], *identity: int) -> str:
-    """Return a name of its own for a street."""
+def _fitted(tags: Tags, width: str, *, main: bool) -> Tags:
+    """Return the tags of a street where streets are narrow, wide or as usual."""
+    if width == "usual":
+        return tags
+    change = dict(_FITTED[width][main])
+    if width == "narrow":
+        tags = {key: value for key, value in tags.items() if not key.startswith("cycleway")}
+        if tags.get("oneway") == "yes":
+            change["width:carriageway"] = "3.8"
+    return {**tags, **change}
+
+
+def boulevard_tags(seed: int, lanes: int) -> Tags:
+    """Return the tags of a boulevard."""
+    tags = _section("primary", lanes, 5.0, "", 50)
+    return {**tags, ROLE: "boulevard", "name": name_of(seed, ("Boulevard",), 1)}
+
+
+def shore_tags(seed: int, part: str, number: int) -> Tags:
+    """Return the tags of a street along water: a "quay" or a "promenade"."""
+    last = {"quay": ("Quay", "Embankment"), "promenade": ("Promenade", "Esplanade")}[part]
+    name = name_of(seed, last, 2, number=number)
+    return {**MAIN["tertiary", False], ROLE: part, "name": name}
+
+
+def bridge_tags(seed: int, number: int) -> Tags:
+    """Return the tags of a street over a river, its ramps included."""
+    tags = _section("tertiary", 2, 3.0, "", 30)
+    return {**tags, ROLE: "bridge", "name": name_of(seed, ("Bridge",), 3, number=number)}
+
+
+BRIDGE = {"bridge": "yes", "layer": "1"}
+
+
+def name_of(seed: int, last: tuple[str, ...], *identity: int, number: int = 0) -> str:
+    """Return a name for a street; those of one identity differ by their numbers."""
     bits = 0
     for part in identity:
         bits = hash_bits(seed, "town/name", part, bits)
-    return f"{_FIRST[bits % len(_FIRST)]} {last[(bits >> 32) % len(last)]}"
+    return f"{_FIRST[(bits + number) % len(_FIRST)]} {last[(bits >> 32) % len(last)]}"
 
 
 def half_width(tags: Tags) -> float:

@@ -14,8 +14,17 @@ from cityx.checks.predicates.words import NEAR
 from cityx.city import City, Goal, Layout
 from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.identity import uniform
-from cityx.plugins.layout.places import added_place
-from cityx.plugins.layout.rebuilding import cleared, lowered, street_blocks, with_buildings
+from cityx.plugins.layout.places import added_place, central_reach
+from cityx.plugins.layout.rebuilding import (
+    BUILT_ON,
+    cleared,
+    is_square,
+    lowered,
+    street_blocks,
+    with_buildings,
+    without_buildings,
+)
+from cityx.plugins.layout.wishes import asked
 from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.kinds import PLACE
 from cityx.sources.features.tagged import Owner
@@ -27,7 +36,7 @@ SLENDER = 7.0  # times its side that a tower is high at most
 GAP = 13.0  # metres between two towers
 SETBACK = 4.0  # metres from the walk to a tower
 STOREY = 3.8  # metres
-OPEN = ("pedestrian", "park")  # land that stays open
+FENCES = ("wall", "fence", "hedge")  # between grounds
 
 
 @action(
@@ -44,6 +53,7 @@ def towers(
     lowest: Annotated[float, Range(20.0, 600.0)] = 80.0,
     highest: Annotated[float, Range(20.0, 600.0)] = 150.0,
     around: Annotated[str, Choice("plaza", "park", "water", "nothing")] = "plaza",
+    alone: bool = False,
 ) -> City:
     """Build exactly so many towers, all of them between two heights.
 
@@ -57,6 +67,8 @@ def towers(
         Metres.
     around
         What they stand around; "nothing" is the middle of the site.
+    alone
+        Whether all other buildings go, for a park with nothing but towers.
     """
     if lowest > highest:
         raise UsageError(f"lowest = {lowest:g} m is more than highest = {highest:g} m.")
@@ -73,6 +85,8 @@ def towers(
         )
     pads = pads[:count]
     layout = cleared(layout, shapely.union_all(shapely.buffer(pads, GAP / 2)))
+    if alone:
+        layout = _parkland(layout)
     ids = np.arange(1, count + 1).astype(np.uint64)
     heights = np.round(lowest + (highest - lowest) * uniform(city.seed, "layout/towers", ids), 1)
     owners = [_owner(k, height) for k, height in enumerate(heights.tolist())]
@@ -84,7 +98,18 @@ def towers(
     if around != "nothing":
         place = around if around == "water" else f"a {around}"
         goals.append(Goal(f"towers around {place}", f"around({tall}, {around})"))
-    return replace(city, layout=layout, goals=(*city.goals, *goals))
+    city = replace(city, layout=layout, goals=(*city.goals, *goals))
+    return asked(city, "no other building", "n(building)", most=count) if alone else city
+
+
+def _parkland(layout: Layout) -> Layout:
+    """Take all buildings down and turn their grounds to grass."""
+    layout = without_buildings(layout, np.arange(len(layout.buildings)))
+    areas = layout.areas.copy()
+    ground = areas["kind"].isin(BUILT_ON) & ~is_square(areas)
+    areas["kind"] = areas["kind"].where(~ground, "grass")
+    fences = layout.lines["kind"].isin(FENCES)
+    return replace(layout, areas=areas, lines=layout.lines[~fences].reset_index(drop=True))
 
 
 def _owner(k: int, height: float) -> Owner:
@@ -107,13 +132,18 @@ def _focus(city: City, around: str) -> tuple[City, Any]:
         city = added_place(city, around)
         found = places_of(city, around)
     away = shapely.distance(found, middle)
+    if around != "water" and away.min() > central_reach(city):
+        city = added_place(city, around, central=True)
+        found = places_of(city, around)
+        away = shapely.distance(found, middle)
     return city, found[int(np.argmin(np.round(away, 3)))]
 
 
 def _pads(layout: Layout, focus: Any, side: float) -> NDArray[Any]:
     """Return squares for towers within blocks, nearest to a place first."""
     blocks = street_blocks(layout)
-    open_land = layout.areas.geometry.to_numpy()[layout.areas["kind"].isin(OPEN).to_numpy()]
+    parks = (layout.areas["kind"] == "park").to_numpy()
+    open_land = layout.areas.geometry.to_numpy()[parks | is_square(layout.areas)]
     shut = shapely.union_all(open_land)
     found = [_grid(block, side) for block in blocks.tolist()]
     pads = np.concatenate([np.zeros(0, object), *found])

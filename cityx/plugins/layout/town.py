@@ -6,7 +6,8 @@ from dataclasses import replace
 from typing import Annotated
 
 from cityx.city import City, Goal
-from cityx.plugins.layout.plane import COASTS, PATTERNS, ZONES, Plan
+from cityx.plugins.layout.plane import COASTS, PATTERNS, WIDTHS, ZONES, Plan
+from cityx.plugins.layout.site import layout_of_site
 from cityx.plugins.layout.window import layout_of_window, origin_of
 from cityx.protocol import Choice, Port, Range, action
 
@@ -30,7 +31,7 @@ def town(
     pattern: Annotated[str, Choice(*PATTERNS)] = "mixed",
     density: Annotated[float, Range(0.0, 1.0)] = 0.66,
     radius: Annotated[float, Range(100.0, 3000.0)] = 500.0,
-    zone: Annotated[str, Choice("", *ZONES)] = "",
+    zone: Annotated[str, Choice("", *ZONES, "industry")] = "",
     district: Annotated[float, Range(260.0, 900.0)] = 330.0,
     block: Annotated[float, Range(80.0, 220.0)] = 110.0,
     parks: Annotated[float, Range(0.0, 0.5)] = 0.10,
@@ -41,6 +42,10 @@ def town(
     lakes: Annotated[float, Range(0.0, 0.5)] = 0.0,
     coast: Annotated[str, Choice(*COASTS)] = "none",
     shore: Annotated[float, Range(0.0, 5000.0)] = 400.0,
+    streets: Annotated[str, Choice(*WIDTHS)] = "usual",
+    avenues: Annotated[int, Range(3, 16)] = 6,
+    rings: Annotated[int, Range(1, 8)] = 2,
+    bounded: bool = True,
 ) -> City:
     """Lay out a town by rule, or any other window of the plane that it lies in.
 
@@ -53,7 +58,8 @@ def town(
     width, depth
         Size of the window in east and north direction, metres.
     pattern
-        Of local streets; "mixed" gives each district its own.
+        Of the streets; "mixed" gives each district its own. "grid", "radial" and "organic" are one
+        over all of a bounded town that has no river, lakes or coast of the plane.
     density
         Of the middle of the town: 0.1 scattered houses, 0.3 rows, 0.6 flats, 1 towers.
     radius
@@ -80,13 +86,23 @@ def town(
         Where the sea lies.
     shore
         Metres from the origin to the sea.
+    streets
+        How wide streets are: narrow ones have no parked cars, wide ones 13 metres and more.
+    avenues
+        Of a bounded radial town: how many leave its main square.
+    rings
+        Of a bounded radial town: how many rings join the avenues.
+    bounded
+        Whether the town ends at its window, which is then exactly that large and cuts no building;
+        else a window of the plane, that goes on in the windows beside it.
     """
     window = (x - width / 2, y - depth / 2, x + width / 2, y + depth / 2)
     plan = Plan(
         pattern, density, radius, district, block, zone, parks, plazas, industry, river,
-        river_width, lakes, coast, shore,
+        river_width, lakes, coast, shore, streets, avenues, rings,
     )  # fmt: skip
-    layout = layout_of_window(window, plan, city.seed, frame=city.frame)
+    laid_out = layout_of_site if bounded else layout_of_window
+    layout = laid_out(window, plan, city.seed, frame=city.frame)
     origin = origin_of(window)
     notes = city.notes
     if origin != (0, 0):

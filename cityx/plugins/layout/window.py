@@ -22,7 +22,14 @@ from cityx.plugins.layout.blocks import Blocks, blocks_of
 from cityx.plugins.layout.districts import District, Districts
 from cityx.plugins.layout.plane import Plan, Plane
 from cityx.plugins.layout.rivers import ABUTMENT, around
-from cityx.plugins.layout.streets import local_tags, main_rank, main_tags, name_of, side_tags
+from cityx.plugins.layout.streets import (
+    BRIDGE,
+    local_tags,
+    main_rank,
+    main_tags,
+    name_of,
+    side_tags,
+)
 from cityx.plugins.layout.waters import waters_of
 from cityx.sources.features.gather import gather
 from cityx.sources.features.kinds import PLACE
@@ -143,15 +150,15 @@ def features_of_window(window: Box, plan: Plan, seed: int) -> Tagged:
             continue
         district = districts.district(key)
         _add_bank(found, districts, district)
-        _add_streets(found, plane, district)
+        add_streets(found, plane, district)
         blocks = blocks_of(plane, district)
         land = found.moved(blocks.shapes, district.sketch.rim.anchor)
-        _add_land(found, district, blocks, land, seed)
+        add_land(found, district, blocks, land, seed)
         built.append((blocks, land))
-    return joined(found.tagged(), *_buildings(built, window, (x, y), seed))
+    return joined(found.tagged(), *buildings_on(built, window, (x, y), seed))
 
 
-def _buildings(
+def buildings_on(
     built: list[tuple[Blocks, NDArray[Any]]], window: Box, origin: tuple[int, int], seed: int
 ) -> list[Tagged]:
     """Return what stands on the parcels of the blocks near a window.
@@ -235,11 +242,8 @@ def _add_main(found: Found, districts: Districts, a: Key, b: Key) -> None:
     tags = main_tags(plane, a, b)
     places = with_places(rims.road(a, b), districts.portals(a, b).places)
     for k, (piece, bridge) in enumerate(_bridged(places, rims.over_mouths(a, b))):
-        more = _BRIDGE if bridge else {}
+        more = BRIDGE if bridge else {}
         found.line(("town", *a, *b, "road", k), {**tags, **more}, piece)
-
-
-_BRIDGE = {"bridge": "yes", "layer": "1"}
 
 
 def _bridged(places: IntArray, cuts: IntArray) -> list[tuple[IntArray, bool]]:
@@ -300,12 +304,12 @@ def _add_corner(found: Found, districts: Districts, name: Corner) -> None:
         way = (bridge.line[1] - bridge.line[0]) / PER_METRE
         step = np.rint(ABUTMENT * PER_METRE * way / np.hypot(*way)).astype(np.int64)
         first, last = bridge.line[0] + step, bridge.line[1] - step
-        found.line((*key, "bridge"), {**tags, **_BRIDGE}, np.stack([first, last]))
+        found.line((*key, "bridge"), {**tags, **BRIDGE}, np.stack([first, last]))
         found.line((*key, "ramp", 0), tags, np.stack([bridge.line[0], first]))
         found.line((*key, "ramp", 1), tags, np.stack([last, bridge.line[1]]))
 
 
-def _add_streets(found: Found, plane: Plane, district: District) -> None:
+def add_streets(found: Found, plane: Plane, district: District) -> None:
     """Add local streets, one line per stretch that runs on under one name."""
     sketch = district.sketch
     key = sketch.rim.key
@@ -341,7 +345,7 @@ def _add_water(found: Found, districts: Districts, key: Key) -> None:
     found.add(("town", *key, "shore"), {KIND: land}, found.moved(shore, anchor))
 
 
-def _add_land(
+def add_land(
     found: Found, district: District, blocks: Blocks, land: NDArray[Any], seed: int
 ) -> None:
     """Add the land of a district's blocks."""

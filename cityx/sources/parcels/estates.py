@@ -20,6 +20,7 @@ SHOP_SIDES = 2.5  # times as long as deep, a shop at most
 BARS = 8  # at most, on one plot
 CAMPUS_WING = 15.0  # metres; a corridor between two rows of rooms
 ROAD = 7.0  # metres between an office and the cars
+OFFICES = 0.35  # share of the works that are led from a house of their own
 LANE = 5.5  # metres, of a drive to a car park
 
 
@@ -99,7 +100,7 @@ def campuses(plots: Plots, target: float, *, seed: int) -> list[Built]:
 
 
 def works(plots: Plots, target: float, *, seed: int) -> list[Built]:
-    """Raise a hall with a yard before it and an office at its corner."""
+    """Raise a hall with a yard before it, some with an office at its corner."""
     pads = pads_in(plots, plots.room(front=5.0, side=4.0))
     office_width, office_depth = np.minimum(16.0, pads.width / 3), np.minimum(10.0, pads.depth / 4)
     wanted = target * plots.area - office_width * office_depth
@@ -117,6 +118,7 @@ def works(plots: Plots, target: float, *, seed: int) -> list[Built]:
     lot1 = np.where(left, pads.x1, edge - ROAD)
     yard = plots.boxes(lot0, pads.y0, lot1, np.maximum(front + office_depth - 3.0, pads.y0))
     stands = habitable(hall)
+    led = stands & habitable(office) & (plots.draw("led", 0, 1, seed=seed) < OFFICES)
     roof = np.where(plots.draw("roof", 0, 1, seed=seed) < 0.3, "sawtooth", "flat")
     tags = building_tags(plots, "industrial", np.ones(plots.count))
     for own, shape in zip(tags, roof.tolist(), strict=True):
@@ -125,7 +127,7 @@ def works(plots: Plots, target: float, *, seed: int) -> list[Built]:
     parked = stands & (lot1 - lot0 > 12.0) & (front + office_depth - 3.0 - pads.y0 > 12.0)
     return [
         built("hall", hall, tags, stands),
-        built("office", office, office_tags, stands & habitable(office)),
+        built("office", office, office_tags, led),
         built("parking", yard, {"amenity": "parking"}, parked),
         _lane(plots, (lot0 + lot1) / 2, pads.y0, parked),
     ]

@@ -51,7 +51,7 @@ class Grounds:
 
 
 GROUNDS: Mapping[str, Grounds] = {
-    "core": Grounds(core_towers, 0.62, {"place": "square"}),
+    "core": Grounds(core_towers, 0.62, {"landuse": "commercial"}),
     "midrise": Grounds(perimeter_blocks, 0.50, {"landuse": "grass"}),
     "row": Grounds(row_houses, 0.36, {"leisure": "garden"}, ("fence", "wall", "hedge")),
     "suburb": Grounds(suburban_houses, 0.24, {"leisure": "garden"}, ("hedge", "fence", "fence")),
