@@ -90,6 +90,7 @@ def slots_of(options: BuildOptions) -> dict[str, tuple[Any, ...]]:
     if options.window:
         x, y, width, depth = options.window
         found |= {
-            "window.x": x + width / 2, "window.y": y + depth / 2, "size.x": width, "size.y": depth,
+            "window.x": x + width / 2, "window.y": y + depth / 2, "window.bounded": False,
+            "size.x": width, "size.y": depth,
         }  # fmt: skip
     return {key: (value,) for key, value in found.items() if value is not None}

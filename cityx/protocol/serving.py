@@ -19,7 +19,7 @@ class Serves:
     slots
         "key", or "key=value": what must be asked for, all of it.
     args
-        Arguments that answer it.
+        Arguments that answer it; "$key" stands for the value of a slot.
     """
 
     slots: tuple[str, ...]
@@ -41,6 +41,14 @@ class Serves:
             if not held or (equals and value not in map(str, held)):
                 return False
         return True
+
+    def arguments(self, slots: Slots) -> dict[str, Any]:
+        """Return the arguments that answer it, the values of slots put in."""
+        found = dict(self.args)
+        for name, value in self.args.items():
+            if isinstance(value, str) and value.startswith("$"):
+                found[name] = slots[value[1:]][0]
+        return found
 
     def to_json(self) -> dict[str, Any]:
         """Return a plain dictionary."""

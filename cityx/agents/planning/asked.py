@@ -111,6 +111,7 @@ def _towers(found: Found) -> Found:
         "towers.lowest": (low * (1 + MARGIN),),
         "towers.highest": ((float(high) if high is not None else low * TALLER) * (1 - MARGIN),),
         "towers.around": (around[0] if around else "nothing",),
+        "towers.alone": (True,),
     }
 
 
@@ -148,6 +149,8 @@ def _places(found: Found) -> Found:
         count = found.get(f"{word}.count", (1,) if word in elements else ())
         if count:
             made[f"{word}.wanted"] = count
+    if "plaza.wanted" in made:
+        made["places.central"] = (True,)  # the first of a town's squares lies in its middle
     return made
 
 

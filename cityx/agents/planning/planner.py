@@ -218,7 +218,7 @@ class OfflinePlanner:
         if wish is None:
             return Item(record.id, args, gives=gives)
         why = f"asked for: {', '.join(wish.slots)}"
-        return Item(record.id, args | dict(wish.args), why=why, gives=gives, wish=wish.slots)
+        return Item(record.id, args | wish.arguments(slots), why=why, gives=gives, wish=wish.slots)
 
 
 def arguments(record: Encapsulation, slots: Slots) -> dict[str, Any]:
