@@ -29,8 +29,6 @@ PARALLEL = 0.02  # metres aside per metre ahead that such a street has at most
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("avenue", "main street", "lanes", "axis"),
-    serves=("boulevard",),
-    binds={"lanes": "roads.main.lanes", "axis": "roads.main.axis", "others": "roads.other.lanes"},
 )
 def boulevard(
     city: City,

@@ -35,8 +35,6 @@ LEAST_LAND = 60.0  # metres of the site that the sea leaves
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("sea", "beach", "shore", "coast", "ocean"),
-    serves=("coast",),
-    binds={"side": "coast.side", "beach": "coast.beach"},
 )
 def coast(
     city: City,
@@ -67,9 +65,8 @@ def coast(
     land = deep * (1 - share) - beach - 2 * walk
     if land < LEAST_LAND:
         raise ActionFailed(
-            f"A sea over {share:g} of {deep:.0f} m and a beach of {beach:g} m leave "
-            f"{max(land, 0.0):.0f} m of land; {LEAST_LAND:.0f} m are needed. Ask for less sea or a "
-            "larger site."
+            f"A sea over {share:g} of {deep:.0f} m and a beach of {beach:g} m leave {max(land, 0.0):.0f} m "
+            f"of land; {LEAST_LAND:.0f} m are needed. Ask for less sea or a larger site."
         )
     shore = _shore(city, out, deep / 2 - share * deep, 1.0)
     street = _shore(city, out, deep / 2 - share * deep - beach - walk, 0.6)

@@ -29,8 +29,6 @@ FAR = 1e4  # metres; longer than any building
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("number", "count", "how many", "exactly"),
-    serves=("buildings.count",),
-    binds={"count": "buildings.count"},
 )
 def buildings_count(city: City, *, count: Annotated[int, Range(0, 100_000)] = 12) -> City:
     """Leave a city exactly so many buildings.

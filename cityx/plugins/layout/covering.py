@@ -28,8 +28,6 @@ IntArray = NDArray[np.int64]
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("dense", "sparse", "density", "built up", "coverage"),
-    serves=("cover",),
-    binds={"least": "cover.least", "most": "cover.most"},
 )
 def cover(
     city: City,

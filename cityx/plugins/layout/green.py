@@ -37,8 +37,6 @@ LEAST = 1200.0  # square metres of a block that becomes a park
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("green", "parks", "gardens", "grass", "leafy"),
-    serves=("green.share.min",),
-    binds={"share": "green.share.min"},
 )
 def green_share(city: City, *, share: Annotated[float, Range(0.0, 0.9)] = 0.15) -> City:
     """Give a city at least a share of green: parks, gardens, grass, woods.

@@ -23,8 +23,6 @@ BELOW = 0.97  # of the highest building's height that others keep under
     requires=("layout",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
-    serves=("highest",),
-    binds={"height": "highest"},
 )
 def highest(city: City, *, height: Annotated[float, Range(5.0, 800.0)] = 60.0) -> City:
     """Make the highest building exactly so high.

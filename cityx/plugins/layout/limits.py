@@ -26,13 +26,6 @@ STOREYS = (2.2, 9.0)  # metres that a storey may be high
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("height", "storeys", "floors", "levels", "at least", "at most", "taller", "lower"),
-    serves=("limits",),
-    binds={
-        "least_floors": "limits.least_floors",
-        "most_floors": "limits.most_floors",
-        "lowest": "limits.lowest",
-        "highest": "limits.highest",
-    },
 )
 def building_limits(
     city: City,

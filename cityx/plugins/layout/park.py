@@ -33,8 +33,6 @@ RIPPLE, POINTS = 0.16, 48  # of its radius that a lake's shore swings by; its po
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("park", "lake", "pond", "green", "gardens"),
-    serves=("central_park",),
-    binds={"share": "park.share"},
 )
 def central_park(
     city: City,

@@ -17,7 +17,7 @@ from cityx.errors import ActionFailed
 from cityx.plugins.layout.rebuilding import BORDER, cleared, is_square, street_blocks, with_area
 from cityx.plugins.layout.streets import name_of
 from cityx.plugins.layout.wishes import asked
-from cityx.protocol import Choice, Port, Range, Serves, action
+from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.tagged import Owner
 
 # Square metres that suit a place, least, best and most.
@@ -36,22 +36,17 @@ ROUND = 8.0  # metres of the corners of a lake
 INSTEAD = "grass"  # land where there is to be a place no more
 
 
-KINDS = ("plaza", "park", "lake")
-
-
 @action(
     "layout/places-v1",
     limits=["Blocks with buildings are cleared where there are too few; none is built again."],
     requires=("layout",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
-    serves=tuple(Serves(f"{kind}.wanted", kind=kind, count=f"${kind}.wanted") for kind in KINDS),
-    binds={"central": "places.central"},
 )
 def places(
     city: City,
     *,
-    kind: Annotated[str, Choice(*KINDS)] = "plaza",
+    kind: Annotated[str, Choice("plaza", "park", "lake")] = "plaza",
     count: Annotated[int, Range(0, 50)] = 1,
     central: bool = False,
 ) -> City:

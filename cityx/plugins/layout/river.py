@@ -41,8 +41,6 @@ KEPT = ("pedestrian", "park")  # land that a course avoids
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("river", "bridge", "stream", "canal", "water"),
-    serves=("river",),
-    binds={"width": "river.width", "bridges": "bridge.count", "axis": "river.axis"},
 )
 def river(
     city: City,

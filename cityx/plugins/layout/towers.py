@@ -45,14 +45,6 @@ FENCES = ("wall", "fence", "hedge")  # between grounds
     requires=("layout",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
-    serves=("towers.count",),
-    binds={
-        "count": "towers.count",
-        "lowest": "towers.lowest",
-        "highest": "towers.highest",
-        "around": "towers.around",
-        "alone": "towers.alone",
-    },
 )
 def towers(
     city: City,

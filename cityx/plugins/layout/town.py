@@ -19,22 +19,6 @@ LARGEST = 20_000.0  # metres
     "layout/town-v1",
     limits=["The plane lies nowhere on Earth; roofs and traffic are those of the city's frame."],
     gives=(Port("layout", "scene_layout"),),
-    binds={
-        "x": "window.x",
-        "y": "window.y",
-        "width": "size.x",
-        "depth": "size.y",
-        "bounded": "window.bounded",
-        "pattern": "town.pattern",
-        "density": "town.density",
-        "zone": "town.zone",
-        "block": "town.block",
-        "parks": "town.parks",
-        "industry": "town.industry",
-        "streets": "roads.width",
-        "avenues": "roads.avenues",
-        "rings": "roads.rings",
-    },
 )
 def town(
     city: City,

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cityx.checks.predicates.buildings import share_slack
 from cityx.city import City, Goal
 from cityx.errors import ActionFailed
-from cityx.protocol import Choice, Port, Range, Serves, action
+from cityx.protocol import Choice, Port, Range, action
 
 USES = ("apartments", "office", "retail", "hotel", "industrial", "house", "school", "civic")
 
@@ -24,7 +24,6 @@ USES = ("apartments", "office", "retail", "hotel", "industrial", "house", "schoo
     requires=("layout",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
-    serves=tuple(Serves(f"use.{use}", use=use, share=f"$use.{use}") for use in USES),
 )
 def use_share(
     city: City,

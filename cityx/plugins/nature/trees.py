@@ -393,7 +393,6 @@ def _scaled(
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("trees", "point", role="tree"),),
     labels=("vegetation", "forest", "park", "plants", "autumn", "spring", "blossom"),
-    binds={"street_trees": "trees.street_trees", "budget": "trees.budget"},
 )
 def trees(
     city: City,
