@@ -65,8 +65,9 @@ def coast(
     land = deep * (1 - share) - beach - 2 * walk
     if land < LEAST_LAND:
         raise ActionFailed(
-            f"A sea over {share:g} of {deep:.0f} m and a beach of {beach:g} m leave {max(land, 0.0):.0f} m "
-            f"of land; {LEAST_LAND:.0f} m are needed. Ask for less sea or a larger site."
+            f"A sea over {share:g} of {deep:.0f} m and a beach of {beach:g} m leave "
+            f"{max(land, 0.0):.0f} m of land; {LEAST_LAND:.0f} m are needed. "
+            "Ask for less sea or a larger site."
         )
     shore = _shore(city, out, deep / 2 - share * deep, 1.0)
     street = _shore(city, out, deep / 2 - share * deep - beach - walk, 0.6)

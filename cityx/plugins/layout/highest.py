@@ -13,7 +13,7 @@ from cityx.errors import ActionFailed
 from cityx.plugins.layout.rebuilding import with_heights
 from cityx.protocol import Port, Range, action
 
-SLENDER = 7.0  # times the root of its plan's area that a building is made high at most
+SLENDER = 9.0  # times the root of its plan's area that a building is made high at most
 NEARLY = 0.05  # metres by which the height may be missed
 BELOW = 0.97  # of the highest building's height that others keep under
 

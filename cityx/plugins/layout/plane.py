@@ -81,6 +81,8 @@ class Plan:
         One of `WIDTHS`.
     avenues, rings
         Of a site with radial streets: avenues that leave its square, and rings that join them.
+    built
+        Share of the parcels that buildings take, or 0 to let the zone decide.
     """
 
     pattern: str = "mixed"
@@ -100,6 +102,7 @@ class Plan:
     streets: str = "usual"
     avenues: int = 6
     rings: int = 2
+    built: float = 0.0
 
 
 class Plane:

@@ -14,10 +14,9 @@ from cityx.geometry.lattice import PER_METRE
 from cityx.geometry.radial_patterns import radial
 from cityx.geometry.street_fit import Ways, settled
 from cityx.geometry.street_patterns import Pattern, curved, divided, grid
+from cityx.geometry.winding_patterns import winding, with_main_streets
 from cityx.plugins.layout.blocks import blocks_of
 from cityx.plugins.layout.districts import (
-    BEND_WAVE,
-    BENDS,
     BLIND,
     DENSE,
     LEAST_BLIND,
@@ -50,8 +49,10 @@ IntArray = NDArray[np.int64]
 WHOLE = ("grid", "radial", "organic")  # patterns that are one over all of a site
 KEY = (0, 0)  # of the one district of a site
 BEYOND = 1.5  # blocks beyond the border of a site that are laid out, so that those on it are whole
-GAPS = {"grid": 0.03}  # share of the links left out, where it is not that of a district
+GAPS = 0.03  # share of the links of a grid that are left out
 MAIN_EVERY = 4  # every so many streets one is a main street
+WAVE, REACH = 1.5, 0.16  # of a block, of the waves of winding streets and how far they swing
+MAIN_WAYS = 5  # main streets that lead out of the middle of a town of winding streets
 SMALL = 350.0  # metres; a smaller site has local streets alone, and in a grid one all round
 
 
@@ -88,13 +89,13 @@ def _of_one_pattern(window: Box, plan: Plan, seed: int) -> Tagged:
     blocks = blocks_of(plane, district)
     land = found.moved(blocks.shapes, district.sketch.rim.anchor)
     add_land(found, district, blocks, land, seed)
-    return joined(found.tagged(), *buildings_on([(blocks, land)], window, (x, y), seed))
+    return joined(found.tagged(), *buildings_on([(blocks, land)], window, (x, y), seed, plan.built))
 
 
 def _district(plane: Plane, window: Box) -> District:
     """Lay out the streets of a site."""
     plan = plane.plan
-    block, depth, share = SHAPE[plan.pattern]
+    block, depth, _ = SHAPE[plan.pattern]
     low, high = np.array(window[:2]), np.array(window[2:])
     anchor = np.rint((low + high) / 2 * PER_METRE).astype(np.int64)
     density = float(plane.density(anchor[None])[0])
@@ -107,10 +108,8 @@ def _district(plane: Plane, window: Box) -> District:
     pattern = _pattern(plane, half, sizes, zone)
     inside = shapely.contains_xy(rim.polygon(), pattern.nodes)
     pattern = pattern.take(inside[pattern.links].any(axis=1))
-    if plan.pattern != "radial" and not _is_small(half):
-        gap = left_out(plane, identity, pattern, GAPS.get(plan.pattern, share)) & (
-            pattern.street[:, 0] != MAIN_LINE
-        )
+    if plan.pattern == "grid" and not _is_small(half):
+        gap = left_out(plane, identity, pattern, GAPS) & (pattern.street[:, 0] != MAIN_LINE)
         pattern = pattern.take(~gap)
     places = rim.places(pattern.nodes)
     nodes = rim.local(places)
@@ -160,13 +159,13 @@ def _pattern(plane: Plane, half: FloatArray, sizes: tuple[float, float], zone: s
             sizes,
             half_width(local_tags(plane, KEY, zone, "grid", 0, 0)) if small else 0.0,
         )
-        return divided(found if small else _with_main_lines(found, (0, 1)))
-    found = grid(box, np.zeros(2), plane.lattice.angle, sizes, brick=True)
-    return curved(
-        found if small else _with_main_lines(found, (0,)),
-        hash_bits(plane.seed, "site/bend", *KEY) >> 1,
-        wave=BEND_WAVE * sizes[1], reach=BENDS[plan.pattern] * sizes[1],
-    )  # fmt: skip
+        return divided(found if small else _with_main_lines(found))
+    seed = hash_bits(plane.seed, "site/streets", *KEY) >> 1
+    pitch = float(np.sqrt(sizes[0] * sizes[1]))
+    found = winding(box, seed, pitch=pitch, angle=plane.lattice.angle)
+    if not small:
+        found = with_main_streets(found, MAIN_LINE, count=MAIN_WAYS, reach=float(np.hypot(*half)))
+    return curved(found, seed, wave=WAVE * pitch, reach=REACH * pitch)
 
 
 def _is_small(half: FloatArray) -> bool:
@@ -193,10 +192,10 @@ def _street_grid(half: FloatArray, box: Box, sizes: tuple[float, float], edge: f
     return found.take(ends.all(axis=(1, 2)))
 
 
-def _with_main_lines(pattern: Pattern, families: tuple[int, ...]) -> Pattern:
-    """Make every so many lines of some families of a grid main streets."""
+def _with_main_lines(pattern: Pattern) -> Pattern:
+    """Make every so many lines of a grid main streets."""
     family, line = pattern.street.T
-    main = np.isin(family, families) & (line % MAIN_EVERY == 0)
+    main = line % MAIN_EVERY == 0
     street = pattern.street.copy()
     street[main] = np.column_stack([np.full(main.sum(), MAIN_LINE), 2 * line[main] + family[main]])
     return Pattern(pattern.nodes, pattern.links, street, pattern.name)

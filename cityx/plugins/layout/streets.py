@@ -150,6 +150,12 @@ def boulevard_tags(seed: int, lanes: int) -> Tags:
     return {**tags, ROLE: "boulevard", "name": name_of(seed, ("Boulevard",), 1)}
 
 
+def ring_tags(seed: int, lanes: int) -> Tags:
+    """Return the tags of a ring road."""
+    tags = _section("secondary", lanes, 3.5, "", 50)
+    return {**tags, ROLE: "ring", "name": name_of(seed, ("Ring",), 4)}
+
+
 def shore_tags(seed: int, part: str, number: int) -> Tags:
     """Return the tags of a street along water: a "quay" or a "promenade"."""
     last = {"quay": ("Quay", "Embankment"), "promenade": ("Promenade", "Esplanade")}[part]

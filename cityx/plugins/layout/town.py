@@ -44,6 +44,7 @@ def town(
     streets: Annotated[str, Choice(*WIDTHS)] = "usual",
     avenues: Annotated[int, Range(3, 16)] = 6,
     rings: Annotated[int, Range(1, 8)] = 2,
+    built: Annotated[float, Range(0.0, 0.8)] = 0.0,
     bounded: bool = True,
 ) -> City:
     """Lay out a town by rule, or any other window of the plane that it lies in.
@@ -91,6 +92,8 @@ def town(
         Of a bounded radial town: how many leave its main square.
     rings
         Of a bounded radial town: how many rings join the avenues.
+    built
+        Share of the parcels that buildings take; 0 leaves it to the zone.
     bounded
         Whether the town ends at its window, which is then exactly that large and cuts no building;
         else a window of the plane, that goes on in the windows beside it.
@@ -98,7 +101,7 @@ def town(
     window = (x - width / 2, y - depth / 2, x + width / 2, y + depth / 2)
     plan = Plan(
         pattern, density, radius, district, block, zone, parks, plazas, industry, river,
-        river_width, lakes, coast, shore, streets, avenues, rings,
+        river_width, lakes, coast, shore, streets, avenues, rings, built,
     )  # fmt: skip
     laid_out = layout_of_site if bounded else layout_of_window
     layout = laid_out(window, plan, city.seed, frame=city.frame)

@@ -155,11 +155,15 @@ def features_of_window(window: Box, plan: Plan, seed: int) -> Tagged:
         land = found.moved(blocks.shapes, district.sketch.rim.anchor)
         add_land(found, district, blocks, land, seed)
         built.append((blocks, land))
-    return joined(found.tagged(), *buildings_on(built, window, (x, y), seed))
+    return joined(found.tagged(), *buildings_on(built, window, (x, y), seed, plan.built))
 
 
 def buildings_on(
-    built: list[tuple[Blocks, NDArray[Any]]], window: Box, origin: tuple[int, int], seed: int
+    built: list[tuple[Blocks, NDArray[Any]]],
+    window: Box,
+    origin: tuple[int, int],
+    seed: int,
+    coverage: float = 0.0,
 ) -> list[Tagged]:
     """Return what stands on the parcels of the blocks near a window.
 
@@ -180,7 +184,9 @@ def buildings_on(
     zone, density, height = zone[rows], density[rows], height[rows]
     parcels = parcels_of(shapes[rows], ids[rows], zone, density, seed=seed)
     block = parcels.block
-    stand = footprints_of(parcels, zone[block], density[block], height[block], seed=seed)
+    stand = footprints_of(
+        parcels, zone[block], density[block], height[block], seed=seed, coverage=coverage
+    )
     place = {
         id_text(one): PLACES[word]
         for one, word in zip(parcels.id.tolist(), zone[block].tolist(), strict=True)

@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 
 from cityx.city import City, Instances, Prototype
 from cityx.city.ground import KERB_HEIGHT
+from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.clearance import distance_within
 from cityx.geometry.identity import choose, hash_ids, stable_id, uniform
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.scatter import Points, cell_ids, cells_of_polygons, poisson_in, thinned
+from cityx.plugins.layout.wishes import asked
 from cityx.plugins.nature import climate
 from cityx.plugins.nature.climate import band_of, season_of, species_of_tags
 from cityx.plugins.nature.furniture import lamp_places
@@ -51,12 +53,15 @@ STREET_KINDS = ("residential", "tertiary", "secondary", "primary", "unclassified
 MAIN_KINDS = ("tertiary", "secondary", "primary")
 # Share of a wood's patches that are conifers, by climate.
 CONIFERS = {"north": 0.65, "temperate": 0.30, "japan": 0.25, "warm": 0.30, "tropic": 0.0}
+MANY = 10_000_000  # trees; more than any site has
+MORE_SPACINGS = (12.0, 9.0, 7.0, 5.5, 4.5)  # metres between trees that are added, tried in turn
 TREE_WALK = 2.8  # metres, narrowest walk or verge with trees
 HOUSES_WITHIN = 25.0  # metres; a street has trees only where it has houses on its side
 
 SPECIES = ("lime", "plane", "maple", "oak", "chestnut", "birch", "cherry", "ginkgo", "zelkova",
            "camphor", "poplar", "willow", "jacaranda", "acacia", "olive", "pine", "spruce",
            "cypress", "palm", "shrub", "boxwood", "grove")  # fmt: skip
+BUSHES = ("shrub", "boxwood")
 _INDEX = {name: index for index, name in enumerate(SPECIES)}
 # (spacing in metres, share of points kept, kind of mix) by kind of area.
 AREAS = {
@@ -382,6 +387,69 @@ def _scaled(
     return np.column_stack([wide, wide, up]).astype(np.float32)
 
 
+def _rooted(city: City, stands: list[_Stand]) -> tuple[_Stand, Room]:
+    """Return the trees that find room in the site, each once, and their room."""
+    stand = _join(stands)
+    xmin, ymin, xmax, ymax = city.layout.extent
+    x, y = stand.xy.T
+    stand = _rows(stand, (x >= xmin) & (x <= xmax) & (y >= ymin) & (y <= ymax))
+    xy, keep, room = room_of(city, stand.xy, stand.mapped, lamp_places(city))
+    order = np.argsort(stand.id, kind="stable")
+    order = order[keep[order]]
+    order = order[np.unique(stand.id[order], return_index=True)[1]]
+    return _rows(replace(stand, xy=xy), order), _room_rows(room, order)
+
+
+def _room_rows(room: Room, rows: Any) -> Room:
+    return Room(room.facade[rows], room.road[rows], room.path[rows])
+
+
+def _counted(city: City, stands: list[_Stand], least: int, most: int) -> tuple[_Stand, Room]:
+    """Return the trees with room, no fewer and no more than asked for.
+
+    Raises
+    ------
+    ActionFailed
+        If the site has no room for as many.
+    """
+    stands = [_empty(), *(s for s in stands if len(s.id))]
+    stand, room = _rooted(city, stands)
+    for spacing in MORE_SPACINGS:
+        if _is_tree(stand).sum() >= least:
+            break
+        stand, room = _rooted(city, [*stands, _more(city, stand.xy, spacing)])
+    count = int(_is_tree(stand).sum())
+    if count < least:
+        raise ActionFailed(
+            f"There is room for {count} trees, {least} are asked for; ask for fewer, for a larger "
+            "site or for less of it to be built on."
+        )
+    if most == MANY:
+        return stand, room
+    drawn = uniform(city.seed, f"{ACTION}/most", stand.id)
+    tree = np.flatnonzero(_is_tree(stand))
+    kept = np.sort(tree[np.argsort(drawn[tree], kind="stable")[:most]])
+    return _rows(stand, kept), _room_rows(room, kept)
+
+
+def _empty() -> _Stand:
+    return _stand(Points(np.zeros((0, 2)), np.zeros(0, np.uint64)), 0)
+
+
+def _is_tree(stand: _Stand) -> BoolArray:
+    return ~np.isin(stand.species, [_INDEX[name] for name in BUSHES])
+
+
+def _more(city: City, have: FloatArray, spacing: float) -> _Stand:
+    """Return trees all over a site's open ground, clear of those there are."""
+    site = np.array([shapely.box(*city.layout.extent)], object)
+    points = poisson_in(site, spacing, seed=city.seed, purpose=f"{ACTION}/more",
+                        bounds=city.layout.extent)  # fmt: skip
+    clear = ~np.isfinite(distance_within(points.xy, shapely.points(have), spacing / 2))
+    points = Points(points.xy[clear], points.id[clear])
+    return _stand(points, _draw(climate.PARK_MIX, city, points.id))
+
+
 @action(
     ACTION,
     limits=[
@@ -400,6 +468,8 @@ def trees(
     budget: Annotated[int, Range(0, 2_000_000)] = 80_000,
     street_trees: bool = True,
     season: Literal["auto", "spring", "summer", "autumn", "winter"] = "auto",
+    least: Annotated[int, Range(0, 100_000)] = 0,
+    most: Annotated[int, Range(0, MANY)] = MANY,
 ) -> City:
     """Plant mapped trees, tree rows, woods, parks, orchards and bare streets.
 
@@ -413,7 +483,13 @@ def trees(
         Whether wide streets of an urban place without mapped trees get some.
     season
         Leaves, their colour and blossom; "auto" follows the date, the latitude and the snow.
+    least
+        Trees there must be; more are planted on open ground where there are fewer.
+    most
+        Trees there may be; where that is asked, no shrub is planted either.
     """
+    if least > most:
+        raise UsageError(f"least = {least} trees are more than most = {most}.")
     done = city.stages_done | {"nature"}
     if city.lod < 1:
         return replace(city, stages_done=done)
@@ -424,19 +500,14 @@ def trees(
         stands += _wooded(city, budget, have)
     if street_trees:
         stands += _street_trees(city, mapped)
-    stands = [s for s in stands if len(s.id)]
-    if not stands:
+    stand, room = _counted(city, stands, least, most)
+    if least > 0:
+        city = asked(city, f"{least} trees at least", "n(tree)", least=least)
+    if most < MANY:
+        words = f"{most} trees at most" if most else "no tree"
+        city = asked(city, words, "n(tree)", most=most)
+    if not len(stand.id):
         return replace(city, stages_done=done)
-    stand = _join(stands)
-    xmin, ymin, xmax, ymax = city.layout.extent
-    x, y = stand.xy.T
-    stand = _rows(stand, (x >= xmin) & (x <= xmax) & (y >= ymin) & (y <= ymax))
-    xy, keep, room = room_of(city, stand.xy, stand.mapped, lamp_places(city))
-    order = np.argsort(stand.id, kind="stable")
-    order = order[keep[order]]
-    order = order[np.unique(stand.id[order], return_index=True)[1]]
-    stand = _rows(replace(stand, xy=xy), order)
-    room = Room(room.facade[order], room.road[order], room.path[order])
 
     now: str = season
     if season == "auto":

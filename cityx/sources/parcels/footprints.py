@@ -64,7 +64,13 @@ GROUNDS: Mapping[str, Grounds] = {
 
 
 def footprints_of(
-    parcels: Parcels, zone: ArrayLike, density: ArrayLike, height: ArrayLike, *, seed: int
+    parcels: Parcels,
+    zone: ArrayLike,
+    density: ArrayLike,
+    height: ArrayLike,
+    *,
+    seed: int,
+    coverage: float = 0.0,
 ) -> Tagged:
     """Put buildings and grounds on parcels.
 
@@ -78,6 +84,8 @@ def footprints_of(
         (m,) 0 to 1.
     height
         (m,) metres that the main building shall have, NaN where the zone decides.
+    coverage
+        Share of the parcels that buildings take; 0 leaves it to the zone.
 
     Returns
     -------
@@ -102,7 +110,7 @@ def footprints_of(
         if not len(rows):
             continue
         some = plots.take(rows)
-        raised = kind.raise_on(some, kind.coverage, seed=seed)
+        raised = kind.raise_on(some, coverage or kind.coverage, seed=seed)
         raised.append(_ground(some, raised, dict(kind.ground)))
         found += [one.of(rows) for one in raised]
         if kind.fences:

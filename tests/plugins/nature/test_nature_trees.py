@@ -6,7 +6,9 @@ import pytest
 import shapely
 
 from cityx.assets.trees import size_of
+from cityx.checks.predicates import measure
 from cityx.city import Environment, Frame, Scene, make_table
+from cityx.errors import ActionFailed, UsageError
 from cityx.plugins.nature.climate import band_of, season_of, species_of_tags
 from cityx.plugins.nature.trees import trees
 
@@ -202,3 +204,31 @@ def test_a_place_where_no_tree_fits_gets_none(crossroads):
                    roads=layout.roads.assign(kind="motorway"))  # fmt: skip
     tall = replace(crossroads, layout=bare, network=None, ground=None, scene=Scene())
     assert sum(rows.count for rows in trees(tall).scene.instances.values()) == 0
+
+
+@pytest.mark.parametrize("least", [30, 150])
+def test_there_are_at_least_so_many_trees(crossroads, least):
+    bare = replace(crossroads, layout=replace(crossroads.layout, areas=crossroads.layout.areas[:0]))
+    planted = trees(bare, least=least)
+    rows = planted.scene.instances["trees"]
+    assert len(rows.object_id) >= least
+    found = measure(planted.goals[-1].predicate, planted)
+    assert found.met, found.evidence
+    houses = planted.layout.buildings.geometry.to_numpy()
+    spots = shapely.points(rows.position[:, :2])
+    assert not shapely.intersects(shapely.union_all(houses), spots).any()
+
+
+@pytest.mark.parametrize("most", [0, 5])
+def test_there_are_at_most_so_many_trees(crossroads, most):
+    planted = trees(crossroads, most=most)
+    rows = planted.scene.instances.get("trees")
+    assert (len(rows.object_id) if rows else 0) == most
+    assert measure(planted.goals[-1].predicate, planted).met
+
+
+def test_more_trees_than_find_room_are_refused(crossroads):
+    with pytest.raises(ActionFailed, match=r"There is room for \d+ trees, 90000 are asked for"):
+        trees(crossroads, least=90_000)
+    with pytest.raises(UsageError, match="least = 9 trees are more than most = 3"):
+        trees(crossroads, least=9, most=3)
