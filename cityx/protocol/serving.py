@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
+DO = "do"  # key of the actions that are called for: pairs of an action and its arguments
 Slots = Mapping[str, tuple[Any, ...]]  # what is asked for, by the keys of a brief
 
 
@@ -19,7 +20,7 @@ class Serves:
     slots
         "key", or "key=value": what must be asked for, all of it.
     args
-        Arguments that answer it; "$key" stands for the value of a slot.
+        Arguments that answer it.
     """
 
     slots: tuple[str, ...]
@@ -41,14 +42,6 @@ class Serves:
             if not held or (equals and value not in map(str, held)):
                 return False
         return True
-
-    def arguments(self, slots: Slots) -> dict[str, Any]:
-        """Return the arguments that answer it, the values of slots put in."""
-        found = dict(self.args)
-        for name, value in self.args.items():
-            if isinstance(value, str) and value.startswith("$"):
-                found[name] = slots[value[1:]][0]
-        return found
 
     def to_json(self) -> dict[str, Any]:
         """Return a plain dictionary."""

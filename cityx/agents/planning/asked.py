@@ -1,61 +1,43 @@
-"""What is asked for: the slots of a brief, with what they mean for actions in numbers.
+"""What is asked for: the slots of a brief, with what they mean for actions.
 
-A brief says "downtown", "dense" or "two hectares"; actions take zones, shares and metres. The
-tables here say how one becomes the other. Keys that a brief does not know are written with a
-leading stage: "town.zone", "limits.most_floors".
+A brief says "downtown", "dense" or "two hectares"; actions take zones, shares and metres.
+`cityx.plugins.layout.presets` says what the words mean; here numbers go over them. What follows is
+written with the name of the action it is for: "town.zone" is the parameter ``zone`` of
+``layout/town``, and the key "do" lists actions that are called for, with their arguments.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from math import sqrt
 from types import MappingProxyType
 from typing import Any
 
 from cityx.agents.brief import Brief
+from cityx.plugins.layout.presets import PRESETS, plan_of, zone_for
+from cityx.protocol.serving import DO, Slots
 
 Found = dict[str, tuple[Any, ...]]
+Wishes = dict[str, dict[str, Any]]  # action, with its kind where it may be called for twice
 
-# Kind of quarter -> what a town is laid out with.
-DISTRICTS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
-    {
-        "downtown": {"town.zone": "core", "town.density": 1.0},
-        "business": {"town.zone": "core", "town.density": 1.0},
-        "commercial": {"town.zone": "midrise", "use.retail": 0.25},
-        "residential": {"town.zone": "midrise", "use.apartments": 0.7, "town.industry": 0.0},
-        "old_town": {
-            "town.zone": "midrise", "town.block": 80.0, "limits.most_floors": 5,
-            "roads.width": "narrow", "town.industry": 0.0,
-        },
-        "suburban": {"town.zone": "suburb", "limits.most_floors": 3, "town.industry": 0.0},
-        "village": {"town.zone": "rural", "limits.most_floors": 3, "town.industry": 0.0},
-        "rural": {"town.zone": "rural", "limits.most_floors": 3},
-        "industrial": {"town.zone": "industry", "town.industry": 1.0},
-        "coastal": {"coast": True},
-        "harbour": {"coast": True, "coast.beach": 0.0},
-    }
-)  # fmt: skip
-# Share of the site under buildings, and density of a town.
-DENSITIES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
-    {
-        "high": {"town.density": 0.9, "cover.least": 0.37},
-        "medium": {"town.density": 0.6},
-        "low": {"town.density": 0.15, "cover.most": 0.19},
-    }
+# Tall buildings that are counted by themselves -> metres, at least.
+TOWERS: Mapping[str, float] = MappingProxyType(
+    {"tower": 50.0, "skyscraper": 100.0, "high_rise": 35.0}
 )
-SIZES: Mapping[str, float] = MappingProxyType({"small": 380.0, "medium": 700.0, "large": 1100.0})
-HEIGHTS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
-    {"tall": {"town.zone": "core", "town.density": 1.0}, "low": {"limits.highest": 11.5}}
-)
-PATTERNS: Mapping[str, str] = MappingProxyType({"ring": "radial"})
-# Words for weather that the air of a city has under another name.
-SKIES: Mapping[tuple[str, str], str] = MappingProxyType(
-    {("snow", "light"): "light snow", ("snow", "heavy"): "heavy snow", ("rain", "light"): "drizzle"}
-)
-TOWERS = ("tower", "skyscraper", "high_rise")
-TALL = MappingProxyType({"tower": 50.0, "skyscraper": 100.0, "high_rise": 35.0})  # metres, at least
 TALLER = 1.8  # times the least height, where no greatest is said
 MARGIN = 0.02  # of a height, by which a bound is kept clear
+MANY, SOME, FEW = 60, 10, 30  # trees
+TALL_TOWN = MappingProxyType({"zone": "core", "density": 1.0})
+LOW = 11.5  # metres of buildings that are called low
+DAYS: Mapping[str, tuple[str, str]] = MappingProxyType(  # month and day, north and south
+    {
+        "spring": ("04-20", "10-20"), "summer": ("06-21", "12-21"), "autumn": ("10-15", "04-15"),
+        "winter": ("01-10", "07-10"),
+    }
+)  # fmt: skip
+CLOCKS: Mapping[str, str] = MappingProxyType({"golden_hour": "golden"})
+# How strong weather is, of that of its preset.
+STRENGTHS: Mapping[str, float] = MappingProxyType({"light": 0.4, "heavy": 1.0})
 
 
 def slots_of_brief(brief: Brief) -> Found:
@@ -71,143 +53,175 @@ def slots_of_brief(brief: Brief) -> Found:
         found[slot.key] = (*found.get(slot.key, ()), slot.value)
     for slot in brief.negated:
         found["not"] = (*found.get("not", ()), slot.value)
+    town, wishes = _of_words(found)
     for rule in _RULES:
-        for key, values in rule(found).items():
-            found.setdefault(key, values)
+        rule(found, town, wishes)
+    found |= {f"town.{name}": (value,) for name, value in town.items()}
+    found[DO] = tuple((action.partition("#")[0], args) for action, args in wishes.items())
     return found
 
 
-def _of_table(key: str, table: Mapping[str, Mapping[str, Any]]) -> Callable[[Found], Found]:
-    def rule(found: Found) -> Found:
-        made: Found = {}
-        for word in found.get(key, ()):
-            for name, value in table.get(str(word), {}).items():
-                made.setdefault(name, (value,))
-        return made
-
-    return rule
-
-
-def _size(found: Found) -> Found:
-    side = sqrt(found["size.area"][0]) if "size.area" in found else None
-    if side is None and "size" in found:
-        side = SIZES[str(found["size"][0])]
-    return {} if side is None else {"size.x": (side,), "size.y": (side,)}
+def _of_words(found: Slots) -> tuple[dict[str, Any], Wishes]:
+    """Join the presets of the words."""
+    words = [
+        (key, str(value))
+        for key in PRESETS
+        for value in found.get(key, ())
+        if str(value) in PRESETS[key]
+    ]
+    (_, town), *then = plan_of(words)
+    wishes: Wishes = {}
+    for action, args in then:
+        _wish(wishes, action, **args)
+    return dict(town), wishes
 
 
-def _towers(found: Found) -> Found:
-    """Towers that are counted stand for themselves; others raise the whole town."""
-    kind = next((word for word in found.get("building.type", ()) if word in TOWERS), None)
-    if kind is None:
-        return {}
-    low = float(found.get("building.height.min", (TALL[kind],))[0])
-    high = found.get("building.height.max", (None,))[0]
-    made: Found = {"town.zone": ("core",), "town.density": (1.0,)}
+def _wish(wishes: Wishes, action: str, **args: Any) -> None:
+    """Call for an action; what was asked of it before stays where nothing else is said."""
+    key = f"{action}#{args['kind']}" if "kind" in args else action
+    wishes.setdefault(key, {}).update(args)
+
+
+def _size(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    del wishes
+    if "size.area" in found:
+        town |= dict.fromkeys(("width", "depth"), sqrt(float(found["size.area"][0])))
+    for key, name in (("size.x", "width"), ("size.y", "depth")):
+        if key in found:
+            town[name] = float(found[key][0])
+
+
+def _heights(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Bounds that hold for every building, unless they speak of towers."""
+    for word in found.get("building.height", ()):
+        if word == "tall":
+            town |= TALL_TOWN
+        elif word == "low":
+            _wish(wishes, "layout/building_limits-v1", highest=LOW)
+    kind = next((str(word) for word in found.get("building.type", ()) if word in TOWERS), "")
+    low, high = (found.get(f"building.height.{end}", (None,))[0] for end in ("min", "max"))
+    if kind:
+        town |= TALL_TOWN
+        _towers(found, wishes, low or TOWERS[kind], high)
+    else:
+        if low is not None:
+            _wish(wishes, "layout/building_limits-v1", lowest=float(low))
+        if high is not None:
+            _wish(wishes, "layout/building_limits-v1", highest=float(high))
+    exact = found.get("building.floors", (None,))[0]
+    for end, name in (("min", "least_floors"), ("max", "most_floors")):
+        floors = found.get(f"building.floors.{end}", (exact,))[0]
+        if floors is not None and not isinstance(floors, str):
+            _wish(wishes, "layout/building_limits-v1", **{name: int(floors)})
+
+
+def _towers(found: Slots, wishes: Wishes, low: float, high: float | None) -> None:
+    """Towers that are counted stand alone; where they are not, the highest is as high as said."""
     if "building.count" not in found:
-        return made | ({} if high is None else {"highest": (float(high) * (1 - MARGIN),)})
-    around = [word for word in ("plaza", "park") if word in found.get("element", ())]
-    return made | {
-        "towers.count": found["building.count"],
-        "towers.lowest": (low * (1 + MARGIN),),
-        "towers.highest": ((float(high) if high is not None else low * TALLER) * (1 - MARGIN),),
-        "towers.around": (around[0] if around else "nothing",),
-        "towers.alone": (True,),
-    }
+        if high is not None:
+            _wish(wishes, "layout/highest-v1", height=float(high) * (1 - MARGIN))
+        return
+    around = next((w for w in ("plaza", "park") if w in found.get("element", ())), "nothing")
+    top = float(high) if high is not None else low * TALLER
+    _wish(
+        wishes, "layout/towers-v1", count=int(found["building.count"][0]), around=around,
+        lowest=low * (1 + MARGIN), highest=top * (1 - MARGIN), alone=True,
+    )  # fmt: skip
 
 
-def _counted(found: Found) -> Found:
-    if "building.count" in found and "towers.count" not in found:
-        return {"buildings.count": found["building.count"]}
-    return {}
+def _counts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    count = found.get("building.count", (None,))[0]
+    if count is None or "layout/towers-v1" in wishes:
+        return
+    _wish(wishes, "layout/buildings_count-v1", count=int(count))
+    if "zone" not in town and {"width", "depth"} <= town.keys():
+        town["zone"] = zone_for(int(count), town["width"] * town["depth"])
 
 
-def _limits(found: Found) -> Found:
-    """Bounds that hold for every building, unless they speak of towers alone."""
-    keys = {
-        "limits.least_floors": "building.floors.min",
-        "limits.most_floors": "building.floors.max",
-    }
-    if "towers.count" not in found and "highest" not in found:
-        keys |= {"limits.lowest": "building.height.min", "limits.highest": "building.height.max"}
-    made = {name: found[key] for name, key in keys.items() if key in found}
-    if "building.floors" in found:
-        exact = found["building.floors"]
-        made |= {"limits.least_floors": exact, "limits.most_floors": exact}
-    if made or any(key.startswith("limits.") for key in found):
-        made["limits"] = (True,)
-    return made
-
-
-def _places(found: Found) -> Found:
-    """Plazas, parks and lakes: how many, and whether one of them lies in the middle."""
-    elements = found.get("element", ())
-    made: Found = {}
-    if "park" in elements and "lake" in elements:
-        made["central_park"] = (True,)
-        elements = tuple(word for word in elements if word not in ("park", "lake"))
-    for word in ("plaza", "park", "lake"):
-        count = found.get(f"{word}.count", (1,) if word in elements else ())
+def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Plazas, parks and lakes: how many, the first square in the middle."""
+    del town
+    elements = set(found.get("element", ()))
+    if {"park", "lake"} <= elements:
+        share = found.get("park.share.min", found.get("green.share.min", (None,)))[0]
+        _wish(wishes, "layout/central_park-v1", **({} if share is None else {"share": share}))
+        elements -= {"park", "lake"}
+    for kind in ("plaza", "park", "lake"):
+        count = found.get(f"{kind}.count", (1,) if kind in elements else ())
         if count:
-            made[f"{word}.wanted"] = count
-    if "plaza.wanted" in made:
-        made["places.central"] = (True,)  # the first of a town's squares lies in its middle
-    return made
+            more = {"central": True} if kind == "plaza" else {}
+            _wish(wishes, "layout/places-v1", kind=kind, count=int(count[0]), **more)
+    if "green.share.min" in found:
+        _wish(wishes, "layout/green_share-v1", share=float(found["green.share.min"][0]))
 
 
-def _water(found: Found) -> Found:
-    elements = found.get("element", ())
-    made: Found = {}
-    if (
-        "river" in elements
-        or any(key.startswith("river.") for key in found)
-        or "bridge.count" in found
-    ):
-        made["river"] = (True,)
-    if {"beach", "sea"} & set(elements) or "beach.side" in found or "sea.side" in found:
-        made["coast"] = (True,)
-    side = found.get("beach.side", found.get("sea.side"))
-    if side:
-        made["coast.side"] = side
-    return made
+def _water(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    del town
+    elements = set(found.get("element", ()))
+    if "river" in elements or any(key.startswith(("river.", "bridge.count")) for key in found):
+        args = {
+            name: found[key][0]
+            for name, key in (("width", "river.width"), ("bridges", "bridge.count"))
+            if key in found
+        }
+        _wish(wishes, "layout/river-v1", **args)
+    side = found.get("beach.side", found.get("sea.side", ()))
+    if {"beach", "sea", "harbour"} & elements or side:
+        _wish(wishes, "layout/coast-v1", **({"side": side[0]} if side else {}))
+    if "harbour" in elements or "harbour" in found.get("district", ()):
+        _wish(wishes, "layout/coast-v1", beach=0.0)
 
 
-def _streets(found: Found) -> Found:
-    made: Found = {}
-    if "roads.main.lanes" in found or "roads.main.axis" in found:
-        made["boulevard"] = (True,)
-    pattern = found.get("roads.pattern", ())
-    if pattern and str(pattern[0]) in PATTERNS:
-        made["town.pattern"] = (PATTERNS[str(pattern[0])],)
-    elif not pattern and ("roads.avenues" in found or "roads.rings" in found):
-        made["town.pattern"] = ("radial",)
-    elif pattern:
-        made["town.pattern"] = pattern
-    return made
+def _streets(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    given = {
+        name: found[key][0]
+        for name, key in (
+            ("lanes", "roads.main.lanes"), ("axis", "roads.main.axis"),
+            ("others", "roads.other.lanes"),
+        )
+        if key in found
+    }  # fmt: skip
+    if given:
+        _wish(wishes, "layout/boulevard-v1", **given)
+    spokes = {
+        name: int(found[key][0])
+        for name, key in (("avenues", "roads.avenues"), ("rings", "roads.rings"))
+        if key in found
+    }
+    if spokes:
+        town |= {"pattern": "radial", **spokes}
 
 
-def _cover(found: Found) -> Found:
-    return {"cover": (True,)} if {"cover.least", "cover.most"} & found.keys() else {}
-
-
-def _trees(found: Found) -> Found:
+def _trees(found: dict[str, tuple[Any, ...]], town: dict[str, Any], wishes: Wishes) -> None:
+    del town, wishes
+    words = found.get("nature.trees", ())
     if "tree" in found.get("not", ()):
-        return {"trees.street_trees": (False,), "trees.budget": (0,)}
-    return {}
+        found |= {"trees.street_trees": (False,), "trees.most": (0,)}
+    elif "many" in words:
+        found["trees.least"] = (MANY,)
+    elif "some" in words:
+        found["trees.least"] = (SOME,)
+    elif "few" in words:
+        found["trees.most"] = (FEW,)
+    if "tree.count" in found:
+        found |= {"trees.least": found["tree.count"], "trees.most": found["tree.count"]}
 
 
-def _air(found: Found) -> Found:
-    """Weather with its intensity, a season as a date."""
-    made: Found = {}
+def _air(found: dict[str, tuple[Any, ...]], town: dict[str, Any], wishes: Wishes) -> None:
+    """Say how strong the weather is, the clock of a word for a time, the day of a season."""
+    del town, wishes
     for word in found.get("weather", ()):
-        for intensity in found.get(f"{word}.intensity", ()):
-            sky = SKIES.get((str(word), str(intensity)))
-            if sky is not None:
-                made["sky"] = (sky,)
-    return made
+        for strength in found.get(f"{word}.intensity", ()):
+            if str(strength) in STRENGTHS:
+                found["weather.strength"] = (STRENGTHS[str(strength)],)
+    for word in found.get("time", ()):
+        if word in CLOCKS:
+            found["sun.time"] = (CLOCKS[str(word)],)
+    for season in found.get("season", ()):
+        if season in DAYS:
+            found |= {"sun.date": (DAYS[str(season)][0],), "trees.season": (season,)}
 
 
-_RULES: Iterable[Callable[[Found], Found]] = (
-    _size, _of_table("district", DISTRICTS), _of_table("density", DENSITIES),
-    _of_table("building.height", HEIGHTS), _towers, _counted, _limits, _places, _water, _streets,
-    _cover, _trees, _air,
+_RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
+    _size, _heights, _counts, _places, _water, _streets, _trees, _air,
 )  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 from cityx.agents.planning.search import (
@@ -18,10 +19,11 @@ from cityx.agents.planning.search import (
     operators_of,
 )
 from cityx.agents.planning.workflow import PARTS, Item, Part, Workflow
+from cityx.plugins.layout.presets import ORDER
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.holdings import OF_LAYOUT, READABLE
-from cityx.protocol.serving import Serves, Slots
-from cityx.protocol.stages import NEUTRAL, ORDER, stages_before, topological_order
+from cityx.protocol.serving import DO, Slots
+from cityx.protocol.stages import stages_after, topological_order
 
 # What a file of a kind holds.
 FILES: Mapping[str, Fact] = {
@@ -32,13 +34,6 @@ FILES: Mapping[str, Fact] = {
     "height": (FILE, "height_field"),
 }
 TERRAIN: Fact = ("surface", "terrain")
-# What is asked of a layout, in the order in which one leaves the other alone: water and streets
-# first, then land, then what stands on it; other packages' actions come last.
-LAYOUT_ORDER = (
-    "layout/coast-v1", "layout/river-v1", "layout/boulevard-v1", "layout/central_park-v1",
-    "layout/places-v1", "layout/green_share-v1", "layout/cover-v1", "layout/buildings_count-v1",
-    "layout/building_limits-v1", "layout/towers-v1", "layout/highest-v1", "layout/use_share-v1",
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -201,39 +196,50 @@ class OfflinePlanner:
         return items
 
     def _wished(self, slots: Slots, avoid: frozenset[str]) -> list[Item]:
-        """Return the actions that a brief calls for by name of what they answer, in order."""
-        rank = {action: place for place, action in enumerate(LAYOUT_ORDER)}
-        order = sorted(self.records, key=lambda action: (rank.get(action, len(rank)), action))
-        return [
-            self._item(self.records[action], slots, wish)
-            for action in order
-            if action not in avoid
-            for wish in self.records[action].serves
+        """Return the actions that are called for, by name or by what they serve, in order."""
+        called = [(str(action), dict(args)) for action, args in slots.get(DO, ())]
+        rank = {action: place for place, action in enumerate(ORDER)}
+        found = [
+            self._item(self.records[action], slots, (action,), args)
+            for action, args in sorted(called, key=lambda pair: rank.get(pair[0], len(rank)))
+            if action in self.records
+        ]
+        found += [
+            self._item(record, slots, wish.slots, wish.args)
+            for record in self.records.values()
+            for wish in record.serves
             if wish.asked(slots)
         ]
+        return [item for item in found if item.action not in avoid]
 
-    def _item(self, record: Encapsulation, slots: Slots, wish: Serves | None = None) -> Item:
+    def _item(
+        self,
+        record: Encapsulation,
+        slots: Slots,
+        wish: tuple[str, ...] = (),
+        args: Mapping[str, Any] = MappingProxyType({}),
+    ) -> Item:
         gives = tuple(f"{port.format.value} {port.role}" for port in record.gives)
-        args = arguments(record, slots)
-        if wish is None:
-            return Item(record.id, args, gives=gives)
-        why = f"asked for: {', '.join(wish.slots)}"
-        return Item(record.id, args | wish.arguments(slots), why=why, gives=gives, wish=wish.slots)
+        why = "asked for" if wish else ""
+        return Item(
+            record.id, {**arguments(record, slots), **args}, why=why, gives=gives, wish=wish
+        )
 
 
 def arguments(record: Encapsulation, slots: Slots) -> dict[str, Any]:
     """Return the arguments that a brief gives an action.
 
-    A slot of several values gives the first that the parameter admits; one that it admits none of
-    is left out, and the action's own default holds.
+    A parameter takes the slot that the action binds to it, or that of its own name: "sun.time" is
+    the parameter ``time`` of ``background/sun``. A slot of several values gives the first that the
+    parameter admits; of one that it admits none of, the action's own default holds.
     """
+    bound = dict(record.binds)
     args = {}
-    for name, key in record.binds:
-        parameter = record.parameter(name)
-        assert parameter is not None
-        for value in slots.get(key, ()):
+    for parameter in record.parameters:
+        own = slots.get(f"{record.name}.{parameter.name}", ())
+        for value in (*own, *slots.get(bound.get(parameter.name, ""), ())):
             if not parameter.fault(value):
-                args[name] = value
+                args[parameter.name] = value
                 break
     return args
 
@@ -256,15 +262,9 @@ def in_order(items: Sequence[Item], records: Mapping[str, Encapsulation]) -> lis
             if maker is not None and maker != names[place] and port.role:
                 after[maker].add(names[place])
         for other in range(len(ordered)):
-            if stage[other] in _later(stage[place]):
+            if stage[other] in stages_after(stage[place]):
                 after[names[place]].add(names[other])
     return [ordered[int(name)] for name in topological_order(after)]
-
-
-def _later(stage: str) -> frozenset[str]:
-    if stage in NEUTRAL:
-        return frozenset()
-    return frozenset(other for other in ORDER if stage in stages_before(other))
 
 
 def _bind(use: Use, record: Encapsulation, found: Reached) -> dict[str, str]:
