@@ -158,7 +158,9 @@ def _shape(here: Here, noun: Item | None) -> None:
 def _subject(here: Here) -> Item | None:
     """Return the noun of "the streets are wide"."""
     before = here.before
-    linked = before is not None and (before.get("rel") == "be" or before.kind == "function")
+    linked = before is not None and (
+        before.get("rel") == "be" or before.kind == "function" or before.is_mark(":")
+    )
     return here.noun_before(4) if linked else None
 
 
@@ -232,7 +234,10 @@ def _looks(here: Here) -> None:
     if not (material or color):
         return
     noun = here.noun_behind()
-    if color and noun is not None and noun.noun == "roof":
+    day = here.after is not None and here.after.get("slot").startswith(("season=", "time="))
+    if color == "grey" and day:
+        here.found.add("weather", "overcast", here.item)
+    elif color and noun is not None and noun.noun == "roof":
         here.found.add("roof.color", color, here.item)
     elif noun is not None and noun.noun_class not in (*BUILDINGS, "place"):
         here.found.leave(here.item, f"look of the {noun.noun}")

@@ -106,6 +106,8 @@ def _look(command: Node) -> list[Edit]:
     for change in command.own("change"):
         verb, pairs = _change(change.children[0], about.get("attr") if about else "")
         changes.setdefault(verb, []).extend(pairs)
+    if "replace" in changes:  # "into brick houses": the look is that of what is new
+        changes = {"replace": [pair for pairs in changes.values() for pair in pairs]}
     return [
         edit
         for verb, pairs in reversed(changes.items())
@@ -131,6 +133,8 @@ def _change(word: Node, about: str) -> tuple[str, Pairs]:
         measure = quantity.dimension
     if measure not in _LENGTHS:
         raise Unclear
+    if quantity.relative:
+        return f"raise_{measure}", [("by", _whole(_value(item) * quantity.relative))]
     return f"set_{measure}", list(_measured(measure, item))
 
 
@@ -181,6 +185,14 @@ def _resized(command: Node, amount: Node, about: str, *, grows: bool, by: bool) 
             command, f"raise_{about}", [("by", _whole(_value(item) * (1 if grows else -1)))]
         )
     return _each(command, f"set_{about}", list(_measured(about, item)))
+
+
+def _shift(command: Node) -> list[Edit]:
+    """Read "add two floors to b15" and "shave 5 m off it"."""
+    amount = command.branch("amount")
+    assert amount is not None
+    grows = command.children[0].name in ("ADD", "RAISE")
+    return _resized(command, amount, "height", grows=grows, by=True)
 
 
 def _replace(command: Node) -> list[Edit]:
@@ -317,7 +329,7 @@ def _plant(command: Node) -> list[Edit]:
 
 
 _RULES: Mapping[str, Callable[[Node], list[Edit]]] = {
-    "remove": _remove, "look": _look, "resize": _resize, "replace": _replace, "add": _add,
-    "plant": _plant, "move": _move, "rotate": _rotate, "scale": _scale, "close": _close,
-    "lights": _lights, "copy": _copy,
+    "remove": _remove, "look": _look, "resize": _resize, "shift": _shift,
+    "replace": _replace, "add": _add, "plant": _plant, "move": _move,
+    "rotate": _rotate, "scale": _scale, "close": _close, "lights": _lights, "copy": _copy,
 }  # fmt: skip

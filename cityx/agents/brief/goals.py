@@ -25,6 +25,10 @@ WORDS: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
             "commercial": ("share(building, use=retail) >= 0.2",),
             "coastal": ("n(sea) >= 1",),
             "harbour": ("n(harbour) >= 1",),
+            "campus": ("share(building, use=education) >= 0.2",),
+            "mixed_use": ("share(building, use=mixed) >= 0.2",),
+            "entertainment": ("share(building, use=retail) >= 0.2",),
+            "slum": ("stat(building, floors, p90) <= 3",),
         },
         "density": {
             "high": ("cover(building) >= 0.35",),

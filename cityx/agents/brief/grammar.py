@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 
 # Terminals are kinds of items, see `cityx.agents.brief.terminals`; the value is the item's index.
 GRAMMAR = """
-start: remove | look | resize | replace | add | plant | move | rotate | scale | close | lights
-     | copy
+start: remove | look | resize | shift | replace | add | plant | move | rotate | scale
+     | close | lights | copy | topic
+topic: targets
 remove: REMOVE targets | targets BE REMOVE
 look: _paint (attr OF?)? targets (link* change)+ | targets BE _paint? (link* change)+
     | _paint targets attr (link* change)+
@@ -25,6 +26,7 @@ attr: ATTR
 change: COLOR | MATERIAL | STYLE | ROOF | FLOORS | LENGTH | LIMIT | LANES | factor | KIND
 factor: TIMES ATTR? | COUNT SIGN ATTR? | FACTOR COUNT | SHARE ATTR?
 resize: _resizing (attr OF?)? targets (way amount)? | _resizing targets attr (way amount)?
+shift: (ADD | REMOVE | RAISE | LOWER) amount link targets
 _resizing: DOUBLE | TRIPLE | QUADRUPLE | HALVE | RAISE | LOWER | WIDEN | NARROW
 way: TO | BY | WITH
 amount: LENGTH | FLOORS | SHARE | COUNT | LANES | factor | LIMIT

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from cityx.agents.brief.here import BUILDINGS, COUNTED, ROADS, Here
 from cityx.agents.brief.scan import ENDS, Item, Quantity
@@ -92,11 +93,20 @@ def _lengths(here: Here) -> None:
     elif what == "height" or (not what and (noun is None or noun.noun_class in BUILDINGS)):
         own = noun is not None and noun.noun_class in ("element", "plant")
         key = _key(noun) if own and noun is not None else "building"
-        here.found.add_bounded(f"{key}.height", here.quantity, here.item)
+        here.found.add_bounded(f"{key}.height", _highest(here, noun), here.item)
     elif noun is None or noun.noun in _WHOLE:
         _extent(here, what)
     else:
         _width(here, noun)
+
+
+def _highest(here: Here, noun: Item | None) -> Quantity:
+    """Return the height of "the highest building", which bounds that of all."""
+    ranks = [one for one in here.clause() if one.get("rank") == "tallest"]
+    if noun is None or not ranks or here.quantity.exact is None:
+        return here.quantity
+    ranks[0].state = READ
+    return replace(here.quantity, low=None)
 
 
 def _extent(here: Here, what: str) -> None:

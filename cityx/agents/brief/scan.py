@@ -35,6 +35,8 @@ class Quantity:
         Whether the text says "about".
     unit
         Size of the unit in SI units, for a number that shares it.
+    relative
+        1 in "20 m higher", -1 in "20 m lower", else 0.
     """
 
     dimension: str
@@ -44,6 +46,7 @@ class Quantity:
     attribute: str = ""
     approximate: bool = False
     unit: float = 1.0
+    relative: int = 0
 
     @property
     def exact(self) -> float | None:
@@ -187,6 +190,9 @@ def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
     if word.kind == "clock":
         hours, minutes = map(int, word.text.split(":"))
         return _clock(words, at, hours + minutes / 60, 1)
+    past = _past_the_hour(words, at)
+    if past is not None:
+        return past
     part = read_part(words, at)
     if part is not None:
         return _part(words, at, *part)
@@ -204,6 +210,19 @@ def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
     return Quantity(dimension, size, size, unit=factor), length + extra
 
 
+def _past_the_hour(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
+    """Read "half past six" and "quarter to seven"."""
+    minutes = {"half": 30, "quarter": 15}.get(words[at].text)
+    way = words[at + 1].text if at + 2 < len(words) else ""
+    if minutes is None or way not in ("past", "to"):
+        return None
+    hour = read_number(words, at + 2)
+    if hour is None or hour[0] > 24:
+        return None
+    sign = 1 if way == "past" else -1
+    return _clock(words, at, hour[0] + sign * minutes / 60, hour[1] + 2)
+
+
 def _part(words: Sequence[Word], at: int, share: float, length: int) -> tuple[Quantity, int] | None:
     """Read what follows "half": a unit makes a measure of it, anything else a share."""
     skip = length + (length < len(words) - at and words[at + length].text in ("a", "an", "of"))
@@ -212,9 +231,15 @@ def _part(words: Sequence[Word], at: int, share: float, length: int) -> tuple[Qu
     if unit is not None and unit[0] in ("length", "area"):
         return Quantity(unit[0], share * unit[1], share * unit[1]), skip + unit[2]
     after = words[at + length].text if at + length < len(words) else ""
-    if after in ("of", "the", "all", "a", "an") or (after and known(after)):
+    half = words[at].text == "half" and (after in ("the", "all", "a", "an") or known(after))
+    if after == "of" or (after and half):
         return Quantity("part", share, share), length + (after == "of")
     return None
+
+
+def _of_the_later_day(words: Sequence[Word], at: int) -> bool:
+    """Tell whether "in the afternoon" or "at night" follows an hour."""
+    return any(word.text in ("afternoon", "evening", "night") for word in words[at : at + 3])
 
 
 def _clock(words: Sequence[Word], at: int, hour: float, length: int) -> tuple[Quantity, int] | None:
@@ -224,4 +249,6 @@ def _clock(words: Sequence[Word], at: int, hour: float, length: int) -> tuple[Qu
         length += unit[2]
     if unit is not None and unit[0] == "half_day":
         hour = hour % 12 + unit[1]
+    elif hour < 12 and _of_the_later_day(words, at + length):
+        hour += 12
     return (Quantity("hour", hour % 24, hour % 24), length) if 0 <= hour <= 24 else None

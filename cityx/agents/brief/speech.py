@@ -104,12 +104,14 @@ USES: Mapping[str, str] = {
 
 # Parts of sentences.
 BOUNDS: Mapping[str, str] = {
-    "min": "at least, minimum, minimum of, min, a minimum of, upwards of, no less than, "
+    "min": "at least, at the very least, minimum, minimum of, min, a minimum of, upwards of, "
+    "no less than, "
     "not less than, no fewer than, not fewer than, or more, or higher, or taller, and up, and "
     "above, at the least, at a minimum, starting at, starting from, not under, not below, "
     "no smaller than, or above, and higher, "
     "not smaller than, or greater, or wider",
-    "max": "at most, maximum, maximum of, max, a maximum of, up to, no more than, not more than, "
+    "max": "at most, at the very most, maximum, maximum of, max, a maximum of, up to, "
+    "no more than, not more than, "
     "not over, not above, or less, or lower, or fewer, at the most, tops, not exceeding, "
     "no greater than, capped at, limited to, restricted to, "
     "as high as, as tall as, or under, at max, or below, "
@@ -237,7 +239,7 @@ VERBS: Mapping[str, str] = {
     "RAISE": "raise, increase, heighten, lift, elevate, extend, bump up, jack up, boost, grow "
     "taller, add height to",
     "LOWER": "lower, reduce, decrease, cut, shorten, diminish, cut down to, trim, bring down, "
-    "lessen, cap, limit",
+    "lessen, cap, limit, shave, chop, knock, lop, trim down",
     "WIDEN": "widen, broaden, make wider",
     "NARROW": "narrow down, make narrower, slim down",
     "CLOSE": "close, close off, block off, shut, barricade, seal off, shut down, block",
@@ -285,15 +287,15 @@ RELATIONS: Mapping[str, str] = {
     "around": "around, surrounding, encircling, round, all around, circling, about the, "
     "surround, circle, ring around",
     "on": "on, onto, over, across, upon, atop, on top of, at, crossing, cross, span, spanning",
-    "in": "in, inside, within, into, through, throughout, in the middle of, in the center of, "
+    "in": "in, inside, within, through, throughout, in the middle of, in the center of, "
     "amid, among, inside of, all over, at the center of, across the whole",
     "of": "of",
-    "to": "to, as, towards, toward",
+    "to": "to, into, as, towards, toward",
     "by": "by",
     "with": "with, having, featuring, that have, which have, which has, that has, made of, made "
     "from, made out of, built of, built from, out of, consisting of, for, from, in favor of, "
     "by means of",
-    "from": "from",
+    "from": "from, off, off of",
     "be": "is, are, be, was, were, should be, shall be, must be, ought to be, should become, "
     "become, becomes, need to be, needs to be, has to be, have to be, can be, will be, to be, "
     "turned, should get, shall get, shall become, gets, should have, should look, shall have, "
@@ -305,7 +307,7 @@ RELATIONS: Mapping[str, str] = {
     "all": "all, every, each, all of, all the, both, whole, entire, every single, each and every, "
     "every one of, complete, everything in",
     "rest": "rest of the, the rest of, remaining, rest of, other, others, remaining of the",
-    "it": "it, that, this, them, these, those, its, their",
+    "it": "it, that, this, them, these, those, they",
     "direction": "in each direction, each way, per direction, in either direction, each direction, "
     "in both directions, per side direction, each side direction, on each side of the road, "
     "every direction, going each way, both ways, in every direction",
@@ -315,7 +317,7 @@ RELATIONS: Mapping[str, str] = {
     "times": "times, x, fold, ×, *",
     "twice": "twice, twice as, two times, doubly",
     "thrice": "thrice, three times",
-    "half as": "half as, half the",
+    "half as": "half as",
     "factor": "factor, factor of, a factor of, by a factor of, by factor",
     "clockwise": "clockwise, to the right turn",
     "counterclockwise": "counterclockwise, anticlockwise, anti clockwise, counter clockwise",
@@ -345,7 +347,9 @@ _FUNCTION_WORDS = """
     a an the i we you he she they me my our your his her us one ones who whom whose which what when
     where why how there here be been being am is are was were do does did done have has had having
     will would shall should can could may might must let's lets i'd we'd i'll i'm it's there's
-    detached     that's you'd please kindly just simply really quite very rather fairly pretty so too also even
+    detached
+        that's you'd please kindly just simply really quite very rather fairly pretty so too also
+        even
     as at by for from in into of off on onto out over per than then to under up upon via with
     within and or but if because since until while during after before again once only own same
     such both each every either some any all most more other another well now like want need wish
@@ -383,6 +387,10 @@ _FUNCTION_WORDS = """
     hereby herewith enclosed according accordance basis
     wide wider tall high long deep direction directions way ways
     morning's proper properly nicely beautifully evenly randomly sparsely freely gently softly
-    brightly directly immediately straight
+    bright brightly carries carry varies vary varying absolutely totally completely entirely fully
+    sure ensure certain certainly welcome welcomes fishing becomes converted originally formerly
+    once
+    long-standing famous known called named typically usually normally visible sight directly
+    immediately straight
 """
 FUNCTION_WORDS = frozenset(_FUNCTION_WORDS.split())

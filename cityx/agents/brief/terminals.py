@@ -45,6 +45,8 @@ def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
             continue
         first = not found
         name = _verb(item, first and verb_first, found) or _name(item)
+        if not name and not first and item.get("verb") == "MAKE":
+            name = "BE"  # "could b03 get a flat roof"
         if name == "ALL" and index + 1 < len(items) and _is_length(items[index + 1]):
             continue  # "every 10 m"; the length itself is the interval
         if name == "LENGTH" and _is_interval(items, index):
