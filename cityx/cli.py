@@ -129,10 +129,10 @@ def build(
     ] = None,
 ) -> None:
     """Build a city from a map, a drawing, an image, from several of one place, or from nothing."""
-    from cityx.agents.build import BuildOptions
     from cityx.agents.build import build as build_city
-    from cityx.agents.intake import HowToRead
+    from cityx.agents.options import BuildOptions
     from cityx.allocator import keep_freed_memory
+    from cityx.sources.intake import HowToRead
 
     keep_freed_memory()
     options = BuildOptions(

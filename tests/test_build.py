@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 from town import small_town
 
-from cityx.agents.build import BuildOptions, build, recheck
+from cityx.agents.build import build, recheck
 from cityx.agents.journal import Journal
+from cityx.agents.options import BuildOptions
 from cityx.city.content import content_hash
 from cityx.city.store import read_city
 from cityx.errors import InputError, UsageError

@@ -4,7 +4,8 @@ from pathlib import Path
 import pytest
 from town import small_town
 
-from cityx.agents.build import BuildOptions, build
+from cityx.agents.build import build
+from cityx.agents.options import BuildOptions
 from cityx.errors import UsageError
 
 CROSSING = Path(__file__).parents[1] / "examples" / "curves" / "crossing.geojson"

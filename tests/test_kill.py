@@ -10,8 +10,9 @@ import time
 
 import pytest
 
-from cityx.agents import build as builds
-from cityx.agents.build import BuildOptions, build
+from cityx.agents import results
+from cityx.agents.build import build
+from cityx.agents.options import BuildOptions
 from cityx.city.content import content_hash
 from cityx.city.store import read_city
 
@@ -77,10 +78,10 @@ def test_a_kill_while_the_new_city_moves_in_loses_neither(town_map, tmp_path, mo
         plain(self, target)
 
     with monkeypatch.context() as patch:
-        patch.setattr(builds.Path, "rename", stopping)
+        patch.setattr(results.Path, "rename", stopping)
         with pytest.raises(Killed):
-            builds._publish(staging, out)
-    builds._staging(out)
+            results.publish(staging, out)
+    results.staging_of(out)
     assert (out / "report.json").read_text() == "old"
     build([town_map], out, QUICK)
     assert json.loads((out / "report.json").read_text())["counts"]["buildings"] == 11

@@ -1,13 +1,15 @@
 """The journal: what ran on a city, with which arguments, for how long and with what result.
 
-One SQLite file per city. A step is recorded before it starts and again when it ends, so a process
-killed anywhere leaves a journal that says where.
+A step is recorded before it starts and again when it ends, so a process killed anywhere leaves a
+journal that says where. A run belongs to one process at a time, by a lease.
 """
 
 from __future__ import annotations
 
 import json
-import sqlite3
+import os
+import socket
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import blake2b
@@ -15,15 +17,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-_TABLES = """
-CREATE TABLE IF NOT EXISTS run(
-  id INTEGER PRIMARY KEY, inputs TEXT, config TEXT, seed INTEGER, status TEXT, content TEXT);
-CREATE TABLE IF NOT EXISTS step(
-  run_id INTEGER REFERENCES run(id), idx INTEGER, attempt INTEGER, action TEXT, args TEXT, key TEXT,
-  status TEXT CHECK(status IN ('started', 'done', 'rolled_back', 'rejected')),
-  state_before TEXT, state_after TEXT, error TEXT, ms INTEGER,
-  PRIMARY KEY(run_id, idx, attempt));
-"""
+from cityx.agents.database import connect
+from cityx.errors import UsageError
+
+LEASE_S = 900.0  # seconds; a step that takes longer renews nothing, but few take a minute
+STARTED, DONE, ENDED = "started", "done", "ended"
 
 
 @dataclass(frozen=True)
@@ -39,6 +37,32 @@ class Step:
     state_after: str
     error: str
     milliseconds: int
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """What is known of a run.
+
+    Attributes
+    ----------
+    number
+        Of the run, from 1.
+    brief
+        What it was asked for, as JSON.
+    status
+        "started", "done", or why it ended otherwise.
+    content
+        Hash of the city it made.
+    """
+
+    number: int
+    inputs: Sequence[Mapping[str, Any]]
+    config: Mapping[str, Any]
+    seed: int
+    brief: Mapping[str, Any]
+    registry: str
+    status: str
+    content: str
 
 
 def derivation_key(state: str, action: str, args: Mapping[str, Any]) -> str:
@@ -57,12 +81,16 @@ class Journal:
     ----------
     path
         SQLite file, made when absent.
+
+    Raises
+    ------
+    InputError
+        If the file is no journal that this program can read.
     """
 
     def __init__(self, path: Path) -> None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        self._db = sqlite3.connect(path)
-        self._db.executescript("PRAGMA synchronous=FULL;" + _TABLES)
+        self.path = path
+        self.database = connect(path)
 
     def __enter__(self) -> Journal:
         """Return the journal itself."""
@@ -75,54 +103,182 @@ class Journal:
         trace: TracebackType | None,
     ) -> None:
         """Close the file."""
-        self._db.close()
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        self.database.close()
+
+    def copy_to(self, path: Path) -> None:
+        """Write the journal as it is now to another file."""
+        import sqlite3
+
+        with sqlite3.connect(path) as target:
+            self.database.backup(target)
+        target.close()
 
     def start_run(
-        self, inputs: Sequence[Mapping[str, Any]], config: Mapping[str, Any], seed: int
+        self,
+        inputs: Sequence[Mapping[str, Any]],
+        config: Mapping[str, Any],
+        seed: int,
+        *,
+        brief: Mapping[str, Any] | None = None,
+        registry: str = "",
     ) -> int:
-        """Record a run and return its number."""
-        row = (json.dumps(inputs), json.dumps(dict(config), sort_keys=True), seed)
-        with self._db:
-            cursor = self._db.execute(
-                "INSERT INTO run(inputs, config, seed, status) VALUES(?, ?, ?, 'started')", row
+        """Record a run, which this process owns, and return its number."""
+        row = (*_words(inputs, config, seed, brief), registry, _owner(), time.time() + LEASE_S)
+        with self.database:
+            cursor = self.database.execute(
+                "INSERT INTO run(inputs, config, seed, brief, registry, status, owner, lease_until)"
+                " VALUES(?, ?, ?, ?, ?, 'started', ?, ?)",
+                row,
             )
         return int(cursor.lastrowid or 0)
 
-    def end_run(self, run: int, status: str, content: str) -> None:
-        """Record how a run ended and the content hash of its city."""
-        with self._db:
-            self._db.execute(
-                "UPDATE run SET status = ?, content = ? WHERE id = ?", (status, content, run)
-            )
+    def unfinished(
+        self,
+        inputs: Sequence[Mapping[str, Any]],
+        config: Mapping[str, Any],
+        seed: int,
+        *,
+        brief: Mapping[str, Any] | None = None,
+        registry: str = "",
+    ) -> int | None:
+        """Return the run that was asked for the same and never ended, if there is one."""
+        found = self.database.execute(
+            "SELECT id FROM run WHERE status = 'started' AND inputs = ? AND config = ? AND "
+            "seed = ? AND brief = ? AND registry = ? ORDER BY id DESC LIMIT 1",
+            (*_words(inputs, config, seed, brief), registry),
+        ).fetchone()
+        return None if found is None else int(found[0])
 
-    def start_step(self, run: int, action: str, args: Mapping[str, Any], state: str) -> int:
-        """Record that a step starts and return its index within the run."""
-        with self._db:
-            (index,) = self._db.execute(
-                "SELECT COALESCE(MAX(idx) + 1, 0) FROM step WHERE run_id = ?", (run,)
+    def take(self, run: int) -> None:
+        """Make a run this process's own.
+
+        Raises
+        ------
+        UsageError
+            If another process that lives owns it.
+        """
+        with self.database:
+            self.database.execute("BEGIN IMMEDIATE")
+            owner, until = self.database.execute(
+                "SELECT owner, lease_until FROM run WHERE id = ?", (run,)
             ).fetchone()
-            key = derivation_key(state, action, args)
-            self._db.execute(
-                "INSERT INTO step(run_id, idx, attempt, action, args, key, status, state_before) "
-                "VALUES(?, ?, 1, ?, ?, ?, 'started', ?)",
-                (run, index, action, json.dumps(dict(args), sort_keys=True), key, state),
+            if owner != _owner() and until > time.time() and _lives(owner):
+                raise UsageError(
+                    f"Process {owner.split()[1]} on {owner.split()[0]} is working on this city; "
+                    "wait until it ends."
+                )
+            self._renew(run)
+
+    def _renew(self, run: int) -> None:
+        self.database.execute(
+            "UPDATE run SET owner = ?, lease_until = ? WHERE id = ?",
+            (_owner(), time.time() + LEASE_S, run),
+        )
+
+    def end_run(self, run: int, status: str, content: str) -> None:
+        """Record how a run ended and the content hash of its city; its lease ends too."""
+        with self.database:
+            self.database.execute(
+                "UPDATE run SET status = ?, content = ?, owner = '', lease_until = 0 WHERE id = ?",
+                (status, content, run),
             )
+            self.database.execute("DELETE FROM snapshot WHERE run_id = ?", (run,))
+
+    def run(self, number: int) -> RunRecord:
+        """Return what is known of a run."""
+        row = self.database.execute(
+            "SELECT id, inputs, config, seed, brief, registry, status, content FROM run "
+            "WHERE id = ?",
+            (number,),
+        ).fetchone()
+        inputs, config, brief = json.loads(row[1]), json.loads(row[2]), json.loads(row[4])
+        return RunRecord(row[0], inputs, config, row[3], brief, row[5], row[6], row[7] or "")
+
+    def runs(self) -> tuple[RunRecord, ...]:
+        """Return all runs in order."""
+        rows = self.database.execute("SELECT id FROM run ORDER BY id").fetchall()
+        return tuple(self.run(number) for (number,) in rows)
+
+    def start_step(
+        self,
+        run: int,
+        action: str,
+        args: Mapping[str, Any],
+        state: str,
+        *,
+        bind: Mapping[str, str] | None = None,
+    ) -> int:
+        """Record that a step starts and return its index within the run.
+
+        A step that a killed process left behind is started again, as another attempt.
+        """
+        key = derivation_key(state, action, args)
+        with self.database:
+            found = self.database.execute(
+                "SELECT idx, attempt FROM step WHERE run_id = ? AND key = ? AND status = 'started' "
+                "ORDER BY idx DESC, attempt DESC LIMIT 1",
+                (run, key),
+            ).fetchone()
+            if found is None:
+                (index,) = self.database.execute(
+                    "SELECT COALESCE(MAX(idx) + 1, 0) FROM step WHERE run_id = ?", (run,)
+                ).fetchone()
+                attempt = 1
+            else:
+                index, attempt = found[0], found[1] + 1
+                self.database.execute(
+                    "UPDATE step SET status = 'rolled_back', error = 'the process ended' "
+                    "WHERE run_id = ? AND idx = ? AND attempt = ?",
+                    (run, index, found[1]),
+                )
+            self.database.execute(
+                "INSERT INTO step(run_id, idx, attempt, action, args, bind, key, status, "
+                "state_before) VALUES(?, ?, ?, ?, ?, ?, ?, 'started', ?)",
+                (run, index, attempt, action, _text(args), _text(bind or {}), key, state),
+            )
+            self._renew(run)
         return int(index)
 
     def end_step(
-        self, run: int, index: int, status: str, *, state: str = "", error: str = "", ms: int = 0
+        self,
+        run: int,
+        index: int,
+        status: str,
+        *,
+        state: str = "",
+        error: str = "",
+        ms: int = 0,
+        snapshot: str = "",
     ) -> None:
-        """Record how a step ended."""
-        with self._db:
-            self._db.execute(
-                "UPDATE step SET status = ?, state_after = ?, error = ?, ms = ? "
-                "WHERE run_id = ? AND idx = ?",
-                (status, state, error, ms, run, index),
+        """Record how the last attempt of a step ended, and the snapshot of the state it made."""
+        with self.database:
+            self.database.execute(
+                "UPDATE step SET status = ?, state_after = ?, error = ?, ms = ? WHERE run_id = ? "
+                "AND idx = ? AND attempt = (SELECT MAX(attempt) FROM step WHERE run_id = ? AND "
+                "idx = ?)",
+                (status, state, error, ms, run, index, run, index),
             )
+            if snapshot:
+                self.database.execute("DELETE FROM snapshot WHERE run_id = ?", (run,))
+                self.database.execute(
+                    "INSERT INTO snapshot(run_id, state, folder) VALUES(?, ?, ?)",
+                    (run, state, snapshot),
+                )
+
+    def snapshot(self, run: int) -> tuple[str, str] | None:
+        """Return the state of the last snapshot of a run and the folder that holds it."""
+        found = self.database.execute(
+            "SELECT state, folder FROM snapshot WHERE run_id = ?", (run,)
+        ).fetchone()
+        return None if found is None else (str(found[0]), str(found[1]))
 
     def steps(self, run: int = 1) -> tuple[Step, ...]:
         """Return the steps of a run in order."""
-        rows = self._db.execute(
+        rows = self.database.execute(
             "SELECT idx, attempt, action, args, status, state_before, state_after, error, ms "
             "FROM step WHERE run_id = ? ORDER BY idx, attempt",
             (run,),
@@ -131,3 +287,42 @@ class Journal:
             Step(r[0], r[1], r[2], json.loads(r[3]), r[4], r[5], r[6] or "", r[7] or "", r[8] or 0)
             for r in rows
         )
+
+
+def _words(
+    inputs: Sequence[Mapping[str, Any]],
+    config: Mapping[str, Any],
+    seed: int,
+    brief: Mapping[str, Any] | None,
+) -> tuple[str, str, int, str]:
+    return json.dumps(inputs, sort_keys=True), _text(config), seed, _text(brief or {})
+
+
+def _text(value: Mapping[str, Any]) -> str:
+    return json.dumps(dict(value), sort_keys=True)
+
+
+def _owner() -> str:
+    return f"{socket.gethostname()} {os.getpid()} {_born(os.getpid())}"
+
+
+def _born(process: int) -> str:
+    """Return when a process started, as the system counts; "" where it does not tell."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[19]
+    except (OSError, IndexError):
+        return ""
+
+
+def _lives(owner: str) -> bool:
+    """Tell whether the process of an owner lives; of another machine that is not known."""
+    host, process, *born = owner.split()
+    if host != socket.gethostname():
+        return True
+    try:
+        os.kill(int(process), 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        pass
+    return not born or born == [_born(int(process))]

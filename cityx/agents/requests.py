@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from cityx.agents.planning.workflow import Item
 from cityx.errors import UsageError, nearest
 from cityx.protocol.stages import NEUTRAL, Stage, stages_after
 
@@ -13,17 +15,20 @@ if TYPE_CHECKING:
     from cityx.protocol.encapsulation import Encapsulation
     from cityx.protocol.registry import Registry
 
-Planned = tuple[str, dict[str, Any]]  # an action and its arguments
-
 
 def with_requests(
-    calls: Sequence[Planned], settings: Iterable[str], wishes: Iterable[str], actions: Registry
-) -> list[Planned]:
+    items: Sequence[Item],
+    settings: Iterable[str],
+    wishes: Iterable[str],
+    actions: Registry,
+    *,
+    done: Iterable[Item] = (),
+) -> list[Item]:
     """Put what a user asks for into a workflow.
 
     Parameters
     ----------
-    calls
+    items
         The workflow.
     settings
         "NAME=VALUE" or "ACTION.NAME=VALUE": arguments of actions of the workflow.
@@ -32,6 +37,8 @@ def with_requests(
         the workflow's, edits and renders at the end, others before what is done in their stage.
     actions
         The registry.
+    done
+        What has run already.
 
     Raises
     ------
@@ -39,22 +46,29 @@ def with_requests(
         With every fault of every request, before anything runs.
     """
     faults: list[str] = []
-    planned = [(action, dict(args)) for action, args in calls]
+    done = list(done)
+    ran = [item.call.key for item in done if item.firm]
+    planned = list(items)
     for text in settings:
-        _set(text, planned, actions, faults)
-    added = [call for text in wishes if (call := _wish(text, actions, faults)) is not None]
-    for action, args in [*planned, *added]:
-        faults += [fault for fault in actions[action].argument_faults(args) if fault not in faults]
+        _set(text, planned, [*planned, *done], actions, faults)
+    added = [item for text in wishes if (item := _wish(text, actions, faults)) is not None]
+    for item in [*planned, *added]:
+        found = actions[item.action].argument_faults(item.args)
+        faults += [fault for fault in found if fault not in faults]
     if faults:
         raise UsageError("\n".join(faults))
-    places = [_place(action, planned, actions) for action, _ in added]
+    for item in tuple(added):
+        if item.call.key in ran:
+            ran.remove(item.call.key)
+            added.remove(item)
+    places = [_place(item.action, planned, actions) for item in added]
     # From the last place to the first, and backwards within one, so that the order is kept.
     for index in sorted(range(len(added)), key=lambda index: (places[index], index), reverse=True):
         planned.insert(places[index], added[index])
     return planned
 
 
-def _place(action: str, planned: list[Planned], actions: Registry) -> int:
+def _place(action: str, planned: list[Item], actions: Registry) -> int:
     """Return the position of an added action.
 
     What the workflow makes of a layout comes after every layout action; in the other stages, what
@@ -64,35 +78,39 @@ def _place(action: str, planned: list[Planned], actions: Registry) -> int:
     if own in NEUTRAL:
         return len(planned)
     waits = stages_after(own) | ({own} if own != Stage.LAYOUT else set())
-    stages = [actions[step].stage for step, _ in planned]
+    stages = [actions[item.action].stage for item in planned]
     found = (index for index, stage in enumerate(stages) if stage in waits)
     return next(found, len(planned))
 
 
-def _set(text: str, planned: list[Planned], actions: Registry, faults: list[str]) -> None:
+def _set(
+    text: str, planned: list[Item], known: list[Item], actions: Registry, faults: list[str]
+) -> None:
+    """Set one argument; an action of `known` that has run already needs none any more."""
     name, equals, value = text.partition("=")
     action, _, parameter = name.strip().rpartition(".")
     if not equals or not parameter:
         faults.append(f'--set "{text}" is not of the form NAME=VALUE or ACTION.NAME=VALUE.')
         return
     holders = [
-        (record, args)
-        for record, args in ((actions[step], args) for step, args in planned)
-        if record.parameter(parameter) and (not action or action in _names(record))
+        item
+        for item in known
+        if actions[item.action].parameter(parameter)
+        and (not action or action in _names(actions[item.action]))
     ]
     if len(holders) == 1:
-        record, args = holders[0]
-        args |= record.read({parameter: value})
+        args = {**holders[0].args, **actions[holders[0].action].read({parameter: value})}
+        planned[:] = [replace(it, args=args) if it is holders[0] else it for it in planned]
         return
-    known = [actions[step] for step, _ in planned]
+    records = [actions[item.action] for item in known]
     if holders:
-        ways = ", ".join(f"{record.id}.{parameter}" for record, _ in holders)
+        ways = ", ".join(f"{item.action}.{parameter}" for item in holders)
         faults.append(f'--set "{text}": several actions have "{parameter}"; say which: {ways}.')
-    elif action and action not in {word for record in known for word in _names(record)}:
-        hint = nearest(action, [record.id for record in known])
+    elif action and action not in {word for record in records for word in _names(record)}:
+        hint = nearest(action, [record.id for record in records])
         faults.append(f'--set "{text}": this build has no action "{action}".{hint}')
     else:
-        asked = [record for record in known if not action or action in _names(record)]
+        asked = [record for record in records if not action or action in _names(record)]
         names = [item.name for record in asked for item in record.parameters]
         faults.append(f'--set "{text}": no action has "{parameter}".{nearest(parameter, names)}')
 
@@ -102,7 +120,7 @@ def _names(record: Encapsulation) -> tuple[str, str, str]:
     return record.id, f"{record.stage}/{record.name}", record.name
 
 
-def _wish(text: str, actions: Registry, faults: list[str]) -> Planned | None:
+def _wish(text: str, actions: Registry, faults: list[str]) -> Item | None:
     try:
         words = shlex.split(text)
         action = actions.resolve(words[0])
@@ -120,4 +138,4 @@ def _wish(text: str, actions: Registry, faults: list[str]) -> Planned | None:
             faults.append(f'--do "{text}": "{word}" is not of the form NAME=VALUE.')
             continue
         args |= record.read({name: value})
-    return action, args
+    return Item(action, args, why="asked for by name", firm=True)

@@ -10,12 +10,14 @@ Layout of the folder: ``city.json`` (everything small), ``layout/*.parquet`` (Ge
 from __future__ import annotations
 
 import json
+import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -37,7 +39,7 @@ from cityx.geometry.identity import id_text
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
-FORMAT = 3  # rises when an older program could not read the folder
+FORMAT = 4  # rises when an older program could not read the folder
 
 
 @dataclass(frozen=True)
@@ -89,30 +91,31 @@ def _objects(city: City) -> dict[str, dict[str, str]]:
     }
 
 
-def write_city(city: City, folder: Path) -> None:
-    """Write a city to a folder; an older city there is replaced when the new one is complete."""
+def write_city(city: City, folder: Path, *, like: tuple[City, Path] | None = None) -> None:
+    """Write a city to a folder; an older city there is replaced when the new one is complete.
+
+    Parameters
+    ----------
+    city
+        The city.
+    folder
+        Where to write it.
+    like
+        A city that is stored already, and where: what the two share is linked, not written again.
+    """
     temporary = folder.with_name(folder.name + ".partial")
     shutil.rmtree(temporary, ignore_errors=True)
     for name in ("layout", "meshes", "instances"):
         (temporary / name).mkdir(parents=True)
-    for name in SCHEMA:
-        _write_table(getattr(city.layout, name), temporary / "layout" / f"{name}.parquet", city)
-    _write_terrain(city.terrain, temporary / "terrain.tif", city.frame)
-    if city.survey is not None:
-        _write_terrain(city.survey.around, temporary / "surroundings.tif", city.frame)
-        _write_arrays(temporary / "survey.npz", _arrays(city.survey))
-    for name in ("network", "heights", "lanes", "ground"):
-        value = getattr(city, name)
-        if value is not None:
-            _write_arrays(temporary / f"{name}.npz", _arrays(value))
-    materials: dict[str, Any] = {}
-    for layer, batch in city.scene.meshes.items():
-        _write_arrays(temporary / "meshes" / f"{layer}.npz", _arrays(batch))
-        materials[layer] = batch.materials
-    for layer, rows in city.scene.instances.items():
-        _write_arrays(temporary / "instances" / f"{layer}.npz", _arrays(rows))
-    prototypes = city.scene.prototypes
-    shared = concatenate(prototype.mesh for prototype in prototypes)
+    held: Mapping[str, _File] = {}
+    if like is not None and like[0].frame == city.frame:
+        held = _files(like[0])
+    for name, file in _files(city).items():
+        if name in held and held[name].value is file.value and like is not None:
+            _link(like[1] / name, temporary / name)
+        else:
+            file.write(temporary / name)
+    shared = concatenate(prototype.mesh for prototype in city.scene.prototypes)
     _write_arrays(temporary / "prototypes.npz", _arrays(shared))
     record = {
         "format": FORMAT,
@@ -134,13 +137,50 @@ def write_city(city: City, folder: Path) -> None:
         ],
         "notes": city.notes,
         "goals": [asdict(goal) for goal in city.goals],
-        "materials": materials,
-        "prototypes": [[p.name, p.kind, p.mesh.materials] for p in prototypes],
+        "materials": {layer: mesh.materials for layer, mesh in city.scene.meshes.items()},
+        "prototypes": [[p.name, p.kind, p.mesh.materials] for p in city.scene.prototypes],
         "prototype_materials": shared.materials,
     }  # fmt: skip
     (temporary / "city.json").write_text(json.dumps(record, indent=1))
     (temporary / "objects.json").write_text(json.dumps(_objects(city)))
     replace_folder(temporary, folder)
+
+
+class _File(NamedTuple):
+    """A file of the store: what it holds, and how that is written."""
+
+    value: object
+    write: Callable[[Path], None]
+
+
+def _files(city: City) -> dict[str, _File]:
+    """Return the files of a city but the two texts and the prototypes, by their names."""
+    found: dict[str, _File] = {}
+    for name in SCHEMA:
+        table = getattr(city.layout, name)
+        found[f"layout/{name}.parquet"] = _File(table, partial(_write_table, table, city.frame))
+    found["terrain.tif"] = _File(city.terrain, partial(_write_terrain, city.terrain, city.frame))
+    if city.survey is not None:
+        around = city.survey.around
+        found["surroundings.tif"] = _File(around, partial(_write_terrain, around, city.frame))
+    values: dict[str, Any] = {
+        "survey": city.survey, "network": city.network, "heights": city.heights,
+        "lanes": city.lanes, "ground": city.ground,
+    }  # fmt: skip
+    values |= {f"meshes/{layer}": batch for layer, batch in city.scene.meshes.items()}
+    values |= {f"instances/{layer}": rows for layer, rows in city.scene.instances.items()}
+    for name, value in values.items():
+        if value is not None:
+            found[f"{name}.npz"] = _File(value, partial(_write_value, value))
+    return found
+
+
+def _link(source: Path, target: Path) -> None:
+    """Give a file a second name; files of the store are never written to, only replaced."""
+    try:
+        os.link(source, target)
+    except OSError:
+        shutil.copyfile(source, target)
 
 
 def replace_folder(temporary: Path, folder: Path) -> None:
@@ -237,6 +277,10 @@ def _write_arrays(path: Path, arrays: Mapping[str, Any]) -> None:
     np.savez(path, **arrays)
 
 
+def _write_value(value: Any, path: Path) -> None:
+    _write_arrays(path, _arrays(value))
+
+
 def _read_value(path: Path, kind: Any) -> Any:
     if not path.exists():
         return None
@@ -271,8 +315,8 @@ def _own_materials(mesh: MeshBatch, names: tuple[str, ...]) -> MeshBatch:
     return MeshBatch(**arrays, materials=names)
 
 
-def _write_table(table: GeoDataFrame, path: Path, city: City) -> None:
-    table.set_crs(city.frame.projection, allow_override=True).to_parquet(path, index=False)
+def _write_table(table: GeoDataFrame, frame: Frame, path: Path) -> None:
+    table.set_crs(frame.projection, allow_override=True).to_parquet(path, index=False)
 
 
 def _read_table(path: Path, name: str) -> GeoDataFrame:
@@ -294,7 +338,7 @@ def _record_of(survey: Survey) -> dict[str, Any]:
     }
 
 
-def _write_terrain(terrain: Terrain, path: Path, frame: Frame) -> None:
+def _write_terrain(terrain: Terrain, frame: Frame, path: Path) -> None:
     import rasterio
     from affine import Affine
 

@@ -61,6 +61,8 @@ def action(
     lossy: float = 0.0,
     kind: str | None = None,
     labels: Sequence[str] = (),
+    serves: Sequence[str] = (),
+    binds: Mapping[str, str] | None = None,
     needs: Sequence[str] = (),
     classname: str | None = None,
     extension: bool = False,
@@ -89,6 +91,10 @@ def action(
         follows from the stage.
     labels
         Words for retrieval.
+    serves
+        Slots of a brief that call for it when all of them are asked for.
+    binds
+        Parameter to the slot of a brief that fills it.
     needs
         Modules that must be importable, such as "bpy".
     classname
@@ -155,6 +161,8 @@ def action(
             lossy=lossy,
             needs=tuple(needs),
             labels=tuple(labels),
+            serves=tuple(serves),
+            binds=tuple((binds or {}).items()),
             extension=extension,
         )
         function.encapsulation = record  # type: ignore[attr-defined]

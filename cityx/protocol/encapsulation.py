@@ -53,6 +53,11 @@ class Encapsulation:
         Modules that must be importable, such as "bpy".
     labels
         Words for retrieval, beside those derived from the other fields.
+    serves
+        Slots of a brief ("building.count", "building.type=tower") that call for the action when all
+        of them are asked for.
+    binds
+        (parameter, slot) pairs: arguments that a brief gives.
     extension
         Whether it is a conversion beyond the paper's fourteen.
     """
@@ -73,6 +78,8 @@ class Encapsulation:
     lossy: float = 0.0
     needs: tuple[str, ...] = ()
     labels: tuple[str, ...] = ()
+    serves: tuple[str, ...] = ()
+    binds: tuple[tuple[str, str], ...] = ()
     extension: bool = False
 
     def __post_init__(self) -> None:
@@ -139,7 +146,7 @@ class Encapsulation:
         for column in fields(self):
             value = getattr(self, column.name)
             if isinstance(value, tuple):
-                value = [v.to_json() if hasattr(v, "to_json") else v for v in value]
+                value = [_plain(v) for v in value]
             out[column.name] = value
         return out
 
@@ -166,6 +173,7 @@ class Encapsulation:
         made["parameters"] = tuple(map(Parameter.from_json, record["parameters"]))
         made["takes"] = tuple(map(Port.from_json, record["takes"]))
         made["gives"] = tuple(map(Port.from_json, record["gives"]))
+        made["binds"] = tuple((parameter, slot) for parameter, slot in record["binds"])
         made["preconditions"] = tuple(map(Pre.from_json, record["preconditions"]))
         return cls(**made)
 
@@ -230,6 +238,12 @@ class Encapsulation:
         return found  # type: ignore[no-any-return]
 
 
+def _plain(value: Any) -> Any:
+    if hasattr(value, "to_json"):
+        return value.to_json()
+    return list(value) if isinstance(value, tuple) else value
+
+
 def _faults(record: Encapsulation) -> list[str]:
     found: list[str] = []
     match = ID_PATTERN.fullmatch(record.id)
@@ -266,6 +280,12 @@ def _faults(record: Encapsulation) -> list[str]:
         len(record.takes) != 1 or record.gives[:1] != (Port("result", "complex_geometry"),)
     ):
         found.append("an action for one building takes its footprint alone and returns MeshBatch.")
+    known = {p.name for p in record.parameters}
+    found += [
+        f"binds names {parameter}, which is no parameter."
+        for parameter, _ in record.binds
+        if parameter not in known
+    ]
     if record.cost < 0 or not 0 <= record.lossy <= 1:
         found.append("cost must be at least 0 and lossy between 0 and 1.")
     return found

@@ -19,6 +19,7 @@ from cityx.protocol.stages import NEUTRAL, stages_after
 
 if TYPE_CHECKING:
     from cityx.city.city import City
+    from cityx.protocol.inputs import InputFiles
     from cityx.protocol.registry import Registry
 
 CODES = (
@@ -103,6 +104,7 @@ def check(
     city: City,
     actions: Registry,
     *,
+    inputs: InputFiles | None = None,
     seen: Container[str] = (),
     budget: Budget | None = None,
 ) -> None:
@@ -116,6 +118,8 @@ def check(
         State it would run on.
     actions
         The registry.
+    inputs
+        Files the user handed in.
     seen
         `Call.key` of calls that already ran on this very state.
     budget
@@ -126,7 +130,7 @@ def check(
     GateRejection
         With every fault found.
     """
-    faults = find_faults(call, city, actions, seen=seen, budget=budget)
+    faults = find_faults(call, city, actions, inputs=inputs, seen=seen, budget=budget)
     if faults:
         raise GateRejection(faults)
 
@@ -136,6 +140,7 @@ def find_faults(
     city: City,
     actions: Registry,
     *,
+    inputs: InputFiles | None = None,
     seen: Container[str] = (),
     budget: Budget | None = None,
 ) -> tuple[Fault, ...]:
@@ -154,7 +159,7 @@ def find_faults(
         return (Fault("UNTRUSTED", message), *found)
     record = actions[action_id]
     found += [Fault("BAD_ARGS", text) for text in record.argument_faults(call.args)]
-    found += _missing_inputs(record, call, city, actions)
+    found += _missing_inputs(record, call, city, actions, inputs)
     found += [
         Fault("PRECONDITION", f"{record.id}: {test}")
         for test in record.preconditions
@@ -220,7 +225,13 @@ def open_ports(record: Encapsulation) -> tuple[Port, ...]:
     return tuple(port for port in record.takes if port.name not in scalars)
 
 
-def fill_port(port: Port, city: City, graph: ConversionGraph, role: str = "") -> Path | str:
+def fill_port(
+    port: Port,
+    city: City,
+    graph: ConversionGraph,
+    role: str = "",
+    inputs: InputFiles | None = None,
+) -> Path | str:
     """Return how a port is filled from the city, or the sentence why it cannot be.
 
     Parameters
@@ -233,8 +244,10 @@ def fill_port(port: Port, city: City, graph: ConversionGraph, role: str = "") ->
         Conversions.
     role
         The role bound by the call, "" for the cheapest.
+    inputs
+        Files the user handed in.
     """
-    held_nodes = held(city)
+    held_nodes = held(city, inputs)
     nodes = [node for node in held_nodes if not role or node[1] == role]
     if not nodes:
         known = ", ".join(sorted({node[1] for node in held_nodes}))
@@ -249,7 +262,7 @@ def fill_port(port: Port, city: City, graph: ConversionGraph, role: str = "") ->
 
 
 def _missing_inputs(
-    record: Encapsulation, call: Call, city: City, actions: Registry
+    record: Encapsulation, call: Call, city: City, actions: Registry, inputs: InputFiles | None
 ) -> list[Fault]:
     if record.scope == "city":
         return [
@@ -268,7 +281,7 @@ def _missing_inputs(
     graph = ConversionGraph.of(actions) if ports else None
     for port in ports:
         assert graph is not None
-        answer = fill_port(port, city, graph, call.bind.get(port.name, ""))
+        answer = fill_port(port, city, graph, call.bind.get(port.name, ""), inputs)
         if isinstance(answer, str):
             found.append(Fault("MISSING_INPUT", f"{record.id}: {answer}"))
     return found

@@ -11,10 +11,22 @@ import shapely
 
 from cityx.city.layout import CURVE
 from cityx.protocol.formats import Format
-from cityx.protocol.values import Lines, Points, Surfaces, make_lines, make_points, make_surfaces
+from cityx.protocol.values import (
+    Image,
+    LinearColor,
+    Lines,
+    Points,
+    Surfaces,
+    make_lines,
+    make_points,
+    make_surfaces,
+)
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from cityx.city.city import City
+    from cityx.protocol.inputs import InputFiles
 
 Node = tuple[Format, str]  # a format and the role of what carries it
 
@@ -91,6 +103,35 @@ _NEEDS: Mapping[Node, Callable[[City], bool]] = MappingProxyType(
 )
 
 
+# What every city with a layout yields, as (format, role).
+OF_LAYOUT: tuple[tuple[str, str], ...] = tuple(
+    (node[0].value, node[1]) for node in _HOLDINGS if node not in _NEEDS
+)
+
+
+def _semantic_image(path: Path) -> Image:
+    from cityx.sources.semantic_map import read_class_map
+
+    found, _, _ = read_class_map(path)
+    count = len(found.classes)
+    colors = [LinearColor(index / count, 1.0 - index / count, 0.5) for index in range(count)]
+    words = [item.word for item in found.classes]
+    west, south, _, _ = found.grid.extent
+    classes = tuple(zip(colors, words, strict=True))
+    return Image(np.array(colors)[found.labels], found.grid.pixel, (west, south), classes)
+
+
+# What input files of a kind yield, and how they are read.
+_FILES: Mapping[Node, tuple[str, Callable[[Path], Any]]] = MappingProxyType(
+    {(Format.IMAGE, "semantic_map"): ("semantic", _semantic_image)}
+)
+
+# Kind of an input file to what it yields, as (format, role).
+READABLE: Mapping[str, tuple[tuple[str, str], ...]] = MappingProxyType(
+    {kind: ((node[0].value, node[1]),) for node, (kind, _) in _FILES.items()}
+)
+
+
 def lacks(city: City, node: Node) -> bool:
     """Return whether a role is known to be made by an action that has not run yet."""
     fmt, role = node
@@ -100,15 +141,17 @@ def lacks(city: City, node: Node) -> bool:
     return need is not None and not need(city)
 
 
-def held(city: City) -> tuple[Node, ...]:
-    """Return what the city can yield, in a fixed order."""
+def held(city: City, inputs: InputFiles | None = None) -> tuple[Node, ...]:
+    """Return what the city and the files a user handed in can yield, in a fixed order."""
     tables = [node for node in _HOLDINGS if not lacks(city, node)]
     meshes = [(Format.COMPLEX_GEOMETRY, layer) for layer in city.scene.meshes]
-    return (*tables, *meshes)
+    kinds = inputs.kinds if inputs is not None else ()
+    files = [node for node, (kind, _) in _FILES.items() if kind in kinds]
+    return (*tables, *meshes, *files)
 
 
-def take(city: City, node: Node) -> Any:
-    """Return the value of something the city holds.
+def take(city: City, node: Node, inputs: InputFiles | None = None) -> Any:
+    """Return the value of something the city or the input files hold.
 
     Raises
     ------
@@ -117,4 +160,8 @@ def take(city: City, node: Node) -> Any:
     """
     if node[0] is Format.COMPLEX_GEOMETRY and node[1] in city.scene.meshes:
         return city.scene.meshes[node[1]]
+    if node in _FILES:
+        kind, read = _FILES[node]
+        (path, *_) = inputs.of_kind(kind) if inputs is not None else ()
+        return read(path)
     return _HOLDINGS[node](city)

@@ -20,9 +20,17 @@ class InputFiles:
     ----------
     paths
         The files.
+    kinds
+        What each of them is, as `cityx.sources.inputs` tells it; () where nobody asked.
     """
 
     paths: tuple[Path, ...] = ()
+    kinds: tuple[str, ...] = ()
+
+    def of_kind(self, *kinds: str) -> tuple[Path, ...]:
+        """Return the files of some kinds, in the order they were given."""
+        pairs = zip(self.paths, self.kinds, strict=False)
+        return tuple(path for path, kind in pairs if kind in kinds)
 
     def path(self, index: int, suffixes: tuple[str, ...] = ()) -> Path:
         """Return one file.

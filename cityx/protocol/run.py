@@ -92,7 +92,7 @@ def run_action(
     EngineError, MissingDependency
         If an engine it needs does not work.
     """
-    check(call, city, actions, seen=seen, budget=budget)
+    check(call, city, actions, inputs=inputs, seen=seen, budget=budget)
     record = actions[call.action]
     function = actions.function(record.id)
     args = record.arguments(call.args)
@@ -102,9 +102,9 @@ def run_action(
         if record.scope == "thing":
             made = map_over_buildings(city, record, function, args)
             return Outcome(_finished(city, made, record), None, {})
-        paths = {} if record.scope == "city" else _paths(record, call, city, actions)
+        paths = {} if record.scope == "city" else _paths(record, call, city, actions, inputs)
         for name, path in paths.items():
-            given[name] = apply_path(path, take(city, path.source), actions, city=city)
+            given[name] = apply_path(path, take(city, path.source, inputs), actions, city=city)
         result = function(**given, **args)
     except (EngineError, MissingDependency):
         raise
@@ -126,14 +126,20 @@ def _finished(before: City, after: City, record: Encapsulation) -> City:
     return replace(after, stages_done=after.stages_done | {record.stage.value})
 
 
-def _paths(record: Encapsulation, call: Call, city: City, actions: Registry) -> dict[str, Path]:
+def _paths(
+    record: Encapsulation,
+    call: Call,
+    city: City,
+    actions: Registry,
+    inputs: InputFiles | None,
+) -> dict[str, Path]:
     ports = [port for port in open_ports(record) if not port.optional or port.name in call.bind]
     if not ports:
         return {}
     graph = ConversionGraph.of(actions)
     found: dict[str, Path] = {}
     for port in ports:
-        answer = fill_port(port, city, graph, call.bind.get(port.name, ""))
+        answer = fill_port(port, city, graph, call.bind.get(port.name, ""), inputs)
         if isinstance(answer, Path):
             found[port.name] = answer
     return found

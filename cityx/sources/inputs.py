@@ -38,14 +38,16 @@ class Input:
     ----------
     kind
         One of `WORDS`.
+    size, sha256
+        Of its content; 0 and "" where nobody asked.
     why
         What showed the kind where the name does not, "" otherwise.
     """
 
     path: Path
     kind: str
-    size: int
-    sha256: str
+    size: int = 0
+    sha256: str = ""
     why: str = ""
 
     def record(self) -> dict[str, Any]:

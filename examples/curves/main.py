@@ -10,7 +10,8 @@ import math
 import tempfile
 from pathlib import Path
 
-from cityx.agents.build import BuildOptions, build
+from cityx.agents.build import build
+from cityx.agents.options import BuildOptions
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city.camera import Camera
 

@@ -16,7 +16,8 @@ from pathlib import Path
 
 from town import river_town
 
-from cityx.agents.build import BuildOptions, build
+from cityx.agents.build import build
+from cityx.agents.options import BuildOptions
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city.camera import Camera
 

@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from cityx.agents.build import BuildOptions, build
+from cityx.agents.build import build
+from cityx.agents.options import BuildOptions
 from cityx.agents.views import cameras_of
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city.store import read_view

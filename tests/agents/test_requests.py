@@ -1,5 +1,6 @@
 import pytest
 
+from cityx.agents.planning.workflow import Item
 from cityx.agents.requests import with_requests
 from cityx.errors import UsageError
 from cityx.protocol import registry
@@ -13,8 +14,10 @@ CALLS = [
 ]
 
 
-def planned(*settings, wishes=()):
-    return with_requests(CALLS, settings, wishes, ACTIONS)
+def planned(*settings, wishes=(), calls=CALLS):
+    items = [Item(action, args) for action, args in calls]
+    found = with_requests(items, settings, wishes, ACTIONS)
+    return [(item.action, dict(item.args)) for item in found]
 
 
 def test_arguments_are_set_by_their_name():
@@ -63,7 +66,7 @@ def test_every_fault_of_every_request_is_told_at_once():
 def test_a_name_that_several_actions_have_must_be_qualified():
     calls = [("layout/crop-v1", {}), ("layout/crop-v1", {})]
     with pytest.raises(UsageError, match="several actions have"):
-        with_requests(calls, ["width=3"], (), ACTIONS)
+        planned("width=3", calls=calls)
 
 
 @pytest.mark.parametrize(

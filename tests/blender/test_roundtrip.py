@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cityx.agents.build import BuildOptions, build
+from cityx.agents.build import build
+from cityx.agents.options import BuildOptions
 from cityx.blender.scene import title
 from cityx.city.mesh import NO_VERTEX
 from cityx.city.store import read_city

@@ -11,7 +11,8 @@ import pytest
 from glb_scenes import box, read_glb, small_city, view
 from town import small_town
 
-from cityx.agents.build import BuildOptions, build
+from cityx.agents.build import build
+from cityx.agents.options import BuildOptions
 from cityx.city import Environment, Scene, concatenate
 from cityx.city.store import read_city
 from cityx.outputs import glb as glb_module

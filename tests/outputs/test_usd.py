@@ -12,7 +12,8 @@ from glb_scenes import box, rows, small_city, view
 from scipy.spatial.transform import Rotation
 from town import small_town
 
-from cityx.agents.build import BuildOptions, build
+from cityx.agents.build import build
+from cityx.agents.options import BuildOptions
 from cityx.assets.materials import MATERIALS
 from cityx.assets.textures import texture
 from cityx.city import Environment, Prototype, Scene, concatenate

@@ -125,6 +125,7 @@ def sun_of(environment: Environment, latitude: float, longitude: float, *, time:
     limits=["Times are local mean solar time; legal time zones are not known."],
     requires=("layout",),
     gives=(Port("environment", "scene_layout", role="light"),),
+    binds={"time": "time", "date": "date"},
     labels=("time of day", "light", "daylight", "date", "season"),
 )
 def sun(

@@ -112,6 +112,7 @@ def lit_anew(
     limits=["Trees lose their leaves for snow only if they are planted after it."],
     requires=("layout",),
     gives=(Port("environment", "scene_layout", role="weather"),),
+    binds={"preset": "weather"},
     labels=("sky", "rain", "fog", "snow", "clouds", "storm", "night"),
 )
 def weather(

@@ -19,7 +19,7 @@ from cityx.plugins.building.catalogue import generators
 from cityx.plugins.building.fronts import STREETS
 from cityx.plugins.building.selection import admitted, generators_of, widths_of
 from cityx.plugins.building.volumes import GROUNDED
-from cityx.protocol import action
+from cityx.protocol import Port, action
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -44,6 +44,7 @@ TOWER_LEVELS = 4  # storeys by which another part of the building rises above it
         "A footprint on the map is covered to its edges at the ground, whatever stands above.",
     ],
     requires=("layout",),
+    gives=(Port("design", "scene_layout", "building_design"),),
     labels=("building", "style", "massing", "generator", "architecture"),
 )
 def design(city: City) -> City:

@@ -42,7 +42,7 @@ from cityx.plugins.building.rooftop import furnish_roofs
 from cityx.plugins.building.selection import designs_of_parts
 from cityx.plugins.building.strips import strips
 from cityx.plugins.building.volumes import Volumes, volumes_of, walls_of_volumes
-from cityx.protocol import action
+from cityx.protocol import Port, action
 
 LAYERS = {
     "windows": "window",
@@ -116,6 +116,8 @@ def facade_of(city: City) -> Facade:
         "Signs carry no text.",
     ],
     requires=("layout",),
+    takes=(Port("design", "scene_layout", "building_design"),),
+    gives=(Port("facades", "complex_geometry", "facades"),),
     labels=("facade", "windows", "doors", "shops", "balconies", "ornament"),
 )
 def facade(city: City) -> City:

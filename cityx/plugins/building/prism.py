@@ -10,7 +10,7 @@ from cityx.city.city import City, Failure
 from cityx.geometry.extrude import prisms
 from cityx.plugins.building.assembly import assemble, finishes_of
 from cityx.plugins.building.volumes import volumes_of
-from cityx.protocol import action
+from cityx.protocol import Port, action
 
 ACTION = "building/prism-v1"
 
@@ -19,6 +19,7 @@ ACTION = "building/prism-v1"
     ACTION,
     limits=["Roofs are level, walls are blank and a canopy is a solid block."],
     requires=("layout",),
+    gives=(Port("blocks", "complex_geometry", "building_blocks"),),
     labels=("building", "block", "extrusion", "low detail"),
 )
 def prism(city: City) -> City:

@@ -20,7 +20,7 @@ from cityx.plugins.building.assembly import assemble, finishes_of
 from cityx.plugins.building.catalogue import generators
 from cityx.plugins.building.selection import designs_of_parts
 from cityx.plugins.building.volumes import Volumes, volumes_of
-from cityx.protocol import Range, action
+from cityx.protocol import Port, Range, action
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -44,6 +44,9 @@ PARAPET_SHARE = 0.25  # of the height of a part, so that sheds get a low one
         "Eaves are left out beside neighbours.",
     ],
     requires=("layout",),
+    takes=(Port("design", "scene_layout", "building_design"),),
+    gives=(Port("shells", "complex_geometry", "building_shells"),),
+    binds={"workers": "workers"},
     labels=("building", "roof", "walls", "house"),
 )
 def shell(

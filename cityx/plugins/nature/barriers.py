@@ -232,7 +232,7 @@ def posts(
     limits=["Fences are rails and posts; gates are left open."],
     requires=("layout",),
     takes=(Port("lines", "line", role="barrier"),),
-    gives=(Port("barriers", "complex_geometry"),),
+    gives=(Port("barriers", "complex_geometry", "barriers"),),
     labels=("walls", "fences", "hedges"),
 )
 def barriers(city: City) -> City:

@@ -74,7 +74,7 @@ def _strips(city: City, lines: Polylines, half: FloatArray, chosen: NDArray[np.i
     limits=["Paths are straight; a house that hides the street from its door has none."],
     requires=("layout",),
     takes=(Port("ground", "surface", role="ground", optional=True),),
-    gives=(Port("paths", "complex_geometry"),),
+    gives=(Port("paths", "complex_geometry", "garden_paths"),),
     labels=("garden paths", "driveways", "front gardens"),
 )
 def gardens(city: City) -> City:

@@ -341,7 +341,7 @@ def _quayside(
     ],
     requires=("layout",),
     takes=(Port("ground", "surface", role="ground", optional=True),),
-    gives=(Port("shores", "complex_geometry"),),
+    gives=(Port("shores", "complex_geometry", "shores"),),
     labels=("quay", "shore", "river bank", "boats", "reeds", "waterfront"),
 )
 def shores(city: City) -> City:

@@ -347,7 +347,7 @@ def _signs(city: City, site: _Site) -> Pieces:
     ],
     requires=("layout",),
     takes=(Port("ground", "surface", role="ground", optional=True),),
-    gives=(Port("furniture", "point", role="street_furniture"),),
+    gives=(Port("pieces", "point", role="street_pieces"),),
     labels=("benches", "bins", "planters", "bicycle racks", "cafe tables", "kiosks", "signs"),
 )
 def street_pieces(

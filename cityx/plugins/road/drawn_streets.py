@@ -46,7 +46,7 @@ OWN = "curve"  # parameter that names a curve, which the drawing is itself
     "road/drawn_streets-v1",
     limits=["Curves of which the drawing says no kind stay curves."],
     takes=(Port("curves", "line", role="curve", optional=True),),
-    gives=(Port("layout", "scene_layout", "layout"),),
+    gives=(Port("streets", "scene_layout", "street_layout"),),
     labels=("sketch", "drawing", "curves", "geojson"),
 )
 def drawn_streets(city: City) -> City:

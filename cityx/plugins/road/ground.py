@@ -69,7 +69,7 @@ COARSE = 2.0  # metres by which land cover is simplified at detail level 0
     ],
     requires=("layout", has_network()),
     takes=(Port("network", "line", role="road_network"),),
-    gives=(Port("ground", "surface", role="ground"),),
+    gives=(Port("ground", "surface", role="ground"), Port("mesh", "complex_geometry", "ground")),
 )
 def ground(city: City) -> City:
     """Lay roads, junctions, kerbs, sidewalks, markings, water and greens over the terrain.

@@ -45,7 +45,7 @@ _POST = np.array([[1.0, -DEEP], [1.0, 1.0], [-1.0, 1.0], [-1.0, -DEEP]])[::-1]
     limits=["Beams end without a terminal.", "Runs at level of detail 2 and above."],
     requires=("layout", has_network()),
     takes=(Port("network", "line", role="road_network"),),
-    gives=(Port("guard_rails", "complex_geometry"),),
+    gives=(Port("guard_rails", "complex_geometry", "guard_rails"),),
     labels=("guard rail", "crash barrier"),
 )
 def guard_rails(city: City) -> City:

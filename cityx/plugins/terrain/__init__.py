@@ -1,1 +1,1 @@
-"""Actions that shape the terrain."""
+"""Actions of the stage terrain."""

@@ -28,7 +28,7 @@ from cityx.sources.semantic_map.matching import labelled, match
 from cityx.sources.semantic_map.picture import Picture, read_picture
 from cityx.sources.semantic_map.scale import estimated_pixel
 
-__all__ = ["read_semantic_map"]
+__all__ = ["read_class_map", "read_semantic_map"]
 
 DOUBT = 0.9  # share of pixels that a legend given by the caller explains without a doubt
 
@@ -74,18 +74,51 @@ def read_semantic_map(
     """
     path = Path(path)
     check_asked(fidelity, pixel)
-    picture = read_picture(path)
-    chosen, notes = _legend(path, picture, legend, confirm=confirm)
-    found, frame, more = _placed(picture, chosen, pixel, at)
+    found, frame, notes = read_class_map(path, legend=legend, pixel=pixel, at=at, confirm=confirm)
     return city_of(
         found,
         frame,
         source="semantic",
         name=name or place_name(path.name),
         seed=seed,
-        notes=(*notes, *more, *_rows_note(found, fidelity)),
+        notes=(*notes, *_rows_note(found, fidelity)),
         draw=partial(features_of, fidelity=fidelity),
     )
+
+
+def read_class_map(
+    path: Path,
+    *,
+    legend: str | Path | None = None,
+    pixel: float | None = None,
+    at: tuple[float, float] | None = None,
+    confirm: bool = False,
+) -> tuple[ClassMap, Frame, tuple[str, ...]]:
+    """Read what lies at each pixel of a semantic map.
+
+    Parameters
+    ----------
+    path, legend, pixel, at, confirm
+        As of `read_semantic_map`.
+
+    Returns
+    -------
+    found
+        The classes of its pixels.
+    frame
+        Where on Earth they lie.
+    notes
+        What a reader of the report should know.
+
+    Raises
+    ------
+    InputError, UsageError
+        As of `read_semantic_map`.
+    """
+    picture = read_picture(path)
+    chosen, notes = _legend(path, picture, legend, confirm=confirm)
+    found, frame, more = _placed(picture, chosen, pixel, at)
+    return found, frame, (*notes, *more)
 
 
 def _rows_note(found: ClassMap, fidelity: str) -> tuple[str, ...]:

@@ -2,10 +2,10 @@ import json
 
 import pytest
 
-from cityx.agents.intake import HowToRead, read_sources, sort_inputs
 from cityx.city.frame import NOWHERE
 from cityx.city.layout import CURVE
 from cityx.errors import InputError, UsageError
+from cityx.sources.intake import HowToRead, read_sources, sort_inputs
 
 STREET = {"kind": "residential", "name": "New Street"}
 

@@ -75,6 +75,14 @@ class Inputs:
     sources: tuple[Input, ...]
     heights: tuple[Input, ...]
 
+    @classmethod
+    def of(cls, items: Iterable[Input]) -> Inputs:
+        """Put files in the order of their precedence."""
+        held = list(items)
+        heights = tuple(item for item in held if item.kind == "height")
+        sources = tuple(item for kind in PRECEDENCE for item in held if item.kind == kind)
+        return cls(sources, heights)
+
     @property
     def records(self) -> list[dict[str, object]]:
         """What the report says about the files."""
@@ -95,16 +103,14 @@ def sort_inputs(paths: list[Path], kinds: Iterable[str] = ()) -> Inputs:
         If a file is of no use or the files do not make a city together.
     """
     said = _said_kinds(paths, kinds)
-    items = [classify(path, said.get(path.name, "")) for path in paths]
-    heights = tuple(item for item in items if item.kind == "height")
-    sources = [item for kind in PRECEDENCE for item in items if item.kind == kind]
-    maps = sum(item.kind == "osm" for item in sources)
+    found = Inputs.of(classify(path, said.get(path.name, "")) for path in paths)
+    maps = sum(item.kind == "osm" for item in found.sources)
     if maps > 1:
         raise UsageError(
             f"Give at most one map, and any drawings, images and heights ({KINDS}); given: "
             f"{maps} maps."
         )
-    return Inputs(tuple(sources), heights)
+    return found
 
 
 def _said_kinds(paths: list[Path], kinds: Iterable[str]) -> dict[str, str]:

@@ -1,0 +1,269 @@
+"""The desk: a built city opened for changes, each of which happens whole or not at all.
+
+A change is written beside the store and takes its place by a rename, together with the journal that
+tells of it; the store as it was goes to the folder ``history`` under the number of its revision.
+What a change leaves alone is linked there, so that it costs neither time nor room.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from cityx.agents.journal import DONE, STARTED, Journal, derivation_key
+from cityx.agents.pool import Message, Pool
+from cityx.agents.run import Run
+from cityx.city import City
+from cityx.city.content import content_hash
+from cityx.city.store import read_city, replace_folder, write_city
+from cityx.errors import CityxError, UsageError
+from cityx.protocol.gate import Budget, Call
+from cityx.protocol.inputs import InputFiles
+from cityx.protocol.registry import Registry, registry
+
+STORE, NEXT, OLD, HISTORY = "city", "city.next", "city.old", "history"
+JOURNAL = "journal.sqlite"
+
+
+class Conflict(UsageError):
+    """Somebody else changed the city since the caller looked at it."""
+
+
+@dataclass(frozen=True)
+class Revision:
+    """A state that a city had.
+
+    Attributes
+    ----------
+    number
+        Of the run that led to it, from 1.
+    text
+        What was asked for.
+    actions
+        What ran.
+    content
+        Hash of the city.
+    """
+
+    number: int
+    text: str
+    actions: tuple[str, ...]
+    content: str
+
+
+class Desk:
+    """A built city opened for changes; a context manager.
+
+    Parameters
+    ----------
+    folder
+        Folder of a built city.
+    actions
+        The registry; that of all actions when left out.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no city.
+    """
+
+    def __init__(self, folder: Path, actions: Registry | None = None) -> None:
+        self.folder = folder
+        self.actions = registry() if actions is None else actions
+        recover(folder)
+        self.city = read_city(self._store)
+        self.journal = Journal(self._store / JOURNAL)
+        self._close_dead_runs()
+
+    @property
+    def _store(self) -> Path:
+        return self.folder / STORE
+
+    def __enter__(self) -> Desk:
+        """Return the desk itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the journal."""
+        self.journal.close()
+
+    @property
+    def revision(self) -> int:
+        """Number of the revision that the city on disk has."""
+        done = [record.number for record in self.journal.runs() if record.status == DONE]
+        return max(done, default=0)
+
+    def revisions(self) -> tuple[Revision, ...]:
+        """Return every revision that can be gone back to, in order."""
+        return tuple(
+            Revision(
+                record.number,
+                str(record.brief.get("text", "")),
+                tuple(s.action for s in self.journal.steps(record.number) if s.status == "done"),
+                record.content,
+            )
+            for record in self.journal.runs()
+            if record.status == DONE
+        )
+
+    def change(
+        self,
+        calls: Sequence[Call],
+        *,
+        text: str = "",
+        expected: int | None = None,
+        inputs: InputFiles | None = None,
+        budget: Budget | None = None,
+    ) -> Revision:
+        """Run actions on the city and keep the result as a new revision; all of them or none.
+
+        Parameters
+        ----------
+        calls
+            Actions in order.
+        text
+            What was asked for, in words.
+        expected
+            Revision that the caller looked at, None for any.
+        inputs
+            Files the user handed in.
+        budget
+            What may be spent.
+
+        Raises
+        ------
+        Conflict
+            If the city has another revision by now.
+        ActionRejected, ActionFailed
+            If a call may not run or fails; the city stays as it was.
+        """
+        number = self._begin(text, expected, {"calls": [call.key for call in calls]})
+        pool = Pool(self.journal.database, number)
+        pool.say(Message("user", "brief", {"text": text}))
+        content = self.journal.run(self.revision).content if self.revision else ""
+        state = derivation_key("", "revision", {"content": content})
+        run = Run(
+            self.journal, number, state, self.actions, inputs=inputs or InputFiles(), budget=budget
+        )
+        city = self.city
+        try:
+            for call in calls:
+                city = run.do(city, call)
+        except CityxError as error:
+            pool.say(Message("backend", "reject", {"error": str(error)}))
+            self.journal.end_run(number, "rolled_back", "")
+            raise
+        return self._commit(number, city, self._store)
+
+    def undo(self, to: int | None = None, *, expected: int | None = None) -> Revision:
+        """Go back to an earlier revision, or forward to one that was undone.
+
+        Parameters
+        ----------
+        to
+            The revision; the one before the last change when left out.
+        expected
+            As of `change`.
+
+        Raises
+        ------
+        UsageError
+            If there is no such revision.
+        Conflict
+            As of `change`.
+        """
+        known = {record.number: record for record in self.journal.runs() if record.status == DONE}
+        wanted = self._before(known) if to is None else to
+        if wanted not in known:
+            last = max(known)
+            raise UsageError(
+                "There is nothing to undo." if to is None else
+                f"There is no revision {to}; they are {', '.join(map(str, sorted(known)))} "
+                f"({last} is the last)."
+            )  # fmt: skip
+        number = self._begin(f"back to revision {wanted}", expected, {"same_as": wanted})
+        source = self._store if wanted == max(known) else self.folder / HISTORY / str(wanted)
+        return self._commit(number, read_city(source), source)
+
+    def _before(self, known: Mapping[int, Any]) -> int:
+        """Return the revision before the last change, looking through what was undone."""
+        now = max(known)
+        while "same_as" in known[now].config:
+            now = int(known[now].config["same_as"])
+        earlier = [number for number in known if number < now]
+        return max(earlier, default=-1)
+
+    def _begin(self, text: str, expected: int | None, config: Mapping[str, Any]) -> int:
+        now = self.revision
+        if expected is not None and expected != now:
+            raise Conflict(f"The city has revision {now} by now, not {expected}; look at it again.")
+        for record in self.journal.runs():
+            if record.status == STARTED:
+                self.journal.take(record.number)
+        return self.journal.start_run([], config, self.city.seed, brief={"text": text})
+
+    def _commit(self, number: int, city: City, like: Path) -> Revision:
+        """Put a city in the place of the one on disk, with the journal that tells of it."""
+        before = max(r.number for r in self.journal.runs() if r.status == DONE)
+        following = self.folder / NEXT
+        shared = self.city if like == self._store else city
+        write_city(city, following, like=(shared, like))
+        self.journal.copy_to(following / JOURNAL)
+        with Journal(following / JOURNAL) as told:
+            told.end_run(number, DONE, content_hash(city).total)
+        self.journal.close()
+        try:
+            self._store.rename(self.folder / OLD)
+            following.rename(self._store)
+            _put_away(self.folder, before)
+        except OSError as error:
+            recover(self.folder)
+            self.journal = Journal(self._store / JOURNAL)
+            raise UsageError(f"{self.folder} cannot be changed: {error.strerror}.") from error
+        self.journal = Journal(self._store / JOURNAL)
+        self.city = city
+        return self.revisions()[-1]
+
+    def _close_dead_runs(self) -> None:
+        """End the runs of processes that were killed; their changes never came about."""
+        for record in self.journal.runs():
+            if record.status == STARTED:
+                try:
+                    self.journal.take(record.number)
+                except UsageError:
+                    continue
+                self.journal.end_run(record.number, "killed", "")
+
+
+def recover(folder: Path) -> None:
+    """Finish a change whose process was killed while its result took the place of the city."""
+    store, following, old = folder / STORE, folder / NEXT, folder / OLD
+    if not store.exists() and (following / JOURNAL).exists():
+        following.rename(store)
+    elif not store.exists() and old.exists():
+        old.rename(store)
+    if old.exists():
+        with Journal(store / JOURNAL) as journal:
+            done = [record.number for record in journal.runs() if record.status == DONE]
+        _put_away(folder, sorted(done)[-2])
+    if store.exists():
+        for left in (following, folder / f"{NEXT}.partial"):
+            shutil.rmtree(left, ignore_errors=True)
+
+
+def _put_away(folder: Path, number: int) -> None:
+    """Move the store as it was before a change to the history."""
+    old, target = folder / OLD, folder / HISTORY / str(number)
+    for path in old.glob(f"{JOURNAL}*"):
+        path.unlink()
+    target.parent.mkdir(exist_ok=True)
+    replace_folder(old, target)

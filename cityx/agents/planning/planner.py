@@ -1,0 +1,265 @@
+"""The offline planner: what a brief asks for, as a workflow over the registered actions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from cityx.agents.planning.search import (
+    FILE,
+    LAYOUT,
+    STAGE,
+    Fact,
+    Node,
+    Operator,
+    Reached,
+    Use,
+    operators_of,
+)
+from cityx.agents.planning.workflow import PARTS, Item, Part, Workflow
+from cityx.protocol.encapsulation import Encapsulation
+from cityx.protocol.holdings import OF_LAYOUT, READABLE
+from cityx.protocol.stages import NEUTRAL, ORDER, stages_before, topological_order
+
+Slots = Mapping[str, tuple[Any, ...]]  # what is asked for, by the keys of a brief
+
+# What a file of a kind holds.
+FILES: Mapping[str, Fact] = {
+    "drawn": (FILE, "drawn"),
+    "osm": (FILE, "osm"),
+    "semantic": (FILE, "semantic_map"),
+    "satellite": (FILE, "satellite"),
+    "height": (FILE, "height_field"),
+}
+TERRAIN: Fact = ("surface", "terrain")
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What a plan starts from.
+
+    Attributes
+    ----------
+    lod
+        Level of detail of the city.
+    kinds
+        Kinds of the input files, in order.
+    stages
+        Stages that have run.
+    facts
+        What has been made of the city besides its layout.
+    """
+
+    lod: int = 2
+    kinds: tuple[str, ...] = ()
+    stages: frozenset[str] = frozenset()
+    facts: frozenset[Fact] = frozenset()
+
+
+class OfflinePlanner:
+    """Plans by search over what actions take and give.
+
+    Parameters
+    ----------
+    records
+        Records of the actions that may be used.
+    """
+
+    def __init__(self, records: Iterable[Encapsulation]) -> None:
+        self.records = {record.id: record for record in records}
+        self._operators = operators_of(self.records.values())
+
+    def workflow(
+        self,
+        slots: Slots,
+        situation: Situation,
+        *,
+        avoid: frozenset[str] = frozenset(),
+        rev: int = 0,
+    ) -> Workflow:
+        """Return everything that is left to do.
+
+        Parameters
+        ----------
+        slots
+            What the brief asks for.
+        situation
+            What is there.
+        avoid
+            Actions that failed and are not to be tried again.
+        rev
+            Of the new workflow.
+        """
+        operators = [item for item in self._operators if item.action not in avoid]
+        missing: list[str] = []
+        items: list[Item] = []
+        if "layout" not in situation.stages:
+            items += self._layout(slots, situation, operators, missing)
+        wished = [
+            record for record in self.records.values()
+            if record.id not in avoid and record.serves and asked(record.serves, slots)
+        ]  # fmt: skip
+        items += [self._item(record, slots) for record in wished if record.stage == "layout"]
+        if "height" in situation.kinds and "terrain" not in situation.stages:
+            items += self._terrain(slots, operators, missing)
+        others = [record for record in wished if record.stage != "layout"]
+        items += self._parts(slots, situation, operators, others, missing)
+        return Workflow(tuple(items), tuple(missing), rev)
+
+    def _layout(
+        self,
+        slots: Slots,
+        situation: Situation,
+        operators: Sequence[Operator],
+        missing: list[str],
+    ) -> list[Item]:
+        """Choose how the files become a layout, or how one is made without any."""
+        start = [
+            Node(fact, frozenset({place}))
+            for place, kind in enumerate(situation.kinds)
+            if kind in FILES
+            for fact in (FILES[kind], *READABLE.get(kind, ()))
+        ]
+        wanted = frozenset(place for place, kind in enumerate(situation.kinds) if kind in FILES)
+        found = Reached(operators, start)
+        node = found.best(LAYOUT, origin=wanted)
+        unused = wanted - (node.origin if node else frozenset())
+        for place in sorted(unused):
+            if situation.kinds[place] != "height":
+                missing.append(f"no action makes a layout of input {place + 1}")
+        if node is None:
+            missing.append("no action makes a layout")
+            return []
+        return self._items(found, [node], slots, "a layout")
+
+    def _terrain(
+        self, slots: Slots, operators: Sequence[Operator], missing: list[str]
+    ) -> list[Item]:
+        held = [Node(LAYOUT), Node((STAGE, "layout")), Node(FILES["height"], frozenset({0}))]
+        found = Reached(operators, held)
+        node = found.best(TERRAIN, origin=frozenset({0}))
+        if node is None or not node.origin:
+            missing.append("no action lays the terrain of height files")
+            return []
+        return self._items(found, [node], slots, "the terrain")
+
+    def _parts(
+        self,
+        slots: Slots,
+        situation: Situation,
+        operators: Sequence[Operator],
+        wished: Sequence[Encapsulation],
+        missing: list[str],
+    ) -> list[Item]:
+        """Choose what makes each part of the city, and put it in order."""
+        held = {LAYOUT, *OF_LAYOUT, *situation.facts}
+        held |= {(STAGE, stage) for stage in situation.stages | {"layout", "terrain"}}
+        found = Reached(
+            [item for item in operators if LAYOUT not in item.gives], [Node(fact) for fact in held]
+        )
+        wanted: list[tuple[Part, Node]] = []
+        for part in PARTS:
+            if situation.lod not in part.lods or part.fact in situation.facts:
+                continue
+            node = found.best(part.fact)
+            if node is None:
+                missing.append(f"no action makes {part.name}")
+            else:
+                wanted.append((part, node))
+        why = {use.operator.action: part.name for part, node in reversed(wanted)
+               if (use := found.by.get(node))}  # fmt: skip
+        items = [
+            replace(item, why=why.get(item.action, item.why))
+            for item in self._items(found, [node for _, node in wanted], slots, "what others need")
+        ]
+        items += [
+            self._item(record, slots) for record in wished
+            if record.id not in {item.action for item in items}
+        ]  # fmt: skip
+        return in_order(items, self.records)
+
+    def _items(self, found: Reached, nodes: Sequence[Node], slots: Slots, why: str) -> list[Item]:
+        """Turn the ways to some facts into items; the protocol runs conversions on the way."""
+        items = []
+        ends = {found.by.get(node) for node in nodes}
+        for use in found.uses(nodes):
+            record = self.records[use.operator.action]
+            if record.scope == "value" and use not in ends:
+                continue
+            gives = tuple(" ".join(fact) for fact in use.operator.gives if fact[0] != STAGE)
+            item = self._item(record, slots)
+            items.append(replace(item, bind=_bind(use, record, found), why=why, gives=gives))
+        return items
+
+    def _item(self, record: Encapsulation, slots: Slots) -> Item:
+        asked_for = ", ".join(record.serves)
+        gives = tuple(f"{port.format.value} {port.role}" for port in record.gives)
+        why = f"asked for: {asked_for}" if asked_for else ""
+        return Item(record.id, arguments(record, slots), why=why, gives=gives)
+
+
+def asked(patterns: Iterable[str], slots: Slots) -> bool:
+    """Tell whether a brief asks for all of some slots: "key", or "key=value"."""
+    for pattern in patterns:
+        key, equals, value = pattern.partition("=")
+        held = slots.get(key, ())
+        if not held or (equals and value not in map(str, held)):
+            return False
+    return True
+
+
+def arguments(record: Encapsulation, slots: Slots) -> dict[str, Any]:
+    """Return the arguments that a brief gives an action.
+
+    A slot of several values gives the first that the parameter admits; one that it admits none of
+    is left out, and the action's own default holds.
+    """
+    args = {}
+    for name, key in record.binds:
+        parameter = record.parameter(name)
+        assert parameter is not None
+        for value in slots.get(key, ()):
+            if not parameter.fault(value):
+                args[name] = value
+                break
+    return args
+
+
+def in_order(items: Sequence[Item], records: Mapping[str, Encapsulation]) -> list[Item]:
+    """Put actions in the order of `PARTS`, of their stages and of what they need of each other."""
+    rank = {" ".join(part.fact): place for place, part in enumerate(PARTS)}
+    first = sorted(
+        enumerate(items),
+        key=lambda pair: (min(rank.get(g, len(rank)) for g in pair[1].gives), pair[0]),
+    )
+    names = [f"{place:03d}" for place in range(len(first))]
+    ordered = [item for _, item in first]
+    stage = [records[item.action].stage for item in ordered]
+    makes = {fact: name for name, item in zip(names, ordered, strict=True) for fact in item.gives}
+    after: dict[str, set[str]] = {name: set() for name in names}
+    for place, item in enumerate(ordered):
+        for port in records[item.action].takes:
+            maker = makes.get(f"{port.format.value} {port.role}")
+            if maker is not None and maker != names[place] and port.role:
+                after[maker].add(names[place])
+        for other in range(len(ordered)):
+            if stage[other] in _later(stage[place]):
+                after[names[place]].add(names[other])
+    return [ordered[int(name)] for name in topological_order(after)]
+
+
+def _later(stage: str) -> frozenset[str]:
+    if stage in NEUTRAL:
+        return frozenset()
+    return frozenset(other for other in ORDER if stage in stages_before(other))
+
+
+def _bind(use: Use, record: Encapsulation, found: Reached) -> dict[str, str]:
+    """Name the role of the file that a port is filled from, through conversions or at once."""
+    if record.scope != "value":
+        return {}
+    ports = [port for port in record.takes if not port.optional]
+    roots = [found.root(node) for node in use.given]
+    pairs = zip(ports, roots, strict=False)
+    return {port.name: root[1] for port, root in pairs if (root,) in READABLE.values()}

@@ -1,0 +1,104 @@
+import json
+import shutil
+
+import pytest
+
+from cityx.agents import desk as desks
+from cityx.agents.build import build
+from cityx.agents.desk import Conflict, Desk
+from cityx.agents.options import BuildOptions
+from cityx.city.content import content_hash
+from cityx.city.store import read_city
+from cityx.errors import ActionRejected, UsageError
+from cityx.protocol.gate import Call
+
+SNOW = Call("background/weather-v1", {"preset": "snow"})
+DUSK = Call("background/sun-v1", {"time": "dusk"})
+
+
+@pytest.fixture(scope="module")
+def town(town_map, tmp_path_factory):
+    out = tmp_path_factory.mktemp("desk") / "town"
+    build([town_map], out, BuildOptions(formats=(), render=False, lod=1))
+    return out
+
+
+@pytest.fixture
+def folder(town, tmp_path):
+    shutil.copytree(town, tmp_path / "town")
+    return tmp_path / "town"
+
+
+def on_disk(folder):
+    return content_hash(read_city(folder / "city")).total
+
+
+def test_a_change_is_a_revision_that_can_be_undone_and_done_again(folder):
+    first = on_disk(folder)
+    with Desk(folder) as desk:
+        changed = desk.change([SNOW, DUSK], text="snow at dusk", expected=1)
+        assert changed.number == 2
+        assert changed.actions == (SNOW.action, DUSK.action)
+        assert on_disk(folder) == changed.content == content_hash(desk.city).total != first
+        assert desk.undo().content == first == on_disk(folder)
+        assert desk.undo(to=2).content == changed.content == on_disk(folder)
+        assert desk.undo().content == first
+        with pytest.raises(UsageError, match="nothing to undo"):
+            desk.undo()
+        with pytest.raises(UsageError, match="There is no revision 9; they are 1, 2, 3, 4, 5"):
+            desk.undo(to=9)
+    assert sorted(path.name for path in (folder / "history").iterdir()) == ["1", "2", "3", "4"]
+
+
+def test_what_a_change_leaves_alone_is_not_written_again(folder):
+    with Desk(folder) as desk:
+        desk.change([SNOW])
+    for name in ("meshes/buildings.npz", "layout/roads.parquet"):
+        assert (folder / "city" / name).samefile(folder / "history/1" / name)
+
+
+def test_a_change_that_fails_in_its_second_action_changes_nothing(folder):
+    before = on_disk(folder)
+    with Desk(folder) as desk:
+        with pytest.raises(ActionRejected):
+            desk.change([SNOW, Call("background/sun-v1", {"hour": 12})])
+        assert desk.revision == 1
+        assert on_disk(folder) == before == content_hash(desk.city).total
+        assert desk.journal.runs()[-1].status == "rolled_back"
+
+
+def test_who_looked_at_an_older_city_is_told(folder):
+    with Desk(folder) as desk:
+        desk.change([SNOW], expected=1)
+        with pytest.raises(Conflict, match="has revision 2 by now, not 1"):
+            desk.change([DUSK], expected=1)
+
+
+class Killed(BaseException):
+    """Stands for the kill: nothing catches it."""
+
+
+@pytest.mark.parametrize("rename", range(1, 5))
+def test_a_kill_at_any_rename_leaves_the_city_before_or_after(folder, monkeypatch, rename):
+    before, count, plain = on_disk(folder), 0, desks.Path.rename
+
+    def stopping(self, target):
+        nonlocal count
+        count += 1
+        if count == rename:
+            raise Killed
+        return plain(self, target)
+
+    desk = Desk(folder)
+    with monkeypatch.context() as patch:
+        patch.setattr(desks.Path, "rename", stopping)
+        with pytest.raises(Killed):
+            desk.change([SNOW])
+    with Desk(folder) as again:
+        assert on_disk(folder) == content_hash(again.city).total
+        assert again.revision == (2 if on_disk(folder) != before else 1)
+        assert {path.name for path in folder.iterdir()} <= {
+            "city", "history", "report.html", "report.json",
+        }  # fmt: skip
+        again.change([DUSK])
+        assert json.loads((folder / "city" / "city.json").read_text())["seed"] == 0
