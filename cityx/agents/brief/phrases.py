@@ -348,8 +348,8 @@ TOGETHER: Mapping[str, str] = {
     "not=vehicle not=pedestrian": "deserted, deserted streets, empty streets, abandoned, "
     "ghost town, lifeless, uninhabited, depopulated, devoid of life, empty of life",
     "not=vehicle": "car free, carfree, traffic free, pedestrianized, pedestrianised, vehicle free, "
-    "pedestrian zone, pedestrian precinct, pedestrian only, auto free, motor free, free from cars, "
-    "pedestrian area, free of traffic",
+    "pedestrian zone, pedestrian precinct, pedestrian only, auto free, motor free, "
+    "pedestrian area",
     "not=pedestrian": "pedestrian free, people free, nobody is outside, nobody outside, "
     "not a soul, "
     "nobody about, nobody around, no one around, no one about, nobody on the streets, nobody in "

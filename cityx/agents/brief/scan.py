@@ -193,10 +193,9 @@ def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
     past = _past_the_hour(words, at)
     if past is not None:
         return past
-    part = read_part(words, at)
-    if part is not None:
+    part, found = read_part(words, at), read_number(words, at)
+    if part is not None and (found is None or word.text != "half"):  # but "half a dozen"
         return _part(words, at, *part)
-    found = read_number(words, at)
     if found is None:
         return None
     value, length = found
