@@ -198,7 +198,12 @@ def _resolved(commands: Commands, edit: Edit) -> Iterator[Edit]:
 
 def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item]) -> None:
     """Read a command that names no object: weather, time, style; or one nobody understands."""
+    stops = live[0].get("verb") == "REMOVE"
     inner = describe(text, clause)
+    if stops:  # "stop the rain"
+        inner.slots = [
+            replace(slot, value="clear") if slot.key == "weather" else slot for slot in inner.slots
+        ]
     found = commands.found
     found.kept += inner.kept
     found.negated += inner.negated

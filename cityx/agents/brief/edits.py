@@ -104,7 +104,7 @@ def _look(command: Node) -> list[Edit]:
     about = named.first("ATTR") if named is not None else None
     changes: dict[str, Pairs] = {}
     for change in command.own("change"):
-        verb, pairs = _change(change.children[0], about.get("attr") if about else "")
+        verb, pairs = _change(change.children[0], _attribute(about))
         changes.setdefault(verb, []).extend(pairs)
     if "replace" in changes:  # "into brick houses": the look is that of what is new
         changes = {"replace": [pair for pairs in changes.values() for pair in pairs]}
@@ -115,12 +115,21 @@ def _look(command: Node) -> list[Edit]:
     ]
 
 
+def _attribute(item: Item | None) -> str:
+    if item is None:
+        return ""
+    return item.get("attr") or item.noun  # "the roofs of all houses"
+
+
 def _change(word: Node, about: str) -> tuple[str, Pairs]:
     if word.name == "factor":
         named = word.first("ATTR")
         what = named.get("attr") if named is not None else about
         return f"scale_{'width' if what == 'width' else 'height'}", [("factor", _factor(word))]
     item = _item(word)
+    if about == "roof" and (item.text == "flat" or word.name in ("COLOR", "MATERIAL")):
+        key = "roof.color" if word.name == "COLOR" else "roof"
+        return "set_roof", [(key, item.get("color") or item.get("material") or "flat")]
     if word.name in _LOOKS:
         verb, key = _LOOKS[word.name]
         return verb, [(key, item.get(key) or item.get("slot").split()[0].partition("=")[2])]
@@ -259,13 +268,23 @@ def _copy(command: Node) -> list[Edit]:
 
 def _add(command: Node) -> list[Edit]:
     places = places_of(command.find("place"))
-    late = command.own("SPEED", "MODE")
+    late = command.own("SPEED", "MODE", "EVERY")
     things = command.branch("things")
     assert things is not None
     return [
         _added(replace(thing, children=(*thing.children, *late)), places)
         for thing in things.own("thing")
     ]
+
+
+def _fill(command: Node) -> list[Edit]:
+    """Read "fill the plaza with 50 people"."""
+    places = [
+        Place("", "in", name) for one in targets_of(command) for name in one.ids or (one.kind,)
+    ]
+    things = command.branch("things")
+    assert things is not None
+    return [_added(thing, places) for thing in things.own("thing")]
 
 
 def _added(thing: Node, places: Sequence[Place]) -> Edit:
@@ -277,6 +296,8 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
     count = thing.first("COUNT")
     change += [("count", _whole(_value(count)))] if count is not None else []
     change += _traits(thing)
+    every = thing.first("EVERY")
+    change += [("spacing", _whole(_value(every)))] if every is not None else []
     change += [pair for place in places for pair in place.items()]
     return Edit("add" if noun.noun_class == "element" else "add_building", None, tuple(change))
 
@@ -331,5 +352,6 @@ def _plant(command: Node) -> list[Edit]:
 _RULES: Mapping[str, Callable[[Node], list[Edit]]] = {
     "remove": _remove, "look": _look, "resize": _resize, "shift": _shift,
     "replace": _replace, "add": _add, "plant": _plant, "move": _move,
-    "rotate": _rotate, "scale": _scale, "close": _close, "lights": _lights, "copy": _copy,
+    "rotate": _rotate, "scale": _scale, "close": _close, "lights": _lights,
+    "copy": _copy, "fill": _fill,
 }  # fmt: skip

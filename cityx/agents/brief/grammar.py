@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 # Terminals are kinds of items, see `cityx.agents.brief.terminals`; the value is the item's index.
 GRAMMAR = """
 start: remove | look | resize | shift | replace | add | plant | move | rotate | scale
-     | close | lights | copy | topic
+     | close | lights | copy | fill | topic
 topic: targets
-remove: REMOVE targets | targets BE REMOVE
-look: _paint (attr OF?)? targets (link* change)+ | targets BE _paint? (link* change)+
+remove: REMOVE targets | targets BE? REMOVE
+look: _paint (attr OF?)? targets (link* change)+ | targets (BE | IN) _paint? (link* change)+
     | _paint targets attr (link* change)+
 _paint: PAINT | CLAD | MAKE
 attr: ATTR
@@ -33,7 +33,8 @@ amount: LENGTH | FLOORS | SHARE | COUNT | LANES | factor | LIMIT
 replace: REPLACE targets link new | targets BE REPLACE link new
 new: trait* (KIND | THING | AGENT | PLANT | BUILDING) (link* trait)*
 trait: MATERIAL | COLOR | STYLE | ROOF | FLOORS | LENGTH | COUNT | LIMIT | ALL
-add: (ADD | MAKE) things (place | link* SPEED | MODE)*
+fill: FILL targets WITH things
+add: (ADD | MAKE) things (place | link* SPEED | MODE | AND? COUNT? EVERY)*
 things: thing (AND thing)*
 thing: own* (AGENT | THING | KIND | BUILDING) (link* MODE | link* trait | link* SPEED | EVERY)*
 own: trait | SPEED | AMOUNT | MODE
@@ -47,7 +48,9 @@ close: (CLOSE | OPEN) targets (link AGENT)?
 lights: (TURN_ON | TURN_OFF) targets
 copy: COPY targets place*
 targets: target (AND target)*
-target: ID filter* | mod* (BUILDING | KIND | THING | AGENT | PLANT | ROAD | WHOLE) filter* | IT
+target: _named? ID (TO ID)? filter* | IT
+    | mod* (BUILDING | KIND | THING | AGENT | PLANT | ROAD | WHOLE) filter*
+_named: BUILDING | KIND | THING | PLANT | ROAD
 mod: ALL | COUNT | SHARE | RANK | ORDINAL | REST | MATERIAL | COLOR | STYLE | ROOF | FLOORS
    | OF | SIDE
 filter: (WITH | BE | OF)? LIMIT | WITH ROOF | (OF | WITH) MATERIAL | (WITH | OF) FLOORS | place

@@ -47,7 +47,7 @@ def _measure(items: Sequence[Item], at: int, before: Sequence[Item]) -> tuple[It
     quantity = replace(
         quantity if ranged else _bounded(quantity, late or bound),
         attribute=attribute or relative.partition(" ")[0],
-        relative={"over": 1, "under": -1}.get(relative.partition(" ")[2], 0),
+        relative={"over": 1, "under": -1}.get(relative.partition(" ")[2], quantity.relative),
         approximate=approximate,
     )
     taken = items[at:end]

@@ -149,7 +149,8 @@ SLOTS: Book = {
         "snow": "snow, snowy, snowing, snowfall, snowed in, snow covered, snow capped, "
         "covered in snow, covered with snow, under snow, blanketed in snow, snow clad, "
         "snowflake, snowy weather, blanket of snow, snowscape, wintry, frosted, "
-        "snow laden, snow topped, white christmas, wintery, layer of snow, snow lies",
+        "snow laden, snowbound, snow bound, snow topped, white christmas, wintery, "
+        "layer of snow, snow lies",
     },
     "time": {
         "dawn": "dawn, daybreak, break of day, first light, crack of dawn, cockcrow, day break, "
@@ -167,7 +168,8 @@ SLOTS: Book = {
         "afternoon light, tea time",
         "golden_hour": "golden hour, golden light, magic hour, golden evening light, "
         "low golden sun, warm low sun, golden hour light",
-        "sunset": "sunset, sundown, setting sun, sun sets, as the sun sets, sun goes down, "
+        "sunset": "sunset, sundown, sun go down, the sun go down, setting sun, sun sets, "
+        "as the sun sets, sun goes down, "
         "sun is setting, evening sun sets, sun going down, sinking sun",
         "dusk": "dusk, twilight, nightfall, blue hour, gloaming, after sunset, just after sunset, "
         "dimming light, getting dark, growing dark, night is falling, night falls, darkness falls, "

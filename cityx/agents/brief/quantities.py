@@ -156,7 +156,7 @@ def _shares(here: Here) -> None:
         named = look or kind
         if named is not None:
             value = named.get("material") or named.noun
-            here.found.add_bounded(f"{value}.share", here.quantity, here.item)
+            here.found.add_bounded(f"{value}.share", here.quantity, here.item, named)
 
 
 def _is_green(item: Item) -> bool:
@@ -166,6 +166,7 @@ def _is_green(item: Item) -> bool:
 def _speeds(here: Here) -> None:
     noun = here.noun()
     of = {"road": "roads", "person": "pedestrian"}.get(noun.noun_class if noun else "", "vehicle")
+    of = "roads" if "limit" in here.item.words else of
     here.found.add_bounded(f"{of}.speed", here.quantity, here.item)
 
 

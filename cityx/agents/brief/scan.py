@@ -14,6 +14,7 @@ from cityx.agents.brief.words import Word, forms_of, words_of
 
 LONGEST_TEXT = 6000  # characters; what comes later is listed as unread, so that time stays short
 ENDS = ".;!?\n"
+_MORE = {"more": 1, "additional": 1, "extra": 1, "further": 1, "fewer": -1, "less": -1}
 
 
 @dataclass(frozen=True)
@@ -199,14 +200,16 @@ def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
     if found is None:
         return None
     value, length = found
-    unit = read_unit(words, at + length)
+    more = _MORE.get(words[at + length].text, 0) if at + length < len(words) else 0
+    unit = read_unit(words, at + length + abs(more))
     if unit is None:
         return Quantity("count", value, value), length
     dimension, factor, extra = unit
+    length += abs(more)
     if dimension in ("hour", "half_day"):
         return _clock(words, at, value, length)
     size = value * factor
-    return Quantity(dimension, size, size, unit=factor), length + extra
+    return Quantity(dimension, size, size, unit=factor, relative=more), length + extra
 
 
 def _past_the_hour(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
@@ -230,6 +233,9 @@ def _part(words: Sequence[Word], at: int, share: float, length: int) -> tuple[Qu
     if unit is not None and unit[0] in ("length", "area"):
         return Quantity(unit[0], share * unit[1], share * unit[1]), skip + unit[2]
     after = words[at + length].text if at + length < len(words) else ""
+    later = words[at + length + 1].text if at + length + 1 < len(words) else ""
+    if "quarter" in words[at + length - 1].text and later not in ("the", "all", "its"):
+        return None  # "a quarter of narrow alleys"
     half = words[at].text == "half" and (after in ("the", "all", "a", "an") or known(after))
     if after == "of" or (after and half):
         return Quantity("part", share, share), length + (after == "of")

@@ -218,13 +218,14 @@ VERBS: Mapping[str, str] = {
     "REMOVE": "remove, delete, erase, get rid of, take away, take out, demolish, tear down, knock "
     "down, clear away, eliminate, wipe out, pull down, bulldoze, raze, cut down, scrap, drop, "
     "dispose of, strip out, fell, chop down, clear out, weed out, tear out, do away with, ditch, "
-    "destroy, take down, empty",
+    "destroy, take down, empty, stop, must go, should go, has to go, have to go, vanish, "
+    "disappear, shall go, ought to go, can go, end",
     "PAINT": "paint, recolor, color, repaint, dye, tint, coat, spray, colour in, spray paint",
     "CLAD": "clad, cover with, face with, dress, resurface, reclad, wrap, face, cover",
     "MAKE": "make, turn, set, change, convert, transform, let, have, give, switch, get, render, "
     "adjust, alter, put on, modify, update, exchange weather, bring, go for, shift, fit",
     "ADD": "add, put, place, insert, create, build, spawn, erect, install, generate, drop in, "
-    "bring in, include, construct, introduce, position, throw in, send, set up, populate, "
+    "bring in, include, construct, introduce, position, throw in, send, set up, "
     "stick, set down, lay out, dig",
     "PLANT": "plant, sow, grow, line, plant out",
     "REPLACE": "replace, swap, exchange, substitute, swap out, trade, switch out, replace all",
@@ -244,6 +245,7 @@ VERBS: Mapping[str, str] = {
     "NARROW": "narrow down, make narrower, slim down",
     "CLOSE": "close, close off, block off, shut, barricade, seal off, shut down, block",
     "OPEN": "open, reopen, unblock, open up",
+    "FILL": "fill, populate, crowd, people with, stock",
     "UNDO": "undo, revert, roll back, rollback, take back, reverse, step back, go back, cancel",
     "COPY": "copy, duplicate, clone, replicate",
     "TURN_OFF": "turn off, switch off, put out, extinguish, turn out",
@@ -387,7 +389,9 @@ _FUNCTION_WORDS = """
     hereby herewith enclosed according accordance basis
     wide wider tall high long deep direction directions way ways
     morning's proper properly nicely beautifully evenly randomly sparsely freely gently softly
-    bright brightly carries carry varies vary varying absolutely totally completely entirely fully
+    row rows series group groups estate everybody everyone choking hanging hangs fallen
+    dead cold cool warm mild parallel reflecting bright brightly carries carry varies vary varying
+    absolutely totally completely entirely fully
     sure ensure certain certainly welcome welcomes fishing becomes converted originally formerly
     once
     long-standing famous known called named typically usually normally visible sight directly

@@ -53,6 +53,15 @@ def test_it_is_what_was_named_last():
     assert [edit.target.ids for edit in found] == [("b07",), ("b07",)]
 
 
+def test_a_range_of_ids_is_every_id_in_it():
+    edit = read_brief("Buildings b08 to b11 should be white", base=True).edits[0]
+    assert edit.target.ids == ("b08", "b09", "b10", "b11")
+
+
+def test_what_falls_can_be_stopped():
+    assert items("Stop the rain.") == [("edit", "set_weather"), ("weather", "clear")]
+
+
 @pytest.mark.parametrize("text", ["Make it nicer.", "Improve the scene", "Raise b21", "Rotate it."])
 def test_what_is_left_unsaid_becomes_a_question(text):
     assert read_brief(text, base=True).questions

@@ -42,6 +42,12 @@ def test_both_sides_of_a_size_share_their_unit():
         assert slots(text) >= {("size.x", 600), ("size.y", 400)}, text
 
 
+def test_two_types_are_counted_apart():
+    brief = read_brief("80 houses and 20 towers")
+    assert set(brief.items()) >= {("house.count", 80), ("tower.count", 20)}
+    assert brief.conflicts == ()
+
+
 def test_lanes_in_each_direction_count_twice():
     assert ("roads.main.lanes", 6) in slots("a main road with three lanes each way")
     assert ("roads.main.lanes", 3) in slots("a main road with three lanes")

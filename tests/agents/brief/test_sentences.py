@@ -9,7 +9,7 @@ from cityx.checks.predicates import parse
 
 SENTENCES = json.loads((Path(__file__).parent / "sentences.json").read_text())
 # F1 of each set as measured by benchmarks/brief.py, less a little; it must not fall.
-LEAST = {"dev": 0.99, "held": 0.99, "hard": 0.94}
+LEAST = {"dev": 0.99, "held": 0.99, "hard": 0.94, "last": 0.94}
 
 
 def pairs(items):
@@ -45,7 +45,7 @@ def test_the_slots_of_our_sentences_are_read(name):
 def test_there_are_sentences_enough_and_half_of_them_were_held_out():
     sets = [record["set"] for record in SENTENCES]
     assert sets.count("dev") == sets.count("held") == 66
-    assert sets.count("hard") >= 40
+    assert sets.count("hard") + sets.count("last") >= 70
 
 
 def test_every_slot_is_of_the_closed_list():
