@@ -27,7 +27,7 @@ ENVIRONMENT = {
 _WITH_WEATHER = ("set_time", "set_season")
 _OF_THE_CITY = {
     "building.roof": "set_roof", "building.material": "set_material",
-    "building.color": "set_color", "roads.width": "set_width",
+    "building.color": "set_color", "roof.color": "set_roof", "roads.width": "set_width",
 }  # fmt: skip
 _PARTS_OF_BUILDINGS = ("facade", "roof", "window")  # "with red facades" says all with its colour
 _OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road")
@@ -57,7 +57,7 @@ def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
     clause: list[Item] = []
     for at, item in enumerate(items):
         if item.is_mark(ENDS + ":"):
-            yield clause
+            yield [*clause, item]
             clause = []
             continue
         before = items[at - 1] if at else None
@@ -199,6 +199,8 @@ def _resolved(commands: Commands, edit: Edit) -> Iterator[Edit]:
 def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item]) -> None:
     """Read a command that names no object: weather, time, style; or one nobody understands."""
     stops = live[0].get("verb") == "REMOVE"
+    if live[0].has("verb"):
+        live[0].state = READ  # "plant" is no factory here
     inner = describe(text, clause)
     if stops:  # "stop the rain"
         inner.slots = [
@@ -221,10 +223,11 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
     commands.edits += [
         Edit(verb, change=tuple(change), span=_span(live)) for verb, change in grouped.items()
     ]
-    if not inner.slots and not inner.kept and not inner.negated and live[0].get("verb") != "APPLY":
+    unread_command = _named(live) and live[0].has("verb") and not grouped
+    nothing = not (inner.slots or inner.kept or inner.negated) or unread_command
+    if nothing and live[0].get("verb") != "APPLY" and any(i.kind != "function" for i in live):
         words = text[slice(*_span(live))]
-        if any(item.kind not in ("function",) for item in live):
-            commands.questions.append(Question(f'What should "{words}" change, and how?'))
+        commands.questions.append(Question(f'What should "{words}" change, and how?'))
 
 
 def _parsed(commands: Commands, clause: list[Item]) -> list[Edit] | None:
@@ -240,7 +243,7 @@ def _parsed(commands: Commands, clause: list[Item]) -> list[Edit] | None:
                 return None
             commands.parses += 1
             command = parse(attempt, clause)
-            if command is not None:
+            if command is not None and (command.name != "topic" or clause[-1].is_mark(":")):
                 for _, index in attempt:
                     if index >= 0:
                         clause[index].state = READ

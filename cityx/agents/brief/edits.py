@@ -32,7 +32,7 @@ _GAITS = ("run", "walk", "stand", "sit")
 _FLAT = (
     "main_street", "road", "side_street", "river", "canal", "avenue", "ring_road", "sidewalk",
 )  # fmt: skip
-_LENGTHS = ("height", "width", "floors", "lanes", "length")
+_LENGTHS = ("height", "width", "floors", "lanes", "length", "count")
 _NEW = {"type": "building.type", "element": "element", "plant": "nature"}
 
 
@@ -267,14 +267,18 @@ def _copy(command: Node) -> list[Edit]:
 
 
 def _add(command: Node) -> list[Edit]:
-    places = places_of(command.find("place"))
-    late = command.own("SPEED", "MODE", "EVERY")
+    places = places_of(_places(command))
+    late = command.own("SPEED", "MODE", "EVERY", "AXIS")
     things = command.branch("things")
     assert things is not None
     return [
         _added(replace(thing, children=(*thing.children, *late)), places)
         for thing in things.own("thing")
     ]
+
+
+def _places(command: Node) -> list[Node]:
+    return [*command.find("place"), *command.find("destination")]
 
 
 def _fill(command: Node) -> list[Edit]:
@@ -317,6 +321,8 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
     change += _amount(thing)
     speed = thing.first("SPEED")
     change += [("speed", round(_value(speed), 4))] if speed is not None else []
+    axis = thing.first("AXIS")
+    change += [("direction", axis.get("axis"))] if axis is not None else []
     for place in places:
         key = "near" if place.relation == "near" else "path"
         change.append((key, place.spot) if place.spot else ("side", place.side))
@@ -344,7 +350,7 @@ def _plant(command: Node) -> list[Edit]:
     change += [("count", int(_value(count)))] if count is not None else []
     change += _amount(plants)
     change += [("spacing", _whole(_value(every)))] if every is not None else []
-    for place in places_of(command.find("place")):
+    for place in places_of(_places(command)):
         change += place.items()
     return [Edit("plant", None, tuple(change))]
 

@@ -34,12 +34,12 @@ replace: REPLACE targets link new | targets BE REPLACE link new
 new: trait* (KIND | THING | AGENT | PLANT | BUILDING) (link* trait)*
 trait: MATERIAL | COLOR | STYLE | ROOF | FLOORS | LENGTH | COUNT | LIMIT | ALL
 fill: FILL targets WITH things
-add: (ADD | MAKE) things (place | link* SPEED | MODE | AND? COUNT? EVERY)*
+add: (ADD | MAKE) things (place | destination | link* SPEED | MODE | AXIS | AND? COUNT? EVERY)*
 things: thing (AND thing)*
 thing: own* (AGENT | THING | KIND | BUILDING) (link* MODE | link* trait | link* SPEED | EVERY)*
 own: trait | SPEED | AMOUNT | MODE
-plant: (PLANTS | ADD) plants place*
-plants: (trait | AMOUNT)* PLANT (link? EVERY)* (AND plants)?
+plant: (PLANTS | ADD) plants (place | destination)*
+plants: (trait | AMOUNT | OF)* PLANT (link? EVERY)* (AND plants)?
 move: MOVE targets (link? LENGTH | link? direction | place)+
 direction: SIDE
 rotate: ROTATE targets link? (ANGLE | COUNT) CLOCKWISE?
@@ -54,6 +54,7 @@ _named: BUILDING | KIND | THING | PLANT | ROAD
 mod: ALL | COUNT | SHARE | RANK | ORDINAL | REST | MATERIAL | COLOR | STYLE | ROOF | FLOORS
    | OF | SIDE
 filter: (WITH | BE | OF)? LIMIT | WITH ROOF | (OF | WITH) MATERIAL | (WITH | OF) FLOORS | place
+destination: TO spot
 place: where+ spot | where* SIDE (OF spot)?
 where: REL | IN | ON | BY
 spot: (ALL | COUNT | RANK | SIDE)* (BUILDING | KIND | THING | ROAD | PLANT | WHOLE | ID) beyond?

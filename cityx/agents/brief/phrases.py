@@ -375,7 +375,9 @@ TOGETHER: Mapping[str, str] = {
     "building.height=tall building.type=tower": "towering skyscraper, soaring skyscraper, "
     "soaring tower, sky high towers, supertall, supertall tower, giant skyscraper",
     "building.height=low": "low rise, low slung, low lying buildings, lowrise",
-    "building.height=medium": "mid rise, medium rise, midrise, mid height, medium height",
+    "building.height=medium": "mid rise, medium rise, midrise, mid height, medium height, "
+    "not too tall, not too high, not very high, not overly tall, moderately tall, moderately high",
+    "density=medium": "not too dense, not very dense, not overly dense, not so dense",
     "building.height=varied": "varied heights, varying heights, mixed heights, "
     "different heights, various heights",
 }

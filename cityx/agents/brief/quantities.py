@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from cityx.agents.brief.here import BUILDINGS, COUNTED, ROADS, Here
+from cityx.agents.brief.here import BUILDINGS, COUNTED, LANDMARKS, ROADS, Here
 from cityx.agents.brief.scan import ENDS, Item, Quantity
 from cityx.agents.brief.scopes import READ
 
@@ -45,11 +45,13 @@ def _counts(here: Here) -> None:
     key = _count_key(noun)
     if key:
         here.found.add_bounded(key, here.quantity, here.item, noun)
-    if noun.noun_class == "type":
+    if noun.noun_class == "type" and noun.noun not in LANDMARKS:
         here.found.add("building.type", noun.noun, noun)
 
 
 def _count_key(noun: Item) -> str:
+    if noun.noun in LANDMARKS:
+        return f"{noun.noun}.count"
     if noun.noun_class in BUILDINGS or noun.noun == "everything":
         return "building.count"
     if noun.noun_class in ("element", "vehicle", "person", "plant"):
@@ -84,9 +86,11 @@ def _lengths(here: Here) -> None:
     if noun is None and what == "width":
         noun = here.noun_past_comma()
     every = here.before is not None and here.before.text in ("every", "each")
-    if what == "slope":
+    if _is_depth(here):
+        here.found.leave(here.item, "depth")
+    elif what == "slope":
         here.found.add_bounded("roads.slope", here.quantity, here.item)
-    elif what == "spacing" or every:
+    elif what == "spacing" or (every and not what):
         here.found.add("nature.spacing", _value(here.quantity), here.item)
     elif what in ("side", "across") and (noun is None or noun.noun_class in ("place", "road")):
         _extent(here, "")
@@ -100,6 +104,13 @@ def _lengths(here: Here) -> None:
         _width(here, noun)
 
 
+def _is_depth(here: Here) -> bool:
+    """Tell whether a length is that of lying snow or water: "20 cm of snow"."""
+    what = here.items[here.at + 2] if here.at + 2 < len(here.items) else None
+    of = here.after is not None and here.after.get("rel") == "of"
+    return of and what is not None and what.get("slot").startswith("weather=")
+
+
 def _highest(here: Here, noun: Item | None) -> Quantity:
     """Return the height of "the highest building", which bounds that of all."""
     ranks = [one for one in here.clause() if one.get("rank") == "tallest"]
@@ -110,6 +121,8 @@ def _highest(here: Here, noun: Item | None) -> Quantity:
 
 
 def _extent(here: Here, what: str) -> None:
+    if here.before is not None and here.before.text == "each":
+        return  # "blocks, each 100 m wide" are no city of that width
     for key in _SIDES.get(what, ("size.x", "size.y")):
         here.found.add(key, _value(here.quantity), here.item)
 
@@ -133,6 +146,8 @@ def _areas(here: Here) -> None:
     noun = here.noun_behind()
     if noun is None and here.before is not None and here.before.get("rel") == "of":
         noun = here.noun_before(3)
+    if noun is None and here.before is not None and here.before.text == "each":
+        noun = here.element_before()
     own = noun is not None and noun.noun_class == "element"
     key = f"{noun.noun}.area" if own and noun is not None else "size.area"
     value = here.quantity.exact

@@ -36,7 +36,8 @@ class Place:
                 yield "of", self.spot
         else:
             own = self.relation in ("along", "in", "on", "around")
-            yield (self.relation if own else "near"), self.spot
+            to = "in" if self.relation == "to" else "near"
+            yield (self.relation if own else to), self.spot
 
 
 def kind_of(noun: Item) -> str:
@@ -163,7 +164,9 @@ def _placed(selector: Selector, place: Place) -> Selector:
 def _place(node: Node) -> Place:
     side = next((child.item for child in node.own("SIDE")), None)
     where = next(node.find("where"), None)
-    relation = where.first() if where is not None else None
+    relation = (
+        where.first() if where is not None else next((to.item for to in node.own("TO")), None)
+    )
     spot = node.branch("spot")
     return Place(
         side.get("side") if side is not None else "",

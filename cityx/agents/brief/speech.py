@@ -55,7 +55,7 @@ STRENGTHS: Mapping[str, str] = {
     "heavy": "heavy, thick, dense, strong, intense, heavily, massive, severe, violent, hard, "
     "extreme, torrential, deep, pouring, very heavy, very thick, fierce, terrible, busy, "
     "considerable",
-    "light": "light, slight, thin, gentle, faint, soft, mild, lightly, slightly, weak, "
+    "light": "light, slight, less, thin, gentle, faint, soft, mild, lightly, slightly, weak, "
     "a little, a bit of, patchy, a touch of, a hint of, some light, moderate, a bit, subtle, "
     "very light, delicate, calm",
 }
@@ -153,6 +153,7 @@ ATTRIBUTES: Mapping[str, str] = {
     "color": "color, paint color, shade, colour of the walls",
     "material": "material, facade material, wall material, texture",
     "roof": "roof type, roof shape, roof form",
+    "count": "number of, the number of, amount of",
     "floors": "number of floors, floor count, number of storeys, storey count, storeys in height",
     "area": "total area of, surface area of, in area, in size, floor area",
     "style": "style, look, architecture, architectural style",
@@ -246,7 +247,8 @@ VERBS: Mapping[str, str] = {
     "CLOSE": "close, close off, block off, shut, barricade, seal off, shut down, block",
     "OPEN": "open, reopen, unblock, open up",
     "FILL": "fill, populate, crowd, people with, stock",
-    "UNDO": "undo, revert, roll back, rollback, take back, reverse, step back, go back, cancel",
+    "UNDO": "undo, reset, revert, roll back, rollback, take back, reverse, step back, go back, "
+    "cancel",
     "COPY": "copy, duplicate, clone, replicate",
     "TURN_OFF": "turn off, switch off, put out, extinguish, turn out",
     "TURN_ON": "turn on, switch on, light up, illuminate",

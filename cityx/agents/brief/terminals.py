@@ -100,7 +100,7 @@ def _name(item: Item) -> str:
         return "ROOF" if "roof=" in slot else "STYLE"
     if item.get("rel") in _RELATIONS:
         return _RELATIONS[item.get("rel")]
-    for kind in ("ordinal", "side", "mode", "attr", "amount"):
+    for kind in ("axis", "ordinal", "side", "mode", "attr", "amount"):
         if item.has(kind):
             return kind.upper()
     return ""
