@@ -103,7 +103,7 @@ def _look(command: Node) -> list[Edit]:
     named = command.branch("attr")
     about = named.first("ATTR") if named is not None else None
     changes: dict[str, Pairs] = {}
-    for change in command.own("change"):
+    for change in command.own("change", "roofing"):
         verb, pairs = _change(change.children[0], _attribute(about))
         changes.setdefault(verb, []).extend(pairs)
     if "replace" in changes:  # "into brick houses": the look is that of what is new
@@ -152,7 +152,8 @@ def _factor(node: Node) -> float | int:
     if times is not None:
         return _whole(_TIMES[times.get("rel")])
     if share is not None:
-        return _whole(share_of(share))
+        more = share.quantity.relative if share.quantity is not None else 0
+        return _whole(1 + more * share_of(share) if more else share_of(share))
     if count is None:
         raise Unclear
     return _whole(_value(count))

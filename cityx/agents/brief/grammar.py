@@ -20,7 +20,8 @@ start: remove | look | resize | shift | replace | add | plant | move | rotate | 
 topic: targets
 remove: REMOVE targets | targets BE? REMOVE
 look: _paint (attr OF?)? targets (link* change)+ | targets (BE | IN) _paint? (link* change)+
-    | _paint targets attr (link* change)+
+    | _paint targets attr (link* change)+ | (ADD | MAKE) roofing link targets
+roofing: ROOF
 _paint: PAINT | CLAD | MAKE
 attr: ATTR
 change: COLOR | MATERIAL | STYLE | ROOF | FLOORS | LENGTH | LIMIT | LANES | factor | KIND

@@ -17,14 +17,16 @@ NOUNS: Book = {
         "family home, detached home, semi detached house, semi, townhome, farmhouse, "
         "private house, residence, single family home, suburban house, semi detached",
         "terrace": "terraced house, terrace house, row house, rowhouse, townhouse, town house, "
-        "terraced, brownstone, terraces of houses, row of houses, terraced home, canal house",
+        "terraced, brownstone, terraces of houses, rows of terraces, row of houses, "
+        "terraced home, canal house",
         "villa": "villa, mansion, manor, country house, estate house",
         "cottage": "cottage, cabin, hut, chalet, log cabin",
         "bungalow": "bungalow, ranch house, single storey house, one storey house",
         "apartment": "apartment, apartment block, apartment building, apartment house, flat, "
         "block of flats, tenement, residential block, condominium, condo, condo building, "
         "residential building, mietshaus, multi family house, housing block, panel building, "
-        "tower block of flats, walk up, multi family building, tenement house, living block, "
+        "tower block of flats, walk up, slab block, slab, multi family building, tenement house, "
+        "living block, "
         "multi storey flats, apartment complex, perimeter block",
         "tower": "tower, skyscraper, high rise, highrise, high rise building, high rise tower, "
         "tower block, office tower, sky scraper, apartment tower, "

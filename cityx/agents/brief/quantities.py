@@ -92,7 +92,7 @@ def _lengths(here: Here) -> None:
         here.found.add_bounded("roads.slope", here.quantity, here.item)
     elif what == "spacing" or (every and not what):
         here.found.add("nature.spacing", _value(here.quantity), here.item)
-    elif what in ("side", "across") and (noun is None or noun.noun_class in ("place", "road")):
+    elif what in ("side", "across") and (noun is None or noun.noun_class == "place"):
         _extent(here, "")
     elif what == "height" or (not what and (noun is None or noun.noun_class in BUILDINGS)):
         own = noun is not None and noun.noun_class in ("element", "plant")

@@ -219,7 +219,7 @@ VERBS: Mapping[str, str] = {
     "REMOVE": "remove, delete, erase, get rid of, take away, take out, demolish, tear down, knock "
     "down, clear away, eliminate, wipe out, pull down, bulldoze, raze, cut down, scrap, drop, "
     "dispose of, strip out, fell, chop down, clear out, weed out, tear out, do away with, ditch, "
-    "destroy, take down, empty, stop, must go, should go, has to go, have to go, vanish, "
+    "destroy, take down, stop, must go, should go, has to go, have to go, vanish, "
     "disappear, shall go, ought to go, can go, end",
     "PAINT": "paint, recolor, color, repaint, dye, tint, coat, spray, colour in, spray paint",
     "CLAD": "clad, cover with, face with, dress, resurface, reclad, wrap, face, cover",

@@ -38,6 +38,8 @@ def test_two_commands_in_one_sentence():
         ("Reduce the height of b03 to 20 %", "scale_height", ("factor", 0.2)),
         ("Set b03 to 12 m", "set_height", ("height", 12)),
         ("Make the main street 20 m wide", "set_width", ("width", 20)),
+        ("b03 shall be 10 % taller", "scale_height", ("factor", 1.1)),
+        ("Put a flat roof on b03", "set_roof", ("roof", "flat")),
         ("b03 should be brick", "set_material", ("material", "brick")),
         ("b03 shall be painted red", "set_color", ("color", "red")),
     ],

@@ -9,7 +9,7 @@ from cityx.checks.predicates import parse
 
 SENTENCES = json.loads((Path(__file__).parent / "sentences.json").read_text())
 # F1 of each set as measured by benchmarks/brief.py, less a little; it must not fall.
-LEAST = {"dev": 0.99, "held": 0.99, "hard": 0.94, "last": 0.94}
+LEAST = {"dev": 0.99, "held": 0.99, "hard": 0.94, "last": 0.94, "unseen": 0.9}
 
 
 def pairs(items):
