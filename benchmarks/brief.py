@@ -1,6 +1,6 @@
 """Measure how well instructions are read: precision, recall and F1 over slots.
 
-    python benchmarks/brief.py [--tasks FILE] [--set dev|held] [--all]
+    python benchmarks/brief.py [--tasks FILE] [--set dev|held|hard|last|unseen]
 
 The tasks of the agent benchmark and our own sentences are read without a language model; an item
 is one key=value. Numbers may differ by one per mille. Prints each sentence that is not exact.
@@ -141,12 +141,12 @@ def main() -> None:
     """Score the tasks, when they are at hand, and our own sentences."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--tasks", type=Path, default=TASKS)
-    parser.add_argument("--set", default="", choices=["", "dev", "held"])
+    parser.add_argument("--set", default="", choices=["", "dev", "held", "hard", "last", "unseen"])
     options = parser.parse_args()
     read_brief("A warm start.")
     if options.tasks.is_file():
         score("tasks", read_tasks(options.tasks))
-    for name in [options.set] if options.set else ["dev", "held"]:
+    for name in [options.set] if options.set else ["dev", "held", "hard", "last", "unseen"]:
         score(name, read_sentences(SENTENCES, name))
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from cityx.agents.brief.brief import Edit, Question, Span, Value
+from cityx.agents.brief.brief import Edit, Question, Selector, Span, Value
 from cityx.agents.brief.describe import describe
 from cityx.agents.brief.edits import Unclear, edits_of
 from cityx.agents.brief.grammar import Node, parse
 from cityx.agents.brief.here import Findings
 from cityx.agents.brief.scan import ENDS, Item
 from cityx.agents.brief.scopes import READ
+from cityx.agents.brief.selection import is_plural, targets_of
 from cityx.agents.brief.terminals import Terminal, terminals_of
 
 PARSES = 60  # attempts of the grammar for one instruction, so that time stays short
@@ -26,8 +27,9 @@ ENVIRONMENT = {
 _WITH_WEATHER = ("set_time", "set_season")
 _OF_THE_CITY = {
     "building.roof": "set_roof", "building.material": "set_material",
-    "building.color": "set_color", "roads.width": "set_width",
+    "building.color": "set_color", "roof.color": "set_roof", "roads.width": "set_width",
 }  # fmt: skip
+_PARTS_OF_BUILDINGS = ("facade", "roof", "window")  # "with red facades" says all with its colour
 _OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road")
 
 
@@ -38,6 +40,7 @@ class Commands:
     edits: list[Edit] = field(default_factory=list)
     questions: list[Question] = field(default_factory=list)
     found: Findings = field(default_factory=lambda: Findings(""))
+    named: list[Selector] = field(default_factory=list)
     parses: int = 0
 
 
@@ -53,8 +56,8 @@ def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
     """Cut items into commands: at the ends of sentences, and before a verb after "and"."""
     clause: list[Item] = []
     for at, item in enumerate(items):
-        if item.is_mark(ENDS):
-            yield clause
+        if item.is_mark(ENDS + ":"):
+            yield [*clause, item]
             clause = []
             continue
         before = items[at - 1] if at else None
@@ -84,19 +87,20 @@ def _read(commands: Commands, text: str, clause: list[Item]) -> None:
         _settle(commands, text, clause)
         return
     verb = next((item.get("verb") for item in live if item.kind != "function"), "")
-    if verb == "UNDO" or (live[0].has("verb") and live[0].get("verb") == "UNDO"):
+    last = {item.get("rel") for item in live} >= {"last", "change"}
+    if verb == "UNDO" or (last and verb != "APPLY") or (last and live[0].text == "take"):
         commands.edits.append(_undo(live))
         return
     if any(item.has("vague") for item in live) or (verb == "IMPROVE" and not _named(live)):
         _ask(commands, live)
         return
-    changed = _amount_of_life(live)
-    if changed is not None:
-        commands.edits.append(changed)
+    changed = _amounts_of_life(live)
+    if changed:
+        commands.edits += changed
         return
-    if _named(live):
+    if _named(live) or _means_it(commands, live):
         edits = _parsed(commands, clause)
-        if edits:
+        if edits is not None:
             commands.edits += edits
             _settle(commands, text, clause)
             return
@@ -116,6 +120,12 @@ def _named(items: Iterable[Item]) -> bool:
         item.kind == "id" or (item.noun_class in _OBJECTS and not item.has("slot"))
         for item in items
     ) or any(item.noun == "everything" for item in items)
+
+
+def _means_it(commands: Commands, items: Iterable[Item]) -> bool:
+    """Tell whether "it" is what was named before, rather than the city."""
+    whole = any(item.get("slot").partition("=")[0] in ENVIRONMENT for item in items)
+    return bool(commands.named) and not whole and any(item.get("rel") == "it" for item in items)
 
 
 def _span(items: Sequence[Item]) -> Span:
@@ -142,32 +152,60 @@ def _ask(commands: Commands, items: Sequence[Item]) -> None:
     )
 
 
-def _amount_of_life(items: Sequence[Item]) -> Edit | None:
-    """Read "more traffic" and "reduce the number of pedestrians", which name no object."""
-    more = {"more": "heavy", "many": "heavy", "few": "light"}
-    verbs = {"RAISE": "heavy", "LOWER": "light"}
-    for at, item in enumerate(items):
-        crowd = item.noun == "pedestrian" and (
-            item.words[-1].endswith("s") or item.text == "people"
-        )
-        if not (crowd or (item.noun == "vehicle" and item.text == "traffic")):
-            continue
-        words = items[max(0, at - 3) : at]
-        how = next((more[w.get("amount")] for w in words if w.get("amount") in more), "")
-        how = how or next((w.get("strength") for w in words if w.get("strength")), "")
-        how = how or verbs.get(items[0].get("verb"), "")
-        others = [w for w in items if w.noun_class in _OBJECTS and w is not item]
-        if how and not others and all(w.quantity is None for w in items):
-            for word in items:
-                word.state = word.state or READ
-            key = "traffic" if item.noun == "vehicle" else "pedestrians"
-            return Edit(f"set_{key}", change=((key, how),), span=_span(items))
-    return None
+_BUSY = {"more": "heavy", "many": "heavy", "few": "light", "RAISE": "heavy", "LOWER": "light"}
+
+
+def _amounts_of_life(items: Sequence[Item]) -> list[Edit]:
+    """Read "more traffic and fewer people", which name no object that exists."""
+    objects = [at for at, item in enumerate(items) if item.noun_class in _OBJECTS]
+    found = []
+    start = 0
+    for at in objects:
+        how = _how_busy(items[start:at]) or _BUSY.get(items[0].get("verb"), "")
+        start = at + 1
+        crowd = items[at].noun == "pedestrian" and is_plural(items[at])
+        if not how or not (crowd or items[at].text == "traffic"):
+            return []
+        key = "pedestrians" if crowd else "traffic"
+        found.append(Edit(f"set_{key}", change=((key, how),), span=_span(items)))
+    if any(item.quantity is not None for item in items):
+        return []
+    for item in items if found else ():
+        item.state = READ
+    return found
+
+
+def _how_busy(words: Sequence[Item]) -> str:
+    for word in words:
+        amount = "more" if word.get("rel") == "more" else word.get("amount")
+        how = _BUSY.get(amount) or word.get("strength")
+        if how:
+            return how
+    return ""
+
+
+def _resolved(commands: Commands, edit: Edit) -> Iterator[Edit]:
+    """Put what was named last for "it"; ask where nothing was."""
+    if edit.target is None or edit.target.kind != "it":
+        commands.named = [edit.target] if edit.target is not None else commands.named
+        yield edit
+    elif commands.named:
+        yield from (replace(edit, target=target) for target in commands.named)
+    else:
+        commands.questions.append(Question("Which object is meant? Name its kind or its id."))
+        yield Edit("unspecified", span=edit.span)
 
 
 def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item]) -> None:
     """Read a command that names no object: weather, time, style; or one nobody understands."""
+    stops = live[0].get("verb") == "REMOVE"
+    if live[0].has("verb"):
+        live[0].state = READ  # "plant" is no factory here
     inner = describe(text, clause)
+    if stops:  # "stop the rain"
+        inner.slots = [
+            replace(slot, value="clear") if slot.key == "weather" else slot for slot in inner.slots
+        ]
     found = commands.found
     found.kept += inner.kept
     found.negated += inner.negated
@@ -185,13 +223,14 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
     commands.edits += [
         Edit(verb, change=tuple(change), span=_span(live)) for verb, change in grouped.items()
     ]
-    if not inner.slots and not inner.kept and not inner.negated and live[0].get("verb") != "APPLY":
+    unread_command = _named(live) and live[0].has("verb") and not grouped
+    nothing = not (inner.slots or inner.kept or inner.negated) or unread_command
+    if nothing and live[0].get("verb") != "APPLY" and any(i.kind != "function" for i in live):
         words = text[slice(*_span(live))]
-        if any(item.kind not in ("function",) for item in live):
-            commands.questions.append(Question(f'What should "{words}" change, and how?'))
+        commands.questions.append(Question(f'What should "{words}" change, and how?'))
 
 
-def _parsed(commands: Commands, clause: list[Item]) -> list[Edit]:
+def _parsed(commands: Commands, clause: list[Item]) -> list[Edit] | None:
     """Parse a command; where it does not fit, leave out one word after the other."""
     for verb_first in (True, False):
         terminals = terminals_of(clause, verb_first=verb_first)
@@ -201,20 +240,27 @@ def _parsed(commands: Commands, clause: list[Item]) -> list[Edit]:
             terminals.insert(0, ("ADD", -1))
         for attempt in _attempts(terminals):
             if commands.parses >= PARSES:
-                return []
+                return None
             commands.parses += 1
             command = parse(attempt, clause)
-            if command is not None:
+            if command is not None and (command.name != "topic" or clause[-1].is_mark(":")):
                 for _, index in attempt:
                     if index >= 0:
                         clause[index].state = READ
+                for item in clause:
+                    if item.noun in _PARTS_OF_BUILDINGS:
+                        item.state = item.state or READ
                 return _made(commands, command, _span(clause))
-    return []
+    return None
 
 
 def _made(commands: Commands, command: Node, span: Span) -> list[Edit]:
+    if command.name == "topic":
+        commands.named = targets_of(command)
+        return []
     try:
-        return [replace(edit, span=span) for edit in edits_of(command)]
+        edits = [replace(edit, span=span) for edit in edits_of(command)]
+        return [known for edit in edits for known in _resolved(commands, edit)]
     except Unclear:
         words = commands.found.text[slice(*span)]
         commands.questions.append(Question(f'By how much? "{words}" does not say it.'))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from cityx.agents.brief.brief import Conflict, Slot, Span
 from cityx.agents.brief.slots import SINGLE
@@ -49,18 +50,32 @@ def reconcile(slots: Sequence[Slot]) -> list[Slot]:
                 last = max(values, key=lambda value: row.index(str(value)))
                 found = [slot for slot in found if slot.key != key or slot.value == last]
                 break
+    found = _counted_apart(found)
     measured = any(slot.key.startswith("size.") for slot in found)
     found = [slot for slot in found if slot.key != "size" or not measured]
     return [slot for slot in found if not _weaker(slot, found)]
+
+
+def _counted_apart(slots: list[Slot]) -> list[Slot]:
+    """Count each type by itself where two are counted: "80 houses and 20 towers"."""
+    if sum(slot.key == "building.count" for slot in slots) < 2:
+        return slots
+    types = [slot for slot in slots if slot.key == "building.type"]
+    found = []
+    for slot in slots:
+        own = [one for one in types if slot.span[0] <= one.span[0] and one.span[1] <= slot.span[1]]
+        counted = slot.key.startswith("building.count") and own
+        key = slot.key.replace("building", str(own[0].value)) if counted else slot.key
+        found.append(replace(slot, key=key))
+    return found
 
 
 def _weaker(slot: Slot, slots: Sequence[Slot]) -> bool:
     """Tell whether another slot says the same more exactly."""
     if slot.key == "nature.trees":
         words = {one.value for one in slots if one.key == slot.key}
-        return slot.value == "some" and (
-            len(words) > 1 or any(s.key == "tree.count" for s in slots)
-        )
+        counted = any(one.key in ("tree.count", "nature.spacing") for one in slots)
+        return slot.value == "some" and (len(words) > 1 or counted)
     if slot.key in ("traffic", "pedestrians") and slot.value == "medium":
         return any(one.key == slot.key and one.value != "medium" for one in slots)
     if slot.key == "element":

@@ -4,17 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from cityx.agents.brief.here import BUILDINGS, COUNTED, ROADS, Findings, Here
+from cityx.agents.brief.here import BUILDINGS, COUNTED, LANDMARKS, ROADS, Findings, Here
 from cityx.agents.brief.quantities import read_quantity
 from cityx.agents.brief.scan import ENDS, Item
 from cityx.agents.brief.scopes import KEPT, NEGATED, READ
 
-# Of these a singular is one thing in the city, and no type that most buildings have.
-LANDMARKS = (
-    "church", "cathedral", "mosque", "temple", "school", "university", "hospital", "station",
-    "stadium", "town_hall", "museum", "library", "theatre", "castle", "lighthouse", "market_hall",
-    "monument", "mall", "petrol_station",
-)  # fmt: skip
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
 _NO_PLACE = ("city", "landscape", "center", "sky")
@@ -67,10 +61,22 @@ def _settled(here: Here) -> None:
     value = _settled_value(here)
     if denied and item.get("slot") in ("weather=cloudy", "weather=overcast"):
         here.found.add("weather", "clear", item)
+    elif value and denied and _there_alone(here):
+        here.found.leave(item, "denied in one place alone")
     elif value and denied:
         here.found.deny(value, item)
     elif value:
         here.found.keep(value, item)
+    elif denied and item.has("height", "width", "size"):
+        here.found.leave(item, "denied")
+
+
+def _there_alone(here: Here) -> bool:
+    """Tell whether something is denied in one place alone: "no trees on the main road"."""
+    place = here.items[here.at + 2 : here.at + 4]
+    beside = here.after is not None and here.after.get("rel") in ("on", "along", "near", "around")
+    nouns = [one for one in place if one.noun and one.noun not in ("road", "city", "landscape")]
+    return beside and bool(nouns)
 
 
 def _settled_value(here: Here) -> str:
@@ -158,7 +164,9 @@ def _shape(here: Here, noun: Item | None) -> None:
 def _subject(here: Here) -> Item | None:
     """Return the noun of "the streets are wide"."""
     before = here.before
-    linked = before is not None and (before.get("rel") == "be" or before.kind == "function")
+    linked = before is not None and (
+        before.get("rel") == "be" or before.kind == "function" or before.is_mark(":")
+    )
     return here.noun_before(4) if linked else None
 
 
@@ -226,13 +234,23 @@ def _nouns(here: Here) -> None:
         item.state = READ
 
 
+def _of_roofs(here: Here, noun: Item | None) -> bool:
+    """Tell whether a colour is that of roofs: "red roofs", "give the roofs a red colour"."""
+    if noun is not None:
+        return noun.noun == "roof"
+    return any(one.noun == "roof" for one in here.clause())
+
+
 def _looks(here: Here) -> None:
     """Read materials and colours with what they are of."""
     material, color = here.item.get("material"), here.item.get("color")
     if not (material or color):
         return
     noun = here.noun_behind()
-    if color and noun is not None and noun.noun == "roof":
+    day = here.after is not None and here.after.get("slot").startswith(("season=", "time="))
+    if color == "grey" and day:
+        here.found.add("weather", "overcast", here.item)
+    elif color and _of_roofs(here, noun):
         here.found.add("roof.color", color, here.item)
     elif noun is not None and noun.noun_class not in (*BUILDINGS, "place"):
         here.found.leave(here.item, f"look of the {noun.noun}")

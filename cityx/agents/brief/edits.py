@@ -32,7 +32,7 @@ _GAITS = ("run", "walk", "stand", "sit")
 _FLAT = (
     "main_street", "road", "side_street", "river", "canal", "avenue", "ring_road", "sidewalk",
 )  # fmt: skip
-_LENGTHS = ("height", "width", "floors", "lanes", "length")
+_LENGTHS = ("height", "width", "floors", "lanes", "length", "count")
 _NEW = {"type": "building.type", "element": "element", "plant": "nature"}
 
 
@@ -103,14 +103,22 @@ def _look(command: Node) -> list[Edit]:
     named = command.branch("attr")
     about = named.first("ATTR") if named is not None else None
     changes: dict[str, Pairs] = {}
-    for change in command.own("change"):
-        verb, pairs = _change(change.children[0], about.get("attr") if about else "")
+    for change in command.own("change", "roofing"):
+        verb, pairs = _change(change.children[0], _attribute(about))
         changes.setdefault(verb, []).extend(pairs)
+    if "replace" in changes:  # "into brick houses": the look is that of what is new
+        changes = {"replace": [pair for pairs in changes.values() for pair in pairs]}
     return [
         edit
         for verb, pairs in reversed(changes.items())
         for edit in _each(command, verb, tuple(dict.fromkeys(pairs)))
     ]
+
+
+def _attribute(item: Item | None) -> str:
+    if item is None:
+        return ""
+    return item.get("attr") or item.noun  # "the roofs of all houses"
 
 
 def _change(word: Node, about: str) -> tuple[str, Pairs]:
@@ -119,6 +127,9 @@ def _change(word: Node, about: str) -> tuple[str, Pairs]:
         what = named.get("attr") if named is not None else about
         return f"scale_{'width' if what == 'width' else 'height'}", [("factor", _factor(word))]
     item = _item(word)
+    if about == "roof" and (item.text == "flat" or word.name in ("COLOR", "MATERIAL")):
+        key = "roof.color" if word.name == "COLOR" else "roof"
+        return "set_roof", [(key, item.get("color") or item.get("material") or "flat")]
     if word.name in _LOOKS:
         verb, key = _LOOKS[word.name]
         return verb, [(key, item.get(key) or item.get("slot").split()[0].partition("=")[2])]
@@ -131,6 +142,8 @@ def _change(word: Node, about: str) -> tuple[str, Pairs]:
         measure = quantity.dimension
     if measure not in _LENGTHS:
         raise Unclear
+    if quantity.relative:
+        return f"raise_{measure}", [("by", _whole(_value(item) * quantity.relative))]
     return f"set_{measure}", list(_measured(measure, item))
 
 
@@ -139,7 +152,8 @@ def _factor(node: Node) -> float | int:
     if times is not None:
         return _whole(_TIMES[times.get("rel")])
     if share is not None:
-        return _whole(share_of(share))
+        more = share.quantity.relative if share.quantity is not None else 0
+        return _whole(1 + more * share_of(share) if more else share_of(share))
     if count is None:
         raise Unclear
     return _whole(_value(count))
@@ -181,6 +195,14 @@ def _resized(command: Node, amount: Node, about: str, *, grows: bool, by: bool) 
             command, f"raise_{about}", [("by", _whole(_value(item) * (1 if grows else -1)))]
         )
     return _each(command, f"set_{about}", list(_measured(about, item)))
+
+
+def _shift(command: Node) -> list[Edit]:
+    """Read "add two floors to b15" and "shave 5 m off it"."""
+    amount = command.branch("amount")
+    assert amount is not None
+    grows = command.children[0].name in ("ADD", "RAISE")
+    return _resized(command, amount, "height", grows=grows, by=True)
 
 
 def _replace(command: Node) -> list[Edit]:
@@ -246,14 +268,28 @@ def _copy(command: Node) -> list[Edit]:
 
 
 def _add(command: Node) -> list[Edit]:
-    places = places_of(command.find("place"))
-    late = command.own("SPEED", "MODE")
+    places = places_of(_places(command))
+    late = command.own("SPEED", "MODE", "EVERY", "AXIS")
     things = command.branch("things")
     assert things is not None
     return [
         _added(replace(thing, children=(*thing.children, *late)), places)
         for thing in things.own("thing")
     ]
+
+
+def _places(command: Node) -> list[Node]:
+    return [*command.find("place"), *command.find("destination")]
+
+
+def _fill(command: Node) -> list[Edit]:
+    """Read "fill the plaza with 50 people"."""
+    places = [
+        Place("", "in", name) for one in targets_of(command) for name in one.ids or (one.kind,)
+    ]
+    things = command.branch("things")
+    assert things is not None
+    return [_added(thing, places) for thing in things.own("thing")]
 
 
 def _added(thing: Node, places: Sequence[Place]) -> Edit:
@@ -265,6 +301,8 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
     count = thing.first("COUNT")
     change += [("count", _whole(_value(count)))] if count is not None else []
     change += _traits(thing)
+    every = thing.first("EVERY")
+    change += [("spacing", _whole(_value(every)))] if every is not None else []
     change += [pair for place in places for pair in place.items()]
     return Edit("add" if noun.noun_class == "element" else "add_building", None, tuple(change))
 
@@ -284,6 +322,8 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
     change += _amount(thing)
     speed = thing.first("SPEED")
     change += [("speed", round(_value(speed), 4))] if speed is not None else []
+    axis = thing.first("AXIS")
+    change += [("direction", axis.get("axis"))] if axis is not None else []
     for place in places:
         key = "near" if place.relation == "near" else "path"
         change.append((key, place.spot) if place.spot else ("side", place.side))
@@ -311,13 +351,14 @@ def _plant(command: Node) -> list[Edit]:
     change += [("count", int(_value(count)))] if count is not None else []
     change += _amount(plants)
     change += [("spacing", _whole(_value(every)))] if every is not None else []
-    for place in places_of(command.find("place")):
+    for place in places_of(_places(command)):
         change += place.items()
     return [Edit("plant", None, tuple(change))]
 
 
 _RULES: Mapping[str, Callable[[Node], list[Edit]]] = {
-    "remove": _remove, "look": _look, "resize": _resize, "replace": _replace, "add": _add,
-    "plant": _plant, "move": _move, "rotate": _rotate, "scale": _scale, "close": _close,
-    "lights": _lights, "copy": _copy,
+    "remove": _remove, "look": _look, "resize": _resize, "shift": _shift,
+    "replace": _replace, "add": _add, "plant": _plant, "move": _move,
+    "rotate": _rotate, "scale": _scale, "close": _close, "lights": _lights,
+    "copy": _copy, "fill": _fill,
 }  # fmt: skip

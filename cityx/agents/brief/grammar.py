@@ -15,28 +15,32 @@ if TYPE_CHECKING:
 
 # Terminals are kinds of items, see `cityx.agents.brief.terminals`; the value is the item's index.
 GRAMMAR = """
-start: remove | look | resize | replace | add | plant | move | rotate | scale | close | lights
-     | copy
-remove: REMOVE targets | targets BE REMOVE
-look: _paint (attr OF?)? targets (link* change)+ | targets BE _paint? (link* change)+
-    | _paint targets attr (link* change)+
+start: remove | look | resize | shift | replace | add | plant | move | rotate | scale
+     | close | lights | copy | fill | topic
+topic: targets
+remove: REMOVE targets | targets BE? REMOVE
+look: _paint (attr OF?)? targets (link* change)+ | targets (BE | IN) _paint? (link* change)+
+    | _paint targets attr (link* change)+ | (ADD | MAKE) roofing link targets
+roofing: ROOF
 _paint: PAINT | CLAD | MAKE
 attr: ATTR
 change: COLOR | MATERIAL | STYLE | ROOF | FLOORS | LENGTH | LIMIT | LANES | factor | KIND
 factor: TIMES ATTR? | COUNT SIGN ATTR? | FACTOR COUNT | SHARE ATTR?
 resize: _resizing (attr OF?)? targets (way amount)? | _resizing targets attr (way amount)?
+shift: (ADD | REMOVE | RAISE | LOWER) amount link targets
 _resizing: DOUBLE | TRIPLE | QUADRUPLE | HALVE | RAISE | LOWER | WIDEN | NARROW
 way: TO | BY | WITH
 amount: LENGTH | FLOORS | SHARE | COUNT | LANES | factor | LIMIT
 replace: REPLACE targets link new | targets BE REPLACE link new
 new: trait* (KIND | THING | AGENT | PLANT | BUILDING) (link* trait)*
 trait: MATERIAL | COLOR | STYLE | ROOF | FLOORS | LENGTH | COUNT | LIMIT | ALL
-add: (ADD | MAKE) things (place | link* SPEED | MODE)*
+fill: FILL targets WITH things
+add: (ADD | MAKE) things (place | destination | link* SPEED | MODE | AXIS | AND? COUNT? EVERY)*
 things: thing (AND thing)*
 thing: own* (AGENT | THING | KIND | BUILDING) (link* MODE | link* trait | link* SPEED | EVERY)*
 own: trait | SPEED | AMOUNT | MODE
-plant: (PLANTS | ADD) plants place*
-plants: (trait | AMOUNT)* PLANT (link? EVERY)* (AND plants)?
+plant: (PLANTS | ADD) plants (place | destination)*
+plants: (trait | AMOUNT | OF)* PLANT (link? EVERY)* (AND plants)?
 move: MOVE targets (link? LENGTH | link? direction | place)+
 direction: SIDE
 rotate: ROTATE targets link? (ANGLE | COUNT) CLOCKWISE?
@@ -45,10 +49,13 @@ close: (CLOSE | OPEN) targets (link AGENT)?
 lights: (TURN_ON | TURN_OFF) targets
 copy: COPY targets place*
 targets: target (AND target)*
-target: ID filter* | mod* (BUILDING | KIND | THING | AGENT | PLANT | ROAD | WHOLE) filter* | IT
+target: _named? ID (TO ID)? filter* | IT
+    | mod* (BUILDING | KIND | THING | AGENT | PLANT | ROAD | WHOLE) filter*
+_named: BUILDING | KIND | THING | PLANT | ROAD
 mod: ALL | COUNT | SHARE | RANK | ORDINAL | REST | MATERIAL | COLOR | STYLE | ROOF | FLOORS
    | OF | SIDE
 filter: (WITH | BE | OF)? LIMIT | WITH ROOF | (OF | WITH) MATERIAL | (WITH | OF) FLOORS | place
+destination: TO spot
 place: where+ spot | where* SIDE (OF spot)?
 where: REL | IN | ON | BY
 spot: (ALL | COUNT | RANK | SIDE)* (BUILDING | KIND | THING | ROAD | PLANT | WHOLE | ID) beyond?

@@ -15,6 +15,12 @@ ROADS = {
     "main_street": "roads.main", "avenue": "roads.main", "side_street": "roads.other",
     "road": "roads", "ring_road": "roads.ring",
 }  # fmt: skip
+# Of these a singular is one thing in the city, and no type that most buildings have.
+LANDMARKS = (
+    "church", "cathedral", "mosque", "temple", "school", "university", "hospital", "station",
+    "stadium", "town_hall", "museum", "library", "theatre", "castle", "lighthouse", "market_hall",
+    "monument", "mall", "petrol_station",
+)  # fmt: skip
 _ADJECTIVES = (
     "material", "color", "size", "height", "width", "slot", "strength", "rank", "exact", "approx",
     "attr", "ordinal",
@@ -157,6 +163,10 @@ class Here:
     def buildings_before(self, *, past_end: bool) -> Item | None:
         """Return the buildings a count behind them is of: "warehouses, please; | ten of them"."""
         return self._last(*BUILDINGS, far=past_end)
+
+    def element_before(self) -> Item | None:
+        """Return the elements of "three parks, each | of 1 ha"."""
+        return self._last("element", far=False)
 
     def _last(self, *classes: str, far: bool) -> Item | None:
         for item in reversed(self.items[: self.at]):

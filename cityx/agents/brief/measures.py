@@ -13,6 +13,7 @@ _HAS_ATTRIBUTE = {"length", "share", "floors", "angle", "speed", "area", "pair"}
 _FLIPPED = {"over": "max", "under": "min", "": ""}
 _PLAIN = {"over": "min", "under": "max"}
 _LONGEST_PREFIX = 5
+_EXTREMES = ("maximum", "minimum", "max", "min")  # may stand before the noun: "maximum road width"
 
 
 def join_measures(items: Sequence[Item]) -> list[Item]:
@@ -34,7 +35,9 @@ def _measure(items: Sequence[Item], at: int, before: Sequence[Item]) -> tuple[It
     quantity, end, ranged = _ranged(items, end, bound == "between")
     after, end = _attribute_after(items, end, quantity)
     attribute = attribute or after
+    relative, end = _relative_after(items, end)
     late, end = _bound_after(items, end)
+    bound = bound or _extreme(before)
     if bound in _PLAIN:
         denial = _denial(before)
         if denial is not None:
@@ -43,7 +46,8 @@ def _measure(items: Sequence[Item], at: int, before: Sequence[Item]) -> tuple[It
         bound = _PLAIN.get(bound, bound)
     quantity = replace(
         quantity if ranged else _bounded(quantity, late or bound),
-        attribute=attribute,
+        attribute=attribute or relative.partition(" ")[0],
+        relative={"over": 1, "under": -1}.get(relative.partition(" ")[2], quantity.relative),
         approximate=approximate,
     )
     taken = items[at:end]
@@ -84,11 +88,12 @@ def _ranged(items: Sequence[Item], at: int, between: bool) -> tuple[Quantity, in
     second_at = at + 2
     if second_at < len(items) and items[second_at].has("approx", "bound"):
         second_at += 1
+    up_to = between and at + 1 < len(items) and items[at + 1].get("bound") == "max"
     second = items[second_at].quantity if second_at < len(items) else None
     link = items[at + 1].text if at + 1 < len(items) else ""
     if second is None or second.low is None or first.low is None:
         return first, at + 1, False
-    if link in _TO or (between and items[at + 1].get("rel") == "and"):
+    if link in _TO or up_to or (between and items[at + 1].get("rel") == "and"):
         alike = _alike(first, second)
         if alike is not None:
             low, high = sorted(alike)
@@ -124,6 +129,27 @@ def _attribute_after(items: Sequence[Item], at: int, quantity: Quantity) -> tupl
     if item.has("attr") and not item.has("slot"):
         return item.get("attr"), at_word + 1
     return "", at
+
+
+def _relative_after(items: Sequence[Item], at: int) -> tuple[str, int]:
+    """Read "higher" in "20 m higher", which is a change and no bound."""
+    item = items[at] if at < len(items) else None
+    if item is None or not item.has("compared") or item.words[-1] in ("than", "over"):
+        return "", at
+    return item.get("compared"), at + 1
+
+
+def _extreme(before: Sequence[Item]) -> str:
+    """Return the bound of "maximum road gradient | 8 percent"."""
+    for item in reversed(before[-_LONGEST_PREFIX:]):
+        if item.get("bound") and item.text in _EXTREMES and not item.state:
+            item.state = "read"
+            return item.get("bound")
+        if not (
+            item.has("noun", "attr") or item.kind == "function" or item.get("rel") in ("of", "be")
+        ):
+            return ""
+    return ""
 
 
 def _bound_after(items: Sequence[Item], at: int) -> tuple[str, int]:

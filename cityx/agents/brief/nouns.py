@@ -9,22 +9,24 @@ Book = Mapping[str, Mapping[str, str]]
 # Nouns: class -> canonical noun -> triggers. "type" are types of building.
 NOUNS: Book = {
     "building": {
-        "building": "building, structure, edifice, construction, blocks of buildings, facade, "
-        "built structure",
+        "building": "building, structure, edifice, construction, blocks of buildings, "
+        "built structure, cube, volume",
     },
     "type": {
         "house": "house, detached house, home, dwelling, family house, single family house, "
         "family home, detached home, semi detached house, semi, townhome, farmhouse, "
         "private house, residence, single family home, suburban house, semi detached",
         "terrace": "terraced house, terrace house, row house, rowhouse, townhouse, town house, "
-        "terraced, brownstone, terraces of houses, row of houses, terraced home, canal house",
+        "terraced, brownstone, terraces of houses, rows of terraces, row of houses, "
+        "terraced home, canal house",
         "villa": "villa, mansion, manor, country house, estate house",
         "cottage": "cottage, cabin, hut, chalet, log cabin",
         "bungalow": "bungalow, ranch house, single storey house, one storey house",
         "apartment": "apartment, apartment block, apartment building, apartment house, flat, "
         "block of flats, tenement, residential block, condominium, condo, condo building, "
         "residential building, mietshaus, multi family house, housing block, panel building, "
-        "tower block of flats, walk up, multi family building, tenement house, living block, "
+        "tower block of flats, walk up, slab block, slab, multi family building, tenement house, "
+        "living block, "
         "multi storey flats, apartment complex, perimeter block",
         "tower": "tower, skyscraper, high rise, highrise, high rise building, high rise tower, "
         "tower block, office tower, sky scraper, apartment tower, "
@@ -88,7 +90,7 @@ NOUNS: Book = {
         "central plaza, village square, village green square, cathedral square, main plaza, "
         "public plaza, platz, plazas, town plaza, central marketplace, agora",
         "fountain": "fountain, water feature, water jet, water fountain",
-        "forest": "forest, wood, woodland, grove, woods, copse, thicket, pine forest, jungle",
+        "forest": "forest, wood, woodland, grove, woods, copse, thicket, pine forest",
         "meadow": "meadow, field, pasture, grassland, wildflower meadow, green field",
         "lawn": "lawn, grass, green lawn, grass area, turf, village green, grassy area",
         "playground": "playground, play area, children's playground, play ground",
@@ -133,6 +135,7 @@ NOUNS: Book = {
     },
     "vehicle": {
         "vehicle": "vehicle, car, automobile, motor car, motor vehicle, traffic, motorcar, "
+        "motor traffic, motorized traffic, motorised traffic, "
         "parked car, auto, road traffic, car traffic",
         "bus": "bus, coach, double decker, city bus",
         "truck": "truck, lorry, hgv, pickup, semi truck, semi trailer, delivery truck",
@@ -171,10 +174,10 @@ NOUNS: Book = {
         "radial boulevard",
         "side_street": "side street, other street, local street, other road, side road, back "
         "street, minor road, minor street, residential street, remaining street, local road, "
-        "secondary street, rest of the streets, remaining road, all others, the others, "
+        "secondary street, rest of the streets, remaining road, "
         "smaller street, smaller road, residential road, lesser street, every other street, "
         "all other streets, rest of the roads, back lane, neighborhood street, "
-        "all the other streets, all other roads, the rest",
+        "all the other streets, all other roads",
         "ring_road": "ring road, ring, beltway, orbital road, ring street, circular road, "
         "orbital, ring boulevard, ringroad, circular street, bypass ring, beltroad, "
         "orbital motorway, peripheral road, concentric road, concentric street, "
@@ -186,7 +189,9 @@ NOUNS: Book = {
     },
     "place": {
         "city": "city, town, urban area, urban landscape, cityscape, townscape, place, area, "
-        "scene, environment, settlement, site, district, quarter, conurbation, urban scene, "
+        "scene, environment, settlement, metropolis, market town, square city, square town, "
+        "square plot, square site, square area, square block, square district, capital, "
+        "capital city, city quarter, site, district, quarter, conurbation, urban scene, "
         "plot, terrain size, neighbourhood block, map area, block, city block, urban block, "
         "urban district, part of town, layout size, model, world, street scene, municipality, "
         "extent, total area, whole city, entire city, whole town, entire town, "
@@ -196,6 +201,7 @@ NOUNS: Book = {
         "all of it, everything else, the whole thing, all objects, everything there",
         "roof": "roof, rooftop, roofing",
         "window": "window",
+        "facade": "facade, front, house front, wall, exterior, cladding",
         "sky": "sky, air, atmosphere",
         "light": "light",
         "flying": "flying, flying car, flying vehicle, drone, aircraft, airship, helicopter, "

@@ -16,7 +16,8 @@ Book = Mapping[str, Mapping[str, str]]
 SLOTS: Book = {
     "style": {
         "modern": "modern, modernist, contemporary, present day, sleek, minimalist, minimalistic, "
-        "21st century, up to date, state of the art, newly built, modern looking, today's",
+        "21st century, up to date, state of the art, newly built, bauhaus, international style, "
+        "modern looking, today's",
         "futuristic": "futuristic, sci fi, scifi, science fiction, cyberpunk, cyber punk, "
         "high tech, hi tech, space age, utopian, dystopian, blade runner, from the future, "
         "of the future, future, solarpunk, next century, 22nd century",
@@ -104,7 +105,10 @@ SLOTS: Book = {
         "high": "dense, densely built, densely built up, high density, tightly packed, compact, "
         "crowded together, closely packed, close packed, packed, jam packed, built up, "
         "densely packed, cramped, congested city, close knit, closely built, tightly built, "
-        "highly dense, very dense, crammed, dense city, dense urban, densely populated, "
+        "highly dense, very dense, crammed, concrete jungle, dense jungle of, jungle of, "
+        "forest of skyscrapers, forest of towers, "
+        "heavily built up, heavily built, cheek by jowl, wall to wall, dense city, dense urban, "
+        "densely populated, "
         "shoulder to shoulder, packed together, packed close together, densely",
         "medium": "medium density, moderately dense, mid density, moderate density, "
         "medium dense, neither dense nor sparse, average density",
@@ -145,11 +149,14 @@ SLOTS: Book = {
         "snow": "snow, snowy, snowing, snowfall, snowed in, snow covered, snow capped, "
         "covered in snow, covered with snow, under snow, blanketed in snow, snow clad, "
         "snowflake, snowy weather, blanket of snow, snowscape, wintry, frosted, "
-        "snow laden, snow topped, white christmas, wintery, layer of snow, snow lies",
+        "snow laden, snowbound, snow bound, snow topped, white christmas, wintery, "
+        "layer of snow, snow lies",
     },
     "time": {
         "dawn": "dawn, daybreak, break of day, first light, crack of dawn, cockcrow, day break, "
-        "early dawn, before sunrise, just before sunrise",
+        "early dawn, before sunrise, just before sunrise, before the sun comes up, "
+        "just before the sun comes up, before the sun rises, sky is getting light, "
+        "before daybreak, first rays",
         "sunrise": "sunrise, sun up, sunup, rising sun, sun rises, as the sun rises, morning sun "
         "rises, sun comes up, sun is rising",
         "morning": "morning, early morning, mid morning, late morning, breakfast time, "
@@ -161,10 +168,13 @@ SLOTS: Book = {
         "afternoon light, tea time",
         "golden_hour": "golden hour, golden light, magic hour, golden evening light, "
         "low golden sun, warm low sun, golden hour light",
-        "sunset": "sunset, sundown, setting sun, sun sets, as the sun sets, sun goes down, "
+        "sunset": "sunset, sundown, sun go down, the sun go down, setting sun, sun sets, "
+        "as the sun sets, sun goes down, "
         "sun is setting, evening sun sets, sun going down, sinking sun",
         "dusk": "dusk, twilight, nightfall, blue hour, gloaming, after sunset, just after sunset, "
-        "dimming light, at the fall of night, evening twilight, crepuscule",
+        "dimming light, getting dark, growing dark, night is falling, night falls, darkness falls, "
+        "dark is falling, light is fading, fading light, last light, day is ending, "
+        "at the fall of night, evening twilight, crepuscule",
         "evening": "evening, late evening, early evening, in the evening, dinner time, "
         "evening hours",
         "night": "night, nighttime, night time, midnight, at night, late at night, by night, "
@@ -242,7 +252,8 @@ SLOTS: Book = {
         "neon": "neon light, neon sign, neon lit, neon, neon advertising, neon glow, neon tube, "
         "neon lighting",
         "on": "lights on, lamps lit, lit up, illuminated, lit windows, lighted windows, "
-        "street lamps lit, street lights on, glowing windows, lit, brightly lit, lamps burning, "
+        "street lamps lit, lanterns glow, lamps glow, lights glow, lamps shine, lanterns shine, "
+        "windows glow, street lights on, glowing windows, lit, brightly lit, lamps burning, "
         "lights are on, lit street lamps, glowing street lamps, city lights, illuminated windows, "
         "street lights lit, lamp lit, well lit, lanterns lit, lamplight, lights glowing",
         "off": "lights off, lamps off, blackout, power cut, unlit, lights out, "
@@ -250,7 +261,8 @@ SLOTS: Book = {
     },
     "wetness": {
         "high": "wet street, wet asphalt, wet road, wet pavement, wet ground, puddle, "
-        "rain slicked, after the rain, glistening streets, wet, soaked, drenched, dripping wet, "
+        "rain slicked, after the rain, glistening streets, wet, dripping wet, shiny with water, "
+        "streets are shiny, shiny streets, shiny asphalt, gleaming asphalt, "
         "after a shower, just rained, rain slick, slick streets, flooded, soaking wet, "
         "reflections on the wet, after rain, waterlogged, after a downpour",
         "low": "dry streets, dry ground, dry road, dry asphalt, dry pavement",
@@ -282,7 +294,7 @@ SLOTS: Book = {
         "throngs of people, crowds of shoppers, crowded, packed with pedestrians",
         "light": "odd passer by, few passers by, a handful of people, occasional passer by, "
         "occasional pedestrian, hardly anyone, hardly anybody, hardly a soul, barely anyone, "
-        "almost no people, sleepy, hardly any people, hardly any pedestrians, "
+        "almost no people, hardly any people, hardly any pedestrians, "
         "a lone walker, lonely walker, nearly nobody about, few people about, "
         "light foot traffic, some strollers, almost nobody",
     },
@@ -304,7 +316,7 @@ SLOTS: Book = {
         "medium": "medium sized, mid sized, medium size, middle sized, of medium size, midsize, "
         "average sized, medium scale",
         "large": "large city, big city, huge city, large town, large scale, mega city, megacity, "
-        "metropolis, giant city, vast city, sprawling metropolis, megalopolis, enormous city, "
+        "giant city, vast city, sprawling metropolis, megalopolis, enormous city, "
         "big town, large sized, massive city, gigantic city",
     },
 }
@@ -338,9 +350,13 @@ TOGETHER: Mapping[str, str] = {
     "not=vehicle not=pedestrian": "deserted, deserted streets, empty streets, abandoned, "
     "ghost town, lifeless, uninhabited, depopulated, devoid of life, empty of life",
     "not=vehicle": "car free, carfree, traffic free, pedestrianized, pedestrianised, vehicle free, "
-    "pedestrian zone, pedestrian precinct, pedestrian only, auto free, motor free, free from cars, "
-    "pedestrian area, free of traffic",
-    "not=pedestrian": "pedestrian free, people free",
+    "pedestrian zone, pedestrian precinct, pedestrian only, auto free, motor free, "
+    "pedestrian area",
+    "not=pedestrian": "pedestrian free, people free, nobody is outside, nobody outside, "
+    "not a soul, "
+    "nobody about, nobody around, no one around, no one about, nobody on the streets, nobody in "
+    "sight, nobody to be seen, not a soul in sight, not a soul to be seen, nobody is about, "
+    "nobody is around, no one is outside, no one in sight, nobody walks, nobody is on the streets",
     "not=tree": "treeless, tree free, barren of trees, without a tree, not a single tree",
     "not=bridge": "bridgeless",
     "roads.width=narrow roads.pattern=organic": "maze of narrow streets, narrow winding lanes, "
@@ -359,7 +375,9 @@ TOGETHER: Mapping[str, str] = {
     "building.height=tall building.type=tower": "towering skyscraper, soaring skyscraper, "
     "soaring tower, sky high towers, supertall, supertall tower, giant skyscraper",
     "building.height=low": "low rise, low slung, low lying buildings, lowrise",
-    "building.height=medium": "mid rise, medium rise, midrise, mid height, medium height",
+    "building.height=medium": "mid rise, medium rise, midrise, mid height, medium height, "
+    "not too tall, not too high, not very high, not overly tall, moderately tall, moderately high",
+    "density=medium": "not too dense, not very dense, not overly dense, not so dense",
     "building.height=varied": "varied heights, varying heights, mixed heights, "
     "different heights, various heights",
 }

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
-from cityx.agents.brief.here import BUILDINGS, COUNTED, ROADS, Here
+from cityx.agents.brief.here import BUILDINGS, COUNTED, LANDMARKS, ROADS, Here
 from cityx.agents.brief.scan import ENDS, Item, Quantity
 from cityx.agents.brief.scopes import READ
 
@@ -44,11 +45,13 @@ def _counts(here: Here) -> None:
     key = _count_key(noun)
     if key:
         here.found.add_bounded(key, here.quantity, here.item, noun)
-    if noun.noun_class == "type":
+    if noun.noun_class == "type" and noun.noun not in LANDMARKS:
         here.found.add("building.type", noun.noun, noun)
 
 
 def _count_key(noun: Item) -> str:
+    if noun.noun in LANDMARKS:
+        return f"{noun.noun}.count"
     if noun.noun_class in BUILDINGS or noun.noun == "everything":
         return "building.count"
     if noun.noun_class in ("element", "vehicle", "person", "plant"):
@@ -83,23 +86,43 @@ def _lengths(here: Here) -> None:
     if noun is None and what == "width":
         noun = here.noun_past_comma()
     every = here.before is not None and here.before.text in ("every", "each")
-    if what == "slope":
+    if _is_depth(here):
+        here.found.leave(here.item, "depth")
+    elif what == "slope":
         here.found.add_bounded("roads.slope", here.quantity, here.item)
-    elif what == "spacing" or every:
+    elif what == "spacing" or (every and not what):
         here.found.add("nature.spacing", _value(here.quantity), here.item)
-    elif what in ("side", "across") and (noun is None or noun.noun_class in ("place", "road")):
+    elif what in ("side", "across") and (noun is None or noun.noun_class == "place"):
         _extent(here, "")
     elif what == "height" or (not what and (noun is None or noun.noun_class in BUILDINGS)):
         own = noun is not None and noun.noun_class in ("element", "plant")
         key = _key(noun) if own and noun is not None else "building"
-        here.found.add_bounded(f"{key}.height", here.quantity, here.item)
+        here.found.add_bounded(f"{key}.height", _highest(here, noun), here.item)
     elif noun is None or noun.noun in _WHOLE:
         _extent(here, what)
     else:
         _width(here, noun)
 
 
+def _is_depth(here: Here) -> bool:
+    """Tell whether a length is that of lying snow or water: "20 cm of snow"."""
+    what = here.items[here.at + 2] if here.at + 2 < len(here.items) else None
+    of = here.after is not None and here.after.get("rel") == "of"
+    return of and what is not None and what.get("slot").startswith("weather=")
+
+
+def _highest(here: Here, noun: Item | None) -> Quantity:
+    """Return the height of "the highest building", which bounds that of all."""
+    ranks = [one for one in here.clause() if one.get("rank") == "tallest"]
+    if noun is None or not ranks or here.quantity.exact is None:
+        return here.quantity
+    ranks[0].state = READ
+    return replace(here.quantity, low=None)
+
+
 def _extent(here: Here, what: str) -> None:
+    if here.before is not None and here.before.text == "each":
+        return  # "blocks, each 100 m wide" are no city of that width
     for key in _SIDES.get(what, ("size.x", "size.y")):
         here.found.add(key, _value(here.quantity), here.item)
 
@@ -123,6 +146,8 @@ def _areas(here: Here) -> None:
     noun = here.noun_behind()
     if noun is None and here.before is not None and here.before.get("rel") == "of":
         noun = here.noun_before(3)
+    if noun is None and here.before is not None and here.before.text == "each":
+        noun = here.element_before()
     own = noun is not None and noun.noun_class == "element"
     key = f"{noun.noun}.area" if own and noun is not None else "size.area"
     value = here.quantity.exact
@@ -146,7 +171,7 @@ def _shares(here: Here) -> None:
         named = look or kind
         if named is not None:
             value = named.get("material") or named.noun
-            here.found.add_bounded(f"{value}.share", here.quantity, here.item)
+            here.found.add_bounded(f"{value}.share", here.quantity, here.item, named)
 
 
 def _is_green(item: Item) -> bool:
@@ -156,6 +181,7 @@ def _is_green(item: Item) -> bool:
 def _speeds(here: Here) -> None:
     noun = here.noun()
     of = {"road": "roads", "person": "pedestrian"}.get(noun.noun_class if noun else "", "vehicle")
+    of = "roads" if "limit" in here.item.words else of
     here.found.add_bounded(f"{of}.speed", here.quantity, here.item)
 
 

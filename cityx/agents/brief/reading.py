@@ -15,7 +15,7 @@ from cityx.agents.brief.goals import goals_of
 from cityx.agents.brief.measures import join_measures
 from cityx.agents.brief.scan import LONGEST_TEXT, scan
 from cityx.agents.brief.scopes import settle_scopes
-from cityx.agents.brief.sources import read_sources
+from cityx.agents.brief.sources import SOURCE_OF, read_sources
 
 
 def read_brief(
@@ -62,17 +62,19 @@ def read_brief(
         left.append((LONGEST_TEXT, len(text)))
         said = f"Only the first {LONGEST_TEXT} characters were read."
         notes.append(Note("too_long", said, left[-1]))
+    files = {SOURCE_OF.get(kind, kind): name for name, kind in inputs}
+    goals, open_notes = goals_of(slots, found.negated, found.kept, edits, files)
     return Brief(
         text,
         tuple(slots),
         tuple(edits),
-        goals_of(slots, found.negated, found.kept, edits),
+        goals,
         tuple(left),
         (*against, *conflicts_of(slots, found.negated)),
         tuple(questions),
         tuple(found.kept),
         tuple(found.negated),
-        (*notes, *found.notes),
+        (*notes, *found.notes, *open_notes),
     )
 
 
@@ -92,7 +94,7 @@ def read_note(text: str, *, base: bool = True) -> Brief:
             edits.append(edit)
         elif note is not None:
             ignored.append(note)
-    goals = goals_of(brief.slots, brief.negated, brief.kept, edits)
+    goals, _ = goals_of(brief.slots, brief.negated, brief.kept, edits)
     return replace(
         brief, text=text, edits=tuple(edits), goals=goals, notes=(*brief.notes, *ignored)
     )

@@ -14,6 +14,7 @@ from cityx.agents.brief.words import Word, forms_of, words_of
 
 LONGEST_TEXT = 6000  # characters; what comes later is listed as unread, so that time stays short
 ENDS = ".;!?\n"
+_MORE = {"more": 1, "additional": 1, "extra": 1, "further": 1, "fewer": -1, "less": -1}
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,8 @@ class Quantity:
         Whether the text says "about".
     unit
         Size of the unit in SI units, for a number that shares it.
+    relative
+        1 in "20 m higher", -1 in "20 m lower", else 0.
     """
 
     dimension: str
@@ -44,6 +47,7 @@ class Quantity:
     attribute: str = ""
     approximate: bool = False
     unit: float = 1.0
+    relative: int = 0
 
     @property
     def exact(self) -> float | None:
@@ -187,21 +191,38 @@ def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
     if word.kind == "clock":
         hours, minutes = map(int, word.text.split(":"))
         return _clock(words, at, hours + minutes / 60, 1)
-    part = read_part(words, at)
-    if part is not None:
+    past = _past_the_hour(words, at)
+    if past is not None:
+        return past
+    part, found = read_part(words, at), read_number(words, at)
+    if part is not None and (found is None or word.text != "half"):  # but "half a dozen"
         return _part(words, at, *part)
-    found = read_number(words, at)
     if found is None:
         return None
     value, length = found
-    unit = read_unit(words, at + length)
+    more = _MORE.get(words[at + length].text, 0) if at + length < len(words) else 0
+    unit = read_unit(words, at + length + abs(more))
     if unit is None:
         return Quantity("count", value, value), length
     dimension, factor, extra = unit
+    length += abs(more)
     if dimension in ("hour", "half_day"):
         return _clock(words, at, value, length)
     size = value * factor
-    return Quantity(dimension, size, size, unit=factor), length + extra
+    return Quantity(dimension, size, size, unit=factor, relative=more), length + extra
+
+
+def _past_the_hour(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
+    """Read "half past six" and "quarter to seven"."""
+    minutes = {"half": 30, "quarter": 15}.get(words[at].text)
+    way = words[at + 1].text if at + 2 < len(words) else ""
+    if minutes is None or way not in ("past", "to"):
+        return None
+    hour = read_number(words, at + 2)
+    if hour is None or hour[0] > 24:
+        return None
+    sign = 1 if way == "past" else -1
+    return _clock(words, at, hour[0] + sign * minutes / 60, hour[1] + 2)
 
 
 def _part(words: Sequence[Word], at: int, share: float, length: int) -> tuple[Quantity, int] | None:
@@ -212,9 +233,18 @@ def _part(words: Sequence[Word], at: int, share: float, length: int) -> tuple[Qu
     if unit is not None and unit[0] in ("length", "area"):
         return Quantity(unit[0], share * unit[1], share * unit[1]), skip + unit[2]
     after = words[at + length].text if at + length < len(words) else ""
-    if after in ("of", "the", "all", "a", "an") or (after and known(after)):
+    later = words[at + length + 1].text if at + length + 1 < len(words) else ""
+    if "quarter" in words[at + length - 1].text and later not in ("the", "all", "its"):
+        return None  # "a quarter of narrow alleys"
+    half = words[at].text == "half" and (after in ("the", "all", "a", "an") or known(after))
+    if after == "of" or (after and half):
         return Quantity("part", share, share), length + (after == "of")
     return None
+
+
+def _of_the_later_day(words: Sequence[Word], at: int) -> bool:
+    """Tell whether "in the afternoon" or "at night" follows an hour."""
+    return any(word.text in ("afternoon", "evening", "night") for word in words[at : at + 3])
 
 
 def _clock(words: Sequence[Word], at: int, hour: float, length: int) -> tuple[Quantity, int] | None:
@@ -224,4 +254,6 @@ def _clock(words: Sequence[Word], at: int, hour: float, length: int) -> tuple[Qu
         length += unit[2]
     if unit is not None and unit[0] == "half_day":
         hour = hour % 12 + unit[1]
+    elif hour < 12 and _of_the_later_day(words, at + length):
+        hour += 12
     return (Quantity("hour", hour % 24, hour % 24), length) if 0 <= hour <= 24 else None

@@ -74,7 +74,8 @@ def _scope(items: Sequence[Item], at: int) -> list[Item]:
             break
         if item.get("rel") == "and" and reached and not _noun_follows(items, at):
             break
-        if item.has("axis") or (item.has("exact") and reached):
+        placed = item.get("rel") in ("on", "along", "near", "around", "in")
+        if item.has("axis") or ((item.has("exact") or placed) and reached):
             break
         reached.append(item)
         at += 1

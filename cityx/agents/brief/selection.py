@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
@@ -10,9 +11,12 @@ from cityx.agents.brief.grammar import Node
 from cityx.agents.brief.scan import Item
 from cityx.agents.brief.terminals import share_of
 
+_NUMBERED = re.compile(r"(\D+)(\d+)")
 # What a bare number with a unit measures of an object.
 MEASURES = {"length": "height", "floors": "floors", "speed": "speed", "area": "area"}
 _THROUGH = ("path", "center", "road", "sidewalk", "green")  # "the path around the park": the park
+_ROADS = ("main_street", "road", "side_street", "avenue", "ring_road")
+_MOST_IDS = 500  # in one range
 _SPOTS = ("BUILDING", "KIND", "THING", "ROAD", "PLANT", "WHOLE", "ID")
 
 
@@ -32,7 +36,8 @@ class Place:
                 yield "of", self.spot
         else:
             own = self.relation in ("along", "in", "on", "around")
-            yield (self.relation if own else "near"), self.spot
+            to = "in" if self.relation == "to" else "near"
+            yield (self.relation if own else to), self.spot
 
 
 def kind_of(noun: Item) -> str:
@@ -75,12 +80,23 @@ def _selector(target: Node) -> Selector:
         elif child.name == "filter":
             selector = _filtered(selector, child)
         elif child.name == "ID" and child.item is not None:
-            selector = replace(selector, ids=(child.item.text,))
+            selector = replace(selector, ids=_ids((*selector.ids, child.item.text)))
+        elif child.name in ("TO", *_SPOTS) and target.own("ID"):
+            continue  # "buildings b01 to b05"
         elif child.name == "IT":
             selector = replace(selector, kind="it")
         elif child.item is not None:
             selector = _of_kind(selector, child.item)
     return selector
+
+
+def _ids(named: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the ids of "b01 to b05", or those named."""
+    begin, end = _NUMBERED.fullmatch(named[0]), _NUMBERED.fullmatch(named[-1])
+    if begin is None or end is None or begin[1] != end[1]:
+        return named
+    numbers = range(int(begin[2]), min(int(end[2]), int(begin[2]) + _MOST_IDS) + 1)
+    return tuple(f"{begin[1]}{number:0{len(begin[2])}d}" for number in numbers)
 
 
 def _of_kind(selector: Selector, noun: Item) -> Selector:
@@ -140,7 +156,7 @@ def _conditions(item: Item) -> Iterator[str]:
 def _placed(selector: Selector, place: Place) -> Selector:
     if place.side:
         return replace(selector, side=place.side, of=place.spot)
-    if place.relation == "along":
+    if place.relation == "along" or (place.relation == "on" and place.spot in _ROADS):
         return replace(selector, along=place.spot)
     return replace(selector, near=place.spot)
 
@@ -148,7 +164,9 @@ def _placed(selector: Selector, place: Place) -> Selector:
 def _place(node: Node) -> Place:
     side = next((child.item for child in node.own("SIDE")), None)
     where = next(node.find("where"), None)
-    relation = where.first() if where is not None else None
+    relation = (
+        where.first() if where is not None else next((to.item for to in node.own("TO")), None)
+    )
     spot = node.branch("spot")
     return Place(
         side.get("side") if side is not None else "",

@@ -55,7 +55,7 @@ STRENGTHS: Mapping[str, str] = {
     "heavy": "heavy, thick, dense, strong, intense, heavily, massive, severe, violent, hard, "
     "extreme, torrential, deep, pouring, very heavy, very thick, fierce, terrible, busy, "
     "considerable",
-    "light": "light, slight, thin, gentle, faint, soft, mild, lightly, slightly, weak, "
+    "light": "light, slight, less, thin, gentle, faint, soft, mild, lightly, slightly, weak, "
     "a little, a bit of, patchy, a touch of, a hint of, some light, moderate, a bit, subtle, "
     "very light, delicate, calm",
 }
@@ -104,12 +104,14 @@ USES: Mapping[str, str] = {
 
 # Parts of sentences.
 BOUNDS: Mapping[str, str] = {
-    "min": "at least, minimum, minimum of, min, a minimum of, upwards of, no less than, "
+    "min": "at least, at the very least, minimum, minimum of, min, a minimum of, upwards of, "
+    "no less than, "
     "not less than, no fewer than, not fewer than, or more, or higher, or taller, and up, and "
     "above, at the least, at a minimum, starting at, starting from, not under, not below, "
     "no smaller than, or above, and higher, "
     "not smaller than, or greater, or wider",
-    "max": "at most, maximum, maximum of, max, a maximum of, up to, no more than, not more than, "
+    "max": "at most, at the very most, maximum, maximum of, max, a maximum of, up to, "
+    "no more than, not more than, "
     "not over, not above, or less, or lower, or fewer, at the most, tops, not exceeding, "
     "no greater than, capped at, limited to, restricted to, "
     "as high as, as tall as, or under, at max, or below, "
@@ -151,6 +153,7 @@ ATTRIBUTES: Mapping[str, str] = {
     "color": "color, paint color, shade, colour of the walls",
     "material": "material, facade material, wall material, texture",
     "roof": "roof type, roof shape, roof form",
+    "count": "number of, the number of, amount of",
     "floors": "number of floors, floor count, number of storeys, storey count, storeys in height",
     "area": "total area of, surface area of, in area, in size, floor area",
     "style": "style, look, architecture, architectural style",
@@ -216,13 +219,14 @@ VERBS: Mapping[str, str] = {
     "REMOVE": "remove, delete, erase, get rid of, take away, take out, demolish, tear down, knock "
     "down, clear away, eliminate, wipe out, pull down, bulldoze, raze, cut down, scrap, drop, "
     "dispose of, strip out, fell, chop down, clear out, weed out, tear out, do away with, ditch, "
-    "destroy, take down, empty",
+    "destroy, take down, stop, must go, should go, has to go, have to go, vanish, "
+    "disappear, shall go, ought to go, can go, end",
     "PAINT": "paint, recolor, color, repaint, dye, tint, coat, spray, colour in, spray paint",
     "CLAD": "clad, cover with, face with, dress, resurface, reclad, wrap, face, cover",
     "MAKE": "make, turn, set, change, convert, transform, let, have, give, switch, get, render, "
     "adjust, alter, put on, modify, update, exchange weather, bring, go for, shift, fit",
     "ADD": "add, put, place, insert, create, build, spawn, erect, install, generate, drop in, "
-    "bring in, include, construct, introduce, position, throw in, send, set up, populate, "
+    "bring in, include, construct, introduce, position, throw in, send, set up, "
     "stick, set down, lay out, dig",
     "PLANT": "plant, sow, grow, line, plant out",
     "REPLACE": "replace, swap, exchange, substitute, swap out, trade, switch out, replace all",
@@ -237,12 +241,14 @@ VERBS: Mapping[str, str] = {
     "RAISE": "raise, increase, heighten, lift, elevate, extend, bump up, jack up, boost, grow "
     "taller, add height to",
     "LOWER": "lower, reduce, decrease, cut, shorten, diminish, cut down to, trim, bring down, "
-    "lessen, cap, limit",
+    "lessen, cap, limit, shave, chop, knock, lop, trim down",
     "WIDEN": "widen, broaden, make wider",
     "NARROW": "narrow down, make narrower, slim down",
     "CLOSE": "close, close off, block off, shut, barricade, seal off, shut down, block",
     "OPEN": "open, reopen, unblock, open up",
-    "UNDO": "undo, revert, roll back, rollback, take back, reverse, step back, go back, cancel",
+    "FILL": "fill, populate, crowd, people with, stock",
+    "UNDO": "undo, reset, revert, roll back, rollback, take back, reverse, step back, go back, "
+    "cancel",
     "COPY": "copy, duplicate, clone, replicate",
     "TURN_OFF": "turn off, switch off, put out, extinguish, turn out",
     "TURN_ON": "turn on, switch on, light up, illuminate",
@@ -285,15 +291,15 @@ RELATIONS: Mapping[str, str] = {
     "around": "around, surrounding, encircling, round, all around, circling, about the, "
     "surround, circle, ring around",
     "on": "on, onto, over, across, upon, atop, on top of, at, crossing, cross, span, spanning",
-    "in": "in, inside, within, into, through, throughout, in the middle of, in the center of, "
+    "in": "in, inside, within, through, throughout, in the middle of, in the center of, "
     "amid, among, inside of, all over, at the center of, across the whole",
     "of": "of",
-    "to": "to, as, towards, toward",
+    "to": "to, into, as, towards, toward",
     "by": "by",
     "with": "with, having, featuring, that have, which have, which has, that has, made of, made "
     "from, made out of, built of, built from, out of, consisting of, for, from, in favor of, "
     "by means of",
-    "from": "from",
+    "from": "from, off, off of",
     "be": "is, are, be, was, were, should be, shall be, must be, ought to be, should become, "
     "become, becomes, need to be, needs to be, has to be, have to be, can be, will be, to be, "
     "turned, should get, shall get, shall become, gets, should have, should look, shall have, "
@@ -305,7 +311,7 @@ RELATIONS: Mapping[str, str] = {
     "all": "all, every, each, all of, all the, both, whole, entire, every single, each and every, "
     "every one of, complete, everything in",
     "rest": "rest of the, the rest of, remaining, rest of, other, others, remaining of the",
-    "it": "it, that, this, them, these, those, its, their",
+    "it": "it, that, this, them, these, those, they",
     "direction": "in each direction, each way, per direction, in either direction, each direction, "
     "in both directions, per side direction, each side direction, on each side of the road, "
     "every direction, going each way, both ways, in every direction",
@@ -315,7 +321,7 @@ RELATIONS: Mapping[str, str] = {
     "times": "times, x, fold, ×, *",
     "twice": "twice, twice as, two times, doubly",
     "thrice": "thrice, three times",
-    "half as": "half as, half the",
+    "half as": "half as",
     "factor": "factor, factor of, a factor of, by a factor of, by factor",
     "clockwise": "clockwise, to the right turn",
     "counterclockwise": "counterclockwise, anticlockwise, anti clockwise, counter clockwise",
@@ -345,7 +351,9 @@ _FUNCTION_WORDS = """
     a an the i we you he she they me my our your his her us one ones who whom whose which what when
     where why how there here be been being am is are was were do does did done have has had having
     will would shall should can could may might must let's lets i'd we'd i'll i'm it's there's
-    detached     that's you'd please kindly just simply really quite very rather fairly pretty so too also even
+    detached
+        that's you'd please kindly just simply really quite very rather fairly pretty so too also
+        even
     as at by for from in into of off on onto out over per than then to under up upon via with
     within and or but if because since until while during after before again once only own same
     such both each every either some any all most more other another well now like want need wish
@@ -383,6 +391,12 @@ _FUNCTION_WORDS = """
     hereby herewith enclosed according accordance basis
     wide wider tall high long deep direction directions way ways
     morning's proper properly nicely beautifully evenly randomly sparsely freely gently softly
-    brightly directly immediately straight
+    row rows series group groups estate everybody everyone choking hanging hangs fallen
+    dead cold cool warm mild parallel reflecting bright brightly carries carry varies vary varying
+    absolutely totally completely entirely fully
+    sure ensure certain certainly welcome welcomes fishing becomes converted originally formerly
+    once
+    long-standing famous known called named typically usually normally visible sight directly
+    immediately straight
 """
 FUNCTION_WORDS = frozenset(_FUNCTION_WORDS.split())

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cityx.agents.brief.scan import Item
+from cityx.agents.brief.speech import VERBS
 
 Terminal = tuple[str, int]  # its name, and the index of the item
 
@@ -45,12 +46,16 @@ def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
             continue
         first = not found
         name = _verb(item, first and verb_first, found) or _name(item)
+        if not name and not first and item.get("verb") == "MAKE":
+            name = "BE"  # "could b03 get a flat roof"
         if name == "ALL" and index + 1 < len(items) and _is_length(items[index + 1]):
             continue  # "every 10 m"; the length itself is the interval
         if name == "LENGTH" and _is_interval(items, index):
             name = "EVERY"
         if name in ("BE", "AND", "OF", "TO") and first:
             continue
+        if item.is_mark("-–") and found and found[-1][0] == "ID":
+            name = "TO"
         if name == "AND" and found[-1][0] == "AND":
             continue
         if name:
@@ -70,7 +75,8 @@ def _verb(item: Item, first: bool, found: Sequence[Terminal]) -> str:
     if first and verb:
         return {"PLANT": "PLANTS"}.get(verb, verb)
     after_be = bool(found) and found[-1][0] == "BE"
-    return verb if after_be and verb in _AFTER_BE else ""
+    gone = bool(found) and verb == "REMOVE" and found[0][0] not in VERBS
+    return verb if gone or (after_be and verb in _AFTER_BE) else ""
 
 
 def _name(item: Item) -> str:
@@ -80,6 +86,8 @@ def _name(item: Item) -> str:
         return _measure_name(item)
     if item.is_mark(","):
         return "AND"
+    if item.has("noun") and item.noun == "roof":
+        return "ATTR"
     slot = item.get("slot")
     if item.has("noun") and not (slot and item.noun_class in ("road", "place")):
         name = "WHOLE" if item.noun in _WHOLE else _CLASSES.get(item.noun_class, "")
@@ -92,7 +100,7 @@ def _name(item: Item) -> str:
         return "ROOF" if "roof=" in slot else "STYLE"
     if item.get("rel") in _RELATIONS:
         return _RELATIONS[item.get("rel")]
-    for kind in ("ordinal", "side", "mode", "attr", "amount"):
+    for kind in ("axis", "ordinal", "side", "mode", "attr", "amount"):
         if item.has(kind):
             return kind.upper()
     return ""

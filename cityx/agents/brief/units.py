@@ -69,4 +69,5 @@ def read_unit(words: Sequence[Word], at: int) -> tuple[str, float, int] | None:
 
 def _single(text: str) -> str:
     """Return a unit in the singular."""
-    return text[:-1] if len(text) > 3 and text.endswith("s") else text
+    plural = len(text) > 3 and text.endswith("s") and not text.endswith("us")
+    return text[:-1] if plural else text

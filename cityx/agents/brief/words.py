@@ -87,7 +87,7 @@ def forms_of(word: str) -> tuple[str, ...]:
     forms = [word]
     if word in _IRREGULAR:
         forms.append(_IRREGULAR[word])
-    if len(word) > 3 and word.endswith("s") and not word.endswith(("ss", "us", "is")):
+    if len(word) > 3 and word.endswith("s") and not word.endswith(("ss", "us", "sis")):
         if word.endswith("ies"):
             forms.append(word[:-3] + "y")
         forms.append(word[:-1])
