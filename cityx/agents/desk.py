@@ -8,7 +8,7 @@ What a change leaves alone is linked there, so that it costs neither time nor ro
 from __future__ import annotations
 
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -31,6 +31,10 @@ JOURNAL = "journal.sqlite"
 
 class Conflict(UsageError):
     """Somebody else changed the city since the caller looked at it."""
+
+
+class Cancelled(CityxError):
+    """Who asked for a change called it off; the city stays as it was."""
 
 
 @dataclass(frozen=True)
@@ -123,6 +127,7 @@ class Desk:
         expected: int | None = None,
         inputs: InputFiles | None = None,
         budget: Budget | None = None,
+        cancelled: Callable[[], bool] = lambda: False,
     ) -> Revision:
         """Run actions on the city and keep the result as a new revision; all of them or none.
 
@@ -138,11 +143,15 @@ class Desk:
             Files the user handed in.
         budget
             What may be spent.
+        cancelled
+            Asked after each action whether the change is called off.
 
         Raises
         ------
         Conflict
             If the city has another revision by now.
+        Cancelled
+            If the change was called off; the city stays as it was.
         ActionRejected, ActionFailed
             If a call may not run or fails; the city stays as it was.
         """
@@ -158,6 +167,8 @@ class Desk:
         try:
             for call in calls:
                 city = run.do(city, call)
+                if cancelled():
+                    raise Cancelled(f"Called off after {call.action}; the city stays as it was.")
         except CityxError as error:
             pool.say(Message("backend", "reject", {"error": str(error)}))
             self.journal.end_run(number, "rolled_back", "")
