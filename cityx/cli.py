@@ -295,6 +295,20 @@ def check(folder: Annotated[Path, typer.Argument(help="Folder of a built city.")
     _summary(recheck(folder), folder)
 
 
+@app.command()
+def serve(
+    folder: Annotated[Path, typer.Argument(help="Folder of a city, or of one to be built.")],
+    http: Annotated[
+        int | None, typer.Option(min=0, max=65535, help="Port of HTTP on this machine; 0 for any.")
+    ] = None,
+    profile: Annotated[str, typer.Option(help="core, or full: a tool for every action.")] = "core",
+) -> None:
+    """Let language models and other programs use a city, by the Model Context Protocol."""
+    from cityx.server.serve import serve as serve_city
+
+    serve_city(folder, port=http, profile=profile, say=lambda line: typer.echo(line, err=True))
+
+
 @plugins.command("list")
 def plugins_list() -> None:
     """List every action by stage."""

@@ -1,0 +1,132 @@
+"""Tools that change the city: actions, briefs, going back."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from functools import partial
+
+from cityx.agents import instructions
+from cityx.protocol.encapsulation import Encapsulation
+from cityx.protocol.gate import Call, GateRejection, find_faults
+from cityx.server import actions
+from cityx.server.jobs import Job
+from cityx.server.owner import Owner
+from cityx.server.replies import Reply
+from cityx.server.tool import BIND, CHANGING, DRY, WORDS, Arguments, Tool, text, whole
+
+
+class Changes:
+    """The tools that change the city, each whole or not at all.
+
+    Parameters
+    ----------
+    owner
+        Who holds the city.
+    """
+
+    def __init__(self, owner: Owner) -> None:
+        self.owner = owner
+
+    def tools(self) -> list[Tool]:
+        """Return the tools."""
+        return [
+            Tool(
+                "action_call", "Run one action on the city, whole or not at all.", self._call,
+                {
+                    "name": text("Id or name of the action.", 80),
+                    "args": {"type": "object", "description": "Its arguments; see action_doc."},
+                    "bind": BIND, **CHANGING, "dry_run": DRY,
+                },
+                ("name",), destructive=True,
+            ),
+            Tool(
+                "undo", "Go back to an earlier revision, or forward to one that was undone.",
+                self._undo,
+                {"to_rev": whole("Revision; the one before the last change when left out.",
+                                  1, 2**31), **CHANGING},
+            ),
+            Tool(
+                "run_brief", "Build the city that a text asks for, or change the one there is.",
+                self._brief, {"text": WORDS, **CHANGING}, ("text",), destructive=True, patience=0,
+            ),
+        ]  # fmt: skip
+
+    def natives(self, records: Iterable[Encapsulation]) -> list[Tool]:
+        """Return a tool for every action."""
+        return [self._native(record) for record in records]
+
+    def _native(self, record: Encapsulation) -> Tool:
+        limits = f" Limits: {record.limitation}" if record.limitation else ""
+        return Tool(
+            f"{record.stage}_{record.name}_v{record.version}", record.description + limits,
+            partial(self._call_native, record.id), {**CHANGING, "bind": BIND, "dry_run": DRY},
+            others=record.schema(), read_only=record.kind == "query",
+            destructive=actions.loses(record), idempotent=not actions.loses(record),
+        )  # fmt: skip
+
+    def _call_native(self, action: str, arguments: Arguments) -> Reply | Job:
+        own = {*CHANGING, "bind", "dry_run"}
+        args = {name: value for name, value in arguments.items() if name not in own}
+        rest = {name: value for name, value in arguments.items() if name in own}
+        return self._call({**rest, "name": action, "args": args})
+
+    def _call(self, arguments: Arguments) -> Reply | Job:
+        owner = self.owner
+        call = Call(arguments["name"], arguments.get("args", {}), arguments.get("bind", {}))
+        if arguments.get("dry_run"):
+            return self._dry(call)
+
+        def work(job: Job) -> Reply:
+            before, desk = owner.seen, owner.desk()
+            done = desk.change(
+                [call], text=f"action_call {call.action}",
+                expected=arguments.get("expected_rev"), cancelled=job.cancelled,
+            )  # fmt: skip
+            owner.committed()
+            return owner.changed(before, job, f"Revision {done.number}: {', '.join(done.actions)}.")
+
+        return self._submit("action_call", work, arguments)
+
+    def _dry(self, call: Call) -> Reply:
+        faults = find_faults(call, self.owner.seen.built, self.owner.actions)
+        if faults:
+            raise GateRejection(faults)
+        return self.owner.ok({}, f"{self.owner.actions.resolve(call.action)} may run.")
+
+    def _undo(self, arguments: Arguments) -> Job:
+        owner = self.owner
+
+        def work(job: Job) -> Reply:
+            before, desk = owner.seen, owner.desk()
+            done = desk.undo(arguments.get("to_rev"), expected=arguments.get("expected_rev"))
+            owner.committed()
+            return owner.changed(before, job, f"Revision {done.number}: {done.text}.")
+
+        return self._submit("undo", work, arguments)
+
+    def _brief(self, arguments: Arguments) -> Job:
+        owner = self.owner
+
+        def work(job: Job) -> Reply:
+            before = owner.seen
+            owner.expect(arguments.get("expected_rev"))
+            told = owner.lend(
+                lambda folder: instructions.carry_out_text(
+                    arguments["text"], folder, job.say, job.cancelled
+                )
+            )
+            message = str(told.get("message", "Done."))
+            return owner.changed(
+                before, job, message, data=told, warnings=told.get("warnings", ()),
+                artifacts=("city://scene/summary", "city://report"),
+            )  # fmt: skip
+
+        return self._submit("run_brief", work, arguments)
+
+    def _submit(self, what: str, work: Callable[[Job], Reply], arguments: Arguments) -> Job:
+        """Put a change in the queue under its idempotency key."""
+        asked = {name: value for name, value in arguments.items() if name != "idempotency_key"}
+        request = json.dumps([what, asked], sort_keys=True, default=str)
+        key = arguments.get("idempotency_key", "")
+        return self.owner.submit(what, work, key=key, request=request)

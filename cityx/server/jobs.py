@@ -1,0 +1,73 @@
+"""Jobs: work that one thread does in turn while clients wait, look in or call it off."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from typing import Any, Literal
+from uuid import uuid4
+
+from cityx.server.replies import Reply
+
+State = Literal["queued", "running", "ended"]
+LINES = 20  # of progress that are kept
+
+
+@dataclass(eq=False)
+class Job:
+    """One piece of work.
+
+    Attributes
+    ----------
+    what
+        Name of the tool that asked for it.
+    work
+        Does it; called with the job itself, in the thread of the owner.
+    id
+        Unlike that of any other job.
+    reply
+        How it ended, once it has.
+    state
+        Whether it waits, runs or has ended.
+    said
+        The last lines of progress.
+    steps
+        How many lines there were.
+    """
+
+    what: str
+    work: Callable[[Job], Reply]
+    id: str = field(default_factory=lambda: f"job_{uuid4().hex[:12]}")
+    reply: Future[Reply] = field(default_factory=Future)
+    state: State = "queued"
+    said: deque[str] = field(default_factory=lambda: deque(maxlen=LINES))
+    steps: int = 0
+    _stop: threading.Event = field(default_factory=threading.Event)
+
+    def say(self, line: str) -> None:
+        """Take a line of progress."""
+        self.said.append(line)
+        self.steps += 1
+
+    def cancel(self) -> None:
+        """Call the work off; an action in progress ends first and is rolled back."""
+        self._stop.set()
+
+    def cancelled(self) -> bool:
+        """Tell whether the work was called off."""
+        return self._stop.is_set()
+
+    def end(self, reply: Reply) -> None:
+        """Give the answer to everybody who waits for it."""
+        self.state = "ended"
+        self.reply.set_result(reply)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return where it stands."""
+        return {
+            "job": self.id, "tool": self.what, "state": self.state, "steps": self.steps,
+            "progress": list(self.said), "cancelled": self.cancelled(),
+        }  # fmt: skip

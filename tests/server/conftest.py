@@ -1,0 +1,68 @@
+import json
+import shutil
+
+import pytest
+
+pytest.importorskip("mcp", reason="cityx serve needs the extra mcp")
+
+from mcp import Client
+
+from cityx.agents.build import build
+from cityx.agents.options import BuildOptions
+from cityx.protocol.registry import registry
+from cityx.server.app import CityServer
+from cityx.server.owner import Owner
+
+
+@pytest.fixture
+def anyio_backend():
+    return "asyncio"
+
+
+@pytest.fixture(scope="session")
+def built_town(town_map, tmp_path_factory):
+    out = tmp_path_factory.mktemp("served") / "town"
+    build([town_map], out, BuildOptions(formats=(), render=False, lod=1))
+    return out
+
+
+@pytest.fixture
+def folder(built_town, tmp_path):
+    shutil.copytree(built_town, tmp_path / "town")
+    return tmp_path / "town"
+
+
+@pytest.fixture
+def owner(folder):
+    with Owner(folder, registry()) as held:
+        yield held
+
+
+@pytest.fixture
+def city_server(owner):
+    return CityServer(owner)
+
+
+@pytest.fixture
+async def client(city_server, anyio_backend):  # noqa: ARG001  which the fixture runs on
+    async with Client(city_server.sdk_server(), cache=None) as found:
+        yield found
+
+
+class Caller:
+    """Calls tools and reads resources, and gives the JSON of the answers."""
+
+    def __init__(self, client):
+        self.client = client
+
+    async def __call__(self, tool, /, **arguments):
+        return (await self.client.call_tool(tool, arguments)).structured_content
+
+    async def read(self, address):
+        (content,) = (await self.client.read_resource(address)).contents
+        return json.loads(content.text)
+
+
+@pytest.fixture
+def call(client):
+    return Caller(client)
