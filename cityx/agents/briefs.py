@@ -70,14 +70,15 @@ class Request:
         unread = (f"not understood: {words}",) if words else ()
         return (*unread, *(note.text for note in self.brief.notes))
 
+    @property
+    def goals(self) -> tuple[Goal, ...]:
+        """What the text asks for, as it is measured."""
+        return tuple(Goal(goal.text, goal.predicate, goal.hard) for goal in self.brief.goals)
+
     def with_goals(self, city: City) -> City:
         """Keep with a city what was asked of it, each thing once."""
         known = {goal.predicate for goal in city.goals}
-        goals = [
-            Goal(goal.text, goal.predicate, goal.hard)
-            for goal in self.brief.goals
-            if goal.predicate not in known
-        ]
+        goals = [goal for goal in self.goals if goal.predicate not in known]
         return replace(city, goals=(*city.goals, *goals), notes=(*city.notes, *self.notes))
 
 

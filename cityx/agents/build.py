@@ -280,7 +280,7 @@ def generate(
     run = Run(
         journal, number, derivation_key("", "inputs", origin), job.actions, watch, job.files, keep
     )
-    loop = Loop(job.planner, run, pool, slots, job.files.kinds, job.amended, say)
+    loop = Loop(job.planner, run, pool, slots, job.files.kinds, job.amended, say, job.request.goals)
     city = loop.carry_out(job.start)
     notes = tuple(f"{item.action} was left out: {why}" for item, why in loop.unmet)
     return job.request.with_goals(replace(city, notes=(*city.notes, *notes)))

@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
+from cityx.agents.evaluator import ROUNDS, Judged, judged, of_layout
 from cityx.agents.planning.planner import OfflinePlanner, Situation
 from cityx.agents.planning.search import Fact
 from cityx.agents.planning.workflow import Item, Workflow
 from cityx.agents.pool import Message, Pool
 from cityx.agents.run import Run
-from cityx.city import City
+from cityx.city import City, Goal
 from cityx.city.city import Failure
 from cityx.errors import ActionFailed, ActionRejected
+from cityx.plugins.layout.presets import TOWN
 from cityx.protocol.serving import Slots
+from cityx.protocol.stages import Stage
 
 Say = Callable[[str], None]
 MOST_FAILURES = 8  # steps that may fail before a run gives up
@@ -27,6 +30,21 @@ def unchanged(items: Sequence[Item], done: Sequence[Item]) -> list[Item]:
     """Return a workflow as it is."""
     del done
     return list(items)
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """A layout that may turn out to be the best, and where the loop stood with it."""
+
+    city: City
+    judged: Judged
+    state: str
+    plan: Workflow
+    place: int
+    told: int
+    done: list[Item]
+    unmet: list[tuple[Item, str]]
+    made: set[Fact]
 
 
 @dataclass
@@ -47,6 +65,8 @@ class Loop:
         Kinds of the input files.
     amended
         Puts what a user asks of single actions into a workflow, less what was done of it.
+    goals
+        What is asked for, to be measured.
     unmet
         What failed and was left out, with the reason.
     """
@@ -58,6 +78,7 @@ class Loop:
     kinds: tuple[str, ...] = ()
     amended: Callable[[Sequence[Item], Sequence[Item]], list[Item]] = unchanged
     say: Say = quiet
+    goals: tuple[Goal, ...] = ()
     unmet: list[tuple[Item, str]] = field(default_factory=list)
     _avoid: set[str] = field(default_factory=set)
     _made: set[Fact] = field(default_factory=set)
@@ -75,9 +96,21 @@ class Loop:
         InputError, UsageError
             If the inputs or what is asked for make no city.
         """
+        start, round_ = city, 0
+        best: _Kept | None = None
         city, place = self._begin(city)
+        self.run.hold = self._reviews(place)
         while place < len(self._plan.items):
             item = self._plan.items[place]
+            if self.run.hold and self.planner.records[item.action].stage != Stage.LAYOUT:
+                kept = self._kept(city, place)
+                best = kept if best is None or kept.judged.weight < best.judged.weight else best
+                if best.judged.weight > 0 and round_ < ROUNDS:
+                    round_ += 1
+                    city, place = self._again(start, round_), 0
+                    continue
+                city, place = self._settled(best)
+                continue
             self.say(f"{place + 1}/{len(self._plan.items)} {item.action}")
             try:
                 city = self.run.do(city, item.call)
@@ -88,6 +121,38 @@ class Loop:
             self.pool.say(Message("backend", "result", body, parent=self._told))
             place = self._onward(city, item, place)
         return city
+
+    def _reviews(self, place: int) -> bool:
+        """Tell whether the layout is to be measured, and made again if it misses a goal."""
+        first = self._plan.items[place : place + 1]
+        return bool(of_layout(self.goals)) and bool(first) and first[0].action == TOWN
+
+    def _kept(self, city: City, place: int) -> _Kept:
+        """Measure a layout and keep all that is needed to go on from it."""
+        found = judged(city, of_layout((*self.goals, *city.goals)))
+        lost = sum(10.0 for _ in self.unmet)
+        self.pool.say(Message("evaluator", "verdict", {"missed": found.texts}, parent=self._told))
+        whole = replace(found, weight=found.weight + lost)
+        return _Kept(
+            city, whole, self.run.state, self._plan, place, self._told, list(self._done),
+            list(self.unmet), set(self._made),
+        )  # fmt: skip
+
+    def _again(self, start: City, round_: int) -> City:
+        """Begin again with another town of the same description."""
+        self.say(f"another layout, {round_} of {ROUNDS}")
+        self.slots = {**self.slots, "town.variant": (round_,)}
+        self._done, self.unmet, self._made = [], [], set()
+        self.run.state = self.run.first
+        self._propose(start)
+        return start
+
+    def _settled(self, best: _Kept) -> tuple[City, int]:
+        """Go on from the best layout; return it and the place in its plan."""
+        self.run.hold = False
+        self.run.state, self._plan, self._told = best.state, best.plan, best.told
+        self._done, self.unmet, self._made = best.done, best.unmet, best.made
+        return best.city, best.place
 
     def _begin(self, city: City) -> tuple[City, int]:
         """Return the city to start from and the place in the plan."""

@@ -62,6 +62,8 @@ class Run:
         Folder for snapshots of long work, or None for none.
     budget
         Steps and seconds that may be spent; None for any.
+    hold
+        Whether no snapshot is to be kept now, since what is made may be given up again.
     """
 
     journal: Journal
@@ -72,8 +74,14 @@ class Run:
     inputs: InputFiles = field(default_factory=InputFiles)
     keep: Path | None = None
     budget: Budget | None = None
+    hold: bool = False
+    first: str = field(init=False, default="")
     _spent: float = 0.0
     _seen: dict[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Remember the state that the run starts from."""
+        self.first = self.state
 
     def do(self, city: City, call: Call) -> City:
         """Run one action and return the new city.
@@ -124,7 +132,7 @@ class Run:
 
     def _snapshot(self, city: City) -> str:
         """Keep the city if much work would be lost otherwise; the older snapshot goes."""
-        if self.keep is None or self._spent < SNAPSHOT_S:
+        if self.keep is None or self.hold or self._spent < SNAPSHOT_S:
             return ""
         from cityx.city.store import write_city
 

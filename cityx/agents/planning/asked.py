@@ -35,6 +35,7 @@ DAYS: Mapping[str, tuple[str, str]] = MappingProxyType(  # month and day, north 
         "winter": ("01-10", "07-10"),
     }
 )  # fmt: skip
+LATE_SUMMER = "08-10"  # a day on which the sun sets near west at noon's height of a summer
 CLOCKS: Mapping[str, str] = MappingProxyType({"golden_hour": "golden"})
 # How strong weather is, of that of its preset.
 STRENGTHS: Mapping[str, float] = MappingProxyType({"light": 0.4, "heavy": 1.0})
@@ -217,6 +218,8 @@ def _air(found: dict[str, tuple[Any, ...]], town: dict[str, Any], wishes: Wishes
     for word in found.get("time", ()):
         if word in CLOCKS:
             found["sun.time"] = (CLOCKS[str(word)],)
+        if word in ("sunset", "sunrise"):
+            found["sun.date"] = (LATE_SUMMER,)
     for season in found.get("season", ()):
         if season in DAYS:
             found |= {"sun.date": (DAYS[str(season)][0],), "trees.season": (season,)}

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Annotated
 
 from cityx.city import City, Goal
+from cityx.geometry.identity import hash_bits
 from cityx.plugins.layout.plane import COASTS, PATTERNS, WIDTHS, ZONES, Plan
 from cityx.plugins.layout.site import layout_of_site
 from cityx.plugins.layout.window import layout_of_window, origin_of
@@ -46,6 +47,7 @@ def town(
     rings: Annotated[int, Range(1, 8)] = 2,
     built: Annotated[float, Range(0.0, 0.8)] = 0.0,
     bounded: bool = True,
+    variant: Annotated[int, Range(0, 1000)] = 0,
 ) -> City:
     """Lay out a town by rule, or any other window of the plane that it lies in.
 
@@ -97,6 +99,8 @@ def town(
     bounded
         Whether the town ends at its window, which is then exactly that large and cuts no building;
         else a window of the plane, that goes on in the windows beside it.
+    variant
+        Which of the towns that all of this describes; each is another one.
     """
     window = (x - width / 2, y - depth / 2, x + width / 2, y + depth / 2)
     plan = Plan(
@@ -104,7 +108,8 @@ def town(
         river_width, lakes, coast, shore, streets, avenues, rings, built,
     )  # fmt: skip
     laid_out = layout_of_site if bounded else layout_of_window
-    layout = laid_out(window, plan, city.seed, frame=city.frame)
+    seed = hash_bits(city.seed, "town", variant) >> 1 if variant else city.seed
+    layout = laid_out(window, plan, seed, frame=city.frame)
     origin = origin_of(window)
     notes = city.notes
     if origin != (0, 0):
