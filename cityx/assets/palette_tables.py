@@ -40,7 +40,10 @@ SYNONYMS = {
     "london": "brick", "contemporary": "modern", "glass": "modern", "futuristic": "modern",
     "american": "american", "suburban": "house", "rural": "house", "japanese": "asian",
     "chinese": "asian", "southern": "mediterranean", "italian": "mediterranean",
-    "haussmann": "european", "victorian": "brick",
+    "haussmann": "european", "victorian": "brick", "medieval": "european", "gothic": "european",
+    "baroque": "european", "art_nouveau": "european", "scandinavian": "european", "dutch": "brick",
+    "arabic": "mediterranean", "latin_american": "mediterranean", "indian": "asian",
+    "rustic": "house",
 }  # fmt: skip
 # Styles that shift the choice of buildings within the family of the region.
 REGIONAL = ("brutalist", "soviet", "art_deco", "postmodern")

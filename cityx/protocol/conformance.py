@@ -230,7 +230,7 @@ def _run(record: Encapsulation, actions: Registry, city: City, data: dict[str, A
     args = example_arguments(record)
     try:
         if record.scope != "value":
-            return run_action(city, Call(record.id, args), actions).city
+            return run_action(city, Call(record.id, args), actions, apart=False).city
         function = actions.function(record.id)
         given = injected(record, function, city, InputFiles())
         return function(**given, **data, **record.arguments(args))
@@ -289,7 +289,7 @@ def example_value(fmt: Format, role: str = "") -> Any:
 def _prepared(names: tuple[str, ...], *, built: bool, actions: Registry) -> City:
     city = example_city(built=built)
     for name in names:
-        city = run_action(city, Call(name), actions).city
+        city = run_action(city, Call(name), actions, apart=False).city
     return city
 
 

@@ -16,6 +16,8 @@ from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.gate import Budget, Call, check, fill_port, open_ports
 from cityx.protocol.holdings import take
 from cityx.protocol.inputs import InputFiles
+from cityx.protocol.isolation import is_inside, run_apart
+from cityx.protocol.registry import BUILTIN
 from cityx.protocol.stages import NEUTRAL
 from cityx.protocol.things import map_over_buildings
 
@@ -54,9 +56,12 @@ def run_step(
     inputs: InputFiles | None = None,
     seen: Container[str] = (),
     budget: Budget | None = None,
+    apart: bool = True,
 ) -> City:
     """Run one call and return the new city; see `run_action`."""
-    return run_action(city, call, actions, inputs=inputs, seen=seen, budget=budget).city
+    return run_action(
+        city, call, actions, inputs=inputs, seen=seen, budget=budget, apart=apart
+    ).city
 
 
 def run_action(
@@ -67,6 +72,7 @@ def run_action(
     inputs: InputFiles | None = None,
     seen: Container[str] = (),
     budget: Budget | None = None,
+    apart: bool = True,
 ) -> Outcome:
     """Run one call: gate, ports, function, result. Whatever fails, `city` stays as it was.
 
@@ -82,6 +88,8 @@ def run_action(
         Files the user handed in, for actions that read them.
     seen, budget
         As in `cityx.protocol.gate.check`.
+    apart
+        Whether actions of other packages run in a process of their own, within limits.
 
     Raises
     ------
@@ -94,6 +102,8 @@ def run_action(
     """
     check(call, city, actions, inputs=inputs, seen=seen, budget=budget)
     record = actions[call.action]
+    if apart and actions.entry(record.id).package != BUILTIN and not is_inside():
+        return Outcome(run_apart(city, call, inputs), None, {})
     function = actions.function(record.id)
     args = record.arguments(call.args)
     given = injected(record, function, city, inputs or InputFiles())
