@@ -234,22 +234,20 @@ class Loop:
             self.unmet.append((item, str(error)))
             return city, place + 1
         self._avoid.add(item.action)
-        before = len(self._plan.missing)
+        before, leaf = len(self._plan.missing), self._is_leaf(item, place)
         self._propose(city)
-        left = {entry.action for entry in self._plan.items}
-        if len(self._plan.missing) > before and not self._leaf(item, left):
-            raise error
         if len(self._plan.missing) > before:
+            if not leaf:
+                raise error
             self.unmet.append((item, str(error)))
             city = replace(city, failures=(*city.failures, Failure(0, item.action, str(error))))
         return city, 0
 
-    def _leaf(self, item: Item, left: set[str]) -> bool:
+    def _is_leaf(self, item: Item, place: int) -> bool:
         """Tell whether nothing else that is planned needs what an action gives."""
-        gives = set(item.gives)
         taken = {
             f"{port.format.value} {port.role}"
-            for action in left
-            for port in self.planner.records[action].takes
+            for other in self._plan.items[place + 1 :]
+            for port in self.planner.records[other.action].takes
         }
-        return not gives & taken and "scene_layout layout" not in gives and bool(left)
+        return not taken & {*item.gives} and "scene_layout layout" not in item.gives

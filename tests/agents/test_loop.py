@@ -1,0 +1,124 @@
+"""The loop with a run that is played: plans, repairs, reviews."""
+
+from dataclasses import dataclass, field, replace
+
+import pytest
+
+from cityx.agents.database import connect
+from cityx.agents.loop import Loop
+from cityx.agents.planning.planner import OfflinePlanner
+from cityx.agents.planning.workflow import Item
+from cityx.agents.pool import Pool
+from cityx.city import City, Frame, Goal, Layout
+from cityx.errors import ActionFailed
+from cityx.protocol import registry
+from cityx.protocol.catalogue import known_records
+from cityx.protocol.example_city import example_city
+
+RECORDS = known_records(registry(outside=False))
+EMPTY = City("town", Frame(50.0, 10.0), Layout((0.0, 0.0, 0.0, 0.0)), lod=0)
+
+
+@dataclass
+class Played:
+    """A run in which layout actions give the example's layout, and some actions fail."""
+
+    failing: tuple[str, ...] = ()
+    calls: list = field(default_factory=list)
+    state: str = "s0"
+    first: str = "s0"
+    hold: bool = False
+
+    def resumed(self):
+        return None
+
+    def do(self, city, call):
+        if call.action in self.failing:
+            raise ActionFailed(f"{call.action} failed: out of paint")
+        self.calls.append(call)
+        self.state = f"{self.state}/{call.action}"
+        stage = call.action.partition("/")[0]
+        if stage == "layout":
+            city = replace(city, layout=example_city().layout)
+        return replace(city, stages_done=city.stages_done | {stage})
+
+    @property
+    def names(self):
+        return [call.action for call in self.calls]
+
+
+def loop_of(run, tmp_path, *, slots=None, kinds=(), **more):
+    database = connect(tmp_path / "journal.sqlite")
+    return Loop(OfflinePlanner(RECORDS), run, Pool(database, 1), slots or {}, kinds, **more)
+
+
+def test_it_does_what_is_planned_and_tells_each_step(tmp_path):
+    run = Played()
+    loop = loop_of(run, tmp_path)
+    loop.carry_out(EMPTY)
+    assert run.names[0] == "layout/town-v1"
+    assert run.names[-1] == "building/prism-v1"
+    told = [message.body["action"] for message in loop.pool.read("result")]
+    assert told == run.names
+    assert len(loop.pool.read("workflow")) == 1
+
+
+def test_a_file_that_cannot_be_read_one_way_is_read_another(tmp_path):
+    run = Played(failing=("layout/inputs-v1",))
+    loop_of(run, tmp_path, kinds=("semantic",)).carry_out(EMPTY)
+    assert run.calls[0].action == "layout/semantic_map-v1"
+    run = Played(failing=("layout/inputs-v1", "layout/semantic_map-v1"))
+    loop_of(run, tmp_path, kinds=("semantic",)).carry_out(EMPTY)
+    assert run.calls[0].action == "convert/face_to_layout_conversion-v1"
+    assert dict(run.calls[0].bind) == {"surfaces": "semantic_map"}
+
+
+def test_what_a_city_cannot_be_without_ends_the_run(tmp_path):
+    with pytest.raises(ActionFailed, match="out of paint"):
+        loop_of(Played(failing=("road/network-v1",)), tmp_path).carry_out(EMPTY)
+
+
+def test_what_nothing_else_needs_is_left_out_and_named(tmp_path):
+    run = Played(failing=("nature/trees-v2",))
+    loop = loop_of(run, tmp_path)
+    city = loop.carry_out(replace(EMPTY, lod=1))
+    assert run.names[-1] == "building/shell-v1"
+    assert [failure.action for failure in city.failures] == ["nature/trees-v2"]
+    assert [item.action for item, _ in loop.unmet] == ["nature/trees-v2"]
+
+
+def test_a_wish_that_fails_is_left_out_one_asked_for_by_name_is_not(tmp_path):
+    slots = {"do": (("layout/river-v1", {"bridges": 3}),)}
+    run = Played(failing=("layout/river-v1",))
+    loop = loop_of(run, tmp_path, slots=slots)
+    loop.carry_out(EMPTY)
+    assert [why for _, why in loop.unmet] == ["layout/river-v1 failed: out of paint"]
+    assert run.names[-1] == "building/prism-v1"
+
+    def amended(items, done):
+        del done
+        return [*items, Item("nature/parks-v1", firm=True)]
+
+    with pytest.raises(ActionFailed):
+        loop_of(Played(failing=("nature/parks-v1",)), tmp_path, amended=amended).carry_out(EMPTY)
+
+
+def test_another_layout_is_tried_three_times_while_a_hard_goal_is_missed(tmp_path):
+    goals = (Goal("nine houses", "n(building) == 9"),)
+    run = Played()
+    loop = loop_of(run, tmp_path, goals=goals)
+    loop.carry_out(EMPTY)
+    towns = [dict(call.args) for call in run.calls if call.action == "layout/town-v1"]
+    assert towns == [{}, {"variant": 1}, {"variant": 2}, {"variant": 3}]
+    assert run.names.count("road/network-v1") == 1
+    verdicts = [message.body["missed"] for message in loop.pool.read("verdict")]
+    assert len(verdicts) == 4
+    assert verdicts[0][0].startswith("n(building) == 9 (there are 4")
+    assert run.state.startswith("s0/layout/town-v1/background")
+
+
+def test_a_layout_that_keeps_its_goals_is_built_at_once(tmp_path):
+    run = Played()
+    loop_of(run, tmp_path, goals=(Goal("four", "n(building) == 4"),)).carry_out(EMPTY)
+    assert run.names.count("layout/town-v1") == 1
+    assert run.hold is False
