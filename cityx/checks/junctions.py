@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -22,6 +23,7 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 STONES = ("kerb", "kerb_dropped")
+WAYS_THROUGH = ("tactile", "tactile_pale", "ramp")  # where crossings cut a median down
 RADII = (3.0, 12.0)  # metres a kerb's curve may have between two arms
 SLACK = 0.1  # share by which a radius measured on chords may miss
 SMOOTH = 0.02  # metres; corners of the outline that stand out less come from rounding
@@ -217,17 +219,31 @@ def kerb_curves(city: City, ground: Ground) -> KerbCurves:
     ) / np.maximum(total, 1e-9)[:, None]  # fmt: skip
     kept = (total > CORNER[0]) & (total < CORNER[1])
     # What is narrower than two of the least curves, as a median is, has a nose instead.
-    bend = np.flatnonzero(total > CORNER[0])
-    line = owner[point[np.flatnonzero(np.diff(run, prepend=-1))]][bend]
-    spots = shapely.points(middle[bend])
-    one, other = shapely.STRtree(spots).query(spots, predicate="dwithin", distance=2 * RADII[0])
-    nose = (one != other) & (line[one] == line[other])
-    nose &= total[bend[one]] + total[bend[other]] > CORNER[1]
-    kept[bend[one[nose]]] = False
+    line = owner[point[np.flatnonzero(np.diff(run, prepend=-1))]]
+    kept &= _turning_near(outline.points[point], turn, owner[point], middle, line) < CORNER[1]
     kept[kept] = _at_junctions(city, middle[kept])
     middle, total, length = middle[kept], total[kept], length[kept]
     free = ~_given(city.layout, middle)
     return KerbCurves(middle, total, length / total, free)
+
+
+def _turning_near(
+    bend: FloatArray, turn: FloatArray, of_bend: IntArray, places: FloatArray, of_place: IntArray
+) -> FloatArray:
+    """(k,) what the own outline turns in all within two of the least radii of each place.
+
+    Parameters
+    ----------
+    bend, turn, of_bend
+        (b, 2), (b,) and (b,): where outlines turn, radians, and the outline.
+    places, of_place
+        (k, 2) and (k,): places on outlines, and the outline.
+    """
+    near, spot = shapely.STRtree(shapely.points(bend)).query(
+        shapely.points(places), predicate="dwithin", distance=2 * RADII[0]
+    )
+    own = of_place[near] == of_bend[spot]
+    return np.asarray(np.bincount(near[own], turn[spot[own]], minlength=len(places)), float)
 
 
 def _given(layout: Layout, places: FloatArray) -> BoolArray:
@@ -252,7 +268,7 @@ def _outline(ground: Ground) -> Polylines:
     left, right = ground.edge_faces.T.astype(np.int64)
     inner = right != BEYOND
     left, right, edge = left[inner], right[inner], ground.edges[inner].astype(np.int64)
-    road, stone = ground.labelled(*ROADWAY, "tramway"), ground.labelled(*STONES)
+    road, stone = ground.labelled(*ROADWAY, "tramway"), ground.labelled(*STONES, *WAYS_THROUGH)
     ends = np.concatenate([edge[stone[left] & road[right]],
                            edge[road[left] & stone[right]][:, ::-1]])  # fmt: skip
     head, rank = join_segments(ends, np.zeros(len(ends), np.int64))
@@ -272,7 +288,23 @@ def _outline(ground: Ground) -> Polylines:
     kept = np.flatnonzero(np.bincount(row, minlength=len(lines)) > 1)
     long = np.isin(row, kept)
     start = np.searchsorted(row[long], np.append(kept, len(lines)))
-    return Polylines(smooth[long], start.astype(np.int64))
+    return _begun_on_the_straight(Polylines(smooth[long], start.astype(np.int64)))
+
+
+def _begun_on_the_straight(lines: Polylines) -> Polylines:
+    """Let closed lines begin and end in the middle of their longest piece, where nothing turns."""
+    parts = []
+    for begin, end in pairwise(lines.start.tolist()):
+        points = lines.points[begin:end]
+        if len(points) > 3 and (points[0] == points[-1]).all():
+            longest = int(np.hypot(*np.diff(points, axis=0).T).argmax())
+            middle = (points[longest] + points[longest + 1])[None] / 2
+            points = np.concatenate([middle, np.roll(points[:-1], -longest - 1, axis=0), middle])
+        parts.append(points)
+    return Polylines(
+        np.concatenate(parts) if parts else lines.points,
+        np.concatenate([[0], np.cumsum([len(part) for part in parts])]).astype(np.int64),
+    )
 
 
 def _at_junctions(city: City, places: FloatArray) -> BoolArray:

@@ -13,8 +13,9 @@ from cityx.city.terrain import Terrain
 Extent = tuple[float, float, float, float]
 FloatArray = NDArray[np.float64]
 
-FINEST = 10.0  # metres; no cell is smaller
+FINEST = 5.0  # metres; no cell is smaller
 TOLERANCE = 0.10  # metres a cell's corners may miss the terrain by before it is quartered
+ROUGH = 0.20  # metres that a cell of twice the finest size must miss it by for that
 MOST = 100_000  # cells; on a larger or rougher site the tolerance is doubled until so many do
 
 
@@ -53,10 +54,11 @@ def relief_lines(
         (n,) shapely LineStrings, cut at the extent.
     tolerance
         Metres by which the corners of a cell miss the nodes of the terrain inside of it at most;
-        cells of the smallest size, which cannot be quartered, may miss by more.
+        cells of twice the smallest size may miss by `ROUGH`, and those of the smallest, which
+        cannot be quartered, by more.
     """
     step = terrain.cell * max(1.0, np.ceil(FINEST / terrain.cell))
-    levels = max(int(np.ceil(np.log2(largest / step))), 0)
+    levels = max(int(np.log2(largest / step)), 0)
     first = np.floor((np.array(extent[:2]) - terrain.origin) / step)
     count = np.ceil((np.array(extent[2:]) - terrain.origin) / step) - first
     blocks = np.maximum(np.ceil(count / (1 << levels)), 1).astype(int)
@@ -96,7 +98,8 @@ def _leaves(errors: list[FloatArray], tolerance: float) -> list[NDArray[np.bool_
     leaves: list[NDArray[np.bool_]] = []
     divided = np.ones(errors[-1].shape, bool)  # whether the parent of each cell is quartered
     for level in range(len(errors) - 1, -1, -1):
-        even = (errors[level] <= tolerance) | (level == 0)
+        even = errors[level] <= (max(tolerance, ROUGH) if level == 1 else tolerance)
+        even |= level == 0
         leaves.append(divided & even)
         divided = np.repeat(np.repeat(divided & ~even, 2, axis=0), 2, axis=1)
     return leaves[::-1]

@@ -161,35 +161,85 @@ def beams(lines: Polylines, low: FloatArray, high: FloatArray, inner: ArrayLike,
     bodies
         One per line; ``key`` is its number.
     """
-    if not lines.count:
-        none = np.zeros(0, np.int64)
-        return Bodies(np.zeros((0, 3)), np.zeros((0, 4), np.int64), np.zeros((0, 4, 2)), none,
-                      none, none)  # fmt: skip
     owner = lines.line_of_point()
     right = -_ring_miters(lines)
     inner, outer = (np.broadcast_to(np.asarray(a, float), lines.count) for a in (inner, outer))
     near = lines.points + right * inner[owner][:, None]
     far = lines.points + right * outer[owner][:, None]
-    ring = [(near, low), (far, low), (far, high), (near, high)]
-    vertices = np.stack([np.column_stack([xy, z]) for xy, z in ring], axis=1).reshape(-1, 3)
+    return _swept(lines, [(near, low), (far, low), (far, high), (near, high)], outer - inner)
+
+
+def banks(lines: Polylines, high: FloatArray, reach: FloatArray, foot: FloatArray,
+          depth: float) -> Bodies:  # fmt: skip
+    """Heap soil against lines: a slope from each down to its foot.
+
+    Parameters
+    ----------
+    lines
+        The lines, with what they bound on the left.
+    high
+        (p,) heights of the soil at their points, metres.
+    reach, foot
+        (p,) metres to the right of the points at which the slope ends, and its height there.
+    depth
+        Metres that a bank reaches into the ground.
+
+    Returns
+    -------
+    bodies
+        One per line; ``key`` is its number.
+    """
+    far = lines.points + bank_directions(lines) * reach[:, None]
+    low = np.minimum(high, foot) - depth
+    sides = [(lines.points, low), (far, low), (far, foot), (lines.points, high)]
+    return _swept(
+        lines, sides, np.maximum.reduceat(reach, lines.start[:-1]) if len(reach) else reach
+    )
+
+
+def bank_directions(lines: Polylines) -> FloatArray:
+    """(p, 2) vectors at the points in which the foot of a bank lies off them."""
+    return -_ring_miters(lines)
+
+
+def _swept(
+    lines: Polylines, sides: list[tuple[FloatArray, FloatArray]], girth: FloatArray
+) -> Bodies:
+    """Join four lines along each of some lines to a closed body.
+
+    Parameters
+    ----------
+    lines
+        The lines.
+    sides
+        (p, 2) places and (p,) heights of each of the four, round the body: near and far below, far
+        and near above.
+    girth
+        (n,) metres across each body, for its texture.
+    """
+    if not lines.count:
+        none = np.zeros(0, np.int64)
+        return Bodies(np.zeros((0, 3)), np.zeros((0, 4), np.int64), np.zeros((0, 4, 2)), none,
+                      none, none)  # fmt: skip
+    owner = lines.line_of_point()
+    vertices = np.stack([np.column_stack([xy, z]) for xy, z in sides], axis=1).reshape(-1, 3)
     first = np.flatnonzero(owner[1:] == owner[:-1])
     k, after = np.arange(4), np.roll(np.arange(4), -1)
     a = first[:, None] * 4
-    sides = np.stack([a + k, a + 4 + k, a + 4 + after, a + after], axis=2).reshape(-1, 4)
+    walls = np.stack([a + k, a + 4 + k, a + 4 + after, a + after], axis=2).reshape(-1, 4)
     head, tail = lines.start[:-1] * 4, (lines.start[1:] - 1) * 4
     caps = np.concatenate([head[:, None] + k, tail[:, None] + k[::-1]])
     along = arc_lengths(lines)[0]
     u = np.stack([along[first], along[first + 1], along[first + 1], along[first]], axis=1)
     u = np.repeat(u[:, None], 4, axis=1).reshape(-1, 4)
-    v = vertices[sides, 2]
+    v = vertices[walls, 2]
     flat = np.tile(np.array([True, False, True, False]), len(first))
-    girth = np.repeat((outer - inner)[owner[first]], 2)
-    v[flat] = girth[:, None] * np.array([0.0, 0.0, 1.0, 1.0])
+    v[flat] = np.repeat(girth[owner[first]], 2)[:, None] * np.array([0.0, 0.0, 1.0, 1.0])
     uv = np.stack([u, v], axis=2)
     cap_uv = np.zeros((len(caps), 4, 2))
     cap_uv[:, :, 1] = vertices[caps, 2]
     return Bodies(
-        vertices, np.concatenate([sides, caps]), np.concatenate([uv, cap_uv]),
+        vertices, np.concatenate([walls, caps]), np.concatenate([uv, cap_uv]),
         np.repeat(owner, 4),
         np.concatenate([np.repeat(owner[first], 4), np.tile(np.arange(lines.count), 2)]),
         np.arange(lines.count),

@@ -5,11 +5,17 @@ import pandas as pd
 import pytest
 import shapely
 
-from cityx.checks.junctions import check_junctions, kerb_curves
+from cityx.checks.junctions import (
+    _begun_on_the_straight,
+    _turning_near,
+    check_junctions,
+    kerb_curves,
+)
 from cityx.city.city import City
 from cityx.city.frame import Frame
 from cityx.city.ground import LABEL
 from cityx.city.layout import Layout, make_table
+from cityx.geometry.polylines import Polylines
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.lanes import lanes
 from cityx.plugins.road.network import network
@@ -110,3 +116,18 @@ def test_a_lane_on_a_walk_is_measured():
     label[label == LABEL["carriageway"]] = LABEL["sidewalk"]
     broken = replace(city, ground=replace(city.ground, face_label=label))
     assert by_name(broken)["sidewalk_on_carriageway"].value > 0.5
+
+
+def test_the_nose_of_a_median_is_no_corner_wherever_its_outline_begins():
+    # Corners of 90 degrees, 2.4 m apart: an island, not the kerbs of two arms.
+    island = np.array([(0.0, 0.0), (9.0, 0.0), (9.0, 2.4), (0.0, 2.4), (0.0, 0.0)])
+    for first in range(4):
+        ring = np.roll(island[:-1], first, axis=0)
+        lines = Polylines(np.concatenate([ring, ring[:1]]), np.array([0, 5]))
+        begun = _begun_on_the_straight(lines)
+        assert (begun.points[0] == begun.points[-1]).all()
+        assert begun.points[0, 0] == 4.5
+        assert {tuple(p) for p in begun.points[1:-1]} == {tuple(p) for p in island}
+    turn = np.full(4, np.pi / 2)
+    near = _turning_near(island[:4], turn, np.zeros(4, int), island[:1], np.zeros(1, int))
+    assert near == pytest.approx([np.pi])

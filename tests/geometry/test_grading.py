@@ -19,12 +19,46 @@ def test_the_ground_meets_a_road_at_its_height_and_stays_far_from_it():
     assert np.allclose(made.height_at([[0, FARTHEST + 5], [0, -FARTHEST - 5]]), 0.0)
 
 
-def test_a_high_fill_ends_in_a_slope_not_in_a_cliff():
-    made = grade_terrain(FLAT, *along_x(40.0), SITE)
-    y = np.arange(0.0, 90.0, 2.0)
-    z = made.height_at(np.column_stack([0 * y, y]))
-    assert z[-1] == 0.0
-    assert np.abs(np.diff(z)).max() <= 2.0 * 40.0 / (FARTHEST - 7.0) + 0.1
+def across(made, step=2.0):
+    y = np.arange(0.0, 60.0, step)
+    return y, made.height_at(np.column_stack([0 * y, y]))
+
+
+def test_fill_slopes_one_in_one_and_a_half_down_to_the_land():
+    y, z = across(grade_terrain(FLAT, *along_x(6.0), SITE))
+    assert np.allclose(z[y <= 6.0], 6.0)
+    assert np.allclose(z[y > 16.0], 0.0)
+    assert np.abs(np.diff(z)).max() <= 2.0 / 1.5 + 1e-3
+
+
+def test_fill_too_high_for_the_corridor_ends_at_a_wall_and_slopes_on_below_it():
+    y, z = across(grade_terrain(FLAT, *along_x(14.0), SITE))
+    step = np.abs(np.diff(z))
+    wall = step.argmax()
+    assert y[wall] == 6.0  # the last place on the strip of 6.5 metres
+    assert 14.0 - 15.0 / 1.5 < step[wall] < 6.0
+    assert np.delete(step, wall).max() <= 2.0 / 1.5 + 1e-3
+
+
+def test_a_cut_into_a_hillside_meets_it_and_leaves_the_land_beyond_alone():
+    y = -150.0 + 10.0 * np.arange(31.0)
+    hill = Terrain((-150.0, -150.0), 10.0, 0.4 * np.tile(y[:, None], (1, 31)))
+    y, z = across(grade_terrain(hill, *along_x(0.0), SITE))
+    assert np.allclose(z[y > 20.0], 0.4 * y[y > 20.0])
+    assert np.abs(np.diff(z)).max() <= 2.0 / 1.5 + 0.2
+
+
+def test_between_roads_at_two_heights_soil_stands_and_walls_take_the_rest():
+    low, high = along_x(0.0), along_x(8.0)
+    beside = [low[0], high[0] + [0.0, 20.0]]
+    both = [np.concatenate(pair) for pair in zip(low[1:], high[1:], strict=True)]
+    made = grade_terrain(FLAT, np.concatenate(beside), *both, SITE)
+    y, z = across(made)
+    assert np.allclose(z[y < 6.5], 0.0, atol=0.1)
+    assert np.allclose(z[(y > 14.0) & (y < 26.0)], 8.0, atol=0.1)
+    between = (y > 6.5) & (y < 13.5)
+    assert np.abs(np.diff(z[between])).max() <= 2.0 / 1.5 + 1e-3
+    assert np.abs(np.diff(z)).max() > 1.2
 
 
 def test_a_road_that_climbs_and_bends_keeps_its_grade():

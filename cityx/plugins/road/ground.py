@@ -13,6 +13,7 @@ from cityx.city.city import City
 from cityx.city.ground import LABEL, ON_ROADWAY, SURFACES, Ground
 from cityx.city.heights import WayHeights
 from cityx.city.layout import Layout
+from cityx.city.mesh import concatenate
 from cityx.city.roads import RoadNetwork
 from cityx.city.terrain import Terrain, flat_terrain
 from cityx.geometry.arrangement import (
@@ -45,9 +46,15 @@ from cityx.plugins.road.landcover import (
 from cityx.plugins.road.network import road_network
 from cityx.plugins.road.painting import Painting, painting_of
 from cityx.plugins.road.park_paths import park_regions
+from cityx.plugins.road.retaining_walls import find_walls
 from cityx.plugins.road.stairs import build_stairs
 from cityx.plugins.road.streets import USUAL, street_regions
-from cityx.plugins.road.structures import Structures, build_structures, grounded_lines
+from cityx.plugins.road.structures import (
+    Structures,
+    body_batch,
+    build_structures,
+    grounded_lines,
+)
 from cityx.plugins.road.tiers import cut_network
 from cityx.protocol import Port, action, has_network
 
@@ -55,6 +62,7 @@ TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
 PLAIN_TILE = 1000.0  # the same at detail level 0, where faces have fewer corners
 ROADWAY = tuple(LABEL[name] for name in ("carriageway", "setts", "gravel_road"))
 SCRAP = 3.0  # square metres of a junction's surface that something cut off from the rest
+WALL_STONE = "stone"  # of retaining walls
 COARSE = 2.0  # metres by which land cover is simplified at detail level 0
 
 
@@ -92,11 +100,17 @@ def ground(city: City) -> City:
         painting=painting,
     )
     found = _regions(city.layout, network, city.heights, built, city.lod, painting)
+    walls = find_walls(city.layout, _on_ground(network, built), city.terrain)
+    if city.lod > 0:
+        lines = np.concatenate([lines, walls.lines])
     arranged = arrange(found, city.layout.extent, lines=lines)
     if city.lod > 0:
         arranged = pave_blocks(arranged, city.layout)
         arranged = absorb_scraps(arranged, LABEL["junction"], SCRAP, ON_ROADWAY)
-    draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0)
+    base = city.terrain.height_at(arranged.vertices)
+    if city.lod > 0:
+        base = walls.heights(arranged.vertices, base)
+    draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0, base=np.round(base, 4))
     scene = city.scene.with_mesh("ground", draped)
     survey = city.survey
     around = survey.around if survey is not None else None
@@ -105,6 +119,9 @@ def ground(city: City) -> City:
     if survey is not None:
         survey = replace(survey, tolerance=tolerance, far_tolerance=far_tolerance)
     layers = {"decks": built.surfaces, "structures": built.bodies}
+    if city.lod > 0:
+        held = body_batch(walls.bodies(), "retaining walls", WALL_STONE)
+        layers["structures"] = concatenate([built.bodies, held])
     if city.lod > 1:
         layers["stairs"] = build_stairs(city.layout, city.heights, city.terrain)
     for layer, mesh in layers.items():
@@ -135,14 +152,18 @@ def _regions(
     painting: Painting = USUAL,
 ) -> Regions:
     """Return what covers the site: the pieces of roads on the ground, and openings for the rest."""
-    spans = built.spans
-    level = cut_network(network, spans, np.flatnonzero(~spans.off))
+    level = _on_ground(network, built)
     label = LABEL["void"]
     opened = regions(built.opening, label, SURFACES[label].priority)
     if lod == 0:
         return join_regions([plain_regions(layout, level), opened])
     ways = grounded_lines(layout, heights)
     return join_regions([detailed_regions(layout, level, ways, painting), opened])
+
+
+def _on_ground(network: RoadNetwork, built: Structures) -> RoadNetwork:
+    """Return the pieces of roads on the ground."""
+    return cut_network(network, built.spans, np.flatnonzero(~built.spans.off))
 
 
 def plain_regions(layout: Layout, network: RoadNetwork) -> Regions:

@@ -297,8 +297,7 @@ def _swept(
     """
     z = base.copy()
     tunnels = ways.node[ways.tunnel[ways.owner]]
-    if len(tunnels):
-        z = _sunk(ways, slopes, z, soil, on_ground, tunnels)
+    z = _sunk(ways, slopes, z, soil, on_ground, tunnels)
     upper, lower = crossing.high, crossing.low
     must_up, must_down = np.full(ways.count, -np.inf), np.full(ways.count, np.inf)
     street = np.zeros(ways.count, bool)
@@ -314,6 +313,9 @@ def _swept(
             wanted[wanted >= z - EXACT] = np.inf
             np.minimum(must_down, _asked_below(ways, crossing, pick, z, KEPT), out=must_down)
             z = -_moved(slopes, -z, -wanted, -held)
+        # A mouth that sank for a crossing near it lets its tunnel go down sooner.
+        own = ways.node[(ways.tunnel & (ways.level == level))[ways.owner]]
+        z = _sunk(ways, slopes, z, soil, on_ground, own)
     for level in np.unique(np.concatenate([upper[upper > 0], ways.level[ways.level > 0]])):
         for light in (False, True):
             pick = (upper == level) & (ways.light[crossing.upper] == light)
@@ -359,9 +361,9 @@ def _sunk(
     depth = np.full(ways.count, -np.inf)
     np.maximum.at(depth, ways.node, (ways.clear + COVER)[ways.owner])
     own = slopes.take(inside[slopes.pairs].all(axis=1))
-    fall = -rise_to(own, np.where(mouth, 0.0, -np.inf))
-    room = np.where(np.isfinite(fall), fall, np.inf)
-    return np.asarray(np.where(inside & ~mouth, np.minimum(z, soil - np.minimum(depth, room)), z))
+    lowest = rise_to(own, np.where(mouth, z, -np.inf))
+    closed = np.minimum(z, np.maximum(soil - depth, lowest))
+    return np.asarray(np.where(inside & ~mouth, closed, z))
 
 
 def _in_streets(ways: Ways) -> IntArray:

@@ -1,4 +1,4 @@
-"""Refuges: islands in the middle of crossings, and ways through medians, cut down to the road."""
+"""Islands between the two directions of a street: refuges, splitters, ways through medians."""
 
 from __future__ import annotations
 
@@ -14,11 +14,17 @@ from cityx.geometry.polylines import locate
 from cityx.plugins.road.drops import FREE_SIDE, RIBS, patches
 from cityx.plugins.road.markings import Street, Zebras, lane_count, spans_of
 from cityx.plugins.road.medians import NARROW, Twins, twins_of
-from cityx.plugins.road.roundabouts import LANE_LEFT, SPLITTER_PRIORITY
+from cityx.plugins.road.roundabouts import ring_edges, ring_nodes
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
+ISLAND_PRIORITY = 82  # above the carriageway and what is painted on it
+LANE_LEFT = 2.5  # metres that each lane for cars keeps beside an island
+SPLITTER = (1.5, 9.0)  # metres from the ring between which the island at an arm lies
+SPLITTER_WIDTH = (1.8, 0.5)  # metres at the ring and at the far end
+LEAST_SPLITTER = 0.8  # metres at the ring; a narrower one is no island
 LEAST_ISLAND, WIDEST_ISLAND = 1.2, 2.0  # metres; room for one person, and for a bicycle
 ISLAND_END = 2.5  # metres of island on both sides of the crossing
 NEAR = 15.0  # metres along the street from a mapped island to the crossing it belongs to
@@ -27,7 +33,7 @@ CHORDS = 4  # per quarter circle of an island's end
 
 
 def refuge_regions(street: Street, zebras: Zebras, *, yellow: bool) -> Regions:
-    """Lay refuges where the map tells of an island, and ways through the medians of crossings.
+    """Lay splitters at roundabouts, refuges where the map tells of an island, ways through medians.
 
     Parameters
     ----------
@@ -38,10 +44,54 @@ def refuge_regions(street: Street, zebras: Zebras, *, yellow: bool) -> Regions:
     yellow
         Whether the ribs are yellow.
     """
+    splitters = _splitter_regions(street)
     if not len(zebras.edge):
-        return Regions()
+        return splitters
     ribs = LABEL["tactile" if yellow else "tactile_pale"]
-    return join_regions([_islands(street, zebras, ribs), _median_ways(street, zebras, ribs)])
+    return join_regions(
+        [_islands(street, zebras, ribs), _median_ways(street, zebras, ribs), splitters]
+    )
+
+
+def _splitter_regions(street: Street) -> Regions:
+    """Build the islands between the two directions of arms of roundabouts."""
+    arm, end = np.nonzero(_splitter_arms(street))
+    if not len(arm):
+        return Regions()
+    kerbed, inner = (_splitters(street, arm, end, inset) for inset in (0.0, KERB_WIDTH))
+    return join_regions(
+        [
+            regions(kerbed, LABEL["kerb"], ISLAND_PRIORITY),
+            regions(inner, LABEL["courtyard"], ISLAND_PRIORITY + 1),
+        ]
+    )
+
+
+def _splitter_arms(street: Street) -> BoolArray:
+    """(e, 2) ends of two-way edges at a ring that are wide and long enough for an island."""
+    layout, network = street.layout, street.network
+    ring = ring_edges(layout, network)
+    at_ring = ring_nodes(layout, network)[network.edge_nodes] & ~ring[:, None]
+    free = street.length - network.trim.sum(axis=1)
+    room = (free > SPLITTER[1] + 2.0) & (_room(street)[1] > LEAST_SPLITTER)
+    return np.asarray(at_ring & room[:, None])
+
+
+def _splitters(street: Street, edge: IntArray, end: IntArray, inset: float) -> NDArray[Any]:
+    """Long islands between the two directions of arms, broad towards the ring."""
+    length, trim = street.length[edge], street.network.trim[edge, end]
+    middle, room = (of_edge[edge] for of_edge in _room(street))
+    near = np.minimum(trim, SPLITTER[0] + 1.0) + inset
+    corners = []
+    for along, width, sides in (
+        (near, SPLITTER_WIDTH[0], (-1, 1)),
+        (trim + SPLITTER[1] - inset, SPLITTER_WIDTH[1], (1, -1)),
+    ):
+        at, ahead = locate(street.lines, edge, np.where(end == 0, along, length - along))
+        left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+        wide = np.maximum(np.minimum(width, room) / 2 - inset, 0.05)
+        corners += [at + left * (middle + side * wide)[:, None] for side in sides]
+    return np.asarray(shapely.polygons(np.stack(corners, axis=1)))
 
 
 def _islands(street: Street, zebras: Zebras, ribs: int) -> Regions:
@@ -59,9 +109,9 @@ def _islands(street: Street, zebras: Zebras, ribs: int) -> Regions:
     stones = np.concatenate(ends)
     floor = patches(street, zebras, rows, middle[edge] - half, middle[edge] + half)
     return join_regions([
-        regions(floor, ribs, SPLITTER_PRIORITY),
-        regions(stones, LABEL["kerb"], SPLITTER_PRIORITY + 1),
-        regions(shapely.buffer(stones, -KERB_WIDTH), LABEL["courtyard"], SPLITTER_PRIORITY + 2),
+        regions(floor, ribs, ISLAND_PRIORITY),
+        regions(stones, LABEL["kerb"], ISLAND_PRIORITY + 1),
+        regions(shapely.buffer(stones, -KERB_WIDTH), LABEL["courtyard"], ISLAND_PRIORITY + 2),
     ])  # fmt: skip
 
 

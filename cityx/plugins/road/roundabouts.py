@@ -1,4 +1,4 @@
-"""Roundabouts: round rings, islands in the middle, splitters, painted discs, turning circles."""
+"""Roundabouts: round rings, islands in the middle, painted discs, turning circles."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
 from cityx.geometry.arrangement import Regions, join_regions, regions
-from cityx.geometry.polylines import Polylines, arc_lengths, locate, to_linestrings
+from cityx.geometry.polylines import Polylines, to_linestrings
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
@@ -32,9 +32,6 @@ TIGHT = 0.3  # metres into an island that a street may be drawn without running 
 GREEN = 2.5  # metres of radius of an island with lawn; smaller ones are paved
 ISLAND_PRIORITY = 77  # above all surfaces of its ring
 CROSSED_PRIORITY = 53  # the same of an island that a street runs through: that goes on
-SPLITTER = (1.5, 9.0)  # metres from the ring between which the island at an arm lies
-SPLITTER_WIDTH = (1.8, 0.5)  # metres at the ring and at the far end
-LANE_LEFT = 2.5  # metres of carriageway on both sides of a splitter
 MINI = 2.0  # metres of radius of the disc of a mini-roundabout (TSRGD 2016, diagram 611.1)
 TURNING = 6.5  # metres of radius of a turning circle
 CIRCLE = 8  # chords per quarter circle
@@ -145,22 +142,12 @@ def ring_nodes(layout: Layout, network: RoadNetwork) -> BoolArray:
 
 
 def roundabout_regions(layout: Layout, network: RoadNetwork, on_ground: BoolArray) -> Regions:
-    """Return the islands of roundabouts, their splitters and turning circles."""
+    """Return the islands of roundabouts, and turning circles."""
     lines = Polylines(network.points, network.point_start)
     ring = ring_edges(layout, network) & on_ground
-    parts = [_islands(network, lines, ring), _turning_circles(layout, network, on_ground)]
-    arm, end = np.nonzero(_splitter_arms(layout, network, ring) & on_ground[:, None])
-    if len(arm):
-        kerbed = _splitters(network, lines, arm, end, 0.0)
-        inner = _splitters(network, lines, arm, end, KERB_WIDTH)
-        parts += [
-            regions(kerbed, LABEL["kerb"], SPLITTER_PRIORITY),
-            regions(inner, LABEL["courtyard"], SPLITTER_PRIORITY + 1),
-        ]
-    return join_regions(parts)
-
-
-SPLITTER_PRIORITY = 82  # above the carriageway and what is painted on it
+    return join_regions(
+        [_islands(network, lines, ring), _turning_circles(layout, network, on_ground)]
+    )
 
 
 def _islands(network: RoadNetwork, lines: Polylines, ring: BoolArray) -> Regions:
@@ -192,36 +179,6 @@ def _islands(network: RoadNetwork, lines: Polylines, ring: BoolArray) -> Regions
         names = np.broadcast_to(name, len(shape)).tolist()
         layers.append(regions(shape, [LABEL[word] for word in names], priority + order))
     return join_regions(layers)
-
-
-def _splitter_arms(layout: Layout, network: RoadNetwork, ring: BoolArray) -> BoolArray:
-    """(e, 2) ends of two-way edges at a ring that are wide and long enough for an island."""
-    at_ring = ring_nodes(layout, network)[network.edge_nodes] & ~ring[:, None]
-    oneway = layout.roads["oneway"].to_numpy(bool)[network.edge_road]
-    length = arc_lengths(Polylines(network.points, network.point_start))[1]
-    room = length - network.trim.sum(axis=1) > SPLITTER[1] + 2.0
-    wide = 2 * network.half_width > 2 * LANE_LEFT + 0.8
-    return np.asarray(at_ring & (room & wide & ~oneway)[:, None])
-
-
-def _splitters(
-    network: RoadNetwork, lines: Polylines, edge: IntArray, end: IntArray, inset: float
-) -> Shapes:
-    """Long islands between the two directions of arms, broad towards the ring."""
-    length = arc_lengths(lines)[1][edge]
-    trim = network.trim[edge, end]
-    near = np.minimum(trim, SPLITTER[0] + 1.0) + inset
-    room = 2 * network.half_width[edge] - 2 * LANE_LEFT
-    corners = []
-    for along, width, sides in (
-        (near, SPLITTER_WIDTH[0], (-1, 1)),
-        (trim + SPLITTER[1] - inset, SPLITTER_WIDTH[1], (1, -1)),
-    ):  # fmt: skip
-        at, ahead = locate(lines, edge, np.where(end == 0, along, length - along))
-        left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
-        wide = np.maximum(np.minimum(width, room) / 2 - inset, 0.05)
-        corners += [at + left * (side * wide)[:, None] for side in sides]
-    return np.asarray(shapely.polygons(np.stack(corners, axis=1)))
 
 
 def _turning_circles(layout: Layout, network: RoadNetwork, on_ground: BoolArray) -> Regions:

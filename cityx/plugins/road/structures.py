@@ -38,6 +38,7 @@ from cityx.plugins.road.carriageway import (
     build_carriageway,
     road_labels,
 )
+from cityx.plugins.road.embankments import EARTH, Obstacles, embankments
 from cityx.plugins.road.heights import WATER
 from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.landcover import TRACK_BED, rail_strips
@@ -151,11 +152,14 @@ def build_structures(
     others = heights.take(np.flatnonzero(heights.edge < 0))
     off, others = _with_room(layout, off, others, streets)
     whole = _tier_of(layout, off, others)
+    obstacles = Obstacles(layout, _waters(layout))
     surfaces, bodies, opening = [], [], [np.zeros(0, object)]
     for number, rows in enumerate(_groups(whole)):
         cars = rows[rows < off.edge_count]
         part = _tier_of(layout, _edges(off, cars), others.take(rows[len(cars) :] - off.edge_count))
-        made = _build_tier(layout, part, network, terrain, seed, number, detail, painting)
+        made = _build_tier(
+            layout, part, network, terrain, seed, number, detail, painting, obstacles
+        )
         surfaces.append(made[0])
         bodies.append(made[1])
         opening.append(made[2])
@@ -330,6 +334,7 @@ def _build_tier(
     number: int,
     detail: bool,
     painting: Painting,
+    obstacles: Obstacles,
 ) -> tuple[MeshBatch, MeshBatch, Shapes]:
     found = _open_wells(_regions(layout, part, detail, painting), part, network)
     bounds = shapely.total_bounds(found.polygons)
@@ -363,6 +368,12 @@ def _build_tier(
         made.append(_headwalls(deck, network, covered, solid, ceiling, soil))
     made.append(_piers(part, deck, spanning, terrain, layout))
     batches = [body_batch(bodies, f"structures {number} {k}") for k, bodies in enumerate(made)]
+    edges, _, beyond = rim_edges(deck, np.where(filled, 0, -1))
+    edges = edges[(beyond < 0) | ~solid[np.maximum(beyond, 0)]]
+    earth = embankments(
+        deck, edges[~_at_seams(part, deck, edges)], z, terrain, obstacles, part.road
+    )
+    batches.append(body_batch(earth, f"embankments {number}", EARTH))
     opened = filled & ~covered & ~wet
     return surfaces, concatenate(batches), _outline(deck, opened)
 
@@ -521,11 +532,14 @@ def _of_faces(deck: Ground, values: FloatArray) -> FloatArray:
 
 def _in_water(layout: Layout, points: FloatArray) -> BoolArray:
     found = np.zeros(len(points), bool)
-    wet = layout.areas["kind"].isin(WATER).to_numpy()
-    if wet.any():
-        tree = shapely.STRtree(layout.areas.geometry.to_numpy()[wet])
-        found[tree.query(shapely.points(points), predicate="intersects")[0]] = True
+    tree = shapely.STRtree(_waters(layout))
+    found[tree.query(shapely.points(points), predicate="intersects")[0]] = True
     return found
+
+
+def _waters(layout: Layout) -> Shapes:
+    wet = layout.areas["kind"].isin(WATER).to_numpy()
+    return np.asarray(layout.areas.geometry.to_numpy()[wet])
 
 
 def _outline(deck: Ground, chosen: BoolArray) -> Shapes:
@@ -537,14 +551,21 @@ def _outline(deck: Ground, chosen: BoolArray) -> Shapes:
     return np.asarray(shapely.get_parts(shapely.coverage_union_all(triangles)))
 
 
-def _seams(part: _Tier) -> Any:
-    """Return the lines across the ends of ways, where no parapet stands."""
+def _at_seams(part: _Tier, deck: Ground, edges: IntArray) -> BoolArray:
+    """(k,) whether edges lie across the ends of ways, where no parapet stands."""
     lines = part.lines
     owner = lines.line_of_point()
     ends = np.concatenate([lines.start[:-1], lines.start[1:] - 1])
     across = miters(lines)[ends] * (part.reach[owner[ends]] + 0.6)[:, None]
     bars = np.stack([lines.points[ends] - across, lines.points[ends] + across], axis=1)
-    return shapely.STRtree(shapely.linestrings(bars))
+    seam = shapely.STRtree(shapely.linestrings(bars))
+    found = np.ones(len(edges), bool)
+    for side in (0, 1):
+        spots = shapely.points(deck.vertices[edges[:, side]])
+        near = np.zeros(len(edges), bool)
+        near[seam.query(spots, "dwithin", distance=SAME_PLACE)[0]] = True
+        found &= near
+    return found
 
 
 def _rims(
@@ -555,13 +576,7 @@ def _rims(
     edges, inside, _ = rim_edges(deck, group)
     if not len(edges):
         return []
-    ends = deck.vertices[edges]
-    seam = _seams(part)
-    at_seam = np.ones(len(edges), bool)
-    for side in (0, 1):
-        near = np.zeros(len(edges), bool)
-        near[seam.query(shapely.points(ends[:, side]), "dwithin", distance=SAME_PLACE)[0]] = True
-        at_seam &= near
+    at_seam = _at_seams(part, deck, edges)
     lift = (z - soil)[edges].mean(axis=1)
     kind = np.select(
         [at_seam, covered[inside], lift > PARAPET_FROM, lift < -WALL_FROM], [-1, 2, 0, 1], -1

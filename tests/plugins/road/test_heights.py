@@ -76,6 +76,17 @@ def test_a_tunnel_sinks_under_the_street_and_the_street_stays(layout_of):
     assert off.lift.max() < 0.1
 
 
+def test_a_tunnel_that_dives_under_a_street_at_its_mouth_does_not_come_up_again(layout_of):
+    street = ([(-190, -400), (-190, 400)], {})
+    tunnel = ([(-200, 0), (200, 0)], TUNNEL)
+    net, _, _ = solved(layout_of([([(-390, 0), (-200, 0)], {}), tunnel, street], extent=LONG))
+    deep = [float(lift_at(net, x, 0).min()) for x in range(-185, 150, 5)]
+    assert deep[0] <= -(OVER_CARS + DECK) + 0.05
+    # It eases from under the street up to the depth that a tunnel has, and stays there.
+    assert (np.diff(deep) > -0.01).all()
+    assert max(deep) < -OVER_CARS
+
+
 def test_a_bridge_over_water_rises_a_little(layout_of):
     river = layout_of([([(-90, 0), (90, 0)], BRIDGE)], areas=[((-10, -90, 10, 90), "river")])
     net, _, _ = solved(river)

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 import shapely
 
+from cityx.checks.junctions import check_junctions
 from cityx.city.ground import LABEL
 from cityx.city.lanes import MOVEMENTS
 from cityx.geometry.arrangement import check_arrangement, face_areas
@@ -110,3 +111,12 @@ def test_a_mini_roundabout_is_a_painted_disc(layout_of):
     middle = found.vertices[found.triangles[painted]].mean(axis=1)
     assert (np.hypot(*middle.T) < 2.0).any()
     assert areas(found)["marking"] > np.pi * 2.0**2 * 0.9
+
+
+def test_a_splitter_lies_between_the_lanes_beside_parked_cars(layout_of, city_of):
+    parked = {"width": 8.1, "parking_left": True, "parking_right": False}
+    layout = layout_of([ROUNDABOUT[0], *((line, parked) for line, _ in ARMS)])
+    city = ground(lanes(network(city_of(layout))))
+    over = {check.name: check.value for check in check_junctions(city)}["sidewalk_on_carriageway"]
+    assert over == 0.0
+    assert areas(city.ground)["courtyard"] > 4 * 3.0
