@@ -23,6 +23,7 @@ DOOR = 1.2  # metres of street that every parcel has at least
 SPREAD = 0.1  # of the frontage, how much blocks of a zone differ
 STREET = 0.25  # of the wanted frontage that a halved piece has at least
 SHARE = 0.45  # of the wanted area; a smaller strip parcel joins its neighbour
+UNDIVIDED = 4.0  # times the wanted area from which a block is not to be one parcel
 ROUND = 6  # decimals of metres to which borders of blocks are read
 
 
@@ -126,7 +127,9 @@ def parcels_of(
     local = moved(blocks, -origin, ROUND)
     streets = shapely.boundary(local)
     pieces = _cut(local, streets, ids, zones, density, seed=seed)
-    pieces = _on_the_street(pieces, local, streets, _wanted_area(zones, density))
+    wanted = _wanted_area(zones, density)
+    pieces = _on_the_street(pieces, local, streets, wanted)
+    pieces = _halved_instead(pieces, local, streets, ids, _sizes(zones, density), seed=seed)
     order = np.lexsort((pieces.code, pieces.block))
     block, code = pieces.block[order], pieces.code[order]
     shapes = on_grid(pieces.shapes[order])
@@ -197,6 +200,28 @@ def _cut(
         )  # fmt: skip
         made.append(Pieces(cut.shapes, rows[cut.block], cut.code, cut.heading))
     return joined_pieces(made)
+
+
+def _halved_instead(
+    pieces: Pieces,
+    blocks: NDArray[Any],
+    streets: NDArray[Any],
+    ids: UInt64Array,
+    sizes: tuple[FloatArray, FloatArray],
+    *,
+    seed: int,
+) -> Pieces:
+    """Halve large blocks that strips did not divide, whose outline is too crooked for them."""
+    count = np.bincount(pieces.block, minlength=len(blocks))
+    wanted = sizes[0] * sizes[1]
+    rows = np.flatnonzero((count == 1) & (shapely.area(blocks) > UNDIVIDED * wanted))
+    if not len(rows):
+        return pieces
+    front = STREET * sizes[0][rows]
+    cut = split_blocks(blocks[rows], streets[rows], ids[rows], wanted[rows], front, seed=seed)
+    cut = _on_the_street(cut, blocks[rows], streets[rows], wanted[rows])
+    cut = replace(cut, block=rows[cut.block])
+    return joined_pieces([pieces.take(~np.isin(pieces.block, rows)), cut])
 
 
 def _on_the_street(

@@ -16,7 +16,7 @@ from cityx.protocol import Port, Range, action
 from cityx.sources.features.tagged import Owner
 
 POINTS = 72  # of a ring
-SMALLEST = 90.0  # metres of its radius
+SMALLEST = 65.0  # metres of its radius
 
 
 @action(
@@ -30,7 +30,7 @@ SMALLEST = 90.0  # metres of its radius
 def ring_road(
     city: City,
     *,
-    share: Annotated[float, Range(0.2, 0.9)] = 0.62,
+    share: Annotated[float, Range(0.2, 0.9)] = 0.82,
     lanes: Annotated[int, Range(2, 8)] = 4,
 ) -> City:
     """Lead a ring road round the middle of a city; the streets it cuts meet it.

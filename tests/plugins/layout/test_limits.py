@@ -9,6 +9,7 @@ from cityx.city import City, Frame, Layout
 from cityx.errors import ActionFailed, UsageError
 from cityx.plugins.layout.counting import buildings_count
 from cityx.plugins.layout.covering import cover
+from cityx.plugins.layout.green import green_share
 from cityx.plugins.layout.limits import building_limits
 from cityx.plugins.layout.park import central_park
 from cityx.plugins.layout.places import places
@@ -115,3 +116,12 @@ def test_roads_that_led_into_the_park_end_at_junctions():
     inner = tips[shapely.distance(tips, border) > 1.0]
     touched = shapely.STRtree(lines).query(inner, predicate="dwithin", distance=0.01)[0]
     assert np.bincount(touched, minlength=len(inner)).min() >= 2
+
+
+def test_a_share_of_the_site_is_green(check_goals):
+    built = site(size=300.0, zone="core", parks=0.0, plazas=0.0, pattern="grid")
+    check_goals(green_share(built, share=0.3))
+    unchanged = green_share(site(size=300.0, zone="row"), share=0.05)
+    assert len(unchanged.layout.buildings) == len(site(size=300.0, zone="row").layout.buildings)
+    with pytest.raises(ActionFailed, match=r"0\.9 of green cannot be had: .* a park it is 0\.\d+"):
+        green_share(built, share=0.9)
