@@ -24,6 +24,7 @@ from cityx.geometry.identity import stable_id
 from cityx.geometry.polylines import (
     Polylines,
     arc_lengths,
+    bends,
     every,
     locate,
     miters,
@@ -483,18 +484,10 @@ def _bars(part: _Tier, terrain: Terrain, slack: float) -> Shapes:
 def _bent(part: _Tier, terrain: Terrain, slack: float) -> BoolArray:
     """(p,) stations at which the surface or the ground below it bends, and the ends of ways."""
     lines = part.lines
-    owner = lines.line_of_point()
-    along, length = arc_lengths(lines)
-    # The profiles of all ways follow each other, so that a station is known by where it lies.
-    place = along + np.concatenate([[0.0], np.cumsum(length + 1.0)])[:-1][owner]
-    across = miters(lines) * part.reach[owner][:, None]
-    found = np.zeros(len(owner), bool)
-    for spots in (lines.points, lines.points - across, lines.points + across):
-        for height in (_surface_heights(part, spots), terrain.height_at(spots)):
-            profile = to_linestrings(Polylines(np.column_stack([place, height]), lines.start))
-            kept = shapely.simplify(profile, slack, preserve_topology=False)
-            found[np.searchsorted(place, shapely.get_coordinates(kept)[:, 0])] = True
-    return found
+    across = miters(lines) * part.reach[lines.line_of_point()][:, None]
+    places = (lines.points, lines.points - across, lines.points + across)
+    heights = [h for xy in places for h in (_surface_heights(part, xy), terrain.height_at(xy))]
+    return bends(lines, np.column_stack(heights), slack)
 
 
 def _passing_edges(part: _Tier, network: RoadNetwork) -> Shapes:
