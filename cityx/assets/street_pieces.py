@@ -249,6 +249,12 @@ def grating() -> Shapes:
     return parts
 
 
+def guard_rail_post() -> Shapes:
+    """Post of a guard rail, a C of steel 0.76 m above the ground."""
+    flanges = [box((-0.05, y, -0.4), (0.05, y + 0.01, 0.76), "metal_grey") for y in (-0.05, 0.04)]
+    return [box((-0.05, -0.04, -0.4), (-0.04, 0.04, 0.76), "metal_grey"), *flanges]
+
+
 def stone_bench() -> Shapes:
     """Block of stone to sit on, 2 m."""
     return [
@@ -263,6 +269,7 @@ STREET_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
         for maker in (
             planter, planter_round, cafe_set, parasol, shop_board, kiosk, bicycle, wheelie_bins,
             sign_no_entry, sign_crossing, sign_name, utility_pole, grating, stone_bench,
+            guard_rail_post,
         )
     }
 )  # fmt: skip

@@ -106,12 +106,15 @@ class _Corners:
 
 
 def _corners(batch: MeshBatch) -> _Corners:
-    used = batch.faces != NO_VERTEX  # (f, 4)
-    start = np.concatenate([[0], np.cumsum(used.sum(axis=1))])
-    if not used[:, 3].any():  # triangles alone
+    quad = batch.faces[:, 3] != NO_VERTEX  # (f,)
+    start = np.concatenate([[0], np.cumsum(np.where(quad, 4, 3))])
+    if not quad.any():  # triangles alone
         faces = np.ascontiguousarray(batch.faces[:, :3]).reshape(-1)
         return _Corners(faces, np.ascontiguousarray(batch.uv[:, :3]).reshape(-1, 2), start)
-    return _Corners(batch.faces[used], np.ascontiguousarray(batch.uv[used]), start)
+    used = np.flatnonzero(batch.faces != NO_VERTEX)
+    # Both coordinates of a corner are copied as one number, three times as fast as a mask of rows.
+    uv = np.ascontiguousarray(batch.uv).reshape(-1).view(np.uint64)
+    return _Corners(batch.faces.ravel()[used], uv[used].view(np.float32).reshape(-1, 2), start)
 
 
 def _encoded(tint: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -120,14 +123,14 @@ def _encoded(tint: NDArray[np.float32]) -> NDArray[np.float32]:
     curve = np.where(
         linear <= 0.0031308, linear * 12.92, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055
     )
-    return np.column_stack([curve, np.ones(len(curve))]).astype(np.float32)
+    return np.column_stack([curve, np.ones(len(curve), np.float32)])
 
 
 class _Uploader:
     """Cuts meshes out of one batch and hands them to Blender.
 
     A class because the flattened arrays of the whole batch are shared by thousands of small meshes.
-    Plain meshes have no texture coordinates and one tint per face instead of one per corner.
+    Plain meshes have no texture coordinates.
     """
 
     def __init__(
@@ -138,8 +141,7 @@ class _Uploader:
         self.points = batch.vertices
         self.material = batch.material.astype(np.int32)
         self.plain = plain
-        tint = _encoded(batch.tint)
-        self.tint = tint if plain else np.repeat(tint, np.diff(corners.start), axis=0)
+        self.tint = _encoded(batch.tint)
         self.materials = [library.get(name, suffix) for name in batch.materials]
 
     def mesh(self, name: str, vertices: slice, faces: slice, origin: Any) -> bpy.types.Mesh:
@@ -167,10 +169,8 @@ class _Uploader:
         if not self.plain:
             layer = mesh.attributes.new("UVMap", "FLOAT2", "CORNER")
             layer.data.foreach_set("vector", self.uv[first:last].ravel())
-        color = mesh.attributes.new("tint", "BYTE_COLOR", "FACE" if self.plain else "CORNER")
-        color.data.foreach_set(
-            "color_srgb", self.tint[faces if self.plain else slice(first, last)].ravel()
-        )
+        color = mesh.attributes.new("tint", "BYTE_COLOR", "FACE")
+        color.data.foreach_set("color_srgb", self.tint[faces].ravel())
         flat = mesh.attributes.new("sharp_face", "BOOLEAN", "FACE")
         flat.data.foreach_set("value", np.ones(faces.stop - faces.start, bool))
         mesh.update(calc_edges=True)

@@ -72,6 +72,25 @@ class MeshBatch:
         """(f,) index of the object each face belongs to."""
         return np.repeat(np.arange(self.count), np.diff(self.face_start))
 
+    def one(self, index: int) -> MeshBatch:
+        """Return the batch of one object; apart from ``faces`` its arrays are views of these."""
+        vertices = slice(*self.vertex_start[index : index + 2].tolist())
+        rows = slice(*self.face_start[index : index + 2].tolist())
+        faces = self.faces[rows]
+        if vertices.start:
+            faces = np.where(faces == NO_VERTEX, NO_VERTEX, faces - np.int32(vertices.start))
+        return MeshBatch(
+            self.object_id[index : index + 1],
+            np.array([0, vertices.stop - vertices.start], np.int64),
+            np.array([0, rows.stop - rows.start], np.int64),
+            self.vertices[vertices],
+            faces,
+            self.material[rows],
+            self.materials,
+            self.uv[rows],
+            self.tint[rows],
+        )
+
     def take(self, objects: ArrayLike) -> MeshBatch:
         """Return the batch of the given objects (indices into ``object_id``), in that order."""
         objects = np.asarray(objects, dtype=np.int64)
@@ -162,7 +181,9 @@ def concatenate(batches: Iterable[MeshBatch]) -> MeshBatch:
     face_shift = np.cumsum([0] + [len(batch.faces) for batch in parts])
     faces, material = [], []
     for batch, shift in zip(parts, vertex_shift, strict=False):
-        faces.append(np.where(batch.faces == NO_VERTEX, NO_VERTEX, batch.faces + shift))
+        moved = batch.faces + np.int32(shift)
+        moved[batch.faces == NO_VERTEX] = NO_VERTEX
+        faces.append(moved)
         table = np.array([names.index(name) for name in batch.materials], np.int16)
         material.append(table[batch.material] if len(batch.material) else batch.material)
     return MeshBatch(
@@ -174,7 +195,7 @@ def concatenate(batches: Iterable[MeshBatch]) -> MeshBatch:
             [[0], *(b.face_start[1:] + s for b, s in zip(parts, face_shift, strict=False))]
         ),
         np.concatenate([batch.vertices for batch in parts]),
-        np.concatenate(faces).astype(np.int32),
+        np.concatenate(faces),
         np.concatenate(material),
         tuple(names),
         np.concatenate([batch.uv for batch in parts]),

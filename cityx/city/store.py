@@ -302,7 +302,7 @@ def _read_scene(folder: Path, record: Mapping[str, Any]) -> Scene:
         held = {name: arrays[name] for name in arrays.files}
     shared = MeshBatch(**held, materials=tuple(record["prototype_materials"]))
     prototypes = tuple(
-        Prototype(name, kind, _own_materials(shared.take([index]), tuple(materials)))
+        Prototype(name, kind, _own_materials(shared.one(index), tuple(materials)))
         for index, (name, kind, materials) in enumerate(record["prototypes"])
     )
     return Scene(MappingProxyType(meshes), prototypes, MappingProxyType(instances))

@@ -102,6 +102,36 @@ def locate(lines: Polylines, line: ArrayLike, along: ArrayLike) -> tuple[FloatAr
     return position, direction
 
 
+def bends(lines: Polylines, values: ArrayLike, slack: float) -> NDArray[np.bool_]:
+    """Mark the points between which values run straight along lines, their ends included.
+
+    Parameters
+    ----------
+    lines
+        The lines.
+    values
+        (p,) float, at their points, or (p, d).
+    slack
+        What the values of unmarked points may differ from those interpolated between marked ones.
+
+    Returns
+    -------
+    kept
+        (p,) bool.
+    """
+    owner = lines.line_of_point()
+    along, length = arc_lengths(lines)
+    # The lines follow each other on one axis, so that a point is known by where it lies.
+    place = along + np.concatenate([[0.0], np.cumsum(length + 1.0)])[:-1][owner]
+    kept = np.zeros(len(owner), bool)
+    kept[lines.start[:-1]] = kept[lines.start[1:] - 1] = True
+    for column in np.asarray(values, float).reshape(len(owner), -1).T:
+        profile = to_linestrings(Polylines(np.column_stack([place, column]), lines.start))
+        thin = shapely.simplify(profile, slack, preserve_topology=False)
+        kept[np.searchsorted(place, shapely.get_coordinates(thin)[:, 0])] = True
+    return kept
+
+
 def values_along(
     lines: Polylines, values: ArrayLike, line: ArrayLike, along: ArrayLike
 ) -> FloatArray:

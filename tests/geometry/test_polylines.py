@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 
 from cityx.geometry.polylines import (
     arc_lengths,
+    bends,
     every,
     line_strips,
     locate,
@@ -56,3 +57,17 @@ def test_pieces_of_a_line_add_up_to_it(points):
     length = arc_lengths(lines)[1]
     cut = pieces(lines, [0, 0], [0.0, length[0] / 3], [length[0] / 3, length[0]])
     assert np.isclose(arc_lengths(cut)[1].sum(), length[0], atol=0.05)
+
+
+def test_values_bend_where_their_grade_changes_and_at_the_ends():
+    lines = pack(
+        [
+            shapely.LineString([(x, 0) for x in range(5)]),
+            shapely.LineString([(0, y) for y in range(3)]),
+        ]
+    )
+    rising = [0.0, 0.1, 0.2, 0.2, 0.2, 5.0, 6.0, 7.0]
+    assert bends(lines, rising, 0.01).tolist() == [
+        True, False, True, False, True, True, False, True
+    ]  # fmt: skip
+    assert np.flatnonzero(bends(lines, rising, 0.2)).tolist() == [0, 4, 5, 7]

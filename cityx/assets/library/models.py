@@ -91,7 +91,7 @@ class Models:
 
     def prototype(self, asset: int, name: str, kind: str = "asset") -> Prototype:
         """Return the shell of one asset as a prototype."""
-        shell = self.shells.take([asset])
+        shell = self.shells.one(asset)
         return Prototype(name, kind, _own_materials(replace(shell, object_id=_ZERO)))
 
     def realised(self, asset: int) -> MeshBatch:
@@ -428,7 +428,7 @@ def read_prototypes(path: Path) -> dict[str, Prototype]:
     except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile, zlib.error) as error:
         raise InputError(f"{path} holds no fittings: {error}.") from None
     return {
-        name: Prototype(name, kind, _own_materials(shared.take([row])))
+        name: Prototype(name, kind, _own_materials(shared.one(row)))
         for row, (name, kind) in enumerate(zip(head["names"], head["kinds"], strict=True))
     }
 

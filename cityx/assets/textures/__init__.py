@@ -10,6 +10,7 @@ import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from io import BytesIO
 from pathlib import Path
 from types import MappingProxyType
 
@@ -29,7 +30,9 @@ from cityx.cache import Arrays, cached_arrays
 from cityx.errors import UsageError, nearest
 from cityx.geometry import identity
 
-__all__ = ["PATTERNS", "Texture", "texture"]
+__all__ = ["PATTERNS", "Texture", "TextureFiles", "texture", "texture_files"]
+
+JPEG_QUALITY = 92  # blocks do not show, also in normal maps
 
 PATTERNS: Mapping[str, Callable[[int], Relief]] = MappingProxyType(
     {
@@ -104,6 +107,59 @@ def texture(name: str, size: int = 512) -> Texture:
         pixels.setflags(write=False)
     mean, roughness_mean, tile = held["facts"].tolist()
     return Texture(name, tile, color, mean, normal, roughness, roughness_mean)
+
+
+@dataclass(frozen=True)
+class TextureFiles:
+    """Maps of one pattern as image files.
+
+    Attributes
+    ----------
+    mean, roughness_mean
+        As of the `Texture`.
+    files
+        "color", "normal" and "roughness" to the content of a JPEG file each.
+    """
+
+    mean: float
+    roughness_mean: float
+    files: Mapping[str, bytes]
+
+
+@lru_cache(maxsize=64)
+def texture_files(name: str, size: int = 512) -> TextureFiles:
+    """Make the maps of a pattern as image files, which are kept from run to run.
+
+    Parameters
+    ----------
+    name, size
+        As for `texture`.
+
+    Raises
+    ------
+    UsageError
+        If there is no such pattern.
+    """
+    import PIL
+
+    key = f"textures-{_edition()}/{name}-{size}-jpeg-{PIL.__version__}"
+    held = cached_arrays(key, lambda: _encoded(texture(name, size)))
+    mean, roughness_mean = held.pop("facts").tolist()
+    files = {part: content.tobytes() for part, content in held.items()}
+    return TextureFiles(mean, roughness_mean, MappingProxyType(files))
+
+
+def _encoded(maps: Texture) -> Arrays:
+    """Encode the maps, each as the bytes of a file."""
+    from PIL import Image
+
+    held = {"facts": np.array([maps.mean, maps.roughness_mean])}
+    for part in ("color", "normal", "roughness"):
+        target = BytesIO()
+        image = Image.fromarray(getattr(maps, part))
+        image.save(target, "JPEG", quality=JPEG_QUALITY, subsampling=0)
+        held[part] = np.frombuffer(target.getvalue(), np.uint8)
+    return held
 
 
 def _drawn(name: str, size: int) -> Arrays:

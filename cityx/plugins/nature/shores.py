@@ -42,6 +42,10 @@ INLAND = 3.0  # metres from the shore within which paving makes it a quay
 BASIN = 160.0  # square metres; smaller water is a basin with a rim
 LEAST = 2.0  # metres; shorter pieces of shore stay as they are
 STEP = 2.0  # metres between the points of a bank
+FINE = 3  # level of detail from which a bank has all of them; below it is drawn by every second
+# Across a bank: share of its width, and of the drop to the bed; the last strip lies under water.
+PROFILES = {True: ((0.0, 0.0), (0.35, 0.22), (0.75, 0.66), (1.25, 1.0)),
+            False: ((0.0, 0.0), (0.75, 0.66), (1.25, 1.0))}  # fmt: skip
 STRAIGHT = 0.08  # metres by which shores are simplified
 COPING_IN, COPING_OUT, COPING_UP = 0.45, 0.06, 0.10  # metres over land, over water, above land
 RAIL_IN, RAIL_HEIGHT, RAIL_POSTS = 0.25, 1.05, 2.0  # metres
@@ -209,14 +213,23 @@ def _banks(city: City, shore: _Shore) -> tuple[list[MeshBatch], Pieces, FloatArr
     width = low + (high - low) * uniform(city.seed, f"{ACTION}/bank", key)
     across = room_along(lines.points + 0.3 * unit, unit, shore.rims, 12.0) + 0.3
     width = np.minimum(width, BANK_SHARE * across)
-    # Across the bank: share of the width, and of the drop to the bed.
-    places = ((0.0, 0.0), (0.35, 0.22), (0.75, 0.66), (1.25, 1.0))
-    drop = land - water + SUNK
-    vertices = np.stack([
-        np.column_stack([lines.points + (share * width)[:, None] * out, land - fall * drop + 0.004])
-        for share, fall in places
-    ], axis=1).reshape(-1, 3)  # fmt: skip
+    toe = np.column_stack([width[:, None] * out, water - SUNK - land])
+    mesh = _slopes(lines, np.column_stack([lines.points, land]), toe, fine=city.lod >= FINE)
+    return [mesh], *_growth(city, lines, ids, width, water)
+
+
+def _slopes(lines: Polylines, top: FloatArray, toe: FloatArray, *, fine: bool) -> MeshBatch:
+    """Draw banks from the (p, 3) points of their tops down by the (p, 3) ways to their toes."""
     owner = lines.line_of_point()
+    if not fine:
+        last = np.r_[owner[1:] != owner[:-1], True]
+        kept = ((np.arange(len(owner)) - lines.start[owner]) % 2 == 0) | last
+        owner, top, toe = owner[kept], top[kept], toe[kept]
+    places = PROFILES[fine]
+    lift = np.array([0.0, 0.0, 0.004])  # so that land and bank never flicker
+    vertices = np.stack(
+        [top + toe * [share, share, fall] + lift for share, fall in places], axis=1
+    ).reshape(-1, 3)
     here = np.flatnonzero(owner[1:] == owner[:-1])
     k = len(places)
     faces, material = [], []
@@ -225,16 +238,15 @@ def _banks(city: City, shore: _Shore) -> tuple[list[MeshBatch], Pieces, FloatArr
         quads = np.column_stack([a, a + 1, a + k + 1, a + k])
         # A bent quad is two triangles.
         faces += [quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
-        material += [np.full(2 * len(here), 0 if ring < 2 else 1)]
+        material += [np.full(2 * len(here), 0 if ring < k - 2 else 1)]
     corner = np.concatenate(faces)
     table = np.column_stack([corner, np.full(len(corner), NO_VERTEX)])
     uv = np.zeros((len(corner), 4, 2))
     uv[:, :3] = vertices[corner][:, :, :2]
-    mesh = one_mesh(
+    return one_mesh(
         stable_id("shores", "banks"), vertices, table, material=np.concatenate(material),
         materials=("meadow", "soil"), uv=uv, tint=(0.7, 0.72, 0.62),
     )  # fmt: skip
-    return [mesh], *_growth(city, lines, ids, width, water)
 
 
 def _growth(

@@ -11,18 +11,20 @@ from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.city.ground import KERB_HEIGHT
-from cityx.city.mesh import MeshBatch, concatenate
+from cityx.city.mesh import MeshBatch
 from cityx.geometry.identity import hash_ids
 from cityx.geometry.polylines import (
     Polylines,
     arc_lengths,
+    bends,
     every,
     locate,
     pack,
-    pieces,
     to_linestrings,
 )
-from cityx.plugins.nature.barriers import sweep
+from cityx.geometry.polylines import pieces as cut_out
+from cityx.plugins.nature.barriers import joined_by_id, sweep
+from cityx.plugins.nature.pieces import Pieces, pieces, with_pieces
 from cityx.protocol import Port, action, has_network
 
 ACTION = "road/guard_rails-v1"
@@ -33,11 +35,12 @@ END = 4.0  # metres from a junction at which a beam begins
 SHORTEST = 8.0  # metres
 STEP = 4.0  # metres; beams follow the terrain by pieces of this length at most
 POSTS = 4.0  # metres between posts (EN 1317 systems stand at 2 to 4 m)
-DEEP = 0.4  # metres a post reaches into the ground
+SLACK = 0.02  # metres by which a beam may leave its line
 # Two ridges, their lower and upper edges in metres above the ground: the W of the beam.
 RIDGES = ((0.44, 0.60), (0.60, 0.76))
-HALF_BEAM, HALF_POST = 0.045, 0.05  # metres
-_POST = np.array([[1.0, -DEEP], [1.0, 1.0], [-1.0, 1.0], [-1.0, -DEEP]])[::-1]
+HALF_BEAM = 0.045  # metres
+FINE = 3  # level of detail from which ridges have flanks and a back; below they are wedges
+LAYER = "guard_rail_posts"
 
 
 @action(
@@ -63,7 +66,7 @@ def guard_rails(city: City) -> City:
     edge = np.flatnonzero(fast & (end - begin > SHORTEST))
     if not len(edge):
         return city
-    middle = to_linestrings(pieces(lines, edge, begin[edge], end[edge]))
+    middle = to_linestrings(cut_out(lines, edge, begin[edge], end[edge]))
     offset = network.half_width[edge] + BEYOND
     beams = np.concatenate([shapely.offset_curve(middle, side * offset) for side in (1.0, -1.0)])
     beams, row = _free_of_roads(city, lines, beams)
@@ -72,8 +75,9 @@ def guard_rails(city: City) -> City:
     both = np.concatenate([edge, edge])[row]
     ids = hash_ids(0, ACTION, network.edge_id[both], np.arange(len(both)))
     order = np.argsort(ids, kind="stable")
-    mesh = _mesh(city, pack(shapely.segmentize(beams[order], STEP)), ids[order])
-    return replace(city, scene=city.scene.with_mesh("guard_rails", mesh))
+    lines, ids = pack(shapely.segmentize(beams[order], STEP)), ids[order]
+    city = with_pieces(city, LAYER, *_posts(city, lines, ids))
+    return replace(city, scene=city.scene.with_mesh("guard_rails", _mesh(city, lines, ids)))
 
 
 def _free_of_roads(
@@ -98,28 +102,36 @@ def _free_of_roads(
 
 
 def _mesh(city: City, lines: Polylines, ids: NDArray[np.uint64]) -> MeshBatch:
-    """Sweep the ridges of the beams and stand posts under them: one object per beam."""
+    """Sweep the ridges of the beams: one object per beam."""
     ground = city.terrain.height_at(lines.points) + KERB_HEIGHT
+    kept = bends(lines, np.column_stack([lines.points, ground]), SLACK)
+    start = np.concatenate([[0], np.cumsum(kept)])[lines.start]
+    lines, ground = Polylines(lines.points[kept], start), ground[kept]
     white = np.ones((lines.count, 3))
     size = np.column_stack([np.full(lines.count, HALF_BEAM), np.ones(lines.count)])
-    parts = []
-    for low, high in RIDGES:
-        bulge = (high - low) / 4
-        ridge = np.array([[0.2, low], [1.0, low + bulge], [1.0, high - bulge], [0.2, high],
-                          [-0.2, high], [-0.2, low]])  # fmt: skip
-        parts.append(sweep(lines, ids, ground, ridge, size, "metal_grey", white))
+    parts = [
+        sweep(lines, ids, ground, _ridge(low, high, city.lod), size, "metal_grey", white)
+        for low, high in RIDGES
+    ]
+    return joined_by_id(parts)
+
+
+def _ridge(low: float, high: float, lod: int) -> NDArray[np.float64]:
+    """Profile of a ridge from its lower to its upper edge, metres above the ground."""
+    bulge = (high - low) / 4
+    if lod < FINE:
+        return np.array([[-0.2, low], [1.0, low + 2 * bulge], [-0.2, high]])
+    return np.array([[0.2, low], [1.0, low + bulge], [1.0, high - bulge], [0.2, high],
+                     [-0.2, high], [-0.2, low]])  # fmt: skip
+
+
+def _posts(
+    city: City, lines: Polylines, ids: NDArray[np.uint64]
+) -> tuple[Pieces, NDArray[np.float64]]:
+    """Stand posts under the beams; returns them with the heights of their feet."""
     line, along = every(arc_lengths(lines)[1], POSTS, 0.5)
     foot, ahead = locate(lines, line, along)
-    ends = np.stack([foot - HALF_POST * ahead, foot + HALF_POST * ahead], axis=1).reshape(-1, 2)
-    short = Polylines(ends, np.arange(0, len(ends) + 1, 2))
-    under = np.repeat(city.terrain.height_at(foot) + KERB_HEIGHT, 2)
-    tall = np.column_stack([np.full(len(line), HALF_POST), np.full(len(line), RIDGES[1][0])])
-    parts.append(sweep(short, ids[line], under, _POST, tall, "metal_grey", np.ones((len(line), 3))))
-    joined = concatenate(parts)
-    joined = joined.take(np.argsort(joined.object_id, kind="stable"))
-    own, first = np.unique(joined.object_id, return_index=True)
-    return replace(
-        joined, object_id=own,
-        vertex_start=np.append(joined.vertex_start[first], joined.vertex_start[-1]),
-        face_start=np.append(joined.face_start[first], joined.face_start[-1]),
-    )  # fmt: skip
+    own = hash_ids(0, LAYER, ids[line], np.arange(len(line)) - np.searchsorted(line, line))
+    posts = pieces("guard_rail_post", foot, own, np.arctan2(ahead[:, 1], ahead[:, 0]))
+    order = np.argsort(own, kind="stable")
+    return posts.take(order), city.terrain.height_at(foot[order]) + KERB_HEIGHT

@@ -24,6 +24,7 @@ from cityx.geometry.identity import stable_id
 from cityx.geometry.polylines import (
     Polylines,
     arc_lengths,
+    bends,
     every,
     locate,
     miters,
@@ -33,10 +34,10 @@ from cityx.geometry.polylines import (
 )
 from cityx.geometry.structures import Bodies, beams, chains_of, rim_edges, slabs
 from cityx.plugins.road.carriageway import (
+    FINE,
     MITRE,
     STONE,
-    build_carriageway,
-    road_labels,
+    plain_carriageways,
 )
 from cityx.plugins.road.embankments import EARTH, Obstacles, embankments
 from cityx.plugins.road.heights import WATER
@@ -82,6 +83,9 @@ PAST = 0.6  # metres past the end of a deck that its kerbs could reach
 SAME_PLACE = 0.06  # metres
 PASSES_OVER = 1.0  # metres of difference in height from which ways side by side have no one surface
 BLEND = 3.0  # metres beyond the edge of a way in which its height still counts
+# Metres by which a surface may miss its profile between two cuts: over the ten metres or more that
+# lie between them nobody feels it; at detail level 0, what nobody sees beside a prism.
+SLACK, PLAIN_SLACK = 0.04, 0.3
 
 
 @dataclass(frozen=True)
@@ -142,14 +146,14 @@ def build_structures(
     seed
         Of the slight variation in brightness of surfaces.
     detail
-        Whether to lay kerbs, walks and markings.
+        Whether to lay kerbs, walks and markings, paths and tracks, and to raise parapets and piers.
     painting
         What the country paints.
     """
     spans = spans_of(network, heights)
     streets = _strips(network)
     off = cut_network(network, spans, np.flatnonzero(spans.off))
-    others = heights.take(np.flatnonzero(heights.edge < 0))
+    others = heights.take(np.flatnonzero((heights.edge < 0) & detail))
     off, others = _with_room(layout, off, others, streets)
     whole = _tier_of(layout, off, others)
     obstacles = Obstacles(layout, _waters(layout))
@@ -339,7 +343,8 @@ def _build_tier(
     found = _open_wells(_regions(layout, part, detail, painting), part, network)
     bounds = shapely.total_bounds(found.polygons)
     extent = (bounds[0] - 1.0, bounds[1] - 1.0, bounds[2] + 1.0, bounds[3] + 1.0)
-    bars = np.concatenate([_bars(part, terrain), _passing_edges(part, network)])
+    slack = SLACK if detail else PLAIN_SLACK
+    bars = np.concatenate([_bars(part, terrain, slack), _passing_edges(part, network)])
     deck = arrange(found, extent, lines=bars, background=LABEL["void"])
     z = _surface_heights(part, deck.vertices)
     soil = terrain.height_at(deck.vertices)
@@ -362,11 +367,12 @@ def _build_tier(
     made = [slabs(deck, group, low, z - TOP_GAP)]
     thick = np.where(walked, FOOT_DECK, DECK)
     ceiling = z + part.room[nearest(shapely.points(deck.vertices))]
-    made += _rims(part, deck, network, np.where(solid, 0, -1), z, soil, ceiling, covered, thick)
+    if detail:
+        made += _rims(part, deck, network, np.where(solid, 0, -1), z, soil, ceiling, covered, thick)
+        made.append(_piers(part, deck, spanning, terrain, layout))
     if covered.any():
         made.append(slabs(deck, np.where(covered, 0, -1), ceiling, ceiling + CEILING))
         made.append(_headwalls(deck, network, covered, solid, ceiling, soil))
-    made.append(_piers(part, deck, spanning, terrain, layout))
     batches = [body_batch(bodies, f"structures {number} {k}") for k, bodies in enumerate(made)]
     edges, _, beyond = rim_edges(deck, np.where(filled, 0, -1))
     edges = edges[(beyond < 0) | ~solid[np.maximum(beyond, 0)]]
@@ -386,13 +392,7 @@ def _regions(layout: Layout, part: _Tier, detail: bool, painting: Painting) -> R
         if detail:
             found += [street_regions(layout, sub, painting)[0], _shoulders(sub)]
         else:
-            road = build_carriageway(layout, sub, np.ones(sub.edge_count, bool))
-            label = road_labels(layout.roads["surface"].to_numpy()[sub.edge_road])
-            own = label[road.edge]
-            ids = layout.roads["id"].to_numpy()[sub.edge_road]
-            rank = SURFACES[LABEL["carriageway"]].priority
-            found.append(regions(road.strips, own, rank, ids[road.edge]))
-            found.append(regions(road.stars, LABEL["junction"], rank))
+            found.append(plain_carriageways(layout, sub, np.ones(sub.edge_count, bool)))
     return join_regions([*found, _islands(found), _ends(part)])
 
 
@@ -445,7 +445,7 @@ def _ends(part: _Tier) -> Regions:
 
 def _shoulders(sub: RoadNetwork) -> Regions:
     """Lay a band of kerb stones along carriageways without walks, for the parapets to stand on."""
-    lines = to_linestrings(edge_lines(sub))
+    lines = shapely.simplify(to_linestrings(edge_lines(sub)), FINE)
     reach = sub.half_width + 2 * KERB_WIDTH
     bands = shapely.buffer(lines, reach, cap_style="flat", join_style="mitre", mitre_limit=MITRE)
     return regions(shapely.unary_union(bands), LABEL["kerb"], 1)
@@ -459,7 +459,7 @@ def _other_regions(layout: Layout, part: _Tier) -> Regions:
     kind = layout.roads["kind"].to_numpy().astype(str)[other.road]
     ids = layout.roads["id"].to_numpy()[other.road]
     surface = layout.roads["surface"].to_numpy().astype(str)[other.road]
-    lines = to_linestrings(Polylines(other.points, other.point_start))
+    lines = shapely.simplify(to_linestrings(Polylines(other.points, other.point_start)), FINE)
     bands = shapely.buffer(lines, other.half_width, cap_style="flat", join_style="mitre",
                            mitre_limit=MITRE)  # fmt: skip
     rails = np.isin(kind, RAILS)
@@ -471,16 +471,18 @@ def _other_regions(layout: Layout, part: _Tier) -> Regions:
     return join_regions(found)
 
 
-def _bars(part: _Tier, terrain: Terrain) -> Shapes:
-    """Lines across at every station, at which faces are cut to follow the profile."""
+def _bars(part: _Tier, terrain: Terrain, slack: float) -> Shapes:
+    """Lines across where faces are cut to follow the profile, or what stands on them changes."""
     lines = part.lines
     owner = lines.line_of_point()
     across = miters(lines) * (part.reach[owner] + 1.0)[:, None]
-    ends = np.stack([lines.points - across, lines.points + across], axis=1)
-    at = [ends]
+    bent = _bent(part, terrain, slack)
+    at = [np.stack([lines.points[bent] - across[bent], lines.points[bent] + across[bent]], axis=1)]
     lift = part.z - terrain.height_at(lines.points)
     first = np.flatnonzero(owner[1:] == owner[:-1])
-    for limit in (np.full(lines.count, LOW), -(part.room + CEILING)):
+    level = (LOW, PARAPET_FROM, -WALL_FROM)
+    limits = [np.full(lines.count, height) for height in level]
+    for limit in (*limits, -(part.room + CEILING)):
         over = lift - limit[owner]
         cut = first[over[first] * over[first + 1] < 0]
         share = ((limit[owner[cut]] - lift[cut]) / (lift[cut + 1] - lift[cut]))[:, None]
@@ -488,6 +490,15 @@ def _bars(part: _Tier, terrain: Terrain) -> Shapes:
         way = across[cut] * (1 - share) + across[cut + 1] * share
         at.append(np.stack([spot - way, spot + way], axis=1))
     return np.asarray(shapely.linestrings(np.concatenate(at)))
+
+
+def _bent(part: _Tier, terrain: Terrain, slack: float) -> BoolArray:
+    """(p,) stations at which the surface or the ground below it bends, and the ends of ways."""
+    lines = part.lines
+    across = miters(lines) * part.reach[lines.line_of_point()][:, None]
+    places = (lines.points, lines.points - across, lines.points + across)
+    heights = [h for xy in places for h in (_surface_heights(part, xy), terrain.height_at(xy))]
+    return bends(lines, np.column_stack(heights), slack)
 
 
 def _passing_edges(part: _Tier, network: RoadNetwork) -> Shapes:
@@ -502,7 +513,8 @@ def _passing_edges(part: _Tier, network: RoadNetwork) -> Shapes:
     beside = np.unique(edge[~np.isin(network.edge_id[edge], part.network.edge_id)])
     chosen = np.concatenate([below, beside])
     reach = network.half_width[chosen] + np.repeat([UNDER, 0.0], [len(below), len(beside)])
-    return np.asarray(shapely.boundary(shapely.buffer(shapes[chosen], reach, quad_segs=2)))
+    ways = shapely.simplify(shapes[chosen], FINE)
+    return np.asarray(shapely.boundary(shapely.buffer(ways, reach, quad_segs=2)))
 
 
 def _surface_heights(part: _Tier, points: FloatArray) -> FloatArray:

@@ -161,14 +161,23 @@ def test_the_ground_is_open_where_a_ramp_stands_and_closed_under_the_deck(layout
     assert "decks" in city.scene.meshes
 
 
-@pytest.mark.parametrize("lod", [0, 2])
-def test_a_subway_opens_the_ground_at_its_stairs_alone(layout_of, city_of, lod):
+def subway(layout_of):
     path = {"kind": "footway", "width": 2.0, "sidewalk_left": 0.0, "sidewalk_right": 0.0}
     ways = [([(-90, 0), (90, 0)], {}), ([(0, -24), (0, 24)], path | TUNNEL)]
     for side in (-1, 1):
         ways.append(([(0, side * 30), (0, side * 24)], path | TUNNEL | {"kind": "steps"}))
         ways.append(([(0, side * 30), (0, side * 60)], path))
-    city = built(city_of, layout_of(ways), lod=lod)
+    return layout_of(ways)
+
+
+def test_detail_level_0_has_neither_paths_nor_subways(layout_of, city_of):
+    city = built(city_of, subway(layout_of), lod=0)
+    assert LABEL["void"] not in city.ground.face_label
+    assert "decks" not in city.scene.meshes
+
+
+def test_a_subway_opens_the_ground_at_its_stairs_alone(layout_of, city_of):
+    city = built(city_of, subway(layout_of), lod=2)
     void = shapely.union_all(shapely.polygons(
         city.ground.vertices[city.ground.triangles[
             city.ground.face_label[city.ground.triangle_face] == LABEL["void"]
