@@ -22,7 +22,7 @@ BoolArray = NDArray[np.bool_]
 
 PURPOSE = "ground/patch"
 SPACING = 11.0  # metres between the middles of patches
-REACH = 16.0  # metres from a house within which its yard lies
+REACH = 12.0  # metres from a house within which its yard lies
 FROM_WALL, FROM_STREET, FROM_PATH = 1.6, 4.5, 2.0  # metres that stay free for those who walk
 # What a patch is, how often, and the range of its length and depth in metres.
 KINDS = (("", 4, (0.0, 0.0), (0.0, 0.0)), ("grass", 5, (4.0, 10.0), (2.0, 5.0)),
@@ -77,7 +77,7 @@ def yard_patches(layout: Layout, network: RoadNetwork) -> Patches:
     buildings = layout.buildings
     houses = buildings.geometry.to_numpy()
     urban = np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))
-    around = shapely.buffer(houses[urban], REACH / 2, quad_segs=1)
+    around = shapely.buffer(houses[urban], REACH, quad_segs=1)
     found = candidates(cells_of_polygons(around, SPACING), SPACING, seed=0, purpose=PURPOSE)
     found = thin(found, SPACING)
     kind = choose(0, PURPOSE, found.id, [weight for _, weight, _, _ in KINDS])
