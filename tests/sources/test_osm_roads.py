@@ -43,6 +43,9 @@ def test_cars_park_beside_one_way_streets_on_the_side_one_drives_on(left_hand, o
     street = section(highway="unclassified", dense=True, oneway=oneway, left_hand=left_hand)
     assert (street["park_left"], street["park_right"]) == (left_hand, not left_hand)
     assert street["width"] == pytest.approx(2.75 + 2.1)
+    options = {"highway": "tertiary", "dense": True, "oneway": oneway, "left_hand": left_hand}
+    assert section(lanes="1", **options)["park_left"] == left_hand
+    assert section(lanes="2", **options)["park_left"] is False
     both_ways = section(highway="unclassified", dense=True)
     assert not both_ways["park_left"]
     assert not both_ways["park_right"]

@@ -18,7 +18,7 @@ _FORBIDDEN = '"parking:(?:left|right|both)(?::restriction)?": *"no'
 
 
 def kerb_lines(street: Street, chosen: BoolArray) -> Marks:
-    """Paint one or two lines along the walks of the chosen edges, on sides without parked cars.
+    """Paint one or two lines along both kerbs of the chosen edges, but beside parked cars.
 
     Two stand for no waiting at any time: on classified roads, on narrow streets, and where the map
     forbids parking.
@@ -29,8 +29,8 @@ def kerb_lines(street: Street, chosen: BoolArray) -> Marks:
     double = ~np.isin(street.kind, SINGLE) | (2 * network.half_width < NARROW) | forbidden
     parked = bands.kind == KIND["parking"]
     found = []
-    for sign, column in ((1.0, "sidewalk_left"), (-1.0, "sidewalk_right")):
-        free = chosen & (table[column].to_numpy(float) > 0)
+    for sign in (1.0, -1.0):
+        free = chosen.copy()
         free[bands.edge[parked & (sign * bands.middle > 0)]] = False
         for number, gap in enumerate(FROM_KERB):
             edge = np.flatnonzero(free & (double if number else True))

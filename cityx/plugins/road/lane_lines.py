@@ -64,8 +64,8 @@ class Partings:
     gap: FloatArray
 
 
-def partings_of(street: Street, chosen: BoolArray, walked: BoolArray) -> Partings:
-    """Find what parts the bands of the chosen edges; dashes stand closer beside walks."""
+def partings_of(street: Street, chosen: BoolArray, kerbed: BoolArray) -> Partings:
+    """Find what parts the bands of the chosen edges; dashes stand closer between kerbs."""
     bands = street.bands
     begin, end = street.free
     inside = np.flatnonzero(np.isin(bands.kind, _KERBED))
@@ -77,7 +77,7 @@ def partings_of(street: Street, chosen: BoolArray, walked: BoolArray) -> Parting
     first, second, edge = first[beside], second[beside], edge[beside]
     kinds = bands.kind[first], bands.kind[second]
     drive, bus, cycle = KIND["drive"], KIND["bus"], KIND["cycle"]
-    far = np.isin(street.kind[edge], LONG_DASH) | ~walked[edge]
+    far = np.isin(street.kind[edge], LONG_DASH) | ~kerbed[edge]
     return Partings(
         edge,
         bands.right[first],

@@ -14,7 +14,7 @@ from cityx.city.section import KIND
 from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.polylines import every, line_strips, pieces, to_linestrings
 from cityx.plugins.road.arrows import lane_symbols
-from cityx.plugins.road.carriageway import Carriageway
+from cityx.plugins.road.carriageway import Carriageway, kerbed_edges
 from cityx.plugins.road.guides import box_junctions, guide_lines
 from cityx.plugins.road.halts import halt_lines
 from cityx.plugins.road.kerb_lines import kerb_lines
@@ -74,9 +74,9 @@ def marking_regions(
     known |= table["section"].to_numpy() != ""
     quiet = (kind == "residential") & ~known & (network.half_width * 2 < WIDE)
     bays = tags.contains('"parking', regex=False).to_numpy().astype(bool) | (kind != "residential")
-    walked = (table["sidewalk_left"].to_numpy() + table["sidewalk_right"].to_numpy()) > 0
+    kerbed = kerbed_edges(layout, network)
     through = through_roads(street)
-    found = partings_of(street, urban & ~quiet, walked)
+    found = partings_of(street, urban & ~quiet, kerbed)
     lines, centre = lane_lines(street, found)
     guides, middle = guide_lines(street, found, through, urban & ~quiet, road)
     bars, crossing = zebra_bars(street, zebras)
@@ -86,7 +86,7 @@ def marking_regions(
         lane_symbols(street, urban),
         _parking_bays(street, painted & bays),
     ]
-    kerbs = kerb_lines(street, urban & painting.yellow_kerbs)
+    kerbs = kerb_lines(street, urban & kerbed & painting.yellow_kerbs)
     marks, edge = together([lines, bars, *white, kerbs])
     yellow = np.zeros(len(marks), bool)
     yellow[: len(centre)] = centre & painting.yellow_centre

@@ -106,7 +106,7 @@ def cross_section(
     tagged = measures.count(tags.get("lanes"), 1, MAX_LANES) if cars else None
     if parking is None:
         near = _LEFT if left_hand != backward else _RIGHT
-        parking = _usual_parking(kind, near, lanes_told=tagged is not None, oneway=oneway)
+        parking = _usual_parking(kind, near, tagged, oneway=oneway)
         parking = [dense and known is None and each for each in parking]
     lanes = int(tagged) if tagged else default
     parked = PARKING * sum(parking)
@@ -189,14 +189,14 @@ def _parking(tags: Tags) -> list[bool] | None:
     return [bool(value) for value in found]
 
 
-def _usual_parking(kind: str, near: int, *, lanes_told: bool, oneway: bool) -> list[bool]:
+def _usual_parking(kind: str, near: int, lanes: float | None, *, oneway: bool) -> list[bool]:
     """Return where cars park in dense towns if no tag tells: on the sides of the way as drawn.
 
-    They stand on both sides of residential streets, and beside a one-way street on the side one
-    drives on, where vans unload too.
+    They stand on both sides of residential streets, and beside the one lane of a busier one-way
+    street on the side one drives on, where vans unload too.
     """
-    both = kind == "residential" and not lanes_told
-    beside = kind == "unclassified" and oneway
+    both = kind == "residential" and lanes is None
+    beside = oneway and (kind == "unclassified" or (kind == "tertiary" and lanes == 1))
     return [both or (beside and place == near) for place in (_LEFT, _RIGHT)]
 
 
