@@ -13,6 +13,7 @@ from cityx.city.ground import LABEL
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrangement import Regions, regions
+from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, uniform
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.geometry.scatter import candidates, cells_of_polygons, thin
@@ -77,11 +78,11 @@ def yard_patches(layout: Layout, network: RoadNetwork) -> Patches:
     buildings = layout.buildings
     houses = buildings.geometry.to_numpy()
     urban = np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))
-    around = shapely.buffer(houses[urban], REACH, quad_segs=1)
+    around = shapely.box(*(shapely.bounds(houses[urban]) + REACH * np.array([-1, -1, 1, 1])).T)
     found = candidates(cells_of_polygons(around, SPACING), SPACING, seed=0, purpose=PURPOSE)
     found = thin(found, SPACING)
     kind = choose(0, PURPOSE, found.id, [weight for _, weight, _, _ in KINDS])
-    some = kind > 0
+    some = (kind > 0) & ~near_any(found.xy, houses, FROM_WALL)
     ids, middle, kind = found.id[some], found.xy[some], kind[some]
     if not len(ids):
         none = np.zeros((0, 2))
@@ -94,7 +95,8 @@ def yard_patches(layout: Layout, network: RoadNetwork) -> Patches:
     bays = label == LABEL["parking"]
     size[bays, 0] = np.round(size[bays, 0] / BAY) * BAY
     near = shapely.STRtree(houses).query_nearest(shapely.points(middle), all_matches=False)[1]
-    patches = Patches(ids, middle, _long_sides(houses[near]), size, label)
+    house, row = np.unique(near, return_inverse=True)
+    patches = Patches(ids, middle, _long_sides(houses[house])[row], size, label)
     return patches.take(_clear(patches.shapes, layout, network))
 
 
@@ -112,16 +114,14 @@ def _clear(shapes: NDArray[Any], layout: Layout, network: RoadNetwork) -> BoolAr
     """(p,) whether patches keep their distances."""
     clear = np.ones(len(shapes), bool)
     centre = to_linestrings(Polylines(network.points, network.point_start))
+    tree = shapely.STRtree(shapes)
     for things, gap in (
         (layout.buildings.geometry.to_numpy(), FROM_WALL),
         (layout.roads.geometry.to_numpy(), FROM_PATH),
         (centre, network.half_width + FROM_STREET),
     ):
-        if not len(things):
-            continue
         reach = np.broadcast_to(np.asarray(gap, float), len(things))
-        far = shapely.buffer(things, reach, quad_segs=1)
-        clear[shapely.STRtree(far).query(shapes, predicate="intersects")[0]] = False
+        clear[tree.query(things, predicate="dwithin", distance=reach)[1]] = False
     return clear
 
 
