@@ -37,14 +37,22 @@ ROLES = 4096  # what the lines of a road part, told apart by number
 
 
 def guide_lines(
-    street: Street, found: Partings, through: Through, painted: BoolArray, road: Carriageway
+    street: Street,
+    found: Partings,
+    through: Through,
+    painted: BoolArray,
+    road: Carriageway,
+    *,
+    stems: bool,
 ) -> tuple[Marks, BoolArray]:
     """Lead the lines of major roads across junctions, and those of cycle lanes.
 
     Lines between lanes of equal number and beside cycle lanes go on everywhere, that between the
-    directions only where nothing halts their traffic. Also returns which part the two directions.
+    directions only where nothing halts their traffic. Where `stems` of equals give way, the road
+    they end at is major too. Also returns which part the two directions.
     """
-    chosen = np.flatnonzero(through.major & painted[through.edge].all(axis=1))
+    major = through.major | (through.tee & stems)
+    chosen = np.flatnonzero(major & painted[through.edge].all(axis=1))
     first, second, row = _continued(street, found, through, chosen)
     lines = _curves(street, found, through, chosen[row], first, second)
     length = arc_lengths(lines)[1]

@@ -14,6 +14,7 @@ SINGLE = ("residential", "unclassified", "living_street")  # may be waited in at
 NARROW = 6.5  # metres; on a narrower street a parked car is in the way at any time
 STEP = 12.0  # metres of one mark, so that what crosses one leaves the others
 LEAST = 1.0  # metres
+OFF = 0.3  # metres from junctions and zebras
 _FORBIDDEN = '"parking:(?:left|right|both)(?::restriction)?": *"no'
 
 
@@ -41,7 +42,7 @@ def kerb_lines(street: Street, chosen: BoolArray) -> Marks:
 def _along(street: Street, edge: IntArray, sign: float, gap: float) -> Marks:
     """Lines beside one kerb, from junction to junction but for zebras, in short pieces."""
     network = street.network
-    open_ = np.where(network.crossing, street.setback + street.depth[:, None] + 0.3, 0.0)
+    open_ = np.where(network.crossing, street.setback + street.depth[:, None] + OFF, OFF)
     open_ += network.trim
     begin, end = open_[edge, 0], street.length[edge] - open_[edge, 1]
     count = np.where(end - begin > LEAST, np.ceil((end - begin) / STEP), 0).astype(np.int64)

@@ -78,7 +78,7 @@ def marking_regions(
     through = through_roads(street)
     found = partings_of(street, urban & ~quiet, kerbed)
     lines, centre = lane_lines(street, found)
-    guides, middle = guide_lines(street, found, through, urban & ~quiet, road)
+    guides, middle = guide_lines(street, found, through, urban & ~quiet, road, stems=painting.stems)
     bars, crossing = zebra_bars(street, zebras)
     white = [
         _edge_lines(street, urban & np.isin(kind, LONG_DASH)),

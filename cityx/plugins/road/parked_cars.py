@@ -33,8 +33,8 @@ CAR_RADIUS = 2.7  # metres, half the diagonal of a car
 SMALLEST_LOT = 60.0  # square metres
 MOST_STALLS = 4_000  # per car park; beyond, a mapping error rather than a car park
 JAPANESE = 0.3  # of the bays along kerbs are taken where nobody may keep a car in the street
-UNLOADING = 12.0  # metres from shopfronts within which every third of the others is a van
-VAN_SHARE = 0.33
+UNLOADING = 12.0  # metres from shopfronts within which every fifth of the others is a van
+VAN_SHARE = 0.2
 
 
 @dataclass(frozen=True)

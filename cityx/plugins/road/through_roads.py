@@ -24,12 +24,15 @@ class Through:
         (k, 2) int64; `side` is 0 where the arm leaves the node at its start, 1 at its end.
     major
         (k,) bool, whether no other road of its class meets it there.
+    tee
+        (k,) bool, whether one other road of its class ends at it.
     """
 
     node: IntArray
     edge: IntArray
     side: IntArray
     major: BoolArray
+    tee: BoolArray
 
 
 def through_roads(street: Street) -> Through:
@@ -53,6 +56,7 @@ def through_roads(street: Street) -> Through:
         np.column_stack([edge[first], edge[second]]),
         np.column_stack([side[first], side[second]]),
         degree[node[first]] == 2,
+        degree[node[first]] == 3,
     )
 
 

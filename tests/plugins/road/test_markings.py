@@ -50,6 +50,11 @@ def test_the_middle_line_of_a_major_road_leads_past_a_side_street(layout_of):
     inside = shapely.box(-2.5, -0.2, 2.5, 0.2)
     white, _ = painted(layout, Painting())
     assert shapely.intersection(shapely.union_all(white), inside).area > 0.1
+    tee = layout_of([(line, MAIN) for line in TEE])
+    for stems_yield in (True, False):
+        white, _ = painted(tee, Painting(stems=stems_yield))
+        line = shapely.intersection(shapely.union_all(white), inside).area
+        assert (line > 0.1) == stems_yield
     equal, _ = painted(layout_of([(TEE[0], MAIN), ([(0, -90), (0, 0), (0, 90)], MAIN)]), Painting())
     assert shapely.intersection(shapely.union_all(equal), inside).area == 0.0
 
@@ -129,6 +134,10 @@ def test_yellow_lines_follow_kerbs_without_parked_cars(layout_of):
     narrow = street(layout_of([(line, {"width": 6.0})]))
     marks, _ = kerb_lines(narrow, everywhere(narrow))
     assert shapely.area(marks).sum() == pytest.approx(4 * 160 * 0.1, rel=0.01)
+    cross = street(layout_of([(each, {}) for each in TEE]))
+    road = build_carriageway(cross.layout, cross.network, everywhere(cross))
+    marks, _ = kerb_lines(cross, everywhere(cross))
+    assert shapely.distance(marks, shapely.union_all(road.stars)).min() > 0.2
     wide = street(layout_of([(line, {"width": 9.0, "parking_left": True})]))
     marks, _ = kerb_lines(wide, everywhere(wide))
     assert shapely.area(marks).sum() == pytest.approx(160 * 0.1, rel=0.01)  # one, at the right
