@@ -14,7 +14,7 @@ SINGLE = ("residential", "unclassified", "living_street")  # may be waited in at
 NARROW = 6.5  # metres; on a narrower street a parked car is in the way at any time
 STEP = 12.0  # metres of one mark, so that what crosses one leaves the others
 LEAST = 1.0  # metres
-OFF = 0.3  # metres from junctions and zebras
+OFF = 1.0  # metres from junctions and zebras
 _FORBIDDEN = '"parking:(?:left|right|both)(?::restriction)?": *"no'
 
 
