@@ -14,6 +14,7 @@ import typer
 
 from cityx import __version__
 from cityx.assets.library.commands import assets
+from cityx.bench.commands import bench
 from cityx.errors import CityxError, UsageError
 
 # Two threaded libraries on few cores spin against each other unless they sleep while they wait.
@@ -34,6 +35,7 @@ app = typer.Typer(
 plugins = typer.Typer(help="List, show, check and make plugins.", no_args_is_help=True)
 app.add_typer(plugins, name="plugins")
 app.add_typer(assets, name="assets")
+app.add_typer(bench, name="bench")
 
 
 def _version(value: bool) -> None:
@@ -192,12 +194,13 @@ def build(
 def edit(
     folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
     text: Annotated[str, typer.Argument(help="What is to change, in words.")],
+    files: Annotated[list[Path] | None, typer.Argument(help="Texts with more wishes.")] = None,
 ) -> None:
     """Change a built city as a sentence says, whole or not at all."""
     from cityx.agents.edit import edit_city
 
     with _progress() as say:
-        report = edit_city(folder, text, say=say)
+        report = edit_city(folder, text, files=files or (), say=say)
     _changed(report)
 
 

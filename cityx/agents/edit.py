@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,7 @@ def edit_city(
     folder: Path,
     text: str,
     *,
+    files: Sequence[Path] = (),
     say: Say = quiet,
     cancelled: Callable[[], bool] = lambda: False,
     expected: int | None = None,
@@ -38,6 +39,8 @@ def edit_city(
         Folder of a built city.
     text
         What is to change.
+    files
+        Texts (.txt, .md) with wishes of their own.
     say
         Called with one line of progress at a time.
     cancelled
@@ -53,7 +56,7 @@ def edit_city(
         If no action does what is asked; nothing is changed.
     """
     with Desk(folder) as desk:
-        request, items = planned(desk, text)
+        request, items = planned(desk, text, files)
         if items is None:
             revision = _undone(desk, request, expected)
         else:
@@ -64,7 +67,9 @@ def edit_city(
         return renew(folder, desk.city, request, revision, say)
 
 
-def planned(desk: Desk, text: str) -> tuple[Request, list[Item] | None]:
+def planned(
+    desk: Desk, text: str, files: Sequence[Path] = ()
+) -> tuple[Request, list[Item] | None]:
     """Return what a sentence asks for and the actions for it; None for going back.
 
     Raises
@@ -74,7 +79,7 @@ def planned(desk: Desk, text: str) -> tuple[Request, list[Item] | None]:
     """
     from cityx.protocol.catalogue import known_records
 
-    request = read_request(BuildOptions(text=text), base=True)
+    request = read_request(BuildOptions(text=text), wishes_in(files), base=True)
     edits = request.brief.edits
     if any(edit.verb == UNDO for edit in edits):
         if len(edits) > 1:
@@ -87,13 +92,30 @@ def planned(desk: Desk, text: str) -> tuple[Request, list[Item] | None]:
         found = planner.answers(slots_of_edit(edit))
         items += found
         if not found:
-            first, last = edit.span
-            faults.append(f'"{text[first:last]}": no action does this ({_named(edit)}).')
+            said = f'"{text[slice(*edit.span)]}": ' if not files else ""  # spans are of one text
+            faults.append(f"{said}no action does this ({_named(edit)}).")
     if not edits:
         faults.append("The sentence names no change that is understood.")
     if faults:
         raise UsageError("\n".join(faults))
     return request, items
+
+
+def wishes_in(files: Sequence[Path]) -> list[tuple[Path, str]]:
+    """Return the texts among files, with their kind.
+
+    Raises
+    ------
+    UsageError
+        If one of them is no text: a built city is changed by words alone.
+    """
+    from cityx.sources.inputs import classify
+
+    found = [classify(path) for path in files]
+    other = [f"{item.path.name} is {item.kind}" for item in found if item.kind != "text"]
+    if other:
+        raise UsageError(f"A city is changed by words: {', '.join(other)}; give .txt or .md.")
+    return [(item.path, item.kind) for item in found]
 
 
 def slots_of_edit(edit: Edit) -> Slots:

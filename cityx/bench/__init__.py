@@ -1,0 +1,1 @@
+"""The benchmark: tasks in words, who solves them, and how often that succeeds."""

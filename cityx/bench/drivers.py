@@ -1,0 +1,255 @@
+"""Drivers: who solves a task. All stand behind one interface, ``propose(place) -> outcome``."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+from cityx.agents.brief import Brief
+from cityx.agents.briefs import Clarify, Request, read_request
+from cityx.agents.build import build
+from cityx.agents.desk import Desk
+from cityx.agents.edit import edit_city, slots_of_edit
+from cityx.agents.options import BuildOptions
+from cityx.agents.planning.asked import slots_of_brief
+from cityx.agents.planning.planner import OfflinePlanner, Situation
+from cityx.bench.outcome import Outcome, Workplace, acted, fault_of
+from cityx.bench.random_driver import random_outcome
+from cityx.bench.tasks import MOVING, SlotPair
+from cityx.checks.predicates import Reply
+from cityx.city import City
+from cityx.errors import InputError, UsageError, nearest
+from cityx.protocol.catalogue import known_records
+from cityx.protocol.gate import Call
+from cityx.protocol.registry import registry
+from cityx.sources.intake import sort_inputs
+
+GOLD = Path(__file__).with_name("gold.json")
+NO_GOLD = "a gold plan"
+NAMES = ("offline", "null", "random", "oracle")
+LLM, REPLAY = "llm", "replay"
+
+
+class Driver(Protocol):
+    """Solves tasks."""
+
+    def propose(self, place: Workplace) -> Outcome:
+        """Return the first complete proposal for a task, carried out."""
+
+
+def driver_named(name: str) -> Driver:
+    """Return a driver.
+
+    Parameters
+    ----------
+    name
+        One of `NAMES`, or "llm:SPEC" or "replay:FILE".
+
+    Raises
+    ------
+    UsageError
+        If there is none.
+    """
+    word, _, detail = name.partition(":")
+    if word in (LLM, REPLAY):
+        return Offline(model_options(word, detail))
+    made: Mapping[str, Callable[[], Driver]] = {
+        "offline": Offline, "null": Null, "random": Random, "oracle": Oracle,
+    }  # fmt: skip
+    if name not in made:
+        raise UsageError(
+            f'There is no driver "{name}"; one of {", ".join(NAMES)}, llm:SPEC, replay:FILE.'
+            f"{nearest(name, NAMES)}"
+        )
+    return made[name]()
+
+
+def model_options(word: str, detail: str) -> dict[str, Any]:
+    """Return the options by which a language model plays the roles of a build.
+
+    Parameters
+    ----------
+    word
+        "llm" or "replay".
+    detail
+        A model as of ``--planner``, or a file of recorded decisions.
+
+    Raises
+    ------
+    UsageError
+        If nothing is named, or this version of CityX asks no models.
+    """
+    if not detail:
+        raise UsageError(f'Driver "{word}" needs what to ask: {word}:'
+                         f'{"openai-chat:MODEL" if word == LLM else "FILE"}.')  # fmt: skip
+    known = {column.name for column in fields(BuildOptions)}
+    wanted = {"planner": detail} if word == LLM else {"planner": REPLAY, "replay": Path(detail)}
+    missing = sorted(wanted.keys() - known)
+    if missing:
+        raise UsageError(
+            f'Driver "{word}" hands {" and ".join(missing)} to the build, which asks no language '
+            "models in this version."
+        )
+    return wanted
+
+
+class Offline:
+    """Does what the command line does.
+
+    Parameters
+    ----------
+    options
+        More options of the build, such as those of `model_options`.
+    """
+
+    def __init__(self, options: Mapping[str, Any] | None = None) -> None:
+        self._more = dict(options or {})
+
+    def propose(self, place: Workplace) -> Outcome:
+        """Read the text, plan, and build or change the city."""
+        begin = time.perf_counter()
+        options = replace(_options(place, place.task.text), **self._more)
+        try:
+            files = [(item.path, item.kind) for item in sort_inputs(place.files).all]
+            request = read_request(options, files, base=place.based)
+            unsupported = _planned(place, request, files)
+        except Clarify as error:
+            return _asked_back(place, error.brief, time.perf_counter() - begin)
+        except (InputError, UsageError) as error:
+            return Outcome(place.start, Reply("partial"), (fault_of(error),))
+        spent = time.perf_counter() - begin
+        reply = Reply("partial" if unsupported else request.reply, _mentions(request, unsupported))
+        outcome = Outcome(place.start, reply, (), unsupported, _slots(request.brief), spent)
+        if place.based and unsupported:
+            return outcome  # a change happens whole or not at all
+        if place.based:
+            return carried_out(
+                place, outcome, lambda: edit_city(place.folder, place.task.text, files=place.files)
+            )
+        return carried_out(place, outcome, lambda: build(place.files, place.folder, options))
+
+
+def carried_out(place: Workplace, outcome: Outcome, do: Callable[[], object]) -> Outcome:
+    """Do something to the city of a task and return the outcome with what came of it."""
+    try:
+        do()
+    except Exception as error:  # noqa: BLE001  a benchmark counts what breaks, and goes on
+        return acted(place, replace(outcome, faults=(fault_of(error),)))
+    return acted(place, replace(outcome, city=place.city()))
+
+
+def _options(place: Workplace, text: str = "") -> BuildOptions:
+    return BuildOptions(text=text, seed=place.seed, lod=place.lod, formats=(), render=False)
+
+
+def _slots(brief: Brief) -> tuple[SlotPair, ...]:
+    return tuple((key, value) for key, value in brief.items())
+
+
+def _asked_back(place: Workplace, brief: Brief, spent: float) -> Outcome:
+    mentions = {f"conflict:{c.code.rpartition(':')[2]}" for c in brief.conflicts}
+    mentions |= {"question"} if brief.questions else set()
+    reply = Reply("clarify", frozenset(mentions))
+    return Outcome(place.start, reply, slots=_slots(brief), planning_s=spent)
+
+
+def _mentions(request: Request, unsupported: Iterable[str]) -> frozenset[str]:
+    notes = {note.code for note in request.brief.notes}
+    return frozenset(notes | {f"unsupported:{name}" for name in unsupported})
+
+
+def _planned(place: Workplace, request: Request, files: list[tuple[Path, str]]) -> tuple[str, ...]:
+    """Plan, and return what nothing serves: changes without an action, and what moves.
+
+    A slot that nothing serves is one without which the plan is the same. Only what moves is looked
+    for so; other slots may be met by a usual town, which their goals tell.
+    """
+    planner = OfflinePlanner(known_records(registry()))
+    if place.based:
+        return tuple(
+            f"edit={edit.verb}"
+            for edit in request.brief.edits
+            if not planner.answers(slots_of_edit(edit))
+        )
+    situation = Situation(place.lod, tuple(kind for _, kind in files))
+    plan = planner.workflow(request.slots, situation)
+    said = slots_of_brief(request.brief)
+    options = {key: value for key, value in request.slots.items() if key not in said}
+    found = []
+    for slot in request.brief.slots:
+        if slot.key in MOVING:
+            others = tuple(other for other in request.brief.slots if other is not slot)
+            less = slots_of_brief(replace(request.brief, slots=others))
+            if planner.workflow({**less, **options}, situation).items == plan.items:
+                found.append(f"{slot.key}={slot.value}")
+    return tuple(found)
+
+
+class Null:
+    """Does nothing: what it gets right could be had for nothing."""
+
+    def propose(self, place: Workplace) -> Outcome:
+        """Return the city as it was."""
+        return Outcome(place.start, Reply("done"))
+
+
+class Random:
+    """Runs actions drawn at random, with arguments drawn at random, that the gate lets pass."""
+
+    def propose(self, place: Workplace) -> Outcome:
+        """Run a few actions."""
+        return random_outcome(place, registry())
+
+
+class Oracle:
+    """Carries out the plan that is written down for a task; it must always be right.
+
+    Parameters
+    ----------
+    plans
+        Task to its plan; those of `GOLD` by default.
+    """
+
+    def __init__(self, plans: Mapping[str, Mapping[str, Any]] | None = None) -> None:
+        self._plans = json.loads(GOLD.read_text()) if plans is None else plans
+
+    def propose(self, place: Workplace) -> Outcome:
+        """Carry the plan out, or say that there is none."""
+        plan = self._plans.get(place.task.id)
+        if plan is None:
+            return Outcome(place.start, Reply("partial"), unsupported=(NO_GOLD,))
+        reply = Reply(plan.get("reply", "done"), frozenset(plan.get("mentions", ())))
+        outcome = Outcome(place.start, reply)
+        if "calls" in plan:
+            calls = [Call(action, args) for action, args in plan["calls"]]
+            return carried_out(place, outcome, lambda: change(place, calls))
+        if "build" not in plan:
+            return outcome
+        return carried_out(
+            place, outcome, lambda: build(place.files, place.folder, _gold(place, plan["build"]))
+        )
+
+
+def _gold(place: Workplace, said: Mapping[str, Any]) -> BuildOptions:
+    """Return the options of a plan: lists in JSON are tuples here."""
+    given: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value for key, value in said.items()
+    }
+    return replace(_options(place), **given)
+
+
+def change(place: Workplace, calls: list[Call]) -> City:
+    """Run actions on the base scene of a task and return the city.
+
+    Raises
+    ------
+    CityxError
+        As of `Desk.change`.
+    """
+    with Desk(place.folder) as desk:
+        desk.change(calls, text=place.task.text)
+        return desk.city

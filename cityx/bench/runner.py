@@ -1,0 +1,190 @@
+"""Running a benchmark: tasks by processes, every sample logged, one that was killed goes on."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, fields
+from multiprocessing import get_context
+from pathlib import Path
+
+from cityx.agents.build import build
+from cityx.agents.options import BuildOptions
+from cityx.agents.requests import with_requests
+from cityx.bench.drivers import change, driver_named
+from cityx.bench.inputs import input_paths, write_inputs
+from cityx.bench.outcome import Workplace
+from cityx.bench.scenes import EMPTY, SCENES, write_drawing
+from cityx.bench.scoring import Sample, judged
+from cityx.bench.tasks import Task
+from cityx.errors import UsageError
+from cityx.protocol.catalogue import registry_hash
+from cityx.protocol.registry import registry
+
+LOG = "samples.jsonl"
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What is run.
+
+    Attributes
+    ----------
+    tasks
+        The tasks.
+    driver
+        Name of who solves them, see `cityx.bench.drivers.driver_named`.
+    out
+        Folder of the log, the scenes and the inputs.
+    seeds
+        Every task is run once for each.
+    lod
+        Level of detail of every city.
+    jobs
+        Processes.
+    """
+
+    tasks: tuple[Task, ...]
+    driver: str
+    out: Path
+    seeds: tuple[int, ...] = (0,)
+    lod: int = 2
+    jobs: int = 1
+
+
+@dataclass(frozen=True)
+class _Job:
+    """One proposal that is to be made."""
+
+    task: Task
+    seed: int
+    driver: str
+    out: Path
+    lod: int
+    registry: str
+
+    @property
+    def key(self) -> tuple[str, str, int, str, int, str]:
+        return self.task.id, self.task.digest, self.seed, self.driver, self.lod, self.registry
+
+
+def run_bench(bench: Bench, say: Say) -> list[Sample]:
+    """Run what the log does not hold yet, and return the samples in the order of the tasks.
+
+    Raises
+    ------
+    UsageError
+        If there is no such driver.
+    """
+    driver_named(bench.driver)
+    bench.out.mkdir(parents=True, exist_ok=True)
+    code = registry_hash(registry())
+    wanted = [
+        _Job(task, seed, bench.driver, bench.out, bench.lod, code)
+        for seed in bench.seeds
+        for task in bench.tasks
+    ]
+    log = bench.out / LOG
+    known = {sample.key: sample for sample in read_log(log)}
+    left = [job for job in wanted if job.key not in known]
+    if left:
+        say(f"{len(wanted) - len(left)} of {len(wanted)} proposals are in the log")
+        _prepare(bench, left, say)
+    with log.open("a", encoding="utf-8") as file:
+        for sample in _made(left, bench.jobs):
+            known[sample.key] = sample
+            file.write(json.dumps(sample.to_json()) + "\n")
+            file.flush()
+            os.fsync(file.fileno())
+            mark = "not counted" if not sample.scored else "right" if sample.right else "wrong"
+            say(f"{sample.task} {mark}, {sample.seconds:.0f} s")
+    return [known[job.key] for job in wanted]
+
+
+def read_log(path: Path) -> Iterator[Sample]:
+    """Yield the samples of a log; a line that a killed process left half written is no sample."""
+    if not path.exists():
+        return
+    names = {column.name for column in fields(Sample)}
+    for line in path.read_text(encoding="utf-8").splitlines():
+        try:
+            record = json.loads(line)
+        except ValueError:
+            continue
+        if isinstance(record, dict) and record.keys() == names:
+            yield Sample(**record)
+
+
+def _made(jobs: Sequence[_Job], workers: int) -> Iterator[Sample]:
+    if workers == 1:
+        yield from map(_done, jobs)
+        return
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        for future in as_completed([pool.submit(_done, job) for job in jobs]):
+            yield future.result()
+
+
+def _prepare(bench: Bench, jobs: Sequence[_Job], say: Say) -> None:
+    """Write the inputs and build the base scenes that are needed, once for all."""
+    if any(job.task.inputs for job in jobs):
+        write_inputs(bench.out / "inputs")
+    for name in sorted({job.task.base for job in jobs} - {EMPTY}):
+        folder = scene_folder(bench.out, name, bench.lod)
+        if not (folder / "city").exists():
+            say(f"building the scene {name}")
+            build_scene(name, folder, bench.lod)
+
+
+def scene_folder(out: Path, name: str, lod: int) -> Path:
+    """Return where the base scene of a benchmark lies."""
+    return out / "scenes" / f"{name}-lod{lod}-{registry_hash(registry())[:8]}"
+
+
+def build_scene(name: str, folder: Path, lod: int) -> None:
+    """Build a base scene into a folder."""
+    scene = SCENES[name]
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    drawing = write_drawing(scene.draw(), scene.extent, folder.parent / f"{name}.geojson")
+    options = BuildOptions(
+        lod=lod, formats=(), render=False, time=scene.time, weather=scene.weather,
+        settings=scene.settings_at(lod),
+    )  # fmt: skip
+    build([drawing], folder, options)
+
+
+def _done(job: _Job) -> Sample:
+    """Make one proposal in a folder of its own and measure it."""
+    task = job.task
+    word = job.driver.partition(":")[0]
+    folder = job.out / "work" / f"{task.id}-{word}-{job.seed}"
+    shutil.rmtree(folder, ignore_errors=True)
+    if task.base != EMPTY:
+        shutil.copytree(scene_folder(job.out, task.base, job.lod), folder)
+    inputs = input_paths(job.out / "inputs")
+    place = Workplace.opened(task, folder, inputs, seed=job.seed, lod=job.lod)
+    if task.setup:
+        items = with_requests([], (), task.setup, registry())
+        change(place, [item.call for item in items])
+        place = Workplace.opened(task, folder, inputs, seed=job.seed, lod=job.lod)
+    try:
+        return judged(place, driver_named(job.driver), job.driver, job.registry)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def seeds_of(text: str) -> tuple[int, ...]:
+    """Read "0,1,2".
+
+    Raises
+    ------
+    UsageError
+        If these are no whole numbers.
+    """
+    try:
+        return tuple(int(word) for word in text.split(","))
+    except ValueError:
+        raise UsageError(f'--seeds "{text}" is not of the form 0,1,2.') from None
