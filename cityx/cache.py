@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 import tempfile
@@ -56,6 +57,29 @@ def cached_arrays(key: str, make: Callable[[], Arrays]) -> Arrays:
     with suppress(OSError), replaced(path) as temporary, temporary.open("wb") as target:
         np.savez_compressed(target, **arrays)
     return arrays
+
+
+def cached_json(key: str, make: Callable[[], Any]) -> Any:
+    """Return what `make` returns, plain values, from the folder where an earlier run left it.
+
+    Parameters
+    ----------
+    key
+        File name below the folder; it must change with everything the values depend on.
+    make
+        Makes the values.
+    """
+    folder = cache_folder()
+    if folder is None:
+        return make()
+    path = folder / f"{key}.json"
+    try:
+        return json.loads(path.read_text())
+    except (OSError, ValueError):
+        made = make()
+    with suppress(OSError), replaced(path) as temporary:
+        temporary.write_text(json.dumps(made))
+    return made
 
 
 def kept_folder(name: str) -> Path:

@@ -67,6 +67,22 @@ def _numbers(
     return numbers
 
 
+def _files_and_text(words: list[str]) -> tuple[list[Path], str]:
+    """Tell the files from the instruction: what has a blank and is no file is in words."""
+    paths, texts = [], []
+    for word in words:
+        path = Path(word)
+        try:
+            is_file = path.exists()
+        except OSError:  # a text may be longer than any name
+            is_file = False
+        if is_file or (not any(map(str.isspace, word)) and (path.suffix or len(path.parts) > 1)):
+            paths.append(path)
+        else:
+            texts.append(word)
+    return paths, " ".join(texts)
+
+
 def _pixels(text: str) -> tuple[int, int]:
     pair = _numbers(text, "x", "Picture size", "960x540") or (0, 0)
     width, height = int(pair[0]), int(pair[1])
@@ -79,8 +95,10 @@ def _pixels(text: str) -> tuple[int, int]:
 def build(
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder of the results.")],
     inputs: Annotated[
-        list[Path] | None,
-        typer.Argument(help="Maps, drawings, images and heights of one place; none for a town."),
+        list[str] | None,
+        typer.Argument(
+            help='Maps, drawings, images and heights of one place, and "TEXT"; none for a town.'
+        ),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, max=2**63 - 1, help="Key of all draws.")] = 0,
     workers: Annotated[int, typer.Option(min=1, max=64, help="Worker processes.")] = 1,
@@ -128,14 +146,16 @@ def build(
         typer.Option("--do", help='"ACTION NAME=VALUE ...", an action to add; may repeat.'),
     ] = None,
 ) -> None:
-    """Build a city from a map, a drawing, an image, from several of one place, or from nothing."""
+    """Build a city from words, a map, a drawing, an image, from several, or from nothing."""
     from cityx.agents.build import build as build_city
     from cityx.agents.options import BuildOptions
     from cityx.allocator import keep_freed_memory
     from cityx.sources.intake import HowToRead
 
     keep_freed_memory()
+    paths, text = _files_and_text(inputs or [])
     options = BuildOptions(
+        text=text,
         seed=seed,
         workers=workers,
         lod=lod,
@@ -164,8 +184,24 @@ def build(
         wishes=tuple(wishes or ()),
     )
     with _progress() as say:
-        report = build_city(inputs or [], out, options, say=say)
+        report = build_city(paths, out, options, say=say)
     _summary(report, out)
+
+
+@app.command()
+def explain(
+    words: Annotated[list[str], typer.Argument(help='"TEXT", and files if there are any.')],
+    as_json: Annotated[bool, typer.Option("--json", help="Print it as JSON.")] = False,
+) -> None:
+    """Show how an instruction is understood and what would be done; nothing is run."""
+    import json
+
+    from cityx.agents.explain import explain as explain_text
+    from cityx.agents.explain import explanation
+
+    paths, text = _files_and_text(words)
+    found = explain_text(text, paths)
+    typer.echo(json.dumps(found, indent=2) if as_json else explanation(found))
 
 
 @app.command()

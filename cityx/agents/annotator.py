@@ -23,7 +23,7 @@ def labels_of(record: Encapsulation) -> frozenset[str]:
     for word, ports in (("takes", record.takes), ("gives", record.gives)):
         found |= {f"{word} {port.format.value}" for port in ports}
         found |= {port.role.replace("_", " ") for port in ports if port.role}
-    found |= {slot.partition("=")[0] for slot in record.serves}
+    found |= {slot.partition("=")[0] for wish in record.serves for slot in wish.slots}
     return frozenset(found)
 
 

@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from cityx.agents.annotator import annotate
+from cityx.agents.briefs import Request, read_request
 from cityx.agents.journal import Journal, derivation_key
 from cityx.agents.loop import Loop, Say, quiet
-from cityx.agents.options import FORMATS, BuildOptions, slots_of
+from cityx.agents.options import FORMATS, BuildOptions
 from cityx.agents.planning.planner import OfflinePlanner, Situation
 from cityx.agents.planning.workflow import Item
 from cityx.agents.pool import Message, Pool
@@ -41,12 +42,15 @@ class Job:
         As the user gave them.
     inputs
         The user's files by what they are.
+    request
+        What the user wants, by text and by options.
     actions, planner
         The registry, and who plans with it.
     """
 
     options: BuildOptions
     inputs: Inputs
+    request: Request
     actions: Registry
     planner: OfflinePlanner
 
@@ -54,7 +58,7 @@ class Job:
     def files(self) -> InputFiles:
         """The input files, and those that say how to read them."""
         read = self.options.read
-        items = [(item.path, item.kind) for item in (*self.inputs.sources, *self.inputs.heights)]
+        items = [(item.path, item.kind) for item in self.inputs.all]
         items += [
             (Path(text), kind)
             for text, kind in ((read.legend, "legend"), (read.segmenter, "segmenter"))
@@ -69,7 +73,7 @@ class Job:
         frame = Frame(*options.at) if options.at else NOWHERE
         return City(
             "town", frame, Layout((0.0, 0.0, 0.0, 0.0)), seed=options.seed, lod=options.lod,
-            style=options.style,
+            style=self.request.style,
         )  # fmt: skip
 
     def amended(self, items: Iterable[Item], done: Iterable[Item] = ()) -> list[Item]:
@@ -98,7 +102,7 @@ class Job:
                 "--window asks for a part of the plane of towns; a map has --at, --size."
             )
         situation = Situation(self.options.lod, self.files.kinds)
-        plan = self.planner.workflow(slots_of(self.options), situation)
+        plan = self.planner.workflow(self.request.slots, situation)
         if plan.missing:
             raise UsageError(f"This cannot be built: {'; '.join(plan.missing)}.")
         return self.amended(plan.items)
@@ -122,7 +126,8 @@ def make_job(paths: list[Path], options: BuildOptions, say: Say = quiet) -> Job:
         paths = [*paths, retrieve(options.place, kept_folder("maps"), say=say)]
     inputs = sort_inputs(paths, options.read.kinds)
     actions = registry()
-    return Job(options, inputs, actions, OfflinePlanner(known_records(actions)))
+    request = read_request(options, [(item.path, item.kind) for item in inputs.all])
+    return Job(options, inputs, request, actions, OfflinePlanner(known_records(actions)))
 
 
 def build(
@@ -185,7 +190,7 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
                 report = make_report(
                     city,
                     inputs=job.inputs.records,
-                    brief=_brief(options),
+                    brief=_brief(job),
                     timings_s=watch.wall,
                     peak_rss_mb=memory,
                 )
@@ -255,8 +260,9 @@ def generate(
         If an action cannot do its work and nothing else can do it.
     """
     pool = Pool(journal.database, number)
-    slots = slots_of(job.options)
-    pool.say(Message("user", "brief", {"options": {key: list(v) for key, v in slots.items()}}))
+    slots = job.request.slots
+    asked = {key: list(values) for key, values in slots.items()}
+    pool.say(Message("user", "brief", {**job.request.brief.to_json(), "asked": asked}))
     code = journal.run(number).registry
     labels = annotate(journal.database, code, job.planner.records.values())
     pool.say(Message("annotator", "labels", {"registry": code, "actions": len(labels)}))
@@ -267,7 +273,7 @@ def generate(
     loop = Loop(job.planner, run, pool, slots, job.files.kinds, job.amended, say)
     city = loop.carry_out(job.start)
     notes = tuple(f"{item.action} was left out: {why}" for item, why in loop.unmet)
-    return replace(city, notes=(*city.notes, *notes))
+    return job.request.with_goals(replace(city, notes=(*city.notes, *notes)))
 
 
 LIBRARIES = (
@@ -309,14 +315,17 @@ def _rare_collection() -> Iterator[None]:
         gc.unfreeze()
 
 
-def _brief(options: BuildOptions) -> dict[str, Any]:
+def _brief(job: Job) -> dict[str, Any]:
+    """Return what the report says was asked for: the words, and the options."""
     names = ("style", "time", "weather", "lod", "seed", "size", "at", "window")
-    given = {name: getattr(options, name) for name in names}
+    given = {name: getattr(job.options, name) for name in names}
     given = {name: value for name, value in given.items() if value not in (None, "")}
     if "weather" in given:  # by its own name: "rainy" asks for rain
         from cityx.plugins.background.weather import weather_words
 
         given["weather"] = weather_words(given["weather"])[0]
+    if job.request.brief.text:
+        given |= {**job.request.brief.to_json(), "reply": job.request.reply}
     return given
 
 

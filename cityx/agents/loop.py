@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
-from cityx.agents.planning.planner import OfflinePlanner, Situation, Slots
+from cityx.agents.planning.planner import OfflinePlanner, Situation
 from cityx.agents.planning.search import Fact
 from cityx.agents.planning.workflow import Item, Workflow
 from cityx.agents.pool import Message, Pool
@@ -13,6 +13,7 @@ from cityx.agents.run import Run
 from cityx.city import City
 from cityx.city.city import Failure
 from cityx.errors import ActionFailed, ActionRejected
+from cityx.protocol.serving import Slots
 
 Say = Callable[[str], None]
 MOST_FAILURES = 8  # steps that may fail before a run gives up
@@ -129,13 +130,17 @@ class Loop:
         record = self.planner.records[item.action]
         self._done.append(item)
         self._made |= {(port.format.value, port.role) for port in record.gives}
-        if record.kind == "source" or record.serves:
+        if record.kind == "source":
             self._avoid.add(item.action)
 
     def _propose(self, city: City) -> None:
         """Plan everything that is left to do, and tell it."""
         plan = self.planner.workflow(
-            self.slots, self._situation(city), avoid=frozenset(self._avoid), rev=self._plan.rev + 1
+            self.slots,
+            self._situation(city),
+            avoid=frozenset(self._avoid),
+            done=frozenset(item.call.key for item in self._done),
+            rev=self._plan.rev + 1,
         )
         self._plan = replace(plan, items=tuple(self.amended(plan.items, self._done)))
         self._told = self.pool.say(Message("planner", "workflow", self._plan.to_json()))
@@ -158,12 +163,12 @@ class Loop:
         """
         body = {"action": item.action, "error": str(error), "item": place}
         self.pool.say(Message("backend", "reject", body, parent=self._told))
-        self._avoid.add(item.action)
         if item.firm or len(self.unmet) >= MOST_FAILURES:
             raise error
-        if self.planner.records[item.action].serves:
+        if item.wish:
             self.unmet.append((item, str(error)))
             return city, place + 1
+        self._avoid.add(item.action)
         before = len(self._plan.missing)
         self._propose(city)
         left = {entry.action for entry in self._plan.items}

@@ -35,6 +35,8 @@ class BuildOptions:
         (width, height) of the pictures, pixels.
     read
         What the user says of inputs that do not say it themselves; seed and place are those above.
+    text
+        The instruction, in words, or "".
     place
         Name or rectangle of a place whose map is fetched, or "".
     settings, wishes
@@ -54,6 +56,7 @@ class BuildOptions:
     render: bool = True
     samples: int = 48
     picture: tuple[int, int] = (960, 540)
+    text: str = ""
     place: str = ""
     read: HowToRead = field(default_factory=HowToRead)
     settings: tuple[str, ...] = ()

@@ -14,15 +14,16 @@ from cityx.checks.buildings import check_buildings
 from cityx.checks.check import Check
 from cityx.checks.facades import check_facades
 from cityx.checks.furniture import check_furniture
-from cityx.checks.goals import measured
 from cityx.checks.ground import check_ground
 from cityx.checks.heights import check_heights
 from cityx.checks.junctions import check_junctions
 from cityx.checks.lanes import check_lanes
 from cityx.checks.meshes import check_meshes, triangle_counts
+from cityx.checks.predicates import measure_all
+from cityx.checks.predicates.words import TIMES, WEATHERS
 from cityx.checks.terrain import check_terrain
 from cityx.checks.trees import check_trees
-from cityx.city import City
+from cityx.city import City, Goal
 from cityx.city.content import content_hash
 from cityx.geometry.identity import id_text
 
@@ -157,26 +158,35 @@ def _number(value: float) -> float | str:
 
 
 def _goals(city: City, brief: Mapping[str, Any]) -> list[dict[str, Any]]:
-    goals = [
+    implied = [
         ("buildings stand", _built(city) > 0 or not len(city.layout.buildings),
          f"{_built(city)} of {len(city.layout.buildings)} buildings of the layout are built"),
         ("the ground is closed", city.ground is not None,
          f"{0 if city.ground is None else len(city.ground.face_label)} faces"),
     ]  # fmt: skip
-    weather = brief.get("weather")
-    if weather:
-        goals.append(
-            (f"weather is {weather}", city.environment.weather == str(weather).lower(),
-             f"the environment says {city.environment.weather}")
-        )  # fmt: skip
-    goals += [(goal.text, *measured(city, goal)) for goal in city.goals]
-    return [{"goal": goal, "met": bool(met), "evidence": evidence} for goal, met, evidence in goals]
+    rows = [{"goal": goal, "met": met, "evidence": evidence} for goal, met, evidence in implied]
+    asked = [*_brief_goals(brief), *city.goals]
+    findings = measure_all((goal.predicate for goal in asked), city)
+    rows += [
+        {"goal": goal.text, "met": finding.met, "evidence": finding.evidence,
+         "predicate": goal.predicate, "hard": goal.hard}
+        for goal, finding in zip(asked, findings, strict=True)
+    ]  # fmt: skip
+    return rows
+
+
+def _brief_goals(brief: Mapping[str, Any]) -> list[Goal]:
+    """Return what the options of a build ask for that can be measured."""
+    word = str(brief.get("weather") or "").lower()
+    if word in WEATHERS:
+        return [Goal(f"weather is {word}", f"env.weather == {word}")]
+    return [Goal(f"it is {word}", f"env.time == {word}")] if word in TIMES else []
 
 
 def report_passed(report: Mapping[str, Any]) -> bool:
-    """Whether every check holds and every goal is met."""
-    return all(check["ok"] for check in report["checks"].values()) and all(
-        goal["met"] for goal in report["goals"]
+    """Whether every check holds and no hard goal is missed; what cannot be told is not missed."""
+    return all(check["ok"] for check in report["checks"].values()) and not any(
+        goal["met"] is False and goal.get("hard", True) for goal in report["goals"]
     )
 
 

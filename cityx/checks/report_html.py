@@ -128,6 +128,8 @@ def _table(head: Sequence[tuple[str, bool]], rows: Iterable[Sequence[str]]) -> s
 
 
 def _mark(ok: Any) -> str:
+    if ok is None:
+        return '<span class="soft">? cannot tell</span>'
     return '<span class="good">✓ yes</span>' if ok else '<span class="bad">✗ no</span>'
 
 
@@ -148,11 +150,14 @@ def _verdict(report: Mapping[str, Any]) -> str:
     checks = list((report.get("checks") or {}).values())
     goals = list(report.get("goals") or ())
     failed = sum(not check.get("ok") for check in checks)
-    missed = sum(not goal.get("met") for goal in goals)
+    met_goals = sum(bool(goal.get("met")) for goal in goals)
+    missed = any(goal.get("met") is False and goal.get("hard", True) for goal in goals)
+    unknown = sum(goal.get("met") is None for goal in goals)
     if not checks and not goals:
         return ""
     held = f"{len(checks) - failed} of {len(checks)} checks hold"
-    met = f"{len(goals) - missed} of {len(goals)} goals are met"
+    met = f"{met_goals} of {len(goals)} goals are met"
+    met += f", {unknown} cannot be told" if unknown else ""
     good = not failed and not missed
     return (
         f'<p class="verdict {"good" if good else "bad"}">{"✓" if good else "✗"} {held}, {met}.</p>'

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
@@ -13,13 +12,16 @@ class Goal:
     Attributes
     ----------
     text
-        In words: "25 towers of 80 to 150 m around a plaza".
-    measure
-        Name of the measurement of `cityx.checks.goals` that decides whether it is met.
-    wanted
-        What the measurement compares with.
+        In words: "25 towers of 80 to 150 m".
+    predicate
+        The same in the language of `cityx.checks.predicates`, which decides whether it is met.
+    hard
+        Whether the city fails where it is not met; a soft goal only weighs.
+    weight
+        How much it counts among the goals.
     """
 
     text: str
-    measure: str
-    wanted: Mapping[str, float | str] = field(default_factory=dict)
+    predicate: str
+    hard: bool = True
+    weight: float = 1.0

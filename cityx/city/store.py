@@ -39,7 +39,7 @@ from cityx.geometry.identity import id_text
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
-FORMAT = 3  # rises when an older program could not read the folder
+FORMAT = 4  # rises when an older program could not read the folder
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from cityx.protocol.preconditions import (
     has_relief,
 )
 from cityx.protocol.registry import Registry, registry
+from cityx.protocol.serving import Serves
 
 __all__ = [
     "Action",
@@ -32,6 +33,7 @@ __all__ = [
     "Pre",
     "Range",
     "Registry",
+    "Serves",
     "Text",
     "action",
     "count_at_most",

@@ -13,6 +13,7 @@ from cityx.protocol.encapsulation import ID_PATTERN, Encapsulation
 from cityx.protocol.formats import Port, format_of, to_format, type_name
 from cityx.protocol.parameters import REQUIRED, Parameter, parameter_from
 from cityx.protocol.preconditions import Pre
+from cityx.protocol.serving import Serves
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -61,7 +62,7 @@ def action(
     lossy: float = 0.0,
     kind: str | None = None,
     labels: Sequence[str] = (),
-    serves: Sequence[str] = (),
+    serves: Sequence[str | Serves] = (),
     binds: Mapping[str, str] | None = None,
     needs: Sequence[str] = (),
     classname: str | None = None,
@@ -92,7 +93,7 @@ def action(
     labels
         Words for retrieval.
     serves
-        Slots of a brief that call for it when all of them are asked for.
+        Wishes that it answers: the key of a brief's slot, or `Serves` for several with arguments.
     binds
         Parameter to the slot of a brief that fills it.
     needs
@@ -161,7 +162,7 @@ def action(
             lossy=lossy,
             needs=tuple(needs),
             labels=tuple(labels),
-            serves=tuple(serves),
+            serves=tuple(Serves(s) if isinstance(s, str) else s for s in serves),
             binds=tuple((binds or {}).items()),
             extension=extension,
         )

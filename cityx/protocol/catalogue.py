@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-from contextlib import suppress
 from functools import cache
 from hashlib import blake2b
 from importlib.metadata import version
 from pathlib import Path
 
-from cityx.atomic import replaced
-from cityx.cache import cache_folder
+from cityx.cache import cached_json
 from cityx.errors import UsageError
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.registry import BUILTIN, Registry
@@ -48,37 +46,15 @@ def known_records(actions: Registry) -> tuple[Encapsulation, ...]:
     Records of other packages are read anew: their code may change without a new version.
     """
     builtin = [name for name in actions if actions.entries[name].package == BUILTIN]
-    folder = cache_folder()
-    path = None
-    if folder is not None:
-        digest = blake2b(json.dumps([code_digest(), builtin]).encode(), digest_size=16)
-        path = folder / f"records-{digest.hexdigest()}.json"
-    found = _read(path)
-    if found is None:
-        found = tuple(actions[name] for name in builtin if actions.is_trusted(name))
-        _write(path, found)
-    others = [name for name in actions if actions.entries[name].package != BUILTIN]
-    for name in others:
-        if actions.is_trusted(name):
-            try:
-                found += (actions[name],)
-            except UsageError as error:
-                if str(error) not in actions.refused:
-                    actions.refused.append(str(error))
-    return found
-
-
-def _read(path: Path | None) -> tuple[Encapsulation, ...] | None:
-    if path is None:
-        return None
-    try:
-        return tuple(map(Encapsulation.from_json, json.loads(path.read_text())))
-    except (OSError, ValueError, KeyError, TypeError, UsageError):
-        return None
-
-
-def _write(path: Path | None, records: tuple[Encapsulation, ...]) -> None:
-    if path is None:
-        return
-    with suppress(OSError), replaced(path) as temporary:
-        temporary.write_text(json.dumps([record.to_json() for record in records]))
+    digest = blake2b(json.dumps([code_digest(), builtin]).encode(), digest_size=16).hexdigest()
+    held = cached_json(f"records-{digest}", lambda: [actions[name].to_json() for name in builtin])
+    found = [Encapsulation.from_json(record) for record in held]
+    for name in actions:
+        if actions.entries[name].package == BUILTIN or not actions.is_trusted(name):
+            continue
+        try:
+            found.append(actions[name])
+        except UsageError as error:
+            if str(error) not in actions.refused:
+                actions.refused.append(str(error))
+    return tuple(found)

@@ -56,7 +56,7 @@ def show_action(name: str, actions: Registry | None = None) -> str:
         "cost": record.cost,
         "lossy": record.lossy,
         "labels": list(record.labels),
-        "serves": list(record.serves),
+        "serves": [wish.to_json() for wish in record.serves],
         "binds": dict(record.binds),
         "extension": record.extension,
         "schema": record.schema(),

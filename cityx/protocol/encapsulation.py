@@ -12,6 +12,7 @@ from cityx.errors import ActionRejected, UsageError, nearest
 from cityx.protocol.formats import Port
 from cityx.protocol.parameters import Parameter
 from cityx.protocol.preconditions import Pre
+from cityx.protocol.serving import Serves
 from cityx.protocol.stages import Stage, to_stage
 
 ID_PATTERN = re.compile(r"([a-z]+)/([a-z][a-z0-9_]*)-v([1-9][0-9]*)")
@@ -54,8 +55,7 @@ class Encapsulation:
     labels
         Words for retrieval, beside those derived from the other fields.
     serves
-        Slots of a brief ("building.count", "building.type=tower") that call for the action when all
-        of them are asked for.
+        Wishes that the action answers.
     binds
         (parameter, slot) pairs: arguments that a brief gives.
     extension
@@ -78,7 +78,7 @@ class Encapsulation:
     lossy: float = 0.0
     needs: tuple[str, ...] = ()
     labels: tuple[str, ...] = ()
-    serves: tuple[str, ...] = ()
+    serves: tuple[Serves, ...] = ()
     binds: tuple[tuple[str, str], ...] = ()
     extension: bool = False
 
@@ -173,6 +173,7 @@ class Encapsulation:
         made["parameters"] = tuple(map(Parameter.from_json, record["parameters"]))
         made["takes"] = tuple(map(Port.from_json, record["takes"]))
         made["gives"] = tuple(map(Port.from_json, record["gives"]))
+        made["serves"] = tuple(map(Serves.from_json, record["serves"]))
         made["binds"] = tuple((parameter, slot) for parameter, slot in record["binds"])
         made["preconditions"] = tuple(map(Pre.from_json, record["preconditions"]))
         return cls(**made)
@@ -281,6 +282,8 @@ def _faults(record: Encapsulation) -> list[str]:
     ):
         found.append("an action for one building takes its footprint alone and returns MeshBatch.")
     known = {p.name for p in record.parameters}
+    for wish in record.serves:
+        found += record.argument_faults(wish.args) if not wish.args.keys() <= known else []
     found += [
         f"binds names {parameter}, which is no parameter."
         for parameter, _ in record.binds

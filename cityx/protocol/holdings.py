@@ -126,6 +126,11 @@ _FILES: Mapping[Node, tuple[str, Callable[[Path], Any]]] = MappingProxyType(
     {(Format.IMAGE, "semantic_map"): ("semantic", _semantic_image)}
 )
 
+# Kind of an input file to what it yields, as (format, role).
+READABLE: Mapping[str, tuple[tuple[str, str], ...]] = MappingProxyType(
+    {kind: ((node[0].value, node[1]),) for node, (kind, _) in _FILES.items()}
+)
+
 
 def lacks(city: City, node: Node) -> bool:
     """Return whether a role is known to be made by an action that has not run yet."""

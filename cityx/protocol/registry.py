@@ -7,14 +7,17 @@ their entry points in the group ``cityx.actions``; listing runs no plugin code a
 from __future__ import annotations
 
 import ast
+import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cache
+from hashlib import blake2b
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any
 
+from cityx.cache import cached_json
 from cityx.errors import UsageError, nearest
 from cityx.protocol.actions import encapsulation_of
 from cityx.protocol.encapsulation import ID_PATTERN, Encapsulation
@@ -260,7 +263,13 @@ def _outside_entry(point: EntryPoint, package: str) -> Entry:
 @cache
 def _builtin_entries() -> tuple[Entry, ...]:
     files = sorted(_PLUGINS.rglob("*.py"))
-    return tuple(entry for path in files for entry in scan(path, _PLUGINS.parents[1]))
+    seen = [(str(path), path.stat().st_mtime_ns, path.stat().st_size) for path in files]
+    digest = blake2b(json.dumps(seen).encode(), digest_size=16).hexdigest()
+
+    def scanned() -> list[dict[str, str]]:
+        return [asdict(entry) for path in files for entry in scan(path, _PLUGINS.parents[1])]
+
+    return tuple(Entry(**record) for record in cached_json(f"actions-{digest}", scanned))
 
 
 def scan(path: Path, root: Path) -> Iterator[Entry]:

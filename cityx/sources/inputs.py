@@ -19,15 +19,16 @@ _HEIGHT_SUFFIXES = (".hgt", ".hgt.zip", ".asc", ".npy")
 _IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
 _OSM_SUFFIXES = (".osm", ".osm.gz", ".osm.bz2", ".osm.pbf", ".pbf", ".xml")
 _DRAWN_SUFFIXES = (".geojson", ".json", ".gpx")
+_TEXT_SUFFIXES = (".txt", ".md")
 KINDS = (
     "OpenStreetMap (.osm, .osm.gz, .osm.bz2, .osm.pbf), semantic maps and aerial images (.png, "
     ".tif, .jpg), heights (.tif, .hgt, .hgt.zip, .asc, .png of 16 bits, .npy) or drawings "
-    "(.geojson, .json, .gpx)"
+    "(.geojson, .json, .gpx) or wishes (.txt, .md)"
 )
 LOOK = 400  # cells of a side that are looked at
 SLOW = 0.06  # of the spread of all values; measured: heights of 8 bits 0.03, photographs above 0.1
 CLASSES = 24  # values; a raster of classes has no more, heights have hundreds
-WORDS = ("osm", "semantic", "satellite", "height", "drawn")  # kinds of inputs
+WORDS = ("osm", "semantic", "satellite", "height", "drawn", "text")  # kinds of inputs
 
 
 @dataclass(frozen=True)
@@ -97,6 +98,8 @@ def _kind(path: Path) -> tuple[str, str]:
         return "height", ""
     if name.endswith(_DRAWN_SUFFIXES):
         return "drawn", ""
+    if name.endswith(_TEXT_SUFFIXES):
+        return "text", ""
     if name.endswith(_IMAGE_SUFFIXES):
         return _image_kind(path)
     head = _head(path)

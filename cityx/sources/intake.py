@@ -70,23 +70,33 @@ class Inputs:
         Files that give a layout, in the order of their precedence.
     heights
         Height files.
+    texts
+        Files with wishes in words.
     """
 
     sources: tuple[Input, ...]
     heights: tuple[Input, ...]
+    texts: tuple[Input, ...] = ()
 
     @classmethod
     def of(cls, items: Iterable[Input]) -> Inputs:
         """Put files in the order of their precedence."""
         held = list(items)
-        heights = tuple(item for item in held if item.kind == "height")
+        heights, texts = (
+            tuple(item for item in held if item.kind == kind) for kind in ("height", "text")
+        )
         sources = tuple(item for kind in PRECEDENCE for item in held if item.kind == kind)
-        return cls(sources, heights)
+        return cls(sources, heights, texts)
+
+    @property
+    def all(self) -> tuple[Input, ...]:
+        """Every file."""
+        return (*self.sources, *self.heights, *self.texts)
 
     @property
     def records(self) -> list[dict[str, object]]:
         """What the report says about the files."""
-        return [item.record() for item in (*self.sources, *self.heights)]
+        return [item.record() for item in self.all]
 
 
 def sort_inputs(paths: list[Path], kinds: Iterable[str] = ()) -> Inputs:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from cityx.assets import style_tables
 from cityx.assets.palettes import GROUPS
 from cityx.plugins.building import selection
 from cityx.plugins.building.catalogue import generators
@@ -48,9 +49,9 @@ def kinds() -> list[str]:
 
 def choice() -> list[str]:
     """Return the table of weights by style family and use."""
-    groups = [word for word in GROUPS if word not in selection.ALWAYS]
+    groups = [word for word in GROUPS if word not in style_tables.ALWAYS]
     lines = [f"| family | {' | '.join(groups)} |", "| --- " * (len(groups) + 1) + "|"]
-    for family, rows in selection.TABLE.items():
+    for family, rows in style_tables.TABLE.items():
         cells = [", ".join(f"{n} {w:g}" for n, w in rows[group].items()) for group in groups]
         lines.append(f"| {family} | {' | '.join(cells)} |")
     return lines
@@ -60,7 +61,7 @@ def tables() -> str:
     """Return both tables."""
     always = "; ".join(
         f"{group}: " + ", ".join(f"{name} {weight:g}" for name, weight in row.items())
-        for group, row in selection.ALWAYS.items()
+        for group, row in style_tables.ALWAYS.items()
     )
     return "\n".join([*kinds(), "", *choice(), "", f"In every family: {always}."])
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from cityx.agents.planning.search import (
+    FILE,
     LAYOUT,
     STAGE,
     Fact,
@@ -18,20 +19,26 @@ from cityx.agents.planning.search import (
 )
 from cityx.agents.planning.workflow import PARTS, Item, Part, Workflow
 from cityx.protocol.encapsulation import Encapsulation
-from cityx.protocol.holdings import OF_LAYOUT
+from cityx.protocol.holdings import OF_LAYOUT, READABLE
+from cityx.protocol.serving import Serves, Slots
 from cityx.protocol.stages import NEUTRAL, ORDER, stages_before, topological_order
 
-Slots = Mapping[str, tuple[Any, ...]]  # what is asked for, by the keys of a brief
-
-# What a file of a kind holds; where several serve, the first counts as the source of a layout.
+# What a file of a kind holds.
 FILES: Mapping[str, Fact] = {
-    "drawn": ("geographic_data", "drawn"),
-    "osm": ("geographic_data", "osm"),
-    "semantic": ("image", "semantic_map"),
-    "satellite": ("image", "satellite"),
-    "height": ("image", "height_field"),
+    "drawn": (FILE, "drawn"),
+    "osm": (FILE, "osm"),
+    "semantic": (FILE, "semantic_map"),
+    "satellite": (FILE, "satellite"),
+    "height": (FILE, "height_field"),
 }
 TERRAIN: Fact = ("surface", "terrain")
+# What is asked of a layout, in the order in which one leaves the other alone: water and streets
+# first, then land, then what stands on it; other packages' actions come last.
+LAYOUT_ORDER = (
+    "layout/coast-v1", "layout/river-v1", "layout/boulevard-v1", "layout/central_park-v1",
+    "layout/places-v1", "layout/green_share-v1", "layout/cover-v1", "layout/buildings_count-v1",
+    "layout/building_limits-v1", "layout/towers-v1", "layout/highest-v1", "layout/use_share-v1",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -75,6 +82,7 @@ class OfflinePlanner:
         situation: Situation,
         *,
         avoid: frozenset[str] = frozenset(),
+        done: frozenset[str] = frozenset(),
         rev: int = 0,
     ) -> Workflow:
         """Return everything that is left to do.
@@ -87,6 +95,8 @@ class OfflinePlanner:
             What is there.
         avoid
             Actions that failed and are not to be tried again.
+        done
+            `Call.key` of what ran already.
         rev
             Of the new workflow.
         """
@@ -95,14 +105,11 @@ class OfflinePlanner:
         items: list[Item] = []
         if "layout" not in situation.stages:
             items += self._layout(slots, situation, operators, missing)
-        wished = [
-            record for record in self.records.values()
-            if record.id not in avoid and record.serves and asked(record.serves, slots)
-        ]  # fmt: skip
-        items += [self._item(record, slots) for record in wished if record.stage == "layout"]
+        wished = [item for item in self._wished(slots, avoid) if item.call.key not in done]
+        items += [item for item in wished if self.records[item.action].stage == "layout"]
         if "height" in situation.kinds and "terrain" not in situation.stages:
             items += self._terrain(slots, operators, missing)
-        others = [record for record in wished if record.stage != "layout"]
+        others = [item for item in wished if self.records[item.action].stage != "layout"]
         items += self._parts(slots, situation, operators, others, missing)
         return Workflow(tuple(items), tuple(missing), rev)
 
@@ -115,9 +122,11 @@ class OfflinePlanner:
     ) -> list[Item]:
         """Choose how the files become a layout, or how one is made without any."""
         start = [
-            Node(FILES[kind], frozenset({place}))
-            for place, kind in enumerate(situation.kinds) if kind in FILES
-        ]  # fmt: skip
+            Node(fact, frozenset({place}))
+            for place, kind in enumerate(situation.kinds)
+            if kind in FILES
+            for fact in (FILES[kind], *READABLE.get(kind, ()))
+        ]
         wanted = frozenset(place for place, kind in enumerate(situation.kinds) if kind in FILES)
         found = Reached(operators, start)
         node = found.best(LAYOUT, origin=wanted)
@@ -146,7 +155,7 @@ class OfflinePlanner:
         slots: Slots,
         situation: Situation,
         operators: Sequence[Operator],
-        wished: Sequence[Encapsulation],
+        wished: Sequence[Item],
         missing: list[str],
     ) -> list[Item]:
         """Choose what makes each part of the city, and put it in order."""
@@ -170,10 +179,8 @@ class OfflinePlanner:
             replace(item, why=why.get(item.action, item.why))
             for item in self._items(found, [node for _, node in wanted], slots, "what others need")
         ]
-        items += [
-            self._item(record, slots) for record in wished
-            if record.id not in {item.action for item in items}
-        ]  # fmt: skip
+        planned = {item.action for item in items}
+        items += [item for item in wished if item.action not in planned]
         return in_order(items, self.records)
 
     def _items(self, found: Reached, nodes: Sequence[Node], slots: Slots, why: str) -> list[Item]:
@@ -189,21 +196,25 @@ class OfflinePlanner:
             items.append(replace(item, bind=_bind(use, record, found), why=why, gives=gives))
         return items
 
-    def _item(self, record: Encapsulation, slots: Slots) -> Item:
-        asked_for = ", ".join(record.serves)
+    def _wished(self, slots: Slots, avoid: frozenset[str]) -> list[Item]:
+        """Return the actions that a brief calls for by name of what they answer, in order."""
+        rank = {action: place for place, action in enumerate(LAYOUT_ORDER)}
+        order = sorted(self.records, key=lambda action: (rank.get(action, len(rank)), action))
+        return [
+            self._item(self.records[action], slots, wish)
+            for action in order
+            if action not in avoid
+            for wish in self.records[action].serves
+            if wish.asked(slots)
+        ]
+
+    def _item(self, record: Encapsulation, slots: Slots, wish: Serves | None = None) -> Item:
         gives = tuple(f"{port.format.value} {port.role}" for port in record.gives)
-        why = f"asked for: {asked_for}" if asked_for else ""
-        return Item(record.id, arguments(record, slots), why=why, gives=gives)
-
-
-def asked(patterns: Iterable[str], slots: Slots) -> bool:
-    """Tell whether a brief asks for all of some slots: "key", or "key=value"."""
-    for pattern in patterns:
-        key, equals, value = pattern.partition("=")
-        held = slots.get(key, ())
-        if not held or (equals and value not in map(str, held)):
-            return False
-    return True
+        args = arguments(record, slots)
+        if wish is None:
+            return Item(record.id, args, gives=gives)
+        why = f"asked for: {', '.join(wish.slots)}"
+        return Item(record.id, args | dict(wish.args), why=why, gives=gives, wish=wish.slots)
 
 
 def arguments(record: Encapsulation, slots: Slots) -> dict[str, Any]:
@@ -259,4 +270,4 @@ def _bind(use: Use, record: Encapsulation, found: Reached) -> dict[str, str]:
     ports = [port for port in record.takes if not port.optional]
     roots = [found.root(node) for node in use.given]
     pairs = zip(ports, roots, strict=False)
-    return {port.name: root[1] for port, root in pairs if root in FILES.values()}
+    return {port.name: root[1] for port, root in pairs if (root,) in READABLE.values()}

@@ -22,8 +22,9 @@ from cityx.protocol.conversions import LOSS_WEIGHT
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.formats import Port
 
-Fact = tuple[str, str]  # format and role; or STAGE and the name of one that has run
-STAGE = "stage"
+# A format and a role; STAGE and the name of one that has run; FILE and what a user's file holds.
+Fact = tuple[str, str]
+STAGE, FILE = "stage", "file"
 LAYOUT: Fact = ("scene_layout", "layout")
 KEPT = 4  # origins of a fact that are followed, cheapest first
 PRECONDITIONS: Mapping[str, Fact] = {
@@ -108,7 +109,7 @@ def operators_of(records: Iterable[Encapsulation]) -> tuple[Operator, ...]:
 def _operator(record: Encapsulation) -> Operator:
     source = record.kind == "source" and record.scope == "city"
     required = [(port.format.value, port.role) for port in record.takes if not port.optional]
-    optional = [(port.format.value, port.role) for port in record.takes if port.optional]
+    files = [(FILE, port.role) for port in record.takes if port.optional and port.role]
     required += [(STAGE, stage) for stage in record.requires]
     required += [
         PRECONDITIONS[test.test] for test in record.preconditions if test.test in PRECONDITIONS
@@ -119,7 +120,7 @@ def _operator(record: Encapsulation) -> Operator:
     return Operator(
         record.id,
         tuple(dict.fromkeys(required)),
-        tuple(optional) if source else (),
+        tuple(files) if source else (),
         tuple(gives),
         record.cost + LOSS_WEIGHT * record.lossy,
     )

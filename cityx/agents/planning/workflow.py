@@ -30,6 +30,8 @@ class Item:
         The facts it is there for, as "format role".
     firm
         Whether a user asked for it by name: then it must succeed.
+    wish
+        Slots of the brief that it answers.
     """
 
     action: str
@@ -38,6 +40,7 @@ class Item:
     why: str = ""
     gives: tuple[str, ...] = ()
     firm: bool = False
+    wish: tuple[str, ...] = ()
 
     @property
     def call(self) -> Call:
@@ -48,13 +51,14 @@ class Item:
         """Return a plain dictionary."""
         return {
             "action": self.action, "args": dict(self.args), "bind": dict(self.bind),
-            "why": self.why, "gives": list(self.gives), "firm": self.firm,
+            "why": self.why, "gives": list(self.gives), "firm": self.firm, "wish": list(self.wish),
         }  # fmt: skip
 
     @classmethod
     def from_json(cls, record: Mapping[str, Any]) -> Item:
         """Rebuild an item from `to_json`."""
-        return cls(**{**record, "gives": tuple(record["gives"])})
+        lists = {name: tuple(record[name]) for name in ("gives", "wish")}
+        return cls(**{**record, **lists})
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.goals import KINDS, places_of
+from cityx.checks.predicates.places import places_of
+from cityx.checks.predicates.words import LANDS
 from cityx.city import City, Goal
 from cityx.errors import ActionFailed
 from cityx.plugins.layout.rebuilding import BORDER, cleared, street_blocks, with_area
@@ -62,13 +63,13 @@ def places(
     for _ in range(count - len(found)):
         city = added_place(city, kind)
     word = kind if count == 1 else f"{kind}s"
-    goal = Goal(f"{count} {word}", "places", {"kind": kind, "count": count})
+    goal = Goal(f"{count} {word}", f"n({kind}) == {count}")
     return replace(city, goals=(*city.goals, goal))
 
 
 def _given_up(city: City, kind: str, place: Any) -> City:
     areas = city.layout.areas.copy()
-    own = areas["kind"].isin(KINDS[kind]).to_numpy()
+    own = areas["kind"].isin(LANDS[kind]).to_numpy()
     inside = shapely.intersects(areas.geometry.to_numpy(), shapely.buffer(place, -0.1))
     words = areas["kind"].to_numpy().astype(object)
     words[own & inside] = INSTEAD

@@ -9,7 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.goals import NEAR, places_of
+from cityx.checks.predicates.places import places_of
+from cityx.checks.predicates.words import NEAR
 from cityx.city import City, Goal, Layout
 from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.identity import uniform
@@ -78,12 +79,12 @@ def towers(
     layout = with_buildings(city, layout, list(pads), owners)
     new = np.array([owner.id() for owner in owners], np.uint64)
     layout = lowered(layout, lowest, but=new)
-    place = "" if around == "nothing" else f" around {'' if around == 'water' else 'a '}{around}"
-    goal = Goal(
-        f"{count} towers of {lowest:g} to {highest:g} m{place}", "towers",
-        {"count": count, "lowest": lowest, "highest": highest, "around": around},
-    )  # fmt: skip
-    return replace(city, layout=layout, goals=(*city.goals, goal))
+    tall = f"building, height in [{lowest:g}, {highest:g}]"
+    goals = [Goal(f"{count} towers of {lowest:g} to {highest:g} m", f"n({tall}) == {count}")]
+    if around != "nothing":
+        place = around if around == "water" else f"a {around}"
+        goals.append(Goal(f"towers around {place}", f"around({tall}, {around})"))
+    return replace(city, layout=layout, goals=(*city.goals, *goals))
 
 
 def _owner(k: int, height: float) -> Owner:

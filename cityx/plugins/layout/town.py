@@ -93,7 +93,7 @@ def town(
         notes = (*notes, f"town: the scene's origin is the plane's ({origin[0]}, {origin[1]}) m")
     goals = city.goals
     if river:
-        goals = (*goals, Goal("a river that is crossed", "crossings", {"count": 1}))
+        goals = (*goals, Goal("a river that is crossed", "n(bridge, over=water) >= 1"))
     return replace(
         city, layout=layout, notes=notes, goals=goals, stages_done=city.stages_done | {"layout"}
     )

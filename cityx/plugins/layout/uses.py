@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.goals import share_slack
+from cityx.checks.predicates.buildings import share_slack
 from cityx.city import City, Goal
 from cityx.errors import ActionFailed
 from cityx.protocol import Choice, Port, Range, action
@@ -62,7 +62,11 @@ def use_share(
         raise ActionFailed(
             f"A share of {share:g} for {use} cannot be met: the buildings allow {reached:.3f}."
         )
-    goal = Goal(f"{100 * share:g} % {use}", "share", {"use": use, "share": share})
+    slack = share_slack(area)
+    goal = Goal(
+        f"{100 * share:g} % {use}",
+        f"share(building, tag={use}, by=area) in [{share - slack:.4f}, {share + slack:.4f}]",
+    )
     return replace(_with_uses(city, uses), goals=(*city.goals, goal))
 
 

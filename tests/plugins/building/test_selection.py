@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import shapely
 
+from cityx.assets import style_tables
 from cityx.city import Layout, make_table
 from cityx.plugins.building import selection
 from cityx.plugins.building.catalogue import NAMES, generators
@@ -30,8 +31,8 @@ def share(layout, name, **options):
 
 
 def test_every_generator_of_the_tables_is_in_the_catalogue():
-    rows = [row for family in selection.TABLE.values() for row in family.values()]
-    rows += [*selection.ALWAYS.values(), *selection.STYLE_WORDS.values()]
+    rows = [row for family in style_tables.TABLE.values() for row in family.values()]
+    rows += [*style_tables.ALWAYS.values(), *style_tables.STYLE_WORDS.values()]
     rows += [*selection.PLACES.values()]
     named = {name for row in rows for name in row} | set(selection.PURPOSE.values())
     assert named <= set(NAMES)

@@ -1,0 +1,323 @@
+"""Edits: a parsed command becomes the changes it asks for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from cityx.agents.brief.brief import Edit, Selector, Value
+from cityx.agents.brief.grammar import Node
+from cityx.agents.brief.scan import Item
+from cityx.agents.brief.selection import (
+    MEASURES,
+    Place,
+    is_plural,
+    kind_of,
+    places_of,
+    targets_of,
+)
+from cityx.agents.brief.terminals import share_of
+
+Pairs = list[tuple[str, Value]]
+
+_LOOKS = {
+    "COLOR": ("set_color", "color"), "MATERIAL": ("set_material", "material"),
+    "STYLE": ("set_style", "style"), "ROOF": ("set_roof", "roof"),
+}  # fmt: skip
+_FACTORS = {"DOUBLE": 2.0, "TRIPLE": 3.0, "QUADRUPLE": 4.0, "HALVE": 0.5}
+_TIMES = {"twice": 2.0, "thrice": 3.0, "half as": 0.5}
+_GENDERS = {"man": "male", "woman": "female"}
+_GAITS = ("run", "walk", "stand", "sit")
+_FLAT = (
+    "main_street", "road", "side_street", "river", "canal", "avenue", "ring_road", "sidewalk",
+)  # fmt: skip
+_LENGTHS = ("height", "width", "floors", "lanes", "length")
+_NEW = {"type": "building.type", "element": "element", "plant": "nature"}
+
+
+class Unclear(Exception):
+    """A command names what to change and not by how much."""
+
+
+def edits_of(command: Node) -> list[Edit]:
+    """Return the edits of a command; several targets or changes make several.
+
+    Raises
+    ------
+    Unclear
+        If it does not say by how much.
+    """
+    return _RULES[command.name](command)
+
+
+def _item(node: Node) -> Item:
+    assert node.item is not None
+    return node.item
+
+
+def _value(item: Item) -> float:
+    """Return the number of an item, its bound where it is one."""
+    quantity = item.quantity
+    assert quantity is not None
+    return (quantity.high if quantity.low is None else quantity.low) or 0.0
+
+
+def _whole(value: float) -> float | int:
+    value = round(value, 4)
+    return int(value) if value == int(value) else value
+
+
+def _measured(name: str, item: Item) -> Iterator[tuple[str, Value]]:
+    quantity = item.quantity
+    assert quantity is not None
+    if quantity.exact is not None:
+        yield name, _whole(quantity.exact)
+        return
+    if quantity.low is not None:
+        yield f"{name}.min", _whole(quantity.low)
+    if quantity.high is not None:
+        yield f"{name}.max", _whole(quantity.high)
+
+
+def _each(command: Node, verb: str, change: Sequence[tuple[str, Value]] = ()) -> list[Edit]:
+    """Return one edit for every target; of a street, its height is its width."""
+    return [
+        Edit(_own_verb(verb, one), None if one == Selector() else one, tuple(change))
+        for one in targets_of(command)
+    ]
+
+
+def _own_verb(verb: str, target: Selector) -> str:
+    return verb.replace("height", "width") if target.kind in _FLAT else verb
+
+
+# -- what becomes of objects ---------------------------------------------------------------------
+
+
+def _remove(command: Node) -> list[Edit]:
+    return _each(command, "remove")
+
+
+def _look(command: Node) -> list[Edit]:
+    named = command.branch("attr")
+    about = named.first("ATTR") if named is not None else None
+    changes: dict[str, Pairs] = {}
+    for change in command.own("change"):
+        verb, pairs = _change(change.children[0], about.get("attr") if about else "")
+        changes.setdefault(verb, []).extend(pairs)
+    return [
+        edit
+        for verb, pairs in reversed(changes.items())
+        for edit in _each(command, verb, tuple(dict.fromkeys(pairs)))
+    ]
+
+
+def _change(word: Node, about: str) -> tuple[str, Pairs]:
+    if word.name == "factor":
+        named = word.first("ATTR")
+        what = named.get("attr") if named is not None else about
+        return f"scale_{'width' if what == 'width' else 'height'}", [("factor", _factor(word))]
+    item = _item(word)
+    if word.name in _LOOKS:
+        verb, key = _LOOKS[word.name]
+        return verb, [(key, item.get(key) or item.get("slot").split()[0].partition("=")[2])]
+    if word.name == "KIND":
+        return "replace", [("building.type", item.noun)]
+    quantity = item.quantity
+    assert quantity is not None
+    measure = quantity.attribute or about or MEASURES.get(quantity.dimension, "")
+    if quantity.dimension in ("floors", "lanes"):
+        measure = quantity.dimension
+    if measure not in _LENGTHS:
+        raise Unclear
+    return f"set_{measure}", list(_measured(measure, item))
+
+
+def _factor(node: Node) -> float | int:
+    times, share, count = node.first("TIMES"), node.first("SHARE"), node.first("COUNT")
+    if times is not None:
+        return _whole(_TIMES[times.get("rel")])
+    if share is not None:
+        return _whole(share_of(share))
+    if count is None:
+        raise Unclear
+    return _whole(_value(count))
+
+
+def _resize(command: Node) -> list[Edit]:
+    verb = command.children[0].name
+    named = command.branch("attr")
+    about = next(named.leaves("ATTR")).get("attr") if named is not None else "height"
+    about = "width" if verb in ("WIDEN", "NARROW") else about
+    about = about if about in _LENGTHS else "height"
+    if verb in _FACTORS:
+        return _each(command, f"scale_{about}", [("factor", _whole(_FACTORS[verb]))])
+    amount = command.branch("amount")
+    if amount is None:
+        raise Unclear
+    way = command.branch("way")
+    by = way is not None and way.first("TO") is None
+    return _resized(command, amount, about, grows=verb in ("RAISE", "WIDEN"), by=by)
+
+
+def _resized(command: Node, amount: Node, about: str, *, grows: bool, by: bool) -> list[Edit]:
+    """Read "by 10 m", "to three floors", "by half" and "by a factor of 2"."""
+    inner = amount.branch("factor")
+    if inner is not None and inner.first("SHARE") is None:
+        factor = _factor(inner)
+        return _each(
+            command, f"scale_{about}", [("factor", factor if grows else _whole(1 / factor))]
+        )
+    item = next(amount.leaves())
+    dimension = item.quantity.dimension if item.quantity is not None else "share"
+    if dimension in ("share", "part"):
+        part = share_of(item) if by else share_of(item) - 1
+        factor = 1 + (part if grows or not by else -part)
+        return _each(command, f"scale_{about}", [("factor", _whole(factor))])
+    about = dimension if dimension in ("floors", "lanes") else about
+    if by:
+        return _each(
+            command, f"raise_{about}", [("by", _whole(_value(item) * (1 if grows else -1)))]
+        )
+    return _each(command, f"set_{about}", list(_measured(about, item)))
+
+
+def _replace(command: Node) -> list[Edit]:
+    new = command.branch("new")
+    assert new is not None
+    noun = new.first("KIND", "THING", "AGENT", "PLANT", "BUILDING")
+    assert noun is not None
+    key = _NEW.get(noun.noun_class)
+    change: Pairs = [(key, kind_of(noun))] if key else []
+    return _each(command, "replace", change + _traits(new))
+
+
+def _traits(new: Node) -> Pairs:
+    """Return material, colour, style, roof, floors and height of something new."""
+    found: Pairs = []
+    for item in new.leaves("MATERIAL", "COLOR", "STYLE", "ROOF"):
+        kind = next((name for name in ("material", "color") if item.has(name)), "")
+        key, _, value = item.get("slot").partition(" ")[0].partition("=")
+        found.append((kind, item.get(kind)) if kind else (key, value))
+    for item in new.leaves("FLOORS", "LENGTH", "LIMIT"):
+        floors = item.quantity is not None and item.quantity.dimension == "floors"
+        found += _measured(f"building.{'floors' if floors else 'height'}", item)
+    return found
+
+
+def _move(command: Node) -> list[Edit]:
+    change: Pairs = [("by", _whole(_value(_item(word)))) for word in command.own("LENGTH")]
+    for word in command.own("direction"):
+        change.append(("direction", next(word.leaves()).get("side")))
+    for place in places_of(command.own("place")):
+        change += [("direction", place.side)] if place.side and not place.spot else place.items()
+    return _each(command, "move", change)
+
+
+def _rotate(command: Node) -> list[Edit]:
+    angle = math.radians(_value(_item(command.own("ANGLE", "COUNT")[0])))
+    turn = command.first("CLOCKWISE")
+    back = turn is not None and turn.get("rel") == "clockwise"
+    return _each(command, "rotate", [("angle", round(-angle if back else angle, 4))])
+
+
+def _scale(command: Node) -> list[Edit]:
+    words = command.own("factor", "COUNT", "SHARE")
+    holder = words[0] if words[0].name == "factor" else Node("factor", None, tuple(words))
+    return _each(command, "scale", [("factor", _factor(holder))])
+
+
+def _close(command: Node) -> list[Edit]:
+    return _each(command, command.children[0].name.lower())
+
+
+def _lights(command: Node) -> list[Edit]:
+    state = "off" if command.children[0].name == "TURN_OFF" else "on"
+    return [Edit("set_lights", None, (("lights", state),))]
+
+
+def _copy(command: Node) -> list[Edit]:
+    places = places_of(command.own("place"))
+    return _each(command, "copy", [pair for place in places for pair in place.items()])
+
+
+# -- what is new ---------------------------------------------------------------------------------
+
+
+def _add(command: Node) -> list[Edit]:
+    places = places_of(command.find("place"))
+    late = command.own("SPEED", "MODE")
+    things = command.branch("things")
+    assert things is not None
+    return [
+        _added(replace(thing, children=(*thing.children, *late)), places)
+        for thing in things.own("thing")
+    ]
+
+
+def _added(thing: Node, places: Sequence[Place]) -> Edit:
+    noun = thing.first("AGENT", "THING", "KIND", "BUILDING")
+    assert noun is not None
+    if noun.noun_class in ("vehicle", "person"):
+        return _agent(thing, noun, places)
+    change: Pairs = [(key, noun.noun)] if (key := _NEW.get(noun.noun_class)) else []
+    count = thing.first("COUNT")
+    change += [("count", _whole(_value(count)))] if count is not None else []
+    change += _traits(thing)
+    change += [pair for place in places for pair in place.items()]
+    return Edit("add" if noun.noun_class == "element" else "add_building", None, tuple(change))
+
+
+def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
+    change: Pairs = []
+    traffic = noun.text == "traffic"
+    if not traffic:
+        car = noun.noun == "vehicle" and "car" in noun.text
+        change.append(("agent", "car" if car else kind_of(noun)))
+        if noun.noun in _GENDERS:
+            change.append(("gender", _GENDERS[noun.noun]))
+        modes = [item.get("mode") for item in thing.leaves() if item.has("mode")]
+        change += [("mode", mode) for mode in modes if mode in _GAITS]
+        count = _count(thing, noun)
+        change += [("count", count)] if count else []
+    change += _amount(thing)
+    speed = thing.first("SPEED")
+    change += [("speed", round(_value(speed), 4))] if speed is not None else []
+    for place in places:
+        key = "near" if place.relation == "near" else "path"
+        change.append((key, place.spot) if place.spot else ("side", place.side))
+    return Edit("add_traffic" if traffic else "add_agent", None, tuple(change))
+
+
+def _count(thing: Node, noun: Item) -> int:
+    """Return how many are asked for: a singular noun is one, a bare plural no number."""
+    said = thing.first("COUNT")
+    if said is not None:
+        return int(_value(said))
+    return 0 if is_plural(noun) or thing.first("AMOUNT") is not None else 1
+
+
+def _amount(thing: Node) -> Pairs:
+    words = [item.get("amount") for item in thing.leaves("AMOUNT")]
+    return [("amount", word) for word in words if word]
+
+
+def _plant(command: Node) -> list[Edit]:
+    plants = command.branch("plants")
+    assert plants is not None
+    change: Pairs = [("nature", "tree")]
+    count, every = plants.first("COUNT"), plants.first("EVERY")
+    change += [("count", int(_value(count)))] if count is not None else []
+    change += _amount(plants)
+    change += [("spacing", _whole(_value(every)))] if every is not None else []
+    for place in places_of(command.find("place")):
+        change += place.items()
+    return [Edit("plant", None, tuple(change))]
+
+
+_RULES: Mapping[str, Callable[[Node], list[Edit]]] = {
+    "remove": _remove, "look": _look, "resize": _resize, "replace": _replace, "add": _add,
+    "plant": _plant, "move": _move, "rotate": _rotate, "scale": _scale, "close": _close,
+    "lights": _lights, "copy": _copy,
+}  # fmt: skip

@@ -1,0 +1,141 @@
+"""The language of edits: verb, target, change, place, as a grammar over items."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from cityx.agents.brief.scan import Item
+
+if TYPE_CHECKING:
+    from lark import Lark, Token, Tree
+
+# Terminals are kinds of items, see `cityx.agents.brief.terminals`; the value is the item's index.
+GRAMMAR = """
+start: remove | look | resize | replace | add | plant | move | rotate | scale | close | lights
+     | copy
+remove: REMOVE targets | targets BE REMOVE
+look: _paint (attr OF?)? targets (link* change)+ | targets BE _paint? (link* change)+
+    | _paint targets attr (link* change)+
+_paint: PAINT | CLAD | MAKE
+attr: ATTR
+change: COLOR | MATERIAL | STYLE | ROOF | FLOORS | LENGTH | LIMIT | LANES | factor | KIND
+factor: TIMES ATTR? | COUNT SIGN ATTR? | FACTOR COUNT | SHARE ATTR?
+resize: _resizing (attr OF?)? targets (way amount)? | _resizing targets attr (way amount)?
+_resizing: DOUBLE | TRIPLE | QUADRUPLE | HALVE | RAISE | LOWER | WIDEN | NARROW
+way: TO | BY | WITH
+amount: LENGTH | FLOORS | SHARE | COUNT | LANES | factor | LIMIT
+replace: REPLACE targets link new | targets BE REPLACE link new
+new: trait* (KIND | THING | AGENT | PLANT | BUILDING) (link* trait)*
+trait: MATERIAL | COLOR | STYLE | ROOF | FLOORS | LENGTH | COUNT | LIMIT | ALL
+add: (ADD | MAKE) things (place | link* SPEED | MODE)*
+things: thing (AND thing)*
+thing: own* (AGENT | THING | KIND | BUILDING) (link* MODE | link* trait | link* SPEED | EVERY)*
+own: trait | SPEED | AMOUNT | MODE
+plant: (PLANTS | ADD) plants place*
+plants: (trait | AMOUNT)* PLANT (link? EVERY)* (AND plants)?
+move: MOVE targets (link? LENGTH | link? direction | place)+
+direction: SIDE
+rotate: ROTATE targets link? (ANGLE | COUNT) CLOCKWISE?
+scale: SCALE targets link? (factor | COUNT | SHARE)
+close: (CLOSE | OPEN) targets (link AGENT)?
+lights: (TURN_ON | TURN_OFF) targets
+copy: COPY targets place*
+targets: target (AND target)*
+target: ID filter* | mod* (BUILDING | KIND | THING | AGENT | PLANT | ROAD | WHOLE) filter* | IT
+mod: ALL | COUNT | SHARE | RANK | ORDINAL | REST | MATERIAL | COLOR | STYLE | ROOF | FLOORS
+   | OF | SIDE
+filter: (WITH | BE | OF)? LIMIT | WITH ROOF | (OF | WITH) MATERIAL | (WITH | OF) FLOORS | place
+place: where+ spot | where* SIDE (OF spot)?
+where: REL | IN | ON | BY
+spot: (ALL | COUNT | RANK | SIDE)* (BUILDING | KIND | THING | ROAD | PLANT | WHOLE | ID) beyond?
+beyond: REL spot | OF spot
+link: TO | IN | WITH | OF | BY | BE | ON
+"""
+
+
+@dataclass(frozen=True)
+class Node:
+    """A rule or a terminal of a parsed command.
+
+    Attributes
+    ----------
+    name
+        The rule in lower case, the terminal in upper case.
+    item
+        The item of a terminal; None for a rule, and for a verb that is only implied.
+    children
+        What the rule is made of, in the order of the text.
+    """
+
+    name: str
+    item: Item | None = None
+    children: tuple[Node, ...] = ()
+
+    def leaves(self, *names: str) -> Iterator[Item]:
+        """Yield the items below that are one of some terminals, or all."""
+        if self.item is not None and (not names or self.name in names):
+            yield self.item
+        for child in self.children:
+            yield from child.leaves(*names)
+
+    def first(self, *names: str) -> Item | None:
+        """Return the first item below that is one of some terminals."""
+        return next(self.leaves(*names), None)
+
+    def own(self, *names: str) -> list[Node]:
+        """Return the direct children of some names."""
+        return [child for child in self.children if child.name in names]
+
+    def branch(self, name: str) -> Node | None:
+        """Return the first direct child of a name."""
+        return next(iter(self.own(name)), None)
+
+    def find(self, name: str) -> Iterator[Node]:
+        """Yield every node of a name below, outermost first."""
+        for child in self.children:
+            if child.name == name:
+                yield child
+            else:
+                yield from child.find(name)
+
+
+def parse(terminals: Sequence[tuple[str, int]], items: Sequence[Item]) -> Node | None:
+    """Parse a command of terminals, each with the index of its item; None if it is none."""
+    from lark.exceptions import LarkError
+
+    try:
+        tree = parser().parse(terminals)
+    except LarkError:
+        return None
+    return _node(tree, items).children[0]
+
+
+def _node(tree: Tree[Token] | Token, items: Sequence[Item]) -> Node:
+    from lark import Token
+
+    if isinstance(tree, Token):
+        index = int(tree)
+        return Node(str(tree.type), items[index] if index >= 0 else None)
+    return Node(str(tree.data), None, tuple(_node(child, items) for child in tree.children))
+
+
+@lru_cache(maxsize=1)
+def parser() -> Lark:
+    """Return the parser of edits, which takes (terminal, index) pairs; built when first used."""
+    from lark import Lark, Token
+    from lark.lexer import Lexer
+
+    class Items(Lexer):
+        def __init__(self, conf: Any) -> None:
+            del conf
+
+        def lex(self, data: Sequence[tuple[str, int]]) -> Iterator[Token]:  # type: ignore[override]
+            yield from (Token(kind, str(index)) for kind, index in data)
+
+    terminals = sorted(set(re.findall(r"\b[A-Z][A-Z_]+\b", GRAMMAR)))
+    declared = "%declare " + " ".join(terminals)
+    return Lark(GRAMMAR + declared, parser="earley", lexer=Items, ambiguity="resolve")

@@ -1,0 +1,168 @@
+"""Selection: the objects and the places that a command names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+from cityx.agents.brief.brief import Selector, Value
+from cityx.agents.brief.grammar import Node
+from cityx.agents.brief.scan import Item
+from cityx.agents.brief.terminals import share_of
+
+# What a bare number with a unit measures of an object.
+MEASURES = {"length": "height", "floors": "floors", "speed": "speed", "area": "area"}
+_THROUGH = ("path", "center", "road", "sidewalk", "green")  # "the path around the park": the park
+_SPOTS = ("BUILDING", "KIND", "THING", "ROAD", "PLANT", "WHOLE", "ID")
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where something is: on a side (of something), or near, along, in, on an object."""
+
+    side: str
+    relation: str
+    spot: str
+
+    def items(self) -> Iterator[tuple[str, Value]]:
+        """Yield the place as keys and values."""
+        if self.side:
+            yield "side", self.side
+            if self.spot:
+                yield "of", self.spot
+        else:
+            own = self.relation in ("along", "in", "on", "around")
+            yield (self.relation if own else "near"), self.spot
+
+
+def kind_of(noun: Item) -> str:
+    """Return the kind of object that a noun names."""
+    if noun.noun in ("man", "woman"):
+        return "pedestrian"
+    return {"plant": "tree"}.get(noun.noun_class, noun.noun)
+
+
+def is_plural(noun: Item) -> bool:
+    """Tell whether a noun stands for several."""
+    last = noun.words[-1]
+    return (last.endswith("s") and last not in ("bus", "grass")) or last in (
+        "people", "men", "women", "children",
+    )  # fmt: skip
+
+
+def targets_of(command: Node) -> list[Selector]:
+    """Return what a command is about; ids in a row make one selection."""
+    found: list[Selector] = []
+    for target in next(command.find("targets")).own("target"):
+        one = _selector(target)
+        if found and found[-1].ids and one.ids:
+            found[-1] = replace(found[-1], ids=found[-1].ids + one.ids)
+        else:
+            found.append(one)
+    return found
+
+
+def places_of(nodes: Iterable[Node]) -> list[Place]:
+    """Return the places of some nodes."""
+    return [_place(node) for node in nodes]
+
+
+def _selector(target: Node) -> Selector:
+    selector = Selector()
+    for child in target.children:
+        if child.name == "mod":
+            selector = _modified(selector, child.children[0])
+        elif child.name == "filter":
+            selector = _filtered(selector, child)
+        elif child.name == "ID" and child.item is not None:
+            selector = replace(selector, ids=(child.item.text,))
+        elif child.name == "IT":
+            selector = replace(selector, kind="it")
+        elif child.item is not None:
+            selector = _of_kind(selector, child.item)
+    return selector
+
+
+def _of_kind(selector: Selector, noun: Item) -> Selector:
+    """Add the kind; "the tallest tower" is one, the city as a whole is no object."""
+    selector = replace(selector, kind="" if noun.noun == "city" else kind_of(noun))
+    if selector.rank and not selector.k and not selector.nth and not is_plural(noun):
+        selector = replace(selector, k=1)
+    return selector
+
+
+def _modified(selector: Selector, word: Node) -> Selector:
+    item = word.item
+    assert item is not None
+    if word.name == "COUNT" and item.quantity is not None:
+        return replace(selector, k=int(item.quantity.low or 0))
+    if word.name == "SHARE":
+        return replace(selector, share=share_of(item))
+    if word.name == "RANK":
+        return replace(selector, rank=item.get("rank"))
+    if word.name == "ORDINAL":
+        return replace(selector, nth=int(item.get("ordinal")))
+    if word.name == "SIDE":
+        return replace(selector, side=item.get("side"))
+    return replace(selector, filters=(*selector.filters, *_conditions(item)))
+
+
+def _filtered(selector: Selector, node: Node) -> Selector:
+    place = node.branch("place")
+    if place is not None:
+        return _placed(selector, _place(place))
+    for item in node.leaves("LIMIT", "ROOF", "MATERIAL", "FLOORS"):
+        selector = replace(selector, filters=(*selector.filters, *_conditions(item)))
+    return selector
+
+
+def _conditions(item: Item) -> Iterator[str]:
+    """Yield a word or a bound as conditions on single objects."""
+    quantity = item.quantity
+    if quantity is not None:
+        name = quantity.attribute or MEASURES.get(quantity.dimension, quantity.dimension)
+        if quantity.exact is not None:
+            yield f"{name}={quantity.exact:g}"
+        elif quantity.low is not None:
+            yield f"{name}>{quantity.low:g}"
+        if quantity.exact is None and quantity.high is not None:
+            yield f"{name}<{quantity.high:g}"
+        return
+    for kind in ("material", "color"):
+        if item.has(kind):
+            yield f"{kind}={item.get(kind)}"
+            return
+    key, _, value = item.get("slot").partition("=")
+    if value:
+        yield f"{key.rpartition('.')[2]}={value}"
+
+
+def _placed(selector: Selector, place: Place) -> Selector:
+    if place.side:
+        return replace(selector, side=place.side, of=place.spot)
+    if place.relation == "along":
+        return replace(selector, along=place.spot)
+    return replace(selector, near=place.spot)
+
+
+def _place(node: Node) -> Place:
+    side = next((child.item for child in node.own("SIDE")), None)
+    where = next(node.find("where"), None)
+    relation = where.first() if where is not None else None
+    spot = node.branch("spot")
+    return Place(
+        side.get("side") if side is not None else "",
+        relation.get("rel") if relation is not None else "",
+        _spot(spot) if spot is not None else "",
+    )
+
+
+def _spot(spot: Node) -> str:
+    """Return the object a place is about; of "the path around the park" it is the park."""
+    item = spot.own(*_SPOTS)[0].item
+    assert item is not None
+    beyond = spot.branch("beyond")
+    inner = beyond.branch("spot") if beyond is not None else None
+    if inner is not None and item.noun in _THROUGH:
+        return _spot(inner)
+    return item.text if item.kind == "id" else kind_of(item)

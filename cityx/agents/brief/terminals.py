@@ -1,0 +1,116 @@
+"""Terminals: what each item of a command is to the grammar of edits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cityx.agents.brief.scan import Item
+
+Terminal = tuple[str, int]  # its name, and the index of the item
+
+_DIMENSIONS = {
+    "length": "LENGTH", "floors": "FLOORS", "share": "SHARE", "part": "SHARE", "count": "COUNT",
+    "speed": "SPEED", "angle": "ANGLE", "lanes": "LANES",
+}  # fmt: skip
+_CLASSES = {
+    "building": "BUILDING", "type": "KIND", "element": "THING", "plant": "PLANT",
+    "vehicle": "AGENT", "person": "AGENT", "road": "ROAD",
+}  # fmt: skip
+_RELATIONS = {
+    "near": "REL", "along": "REL", "around": "REL", "on": "ON", "in": "IN", "of": "OF",
+    "to": "TO", "by": "BY", "with": "WITH", "be": "BE", "and": "AND", "all": "ALL", "every": "ALL",
+    "rest": "REST", "it": "IT", "times": "SIGN", "twice": "TIMES", "thrice": "TIMES",
+    "half as": "TIMES", "factor": "FACTOR", "clockwise": "CLOCKWISE",
+    "counterclockwise": "CLOCKWISE", "every other": "SHARE", "every third": "SHARE",
+    "every fourth": "SHARE", "more": "AMOUNT", "from": "OF",
+}  # fmt: skip
+_SHARES = {"every other": 1 / 2, "every third": 1 / 3, "every fourth": 1 / 4}
+_AFTER_BE = ("REMOVE", "REPLACE", "PAINT", "CLAD")  # "should be removed"
+_WHOLE = ("city", "everything", "landscape")
+
+
+def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
+    """Return the terminals of a command; items without content are left out.
+
+    Parameters
+    ----------
+    items
+        The command.
+    verb_first
+        Whether a first word that may be a verb or a noun ("plants") is the verb.
+    """
+    found: list[Terminal] = []
+    for index, item in enumerate(items):
+        if item.state:
+            continue
+        first = not found
+        name = _verb(item, first and verb_first, found) or _name(item)
+        if name == "ALL" and index + 1 < len(items) and _is_length(items[index + 1]):
+            continue  # "every 10 m"; the length itself is the interval
+        if name == "LENGTH" and _is_interval(items, index):
+            name = "EVERY"
+        if name in ("BE", "AND", "OF", "TO") and first:
+            continue
+        if name == "AND" and found[-1][0] == "AND":
+            continue
+        if name:
+            found.append((name, index))
+    return found
+
+
+def share_of(item: Item) -> float:
+    """Return the share that "half of", "20 % of" or "every other" means."""
+    if item.quantity is not None:
+        return round(item.quantity.high or item.quantity.low or 0.0, 4)
+    return round(_SHARES[item.get("rel")], 4)
+
+
+def _verb(item: Item, first: bool, found: Sequence[Terminal]) -> str:
+    verb = item.get("verb")
+    if first and verb:
+        return {"PLANT": "PLANTS"}.get(verb, verb)
+    after_be = bool(found) and found[-1][0] == "BE"
+    return verb if after_be and verb in _AFTER_BE else ""
+
+
+def _name(item: Item) -> str:
+    if item.kind == "id":
+        return "ID"
+    if item.quantity is not None:
+        return _measure_name(item)
+    if item.is_mark(","):
+        return "AND"
+    slot = item.get("slot")
+    if item.has("noun") and not (slot and item.noun_class in ("road", "place")):
+        name = "WHOLE" if item.noun in _WHOLE else _CLASSES.get(item.noun_class, "")
+        if name:
+            return name
+    for kind, name in (("color", "COLOR"), ("material", "MATERIAL"), ("rank", "RANK")):
+        if item.has(kind):
+            return name
+    if "roof=" in slot or "style=" in slot:
+        return "ROOF" if "roof=" in slot else "STYLE"
+    if item.get("rel") in _RELATIONS:
+        return _RELATIONS[item.get("rel")]
+    for kind in ("ordinal", "side", "mode", "attr", "amount"):
+        if item.has(kind):
+            return kind.upper()
+    return ""
+
+
+def _measure_name(item: Item) -> str:
+    quantity = item.quantity
+    assert quantity is not None
+    name = _DIMENSIONS.get(quantity.dimension, "")
+    return name if quantity.exact is not None or name == "SPEED" else "LIMIT"
+
+
+def _is_length(item: Item) -> bool:
+    return item.quantity is not None and item.quantity.dimension == "length"
+
+
+def _is_interval(items: Sequence[Item], index: int) -> bool:
+    if index and items[index - 1].text in ("every", "each"):
+        return True
+    quantity = items[index].quantity
+    return quantity is not None and quantity.attribute == "spacing"

@@ -1,0 +1,144 @@
+"""Requests: a text, files and options become a brief, slots for the planner, goals to measure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from cityx.agents.brief import Brief, read_brief, read_note
+from cityx.agents.options import BuildOptions, slots_of
+from cityx.agents.planning.asked import slots_of_brief
+from cityx.city import City, Goal
+from cityx.errors import InputError, UsageError
+from cityx.protocol.serving import Slots
+
+LONGEST_NOTE = 20_000  # characters of a text file that are read
+IGNORED = "ignored_untrusted_instruction"
+
+
+class Clarify(UsageError):
+    """An instruction leaves open what is meant; nothing was done.
+
+    Parameters
+    ----------
+    brief
+        The instruction as it was read; its conflicts and questions say what is open.
+    """
+
+    def __init__(self, brief: Brief) -> None:
+        said = [conflict.text for conflict in brief.conflicts]
+        said += [
+            question.text + (f" ({', '.join(question.candidates)})" if question.candidates else "")
+            for question in brief.questions
+        ]
+        super().__init__("\n".join(said))
+        self.brief = brief
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a user wants.
+
+    Attributes
+    ----------
+    brief
+        The instruction as it was read.
+    slots
+        All that is asked for, by text and by options, as actions take it.
+    """
+
+    brief: Brief = field(default_factory=Brief)
+    slots: Slots = field(default_factory=dict)
+
+    @property
+    def style(self) -> str:
+        """The style of the buildings, "" for that of the region."""
+        return str(next(iter(self.slots.get("style", ())), ""))
+
+    @property
+    def reply(self) -> str:
+        """What to answer: "done", or "partial" when words were not understood or were ignored."""
+        ignored = any(note.code == IGNORED for note in self.brief.notes)
+        return "partial" if self.brief.unread or ignored else "done"
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the report says of the reading."""
+        words = ", ".join(f'"{word}"' for word in self.brief.words_unread)
+        unread = (f"not understood: {words}",) if words else ()
+        return (*unread, *(note.text for note in self.brief.notes))
+
+    def with_goals(self, city: City) -> City:
+        """Keep with a city what was asked of it, each thing once."""
+        known = {goal.predicate for goal in city.goals}
+        goals = [
+            Goal(goal.text, goal.predicate, goal.hard)
+            for goal in self.brief.goals
+            if goal.predicate not in known
+        ]
+        return replace(city, goals=(*city.goals, *goals), notes=(*city.notes, *self.notes))
+
+
+def read_request(
+    options: BuildOptions, files: Iterable[tuple[Path, str]] = (), *, base: bool = False
+) -> Request:
+    """Read the instruction of a build or of a change.
+
+    Parameters
+    ----------
+    options
+        With the text, and options that go before it.
+    files
+        Path and kind of the input files; those of kind "text" are read for wishes alone.
+    base
+        Whether a city exists that is to be changed.
+
+    Raises
+    ------
+    Clarify
+        If the instruction contradicts itself or leaves open what is meant.
+    InputError
+        If a text file cannot be read.
+    UsageError
+        If a style is not known.
+    """
+    items = list(files)
+    notes = [path for path, kind in items if kind == "text"]
+    if not options.text and not notes:
+        return Request(Brief(), _checked(slots_of(options)))
+    brief = read_brief(
+        options.text,
+        inputs=[(path.name, kind) for path, kind in items],
+        base=base,
+        options=_said(options),
+    )
+    for path in notes:
+        brief = brief.joined(read_note(_text_of(path), base=base))
+    if brief.conflicts or brief.questions:
+        raise Clarify(brief)
+    return Request(brief, _checked({**slots_of_brief(brief), **slots_of(options)}))
+
+
+def _said(options: BuildOptions) -> Mapping[str, Any]:
+    """Return the options that a text might contradict."""
+    given = slots_of(options)
+    keys = ("style", "time", "weather", "size.x", "size.y")
+    return {key: given[key][0] for key in keys if key in given}
+
+
+def _text_of(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")[:LONGEST_NOTE]
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path} cannot be read as a text: {error}.") from error
+
+
+def _checked(slots: Slots) -> Slots:
+    """Refuse a style that no building has."""
+    from cityx.assets.palettes import family_of
+
+    for style in slots.get("style", ()):
+        family_of(str(style))
+    return slots

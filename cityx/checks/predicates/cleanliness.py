@@ -1,0 +1,47 @@
+"""What is implied in every wish: a city without gross faults, by the checks that every city has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+from cityx.checks.bounds import check_bounds
+from cityx.checks.buildings import check_buildings
+from cityx.checks.check import Check
+from cityx.checks.furniture import check_furniture
+from cityx.checks.ground import check_ground
+from cityx.checks.meshes import check_meshes
+from cityx.checks.predicates.finding import Finding
+from cityx.checks.trees import check_trees
+from cityx.city import City
+
+RUN: tuple[Callable[[City], Iterable[Check]], ...] = (
+    check_buildings, check_ground, check_furniture, check_trees, check_meshes, check_bounds,
+)  # fmt: skip
+# Rule of a clean city -> checks that decide it.
+RULES: Mapping[str, tuple[str, ...]] = {
+    "no two buildings share ground": ("building_overlap",),
+    "no building stands on a road": ("building_on_road",),
+    "nothing floats or is buried": ("floating_building",),
+    "nothing stands in a lane": ("trees_in_lanes", "furniture_in_lanes", "trees_misplaced"),
+    "every number is finite": ("not_finite",),
+    "everything lies within the site": ("outside_site",),
+}
+
+
+def clean(city: City) -> list[Finding]:
+    """Measure every rule of a clean city; a rule of things that are not there holds.
+
+    Returns
+    -------
+    findings
+        One for each rule; the evidence names the checks.
+    """
+    checks = {check.name: check for run in RUN for check in run(city)}
+    return [_finding(rule, names, checks) for rule, names in RULES.items()]
+
+
+def _finding(rule: str, names: tuple[str, ...], checks: Mapping[str, Check]) -> Finding:
+    own = [checks[name] for name in names if name in checks]
+    bad = [check for check in own if not check.ok]
+    shown = "; ".join(f"{c.name} {c.value:g} (limit {c.limit:g})" for c in bad or own)
+    return Finding(not bad, f"{rule}: {shown or 'nothing to check'}", not bad)

@@ -1,0 +1,299 @@
+"""What one measurement may look at, and the things that a predicate chooses of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.predicates.buildings import Buildings
+from cityx.checks.predicates.pieces import Pieces
+from cityx.checks.predicates.places import Lands
+from cityx.checks.predicates.streets import Bridges, Roads
+from cityx.checks.predicates.syntax import (
+    Argument,
+    Call,
+    Comparison,
+    Condition,
+    Expression,
+    Name,
+    Negative,
+    Number,
+    Predicate,
+    Within,
+)
+from cityx.checks.predicates.things import (
+    Absent,
+    BoolArray,
+    CannotTell,
+    FloatArray,
+    Layer,
+    Selection,
+)
+from cityx.checks.predicates.vocabulary import (
+    ATTRIBUTES,
+    FORMS,
+    IDENTITY,
+    KINDS,
+    NARROWING,
+    NUMBER,
+    PLACE,
+    PREDICATE,
+    THINGS,
+    Group,
+    kind_named,
+    split_arguments,
+)
+from cityx.checks.predicates.words import LANDS, ROUGHLY, WHOLE
+from cityx.city import City
+from cityx.city.ground import ROADWAY
+
+LAYERS: Mapping[str, type[Layer]] = {
+    "building": Buildings, "road": Roads, "bridge": Bridges, "land": Lands, "piece": Pieces,
+    "lamp": Pieces, "light": Pieces, "vehicle": Pieces, "pedestrian": Pieces,
+}  # fmt: skip
+TABLES = ("building", "road", "path", "railway", "bridge")  # kinds that ids are looked for in
+SURFACES: Mapping[str, tuple[str, ...]] = {
+    "carriageway": ROADWAY, "sidewalk": ("sidewalk", "furnishing", "ramp", "kerb_dropped"),
+}  # fmt: skip
+NEARLY = 1e-6  # by which a number may miss an equal one; floats
+
+
+@dataclass(frozen=True)
+class Reply:
+    """What an agent answered and did, for predicates that ask for it.
+
+    Attributes
+    ----------
+    kind
+        "done", "clarify" or "partial".
+    mentions
+        Typed findings of its report: "conflict:building".
+    actions
+        Actions of the journal that ran.
+    mutations
+        How many of them changed the city.
+    """
+
+    kind: str
+    mentions: frozenset[str] = frozenset()
+    actions: tuple[str, ...] = ()
+    mutations: int = 0
+
+
+@dataclass(frozen=True)
+class Facts:
+    """A city and what it is compared with.
+
+    Attributes
+    ----------
+    city, before
+        The city, and the state it was made of.
+    inputs
+        Files by the names that predicates call them.
+    reply
+        What the agent answered.
+    together
+        Predicates measured together; ``others`` is what none of them names.
+    """
+
+    city: City
+    before: City | None = None
+    inputs: Mapping[str, Path] = field(default_factory=dict)
+    reply: Reply | None = None
+    together: tuple[Predicate, ...] = ()
+    _layers: dict[str, Layer] = field(default_factory=dict, compare=False)
+
+    @cached_property
+    def earlier(self) -> Facts:
+        """The same of the state before.
+
+        Raises
+        ------
+        CannotTell
+            If there is none.
+        """
+        if self.before is None:
+            raise CannotTell("there is no earlier state to compare with")
+        return replace(self, city=self.before, before=None, _layers={})
+
+    def layer(self, kind: str) -> Layer:
+        """Return the things of a kind."""
+        if kind not in self._layers:
+            self._layers[kind] = LAYERS[KINDS[kind]](self.city, kind)
+        return self._layers[kind]
+
+    def region(self, kind: str) -> shapely.Geometry:
+        """Return the ground that a kind of surface or thing covers."""
+        if kind == "center":
+            return shapely.box(*self.city.layout.extent).centroid
+        if kind in SURFACES:
+            return shapely.union_all(self.surface(kind))
+        layer = self.layer(kind)
+        if isinstance(layer, Roads):
+            return layer.surface
+        return shapely.union_all(shapely.make_valid(layer.shapes))
+
+    def surface(self, kind: str) -> NDArray[Any]:
+        """Return the triangles of a surface of the ground."""
+        ground = self.city.ground
+        if ground is None:
+            raise CannotTell("the ground is not laid yet")
+        triangles = ground.triangles_of(*SURFACES[kind])
+        return np.asarray(shapely.polygons(ground.vertices[triangles]), object)
+
+    def select(self, group: Group) -> Selection:
+        """Return the things that an argument chooses."""
+        chosen = self._head(group.head)
+        for condition in group.conditions:
+            chosen = chosen.where(self._holds(condition, chosen))
+        return replace(chosen, text=str(group))
+
+    def select_apart(self, group: Group) -> tuple[Selection, BoolArray]:
+        """Return what a share is of, and which of its rows have what is asked of them.
+
+        Attributes such as class narrow the choice where others are asked for besides.
+        """
+        asked = [item for item in group.conditions if _attribute(item) not in NARROWING]
+        narrow = [item for item in group.conditions if _attribute(item) in NARROWING]
+        if not asked:
+            asked, narrow = narrow, []
+        chosen = self.select(Group(group.head, tuple(narrow)))
+        for condition in asked:
+            chosen = chosen.where(chosen.layer.applies(_attribute(condition))[chosen.rows])
+        has = np.ones(len(chosen.rows), bool)
+        for condition in asked:
+            has &= self._holds(condition, chosen)
+        return chosen, has
+
+    def _head(self, head: Argument) -> Selection:
+        if isinstance(head, Call):
+            return self._top(head)
+        assert isinstance(head, Name)
+        kind = kind_named(head.word)
+        if kind:
+            if KINDS[kind] not in LAYERS:
+                raise CannotTell(f"a {kind} is no thing that can be chosen from others")
+            layer = self.layer(kind)
+            return Selection(layer, np.arange(len(layer.ids)), head.word)
+        return self.named(head.word)
+
+    def named(self, word: str) -> Selection:
+        """Return the thing of an id, a name or the last word of a source.
+
+        Raises
+        ------
+        Absent
+            If no thing is called so.
+        """
+        kinds = (*TABLES, *WHOLE, *(k for k in LANDS if k not in WHOLE), "tree", "vehicle")
+        for kind in kinds:
+            layer = self.layer(kind)
+            rows = np.flatnonzero(layer.called(word)) if len(layer.ids) else np.zeros(0, np.int64)
+            if len(rows):
+                return Selection(layer, rows, word)
+        raise Absent(f"nothing in the city is called {word}")
+
+    def _top(self, call: Call) -> Selection:
+        """Choose the things with the greatest values, of the state before where there is one."""
+        (group, attribute, amount), _ = split_arguments(call)
+        facts = self if self.before is None else self.earlier
+        chosen = facts.select(group)
+        assert isinstance(attribute.head, Name)
+        value = np.round(chosen.layer.number(attribute.head.word)[chosen.rows], 6)
+        count = int(constant(amount.head))
+        best = np.lexsort((chosen.ids, -value))[:count]
+        ids = chosen.ids[best]
+        layer = self.layer(chosen.layer.kind)
+        rows = np.flatnonzero(np.isin(layer.ids, ids))
+        return Selection(layer, rows, str(call), missing=count - len(rows))
+
+    def _holds(self, condition: Condition, chosen: Selection) -> BoolArray:
+        """(r,) whether a condition holds of the things chosen."""
+        attribute, layer, rows = _attribute(condition), chosen.layer, chosen.rows
+        kind = ATTRIBUTES[KINDS[layer.kind]].get(attribute, NUMBER)
+        if isinstance(condition, Within):
+            value = layer.number(attribute)[rows]
+            low, high = constant(condition.low), constant(condition.high)
+            return np.asarray((value >= low - NEARLY) & (value <= high + NEARLY))
+        if kind == NUMBER:
+            return compared(layer.number(attribute)[rows], condition.sign,
+                            constant(condition.right))  # fmt: skip
+        assert isinstance(condition.right, Name)
+        word = condition.right.word
+        if kind == IDENTITY:
+            found = layer.called(word)[rows]
+        elif kind == PLACE:
+            found = self._placed(chosen, word)
+        else:
+            found = layer.has(attribute, word)[rows]
+        return np.asarray(found if condition.sign != "!=" else ~found, bool)
+
+    def _placed(self, chosen: Selection, word: str) -> BoolArray:
+        """(r,) whether things stand on, lie in or lead over something."""
+        kind = kind_named(word)
+        region = self.region(kind) if kind else shapely.union_all(self.named(word).shapes)
+        shapely.prepare(region)
+        return np.asarray(shapely.intersects(chosen.shapes, region))
+
+
+def _attribute(condition: Condition) -> str:
+    side = condition.of if isinstance(condition, Within) else condition.left
+    assert isinstance(side, Name)
+    return "floors" if side.word == "levels" else side.word
+
+
+def constant(item: Argument | Expression) -> float:
+    """Return the value of an expression of numbers alone.
+
+    Raises
+    ------
+    CannotTell
+        If it holds anything else.
+    """
+    if isinstance(item, Number):
+        return item.value
+    if isinstance(item, Negative):
+        return -constant(item.of)
+    raise CannotTell(f"{item} is no plain number")
+
+
+def compared(value: FloatArray, sign: str, wanted: float) -> BoolArray:
+    """Compare numbers with one; NaN compares with nothing."""
+    slack = NEARLY * max(1.0, abs(wanted))
+    if sign == "~":
+        return np.asarray(np.abs(value - wanted) <= ROUGHLY * abs(wanted) + slack)
+    if sign in ("=", "=="):
+        return np.asarray(np.abs(value - wanted) <= slack)
+    if sign == "!=":
+        return np.asarray(np.abs(value - wanted) > slack)
+    if sign == "<":
+        return np.asarray(value < wanted)
+    if sign == ">":
+        return np.asarray(value > wanted)
+    return np.asarray(value <= wanted + slack if sign == "<=" else value >= wanted - slack)
+
+
+def names_of(predicate: Argument) -> list[Group]:
+    """Return the things that a predicate speaks of."""
+    if isinstance(predicate, Comparison):
+        return names_of(predicate.left) + names_of(predicate.right)
+    if isinstance(predicate, Within):
+        return names_of(predicate.of)
+    if not isinstance(predicate, Call) or predicate.form == "same":
+        return []
+    takes = FORMS[predicate.form].takes
+    groups, _ = split_arguments(predicate)
+    found = []
+    for wanted, group in zip(takes, groups, strict=True):
+        if wanted == THINGS:
+            found.append(group)
+        elif wanted == PREDICATE:
+            found += names_of(group.head)
+    return found

@@ -1,0 +1,155 @@
+"""Measuring: a predicate and a city become a finding."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from cityx.checks.predicates.facts import Facts, Reply, compared
+from cityx.checks.predicates.finding import Finding
+from cityx.checks.predicates.forms import Measured, measured_call, measured_quantity
+from cityx.checks.predicates.parser import parse
+from cityx.checks.predicates.syntax import (
+    Argument,
+    Arithmetic,
+    Call,
+    Expression,
+    Name,
+    Negative,
+    Number,
+    Predicate,
+    Within,
+)
+from cityx.checks.predicates.things import Absent, CannotTell
+from cityx.city import City
+from cityx.errors import CityxError
+
+
+def measure(
+    predicate: Predicate | str,
+    city: City,
+    *,
+    before: City | None = None,
+    inputs: Mapping[str, Path] | None = None,
+    reply: Reply | None = None,
+) -> Finding:
+    """Measure one predicate.
+
+    Parameters
+    ----------
+    predicate
+        As `parse` gives it, or its text.
+    city
+        What is measured: its tables, meshes and network, not what things are called.
+    before
+        The state that ``changed``, ``same`` and ``ratio`` compare with.
+    inputs
+        Files by the names that ``iou`` and ``corr`` call them.
+    reply
+        What an agent answered, for ``reply``, ``mentions`` and ``used``.
+
+    Returns
+    -------
+    finding
+        Its ``met`` is None, and its evidence the reason, where it cannot be told.
+
+    Raises
+    ------
+    UsageError
+        If the text is no predicate.
+    """
+    return measure_all([predicate], city, before=before, inputs=inputs, reply=reply)[0]
+
+
+def measure_all(
+    predicates: Iterable[Predicate | str],
+    city: City,
+    *,
+    before: City | None = None,
+    inputs: Mapping[str, Path] | None = None,
+    reply: Reply | None = None,
+) -> list[Finding]:
+    """Measure predicates that belong together; see `measure`.
+
+    What they share is measured once, and ``others`` is what none of them names.
+    """
+    read = tuple(parse(each) if isinstance(each, str) else each for each in predicates)
+    facts = Facts(city, before, dict(inputs or {}), reply, read)
+    return [_finding(predicate, facts) for predicate in read]
+
+
+def _finding(predicate: Predicate, facts: Facts) -> Finding:
+    try:
+        return finding_of(predicate, facts)
+    except Absent as error:
+        return Finding(False, str(error))
+    except (CannotTell, CityxError) as error:  # an input that cannot be read says so itself
+        return Finding(None, f"cannot tell: {error}")
+
+
+def finding_of(predicate: Predicate, facts: Facts) -> Finding:
+    """Measure a predicate.
+
+    Raises
+    ------
+    CannotTell
+        If the city does not hold what it asks for.
+    """
+    if isinstance(predicate, Call):
+        found = measured_call(predicate, facts)
+        return Finding(bool(found.value), found.evidence, found.value)
+    if isinstance(predicate, Within):
+        found = value_of(predicate.of, facts)
+        low, high = (_number(side, facts) for side in (predicate.low, predicate.high))
+        value = np.array(_as_number(found, predicate.of))
+        met = bool(compared(value, ">=", low) & compared(value, "<=", high))
+        return Finding(met, found.evidence, found.value)
+    found = value_of(predicate.left, facts)
+    if isinstance(found.value, tuple):
+        same = str(predicate.right).strip('"') in found.value
+        return Finding(same != (predicate.sign == "!="), found.evidence, found.value)
+    wanted = _number(predicate.right, facts)
+    value = np.array(_as_number(found, predicate.left))
+    return Finding(bool(compared(value, predicate.sign, wanted)), found.evidence, found.value)
+
+
+def value_of(expression: Argument, facts: Facts) -> Measured:
+    """Measure an expression.
+
+    Raises
+    ------
+    CannotTell
+        If the city does not hold what it asks for.
+    """
+    if isinstance(expression, Number):
+        return Measured(expression.value, str(expression))
+    if isinstance(expression, Name):
+        return measured_quantity(expression.word, facts)
+    if isinstance(expression, Call):
+        return measured_call(expression, facts)
+    if isinstance(expression, Negative):
+        return Measured(-_number(expression.of, facts), f"{expression}")
+    assert isinstance(expression, Arithmetic)
+    left, right = (_number(side, facts) for side in (expression.left, expression.right))
+    if expression.sign == "/" and right == 0:
+        raise CannotTell(f"{expression.right} is 0, by which nothing can be divided")
+    value = _SIGNS[expression.sign](left, right)
+    return Measured(value, f"{expression} is {value:.4g}")
+
+
+_SIGNS: Mapping[str, Callable[[float, float], float]] = {
+    "+": lambda a, b: a + b, "-": lambda a, b: a - b, "*": lambda a, b: a * b,
+    "/": lambda a, b: a / b,
+}  # fmt: skip
+
+
+def _number(expression: Expression, facts: Facts) -> float:
+    return _as_number(value_of(expression, facts), expression)
+
+
+def _as_number(found: Measured, expression: Argument) -> float:
+    if isinstance(found.value, tuple):
+        raise CannotTell(f"{expression} is no number")
+    return float(found.value)

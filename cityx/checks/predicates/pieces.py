@@ -1,0 +1,170 @@
+"""What stands about in a city: trees, furniture, lamps, lights, vehicles and people."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.assets.surface_states import material_named
+from cityx.checks.predicates import words
+from cityx.checks.predicates.things import (
+    BoolArray,
+    CannotTell,
+    FloatArray,
+    Layer,
+    UInt64Array,
+    column,
+)
+from cityx.checks.predicates.vocabulary import KINDS, MOVING, PIECES
+from cityx.city import Prototype
+
+LAMPS = ("street_lamp",)  # first words of the prototypes of street lamps
+OPENINGS = ("window", "door", "shopfront")  # lit rooms are no lights
+PLANT, VEHICLE, PERSON = "tree", "vehicle", "person"  # kinds of prototypes
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Instances of a scene: ids, owners, places (n, 3), prototypes and scales (n, 3)."""
+
+    id: UInt64Array
+    owner: UInt64Array
+    position: FloatArray
+    prototype: NDArray[np.int64]
+    scale: FloatArray
+
+
+@dataclass(frozen=True)
+class Pieces(Layer):
+    """The instances of one kind: of prototypes that are such things by name, kind or size."""
+
+    @cached_property
+    def _rows(self) -> Rows:
+        scene = self.city.scene
+        wanted = np.array([_is(p, self.kind) for p in scene.prototypes] or [False])
+        found = [
+            (rows, np.flatnonzero(wanted[rows.prototype])) for rows in scene.instances.values()
+        ]
+
+        def joined(name: str, empty: Any) -> NDArray[Any]:
+            return np.concatenate([empty, *(getattr(rows, name)[at] for rows, at in found)])
+
+        return self._sized(
+            Rows(
+                joined("object_id", np.zeros(0, np.uint64)),
+                joined("owner", np.zeros(0, np.uint64)),
+                joined("position", np.zeros((0, 3))),
+                joined("prototype", np.zeros(0, np.int64)),
+                joined("scale", np.zeros((0, 3))).astype(float),
+            )
+        )
+
+    def _sized(self, rows: Rows) -> Rows:
+        """Keep those that measure what the kind must: trees, not shrubs; buses, not cars."""
+        size = self._sizes(rows)
+        if self.kind in ("tree", "shrub"):
+            kept = (size[:, 2] >= words.SMALLEST_TREE) == (self.kind == "tree")
+        elif self.kind == "bus":
+            kept = _between(size[:, :2].max(axis=1), words.VEHICLE_TYPES["bus"])
+        else:
+            return rows
+        return Rows(rows.id[kept], rows.owner[kept], rows.position[kept], rows.prototype[kept],
+                    rows.scale[kept])  # fmt: skip
+
+    def _sizes(self, rows: Rows) -> FloatArray:
+        """(n, 3) metres of the boxes around them, in their own directions."""
+        boxes = np.zeros((len(self.city.scene.prototypes) + 1, 3))
+        for at in np.unique(rows.prototype).tolist():
+            boxes[at] = np.ptp(self.city.scene.prototypes[at].mesh.vertices, axis=0)
+        return np.asarray(boxes[rows.prototype] * rows.scale)
+
+    @property
+    def ids(self) -> UInt64Array:
+        """(n,) ids."""
+        return self._rows.id
+
+    @cached_property
+    def shapes(self) -> NDArray[Any]:
+        """(n,) points."""
+        return np.asarray(shapely.points(self._rows.position[:, :2]), object)
+
+    @cached_property
+    def names(self) -> Mapping[str, NDArray[Any]]:
+        """Sources of those that the layout maps."""
+        table = self.city.layout.points
+        ids = table["id"].to_numpy(np.uint64)
+        if not len(ids):
+            return {}
+        row = np.minimum(np.searchsorted(ids, self.ids), len(ids) - 1)
+        return {"source": np.where(ids[row] == self.ids, column(table, "source")[row], "")}
+
+    def number(self, attribute: str) -> FloatArray:
+        """Return heights or lengths; speeds of what stands in the scene are not known."""
+        size = self._sizes(self._rows)
+        if attribute == "height":
+            return np.asarray(size[:, 2])
+        if attribute == "length":
+            return np.asarray(size[:, :2].max(axis=1))
+        if attribute in MOVING:
+            self._moves(attribute)
+        return super().number(attribute)
+
+    def has(self, attribute: str, word: str) -> BoolArray:
+        """Tell which are lit, or of a type."""
+        if attribute == "on":
+            return np.full(len(self.ids), (self.city.environment.lamps > 0) == (word == "true"))
+        if attribute == "type" and KINDS[self.kind] == "vehicle":
+            return _between(self.number("length"), words.VEHICLE_TYPES[word])
+        if attribute == "type":
+            return np.asarray(self._neon == (word == "neon"))
+        if len(self.ids) == 0:
+            return np.zeros(0, bool)
+        if attribute in MOVING:
+            self._moves(attribute)
+        return super().has(attribute, word)
+
+    def _moves(self, attribute: str) -> None:
+        raise CannotTell(
+            f"the city has no {self.kind} that moves, so none has a {attribute}; "
+            f"{len(self.ids)} stand in it"
+        )
+
+    @cached_property
+    def _neon(self) -> BoolArray:
+        """(n,) whether a light is a coloured one on a building."""
+        colored = np.array([_glows(p, least=words.GLOW) for p in self.city.scene.prototypes])
+        return np.asarray(colored[self._rows.prototype] & (self._rows.owner > 0), bool)
+
+
+def _is(prototype: Prototype, kind: str) -> bool:
+    """Tell whether a prototype is a thing of a kind."""
+    if kind in ("tree", "shrub"):
+        return prototype.kind == PLANT
+    if kind in ("vehicle", "bus"):
+        return prototype.kind == VEHICLE
+    if kind == "pedestrian":
+        return prototype.kind == PERSON
+    if kind == "streetlight":
+        return prototype.name.startswith(LAMPS)
+    if kind == "light":
+        return prototype.kind not in OPENINGS and _glows(prototype)
+    return prototype.name.startswith(PIECES[kind])
+
+
+def _glows(prototype: Prototype, least: float = 0.0) -> bool:
+    """Tell whether some material of a prototype emits light of at least a saturation."""
+    materials = [material_named(name) for name in prototype.mesh.materials]
+    return any(
+        material.emission > 0 and 1 - min(material.color) / max(*material.color, 1e-9) >= least
+        for material in materials
+    )
+
+
+def _between(values: FloatArray, limits: tuple[float, float]) -> BoolArray:
+    return np.asarray((values >= limits[0]) & (values < limits[1]))

@@ -1,0 +1,105 @@
+"""Land, water and green: the areas of a city by what they are, those that touch as one place."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.predicates import words
+from cityx.checks.predicates.things import FloatArray, IntArray, Layer, UInt64Array, column
+from cityx.city import City
+
+TOUCH = 0.5  # metres between pieces of one area
+
+
+def places_of(city: City, word: str) -> NDArray[Any]:
+    """Return the plazas, parks, lakes, ... of a city: a key of `words.LANDS`, as polygons.
+
+    Pieces of a place that touch are one; a place has at least 300 square metres. A beach is sand
+    beside water.
+    """
+    table = city.layout.areas
+    shapes = table.geometry.to_numpy()[table["kind"].isin(words.LANDS[word]).to_numpy()]
+    if not len(shapes):
+        return np.zeros(0, object)
+    if word not in words.WHOLE:
+        return np.asarray(shapes[shapely.area(shapes) >= words.SMALLEST_OTHER], object)
+    grown = shapely.union_all(shapely.buffer(shapes, TOUCH, join_style="mitre"))
+    found = shapely.get_parts(shapely.buffer(grown, -TOUCH, join_style="mitre"))
+    found = np.asarray(found[shapely.area(found) >= words.SMALLEST])
+    return _by_water(city, found) if word == "beach" else found
+
+
+def _by_water(city: City, shapes: NDArray[Any]) -> NDArray[Any]:
+    table = city.layout.areas
+    water = table.geometry.to_numpy()[table["kind"].isin(words.LANDS["water"]).to_numpy()]
+    tree = shapely.STRtree(water)
+    near, _ = tree.query(shapes, predicate="dwithin", distance=words.SHORE)
+    return np.asarray(shapes[np.unique(near)])
+
+
+@dataclass(frozen=True)
+class Lands(Layer):
+    """The places of one kind."""
+
+    @cached_property
+    def _table(self) -> Any:
+        table = self.city.layout.areas
+        return table[table["kind"].isin(words.LANDS[self.kind]).to_numpy()]
+
+    @cached_property
+    def shapes(self) -> NDArray[Any]:
+        """(n,) polygons."""
+        return places_of(self.city, self.kind)
+
+    @cached_property
+    def _pieces(self) -> tuple[IntArray, IntArray]:
+        """Return pairs of a place and a row of the layout's areas of the kind that makes it up."""
+        inner = shapely.point_on_surface(self._table.geometry.to_numpy())
+        place, row = shapely.STRtree(inner).query(self.shapes, predicate="intersects")
+        return place, row
+
+    @cached_property
+    def ids(self) -> UInt64Array:
+        """(n,) least id of the areas of each."""
+        place, row = self._pieces
+        least = np.full(len(self.shapes), np.iinfo(np.uint64).max, np.uint64)
+        np.minimum.at(least, place, self._table["id"].to_numpy(np.uint64)[row])
+        return least
+
+    def members(self, rows: IntArray) -> UInt64Array:
+        """Return the ids of the areas."""
+        place, row = self._pieces
+        return np.asarray(self._table["id"].to_numpy(np.uint64)[row[np.isin(place, rows)]])
+
+    @cached_property
+    def names(self) -> Mapping[str, NDArray[Any]]:
+        """Names and sources of the first area of each."""
+        ids = self._table["id"].to_numpy(np.uint64)
+        rows = np.minimum(np.searchsorted(ids, self.ids), max(len(ids) - 1, 0))
+        return {key: column(self._table, key)[rows] for key in ("name", "source")}
+
+    def number(self, attribute: str) -> FloatArray:
+        """Return areas, or widths of what is long, such as a river."""
+        if attribute == "area":
+            return np.asarray(shapely.area(self.shapes))
+        if attribute == "width":
+            return strip_width(self.shapes)
+        return super().number(attribute)
+
+
+def strip_width(shapes: NDArray[Any]) -> FloatArray:
+    """Return the width of polygons taken for bent strips, (n,) metres, from area and border.
+
+    A strip of length L and width w has the area L w and the border 2 (L + w); a round shape, which
+    is no strip, gets the side of the square of its area.
+    """
+    area, border = shapely.area(shapes), shapely.length(shapely.boundary(shapes))
+    root = np.sqrt(np.maximum(border**2 - 16 * area, 0.0))
+    return np.asarray((border - root) / 4)

@@ -1,0 +1,186 @@
+"""Layers of a city against the input they were made of, on cells of one metre."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.predicates.facts import Facts
+from cityx.checks.predicates.things import BoolArray, CannotTell
+from cityx.city import City, Frame
+from cityx.city.frame import NOWHERE
+from cityx.city.sites import moved
+from cityx.geometry.raster.grid import Grid
+from cityx.sources.class_map import ClassMap
+from cityx.sources.inputs import classify
+from cityx.sources.map_classes import Role
+
+CELL = 1.0  # metres
+LARGEST = 40_000_000  # cells that are compared at once
+WATER_WORDS = ("water", "sea", "river", "lake")
+GREEN_WORDS = ("grass", "park", "wood", "forest", "vegetation", "meadow", "garden", "tree")
+Box = tuple[float, float, float, float]
+
+
+def overlap_of_layers(facts: Facts, layer: str, path: Path) -> tuple[float, str]:
+    """Return intersection over union of a layer and what an input shows of it.
+
+    Parameters
+    ----------
+    layer
+        "building", "road", "water" or "green".
+    path
+        A map, a drawing or an image of classes.
+
+    Returns
+    -------
+    share
+        0 to 1, over the part of the site that the input shows.
+    evidence
+        The areas.
+
+    Raises
+    ------
+    CannotTell
+        If the input shows no such layer or lies elsewhere.
+    InputError
+        If it cannot be read.
+    """
+    kind = classify(path).kind
+    if kind == "semantic":
+        shown, box = _of_classes(path, layer, facts.city)
+    elif kind in ("osm", "drawn"):
+        shown, box = _of_map(path, layer, facts.city, kind)
+    else:
+        raise CannotTell(f"{path.name} is {kind} and shows no {layer} that could be compared")
+    grid = _grid(facts.city.layout.extent, box)
+    wanted = shown(grid)
+    own = _filled([facts.region(layer)], grid)
+    both, either = int((own & wanted).sum()), int((own | wanted).sum())
+    if not wanted.any():
+        raise CannotTell(f"{path.name} shows no {layer} within the site")
+    return both / either, (
+        f"{layer}: {own.sum():,} m2 of the city, {wanted.sum():,} m2 of {path.name}, {both:,} m2 "
+        "of both"
+    )
+
+
+def _grid(site: Box, shown: Box) -> Grid:
+    """Return the cells of what the site and an input share."""
+    low, high = np.maximum(site[:2], shown[:2]), np.minimum(site[2:], shown[2:])
+    columns, rows = np.floor((high - low) / CELL).astype(int).tolist()
+    if min(columns, rows) < 1:
+        raise CannotTell("the input lies elsewhere than the city")
+    if columns * rows > LARGEST:
+        raise CannotTell(f"the site has more than {LARGEST:,} cells of {CELL:g} m")
+    return Grid(rows, columns, CELL, float(low[0]), float(low[1] + rows * CELL))
+
+
+def _filled(shapes: list[Any], grid: Grid) -> BoolArray:
+    """Return the cells whose middles lie in shapes."""
+    from rasterio.features import rasterize
+    from rasterio.transform import from_origin
+
+    place = from_origin(grid.west, grid.north, grid.pixel, grid.pixel)
+    parts = [part for part in shapely.get_parts(shapes) if not part.is_empty and part.area > 0]
+    if not parts:
+        return np.zeros((grid.rows, grid.columns), bool)
+    found = rasterize(parts, (grid.rows, grid.columns), transform=place, dtype="uint8")
+    return np.asarray(found, bool)
+
+
+Shown = Callable[[Grid], BoolArray]
+
+
+def _of_map(path: Path, layer: str, city: City, kind: str) -> tuple[Shown, Box]:
+    """Return what a map or drawing shows of a layer, and where it lies, in the city's frame."""
+    if kind == "osm":
+        from cityx.sources.osm import read_osm
+
+        found = read_osm(path, seed=city.seed)
+    else:
+        from cityx.sources.drawn import read_drawn
+
+        found = read_drawn(path, seed=city.seed)
+    layout = (
+        found.layout if found.frame == NOWHERE else moved(found.layout, found.frame, city.frame)
+    )
+    source = Facts(City("input", city.frame, layout, seed=city.seed))
+    return lambda grid: _filled([source.region(layer)], grid), layout.extent
+
+
+def _of_classes(path: Path, layer: str, city: City) -> tuple[Shown, Box]:
+    """Do the same for an image of classes, pixel by pixel."""
+    from cityx.sources.semantic_map import read_class_map
+
+    found, frame, _ = read_class_map(path)
+    mask = _MASKS[layer](found)
+
+    def shown(grid: Grid) -> BoolArray:
+        row, column = np.mgrid[0 : grid.rows, 0 : grid.columns]
+        points = grid.to_metres(np.column_stack([column.ravel(), row.ravel()]) + 0.5)
+        values = found.grid.values_at(mask, _carried(points, city.frame, frame))
+        return values.reshape(grid.rows, grid.columns)
+
+    return shown, _box_in(found.grid.extent, frame, city.frame)
+
+
+def _carried(points: NDArray[np.float64], old: Frame, new: Frame) -> NDArray[np.float64]:
+    return (
+        points if NOWHERE in (old, new) or old == new else new.to_local(old.to_geographic(points))
+    )
+
+
+def _box_in(box: Box, old: Frame, new: Frame) -> Box:
+    corners = np.array([(box[0], box[1]), (box[2], box[1]), (box[0], box[3]), (box[2], box[3])])
+    x, y = _carried(corners, old, new).T
+    return float(x.min()), float(y.min()), float(x.max()), float(y.max())
+
+
+def _mask_of(found: ClassMap, known: tuple[str, ...]) -> BoolArray:
+    words = {item.word for item in found.classes if any(word in item.word for word in known)}
+    return np.asarray(
+        np.any(
+            [found.mask_of(word) for word in words] or [np.zeros_like(found.labels, bool)], axis=0
+        )
+    )
+
+
+_MASKS: Mapping[str, Callable[[ClassMap], BoolArray]] = {
+    "building": lambda found: found.mask(Role.BUILDING),
+    "road": lambda found: found.mask(Role.ROAD),
+    "water": lambda found: _mask_of(found, WATER_WORDS),
+    "green": lambda found: _mask_of(found, GREEN_WORDS),
+}
+
+
+def height_correlation(city: City, path: Path) -> tuple[float, str]:
+    """Return the correlation of the terrain with the height file it was made of.
+
+    Raises
+    ------
+    CannotTell
+        If one of the two is level, or the file says nothing of the ground.
+    InputError
+        If it cannot be read or does not cover the site.
+    """
+    from cityx.sources.heights import lay_terrain, read_heights
+
+    heights = read_heights(path)
+    if not heights.has_ground:
+        raise CannotTell(f"{path.name} says nothing of the ground")
+    bare = lay_terrain(City("input", city.frame, city.layout), heights).terrain
+    grid = _grid(city.layout.extent, city.layout.extent)
+    step = max(int(np.sqrt(grid.rows * grid.columns / 40_000)), 1)
+    row, column = np.mgrid[0 : grid.rows : step, 0 : grid.columns : step]
+    points = grid.to_metres(np.column_stack([column.ravel(), row.ravel()]) + 0.5)
+    own, wanted = city.terrain.height_at(points), bare.height_at(points)
+    if np.ptp(wanted) == 0:
+        raise CannotTell(f"{path.name} is level, which correlates with nothing")
+    value = float(np.corrcoef(own, wanted)[0, 1]) if np.ptp(own) > 0 else 0.0
+    return value, f"the terrain and {path.name} correlate by {value:.4f} at {len(points):,} places"

@@ -1,0 +1,114 @@
+"""Builds that are killed anywhere and asked for again."""
+
+import random
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+
+import pytest
+
+from cityx.agents.journal import Journal
+from cityx.city.content import content_hash
+from cityx.city.store import read_city
+
+# The build of the command line, but every step is kept, so that there is always one to go on from.
+SCRIPT = """
+import sys
+from pathlib import Path
+from cityx.agents import run
+from cityx.agents.build import build
+from cityx.agents.options import BuildOptions
+run.SNAPSHOT_S = 0.0
+options = BuildOptions(formats=(), render=False, seed=4)
+say = lambda text: print(text, flush=True)
+print(build([Path(sys.argv[1])], Path(sys.argv[2]), options, say=say)["hash"])
+"""
+
+
+def start(town_map, out):
+    command = [sys.executable, "-c", SCRIPT, str(town_map), str(out)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+@pytest.fixture(scope="module")
+def undisturbed(town_map, tmp_path_factory):
+    out = tmp_path_factory.mktemp("whole") / "town"
+    begin = time.monotonic()
+    said, _ = start(town_map, out).communicate()
+    return said.splitlines()[-1], time.monotonic() - begin
+
+
+def build_killed(town_map, out, delay):
+    process = start(town_map, out)
+    time.sleep(delay)
+    process.send_signal(signal.SIGKILL)
+    process.communicate()
+
+
+def check(town_map, out, wanted):
+    said, errors = start(town_map, out).communicate()
+    assert said.splitlines()[-1] == wanted, errors
+    assert content_hash(read_city(out / "city")).total == wanted
+    with sqlite3.connect(out / "city" / "journal.sqlite") as database:
+        assert database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+    assert [path.name for path in out.parent.iterdir()] == [out.name]
+    return said
+
+
+@pytest.mark.parametrize(
+    "moment", [pytest.param(n, marks=pytest.mark.slow if n > 2 else ()) for n in range(20)]
+)
+def test_a_build_killed_at_any_moment_comes_to_the_same_hash(
+    undisturbed, town_map, tmp_path, moment
+):
+    wanted, seconds = undisturbed
+    build_killed(town_map, tmp_path / "town", random.Random(moment).uniform(0.2, 1.0) * seconds)
+    check(town_map, tmp_path / "town", wanted)
+
+
+@pytest.fixture
+def half_built(town_map, tmp_path):
+    """A folder in which a build was killed in the middle of its steps."""
+    process = start(town_map, tmp_path / "town")
+    for line in process.stdout:
+        if "building/design" in line:
+            break
+    process.send_signal(signal.SIGKILL)
+    process.communicate()
+    return tmp_path / "town"
+
+
+def test_a_killed_build_goes_on_after_the_last_step_that_was_kept(
+    undisturbed, town_map, half_built
+):
+    said = check(town_map, half_built, undisturbed[0])
+    assert "going on after road/surface_material-v1" in said
+    assert "road/ground-v1" not in said.partition("going on after")[2]
+    with Journal(half_built / "city" / "journal.sqlite") as journal:
+        steps = journal.steps()
+        assert len(journal.runs()) == 1
+    done = [step.action for step in steps if step.status == "done"]
+    assert len(done) == len(set(done)) == 22
+
+
+def test_snapshots_that_were_lost_cost_time_and_no_more(undisturbed, town_map, half_built):
+    shutil.rmtree(half_built.with_name(".town.partial") / "snapshots")
+    said = check(town_map, half_built, undisturbed[0])
+    assert "going on" not in said
+
+
+def test_two_processes_do_not_build_in_one_folder(town_map, tmp_path):
+    first = start(town_map, tmp_path / "town")
+    for line in first.stdout:
+        if "road/network" in line:
+            break
+    first.send_signal(signal.SIGSTOP)
+    _, errors = start(town_map, tmp_path / "town").communicate()
+    assert f"Process {first.pid}" in errors
+    assert "wait until it ends" in errors
+    first.send_signal(signal.SIGCONT)
+    first.communicate()
+    assert first.returncode == 0
