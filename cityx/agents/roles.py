@@ -9,17 +9,19 @@ from __future__ import annotations
 import sqlite3
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib import import_module
 from typing import Any, Protocol
 
 from cityx.agents.annotator import Labels, annotate
-from cityx.agents.planning.planner import OfflinePlanner, Situation, Slots
+from cityx.agents.brief import Brief, read_brief
+from cityx.agents.planning.planner import OfflinePlanner, Situation
 from cityx.agents.planning.workflow import Item, Workflow
+from cityx.agents.pool import Pool
 from cityx.agents.verdict import Checklist, Measured, Verdict, merge
 from cityx.city import City
 from cityx.errors import ActionRejected
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.gate import Call
+from cityx.protocol.serving import Slots
 
 # Faults of a call that other arguments may mend; the others ask for another plan.
 MENDABLE = ("BAD_ARGS", "NO_SUCH_OBJECT", "DUPLICATE")
@@ -35,7 +37,7 @@ class BriefMaker(Protocol):
         inputs: Sequence[tuple[str, str]] = (),
         base: bool = False,
         options: Mapping[str, Any] | None = None,
-    ) -> Any:
+    ) -> Brief:
         """Return the `Brief` of a text; arguments as of `cityx.agents.brief.read_brief`."""
 
 
@@ -52,6 +54,7 @@ class Planner(Protocol):
         situation: Situation,
         *,
         avoid: frozenset[str] = frozenset(),
+        done: frozenset[str] = frozenset(),
         rev: int = 0,
     ) -> Workflow:
         """Return a workflow; arguments as of `OfflinePlanner.workflow`."""
@@ -108,10 +111,9 @@ class OfflineBriefMaker:
         inputs: Sequence[tuple[str, str]] = (),
         base: bool = False,
         options: Mapping[str, Any] | None = None,
-    ) -> Any:
+    ) -> Brief:
         """Return the brief of a text."""
-        reader = import_module("cityx.agents.brief").read_brief
-        return reader(text, inputs=inputs, base=base, options=options)
+        return read_brief(text, inputs=inputs, base=base, options=options)
 
 
 class OfflineExecutor:
@@ -148,7 +150,7 @@ class OfflineEvaluator:
         return merge({**dict.fromkeys(checklist), **measured}, {})
 
 
-def _nothing() -> None:
+def _nothing(*_: Any) -> None:
     """Do nothing."""
 
 
@@ -162,6 +164,8 @@ class Roles:
         The players.
     notes
         What the report says of them: where a model failed and who took over. It grows.
+    attach
+        Takes the messages of the run, once there are any, to write down what models cost.
     close
         Gives back what they hold; call it when the run ends.
     """
@@ -172,6 +176,7 @@ class Roles:
     annotator: Annotator = field(default_factory=OfflineAnnotator)
     evaluator: Evaluator = field(default_factory=OfflineEvaluator)
     notes: list[str] = field(default_factory=list)
+    attach: Callable[[Pool], None] = _nothing
     close: Callable[[], None] = _nothing
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sqlite3
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cityx.agents.models.budget import BudgetSpent, Ledger, Limits
-from cityx.agents.models.spec import OFFLINE, REPLAY, ModelSpec, read_spec, require_library
+from cityx.agents.models.spec import OFFLINE, REPLAY, read_spec, require_library
 from cityx.agents.pool import Pool
 from cityx.agents.roles import Roles, offline_roles
 from cityx.errors import UsageError
@@ -17,6 +16,7 @@ from cityx.protocol.encapsulation import Encapsulation
 
 if TYPE_CHECKING:
     from cityx.agents.models.asking import Channel
+    from cityx.agents.models.recording import Decisions
 
 __all__ = ["BudgetSpent", "Limits", "Recording", "check_choice", "roles_for"]
 
@@ -31,13 +31,13 @@ class Recording:
         File that new decisions are added to, or None.
     replay
         File of decisions that are played instead of asking, or None.
-    database
-        Of the city, which keeps every decision; None outside of a run.
+    kept
+        Database of a killed run of the same, whose decisions hold; None or absent without one.
     """
 
     record: Path | None = None
     replay: Path | None = None
-    database: sqlite3.Connection | None = field(default=None, compare=False)
+    kept: Path | None = None
 
 
 def check_choice(spec: str, base_url: str = "", recording: Recording | None = None) -> None:
@@ -73,7 +73,6 @@ def roles_for(
     recording: Recording,
     records: Iterable[Encapsulation],
     *,
-    pool: Pool | None = None,
     limits: Limits | None = None,
     alone: bool = False,
 ) -> Roles:
@@ -89,8 +88,6 @@ def roles_for(
         Where decisions are kept and taken from; with a replay, no model is asked.
     records
         Of the actions that may be planned.
-    pool
-        Messages of the run, where its spending is written down.
     limits
         What may be spent on models.
     alone
@@ -105,8 +102,14 @@ def roles_for(
     offline = offline_roles(records)
     if spec == OFFLINE and recording.replay is None:
         return offline
-    channel = _channel(spec, base_url, recording, Ledger(limits or Limits(), pool), alone)
-    return model_roles(channel, offline)
+    ledger = Ledger(limits or Limits())
+    decisions, channel = _channel(spec, base_url, recording, ledger, alone)
+
+    def attach(pool: Pool) -> None:
+        ledger.attach(pool)
+        decisions.attach(pool.database)
+
+    return replace(model_roles(channel, offline), attach=attach)
 
 
 def model_roles(channel: Channel, offline: Roles) -> Roles:
@@ -119,31 +122,34 @@ def model_roles(channel: Channel, offline: Roles) -> Roles:
     from cityx.agents.planning.planner import OfflinePlanner
 
     assert isinstance(offline.planner, OfflinePlanner)
+    planner = ModelPlanner(channel, offline.planner)
     return Roles(
-        ModelPlanner(channel, offline.planner),
+        planner,
         ModelBriefMaker(channel, offline.brief_maker),
         ModelExecutor(channel),
-        ModelAnnotator(channel, offline.annotator),
+        ModelAnnotator(channel, offline.annotator, planner.use),
         ModelEvaluator(channel, offline.evaluator),
         channel.notes,
-        channel.close,
+        close=channel.close,
     )
 
 
 def _channel(
     spec: str, base_url: str, recording: Recording, ledger: Ledger, alone: bool
-) -> Channel:
+) -> tuple[Decisions, Channel]:
     from cityx.agents.models.asking import Channel
     from cityx.agents.models.library import LibraryRespondent, make_model, silent_model
-    from cityx.agents.models.recording import Decisions, read_decisions
+    from cityx.agents.models.recording import Decisions, kept_decisions, read_decisions
 
     if recording.replay is not None:
-        replay = read_decisions(recording.replay)
-        decisions = Decisions(replay=replay)
-        model = silent_model(list(replay.values()))
-        return Channel(LibraryRespondent(model, ledger, decisions), alone=alone)
-    chosen: ModelSpec = read_spec(spec, base_url)
-    secrets = tuple(filter(None, [chosen.secret()]))
-    decisions = Decisions(recording.database, recording.record, secrets=secrets)
-    respondent = LibraryRespondent(make_model(chosen), ledger, decisions)
-    return Channel(respondent, secrets, alone=alone)
+        known = read_decisions(recording.replay)
+        decisions = Decisions(known, replayed=True)
+        secrets: tuple[str, ...] = ()
+        model = silent_model(list(known.values()))
+    else:
+        chosen = read_spec(spec, base_url)
+        secrets = tuple(filter(None, [chosen.secret()]))
+        known = kept_decisions(recording.kept)
+        decisions = Decisions(known, record=recording.record, secrets=secrets)
+        model = make_model(chosen)
+    return decisions, Channel(LibraryRespondent(model, ledger, decisions), secrets, alone=alone)

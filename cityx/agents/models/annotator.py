@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Annotated
 
 from pydantic import Field, WithJsonSchema, create_model
@@ -17,6 +17,7 @@ from cityx.protocol.encapsulation import Encapsulation
 
 AUTHOR = "model"
 BATCH = 40  # actions of one question
+LONGEST_NOTE = 200  # letters
 MOST_LABELS = 6  # added to one action
 TASK = """You label actions that build parts of a city, so that those that bear on a wish are found.
 Add labels that fit what an action does and that it lacks, from the list of concepts alone. Add
@@ -46,31 +47,41 @@ class ModelAnnotator:
         The model.
     offline
         Labels by the records.
+    tell
+        Called with the labels when they are there.
     """
 
-    def __init__(self, channel: Channel, offline: Annotator) -> None:
+    def __init__(
+        self, channel: Channel, offline: Annotator, tell: Callable[[Labels], None]
+    ) -> None:
         self._channel = channel
         self._offline = offline
+        self._tell = tell
 
     def label(
         self, database: sqlite3.Connection, registry: str, records: Iterable[Encapsulation]
     ) -> Labels:
         """Return action to labels; arguments as of `cityx.agents.annotator.annotate`."""
         held = list(records)
-        known = self._offline.label(database, registry, held)
-        if _asked_before(database, registry):
-            return known
-        vocabulary = concepts(held)
-        for batch in _batches(held):
+        labels = self._offline.label(database, registry, held)
+        if not _asked_before(database, registry):
+            self._ask(database, registry, held)
+            labels = known_labels(database, registry)
+        self._tell(labels)
+        return labels
+
+    def _ask(
+        self, database: sqlite3.Connection, registry: str, records: Sequence[Encapsulation]
+    ) -> None:
+        """Ask the model for labels and store those of the vocabulary."""
+        vocabulary = concepts(records)
+        for batch in _batches(records):
             answer = self._channel.ask(_question(batch, vocabulary), Annotations)
             if answer is None:
-                break
+                return
             added = {one.action: one.labels for one in answer.added}
-            names = {record.id for record in batch}
-            inside = {name: labels for name, labels in added.items() if name in names}
-            for refused in add_labels(database, registry, inside, held, AUTHOR):
-                self._channel.note(f"annotator: {plain(refused)[:200]}.")
-        return known_labels(database, registry)
+            for refused in add_labels(database, registry, added, records, AUTHOR):
+                self._channel.note(f"annotator: {plain(refused)[:LONGEST_NOTE]}.")
 
 
 def _asked_before(database: sqlite3.Connection, registry: str) -> bool:

@@ -9,11 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from importlib import import_module
-from typing import Annotated, Any, Protocol
+from functools import cache
+from types import MappingProxyType
+from typing import Annotated, Any
 
 from pydantic import Field, WithJsonSchema, create_model
 
+from cityx.agents.brief.brief import Brief, Slot, Span, Value
+from cityx.agents.brief.conflicts import conflicts_of
+from cityx.agents.brief.goals import goals_of
+from cityx.agents.brief.nouns import NOUNS
+from cityx.agents.brief.phrases import SLOTS, TABLES
+from cityx.agents.brief.slots import KEYS, SINGLE
 from cityx.agents.models.asking import Answer, Channel, Question
 from cityx.agents.models.quoting import quoted
 from cityx.agents.roles import BriefMaker
@@ -21,8 +28,6 @@ from cityx.errors import nearest
 
 MOST_SLOTS = 40  # no instruction of a few sentences asks for more
 LONGEST_TEXT = 4000  # letters of an instruction
-Span = tuple[int, int]
-Value = str | float | int
 TASK = """You read what somebody asks of a city that is to be built. List every wish of the text as
 a slot: one of the keys below, a value, and the words of the text that say so, copied letter by
 letter. Values of keys with a list of words are one of these words; values of other keys are
@@ -43,49 +48,28 @@ class Vocabulary:
         Key to its words; keys without an entry take numbers.
     single
         Keys that may have but one value.
+    numbers
+        Keys with words that take numbers too.
     """
 
     keys: Mapping[str, str]
     words: Mapping[str, frozenset[str]]
     single: frozenset[str]
+    numbers: frozenset[str] = frozenset()
 
     def fault(self, key: str, value: Value) -> str:
         """Return why a slot is refused, or "" when it is admitted."""
         if key not in self.keys:
             return f'There is no key "{key}".{nearest(key, self.keys)}'
+        number = isinstance(value, int | float) and not isinstance(value, bool)
         if key not in self.words:
-            number = isinstance(value, int | float) and not isinstance(value, bool)
             return "" if number else f"{key} = {quoted(value)} is no number."
+        if number and key in self.numbers:
+            return ""
         if value in self.words[key]:
             return ""
         known = ", ".join(sorted(self.words[key]))
         return f"{key} = {quoted(value)} is none of {known}.{nearest(str(value), self.words[key])}"
-
-
-class SlotLike(Protocol):
-    """A slot of `cityx.agents.brief`."""
-
-    @property
-    def key(self) -> str:
-        """Its key."""
-
-    @property
-    def value(self) -> Value:
-        """Its value."""
-
-    @property
-    def span(self) -> Span:
-        """Where the text says so."""
-
-
-@dataclass(frozen=True)
-class Read:
-    """One slot that a model read in a text."""
-
-    key: str
-    value: Value
-    span: Span
-    text: str
 
 
 class Wish(Answer):
@@ -129,7 +113,7 @@ class ModelBriefMaker:
         inputs: Sequence[tuple[str, str]] = (),
         base: bool = False,
         options: Mapping[str, Any] | None = None,
-    ) -> Any:
+    ) -> Brief:
         """Return the brief of a text; arguments as of `cityx.agents.brief.read_brief`."""
         brief = self._offline.read(text, inputs=inputs, base=base, options=options)
         if base or not text.strip():  # commands to change a city are read by rules alone
@@ -141,7 +125,7 @@ class ModelBriefMaker:
             self._channel.note(note)
         return with_slots(brief, slots) if slots != tuple(brief.slots) else brief
 
-    def slots(self, text: str, vocabulary: Vocabulary) -> tuple[Read, ...]:
+    def slots(self, text: str, vocabulary: Vocabulary) -> tuple[Slot, ...]:
         """Return what a model reads in a text, () where it fails."""
         text = text[:LONGEST_TEXT]
         question = Question(
@@ -155,7 +139,7 @@ class ModelBriefMaker:
         for wish in answer.wishes:
             span = _span(wish.quote, text)
             if span is not None:
-                read.append(Read(wish.key, wish.value, span, text[slice(*span)]))
+                read.append(Slot(wish.key, wish.value, span, text[slice(*span)]))
         return tuple(read)
 
 
@@ -208,11 +192,11 @@ def _span(quote: str, text: str) -> Span | None:
 
 
 def settled(
-    rules: Sequence[SlotLike],
-    model: Iterable[Read],
-    negated: Sequence[SlotLike],
+    rules: Sequence[Slot],
+    model: Iterable[Slot],
+    negated: Sequence[Slot],
     single: frozenset[str],
-) -> tuple[tuple[Any, ...], tuple[str, ...]]:
+) -> tuple[tuple[Slot, ...], tuple[str, ...]]:
     """Bring together what rules and a model read.
 
     A number that the rules read holds, and so does a negation. A word of the model holds against
@@ -221,11 +205,11 @@ def settled(
     Returns
     -------
     slots
-        The slots; those of the model as `Read`.
+        All slots.
     notes
         Where the two disagree, in words.
     """
-    slots: list[Any] = list(rules)
+    slots = list(rules)
     notes = []
     for read in model:
         if any(str(read.value) == str(one.value) for one in negated):
@@ -250,27 +234,20 @@ def _equal(one: Value, other: Value) -> bool:
     return one == other
 
 
-def _an_option(slot: SlotLike) -> bool:
+def _an_option(slot: Slot) -> bool:
     """Tell whether a slot comes from the command line, which always holds."""
     return slot.span == (0, 0)
 
 
-def with_slots(brief: Any, slots: Iterable[Any]) -> Any:
+def with_slots(brief: Brief, slots: Sequence[Slot]) -> Brief:
     """Return a brief with other slots, its goals and conflicts made anew from them."""
-    reading = import_module("cityx.agents.brief.brief")
-    goals = import_module("cityx.agents.brief.goals")
-    conflicts = import_module("cityx.agents.brief.conflicts")
-    made = tuple(
-        reading.Slot(one.key, one.value, one.span, one.text) if isinstance(one, Read) else one
-        for one in slots
-    )
-    told = [slot.span for slot in made]
-    kept = [one for one in brief.conflicts if one.code.startswith("option_against_text")]
+    told = [slot.span for slot in slots]
+    against = [one for one in brief.conflicts if one.code.startswith("option_against_text")]
     return replace(
         brief,
-        slots=made,
-        goals=goals.goals_of(made, brief.negated, brief.kept, brief.edits),
-        conflicts=(*kept, *conflicts.conflicts_of(made, brief.negated)),
+        slots=tuple(slots),
+        goals=goals_of(slots, brief.negated, brief.kept, brief.edits),
+        conflicts=(*against, *conflicts_of(slots, brief.negated)),
         unread=tuple(
             (first, last) for first, last in brief.unread
             if not any(low <= first and last <= high for low, high in told)
@@ -278,9 +255,33 @@ def with_slots(brief: Any, slots: Iterable[Any]) -> Any:
     )  # fmt: skip
 
 
+# Key -> table of the phrase book with its words.
+_TABLES: Mapping[str, str] = MappingProxyType(
+    {
+        "building.material": "material", "building.color": "color", "roof.color": "color",
+        "building.use": "use", "nature.trees": "amount", "roads.main.axis": "axis",
+        "rain.intensity": "strength", "snow.intensity": "strength", "fog.intensity": "strength",
+        "roads.width": "width", "roads.main.width": "width", "roads.other.width": "width",
+        "building.height": "height",
+    }
+)  # fmt: skip
+_NOUNS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {"building.type": ("type",), "element": ("element",), "agent": ("vehicle", "person")}
+)
+_WORD_OR_NUMBER = frozenset(
+    {"building.height", "roads.width", "roads.main.width", "roads.other.width"}
+)
+_NOT_SAID = frozenset({"source"})  # the files themselves say
+
+
+@cache
 def brief_vocabulary() -> Vocabulary:
     """Return what a brief may say, from the phrase book."""
-    slots = import_module("cityx.agents.brief.slots")
-    book: Mapping[str, Mapping[str, str]] = import_module("cityx.agents.brief.phrases").SLOTS
-    words = {key: frozenset(values) for key, values in book.items() if key in slots.KEYS}
-    return Vocabulary(slots.KEYS, words, slots.SINGLE)
+    words = {key: frozenset(values) for key, values in SLOTS.items()}
+    words |= {key: frozenset(TABLES[table]) for key, table in _TABLES.items()}
+    words |= {
+        key: frozenset(noun for group in groups for noun in NOUNS[group])
+        for key, groups in _NOUNS.items()
+    }
+    keys = {key: meaning for key, meaning in KEYS.items() if key not in _NOT_SAID}
+    return Vocabulary(keys, words, SINGLE, _WORD_OR_NUMBER)

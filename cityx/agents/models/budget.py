@@ -47,8 +47,6 @@ class Ledger:
     ----------
     limits
         What may be spent.
-    pool
-        Messages of the run, or None to keep count in memory alone.
     requests, tokens, usd
         Spent so far.
     unpriced
@@ -56,19 +54,23 @@ class Ledger:
     """
 
     limits: Limits = field(default_factory=Limits)
-    pool: Pool | None = None
     requests: int = 0
     tokens: int = 0
     usd: float = 0.0
     unpriced: bool = False
+    _pool: Pool | None = None
+    _waiting: list[Message] = field(default_factory=list)
 
-    def __post_init__(self) -> None:
-        """Count what the run spent before it was interrupted."""
-        if self.pool is not None:
-            told = self.pool.read("budget")
-            self.requests += len(told)
-            self.tokens += sum(self.pool.tokens())
-            self.usd += sum(float(message.body.get("usd") or 0.0) for message in told)
+    def attach(self, pool: Pool) -> None:
+        """Write down in the messages of a run; what it spent before it was interrupted counts."""
+        told = pool.read("budget")
+        self.requests += len(told)
+        self.tokens += sum(pool.tokens())
+        self.usd += sum(float(message.body.get("usd") or 0.0) for message in told)
+        self._pool = pool
+        for message in self._waiting:
+            pool.say(message)
+        self._waiting.clear()
 
     def room(self, letters: int, images: int = 0) -> tuple[int, int]:
         """Estimate a request and return its tokens and those that are left for the answer.
@@ -100,6 +102,10 @@ class Ledger:
         self.tokens += tokens_in + tokens_out
         self.usd += usd or 0.0
         self.unpriced |= usd is None
-        if self.pool is not None:
-            body = {"model": model, "usd": usd}
-            self.pool.say(Message(role, "budget", body, tokens_in=tokens_in, tokens_out=tokens_out))
+        message = Message(
+            role, "budget", {"model": model, "usd": usd}, tokens_in=tokens_in, tokens_out=tokens_out
+        )
+        if self._pool is not None:
+            self._pool.say(message)
+        else:
+            self._waiting.append(message)

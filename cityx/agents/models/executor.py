@@ -9,11 +9,11 @@ from pydantic import Field, create_model
 
 from cityx.agents.models.asking import Answer, Channel, Question
 from cityx.agents.models.quoting import quoted
-from cityx.agents.planning.planner import Slots
 from cityx.agents.planning.workflow import Item
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.gate import Call
 from cityx.protocol.parameters import Parameter
+from cityx.protocol.serving import Slots
 
 TRIES = 3  # calls of one item; then the plan is made anew
 LONGEST_FAULT = 400  # letters of a refusal

@@ -19,12 +19,12 @@ from cityx.agents.models.quoting import quoted
 from cityx.agents.planning.planner import (
     OfflinePlanner,
     Situation,
-    Slots,
     arguments,
     in_order,
 )
 from cityx.agents.planning.workflow import Item, Workflow
 from cityx.protocol.encapsulation import Encapsulation
+from cityx.protocol.serving import Slots
 
 MOST_ACTIONS = 40  # that a model chooses from
 MOST_ITEMS = 30  # that it may propose
@@ -58,16 +58,16 @@ class ModelPlanner:
         The model.
     offline
         Who checks, and takes over.
-    labels
-        Labels of the actions; those of their records when None.
     """
 
-    def __init__(
-        self, channel: Channel, offline: OfflinePlanner, labels: Labels | None = None
-    ) -> None:
+    def __init__(self, channel: Channel, offline: OfflinePlanner) -> None:
         self._channel = channel
         self._offline = offline
-        self.labels = labels or {one.id: labels_of(one) for one in offline.records.values()}
+        self._labels: Labels = {one.id: labels_of(one) for one in offline.records.values()}
+
+    def use(self, labels: Labels) -> None:
+        """Find actions by these labels."""
+        self._labels = labels
 
     @property
     def records(self) -> Mapping[str, Encapsulation]:
@@ -80,10 +80,11 @@ class ModelPlanner:
         situation: Situation,
         *,
         avoid: frozenset[str] = frozenset(),
+        done: frozenset[str] = frozenset(),
         rev: int = 0,
     ) -> Workflow:
         """Return a workflow; arguments as of `OfflinePlanner.workflow`."""
-        base = self._offline.workflow(slots, situation, avoid=avoid, rev=rev)
+        base = self._offline.workflow(slots, situation, avoid=avoid, done=done, rev=rev)
         known = self.chosen(slots, base, avoid)
         question = Question(
             "planner", TASK, _prompt(slots, situation, base, known), _answer(known),
@@ -92,7 +93,9 @@ class ModelPlanner:
         answer = self._channel.ask(question, Proposals)
         if answer is None:
             return base
-        return self.completed(answer.items, base, slots, situation, known)
+        plan = self.completed(answer.items, base, slots, situation, known)
+        left = (item for item in plan.items if item.why != PROPOSED or item.call.key not in done)
+        return replace(plan, items=tuple(left))
 
     def chosen(
         self, slots: Slots, base: Workflow, avoid: frozenset[str]
@@ -106,7 +109,7 @@ class ModelPlanner:
         ]  # fmt: skip
         rank = {
             record.id: (
-                -len(words & _words_of(self.labels.get(record.id, frozenset()), record)),
+                -len(words & _words_of(self._labels.get(record.id, frozenset()), record)),
                 record.id not in planned,
                 record.id,
             )

@@ -13,10 +13,12 @@ import json
 import sqlite3
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import closing
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 from cityx.agents.models.quoting import scrubbed
 from cityx.errors import InputError, UsageError
@@ -69,21 +71,30 @@ class Decisions:
 
     Attributes
     ----------
-    database
-        Of the city, or None.
+    known
+        Decisions made before, by key and count.
+    replayed
+        Whether nothing else may be asked.
     record
         File that every new decision is added to, or None.
-    replay
-        Decisions that are played; with them, what they do not hold is an error. None to ask.
     secrets
         Texts that must not be kept.
     """
 
-    database: sqlite3.Connection | None = None
+    known: Mapping[tuple[str, int], Decision] = field(default_factory=dict)
+    replayed: bool = False
     record: Path | None = None
-    replay: Mapping[tuple[str, int], Decision] | None = None
     secrets: tuple[str, ...] = ()
+    _database: sqlite3.Connection | None = None
+    _waiting: list[Decision] = field(default_factory=list)
     _asked: Counter[str] = field(default_factory=Counter)
+
+    def attach(self, database: sqlite3.Connection) -> None:
+        """Keep decisions in the database of a city, those made before too."""
+        self._database = database
+        for decision in self._waiting:
+            _write(database, decision)
+        self._waiting.clear()
 
     def find(self, model: str, request: Mapping[str, Any]) -> Decision | None:
         """Return the answer that is known to a question, None where the model is to be asked.
@@ -95,27 +106,16 @@ class Decisions:
         """
         key = key_of(model, request)
         nth = self._asked[key]
-        found = self._known(key, nth)
-        if found is None and self.replay is not None:
+        found = self.known.get((key, nth))
+        if found is not None:
+            self._asked[key] += 1
+        elif self.replayed:
             raise NotRecorded(
                 f"The recording has no answer number {nth + 1} of {model} to this question "
                 f"({key[:12]}): {json.dumps(request, ensure_ascii=False)[:SHOWN]}... "
                 "Record it anew."
             )
-        if found is not None:
-            self._asked[key] += 1
         return found
-
-    def _known(self, key: str, nth: int) -> Decision | None:
-        if self.replay is not None:
-            return self.replay.get((key, nth))
-        if self.database is None:
-            return None
-        row = self.database.execute(
-            "SELECT model, request, response, usage FROM decision WHERE key = ? AND nth = ?",
-            (key, nth),
-        ).fetchone()
-        return Decision(key, nth, row[0], *map(json.loads, row[1:])) if row else None
 
     def keep(
         self,
@@ -131,19 +131,42 @@ class Decisions:
             datetime.datetime.now(datetime.UTC).date().isoformat(),
         )  # fmt: skip
         self._asked[key] += 1
-        if self.database is not None:
-            texts = [json.dumps(one) for one in (decision.request, decision.response, usage)]
-            with self.database:
-                self.database.execute(
-                    "INSERT OR REPLACE INTO decision VALUES(?, ?, ?, ?, ?, ?)",
-                    (key, decision.nth, model, *texts),
-                )
+        if self._database is not None:
+            _write(self._database, decision)
+        else:
+            self._waiting.append(decision)
         if self.record is not None:
             with self.record.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(vars(decision), ensure_ascii=False) + "\n")
 
     def _clean(self, value: Mapping[str, Any]) -> Any:
         return json.loads(scrubbed(json.dumps(value, ensure_ascii=False), self.secrets))
+
+
+def _write(database: sqlite3.Connection, decision: Decision) -> None:
+    texts = map(json.dumps, (decision.request, decision.response, decision.usage))
+    with database:
+        database.execute(
+            "INSERT OR REPLACE INTO decision VALUES(?, ?, ?, ?, ?, ?)",
+            (decision.key, decision.nth, decision.model, *texts),
+        )
+
+
+def kept_decisions(journal: Path | None) -> dict[tuple[str, int], Decision]:
+    """Return the decisions in the database of a city, {} where there is none.
+
+    A run that was killed is taken up with the answers that it had.
+    """
+    if journal is None or not journal.is_file():
+        return {}
+    try:
+        with closing(sqlite3.connect(f"file:{quote(str(journal))}?mode=ro", uri=True)) as database:
+            rows = database.execute(
+                "SELECT key, nth, model, request, response, usage FROM decision"
+            ).fetchall()
+    except sqlite3.DatabaseError:
+        return {}  # `cityx.agents.journal` says what is wrong with it
+    return {(row[0], row[1]): Decision(*row[:3], *map(json.loads, row[3:])) for row in rows}
 
 
 def read_decisions(path: Path) -> dict[tuple[str, int], Decision]:
