@@ -49,18 +49,16 @@ _UNKEYED = frozenset({"max_tokens", "timeout"})  # settings that change no decis
 def make_model(spec: ModelSpec) -> Model:
     """Return the model of a spec; nothing is contacted before it is asked."""
     service = spec.service
-    elsewhere = spec.url not in {known.url for known in SERVICES.values()}
     secret = spec.secret() or "none"  # the clients refuse an empty key, servers ignore this one
     if service.wire == "anthropic":
         anthropic = AsyncAnthropic(
             api_key=secret, base_url=spec.url, timeout=REQUEST_S, max_retries=CLIENT_RETRIES
         )
-        anthropic.auth_token = None  # of the environment; another secret than the one chosen
         return AnthropicModel(spec.model, provider=AnthropicProvider(anthropic_client=anthropic))
     client = AsyncOpenAI(
         api_key=secret, base_url=spec.url, timeout=REQUEST_S, max_retries=CLIENT_RETRIES
     )
-    if elsewhere:  # of the environment, and no other server's business
+    if spec.key != SERVICES["openai"].key:  # of the environment, and no other server's business
         client.organization = client.project = None
     provider = OpenAIProvider(openai_client=client)
     if service.wire == "responses":

@@ -20,11 +20,12 @@ from cityx.agents.planning.planner import (
     OfflinePlanner,
     Situation,
     arguments,
-    in_order,
 )
 from cityx.agents.planning.workflow import Item, Workflow
+from cityx.agents.requests import place_of
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.serving import Slots
+from cityx.protocol.stages import stages_before
 
 MOST_ACTIONS = 40  # that a model chooses from
 MOST_ITEMS = 30  # that it may propose
@@ -111,6 +112,7 @@ class ModelPlanner:
             record.id: (
                 -len(words & _words_of(self._labels.get(record.id, frozenset()), record)),
                 record.id not in planned,
+                len(stages_before(record.stage)),
                 record.id,
             )
             for record in free
@@ -140,10 +142,9 @@ class ModelPlanner:
             elif fault := _impossible(record, args, items, self.records, situation):
                 self._drop(proposal, fault)
             else:
-                items.append(self._new(record, args, slots))
-        if [one.action for one in items] == [one.action for one in base.items]:
-            return replace(base, items=tuple(items))
-        return replace(base, items=tuple(in_order(items, self.records)))
+                item = self._new(record, args, slots)
+                items.insert(_place(record, items, self.records), item)
+        return replace(base, items=tuple(items))
 
     def _new(self, record: Encapsulation, args: Mapping[str, Any], slots: Slots) -> Item:
         gives = tuple(f"{port.format.value} {port.role}" for port in record.gives)
@@ -196,6 +197,15 @@ def _impossible(
     stages = situation.stages | {records[item.action].stage for item in items} | {"layout"}
     late = [stage for stage in record.requires if stage not in stages]
     return f"it needs stage {late[0]}" if late else ""
+
+
+def _place(
+    record: Encapsulation, items: Sequence[Item], records: Mapping[str, Encapsulation]
+) -> int:
+    """Return where an action comes: at the beginning of its stage, behind what it needs."""
+    needed = {f"{port.format.value} {port.role}" for port in record.takes if port.role}
+    makers = (place for place, item in enumerate(items) if needed & set(item.gives))
+    return max(place_of(record.id, items, records), *(place + 1 for place in makers), 0)
 
 
 def _words(key: str, values: Iterable[Any]) -> set[str]:

@@ -2,6 +2,7 @@ import pytest
 
 models = pytest.importorskip("pydantic_ai.models", reason="needs the extra llm")
 
+import talk  # noqa: E402
 from scripted_server import ScriptedServer  # noqa: E402
 
 
@@ -11,6 +12,9 @@ def _no_requests(monkeypatch):
     monkeypatch.setattr(models, "ALLOW_MODEL_REQUESTS", False)
     for name in ("OPENAI_API_KEY", "ANTHROPIC_API_KEY", "CITYX_API_KEY", "OPENAI_BASE_URL"):
         monkeypatch.delenv(name, raising=False)
+    yield
+    while talk.OPEN:
+        talk.OPEN.pop().close()
 
 
 @pytest.fixture
