@@ -109,7 +109,7 @@ class Channel:
     """
 
     respondent: Respondent
-    secrets: tuple[str, ...] = ()
+    secrets: tuple[str, ...] = field(default=(), repr=False)
     notes: list[str] = field(default_factory=list)
     alone: bool = False
     _failures: int = 0
@@ -129,7 +129,7 @@ class Channel:
         except (ModelFailed, BudgetSpent) as error:
             if self.alone:
                 raise
-            self.note(f"{question.role}: {error} Done offline instead.")
+            self.note(f"{question.name}: {str(error).rstrip('.')}. Done offline instead.")
             return None
         assert isinstance(answer, kind)
         return answer
@@ -160,6 +160,7 @@ class Channel:
 
     def note(self, text: str) -> None:
         """Tell something in the report, once."""
+        text = scrubbed(text, self.secrets)
         if text not in self.notes:
             self.notes.append(text)
 

@@ -130,7 +130,7 @@ class ModelBriefMaker:
         text = text[:LONGEST_TEXT]
         question = Question(
             "user", TASK + _list(vocabulary), quoted(text, LONGEST_TEXT), _wishes(vocabulary),
-            name="slots", mode="text", check=lambda answer: faults_of(answer, text, vocabulary),
+            name="brief", mode="text", check=lambda answer: faults_of(answer, text, vocabulary),
         )  # fmt: skip
         answer = self._channel.ask(question, Wishes)
         if answer is None:

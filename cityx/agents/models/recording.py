@@ -84,7 +84,7 @@ class Decisions:
     known: Mapping[tuple[str, int], Decision] = field(default_factory=dict)
     replayed: bool = False
     record: Path | None = None
-    secrets: tuple[str, ...] = ()
+    secrets: tuple[str, ...] = field(default=(), repr=False)
     _database: sqlite3.Connection | None = None
     _waiting: list[Decision] = field(default_factory=list)
     _asked: Counter[str] = field(default_factory=Counter)

@@ -61,7 +61,7 @@ class ScriptedServer:
         class Handler(BaseHTTPRequestHandler):
             def do_POST(self):
                 body = json.loads(self.rfile.read(int(self.headers["content-length"])))
-                outer.headers.append(dict(self.headers))
+                outer.headers.append({k.lower(): v for k, v in self.headers.items()})
                 hits = sum(turn.body["model"] == body["model"] for turn in outer.turns)
                 turn = Turn(body, self.path.endswith("/messages"), hits)
                 outer.turns.append(turn)
@@ -83,6 +83,7 @@ class ScriptedServer:
                 pass
 
         self._http = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+        self._http.handle_error = lambda *_: None  # a client that no longer waits
         self.root = f"http://127.0.0.1:{self._http.server_port}"
         self.url = f"{self.root}/v1"
         threading.Thread(target=self._http.serve_forever, args=(0.02,), daemon=True).start()

@@ -54,7 +54,7 @@ def test_a_model_that_fails_leaves_the_call_to_the_gate():
     channel = channel_of({"name": 7, "file": "/etc/passwd"})
     call = ModelExecutor(channel).call(Item(CURVE.id), CURVE, {})
     assert call == Item(CURVE.id).call
-    assert channel.notes[0].startswith("executor: ")
+    assert channel.notes[0].startswith("curve: ")
 
 
 def carried_out(executor, most=900.0):

@@ -100,7 +100,7 @@ def test_a_failing_model_leaves_the_offline_plan_and_a_note(answer):
     plan, channel = planned(answer)
     assert plan == base()
     (note,) = channel.notes
-    assert note.startswith("planner: ")
+    assert note.startswith("workflow: ")
     assert note.endswith("Done offline instead.")
 
 
