@@ -162,6 +162,8 @@ class Roles:
     ----------
     brief_maker, planner, executor, annotator, evaluator
         The players.
+    checker
+        Who checks what the planner proposes, and plans before anything has been read.
     notes
         What the report says of them: where a model failed and who took over. It grows.
     attach
@@ -171,6 +173,7 @@ class Roles:
     """
 
     planner: Planner
+    checker: OfflinePlanner
     brief_maker: BriefMaker = field(default_factory=OfflineBriefMaker)
     executor: Executor = field(default_factory=OfflineExecutor)
     annotator: Annotator = field(default_factory=OfflineAnnotator)
@@ -182,7 +185,8 @@ class Roles:
 
 def offline_roles(records: Iterable[Encapsulation]) -> Roles:
     """Return the roles as they are played without a model."""
-    return Roles(OfflinePlanner(records))
+    planner = OfflinePlanner(records)
+    return Roles(planner, planner)
 
 
 def attempt(

@@ -119,12 +119,11 @@ def model_roles(channel: Channel, offline: Roles) -> Roles:
     from cityx.agents.models.evaluator import ModelEvaluator
     from cityx.agents.models.executor import ModelExecutor
     from cityx.agents.models.planner import ModelPlanner
-    from cityx.agents.planning.planner import OfflinePlanner
 
-    assert isinstance(offline.planner, OfflinePlanner)
-    planner = ModelPlanner(channel, offline.planner)
+    planner = ModelPlanner(channel, offline.checker)
     return Roles(
         planner,
+        offline.checker,
         ModelBriefMaker(channel, offline.brief_maker),
         ModelExecutor(channel),
         ModelAnnotator(channel, offline.annotator, planner.use),
