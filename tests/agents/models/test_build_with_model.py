@@ -122,7 +122,7 @@ def test_a_killed_run_decides_the_same(server, tmp_path, monkeypatch):
     server.scripts["good"] = good
     asked = options(**chat(server, "good"))
 
-    def killed(*_):
+    def killed(*_, **__):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
