@@ -139,6 +139,17 @@ def build(
     place: Annotated[
         str, typer.Option(help="Place whose map is fetched: a name, or WEST,SOUTH,EAST,NORTH.")
     ] = "",
+    planner: Annotated[
+        str, typer.Option(help="offline, or openai:MODEL, anthropic:MODEL, ollama:MODEL, ...")
+    ] = "offline",
+    base_url: Annotated[
+        str, typer.Option("--base-url", help="Server of the model, for openai-chat:MODEL.")
+    ] = "",
+    record: Annotated[str, typer.Option(help="File to add the model's decisions to.")] = "",
+    replay: Annotated[str, typer.Option(help="File of decisions to play, asking nobody.")] = "",
+    budget_tokens: Annotated[
+        int, typer.Option("--budget-tokens", min=0, help="Tokens that models may use.")
+    ] = 400_000,
     settings: Annotated[
         list[str] | None,
         typer.Option("--set", help="[ACTION.]NAME=VALUE of an action of the build; may repeat."),
@@ -150,7 +161,7 @@ def build(
 ) -> None:
     """Build a city from words, a map, a drawing, an image, from several, or from nothing."""
     from cityx.agents.build import build as build_city
-    from cityx.agents.options import BuildOptions
+    from cityx.agents.options import BuildOptions, PlannerChoice
     from cityx.allocator import keep_freed_memory
     from cityx.sources.intake import HowToRead
 
@@ -172,6 +183,7 @@ def build(
         samples=samples,
         picture=_pixels(picture),
         place=place,
+        choice=PlannerChoice(planner, base_url, record, replay, budget_tokens),
         read=HowToRead(
             kinds=tuple(kinds or ()),
             legend=legend,

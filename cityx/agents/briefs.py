@@ -7,9 +7,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from cityx.agents.brief import Brief, read_brief, read_note
+from cityx.agents.brief import Brief, read_note
 from cityx.agents.options import BuildOptions, slots_of
 from cityx.agents.planning.asked import slots_of_brief
+from cityx.agents.roles import BriefMaker, OfflineBriefMaker
 from cityx.city import City, Goal
 from cityx.errors import InputError, UsageError
 from cityx.protocol.serving import Slots
@@ -83,7 +84,11 @@ class Request:
 
 
 def read_request(
-    options: BuildOptions, files: Iterable[tuple[Path, str]] = (), *, base: bool = False
+    options: BuildOptions,
+    files: Iterable[tuple[Path, str]] = (),
+    *,
+    base: bool = False,
+    maker: BriefMaker | None = None,
 ) -> Request:
     """Read the instruction of a build or of a change.
 
@@ -95,6 +100,8 @@ def read_request(
         Path and kind of the input files; those of kind "text" are read for wishes alone.
     base
         Whether a city exists that is to be changed.
+    maker
+        Who reads the instruction; rules when None.
 
     Raises
     ------
@@ -109,7 +116,7 @@ def read_request(
     notes = [path for path, kind in items if kind == "text"]
     if not options.text and not notes:
         return Request(Brief(), _checked(slots_of(options)))
-    brief = read_brief(
+    brief = (maker or OfflineBriefMaker()).read(
         options.text,
         inputs=[(path.name, kind) for path, kind in items],
         base=base,

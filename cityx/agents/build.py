@@ -11,16 +11,23 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from cityx.agents.annotator import annotate
 from cityx.agents.briefs import Request, read_request
 from cityx.agents.journal import Journal, derivation_key
 from cityx.agents.loop import Loop, Say, quiet
-from cityx.agents.options import FORMATS, BuildOptions
-from cityx.agents.planning.planner import OfflinePlanner, Situation
+from cityx.agents.models import Limits, Recording, roles_for
+from cityx.agents.options import FORMATS, BuildOptions, PlannerChoice
+from cityx.agents.planning.planner import Situation
 from cityx.agents.planning.workflow import Item
 from cityx.agents.pool import Message, Pool
 from cityx.agents.requests import with_requests
-from cityx.agents.results import publish, result_folder, staging_of, write_report
+from cityx.agents.results import (
+    publish,
+    result_folder,
+    staging_of,
+    staging_path,
+    write_report,
+)
+from cityx.agents.roles import Roles
 from cityx.agents.run import SNAPSHOTS, Run, Stopwatch
 from cityx.agents.views import VIEWS, make_views
 from cityx.cache import kept_folder
@@ -28,9 +35,12 @@ from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
 from cityx.errors import InputError, UsageError
 from cityx.outputs.usd import require_usd
+from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.inputs import InputFiles
 from cityx.protocol.registry import Registry, registry
 from cityx.sources.intake import Inputs, sort_inputs
+
+JOURNAL = "journal.sqlite"
 
 
 @dataclass(frozen=True)
@@ -45,7 +55,7 @@ class Job:
         The user's files by what they are.
     request
         What the user wants, by text and by options.
-    actions, planner
+    actions, roles
         The registry, and who plans with it.
     """
 
@@ -53,7 +63,7 @@ class Job:
     inputs: Inputs
     request: Request
     actions: Registry
-    planner: OfflinePlanner
+    roles: Roles
 
     @property
     def files(self) -> InputFiles:
@@ -103,18 +113,25 @@ class Job:
                 "--window asks for a part of the plane of towns; a map has --at, --size."
             )
         situation = Situation(self.options.lod, self.files.kinds)
-        plan = self.planner.workflow(self.request.slots, situation)
+        plan = self.roles.checker.workflow(self.request.slots, situation)
         if plan.missing:
             raise UsageError(f"This cannot be built: {'; '.join(plan.missing)}.")
         return self.amended(plan.items)
 
 
-def make_job(paths: list[Path], options: BuildOptions, say: Say = quiet) -> Job:
-    """Look at the inputs of a build and make ready for it.
+def make_job(
+    paths: list[Path], options: BuildOptions, say: Say = quiet, *, left: Path | None = None
+) -> Job:
+    """Look at the inputs of a build and make ready for it; `Job.roles` is to be closed.
+
+    Parameters
+    ----------
+    left
+        Journal of a killed build of the same, if there is one.
 
     Raises
     ------
-    InputError, UsageError
+    InputError, UsageError, MissingExtra
         If a file or an option is of no use.
     """
     from cityx.protocol.catalogue import known_records
@@ -127,8 +144,24 @@ def make_job(paths: list[Path], options: BuildOptions, say: Say = quiet) -> Job:
         paths = [*paths, retrieve(options.place, kept_folder("maps"), say=say)]
     inputs = sort_inputs(paths, options.read.kinds)
     actions = registry()
-    request = read_request(options, [(item.path, item.kind) for item in inputs.all])
-    return Job(options, inputs, request, actions, OfflinePlanner(known_records(actions)))
+    files = [(item.path, item.kind) for item in inputs.all]
+    roles = _roles(options.choice, known_records(actions), left)
+    try:
+        request = read_request(options, files, maker=roles.brief_maker)
+    except BaseException:
+        roles.close()
+        raise
+    return Job(options, inputs, request, actions, roles)
+
+
+def _roles(choice: PlannerChoice, records: Iterable[Encapsulation], left: Path | None) -> Roles:
+    recording = Recording(
+        Path(choice.record) if choice.record else None,
+        Path(choice.replay) if choice.replay else None,
+        left,
+    )
+    limits = Limits(tokens=choice.budget_tokens)
+    return roles_for(choice.planner, choice.base_url, recording, records, limits=limits)
 
 
 def build(
@@ -162,13 +195,16 @@ def build(
     if "usd" in options.formats:
         require_usd()
     out = result_folder(out)
-    job = make_job(paths, options, say)
-    plan = job.first_plan()
-    watch = Stopwatch()
-    with watch.step("import"):
-        import_libraries(job.actions, plan)
-    with _rare_collection():
-        return _build(job, out, watch, say)
+    job = make_job(paths, options, say, left=staging_path(out) / JOURNAL)
+    try:
+        plan = job.first_plan()
+        watch = Stopwatch()
+        with watch.step("import"):
+            import_libraries(job.actions, plan)
+        with _rare_collection():
+            return _build(job, out, watch, say)
+    finally:
+        job.roles.close()
 
 
 def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
@@ -230,7 +266,7 @@ def _journal(job: Job, staging: Path) -> Iterator[tuple[Journal, int]]:
     config = {**asdict(job.options), "formats": list(job.options.formats)}
     asked = (job.inputs.records, config, job.options.seed)
     code = registry_hash(job.actions)
-    path = staging / "journal.sqlite"
+    path = staging / JOURNAL
     number = None
     if path.exists():
         try:
@@ -274,15 +310,20 @@ def generate(
     asked = {key: list(values) for key, values in slots.items()}
     pool.say(Message("user", "brief", {**job.request.brief.to_json(), "asked": asked}))
     code = journal.run(number).registry
-    labels = annotate(journal.database, code, job.planner.records.values())
+    roles = job.roles
+    roles.attach(pool)
+    labels = roles.annotator.label(journal.database, code, roles.checker.records.values())
     pool.say(Message("annotator", "labels", {"registry": code, "actions": len(labels)}))
     origin = {"files": job.inputs.records, "seed": job.options.seed}
     run = Run(
         journal, number, derivation_key("", "inputs", origin), job.actions, watch, job.files, keep
     )
-    loop = Loop(job.planner, run, pool, slots, job.files.kinds, job.amended, say, job.request.goals)
+    loop = Loop(
+        roles.planner, run, pool, slots, job.files.kinds, job.amended, say,
+        goals=job.request.goals, executor=roles.executor,
+    )  # fmt: skip
     city = loop.carry_out(job.start)
-    notes = tuple(f"{item.action} was left out: {why}" for item, why in loop.unmet)
+    notes = (*(f"{item.action} was left out: {why}" for item, why in loop.unmet), *roles.notes)
     return job.request.with_goals(replace(city, notes=(*city.notes, *notes)))
 
 

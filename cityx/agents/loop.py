@@ -6,10 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from cityx.agents.evaluator import ROUNDS, Judged, judged, of_layout
-from cityx.agents.planning.planner import OfflinePlanner, Situation
+from cityx.agents.planning.planner import Situation
 from cityx.agents.planning.search import Fact
 from cityx.agents.planning.workflow import Item, Workflow
 from cityx.agents.pool import Message, Pool
+from cityx.agents.roles import Executor, OfflineExecutor, Planner, attempt
 from cityx.agents.run import Run
 from cityx.city import City, Goal
 from cityx.city.city import Failure
@@ -67,11 +68,13 @@ class Loop:
         Puts what a user asks of single actions into a workflow, less what was done of it.
     goals
         What is asked for, to be measured.
+    executor
+        Who fills in arguments.
     unmet
         What failed and was left out, with the reason.
     """
 
-    planner: OfflinePlanner
+    planner: Planner
     run: Run
     pool: Pool
     slots: Slots
@@ -79,6 +82,7 @@ class Loop:
     amended: Callable[[Sequence[Item], Sequence[Item]], list[Item]] = unchanged
     say: Say = quiet
     goals: tuple[Goal, ...] = ()
+    executor: Executor = field(default_factory=OfflineExecutor)
     unmet: list[tuple[Item, str]] = field(default_factory=list)
     _avoid: set[str] = field(default_factory=set)
     _made: set[Fact] = field(default_factory=set)
@@ -113,7 +117,8 @@ class Loop:
                 continue
             self.say(f"{place + 1}/{len(self._plan.items)} {item.action}")
             try:
-                city = self.run.do(city, item.call)
+                record = self.planner.records[item.action]
+                city = attempt(self.executor, self.run.do, city, item, record, self.slots)
             except (ActionRejected, ActionFailed) as error:
                 city, place = self._repaired(city, item, place, error)
                 continue

@@ -13,6 +13,29 @@ DEFAULT_FORMATS = ("blend", "glb")  # what needs no extra
 
 
 @dataclass(frozen=True)
+class PlannerChoice:
+    """Who plays the roles of the agents.
+
+    Attributes
+    ----------
+    planner
+        "offline", or a language model; see `cityx.agents.models.spec.read_spec`.
+    base_url
+        Address of another server than the model's own, or "".
+    record, replay
+        File that the model's decisions are added to, or played from; "" for none.
+    budget_tokens
+        Tokens that models may be given and answer.
+    """
+
+    planner: str = "offline"
+    base_url: str = ""
+    record: str = ""
+    replay: str = ""
+    budget_tokens: int = 400_000
+
+
+@dataclass(frozen=True)
 class BuildOptions:
     """Everything that decides a build besides its inputs.
 
@@ -39,6 +62,8 @@ class BuildOptions:
         The instruction, in words, or "".
     place
         Name or rectangle of a place whose map is fetched, or "".
+    choice
+        Who plans.
     settings, wishes
         Arguments of actions and actions of the user's own; see `cityx.agents.requests`.
     """
@@ -59,6 +84,7 @@ class BuildOptions:
     text: str = ""
     place: str = ""
     read: HowToRead = field(default_factory=HowToRead)
+    choice: PlannerChoice = field(default_factory=PlannerChoice)
     settings: tuple[str, ...] = ()
     wishes: tuple[str, ...] = ()
 

@@ -60,7 +60,7 @@ class Pool:
     """
 
     def __init__(self, database: sqlite3.Connection, run: int) -> None:
-        self._database = database
+        self.database = database
         self.run = run
 
     def say(self, message: Message) -> int:
@@ -74,11 +74,11 @@ class Pool:
         if message.role not in get_args(Role) or message.kind not in get_args(Kind):
             raise UsageError(f"No agent says {message.kind} as {message.role}.")
         body = json.dumps(dict(message.body), sort_keys=True)
-        with self._database:
-            (place,) = self._database.execute(
+        with self.database:
+            (place,) = self.database.execute(
                 "SELECT COALESCE(MAX(seq) + 1, 0) FROM message WHERE run_id = ?", (self.run,)
             ).fetchone()
-            self._database.execute(
+            self.database.execute(
                 "INSERT INTO message VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)",
                 (
                     self.run, place, message.step, message.role, message.kind, body,
@@ -95,7 +95,7 @@ class Pool:
         after
             Only those that came later than this place.
         """
-        rows = self._database.execute(
+        rows = self.database.execute(
             "SELECT role, kind, body, step, parent, tokens_in, tokens_out, seq FROM message "
             "WHERE run_id = ? AND seq > ? ORDER BY seq",
             (self.run, after),
@@ -113,7 +113,7 @@ class Pool:
 
     def tokens(self) -> tuple[int, int]:
         """Return what language models were given and answered over the whole run."""
-        row = self._database.execute(
+        row = self.database.execute(
             "SELECT COALESCE(SUM(tokens_in), 0), COALESCE(SUM(tokens_out), 0) FROM message "
             "WHERE run_id = ?",
             (self.run,),

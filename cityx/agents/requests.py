@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -61,14 +61,16 @@ def with_requests(
         if item.call.key in ran:
             ran.remove(item.call.key)
             added.remove(item)
-    places = [_place(item.action, planned, actions) for item in added]
+    places = [place_of(item.action, planned, actions) for item in added]
     # From the last place to the first, and backwards within one, so that the order is kept.
     for index in sorted(range(len(added)), key=lambda index: (places[index], index), reverse=True):
         planned.insert(places[index], added[index])
     return planned
 
 
-def _place(action: str, planned: list[Item], actions: Registry) -> int:
+def place_of(
+    action: str, planned: Sequence[Item], actions: Registry | Mapping[str, Encapsulation]
+) -> int:
     """Return the position of an added action.
 
     What the workflow makes of a layout comes after every layout action; in the other stages, what

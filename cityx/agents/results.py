@@ -57,12 +57,17 @@ def staging_of(out: Path) -> Path:
     if aside.exists() and not out.exists():  # killed between the two renames of `publish`
         aside.rename(out)
     shutil.rmtree(aside, ignore_errors=True)
-    staging = out.parent / f".{out.name}.partial"
+    staging = staging_path(out)
     try:
         staging.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UsageError(f"{out} cannot be made: {error.strerror}.") from error
     return staging
+
+
+def staging_path(out: Path) -> Path:
+    """Return the hidden folder beside `out`, there or not."""
+    return out.parent / f".{out.name}.partial"
 
 
 def _aside(out: Path) -> Path:

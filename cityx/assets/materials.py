@@ -94,7 +94,7 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("roof_gravel", (0.45, 0.44, 0.42), 0.95, texture="gravel", tile=2.0, porosity=0.5),
     _M("thatch", (0.35, 0.27, 0.15), 0.95, texture="thatch", tile=2.0, porosity=0.7),
     # ground
-    _M("asphalt", (0.075, 0.075, 0.08), 0.88, texture="asphalt", tile=4.0, porosity=0.4),
+    _M("asphalt", (0.088, 0.088, 0.092), 0.88, texture="asphalt", tile=4.0, porosity=0.4),
     _M("asphalt_light", (0.16, 0.155, 0.15), 0.9, texture="asphalt", tile=3.0, porosity=0.4),
     _M("asphalt_red", (0.20, 0.06, 0.045), 0.9, texture="asphalt", tile=3.0, porosity=0.4),
     _M("setts", (0.22, 0.21, 0.20), 0.75, texture="setts", tile=2.0, porosity=0.4),

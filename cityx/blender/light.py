@@ -8,6 +8,7 @@ import numpy as np
 from cityx.blender.air import make_air
 from cityx.blender.falling import make_falling
 from cityx.blender.lamps import lamp_positions, place_lamps, shop_positions
+from cityx.blender.metering import shade_stops
 from cityx.blender.render import use_light_tree
 from cityx.blender.scene import BARE
 from cityx.blender.sky import lamp_balance, make_world
@@ -66,8 +67,15 @@ class Lighting:
         shops = shop_positions(self.view, environment)
         place_lamps(self.scene, self.lamps, shops, camera, on=on, balance=balance)
         make_falling(self.scene, environment, camera, seed=self.view.seed, height=height)
-        closed = closed_by(environment, height)
-        self.scene.view_settings.exposure = environment.exposure - closed
+        self.scene.view_settings.exposure = environment.exposure + self._stops(
+            environment, camera, height
+        )
+
+    def _stops(self, environment: Environment, camera: Camera, height: float) -> float:
+        """Return the stops a camera opens for its place: more between houses, fewer above them."""
+        high = risen(height)
+        shade = shade_stops(self.view, camera, environment) if high < 1 else 0.0
+        return sunshine(environment) * ((1 - high) * shade - high * AERIAL_STOPS)
 
     def _air(self, environment: Environment, eye: tuple[float, float, float]) -> float:
         """Fill the scene with air as seen from a point; returns its height above the ground."""
@@ -77,13 +85,16 @@ class Lighting:
         return eye[2] - ground
 
 
-def closed_by(environment: Environment, height: float) -> float:
-    """Return the stops by which a camera closes at a height above the ground, metres."""
+def risen(height: float) -> float:
+    """Return how much a camera looks at a city from above, 0 to 1, by its height in metres."""
     low, high = AERIAL_HEIGHT
     t = min(max((height - low) / (high - low), 0.0), 1.0)
-    # Under cloud and at night streets are no darker than roofs are.
-    sunny = (1 - environment.cloud_cover) * float(np.degrees(environment.sun_elevation) > 3.0)
-    return AERIAL_STOPS * t * t * (3 - 2 * t) * sunny
+    return t * t * (3 - 2 * t)
+
+
+def sunshine(environment: Environment) -> float:
+    """Return the share of sun by which streets and roofs differ; none under cloud and at night."""
+    return (1 - environment.cloud_cover) * float(np.degrees(environment.sun_elevation) > 3.0)
 
 
 def reach_of(eye: tuple[float, float, float], extent: tuple[float, float, float, float]) -> float:

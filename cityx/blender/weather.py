@@ -29,7 +29,7 @@ SPLASH_HEIGHT = 1.3  # metres above the ground that rain throws soil up a wall
 SPLASH, STREAK, BLOTCH = 0.26, 0.16, 0.14  # shares of light they take at most
 # Cracks in asphalt, sealed with bitumen in bands a hand wide: metres between them, half the width
 # of a band, the share of light it takes, and the size of the worn stretches that have them.
-CRACK_CELL, CRACK_HALF, CRACK, CRACK_STRETCH = 3.0, 0.03, 0.6, 13.0
+CRACK_CELL, CRACK_HALF, CRACK, CRACK_STRETCH = 3.6, 0.022, 0.4, 13.0
 # Water in the pores of a surface bends light inward again: wet concrete keeps about half of it, and
 # more of its colour (Lekner and Dorf 1988).
 WET_LOSS = 0.42
@@ -186,7 +186,7 @@ def _cracks(tree: Tree) -> Socket:
     tree.links.new(bent, cells.inputs["Vector"])
     near = CRACK_HALF / CRACK_CELL
     line = nodes.smoothstep(tree, cells.outputs["Distance"], 1.3 * near, 0.7 * near)
-    worn = nodes.smoothstep(tree, nodes.noise(tree, CRACK_STRETCH), 0.42, 0.5)
+    worn = nodes.smoothstep(tree, nodes.noise(tree, CRACK_STRETCH), 0.43, 0.51)
     return nodes.math(tree, "MULTIPLY", nodes.math(tree, "MULTIPLY", line, worn), CRACK)
 
 

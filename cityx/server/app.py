@@ -19,7 +19,7 @@ from mcp import types
 from mcp.server import Server
 from mcp.server.context import ServerRequestContext
 from mcp.shared.exceptions import MCPError
-from mcp.types import INVALID_PARAMS
+from mcp.types import INTERNAL_ERROR, INVALID_PARAMS
 
 from cityx import __version__
 from cityx.errors import CityxError, UsageError
@@ -33,6 +33,7 @@ from cityx.server.tool import Arguments, Tool
 from cityx.server.toolbox import Toolbox
 
 LONGEST_CALL_S = 20.0  # many clients give a call up after 60 s, some sooner
+TOO_LONG = f"It takes longer than {LONGEST_CALL_S:g} s; ask for less at once."
 PROGRESS_S = 2.0  # between two notes of progress, which keep a client waiting
 READERS = 4  # threads that look at the city at once
 DEEPEST, LARGEST = 16, 20_000  # levels and values of the arguments of a call
@@ -91,13 +92,11 @@ class CityServer:
             await self._renew()
             found = await self._aside(lambda: tool.run(arguments))
             if isinstance(found, Job):
-                patience = float(arguments.get("seconds", tool.patience))
-                return await self._settled(found, patience, context)
+                return await self._settled(found, tool.patience_for(arguments), context)
         except CityxError as error:
             return reply_of_error(error, self.owner.seen.revision)
         except TimeoutError:
-            said = f"It takes longer than {LONGEST_CALL_S:g} s; ask for less at once."
-            return Reply("failed", "TIMEOUT", said, self.owner.seen.revision)
+            return Reply("failed", "TIMEOUT", TOO_LONG, self.owner.seen.revision)
         except Exception as error:
             log.exception("%s failed", name)
             return reply_of_fault(error, self.owner.seen.revision)
@@ -207,8 +206,11 @@ class CityServer:
         except CityxError as error:
             raise MCPError(code=INVALID_PARAMS, message=str(error)) from error
         except TimeoutError as error:
-            said = f"It takes longer than {LONGEST_CALL_S:g} s; ask for less at once."
-            raise MCPError(code=INVALID_PARAMS, message=said) from error
+            raise MCPError(code=INVALID_PARAMS, message=TOO_LONG) from error
+        except Exception as error:
+            log.exception("a resource failed")
+            said = f"CityX itself failed ({type(error).__name__})."
+            raise MCPError(code=INTERNAL_ERROR, message=said) from error
 
     async def _subscribe(
         self, context: Context, params: types.SubscribeRequestParams

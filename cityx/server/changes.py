@@ -15,6 +15,8 @@ from cityx.server.owner import Owner
 from cityx.server.replies import Reply
 from cityx.server.tool import BIND, CHANGING, DRY, WORDS, Arguments, Tool, text, whole
 
+CALLING = {**CHANGING, "bind": BIND, "dry_run": DRY}  # beside the arguments of an action
+
 
 class Changes:
     """The tools that change the city, each whole or not at all.
@@ -36,7 +38,7 @@ class Changes:
                 {
                     "name": text("Id or name of the action.", 80),
                     "args": {"type": "object", "description": "Its arguments; see action_doc."},
-                    "bind": BIND, **CHANGING, "dry_run": DRY,
+                    **CALLING,
                 },
                 ("name",), destructive=True,
             ),
@@ -60,15 +62,14 @@ class Changes:
         limits = f" Limits: {record.limitation}" if record.limitation else ""
         return Tool(
             f"{record.stage}_{record.name}_v{record.version}", record.description + limits,
-            partial(self._call_native, record.id), {**CHANGING, "bind": BIND, "dry_run": DRY},
+            partial(self._call_native, record.id), CALLING,
             others=record.schema(), read_only=record.kind == "query",
             destructive=actions.loses(record), idempotent=not actions.loses(record),
         )  # fmt: skip
 
     def _call_native(self, action: str, arguments: Arguments) -> Reply | Job:
-        own = {*CHANGING, "bind", "dry_run"}
-        args = {name: value for name, value in arguments.items() if name not in own}
-        rest = {name: value for name, value in arguments.items() if name in own}
+        args = {name: value for name, value in arguments.items() if name not in CALLING}
+        rest = {name: value for name, value in arguments.items() if name in CALLING}
         return self._call({**rest, "name": action, "args": args})
 
     def _call(self, arguments: Arguments) -> Reply | Job:

@@ -30,8 +30,8 @@ class Job:
         Unlike that of any other job.
     reply
         How it ended, once it has.
-    state
-        Whether it waits, runs or has ended.
+    running
+        Whether it was begun.
     said
         The last lines of progress.
     steps
@@ -42,10 +42,17 @@ class Job:
     work: Callable[[Job], Reply]
     id: str = field(default_factory=lambda: f"job_{uuid4().hex[:12]}")
     reply: Future[Reply] = field(default_factory=Future)
-    state: State = "queued"
+    running: bool = False
     said: deque[str] = field(default_factory=lambda: deque(maxlen=LINES))
     steps: int = 0
     _stop: threading.Event = field(default_factory=threading.Event)
+
+    @property
+    def state(self) -> State:
+        """Whether it waits, runs or has ended."""
+        if self.reply.done():
+            return "ended"
+        return "running" if self.running else "queued"
 
     def say(self, line: str) -> None:
         """Take a line of progress."""
@@ -59,11 +66,6 @@ class Job:
     def cancelled(self) -> bool:
         """Tell whether the work was called off."""
         return self._stop.is_set()
-
-    def end(self, reply: Reply) -> None:
-        """Give the answer to everybody who waits for it."""
-        self.state = "ended"
-        self.reply.set_result(reply)
 
     def to_json(self) -> dict[str, Any]:
         """Return where it stands."""

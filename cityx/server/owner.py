@@ -7,6 +7,7 @@ import queue
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
@@ -76,7 +77,8 @@ class Owner:
         """Call off what waits and end the thread once the action in progress has ended."""
         for job in tuple(self.jobs.values()):
             job.cancel()
-        self._queue.put(None)
+        with suppress(queue.Full):
+            self._queue.put(None, timeout=GRACE_S)
         self._thread.join(GRACE_S)
 
     @property
@@ -208,8 +210,8 @@ class Owner:
 
     def _run(self) -> None:
         while (job := self._queue.get()) is not None:
-            job.state = "running"
-            job.end(self._reply(job))
+            job.running = True
+            job.reply.set_result(self._reply(job))
         self._close()
 
     def _reply(self, job: Job) -> Reply:
@@ -238,8 +240,8 @@ class Owner:
             return None
 
     def _open(self) -> None:
-        if self.folder.exists():
-            recover(self.folder)
+        if self.folder.exists() and not (self.folder / STORE).exists():
+            recover(self.folder)  # a change was cut between two renames
         if (self.folder / STORE / "city.json").exists():
             self._desk = Desk(self.folder, self.actions)
         self._opened = self._signature()

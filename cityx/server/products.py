@@ -35,13 +35,13 @@ class Products:
             Tool(
                 "render", "Make a picture of the city as it is.", self._render,
                 {
-                    "view": text("Camera.", 20, enum=list(VIEWS), default="street"),
+                    "view": text("Camera.", 20, enum=list(VIEWS), default=VIEWS[0]),
                     "size": {
-                        "type": "array", "minItems": 2, "maxItems": 2, "default": [640, 360],
+                        "type": "array", "minItems": 2, "maxItems": 2, "default": list(PICTURE),
                         "items": whole("Pixels.", 16, WIDEST),
                         "description": "Width and height, pixels.",
                     },
-                    "samples": whole("Samples per pixel.", 1, 256, 16),
+                    "samples": whole("Samples per pixel.", 1, 256, SAMPLES),
                 },
                 idempotent=True,
             ),
@@ -53,7 +53,7 @@ class Products:
 
     def _render(self, arguments: Arguments) -> Job:
         owner = self.owner
-        view = arguments.get("view", "street")
+        view = arguments.get("view", VIEWS[0])
         width, height = arguments.get("size", PICTURE)
 
         def work(job: Job) -> Reply:
@@ -63,10 +63,10 @@ class Products:
             path = picture_path(owner.folder, owner.seen.revision, view)
             blender_views(
                 owner.folder / STORE, blend=None, renders=path.parent, views=(view,),
-                size=(width, height), samples=arguments.get("samples", 16), say=job.say,
+                size=(width, height), samples=arguments.get("samples", SAMPLES), say=job.say,
             )  # fmt: skip
             revision = owner.seen.revision
-            return self.owner.ok(
+            return owner.ok(
                 {"view": view, "size": [width, height]}, f"The {view} view of revision {revision}.",
                 artifacts=(f"city://render/{revision}/{view}",), pictures=(path.read_bytes(),),
                 job_id=job.id,
@@ -90,7 +90,7 @@ class Products:
                 "goals": report["goals"], "failures": len(report["failures"]),
             }  # fmt: skip
             message = f"{len(report['checks'])} checks, {len(failed)} not met."
-            return self.owner.ok(data, message, artifacts=("city://report",), job_id=job.id)
+            return owner.ok(data, message, artifacts=(REPORT,), job_id=job.id)
 
         return owner.submit("check", work)
 

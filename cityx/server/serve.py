@@ -5,7 +5,9 @@ from __future__ import annotations
 import hmac
 import os
 import secrets
+import signal
 import socket
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
@@ -77,6 +79,8 @@ async def _over_streams(server: Server[Any]) -> None:
 def _over_http(server: Server[Any], port: int, say: Say) -> None:
     import uvicorn
 
+    # Uvicorn ends in order and then lets the signal through: without this it would kill.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     with _listening(port) as listener:
         port = listener.getsockname()[1]
         with _token_file(port) as (path, token):
@@ -125,6 +129,7 @@ def _listening(port: int) -> Iterator[socket.socket]:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             listener.bind((HOST, port))
+            listener.listen()  # who reads the address may call at once, and waits
         except (OSError, OverflowError) as error:
             raise UsageError(f"Port {port} cannot be used: {error}.") from error
         yield listener

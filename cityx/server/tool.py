@@ -38,7 +38,7 @@ class Tool:
     read_only, destructive, idempotent
         Hints for clients.
     patience
-        Seconds that a call waits for its job.
+        Seconds that a call waits for its job, unless the property "seconds" says otherwise.
     others
         Schema of arguments that `run` itself checks.
     """
@@ -69,6 +69,11 @@ class Tool:
     def _validator(self) -> Draft202012Validator:
         known = {"type": "object", "properties": self.properties, "required": list(self.required)}
         return Draft202012Validator(known | {"additionalProperties": bool(self.others)})
+
+    def patience_for(self, arguments: Arguments) -> float:
+        """Return the seconds that a call waits for its job."""
+        told = arguments.get("seconds") if "seconds" in self.properties else None
+        return self.patience if told is None else float(told)
 
     def faults(self, arguments: Arguments) -> list[str]:
         """Return every reason to refuse arguments, one sentence each."""

@@ -8,8 +8,10 @@ from pathlib import Path
 
 import bpy  # noqa: TID251
 import numpy as np
+from mathutils.bvhtree import BVHTree
 
 from cityx.blender.light import Lighting
+from cityx.blender.metering import light_on
 from cityx.blender.scene import BARE, build_scene
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
@@ -61,6 +63,15 @@ for change in CHANGES:
     record["bare"][change] = [
         o.modifiers[BARE].show_render for o in bpy.data.objects if BARE in o.modifiers
     ]
+# A wall without end beside two places, between them and the sun in the south.
+wall = BVHTree.FromPolygons(
+    [(-900, -1, 0), (900, -1, 0), (900, -1, 900), (-900, -1, 900)], [(0, 1, 2, 3)]
+)
+noon = Environment(sun_elevation=np.pi / 6, sun_azimuth=np.pi)
+record["light"] = {
+    "shade": light_on(np.array([[0.0, -0.999, 0.0]]), wall, noon).tolist(),
+    "sun": light_on(np.array([[0.0, -1.001, 0.0]]), wall, noon).tolist(),
+}
 record["worlds"] = len(bpy.data.worlds)
 record["moons"] = len([o for o in bpy.data.objects if o.name.startswith("Moon")])
 print("@" + json.dumps(record))  # noqa: T201

@@ -37,6 +37,20 @@ def test_cars_park_along_residential_streets_where_it_is_dense():
     assert section(highway="tertiary", parking__lane__right="parallel")["park_right"]
 
 
+@pytest.mark.parametrize("left_hand", [False, True])
+@pytest.mark.parametrize("oneway", ["yes", "-1"])
+def test_cars_park_beside_one_way_streets_on_the_side_one_drives_on(left_hand, oneway):
+    street = section(highway="unclassified", dense=True, oneway=oneway, left_hand=left_hand)
+    assert (street["park_left"], street["park_right"]) == (left_hand, not left_hand)
+    assert street["width"] == pytest.approx(2.75 + 2.1)
+    options = {"highway": "tertiary", "dense": True, "oneway": oneway, "left_hand": left_hand}
+    assert section(lanes="1", **options)["park_left"] == left_hand
+    assert section(lanes="2", **options)["park_left"] is False
+    both_ways = section(highway="unclassified", dense=True)
+    assert not both_ways["park_left"]
+    assert not both_ways["park_right"]
+
+
 def test_a_tagged_width_holds_the_lanes():
     street = section(highway="primary", width="5 m", lanes="2")
     assert (street["width"], street["lane_width"], street["lanes"]) == (5, 2.5, 2)

@@ -135,8 +135,11 @@ def _counts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     if count is None or "layout/towers-v1" in wishes:
         return
     _wish(wishes, "layout/buildings_count-v1", count=int(count))
-    if "zone" not in town and {"width", "depth"} <= town.keys():
-        town["zone"] = zone_for(int(count), town["width"] * town["depth"])
+    town.setdefault("plazas", 0.0)
+    town.setdefault("parks", 0.0)
+    if {"width", "depth"} <= town.keys():
+        town.setdefault("pattern", "grid")
+        town.setdefault("zone", zone_for(int(count), town["width"] * town["depth"]))
 
 
 def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:

@@ -10,9 +10,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.checks.predicates.words import LANDS
 from cityx.city import City, Layout
 from cityx.city.layout import joined_tables
 from cityx.city.sites import pieces_of
+from cityx.errors import ActionFailed
 from cityx.geometry.polylines import pack
 from cityx.plugins.layout.rebuilding import cleared
 from cityx.plugins.layout.refilling import refilled
@@ -55,11 +57,23 @@ def with_streets(city: City, streets: Sequence[tuple[Any, Owner]], ground: Any) 
     ground
         Polygon that is cleared; it holds the new streets.
 
+    Raises
+    ------
+    ActionFailed
+        If there is water on it.
+
     Returns
     -------
     city
         Whose new streets have a point wherever another meets them.
     """
+    areas = city.layout.areas
+    wet = areas.geometry.to_numpy()[areas["kind"].isin(LANDS["water"]).to_numpy()]
+    if shapely.intersects(wet, ground).any():
+        raise ActionFailed(
+            "It would cross water, over which only a river's own bridges lead; lay out streets "
+            "before the river, and none towards the sea."
+        )
     layout = cleared(city.layout, ground)
     lines = [line for line, _ in streets]
     rest, open_ends, gone = _interrupted(layout, ground)

@@ -104,11 +104,12 @@ def _district(plane: Plane, window: Box) -> District:
     larger = plan.block * SPARSE.get(zone, 1.0)
     sizes = (block * larger, depth * larger)
     half = (high - low) / 2
-    rim = _rim(anchor, half + BEYOND * max(sizes))
+    ringed = plan.pattern == "grid" and _is_small(half)
+    rim = _rim(anchor, half if ringed else half + BEYOND * max(sizes))
     pattern = _pattern(plane, half, sizes, zone)
     inside = shapely.contains_xy(rim.polygon(), pattern.nodes)
     pattern = pattern.take(inside[pattern.links].any(axis=1))
-    if plan.pattern == "grid" and not _is_small(half):
+    if plan.pattern == "grid" and not ringed:
         gap = left_out(plane, identity, pattern, GAPS) & (pattern.street[:, 0] != MAIN_LINE)
         pattern = pattern.take(~gap)
     places = rim.places(pattern.nodes)

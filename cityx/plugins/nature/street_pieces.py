@@ -58,11 +58,14 @@ CROSSING_GAP = 4.0  # metres round a mapped crossing
 TOWN = 25.0  # metres within which an urban building makes a kerb a kerb in town
 STRIP = 0.9  # metres at the kerb that other furniture may take
 CAFE_SHARE = {"shop_cafe": 0.75, "shop_classic": 0.10, "shop_modern": 0.08}
-BOARD_SHARE, TUB_SHARE, MACHINE_SHARE = 0.16, 0.14, 0.10
+BOARD_SHARE, TUB_SHARE, MACHINE_SHARE = 0.16, 0.14, 0.18
 LEVEL = 1.2  # metres between the ground and the foot of a shopfront that opens onto it
 OPEN_SPACING = 7.0  # metres between things on plazas and in yards
 WALL_REACH = 3.5  # metres from a wall within which a thing is moved to it
-WALL_GAP = {"bicycle_parking": 1.05}  # metres from a wall to the middle of what stands at it
+# Metres from a wall to the middle of what stands at it.
+WALL_GAP = {"bicycle_parking": 1.05, "bicycle": 0.35, "bench": 0.4, "planter_round": 0.45,
+            "vending_machine": 0.48, "wheelie_bins": 0.5}  # fmt: skip
+OPEN = ("plaza", "courtyard", "sidewalk")  # ground on which things stand apart from kerbs
 USUAL_GAP = 0.8  # the same for everything else
 # What stands free on plazas, in yards, and at the walls of yards, with weights; "" is nothing.
 PLAZA = {"": 5.0, "bench": 2.0, "stone_bench": 1.5, "planter": 2.0, "waste_basket": 0.8,
@@ -70,11 +73,15 @@ PLAZA = {"": 5.0, "bench": 2.0, "stone_bench": 1.5, "planter": 2.0, "waste_baske
          "bicycle_parking": 0.5, "street_lamp_post": 0.8}  # fmt: skip
 YARD = {"": 8.0, "planter": 1.2, "planter_round": 1.0, "bench": 0.7, "bicycle_parking": 0.5}
 YARD_WALL = {"": 3.0, "wheelie_bins": 2.0, "bicycle_parking": 1.4, "planter": 0.8}
+# At the walls of wide walks; bicycles lean along them.
+WALK_WALL = {"": 7.0, "bicycle": 2.4, "planter": 1.2, "planter_round": 1.2, "bench": 1.0}
+WALK_WALL_JAPAN = {"": 7.0, "bicycle": 3.2, "planter_round": 1.6, "vending_machine": 1.5,
+                   "wheelie_bins": 0.6}  # fmt: skip
 # Half the size of a piece that stands free, metres.
 SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "cafe_set": 0.95,
         "planter_round": 0.4, "advertising_column": 0.8, "kiosk": 1.9, "bicycle_parking": 1.4,
         "street_lamp_post": 0.3, "wheelie_bins": 0.7, "parasol": 1.3, "shop_board": 0.35,
-        "vending_machine": 0.6}  # fmt: skip
+        "vending_machine": 0.6, "bicycle": 0.9}  # fmt: skip
 PARKED_SHARE = 0.55  # of the places of a bicycle stand that are taken
 
 
@@ -225,8 +232,8 @@ def _before_shops(city: City, site: _Site, density: float) -> Pieces:
 
 
 def _scattered(city: City, ground: Ground) -> Points:
-    """Candidates about plazas and yards, the same whatever the site's rectangle."""
-    triangles = ground.triangles_of("plaza", "courtyard")
+    """Candidates about plazas, yards and walks, the same whatever the site's rectangle."""
+    triangles = ground.triangles_of(*OPEN)
     cells = cells_of_polygons(shapely.polygons(ground.vertices[triangles]), OPEN_SPACING)
     found = candidates(cells, OPEN_SPACING, seed=city.seed, purpose=ACTION)
     one = found.id % np.uint64(3) == 0  # about one per cell are enough for things so far apart
@@ -234,23 +241,24 @@ def _scattered(city: City, ground: Ground) -> Points:
 
 
 def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
-    """Things on plazas and in yards: free in the middle, or moved to the wall."""
+    """Things on plazas and in yards, free in the middle or moved to the wall; those of walks."""
     ground = city.ground
     if ground is None:
         return join_pieces([])
     spots = _scattered(city, ground)
-    plaza, yard = (ground.on(spots.xy, name) for name in ("plaza", "courtyard"))
-    open_ = plaza | yard
-    spots, yard = Points(spots.xy[open_], spots.id[open_]), yard[open_]
+    place = np.select([ground.on(spots.xy, name) for name in OPEN], range(len(OPEN)), -1)
+    spots, place = Points(spots.xy[place >= 0], spots.id[place >= 0]), place[place >= 0]
     kept = np.isin(spots.id, thin(spots, OPEN_SPACING).id)
-    xy, ids, yard = spots.xy[kept], spots.id[kept], yard[kept]
+    xy, ids, place = spots.xy[kept], spots.id[kept], place[kept]
+    plaza, yard, walk = (place == number for number in range(len(OPEN)))
     rim = distance_within(xy, site.rims, 4.0)
     wall = distance_within(xy, site.houses, WALL_REACH)
     names = np.full(len(ids), "", object)
     for chosen, weights in (
-        (~yard & (rim > 1.0), PLAZA),
+        (plaza & (rim > 1.0), PLAZA),
         (yard & np.isinf(wall), YARD),
         (yard & np.isfinite(wall), YARD_WALL),
+        (walk & np.isfinite(wall), WALK_WALL_JAPAN if site.place == "japan" else WALK_WALL),
     ):
         words = np.array(list(weights), object)
         share = np.array(list(weights.values()))
@@ -258,7 +266,7 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
         drawn = words[choose(city.seed, f"{ACTION}/open", ids, share)]
         names = np.where(chosen, drawn, names)
     turn = uniform(city.seed, f"{ACTION}/turn", ids) * 2 * np.pi
-    at_wall = yard & np.isfinite(wall) & (names != "")
+    at_wall = ~plaza & np.isfinite(wall) & (names != "")
     half = np.array([SIZE.get(str(name), 0.5) for name in names])
     keep = (names != "") & (at_wall | (rim >= half + CLEAR))
     rows = np.flatnonzero(at_wall)
@@ -275,9 +283,10 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
         xy = xy.copy()
         gap = np.array([WALL_GAP.get(str(name), USUAL_GAP) for name in names[rows]])
         xy[rows] = foot + gap[:, None] * away
-        turn[rows] = yaw_facing(away)
+        turn[rows] = yaw_facing(away) + np.where(names[rows] == "bicycle", np.pi / 2, 0.0)
         room = room_along(foot + 0.1 * away, away, site.rims, REACH)
-        keep[rows] &= (length > 0.2) & (room >= 2 * gap + CLEAR)
+        kerb = np.where(walk[rows], STRIP, 0.0)  # what stands there takes its share of the walk
+        keep[rows] &= (length > 0.2) & (room >= 2 * gap + CLEAR + kerb)
     return pieces(names, xy, ids, turn).take(keep)
 
 

@@ -69,6 +69,10 @@ KERB_RULES: tuple[Rule, ...] = (
     Rule("telephone", 0.05, 0.02, 0.0, 0.0, 0.70, 0.48, 0.50),
     Rule("fire_hydrant", 0.04, 0.04, 0.04, 0.04, 0.55, 0.22, 0.22,
          (("north america", 27.0), ("japan", 2.0), ("british isles", 0.0))),
+    Rule("bollard", 2.2, 2.2, 0.0, 0.0, 0.45, 0.25, 0.25,
+         (("british isles", 1.6), ("north america", 0.3), ("japan", 0.5))),
+    Rule("bicycle", 1.0, 1.4, 0.0, 0.0, 1.05, 0.95, 0.35, (("north america", 0.4),
+         ("japan", 1.8))),
     Rule("grating", 0.5, 0.0, 0.0, 0.0, 1.10, 0.0, 0.80),
 )  # fmt: skip
 TALL = frozenset({"advertising_column", "kiosk", "telephone"})  # hide what comes at junctions

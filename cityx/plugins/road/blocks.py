@@ -27,6 +27,9 @@ DENSE_URBAN = 0.12  # the same where most of what is built stands in urban surro
 TOWN_CELL = 50.0  # metres; about half a block
 STRIP = 5.0  # metres; narrower leftovers between pavements are paved in town
 ENCLOSED = 0.6  # share of such a strip's rim that pavement or walls take
+WALK_STRIP = 4.0  # metres; narrower leftovers beside a walk belong to it
+SCRAP = 40.0  # square metres of a leftover beside a walk that belongs to it, however broad
+BESIDE = 0.25  # share of its rim along walks from which a leftover belongs to them
 TOWN_REACH = 25.0  # metres within which an urban building makes a place a part of the town
 # What the ground of courts enclosed by houses is made of, and how often.
 YARDS = (("grass", 9), ("courtyard", 5), ("parking", 3), ("bare", 2))
@@ -39,8 +42,8 @@ def pave_blocks(ground: Ground, layout: Layout) -> Ground:
     """Return the ground with narrow islands filled and the open land of dense blocks paved."""
     road = ground.labelled(*ROAD)
     block = _blocks(ground, road)
-    ground = _paved(_filled(ground, road, block), layout, block)
-    return _yards(_strips_paved(ground, layout))
+    ground = _off_lawns(_paved(_filled(ground, road, block), layout, block))
+    return _yards(_walks_widened(_strips_paved(ground, layout)))
 
 
 def town_regions(layout: Layout) -> Regions:
@@ -118,6 +121,47 @@ def _paved(ground: Ground, layout: Layout, block: IntArray) -> Ground:
     dense &= whole < LARGEST
     paved = (ground.face_label == LABEL["block"]) & dense[block]
     label = np.where(paved, LABEL["courtyard"], ground.face_label).astype(np.uint8)
+    return replace(ground, face_label=label)
+
+
+def _off_lawns(ground: Ground) -> Ground:
+    """Leave parking bays and bare patches to paved yards: in the open land is as nobody left it."""
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inner = right != BEYOND
+    left, right = left[inner], right[inner]
+    length = np.hypot(*np.diff(ground.vertices[ground.edges[inner]], axis=1)[:, 0].T)
+    own = ground.labelled("parking", "bare") & (ground.face_object == 0)
+    open_land = ground.face_label == LABEL["block"]
+    size = len(own)
+    rim = np.bincount(left, length, minlength=size) + np.bincount(right, length, minlength=size)
+    lawn = np.bincount(left, length * open_land[right], minlength=size)
+    lawn += np.bincount(right, length * open_land[left], minlength=size)
+    label = np.where(own & (lawn > 0.5 * rim), LABEL["block"], ground.face_label)
+    return replace(ground, face_label=label.astype(np.uint8))
+
+
+def _walks_widened(ground: Ground) -> Ground:
+    """Give narrow leftovers and scraps beside walks to them, whatever tiles cut them."""
+    court = ground.face_label == LABEL["courtyard"]
+    if not court.any():
+        return ground
+    left, right = ground.edge_faces.T.astype(np.int64)
+    within = (right != BEYOND) & court[left] & court[np.maximum(right, 0)]
+    piece = components(np.column_stack([left, right])[within], len(court))
+    size = len(court)
+    length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
+    rim, beside = np.zeros(size), np.zeros(size)
+    walk = ground.labelled("sidewalk", "plaza", "furnishing")
+    for face, other in ((left, right), (right, left)):
+        mine = (face != BEYOND) & ~within
+        mine[mine] &= court[face[mine]]
+        np.add.at(rim, piece[face[mine]], length[mine])
+        walked = (other[mine] != BEYOND) & walk[np.maximum(other[mine], 0)]
+        np.add.at(beside, piece[face[mine]], length[mine] * walked)
+    area = np.bincount(piece, np.where(court, face_areas(ground), 0.0), minlength=size)
+    slight = (2 * area < WALK_STRIP * rim) | (area < SCRAP)
+    taken = court & (slight & (beside > BESIDE * rim))[piece]
+    label = np.where(taken, LABEL["sidewalk"], ground.face_label).astype(np.uint8)
     return replace(ground, face_label=label)
 
 

@@ -14,7 +14,8 @@ from cityx.geometry.drape import RAMP_SLOPE
 from cityx.geometry.polylines import locate
 from cityx.plugins.road.carriageway import Carriageway, joined_by
 from cityx.plugins.road.corners import LEAST_RADIUS
-from cityx.plugins.road.markings import Street, Zebras
+from cityx.plugins.road.marks import Street
+from cityx.plugins.road.zebras import Zebras
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -56,6 +56,7 @@ from cityx.plugins.road.structures import (
     grounded_lines,
 )
 from cityx.plugins.road.tiers import cut_network
+from cityx.plugins.road.yards import patch_regions
 from cityx.protocol import Port, action, has_network
 
 TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
@@ -210,6 +211,7 @@ def detailed_regions(
         park_regions(layout),
         kerbside_regions(layout, strips),
         garden_regions(layout),
+        patch_regions(layout, network),
         building_regions(layout),
         way_regions(layout, ways, strips),
     ])  # fmt: skip

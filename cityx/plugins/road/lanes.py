@@ -159,6 +159,15 @@ def _connections(
     return found[:, 0], found[:, 1], found[:, 2]
 
 
+def turns_of_lanes(layout: Layout, network: RoadNetwork, bands: Bands) -> IntArray:
+    """(b,) bits of `cityx.city.section.TURN`: the movements that each band's traffic may take."""
+    lines = Polylines(network.points, network.point_start)
+    origin, _, movement = _connections(layout, network, lines, bands)
+    found = np.zeros(len(bands.edge), np.int64)
+    np.bitwise_or.at(found, origin, 1 << movement)
+    return found
+
+
 def _turns(network: RoadNetwork, lines: Polylines) -> _Turn:
     """All pairs of arms at all nodes, also each with itself."""
     node, edge, side = arms_of(lines, network.edge_nodes)

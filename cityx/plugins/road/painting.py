@@ -8,15 +8,25 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from cityx.city.frame import Frame
 
-# (south, west, north, east) in degrees.
-YELLOW_CENTRES = ((7.0, -170.0, 72.0, -50.0), (-56.0, -82.0, 13.0, -34.0))  # the Americas
-YELLOW_TACTILE = (*YELLOW_CENTRES, (-48.0, 60.0, 46.0, 180.0))  # and Asia, Australia
-STOPS = YELLOW_CENTRES  # minor roads have stop signs
-TEETH = (
+Boxes = tuple[tuple[float, float, float, float], ...]  # (south, west, north, east) in degrees
+
+YELLOW_CENTRES: Boxes = ((7.0, -170.0, 72.0, -50.0), (-56.0, -82.0, 13.0, -34.0))  # the Americas
+YELLOW_TACTILE: Boxes = (*YELLOW_CENTRES, (-48.0, 60.0, 46.0, 180.0))  # and Asia, Australia
+NORTH_AMERICA: Boxes = ((32.5, -170.0, 72.0, -52.0), (24.5, -98.0, 32.5, -79.0))
+BRITISH_ISLES: Boxes = ((50.0, -11.0, 61.0, 1.5), (51.0, 1.2, 53.0, 1.8))
+JAPAN: Boxes = ((24.0, 122.9, 34.0, 132.0), (31.0, 130.5, 45.6, 146.0))
+TEETH: Boxes = (
     (35.0, -10.0, 48.0, 45.0), (48.0, -5.5, 51.2, 8.0), (50.7, 3.3, 53.6, 7.2),
     (54.5, 8.0, 71.5, 31.0), (46.8, 9.5, 49.1, 17.2),
 )  # fmt: skip
-RED_CYCLEWAYS = ((49.4, 2.5, 53.6, 7.2), (54.5, 8.0, 57.8, 12.7))  # Low Countries, Denmark
+RED_CYCLEWAYS: Boxes = ((49.4, 2.5, 53.6, 7.2), (54.5, 8.0, 57.8, 12.7))  # Low Countries, Denmark
+# The first that holds the place wins; minor roads of the Americas and of Japan have stop signs.
+GIVE_WAY: tuple[tuple[str, Boxes], ...] = (
+    ("double dashes", BRITISH_ISLES),
+    ("stop", (*YELLOW_CENTRES, *JAPAN)),
+    ("teeth", TEETH),
+)
+STOP_WORDS: tuple[tuple[str, Boxes], ...] = (("STOP", NORTH_AMERICA), ("止まれ", JAPAN))
 
 
 @dataclass(frozen=True)
@@ -28,24 +38,48 @@ class Painting:
     yellow_centre
         Whether the line between the two directions is yellow.
     give_way
-        "teeth" (triangles), "dashes" (a broken line) or "stop" (a stop line).
+        "teeth" (triangles), "dashes" (a broken line), "double dashes" or "stop" (a stop line).
     red_cycleways
         Whether cycle lanes are coloured.
     yellow_tactile
         Whether the ribs before crossings are yellow.
+    stop_word
+        What is written behind the stop line of a minor road, or "".
+    stems
+        Whether a street that ends at another of its class gives way to it by a line.
+    yellow_kerbs
+        Whether lines along the kerb tell where nobody may park.
+    boxes
+        Whether junctions under signals are hatched.
     """
 
     yellow_centre: bool = False
     give_way: str = "dashes"
     red_cycleways: bool = False
     yellow_tactile: bool = False
+    stop_word: str = ""
+    stems: bool = False
+    yellow_kerbs: bool = False
+    boxes: bool = False
 
 
 def painting_of(frame: Frame) -> Painting:
     """Return what is usual at a place; boxes decide, so it may be wrong near a border."""
 
-    def within(boxes: tuple[tuple[float, float, float, float], ...]) -> bool:
+    def within(boxes: Boxes) -> bool:
         return any(s <= frame.latitude <= n and w <= frame.longitude <= e for s, w, n, e in boxes)
 
-    way = "stop" if within(STOPS) else "teeth" if within(TEETH) else "dashes"
-    return Painting(within(YELLOW_CENTRES), way, within(RED_CYCLEWAYS), within(YELLOW_TACTILE))
+    def first(table: tuple[tuple[str, Boxes], ...], usual: str) -> str:
+        return next((name for name, boxes in table if within(boxes)), usual)
+
+    british = within(BRITISH_ISLES)
+    return Painting(
+        yellow_centre=within(YELLOW_CENTRES),
+        give_way=first(GIVE_WAY, "dashes"),
+        red_cycleways=within(RED_CYCLEWAYS),
+        yellow_tactile=within(YELLOW_TACTILE),
+        stop_word=first(STOP_WORDS, ""),
+        stems=british or within((*NORTH_AMERICA, *JAPAN)),
+        yellow_kerbs=british,
+        boxes=british,
+    )

@@ -10,10 +10,14 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City, Instances
+from cityx.city.ground import LABEL
 from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
+from cityx.plugins.nature.street_rules import place_of
 from cityx.plugins.road.kerbs import edge_lines, join_places, places_along
+from cityx.plugins.road.yards import BAY as YARD_BAY
+from cityx.plugins.road.yards import yard_patches
 from cityx.protocol import Port, Range, action
 
 ACTION = "road/parked_cars-v1"
@@ -28,6 +32,9 @@ STALL_WIDTH, STALL_LENGTH, AISLE = 2.5, 5.0, 6.0  # metres, of a car park
 CAR_RADIUS = 2.7  # metres, half the diagonal of a car
 SMALLEST_LOT = 60.0  # square metres
 MOST_STALLS = 4_000  # per car park; beyond, a mapping error rather than a car park
+JAPANESE = 0.3  # of the bays along kerbs are taken where nobody may keep a car in the street
+UNLOADING = 12.0  # metres from shopfronts within which every fifth of the others is a van
+VAN_SHARE = 0.2
 
 
 @dataclass(frozen=True)
@@ -150,6 +157,41 @@ def _on_lots(city: City, occupancy: float) -> _Cars | None:
     return _Cars(xy[inside], ids[inside], (yaw + np.pi * backwards)[inside])
 
 
+def _on_yards(city: City, occupancy: float) -> _Cars | None:
+    """Cars in the bays of yards, nose or tail to the wall."""
+    network, ground = city.network, city.ground
+    if network is None or ground is None:
+        return None
+    patches = yard_patches(city.layout, network)
+    patches = patches.take(patches.label == LABEL["parking"])
+    count = np.rint(patches.size[:, 0] / YARD_BAY).astype(np.int64)
+    row = np.repeat(np.arange(len(count)), count)
+    number = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    shift = (number - (count[row] - 1) / 2) * YARD_BAY
+    xy = patches.middle[row] + patches.along[row] * shift[:, None]
+    ids = hash_ids(0, f"{ACTION}/yard", patches.id[row], number)
+    back = uniform(city.seed, f"{ACTION}/back", ids) < 0.5
+    along = patches.along[row]
+    yaw = np.arctan2(along[:, 1], along[:, 0]) + np.pi * back
+    keep = uniform(city.seed, f"{ACTION}/taken", ids) < occupancy
+    keep[keep] &= ground.on(xy[keep], "parking")
+    return _Cars(xy[keep], ids[keep], yaw[keep])
+
+
+def _bodies(city: City, xy: FloatArray, ids: NDArray[np.uint64]) -> NDArray[np.int64]:
+    """(n,) body of each car; before shops there are more vans."""
+    from cityx.assets import vehicles
+
+    body = choose(city.seed, f"{ACTION}/body", ids, vehicles.BODY_SHARES)
+    shops = city.scene.instances.get("shopfronts")
+    if shops is None or not shops.count:
+        return body
+    fronts = shapely.points(shops.position[:, :2])
+    unloading = near_any(xy, fronts, UNLOADING)
+    unloading &= uniform(city.seed, f"{ACTION}/unloading", ids) < VAN_SHARE
+    return np.where(unloading, list(vehicles.BODIES).index("van"), body)
+
+
 def _stall_rows(depth: float) -> tuple[FloatArray, FloatArray]:
     """Middles of the rows of bays across a car park, and which way their cars face."""
     if depth < STALL_LENGTH:
@@ -202,10 +244,8 @@ def parked_cars(
     done = city.stages_done | {"road"}
     if city.lod < 1:
         return replace(city, stages_done=done)
-    groups: list[Any] = [
-        _along_kerbs(city, occupancy),
-        _on_lots(city, lots),
-    ]
+    along = occupancy * (JAPANESE if place_of(city) == "japan" else 1.0)
+    groups: list[Any] = [_along_kerbs(city, along), _on_lots(city, lots), _on_yards(city, lots)]
     groups = [group for group in groups if group is not None and len(group.id)]
     if not groups:
         return replace(city, stages_done=done)
@@ -217,7 +257,7 @@ def parked_cars(
     keep &= ~near_any(xy, city.layout.buildings.geometry.to_numpy(), 1.0)
     order = np.flatnonzero(keep)[np.argsort(ids[keep], kind="stable")]
     xy, ids, yaw = xy[order], ids[order], yaw[order]
-    body = choose(city.seed, f"{ACTION}/body", ids, vehicles.BODY_SHARES)
+    body = _bodies(city, xy, ids)
     paint = choose(city.seed, f"{ACTION}/paint", ids, vehicles.PAINT_SHARES)
     position, rotation = _on_terrain(city, xy, yaw)
     rows = Instances(

@@ -12,9 +12,10 @@ from cityx.city.ground import KERB_WIDTH, LABEL
 from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.polylines import locate
 from cityx.plugins.road.drops import FREE_SIDE, RIBS, patches
-from cityx.plugins.road.markings import Street, Zebras, lane_count, spans_of
+from cityx.plugins.road.marks import Street, lane_count, spans_of
 from cityx.plugins.road.medians import NARROW, Twins, twins_of
 from cityx.plugins.road.roundabouts import ring_edges, ring_nodes
+from cityx.plugins.road.zebras import Zebras
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

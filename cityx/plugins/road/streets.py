@@ -9,7 +9,8 @@ from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrangement import Regions, join_regions
 from cityx.plugins.road.carriageway import Carriageway, build_carriageway, carriageway_regions
 from cityx.plugins.road.drops import drive_regions, dropped_regions
-from cityx.plugins.road.markings import marking_regions, painted_edges, street_of, zebras_of
+from cityx.plugins.road.markings import marking_regions
+from cityx.plugins.road.marks import painted_edges, street_of
 from cityx.plugins.road.medians import median_regions
 from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.refuges import refuge_regions
@@ -17,6 +18,7 @@ from cityx.plugins.road.roundabouts import roundabout_regions
 from cityx.plugins.road.sections import bands_of
 from cityx.plugins.road.strips import strip_regions
 from cityx.plugins.road.verges import verge_regions
+from cityx.plugins.road.zebras import zebras_of
 
 USUAL = Painting()
 

@@ -1,4 +1,4 @@
-"""Symbols painted on lanes: arrows, BUS, bicycles, as outlines in metres, x ahead and y left."""
+"""Symbols painted on lanes: arrows, words, bicycles, triangles; metres, x ahead and y left."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ FloatArray = NDArray[np.float64]
 STROKE = 0.15  # metres
 LENGTH = 5.0  # metres of an arrow
 LETTER = (2.4, 0.5)  # metres, long and wide: letters are drawn long for eyes that look along them
+WORD = 2.2  # metres, the widest word
+TRIANGLE = (3.75, 1.25, 0.15)  # metres, long and wide, and of its rim
 WHEEL = 0.34  # metres, radius
 
 
@@ -48,26 +50,43 @@ def arrow(turns: int) -> Any:
     return shapely.union_all(shapes)
 
 
-@lru_cache(maxsize=1)
-def bus() -> Any:
-    """Return the word BUS, its foot at the origin."""
-    long, wide = LETTER
-    half = long / 2
-    glyphs: dict[str, list[list[tuple[float, float]]]] = {
-        "B": [
-            [(0, 0), (long, 0), (long, 0.8), (half, 1), (0, 0.8), (0, 0)],
-            [(half, 0), (half, 1)],
-        ],
-        "U": [[(long, 0), (0.25, 0), (0, 0.5), (0.25, 1), (long, 1)]],
-        "S": [[(0, 0), (0, 1), (half, 1), (half, 0), (long, 0), (long, 1)]],
-    }
+# Strokes of letters: up 0 to 1, and 0 to 1 from the left to the right of the reader.
+_GLYPHS: dict[str, tuple[tuple[tuple[float, float], ...], ...]] = {
+    "B": (((0, 0), (1, 0), (1, 0.8), (0.5, 1), (0, 0.8), (0, 0)), ((0.5, 0), (0.5, 1))),
+    "O": (((0, 0.15), (0, 0.85), (0.15, 1), (0.85, 1), (1, 0.85), (1, 0.15), (0.85, 0), (0.15, 0),
+           (0, 0.15)),),
+    "P": (((0, 0), (1, 0), (1, 0.85), (0.75, 1), (0.5, 0.85), (0.5, 0)),),
+    "S": (((0, 0), (0, 1), (0.5, 1), (0.5, 0), (1, 0), (1, 1)),),
+    "T": (((0, 0.5), (1, 0.5)), ((1, 0), (1, 1))),
+    "U": (((1, 0), (0.1, 0), (0, 0.5), (0.1, 1), (1, 1)),),
+    "止": (((0, 0), (0, 1)), ((0, 0.55), (1, 0.55)), ((0.55, 0.55), (0.55, 0.95)),
+           ((0, 0.2), (0.5, 0.2))),
+    "ま": (((0.82, 0.1), (0.82, 0.9)), ((0.6, 0.1), (0.6, 0.9)),
+           ((1, 0.5), (0.1, 0.5), (0.05, 0.25), (0.2, 0.15), (0.28, 0.5), (0.05, 0.95))),
+    "れ": (((1, 0.25), (0, 0.25)), ((0.75, 0), (0.75, 0.35), (0.25, 0.0)),
+           ((0.45, 0.25), (0.8, 0.6), (0.7, 0.72), (0.15, 0.68), (0.05, 0.8), (0.2, 1))),
+}  # fmt: skip
+WORDS = ("BUS", "STOP", "止まれ")
+
+
+@lru_cache(maxsize=8)
+def word(text: str) -> Any:
+    """Return a word of `WORDS` as drivers read it, its foot at the origin."""
+    long, wide = LETTER[0], min(LETTER[1], WORD / (1.6 * len(text) - 0.6))
     shapes = []
-    for number, letter in enumerate("BUS"):
-        left = wide * (2.1 - 1.6 * number)
-        for line in glyphs[letter]:
-            points = [(x, left - y * wide) for x, y in line]
+    for number, letter in enumerate(text):
+        left = wide * (0.8 * len(text) - 0.3 - 1.6 * number)
+        for line in _GLYPHS[letter]:
+            points = [(x * long, left - y * wide) for x, y in line]
             shapes.append(_stroke(*points, width=0.12))
     return shapely.union_all(shapes)
+
+
+@lru_cache(maxsize=1)
+def give_way_triangle() -> Any:
+    """Return the triangle before give-way lines, its tip at the origin (TSRGD 2016, 1023)."""
+    outer = _head((0.0, 0.0), (TRIANGLE[0], 0.0), TRIANGLE[1])
+    return outer.difference(shapely.buffer(outer, -TRIANGLE[2], join_style="mitre"))
 
 
 @lru_cache(maxsize=1)

@@ -105,7 +105,9 @@ def cross_section(
     default = max(1, class_lanes // 2) if oneway else class_lanes
     tagged = measures.count(tags.get("lanes"), 1, MAX_LANES) if cars else None
     if parking is None:
-        parking = [dense and kind == "residential" and known is None and tagged is None] * 2
+        near = _LEFT if left_hand != backward else _RIGHT
+        parking = _usual_parking(kind, near, tagged, oneway=oneway)
+        parking = [dense and known is None and each for each in parking]
     lanes = int(tagged) if tagged else default
     parked = PARKING * sum(parking)
     if known is not None and cars and not tagged:
@@ -185,6 +187,17 @@ def _parking(tags: Tags) -> list[bool] | None:
     if found == [None, None]:
         return None
     return [bool(value) for value in found]
+
+
+def _usual_parking(kind: str, near: int, lanes: float | None, *, oneway: bool) -> list[bool]:
+    """Return where cars park in dense towns if no tag tells: on the sides of the way as drawn.
+
+    They stand on both sides of residential streets, and beside the one lane of a busier one-way
+    street on the side one drives on, where vans unload too.
+    """
+    both = kind == "residential" and lanes is None
+    beside = oneway and (kind == "unclassified" or (kind == "tertiary" and lanes == 1))
+    return [both or (beside and place == near) for place in (_LEFT, _RIGHT)]
 
 
 def _sidewalks(tags: Tags, of_class: float, *, default: bool) -> list[float]:

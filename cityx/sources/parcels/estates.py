@@ -76,6 +76,7 @@ def campuses(plots: Plots, target: float, *, seed: int) -> list[Built]:
     full = 2 * pads.depth + pads.width - 2 * wing
     scale = np.minimum(1.0, (wanted + 2 * wing) / np.maximum(full + 2 * wing, 1.0))
     width, depth = pads.width * scale, pads.depth * scale
+    wing = np.minimum(wing, np.minimum(width / 2.5, depth / 1.5))  # a court is left between
     x0 = pads.x0 + (pads.width - width) / 2
     x1, y0 = x0 + width, pads.y0 + (pads.depth - depth) / 2
     y1 = y0 + depth

@@ -95,6 +95,11 @@ def test_what_does_not_fit_is_refused_with_what_would():
         coast(site(), share=0.5, beach=200.0)
 
 
+def test_a_street_across_water_is_refused():
+    with pytest.raises(ActionFailed, match="It would cross water, over which only a river's own"):
+        boulevard(river(site(), axis="west_east"), axis="north_south")
+
+
 def test_the_same_cut_gives_the_same_rows():
     first, second = (river(site(), bridges=2).layout for _ in range(2))
     for table in ("buildings", "parts", "roads", "areas"):

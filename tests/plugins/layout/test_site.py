@@ -15,6 +15,14 @@ def site(width=400.0, depth=300.0, seed=3, **plan):
     return town(city, width=width, depth=depth, **plan).layout
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_small_site_is_built_on_and_has_streets_all_round(seed):
+    layout = site(200.0, 250.0, seed=seed, pattern="grid", plazas=0.0)
+    assert len(layout.buildings) > 10
+    box = layout.roads.total_bounds
+    assert (np.abs(np.abs(box) - [100.0, 125.0, 100.0, 125.0]) < 10.0).all()
+
+
 def roads_with(layout, part):
     role = tags_text({ROLE: part})[1:-1]
     return layout.roads[[role in text for text in layout.roads["tags"]]]

@@ -4,8 +4,12 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.city import Terrain
+from cityx.assets import furniture
+from cityx.city import Frame, Instances, Terrain, make_table
+from cityx.city.ground import LABEL
+from cityx.plugins.road.ground import ground
 from cityx.plugins.road.parked_cars import parked_cars
+from cityx.plugins.road.yards import yard_patches
 
 
 @pytest.fixture(scope="module")
@@ -61,6 +65,54 @@ def test_a_car_on_a_slope_leans_with_it(crossroads):
     downhill = np.sin(yaw) < -0.9
     assert pitch[east & downhill] == pytest.approx(np.arctan(0.1), abs=2e-3)
     assert np.abs(roll[east]).max() < 5e-3
+
+
+def test_yards_have_cars_in_their_bays_and_nowhere_else(crossroads):
+    yards = [(x, y) for x in (-94, 12) for y in (-94, 12)]
+    wings = [shapely.box(x, y, x + 82, y + 82) for x, y in yards]
+    walls = shapely.difference(wings, shapely.buffer(wings, -8, join_style="mitre"))
+    ids = np.arange(21, 25)
+    houses = make_table("buildings", walls, id=ids, place=["core"] * 4)
+    parts = make_table("parts", walls, id=ids, building=ids, base=[0.0] * 4, top=[9.0] * 4,
+                       walls=[True] * 4)  # fmt: skip
+    layout = replace(crossroads.layout, buildings=houses, parts=parts,
+                     areas=crossroads.layout.areas[:0])  # fmt: skip
+    town = replace(crossroads, layout=layout)
+    town = ground(replace(town, heights=None, stages_done=frozenset({"layout", "terrain"})))
+    without = parked_cars(town, lots=0.0).scene.instances["vehicles"]
+    full = parked_cars(town, lots=1.0).scene.instances["vehicles"]
+    patches = yard_patches(town.layout, town.network)
+    bays = patches.shapes[patches.label == LABEL["parking"]]
+    new = full.position[~np.isin(full.object_id, without.object_id), :2]
+    assert len(new) > 3
+    assert shapely.covers(shapely.union_all(bays), shapely.points(new)).all()
+    again = parked_cars(town, lots=1.0).scene.instances["vehicles"]
+    assert again.position.tobytes() == full.position.tobytes()
+
+
+def test_few_keep_a_car_in_the_streets_of_japan(crossroads):
+    tokyo = replace(crossroads, frame=Frame(35.69, 139.78))
+    count = [len(kerbside(parked_cars(city))[0]) for city in (crossroads, tokyo)]
+    assert 0.1 * count[0] < count[1] < 0.6 * count[0]
+
+
+def test_vans_unload_before_shops(crossroads):
+    front = Instances(
+        np.zeros(1, np.int32), np.array([7], np.uint64), np.zeros(1, np.uint64),
+        np.array([[30.0, 10.0, 0.0]]), np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32),
+        np.ones((1, 3), np.float32),
+    )  # fmt: skip
+    shopping = replace(crossroads, scene=crossroads.scene.with_instances(
+        "shopfronts", [furniture.furniture("bench")], front))  # fmt: skip
+    vans = []
+    for city in (crossroads, shopping):
+        found = parked_cars(city, occupancy=1.0)
+        rows = found.scene.instances["vehicles"]
+        names = [found.scene.prototypes[i].name for i in rows.prototype]
+        near = np.hypot(*(rows.position[:, :2] - [30.0, 10.0]).T) < 12.0
+        vans.append((sum("van" in name for name in names), near.sum()))
+    assert vans[1][0] > vans[0][0]
+    assert vans[1][0] - vans[0][0] <= vans[1][1]
 
 
 def test_a_bridge_has_no_parked_cars(crossroads):

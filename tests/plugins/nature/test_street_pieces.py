@@ -6,7 +6,7 @@ import shapely
 
 from cityx.checks.furniture import check_furniture, crowding, in_lanes, placed_outlines
 from cityx.city.scene import Instances
-from cityx.geometry.standing import stand_on
+from cityx.geometry.standing import WALKED, stand_on
 from cityx.plugins.nature.pieces import front, join_pieces, pieces, room_along, with_pieces
 from cityx.plugins.nature.street_pieces import LAYER, street_pieces
 from cityx.plugins.road.ground import ground
@@ -44,11 +44,17 @@ def test_every_piece_leaves_room_and_none_stands_in_a_lane(furnished):
     assert values == {"furniture_in_lanes": 0.0, "furniture_on_walkway": 0.0}
 
 
-def test_narrow_walks_get_nothing_but_poles(avenue):
+def test_narrow_walks_get_nothing_but_where_a_yard_widens_them(avenue):
     roads = avenue.layout.roads.assign(sidewalk_left=1.6, sidewalk_right=1.6)
     narrow = ground(replace(avenue, layout=replace(avenue.layout, roads=roads)))
     rows = street_pieces(narrow, density=3.0).scene.instances.get(LAYER)
-    assert rows is None or np.abs(rows.position[:, :2]).min(axis=1).min() > 6.8
+    xy = rows.position[:, :2]
+    kerbside = np.abs(xy).min(axis=1) < 6.8  # the walks end there
+    across = np.abs(xy[kerbside]).argmin(axis=1)
+    beyond = xy[kerbside].copy()
+    beyond[np.arange(len(beyond)), across] = np.sign(beyond[np.arange(len(beyond)), across]) * 7.1
+    assert kerbside.sum() < 3
+    assert narrow.ground.on(beyond, *WALKED).all()
 
 
 def test_pieces_stand_on_the_ground(furnished):
@@ -97,3 +103,19 @@ def test_the_room_before_a_point_ends_at_the_first_rim():
     rims = np.array([shapely.LineString([(3, -1), (3, 1)]), shapely.LineString([(5, -1), (5, 1)])])
     room = room_along(np.zeros((2, 2)), np.array([[1.0, 0.0], [0.0, 1.0]]), rims, 9.0)
     assert room.tolist() == [3.0, 9.0]
+
+
+def test_things_at_the_walls_of_wide_walks_touch_them_and_leave_the_walk(avenue):
+    found = street_pieces(avenue, density=3.0)
+    rows, names = found.scene.instances[LAYER], names_of(found)
+    houses = shapely.union_all(avenue.layout.buildings.geometry.to_numpy())
+    gap = shapely.distance(houses, shapely.points(rows.position[:, :2]))
+    at_wall = (gap < 0.46) & avenue.ground.on(rows.position[:, :2], "sidewalk")
+    leaning = at_wall & (names == "bicycle")
+    assert leaning.any()
+    assert gap[leaning] == pytest.approx(0.35, abs=0.01)
+    # The houses' walls run east and north, and so do the bicycles.
+    assert np.abs(np.sin(2 * rows.rotation[leaning, 2])).max() < 1e-5
+    assert {check.name: check.value for check in check_furniture(found)}[
+        "furniture_on_walkway"
+    ] == 0.0

@@ -2,8 +2,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from cityx.city.frame import Frame
 from cityx.city.mesh import NO_VERTEX
-from cityx.plugins.road.guard_rails import guard_rails
+from cityx.plugins.road.guard_rails import ZEBRA, guard_rails
 from cityx.plugins.road.network import network
 
 FAST = {"kind": "motorway", "oneway": True, "width": 11.0, "sidewalk_left": 0.0,
@@ -47,3 +48,38 @@ def test_beams_are_closed_solids(layout_of, city_of):
 
 def test_streets_with_walks_have_none(layout_of, city_of):
     assert rails(layout_of([([(-90, 0), (90, 0)], {})]), city_of) is None
+
+
+def test_pipes_stand_between_kerb_and_walk_in_japan_where_the_walk_is_wide(layout_of, city_of):
+    def pipes(place, walk):
+        main = {"kind": "secondary", "width": 8.0, "sidewalk_left": walk, "sidewalk_right": walk}
+        city = replace(network(city_of(layout_of([([(-90, 0), (90, 0)], main)]))), lod=2)
+        city = replace(city, frame=Frame(*place))
+        return guard_rails(city).scene.meshes.get("guard_rails")
+
+    tokyo = (35.69, 139.78)
+    mesh = pipes(tokyo, 3.0)
+    aside = np.abs(mesh.vertices[:, 1])
+    assert 4.25 < aside.min() < aside.max() < 4.0 + 3.0 - 1.5
+    starts = np.array([mesh.vertices[a:b, 0].min() for a, b in
+                       zip(mesh.vertex_start, mesh.vertex_start[1:], strict=False)])  # fmt: skip
+    assert np.diff(np.unique(np.round(starts))).min() > 13.0  # openings of 2 m between pieces
+    assert pipes(tokyo, 1.5) is None
+    assert pipes((52.5, 13.4), 3.0) is None
+
+
+def test_pipes_leave_crossings_open(layout_of, city_of):
+    streets = [
+        ([(-90, 0), (0, 0), (90, 0)], {"kind": "secondary", "width": 8.0}),
+        ([(0, -90), (0, 0), (0, 90)], {"sidewalk_left": 2.5, "sidewalk_right": 2.5}),
+    ]
+    made = network(city_of(layout_of(streets, points=[((0, 0), "traffic_signals")])))
+    city = replace(
+        made,
+        lod=2,
+        frame=Frame(35.69, 139.78),
+        network=replace(made.network, crossing=np.ones_like(made.network.crossing)),
+    )
+    mesh = guard_rails(city).scene.meshes["guard_rails"]
+    reach = np.abs(mesh.vertices[:, :2]).max(axis=1).min()
+    assert reach >= made.network.trim.max(axis=1).min() + ZEBRA - 0.01

@@ -3,9 +3,18 @@ import pytest
 import shapely
 
 from cityx.city.section import TURN
-from cityx.plugins.road.symbols import LENGTH, arrow, bicycle, bus, placed
+from cityx.plugins.road.symbols import (
+    LENGTH,
+    WORDS,
+    arrow,
+    bicycle,
+    give_way_triangle,
+    placed,
+    word,
+)
 
-OUTLINES = [*(arrow(bits) for bits in range(1, 16)), bus(), bicycle()]
+ARROWS = [arrow(bits) for bits in range(1, 16)]
+OUTLINES = [*ARROWS, *map(word, WORDS), bicycle(), give_way_triangle()]
 
 
 @pytest.mark.parametrize("outline", OUTLINES)
@@ -35,4 +44,4 @@ def test_arrows_point_where_they_say():
     assert -right.bounds[1] > 0.8 > right.bounds[3]
     both = arrow(TURN["left"] | TURN["through"])
     assert both.bounds[2] == pytest.approx(LENGTH)
-    assert placed(bus(), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0)).tolist() == []
+    assert placed(word("BUS"), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0)).tolist() == []

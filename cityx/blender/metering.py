@@ -1,0 +1,122 @@
+"""Metering: how much light falls on the ground that a camera sees, by sun and by open sky."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin, tan
+
+import numpy as np
+from mathutils.bvhtree import BVHTree
+from numpy.typing import NDArray
+
+from cityx.city.camera import Camera
+from cityx.city.environment import Environment
+from cityx.city.store import View
+
+FloatArray = NDArray[np.float64]
+
+# A camera follows the light only in part, as the eye does: shade stays darker than sun.
+FOLLOWED = 0.4
+MOST_STOPS = 1.4
+SUN_TO_SKY = 5.0  # light of a high sun on a level surface for each of the clear sky, CIE 110
+BOUNCED = 0.25  # of the light of the sky that walls give back
+COLUMNS, ROWS = np.linspace(-0.8, 0.8, 5), np.linspace(-0.95, 0.35, 8)  # of the picture, -1 to 1
+FARTHEST = 60.0  # metres from the eye to the ground that is metered
+HIGHEST = 80.0  # metres from metered ground to houses that may shade it
+ABOVE = 0.3  # metres above the ground at which light is measured
+SOLID = ("buildings", "structures", "decks")  # layers that shade
+# Directions over the sky, of equal weight for a level surface.
+RINGS, SECTORS = 3, 8
+
+
+def shade_stops(view: View, camera: Camera, environment: Environment) -> float:
+    """Return the stops by which a camera opens for ground in shade; 0 where the sun shines.
+
+    Parameters
+    ----------
+    view
+        The city; its solid layers cast the shade.
+    camera
+        What sees the ground. Only ground in the picture counts, and what no house hides.
+    environment
+        Where the sun stands.
+    """
+    if environment.sun_elevation <= 0:
+        return 0.0
+    ground = float(view.terrain.height_at([camera.position[:2]])[0])
+    spots = ground_seen(camera, ground)
+    solid = solid_near(view, camera.position)
+    eye = np.array(camera.position)
+    away = spots - eye
+    spots = spots[
+        ~_blocked(solid, np.broadcast_to(eye, spots.shape), away, np.linalg.norm(away, axis=1))
+    ]
+    if not len(spots):
+        return 0.0
+    light = np.mean(np.log2(light_on(spots, solid, environment)))
+    return float(np.clip(-FOLLOWED * light, 0.0, MOST_STOPS))
+
+
+def ground_seen(camera: Camera, ground: float) -> FloatArray:
+    """(n, 3) places a little above level ground that a grid of the picture's rays meets."""
+    half = tan(camera.hfov / 2)
+    x, y = (part.ravel() for part in np.meshgrid(COLUMNS * half, ROWS * half * camera.height
+                                                 / camera.width))  # fmt: skip
+    ahead = np.array([sin(camera.heading), cos(camera.heading), 0.0])
+    right = np.array([ahead[1], -ahead[0], 0.0])
+    up = np.array([0.0, 0.0, 1.0])
+    forward = cos(camera.pitch) * ahead + sin(camera.pitch) * up
+    top = cos(camera.pitch) * up - sin(camera.pitch) * ahead
+    rays = forward + x[:, None] * right + y[:, None] * top
+    fall = camera.position[2] - (ground + ABOVE)
+    rays = rays[rays[:, 2] * FARTHEST < -abs(fall) * 0.5]
+    met = np.array(camera.position) + rays * (fall / -rays[:, 2])[:, None]
+    near = np.hypot(*(met - camera.position)[:, :2].T) < FARTHEST
+    return np.asarray(met[near & (fall > 0)])
+
+
+def light_on(spots: FloatArray, solid: BVHTree, environment: Environment) -> FloatArray:
+    """(n,) light on level places as a share of that in the open under the same sun and sky."""
+    elevation, azimuth = environment.sun_elevation, environment.sun_azimuth
+    level = cos(elevation)
+    sun = np.array([level * sin(azimuth), level * cos(azimuth), sin(elevation)])
+    lit = ~_blocked(solid, spots, np.broadcast_to(sun, spots.shape))
+    rings = (np.arange(RINGS) + 0.5) / RINGS
+    turn = 2 * pi * (np.arange(SECTORS) + 0.5) / SECTORS
+    out, high = np.sqrt(rings), np.sqrt(1 - rings)
+    sky = np.stack(
+        [np.outer(out, np.sin(turn)), np.outer(out, np.cos(turn)), np.repeat(high, SECTORS).reshape(
+            RINGS, SECTORS)], axis=-1,
+    ).reshape(-1, 3)  # fmt: skip
+    blocked = _blocked(solid, np.repeat(spots, len(sky), axis=0), np.tile(sky, (len(spots), 1)))
+    seen = 1 - blocked.reshape(len(spots), -1).mean(axis=1)
+    power = SUN_TO_SKY * sin(elevation)
+    found = power * lit + seen + BOUNCED * (1 - seen)
+    return np.asarray(found / (power + 1))
+
+
+def solid_near(view: View, place: tuple[float, float, float]) -> BVHTree:
+    """Return the faces of solid layers near enough to shade what is metered from a place."""
+    corners, faces, count = [np.zeros((0, 3))], [np.zeros((0, 3), np.int64)], 0
+    for layer in SOLID:
+        mesh = view.scene.meshes.get(layer)
+        if mesh is None:
+            continue
+        triangles = mesh.triangles()[0]
+        gap = np.abs(mesh.vertices[:, :2] - np.array(place[:2])).max(axis=1)
+        near = triangles[(gap < FARTHEST + HIGHEST)[triangles].any(axis=1)]
+        used, index = np.unique(near, return_inverse=True)
+        corners.append(mesh.vertices[used])
+        faces.append(index.reshape(-1, 3) + count)
+        count += len(used)
+    return BVHTree.FromPolygons(
+        np.concatenate(corners).tolist(), np.concatenate(faces).tolist(), all_triangles=True
+    )
+
+
+def _blocked(
+    solid: BVHTree, origins: FloatArray, directions: FloatArray, reach: FloatArray | None = None
+) -> NDArray[np.bool_]:
+    """(r,) whether rays meet a face within their reach, metres; without limit where it is None."""
+    far = np.full(len(origins), HIGHEST + FARTHEST) if reach is None else reach
+    rays = zip(origins.tolist(), directions.tolist(), far.tolist(), strict=True)
+    return np.array([solid.ray_cast(*ray)[0] is not None for ray in rays], bool)

@@ -1,0 +1,86 @@
+"""Symbols on lanes: arrows before junctions, and what bus and cycle lanes are for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from cityx.city.section import KIND, TRAVELLED, TURN
+from cityx.geometry.polylines import every, locate
+from cityx.plugins.road.lanes import turns_of_lanes
+from cityx.plugins.road.marks import (
+    STOP,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    Marks,
+    Street,
+    lane_count,
+)
+from cityx.plugins.road.symbols import LENGTH, arrow, bicycle, placed, word
+
+EVERY = 60.0  # metres between symbols on a bus or cycle lane
+LEAST_SYMBOL = 1.2  # metres of a lane with a symbol
+FROM_LINE = (1.5, 21.5)  # metres from the stop line to the tips of arrows
+_MOVING = [KIND[name] for name in TRAVELLED]
+
+
+def lane_symbols(street: Street, chosen: BoolArray) -> Marks:
+    """Paint arrows before junctions, and what bus and cycle lanes are for behind them."""
+    network, lines, bands = street.network, street.lines, street.bands
+    begin, end = street.free
+    lanes = np.flatnonzero(np.isin(bands.kind, _MOVING) & (bands.direction != 0))
+    lanes = lanes[chosen[bands.edge[lanes]] & (bands.width[lanes] > LEAST_SYMBOL)]
+    edge = bands.edge[lanes]
+    ahead = bands.direction[lanes] > 0
+    room = (end - begin)[edge]
+    shapes, edges = [], []
+
+    def paint(outline: Any, rows: IntArray, along: FloatArray) -> None:
+        """Put an outline `along` metres into the free part of lanes, in their direction."""
+        own = edge[rows]
+        place = np.where(ahead[rows], begin[own] + along, end[own] - along)
+        position, direction = locate(lines, own, place)
+        sign = np.where(ahead[rows], 1.0, -1.0)
+        lateral = bands.middle[lanes[rows]] * sign
+        made = placed(outline, position, direction * sign[:, None], lateral)
+        shapes.append(made)
+        edges.append(np.repeat(own, len(made) // max(len(own), 1)))
+
+    at_node = np.where(ahead, network.edge_nodes[edge, 1], network.edge_nodes[edge, 0])
+    junction = network.node_degree[at_node] >= 3
+    turns = np.where(bands.turns[lanes] > 0, bands.turns[lanes], _meant(street, chosen)[lanes])
+    for bits in np.unique(turns[turns > 0]).tolist():
+        for gap in FROM_LINE:
+            back = STOP + gap + LENGTH
+            rows = np.flatnonzero((turns == bits) & junction & (room > back + 2.0))
+            paint(arrow(int(bits)), rows, room[rows] - back)
+    kind = bands.kind[lanes]
+    for name, outline in (("bus", word("BUS")), ("cycle", bicycle())):
+        rows = np.flatnonzero(kind == KIND[name])
+        which, along = every(room[rows], EVERY, 6.0)
+        paint(outline, rows[which], along)
+    if not shapes:
+        return np.zeros(0, object), np.zeros(0, np.int64)
+    return np.concatenate(shapes), np.concatenate(edges).astype(np.int64)
+
+
+def _meant(street: Street, chosen: BoolArray) -> IntArray:
+    """(b,) turns that lanes of cars allow under signals where no tag of their arm tells any.
+
+    Only where cars arrive in several lanes, since one lane alone serves all.
+    """
+    network, bands = street.network, street.bands
+    meant = np.zeros(len(bands.edge), np.int64)
+    drive = bands.kind == KIND["drive"]
+    for end, direction in ((0, -1), (1, 1)):
+        asked = street.signalled[network.edge_nodes[:, end]] & chosen
+        asked &= lane_count(bands, network.edge_count, direction) >= 2
+        along = bands.direction == direction
+        asked[bands.edge[(bands.turns > 0) & along]] = False
+        rows = drive & along & asked[bands.edge]
+        if rows.any():
+            meant[rows] = turns_of_lanes(street.layout, network, bands)[rows]
+    # Back along one's own street is nobody's lane.
+    return meant & ~TURN["reverse"]

@@ -1,0 +1,196 @@
+"""Lines that lead across junctions, and boxes that stay free."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+
+from cityx.city.ground import LABEL, SURFACES
+from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrangement import Regions, regions
+from cityx.geometry.polylines import Polylines, arc_lengths, every, line_strips, locate, pieces
+from cityx.plugins.road.carriageway import Carriageway
+from cityx.plugins.road.lane_lines import Partings
+from cityx.plugins.road.marks import (
+    LINE,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    Marks,
+    Shapes,
+    Street,
+    hatched,
+)
+from cityx.plugins.road.through_roads import Through
+
+DASH, GAP = 1.0, 1.0  # metres of the lines of a road that goes straight on
+CYCLE_DASH, CYCLE_GAP = 0.5, 0.5  # metres beside bicycles that cross (German Furt, Dutch blocks)
+LONGEST = 60.0  # metres across a junction; farther apart no line leads
+STEPS = 8  # pieces of a line that bends
+CLASSIFIED = 3  # rank of a tertiary road; at signals of such roads the box stays free
+BOX_INSET, BOX_FLARE = 0.4, 2.0  # metres from the arms, and of kerb curves left out
+BOX_LINE, BOX_SPACING = 0.2, 2.5  # metres (TSRGD 2016, diagram 1043)
+LARGEST_BOX = 900.0  # square metres
+ROLES = 4096  # what the lines of a road part, told apart by number
+
+
+def guide_lines(
+    street: Street,
+    found: Partings,
+    through: Through,
+    painted: BoolArray,
+    road: Carriageway,
+    *,
+    stems: bool,
+) -> tuple[Marks, BoolArray]:
+    """Lead the lines of major roads across junctions, and those of cycle lanes.
+
+    Lines between lanes of equal number and beside cycle lanes go on everywhere, that between the
+    directions only where nothing halts their traffic. Where `stems` of equals give way, the road
+    they end at is major too. Also returns which part the two directions.
+    """
+    major = through.major | (through.tee & stems)
+    chosen = np.flatnonzero(major & painted[through.edge].all(axis=1))
+    first, second, row = _continued(street, found, through, chosen)
+    lines = _curves(street, found, through, chosen[row], first, second)
+    length = arc_lengths(lines)[1]
+    good = (length > DASH) & (length < LONGEST)
+    shapes, edges, centre = [np.zeros(0, object)], [np.zeros(0, np.int64)], [np.zeros(0, bool)]
+    for cycle, dash, gap, width in (
+        (False, DASH, GAP, LINE), (True, CYCLE_DASH, CYCLE_GAP, 2 * LINE),
+    ):  # fmt: skip
+        own = np.flatnonzero(good & (found.cycle[first] == cycle))
+        which, along = every(length[own], dash + gap, dash / 2 + gap / 2)
+        own = own[which]
+        cut = pieces(lines, own, along - dash / 2, along + dash / 2)
+        shapes.append(line_strips(cut, np.zeros(len(own)), width))
+        edges.append(found.edge[first[own]])
+        centre.append(found.centre[first[own]])
+    marks, middle = np.concatenate(shapes), np.concatenate(centre)
+    paved = _paved(marks, road)
+    return (marks[paved], np.concatenate(edges)[paved]), middle[paved]
+
+
+def _continued(
+    street: Street, found: Partings, through: Through, chosen: IntArray
+) -> tuple[IntArray, IntArray, IntArray]:
+    """Pair the lines of both arms: rows of `found` before and behind, and the row of `chosen`."""
+    sides: list[tuple[IntArray, IntArray]] = []
+    for arm, leaving in ((0, False), (1, True)):
+        edge, side = through.edge[chosen, arm], through.side[chosen, arm]
+        # Seen as one travels from the first arm into the second.
+        onward = np.where((side == 0) == leaving, 1, -1)
+        low = np.searchsorted(found.edge, edge)
+        size = np.searchsorted(found.edge, edge, side="right") - low
+        pair = np.repeat(np.arange(len(edge)), size)
+        line = low[pair] + np.arange(len(pair)) - np.repeat(np.cumsum(size) - size, size)
+        sides.append((_roles(found, pair, line, onward[pair]), line))
+    (keys, lines), (other_keys, other_lines) = sides
+    _, here, there = np.intersect1d(keys, other_keys, return_indices=True)
+    first, second = lines[here], other_lines[there]
+    row = keys[here] // ROLES
+    pair = chosen[row]
+    zebra = street.network.crossing[through.edge[pair], through.side[pair]].any(axis=1)
+    halted = street.signalled[through.node[pair]] | zebra
+    lanes = ~found.centre[first] & ~found.mixed[first]
+    kept = found.cycle[first] | (found.centre[first] & ~halted) | lanes
+    return first[kept], second[kept], row[kept]
+
+
+def _roles(found: Partings, pair: IntArray, line: IntArray, onward: IntArray) -> IntArray:
+    """Return the (k,) pair and role of each line, the same number before and behind a junction.
+
+    Lines between lanes count from the right among those of their direction, and only roads with
+    equally many have the same.
+    """
+    centre, cycle = found.centre[line], found.cycle[line]
+    lateral = found.lateral[line] * onward
+    ahead = found.direction[line] * onward > 0
+    kind = np.select([centre, cycle & (lateral > 0), cycle], [0, 1, 2], 3 + ahead)
+    group = pair * 8 + kind
+    order = np.lexsort((lateral, group))
+    place = np.empty(len(line), np.int64)
+    begin = np.searchsorted(group[order], group[order])
+    place[order] = np.arange(len(line)) - begin
+    count = np.bincount(group, minlength=1)[group] if len(group) else group
+    return np.asarray(pair * ROLES + kind * 512 + np.minimum(count, 15) * 32 + place)
+
+
+def _curves(
+    street: Street, found: Partings, through: Through, pair: IntArray, first: IntArray,
+    second: IntArray,
+) -> Polylines:  # fmt: skip
+    """Cubic curves from the ends of lines to those that continue them."""
+    a, ahead = _ends(street, found, through, pair, 0, first)
+    d, back = _ends(street, found, through, pair, 1, second)
+    handle = np.hypot(*(d - a).T)[:, None] / 3
+    b, c = a + ahead * handle, d + back * handle
+    t = (np.arange(STEPS + 1) / STEPS)[None, :, None]
+    p, q, r, s = (point[:, None] for point in (a, b, c, d))
+    curve = (1 - t) ** 3 * p + 3 * (1 - t) ** 2 * t * q + 3 * (1 - t) * t**2 * r + t**3 * s
+    start = np.arange(len(first) + 1, dtype=np.int64) * (STEPS + 1)
+    return Polylines(np.round(curve.reshape(-1, 2), 6), start)
+
+
+def _ends(
+    street: Street, found: Partings, through: Through, pair: IntArray, arm: int, line: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Where lines end at the junction, and the unit vectors on into it, (k, 2) each."""
+    network = street.network
+    edge, side = found.edge[line], through.side[pair, arm]
+    free = np.where(side == 0, street.free[0][edge], street.length[edge] - street.free[1][edge])
+    back = np.where(network.crossing[edge, side], network.trim[edge, side], free)
+    along = np.where(side == 0, back, street.length[edge] - back)
+    position, direction = locate(street.lines, edge, along)
+    left = np.column_stack([-direction[:, 1], direction[:, 0]])
+    into = np.where(side == 0, -1.0, 1.0)[:, None]
+    return position + left * found.lateral[line][:, None], direction * into
+
+
+def _paved(marks: Shapes, road: Carriageway) -> BoolArray:
+    """Mark what lies wholly on a junction or a carriageway."""
+    paved = np.zeros(len(marks), bool)
+    for surfaces in (road.stars, road.strips):
+        paved[shapely.STRtree(surfaces).query(marks, predicate="covered_by")[0]] = True
+    return paved
+
+
+def box_junctions(street: Street, road: Carriageway) -> Regions:
+    """Hatch the middle of junctions under signals where classified roads meet."""
+    network = street.network
+    classified = np.bincount(network.edge_nodes[street.rank <= CLASSIFIED].ravel(),
+                             minlength=len(network.node_position))  # fmt: skip
+    node = np.flatnonzero(street.signalled & (classified >= 3))
+    if not len(node) or not len(road.stars):
+        return Regions()
+    places = shapely.points(network.node_position[node])
+    at, star = shapely.STRtree(road.stars).query(places, predicate="within")
+    star, first = np.unique(star, return_index=True)
+    shapes = [
+        _box(road.stars[own], _direction(network, int(node[at[row]])))
+        for own, row in zip(star.tolist(), first.tolist(), strict=True)
+        if road.stars[own].area < LARGEST_BOX
+    ]
+    label = LABEL["marking_yellow"]
+    return regions(np.array(shapes, object), label, SURFACES[label].priority)
+
+
+def _direction(network: RoadNetwork, node: int) -> FloatArray:
+    """Return the unit vector along the widest road that meets at a node."""
+    edge = np.flatnonzero((network.edge_nodes == node).any(axis=1))
+    widest = int(edge[np.argmax(network.half_width[edge])])
+    ends = network.node_position[network.edge_nodes[widest]]
+    step = ends[1] - ends[0]
+    return np.asarray(step / max(float(np.hypot(*step)), 1e-9))
+
+
+def _box(star: Any, along: FloatArray) -> Any:
+    """Rim and crossed bars of one box, at 45 degrees to the road."""
+    opened = shapely.buffer(star, -BOX_INSET - BOX_FLARE, join_style="mitre")
+    shape = shapely.buffer(opened, BOX_FLARE, join_style="mitre")
+    rim = shapely.difference(shape, shapely.buffer(shape, -BOX_LINE, join_style="mitre"))
+    turn = np.sqrt(0.5) * np.array([[1.0, -1.0], [1.0, 1.0]])
+    bars = [hatched(shape, way @ along, BOX_SPACING, BOX_LINE) for way in (turn, turn.T)]
+    return shapely.union_all([rim, *bars])

@@ -1,0 +1,148 @@
+"""Lines where traffic halts or gives way, and the words and triangles before them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+
+from cityx.city.section import KIND, TRAVELLED
+from cityx.geometry.polylines import every, locate
+from cityx.plugins.road.marks import (
+    BEFORE,
+    STOP,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    Marks,
+    Street,
+    boxes,
+    signals_near,
+    spans_of,
+    together,
+)
+from cityx.plugins.road.painting import Painting
+from cityx.plugins.road.roundabouts import ring_edges, ring_nodes
+from cityx.plugins.road.symbols import give_way_triangle, placed, word
+from cityx.plugins.road.through_roads import Through, stems
+
+# Depth and width of a mark, the gap after it, and how far behind a second row begins, metres.
+TOOTH = (0.6, 0.5, 0.4, 0.0)
+GIVE_WAY = (0.3, 0.5, 0.25, 0.0)
+DOUBLE = (0.2, 0.6, 0.3, 0.5)  # TSRGD 2016, diagram 1003
+RING_GAP = 0.3  # metres from a roundabout to the line of those who enter
+YIELDING = 4  # rank of a road to which every lower one gives way
+BEHIND_LINE = 2.1  # metres from the line to a triangle or a word
+LEAST_ROOM = 12.0  # metres of street that a triangle or a word needs
+LEAST_LANE = 2.4  # metres of a lane with a triangle or a word
+_MOVING = [KIND[name] for name in TRAVELLED]
+
+
+def halt_lines(street: Street, chosen: BoolArray, painting: Painting, through: Through) -> Marks:
+    """Lines where traffic that arrives halts or gives way.
+
+    A stop line lies before signals, stop signs and the zebras of a junction; at the mouths of
+    minor roads and of the arms of a roundabout it is what the country paints to give way.
+    """
+    network = street.network
+    layout, length = street.layout, street.length
+    ring, on_ring = ring_edges(layout, network), ring_nodes(layout, network)
+    spots = shapely.points(network.node_position)
+    ruled = signals_near(spots, layout, ("traffic_signals", "stop"))
+    ending = stems(street, through) & painting.stems
+    found = []
+    for end in (0, 1):
+        node = network.edge_nodes[:, end]
+        enters = on_ring[node] & ~ring
+        minor = (street.rank > street.best[node]) & (street.best[node] <= YIELDING)
+        minor = ((minor | ending[:, end]) & ~ring) | enters
+        zebra = network.crossing[:, end]
+        stops = chosen & (network.node_degree[node] >= 3)
+        stops &= minor | zebra | street.signalled[node]
+        # Only where lanes arrive at this end: not at the start of a one-way street.
+        low, high = _arriving(street, end)
+        stops &= high > low
+        behind = network.trim[:, end] + np.where(
+            zebra, street.setback[:, end] + street.depth + BEFORE, BEFORE
+        )
+        # Where the zebra stands back from a ring, one gives way between the two.
+        behind = np.where(enters, network.trim[:, end] + RING_GAP, behind)
+        yields = minor & ~ruled[node] & (~zebra | enters)
+        plain = stops & ~(yields & (painting.give_way != "stop"))
+        for rows, shape in ((plain, "stop"), (stops & ~plain, painting.give_way)):
+            edge = np.flatnonzero(rows)
+            span = behind[edge], low[edge], high[edge]
+            found.append(_line_across(street, edge, end, *span, shape))
+        roomy = length - network.trim.sum(axis=1) > LEAST_ROOM
+        roomy &= stops & yields & ~enters & (high > low + LEAST_LANE)
+        edge = np.flatnonzero(roomy)
+        middle = (low[edge] + high[edge]) / 2
+        found.append(_told(street, edge, end, behind[edge], middle, painting))
+    return together(found)
+
+
+def _arriving(street: Street, end: int) -> tuple[FloatArray, FloatArray]:
+    """(e,) bounds of the lanes that arrive at an end; of a lane for both ways its own half."""
+    bands, network = street.bands, street.network
+    low, high = spans_of(bands, network.edge_count, 1 if end == 1 else -1)
+    rows = np.flatnonzero(np.isin(bands.kind, _MOVING) & (bands.direction == 0))
+    edge = bands.edge[rows]
+    # Along the edge one keeps to its right, against it to its left; left-hand traffic the reverse.
+    on_left = (end == 0) != network.left_hand[edge]
+    low[edge] = np.where(on_left, bands.middle[rows], bands.right[rows])
+    high[edge] = np.where(on_left, bands.left[rows], bands.middle[rows])
+    return low, high
+
+
+def _line_across(
+    street: Street, edge: IntArray, end: int, behind: FloatArray, low: FloatArray,
+    high: FloatArray, shape: str,
+) -> Marks:  # fmt: skip
+    """Paint a stop line, a row of give-way triangles or rows of dashes across lanes that arrive."""
+    lines, length = street.lines, street.length
+    sign = 1.0 if end == 0 else -1.0
+    if shape == "stop":
+        back = behind + STOP / 2
+        along = back if end == 0 else length[edge] - back
+        return boxes(lines, edge, along, (low + high) / 2, STOP, high - low - 0.3)
+    row = {"teeth": TOOTH, "dashes": GIVE_WAY, "double dashes": DOUBLE}[shape]
+    depth, size, gap, second = row
+    which, at = every(high - low, size + gap, size / 2 + 0.15)
+    edge, behind, lateral = edge[which], behind[which], low[which] + at
+    back = behind + depth / 2
+    along = back if end == 0 else length[edge] - back
+    if shape != "teeth":
+        rows = [boxes(lines, edge, along + sign * more, lateral, depth, np.full(len(edge), size))
+                for more in ((0.0, second) if second else (0.0,))]  # fmt: skip
+        return together(rows)
+    position, direction = locate(lines, edge, along)
+    across = np.column_stack([-direction[:, 1], direction[:, 0]])
+    centre = position + across * lateral[:, None]
+    # The tips point at those who arrive.
+    tip = direction * (sign * depth / 2)
+    base = across * (size / 2)
+    corners = np.stack([centre + tip, centre - tip + base, centre - tip - base], axis=1)
+    return np.asarray(shapely.polygons(corners)), edge
+
+
+def _told(
+    street: Street, edge: IntArray, end: int, behind: FloatArray, lateral: FloatArray,
+    painting: Painting,
+) -> Marks:  # fmt: skip
+    """Paint what the country writes behind the line of a minor road."""
+    outline = _legend(painting)
+    if outline is None or not len(edge):
+        return np.zeros(0, object), np.zeros(0, np.int64)
+    sign = 1.0 if end == 0 else -1.0
+    back = behind + BEHIND_LINE + shapely.bounds(outline)[2]
+    along = back if end == 0 else street.length[edge] - back
+    position, direction = locate(street.lines, edge, along)
+    made = placed(outline, position, -sign * direction, -sign * lateral)
+    return made, np.repeat(edge, len(made) // len(edge))
+
+
+def _legend(painting: Painting) -> Any:
+    if painting.give_way == "double dashes":
+        return give_way_triangle()
+    return word(painting.stop_word) if painting.stop_word else None

@@ -1,0 +1,195 @@
+"""What the marks of streets share: their frame, where lines may run, and plain shapes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.layout import Layout
+from cityx.city.roads import RoadNetwork
+from cityx.city.section import KIND, TRAVELLED
+from cityx.geometry.polylines import Polylines, arc_lengths, locate
+from cityx.plugins.road.roundabouts import ring_edges, ring_nodes
+from cityx.plugins.road.sections import Bands
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+Shapes = NDArray[Any]
+Marks = tuple[Shapes, IntArray]  # polygons and the edge each lies on
+
+LINE = 0.12  # metres, width of a longitudinal line
+STOP = 0.4  # metres, width of a stop line
+BEFORE = 1.0  # metres from the stop line to the zebra or the junction
+ZEBRA, WIDE_ZEBRA = 3.0, 4.0  # metres along the road, on a street and on a main road
+SETBACK, RING_SETBACK = 0.5, 5.0  # metres from the junction, or a roundabout's, to the zebra
+SIGNAL_REACH = 25.0  # metres from a junction or crossing to the signals or signs that rule it
+MAIN = ("primary", "secondary", "tertiary", "trunk")
+QUIET = ("service", "track")  # a drive that meets a street makes no junction of it
+RANK = (
+    "motorway", "trunk", "primary", "secondary", "tertiary", "unclassified", "residential",
+)  # fmt: skip
+_MOVING = [KIND[name] for name in TRAVELLED]
+_FOR_CARS = [KIND[name] for name in ("drive", "bus")]
+
+
+@dataclass(frozen=True)
+class Street:
+    """What the marks of one network share, e edges.
+
+    Attributes
+    ----------
+    layout, network, bands
+        What is painted.
+    lines, length
+        Centrelines and their lengths, metres.
+    kind
+        (e,) class of the road.
+    setback
+        (e, 2) float, metres from the junctions at both ends to a zebra.
+    depth
+        (e,) float, metres of a zebra along the road.
+    """
+
+    layout: Layout
+    network: RoadNetwork
+    lines: Polylines
+    length: FloatArray
+    kind: NDArray[np.str_]
+    bands: Bands
+    setback: FloatArray
+    depth: FloatArray
+
+    @property
+    def free(self) -> tuple[FloatArray, FloatArray]:
+        """Begin and end of the part of each edge that carries longitudinal lines."""
+        network = self.network
+        taken = self.setback + self.depth[:, None] + BEFORE + STOP + 0.3
+        room = network.trim + np.where(network.crossing, taken, np.where(network.trim > 0, 1.0, 0))
+        return room[:, 0], self.length - room[:, 1]
+
+    @cached_property
+    def rank(self) -> IntArray:
+        """(e,) place of the road's class in `RANK`, or behind the last; ramps rank as roads do."""
+        rank = np.full(len(self.kind), len(RANK))
+        for value, word in enumerate(RANK):
+            rank[np.char.startswith(self.kind, word)] = value
+        return rank
+
+    @cached_property
+    def best(self) -> IntArray:
+        """(n,) rank of the highest of the roads that meet at a node."""
+        best = np.full(len(self.network.node_position), len(RANK))
+        np.minimum.at(best, self.network.edge_nodes, self.rank[:, None] * np.ones(2, int))
+        return best
+
+    @cached_property
+    def joint(self) -> BoolArray:
+        """(n,) whether streets meet at a node, rather than drives that join one."""
+        network = self.network
+        street = ~np.isin(self.kind, QUIET)
+        count = np.bincount(network.edge_nodes[street].ravel(), minlength=len(self.best))
+        return count >= 3
+
+    @cached_property
+    def signalled(self) -> BoolArray:
+        """(n,) whether streets meet at a node under signals."""
+        places = shapely.points(self.network.node_position)
+        return self.joint & signals_near(places, self.layout, ("traffic_signals",))
+
+
+def street_of(layout: Layout, network: RoadNetwork, bands: Bands) -> Street:
+    """Gather what marks depend on."""
+    lines = Polylines(network.points, network.point_start)
+    kind = layout.roads["kind"].to_numpy()[network.edge_road].astype(str)
+    main = np.isin(kind, MAIN)
+    at_ring = ring_nodes(layout, network)[network.edge_nodes]
+    setback = np.where(at_ring & ~ring_edges(layout, network)[:, None], RING_SETBACK, SETBACK)
+    depth = np.where(main, WIDE_ZEBRA, ZEBRA)
+    # A short arm has no room for the distance from a ring.
+    length = arc_lengths(lines)[1]
+    tight = (length - network.trim.sum(axis=1))[:, None] < setback + depth[:, None] + 6.0
+    return Street(
+        layout, network, lines, length, kind, bands, np.where(tight, SETBACK, setback), depth
+    )
+
+
+def painted_edges(street: Street, on_ground: BoolArray) -> BoolArray:
+    """(e,) edges on the ground, long enough and paved so that paint holds."""
+    room = street.length - street.network.trim.sum(axis=1) > 4.0
+    surface = street.layout.roads["surface"].to_numpy()[street.network.edge_road].astype(str)
+    return np.asarray(on_ground & room & np.isin(surface, ("asphalt", "concrete", "paved", "")))
+
+
+def spans_of(bands: Bands, count: int, direction: int) -> tuple[FloatArray, FloatArray]:
+    """(e,) lateral bounds of the lanes of one direction; empty where there are none."""
+    rows = np.flatnonzero(np.isin(bands.kind, _MOVING) & (bands.direction == direction))
+    low, high = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(low, bands.edge[rows], bands.right[rows])
+    np.maximum.at(high, bands.edge[rows], bands.left[rows])
+    return low, high
+
+
+def lane_count(bands: Bands, count: int, direction: int) -> IntArray:
+    """(e,) number of lanes for cars in one direction."""
+    cars = np.isin(bands.kind, _FOR_CARS) & (bands.direction == direction)
+    return np.bincount(bands.edge[cars], minlength=count)
+
+
+def signals_near(spots: Shapes, layout: Layout, kinds: tuple[str, ...]) -> BoolArray:
+    """(k,) whether points of some kinds lie near places, as signals and signs do."""
+    found = np.zeros(len(spots), bool)
+    places = layout.points.geometry.to_numpy()[layout.points["kind"].isin(kinds).to_numpy()]
+    if len(places):
+        tree = shapely.STRtree(places)
+        found[tree.query(spots, predicate="dwithin", distance=SIGNAL_REACH)[0]] = True
+    return found
+
+
+def together(marks: list[Marks]) -> Marks:
+    """Join marks in their order."""
+    return np.concatenate([mark for mark, _ in marks]), np.concatenate([edge for _, edge in marks])
+
+
+def boxes(
+    lines: Polylines,
+    edge: IntArray,
+    along: FloatArray,
+    lateral: FloatArray,
+    length: FloatArray | float,
+    width: FloatArray,
+) -> Marks:
+    """Rectangles in the frame of their edge, `length` along it and `width` across."""
+    keep = width > 0.1
+    length = np.broadcast_to(np.asarray(length, float), len(keep))[keep]
+    edge, along, lateral, width = edge[keep], along[keep], lateral[keep], width[keep]
+    if not len(edge):
+        return np.zeros(0, object), edge
+    position, direction = locate(lines, edge, along)
+    across = np.column_stack([-direction[:, 1], direction[:, 0]])
+    centre = position + across * lateral[:, None]
+    u, v = direction * (length / 2)[:, None], across * (width / 2)[:, None]
+    corners = np.stack([centre - u - v, centre + u - v, centre + u + v, centre - u + v], axis=1)
+    return np.asarray(shapely.polygons(corners)), edge
+
+
+def hatched(shape: Any, along: FloatArray, spacing: float, width: float) -> Any:
+    """Return bars within a shape, `spacing` metres from middle to middle, along a unit vector."""
+    across = np.array([-along[1], along[0]])
+    corners = shapely.get_coordinates(shape)
+    if not len(corners):
+        return shape
+    low, high = (corners @ across).min(), (corners @ across).max()
+    near, far = (corners @ along).min(), (corners @ along).max()
+    # Counted from the origin, so that the bars of neighbours are in line.
+    place = np.arange(np.ceil(low / spacing), np.floor(high / spacing) + 1) * spacing
+    ends = [place[:, None] * across + reach * along for reach in (near, far)]
+    bars = shapely.buffer(
+        shapely.linestrings(np.stack(ends, axis=1)), width / 2, cap_style="flat"
+    )  # fmt: skip
+    return shapely.intersection(shapely.union_all(bars), shape)

@@ -1,0 +1,131 @@
+"""Yards: beds and parking bays that break the paving between houses in town."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.ground import LABEL
+from cityx.city.layout import Layout
+from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrangement import Regions, regions
+from cityx.geometry.clearance import near_any
+from cityx.geometry.identity import choose, uniform
+from cityx.geometry.polylines import Polylines, to_linestrings
+from cityx.geometry.scatter import candidates, cells_of_polygons, thin
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+PURPOSE = "ground/patch"
+SPACING = 11.0  # metres between the middles of patches
+REACH = 12.0  # metres from a house within which its yard lies
+FROM_WALL, FROM_STREET, FROM_PATH = 1.6, 4.5, 2.0  # metres that stay free for those who walk
+# What a patch is, how often, and the range of its length and depth in metres.
+KINDS = (("", 4, (0.0, 0.0), (0.0, 0.0)), ("grass", 5, (4.0, 10.0), (2.0, 5.0)),
+         ("bare", 1, (3.0, 6.0), (2.0, 4.0)), ("parking", 2, (7.5, 15.0), (5.0, 5.0)))  # fmt: skip
+BAY = 2.5  # metres, width of a parking bay
+PRIORITY = 6  # above the paving of dense blocks, below gardens and all that a map shows
+
+
+@dataclass(frozen=True)
+class Patches:
+    """Rectangles in yards, p of them.
+
+    Attributes
+    ----------
+    id
+        (p,) uint64.
+    middle
+        (p, 2) float.
+    along
+        (p, 2) float, unit vector of the long side, which is that of the nearest house.
+    size
+        (p, 2) float, metres along and across.
+    label
+        (p,) label of the ground.
+    """
+
+    id: NDArray[np.uint64]
+    middle: FloatArray
+    along: FloatArray
+    size: FloatArray
+    label: NDArray[np.int64]
+
+    def take(self, rows: Any) -> Patches:
+        """Return the given patches (indices or mask)."""
+        return Patches(self.id[rows], self.middle[rows], self.along[rows], self.size[rows],
+                       self.label[rows])  # fmt: skip
+
+    @property
+    def shapes(self) -> NDArray[Any]:
+        """(p,) polygons."""
+        u = self.along * self.size[:, :1] / 2
+        v = np.column_stack([-self.along[:, 1], self.along[:, 0]]) * self.size[:, 1:] / 2
+        corners = np.stack([-u - v, u - v, u + v, v - u], axis=1) + self.middle[:, None]
+        return np.asarray(shapely.polygons(corners))
+
+
+def yard_patches(layout: Layout, network: RoadNetwork) -> Patches:
+    """Draw patches between the houses of towns, clear of walls, streets and paths.
+
+    They depend on their place alone, and on what is near.
+    """
+    buildings = layout.buildings
+    houses = buildings.geometry.to_numpy()
+    urban = np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))
+    around = shapely.box(*(shapely.bounds(houses[urban]) + REACH * np.array([-1, -1, 1, 1])).T)
+    found = candidates(cells_of_polygons(around, SPACING), SPACING, seed=0, purpose=PURPOSE)
+    found = thin(found, SPACING)
+    kind = choose(0, PURPOSE, found.id, [weight for _, weight, _, _ in KINDS])
+    some = (kind > 0) & ~near_any(found.xy, houses, FROM_WALL)
+    ids, middle, kind = found.id[some], found.xy[some], kind[some]
+    if not len(ids):
+        none = np.zeros((0, 2))
+        return Patches(ids, none, none, none, np.zeros(0, np.int64))
+    label = np.array([LABEL[name or "courtyard"] for name, _, _, _ in KINDS])[kind]
+    drawn = np.column_stack([uniform(0, f"{PURPOSE}/{side}", ids) for side in ("long", "deep")])
+    low, high = (np.array([[length[end], depth[end]] for _, _, length, depth in KINDS])[kind]
+                 for end in (0, 1))  # fmt: skip
+    size = low + drawn * (high - low)
+    bays = label == LABEL["parking"]
+    size[bays, 0] = np.round(size[bays, 0] / BAY) * BAY
+    near = shapely.STRtree(houses).query_nearest(shapely.points(middle), all_matches=False)[1]
+    house, row = np.unique(near, return_inverse=True)
+    patches = Patches(ids, middle, _long_sides(houses[house])[row], size, label)
+    return patches.take(_clear(patches.shapes, layout, network))
+
+
+def _long_sides(shapes: NDArray[Any]) -> FloatArray:
+    """(p, 2) unit vectors along the long sides of the least rectangles about shapes."""
+    corners = [shapely.get_coordinates(box)[:3] for box in shapely.oriented_envelope(shapes)]
+    ring = np.array([c if len(c) == 3 else np.eye(3, 2) for c in corners])
+    sides = ring[:, 1:] - ring[:, :-1]  # (p, 2, 2)
+    length = np.hypot(sides[..., 0], sides[..., 1])
+    long = np.take_along_axis(sides, length.argmax(axis=1)[:, None, None], axis=1)[:, 0]
+    return np.asarray(long / np.maximum(length.max(axis=1), 1e-9)[:, None])
+
+
+def _clear(shapes: NDArray[Any], layout: Layout, network: RoadNetwork) -> BoolArray:
+    """(p,) whether patches keep their distances."""
+    clear = np.ones(len(shapes), bool)
+    centre = to_linestrings(Polylines(network.points, network.point_start))
+    tree = shapely.STRtree(shapes)
+    for things, gap in (
+        (layout.buildings.geometry.to_numpy(), FROM_WALL),
+        (layout.roads.geometry.to_numpy(), FROM_PATH),
+        (centre, network.half_width + FROM_STREET),
+    ):
+        reach = np.broadcast_to(np.asarray(gap, float), len(things))
+        clear[tree.query(things, predicate="dwithin", distance=reach)[1]] = False
+    return clear
+
+
+def patch_regions(layout: Layout, network: RoadNetwork) -> Regions:
+    """Return the patches as regions of the ground."""
+    patches = yard_patches(layout, network)
+    return regions(patches.shapes, patches.label, PRIORITY)

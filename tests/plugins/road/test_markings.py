@@ -1,0 +1,178 @@
+"""What is painted where streets meet, and along kerbs."""
+
+import numpy as np
+import pytest
+import shapely
+
+from cityx.city.frame import Frame
+from cityx.city.ground import LABEL
+from cityx.plugins.road.arrows import lane_symbols
+from cityx.plugins.road.carriageway import build_carriageway
+from cityx.plugins.road.guides import box_junctions
+from cityx.plugins.road.halts import halt_lines
+from cityx.plugins.road.kerb_lines import kerb_lines
+from cityx.plugins.road.lane_lines import SOLID, lane_lines, partings_of
+from cityx.plugins.road.marks import street_of
+from cityx.plugins.road.network import road_network
+from cityx.plugins.road.painting import Painting, painting_of
+from cityx.plugins.road.sections import bands_of
+from cityx.plugins.road.streets import street_regions
+from cityx.plugins.road.symbols import word
+from cityx.plugins.road.through_roads import stems, through_roads
+
+MAIN = {"kind": "secondary", "width": 7.0, "lane_width": 3.5}
+WIDE = {"kind": "secondary", "width": 14.0, "lanes": 4, "lanes_forward": 2, "lane_width": 3.5}
+TEE = ([(-90, 0), (0, 0), (90, 0)], [(0, -90), (0, 0)])
+
+
+def street(layout):
+    network = road_network(layout)
+    return street_of(layout, network, bands_of(layout, network))
+
+
+def everywhere(found):
+    return np.ones(found.network.edge_count, bool)
+
+
+def painted(layout, painting):
+    """Return the polygons of white and of yellow paint."""
+    found, _ = street_regions(layout, road_network(layout), painting)
+    return [found.polygons[found.label == LABEL[name]] for name in ("marking", "marking_yellow")]
+
+
+def halts(layout, painting):
+    found = street(layout)
+    return halt_lines(found, everywhere(found), painting, through_roads(found))[0]
+
+
+def test_the_middle_line_of_a_major_road_leads_past_a_side_street(layout_of):
+    layout = layout_of([(TEE[0], MAIN), (TEE[1], {})])
+    inside = shapely.box(-2.5, -0.2, 2.5, 0.2)
+    white, _ = painted(layout, Painting())
+    assert shapely.intersection(shapely.union_all(white), inside).area > 0.1
+    tee = layout_of([(line, MAIN) for line in TEE])
+    for stems_yield in (True, False):
+        white, _ = painted(tee, Painting(stems=stems_yield))
+        line = shapely.intersection(shapely.union_all(white), inside).area
+        assert (line > 0.1) == stems_yield
+    equal, _ = painted(layout_of([(TEE[0], MAIN), ([(0, -90), (0, 0), (0, 90)], MAIN)]), Painting())
+    assert shapely.intersection(shapely.union_all(equal), inside).area == 0.0
+
+
+def test_cycle_lanes_are_led_across_signals_and_the_middle_line_is_not(layout_of):
+    section = "cycle 1.5 - | drive 3.5 - | drive 3.5 + | cycle 1.5 +"
+    main = MAIN | {"width": 10.0, "section": section}
+    layout = layout_of([(TEE[0], main), ([(0, -90), (0, 0), (0, 90)], {})],
+                       points=[((0, 0), "traffic_signals")])  # fmt: skip
+    white = shapely.union_all(painted(layout, Painting())[0])
+    for y, crossed in ((3.5, True), (-3.5, True), (0.0, False)):
+        line = shapely.intersection(white, shapely.box(-3, y - 0.3, 3, y + 0.3)).area
+        assert (line > 0.3) == crossed
+
+
+def test_lines_are_unbroken_before_signals(layout_of):
+    cross = [([(-90, 0), (0, 0), (90, 0)], WIDE), ([(0, -90), (0, 0), (0, 90)], {})]
+    layout = layout_of(cross, points=[((0, 0), "traffic_signals")])
+    found = street(layout)
+    partings = partings_of(found, everywhere(found), everywhere(found))
+    (marks, edge), centre = lane_lines(found, partings)
+    lane = marks[(edge == 0) & ~centre & (shapely.get_coordinates(
+        shapely.centroid(marks))[:, 1] < 0)]  # fmt: skip
+    longest = max(float(np.ptp(shapely.get_coordinates(mark)[:, 0])) for mark in lane)
+    assert longest == pytest.approx(SOLID)
+
+
+@pytest.mark.parametrize(("signals", "arrows"), [(True, 2 * 2 * 2), (False, 0)])
+def test_lanes_under_signals_get_arrows_that_no_tag_tells(layout_of, signals, arrows):
+    points = [((0, 0), "traffic_signals")] if signals else []
+    found = street(layout_of([(TEE[0], WIDE), ([(0, -90), (0, 0), (0, 90)], {})], points=points))
+    marks, _ = lane_symbols(found, everywhere(found))
+    # Two lanes arrive from each side, with arrows at two places.
+    assert len(shapely.get_parts(shapely.union_all(marks))) == arrows
+
+
+def test_a_stem_of_equals_gives_way_where_the_country_says_so(layout_of):
+    layout = layout_of([(line, {}) for line in TEE])
+    assert len(halts(layout, Painting(give_way="double dashes"))) == 0
+    marks = halts(layout, Painting(give_way="double dashes", stems=True))
+    box = shapely.bounds(marks)
+    assert len(marks) > 4
+    assert (box[:, 3] < 0).all()  # all on the stem
+    rows = np.unique(np.round(box[:-1, 1], 2))
+    assert len(rows) == 2  # of dashes; the last mark is the triangle
+    assert box[-1, 3] - box[-1, 1] > 3.0
+    # One keeps to the right: those who arrive from the south do so east of the middle.
+    assert (box[:, 0] > -0.1).all()
+
+
+def test_minor_roads_of_the_americas_and_japan_have_a_word_behind_the_line(layout_of):
+    layout = layout_of([(TEE[0], MAIN), (TEE[1], {"width": 7.0, "lane_width": 3.5})])
+    for text in ("STOP", "止まれ"):
+        marks = halts(layout, Painting(give_way="stop", stop_word=text))
+        letters = shapely.union_all(marks[1:])
+        assert letters.area == pytest.approx(word(text).area, rel=1e-6)
+        assert letters.bounds[3] < shapely.bounds(marks[0])[1] - 1.0
+
+
+def test_the_stem_is_what_does_not_go_straight_on(layout_of):
+    turned = [[(x * 0.6 - y * 0.8, x * 0.8 + y * 0.6) for x, y in line] for line in TEE]
+    for lines in (TEE, turned):
+        found = street(layout_of([(line, {}) for line in lines]))
+        through = through_roads(found)
+        assert len(through.node) == 1
+        assert not through.major.any()
+        ends = stems(found, through)
+        assert ends.sum() == 1
+        assert found.network.edge_road[np.nonzero(ends)[0]].tolist() == [1]
+    star = [[(0, 0), (80 * np.cos(a), 80 * np.sin(a))] for a in np.radians([0, 120, 240])]
+    found = street(layout_of([(line, {}) for line in star]))
+    assert not stems(found, through_roads(found)).any()
+
+
+def test_yellow_lines_follow_kerbs_without_parked_cars(layout_of):
+    line = [(-80, 0), (80, 0)]
+    narrow = street(layout_of([(line, {"width": 6.0})]))
+    marks, _ = kerb_lines(narrow, everywhere(narrow))
+    assert shapely.area(marks).sum() == pytest.approx(4 * 158 * 0.1)
+    cross = street(layout_of([(each, {}) for each in TEE]))
+    road = build_carriageway(cross.layout, cross.network, everywhere(cross))
+    marks, _ = kerb_lines(cross, everywhere(cross))
+    assert shapely.distance(marks, shapely.union_all(road.stars)).min() > 0.0
+    wide = street(layout_of([(line, {"width": 9.0, "parking_left": True})]))
+    marks, _ = kerb_lines(wide, everywhere(wide))
+    assert shapely.area(marks).sum() == pytest.approx(158 * 0.1)  # one, at the right
+    assert (shapely.bounds(marks)[:, 3] < 0).all()
+
+
+def test_a_box_is_hatched_under_signals_of_classified_roads_only(layout_of):
+    cross = [[(-90, 0), (0, 0), (90, 0)], [(0, -90), (0, 0), (0, 90)]]
+    signals = [((0, 0), "traffic_signals")]
+
+    def box(options, points):
+        layout = layout_of([(line, options) for line in cross], points=points)
+        found = street(layout)
+        road = build_carriageway(layout, found.network, everywhere(found))
+        return box_junctions(found, road).polygons
+
+    assert len(box({}, signals)) == 0
+    assert len(box(MAIN, [])) == 0
+    (hatch,) = box(MAIN, signals)
+    assert 0.1 < hatch.area / shapely.convex_hull(hatch).area < 0.5
+    assert hatch.is_valid
+
+
+@pytest.mark.parametrize(
+    ("place", "give_way", "stop_word", "stems", "boxes"),
+    [
+        ((51.51, -0.13), "double dashes", "", True, True),
+        ((52.5, 13.4), "dashes", "", False, False),
+        ((48.85, 2.35), "teeth", "", False, False),
+        ((40.7, -74.0), "stop", "STOP", True, False),
+        ((35.69, 139.78), "stop", "止まれ", True, False),
+        ((-34.6, -58.4), "stop", "", False, False),
+    ],
+)
+def test_countries_paint_in_their_own_way(place, give_way, stop_word, stems, boxes):
+    found = painting_of(Frame(*place))
+    assert (found.give_way, found.stop_word) == (give_way, stop_word)
+    assert (found.stems, found.boxes, found.yellow_kerbs) == (stems, boxes, boxes)
