@@ -102,6 +102,8 @@ def slots_of(options: BuildOptions) -> dict[str, tuple[Any, ...]]:
         "workers": options.workers,
         "size.x": size[0],
         "size.y": size[1],
+        "town.width": size[0],
+        "town.depth": size[1],
         "at.latitude": at[0],
         "at.longitude": at[1],
         "read.legend": None if Path(read.legend).is_file() else read.legend or None,
@@ -116,7 +118,7 @@ def slots_of(options: BuildOptions) -> dict[str, tuple[Any, ...]]:
     if options.window:
         x, y, width, depth = options.window
         found |= {
-            "window.x": x + width / 2, "window.y": y + depth / 2, "window.bounded": False,
-            "size.x": width, "size.y": depth,
+            "town.x": x + width / 2, "town.y": y + depth / 2, "town.bounded": False,
+            "town.width": width, "town.depth": depth,
         }  # fmt: skip
     return {key: (value,) for key, value in found.items() if value is not None}
