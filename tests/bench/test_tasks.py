@@ -102,5 +102,5 @@ def test_a_file_that_is_no_text_or_is_absent_is_refused(tmp_path):
 
 
 def test_unknown_ids_are_named_with_the_nearest():
-    with pytest.raises(UsageError, match='There is no task "P31". Did you mean'):
+    with pytest.raises(UsageError, match=r'There is no task "P31"\. Did you mean'):
         read_tasks(only=["P01", "P31"])
