@@ -38,6 +38,7 @@ RELIEF = 14.0  # metres from the valley to the hill
 _COLUMNS, _STREETS = [-110.0, -20.0, 70.0], [-95.0, 0.0, 95.0]
 _POND: Box = (82.0, 12.0, 150.0, 82.0)
 _PARK: Box = (-102.0, 8.0, -28.0, 86.0)
+_RIM = 16.0  # metres from houses to the border of the site, which grows by houses that are nearer
 _PLOT = 24.0  # metres from house to house along a block
 NOTE = (
     "Make b01 red.\n"
@@ -57,6 +58,7 @@ def town() -> list[Thing]:
     spans = [[(low + 9.0, high - 9.0) for low, high in pairwise(edge)]
              for edge in edges]  # fmt: skip
     taken = shapely.union_all([thing.shape for thing in things[-2:]]).buffer(6.0)
+    inner = shapely.box(*SITE).buffer(-_RIM)
     number = 0
     for (west, east), (south, north) in product(*spans):
         rows = [south, north - 15.0] if north - south > 50.0 else [north - 15.0]
@@ -66,8 +68,8 @@ def town() -> list[Thing]:
             wide, deep = 12.0 + 8.0 * _draw(name, "width"), 10.0 + 5.0 * _draw(name, "depth")
             box = (round(x, 2), round(low, 2), round(x + min(wide, east - x), 2),
                    round(low + deep, 2))  # fmt: skip
-            inside = box[0] > SITE[0] + 16 and box[2] < SITE[2] - 16
-            if inside and not shapely.box(*box).intersects(taken):
+            plot = shapely.box(*box)
+            if inner.contains(plot) and not plot.intersects(taken):
                 use = ("apartments", "apartments", "retail", "office")[number % 4]
                 levels = 2 + int(4 * _draw(name, "levels"))
                 things.append(house(name, box, levels, building=use))
@@ -97,7 +99,7 @@ _PAINTS: Mapping[str, _Paint] = MappingProxyType(
     }
 )  # fmt: skip
 _WIDTHS: Mapping[str, float] = MappingProxyType(
-    {"secondary": 8.0, "tertiary": 7.0, "residential": 6.0}
+    {"secondary": 8.0, "tertiary": 7.0, "residential": 7.0}
 )  # metres
 _SHADE = (3.0, -4.0)  # metres that shadows reach east and north, less for the picture's north-up
 _GRAIN = 0.05  # of the light, by which pixels differ
@@ -158,9 +160,9 @@ def write_osm(path: Path) -> None:
 
 def write_semantic(path: Path) -> None:
     """Write the town as an image of classes in the colours of the legend "cityx"."""
-    grid, number, _ = _classes()
+    _, number, _ = _classes()
     legend = _colors([_GROUND.legend, *(paint.legend for paint in _PAINTS.values())])
-    _write_image(path, legend[number], grid)
+    _write_image(path, legend[number])
 
 
 def write_satellite(path: Path) -> None:
@@ -175,11 +177,14 @@ def write_satellite(path: Path) -> None:
     pixel = np.arange(number.size, dtype=np.uint64).reshape(number.shape)
     light *= 1 + _GRAIN * (2 * uniform(0, "bench/grain", pixel.ravel()).reshape(pixel.shape) - 1)
     seen = _colors([_GROUND.seen, *(paint.seen for paint in _PAINTS.values())])
-    _write_image(path, np.clip(seen[number] * light[..., None], 0, 255).astype(np.uint8), grid)
+    _write_image(path, np.clip(seen[number] * light[..., None], 0, 255).astype(np.uint8))
 
 
 def write_heights(path: Path) -> None:
     """Write a valley and a hill below the town."""
+    import rasterio
+    from rasterio.transform import Affine
+
     west, south, east, north = SITE
     x, y = np.meshgrid(
         np.arange(west - 20 * CELL, east + 20 * CELL, CELL) + CELL / 2,
@@ -187,25 +192,19 @@ def write_heights(path: Path) -> None:
     )
     hill = np.sin(x / 110.0 + 0.4) * np.cos(y / 130.0) + 0.3 * np.sin((x - y) / 70.0)
     heights = (160.0 + RELIEF * (hill - hill.min()) / np.ptp(hill)).astype(np.float32)
-    grid = Grid(len(heights), len(heights[0]), CELL, west - 20 * CELL, north + 20 * CELL)
-    _write_raster(path, heights[None], grid, "GTiff")
-
-
-def _write_image(path: Path, pixels: NDArray[np.uint8], grid: Grid) -> None:
-    """Write (rows, columns, 3) sRGB; a file of the same name and ".aux.xml" says where it lies."""
-    _write_raster(path, np.moveaxis(pixels, 2, 0), grid, "PNG")
-
-
-def _write_raster(path: Path, bands: NDArray[Any], grid: Grid, driver: str) -> None:
-    import rasterio
-    from rasterio.transform import Affine
-
-    place = Affine(grid.pixel, 0.0, grid.west, 0.0, -grid.pixel, grid.north)
+    place = Affine(CELL, 0.0, west - 20 * CELL, 0.0, -CELL, north + 20 * CELL)
     with rasterio.open(
-        path, "w", driver=driver, width=grid.columns, height=grid.rows, count=len(bands),
-        dtype=bands.dtype, crs=FRAME.projection, transform=place,
+        path, "w", driver="GTiff", width=heights.shape[1], height=len(heights), count=1,
+        dtype=heights.dtype, crs=FRAME.projection, transform=place,
     ) as file:  # fmt: skip
-        file.write(bands)
+        file.write(heights, 1)
+
+
+def _write_image(path: Path, pixels: NDArray[np.uint8]) -> None:
+    """Write (rows, columns, 3) sRGB, which says neither where it lies nor how large it is."""
+    from PIL import Image
+
+    Image.fromarray(pixels).save(path)
 
 
 def write_note(path: Path) -> None:
@@ -214,12 +213,12 @@ def write_note(path: Path) -> None:
 
 
 def write_truth(path: Path) -> None:
-    """Write what the picture from above shows, as a drawing."""
+    """Write what the picture from above shows, as a drawing that lies nowhere, as it does."""
     things = [
         Thing(thing.name, {k: v for k, v in thing.tags.items() if k != "name"}, thing.shape)
         for thing in town()
     ]
-    write_drawing(things, SITE, path)
+    write_drawing(things, SITE, path, None)
 
 
 TRUTH = "satellite_small.gt"
