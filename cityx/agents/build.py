@@ -27,7 +27,7 @@ from cityx.agents.results import (
     staging_path,
     write_report,
 )
-from cityx.agents.roles import Roles
+from cityx.agents.roles import OfflineEvaluator, Roles
 from cityx.agents.run import SNAPSHOTS, Run, Stopwatch
 from cityx.agents.views import VIEWS, make_views
 from cityx.cache import kept_folder
@@ -241,6 +241,7 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
                     peak_rss_mb=memory,
                 )
             report["cpu_s"] = {name: round(value, 3) for name, value in watch.cpu.items()}
+            _look(job, report, staging / "renders", Pool(journal.database, number))
             journal.end_run(number, "done", report["hash"])
         journal.path.rename(staging / "city" / journal.path.name)
         shutil.rmtree(staging / SNAPSHOTS, ignore_errors=True)
@@ -250,6 +251,19 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
         if not keep:
             shutil.rmtree(staging, ignore_errors=True)
     return report
+
+
+def _look(job: Job, report: dict[str, Any], renders: Path, pool: Pool) -> None:
+    """Let a model that can see judge the pictures, where one was chosen; measurement stands."""
+    if isinstance(job.roles.evaluator, OfflineEvaluator):
+        return
+    from cityx.agents.models.evaluator import checklist_of
+
+    measured = {goal["goal"].replace(" = ", "="): goal["met"] for goal in report["goals"]}
+    views = [path.read_bytes() for path in sorted(renders.glob("*.png"))]
+    verdict = job.roles.evaluator.judge(checklist_of(job.request.slots), measured, views)
+    report["verdict"] = verdict.to_json()
+    pool.say(Message("evaluator", "verdict", report["verdict"]))
 
 
 @contextmanager

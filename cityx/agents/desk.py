@@ -8,13 +8,15 @@ What a change leaves alone is linked there, so that it costs neither time nor ro
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 from cityx.agents.journal import DONE, STARTED, Journal, derivation_key
+from cityx.agents.locks import locked
 from cityx.agents.pool import Message, Pool
 from cityx.agents.run import Run
 from cityx.city import City
@@ -78,10 +80,11 @@ class Desk:
     def __init__(self, folder: Path, actions: Registry | None = None) -> None:
         self.folder = folder
         self.actions = registry() if actions is None else actions
-        recover(folder)
-        self.city = read_city(self._store)
-        self.journal = Journal(self._store / JOURNAL)
-        self._close_dead_runs()
+        with locked(folder):
+            recover(folder)
+            self.city = read_city(self._store)
+            self.journal = Journal(self._store / JOURNAL)
+            self._close_dead_runs()
 
     @property
     def _store(self) -> Path:
@@ -155,7 +158,18 @@ class Desk:
         ActionRejected, ActionFailed
             If a call may not run or fails; the city stays as it was.
         """
-        number = self._begin(text, expected, {"calls": [call.key for call in calls]})
+        with self._alone(expected):
+            return self._change(calls, text, inputs, budget, cancelled)
+
+    def _change(
+        self,
+        calls: Sequence[Call],
+        text: str,
+        inputs: InputFiles | None,
+        budget: Budget | None,
+        cancelled: Callable[[], bool],
+    ) -> Revision:
+        number = self._begin(text, {"calls": [call.key for call in calls]})
         pool = Pool(self.journal.database, number)
         pool.say(Message("user", "brief", {"text": text}))
         content = self.journal.run(self.revision).content if self.revision else ""
@@ -192,18 +206,20 @@ class Desk:
         Conflict
             As of `change`.
         """
-        known = {record.number: record for record in self.journal.runs() if record.status == DONE}
-        wanted = self._before(known) if to is None else to
-        if wanted not in known:
-            last = max(known)
-            raise UsageError(
-                "There is nothing to undo." if to is None else
-                f"There is no revision {to}; they are {', '.join(map(str, sorted(known)))} "
-                f"({last} is the last)."
-            )  # fmt: skip
-        number = self._begin(f"back to revision {wanted}", expected, {"same_as": wanted})
-        source = self._store if wanted == max(known) else self.folder / HISTORY / str(wanted)
-        return self._commit(number, read_city(source), source)
+        with self._alone(expected):
+            known = {record.number: record for record in self.journal.runs()
+                     if record.status == DONE}  # fmt: skip
+            wanted = self._before(known) if to is None else to
+            if wanted not in known:
+                last = max(known)
+                raise UsageError(
+                    "There is nothing to undo." if to is None else
+                    f"There is no revision {to}; they are {', '.join(map(str, sorted(known)))} "
+                    f"({last} is the last)."
+                )  # fmt: skip
+            number = self._begin(f"back to revision {wanted}", {"same_as": wanted})
+            source = self._store if wanted == max(known) else self.folder / HISTORY / str(wanted)
+            return self._commit(number, read_city(source), source)
 
     def _before(self, known: Mapping[int, Any]) -> int:
         """Return the revision before the last change, looking through what was undone."""
@@ -213,10 +229,23 @@ class Desk:
         earlier = [number for number in known if number < now]
         return max(earlier, default=-1)
 
-    def _begin(self, text: str, expected: int | None, config: Mapping[str, Any]) -> int:
-        now = self.revision
-        if expected is not None and expected != now:
-            raise Conflict(f"The city has revision {now} by now, not {expected}; look at it again.")
+    @contextmanager
+    def _alone(self, expected: int | None) -> Iterator[None]:
+        """Keep other processes from changing the city, of which the newest revision is taken."""
+        with locked(self.folder):
+            if not self.journal.is_of(self._store / JOURNAL):
+                self.journal.close()
+                recover(self.folder)
+                self.journal = Journal(self._store / JOURNAL)
+                self.city = read_city(self._store)
+            now = self.revision
+            if expected is not None and expected != now:
+                raise Conflict(
+                    f"The city has revision {now} by now, not {expected}; look at it again."
+                )
+            yield
+
+    def _begin(self, text: str, config: Mapping[str, Any]) -> int:
         for record in self.journal.runs():
             if record.status == STARTED:
                 self.journal.take(record.number)

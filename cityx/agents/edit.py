@@ -67,9 +67,7 @@ def edit_city(
         return renew(folder, desk.city, request, revision, say)
 
 
-def planned(
-    desk: Desk, text: str, files: Sequence[Path] = ()
-) -> tuple[Request, list[Item] | None]:
+def planned(desk: Desk, text: str, files: Sequence[Path] = ()) -> tuple[Request, list[Item] | None]:
     """Return what a sentence asks for and the actions for it; None for going back.
 
     Raises

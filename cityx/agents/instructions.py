@@ -87,7 +87,7 @@ def carry_out_text(
         say(line)
 
     if is_built(folder):
-        report = edit_city(folder, text, say=heard, cancelled=cancelled)
+        report = edit_city(folder, text, say=say, cancelled=cancelled)
         goals, notes = report["goals_of_change"], []
     else:
         report = build([], folder, replace(options, text=text), say=heard)

@@ -91,6 +91,7 @@ class Journal:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.database = connect(path)
+        self._file = path.stat().st_ino
 
     def __enter__(self) -> Journal:
         """Return the journal itself."""
@@ -108,6 +109,10 @@ class Journal:
     def close(self) -> None:
         """Close the file."""
         self.database.close()
+
+    def is_of(self, path: Path) -> bool:
+        """Tell whether this journal is the file that lies at a path now."""
+        return path.exists() and path.stat().st_ino == self._file
 
     def copy_to(self, path: Path) -> None:
         """Write the journal as it is now to another file."""

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
+from cityx.agents.briefs import Clarify
 from cityx.agents.desk import Cancelled, Conflict
 from cityx.errors import (
     ActionFailed,
@@ -41,6 +42,7 @@ _KINDS: tuple[tuple[type[CityxError], Status, str], ...] = (
     (NoCity, "rejected", "NO_CITY"),
     (Busy, "rejected", "BUSY"),
     (KeyTaken, "rejected", "KEY_TAKEN"),
+    (Clarify, "rejected", "CLARIFY"),
     (UsageError, "rejected", "USAGE"),
     (InputError, "rejected", "INPUT"),
     (Cancelled, "failed", "CANCELLED"),

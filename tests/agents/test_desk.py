@@ -6,6 +6,7 @@ import pytest
 from cityx.agents import desk as desks
 from cityx.agents.build import build
 from cityx.agents.desk import Conflict, Desk
+from cityx.agents.locks import locked
 from cityx.agents.options import BuildOptions
 from cityx.city.content import content_hash
 from cityx.city.store import read_city
@@ -102,3 +103,23 @@ def test_a_kill_at_any_rename_leaves_the_city_before_or_after(folder, monkeypatc
         }  # fmt: skip
         again.change([DUSK])
         assert json.loads((folder / "city" / "city.json").read_text())["seed"] == 0
+
+
+def test_two_desks_on_one_city_lose_nothing(folder):
+    with Desk(folder) as first, Desk(folder) as second:
+        first.change([SNOW])
+        assert second.change([DUSK]).number == 3
+        assert second.city.environment.weather == "snow"
+        assert first.change([SNOW]).number == 4
+        with pytest.raises(Conflict, match="revision 4 by now, not 1"):
+            second.change([SNOW], expected=1)
+
+
+def test_who_comes_while_another_changes_the_city_is_told(folder):
+    def second():
+        with locked(folder, wait=0.1):
+            pass
+
+    with locked(folder), pytest.raises(UsageError, match="Another process is changing"):
+        second()
+    second()

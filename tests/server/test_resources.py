@@ -166,6 +166,8 @@ async def test_a_folder_without_a_city_says_so_until_one_is_built(tmp_path):
                 assert (await call(tool, **arguments))["code"] == "NO_CITY"
             assert (await call("revisions"))["data"]["total"] == 0
             assert (await call("plan", text="build a town in fog"))["data"]["builds"] is True
+            open_text = await call("plan", text="no trees and many trees")
+            assert (open_text["status"], open_text["code"]) == ("rejected", "CLARIFY")
             (content,) = (await client.read_resource("city://scene/summary")).contents
             assert json.loads(content.text)["revision"] == 0
             with pytest.raises(MCPError):

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from PIL import Image
 
+from cityx.agents import edit, views
 from cityx.agents import run as runs
-from cityx.agents import views
 from cityx.server import app
 from cityx.server.replies import SCHEMA, STATUSES
 
@@ -149,15 +149,14 @@ async def test_a_query_that_asks_for_too_much_is_refused(call):
 
 async def test_a_plan_runs_nothing(call):
     told = await call("plan", text="make it snow at dusk")
-    assert told["data"]["brief"] == {"weather": "snow", "time": "dusk"}
-    assert [item["action"] for item in told["data"]["workflow"]] == [
-        "background/weather-v1",
-        "background/sun-v1",
-    ]
+    (change,) = told["data"]["brief"]["edits"]
+    assert change["change"] == [["weather", "snow"], ["time", "dusk"]]
+    assert "background/weather-v1" in [item["action"] for item in told["data"]["workflow"]]
+    assert told["data"]["builds"] is False
     assert told["state_rev"] == 1
-    refused = await call("plan", text="a volcano in snow")
-    assert refused["status"] == "rejected"
-    assert '"volcano" is not understood' in refused["message"]
+    refused = await call("plan", text="a volcano")
+    assert (refused["status"], refused["code"]) == ("rejected", "CLARIFY")
+    assert refused["message"]
 
 
 async def test_a_brief_is_a_job_that_can_be_waited_for(call):
@@ -181,6 +180,22 @@ async def test_a_job_that_was_called_off_leaves_the_city_as_it_was(call, owner):
     done = await call("job_wait", job_id=begun["job_id"])
     assert (done["status"], done["code"], done["state_rev"]) == ("failed", "CANCELLED", 1)
     assert blocking.reply.result().status == "ok"
+
+
+async def test_what_is_called_off_after_its_last_action_stays_and_says_so(call, owner, monkeypatch):
+    plain = edit.renew
+
+    def late(folder, city, request, revision, say):
+        for job in owner.jobs.values():
+            job.cancel()
+        say("making the views anew")
+        return plain(folder, city, request, revision, say)
+
+    monkeypatch.setattr(edit, "renew", late)
+    begun = await call("run_brief", text="snow")
+    done = await call("job_wait", job_id=begun["job_id"], seconds=20)
+    assert (done["status"], done["state_rev"]) == ("ok", 2)
+    assert (await call.read("city://scene/summary"))["weather"] == "snow"
 
 
 async def test_an_action_in_progress_ends_and_is_rolled_back(call, owner, monkeypatch):

@@ -243,10 +243,12 @@ def with_slots(brief: Brief, slots: Sequence[Slot]) -> Brief:
     """Return a brief with other slots, its goals and conflicts made anew from them."""
     told = [slot.span for slot in slots]
     against = [one for one in brief.conflicts if one.code.startswith("option_against_text")]
+    goals, open_ = goals_of(slots, brief.negated, brief.kept, brief.edits)
     return replace(
         brief,
         slots=tuple(slots),
-        goals=goals_of(slots, brief.negated, brief.kept, brief.edits),
+        goals=goals,
+        notes=tuple(dict.fromkeys((*brief.notes, *open_))),
         conflicts=(*against, *conflicts_of(slots, brief.negated)),
         unread=tuple(
             (first, last) for first, last in brief.unread

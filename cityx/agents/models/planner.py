@@ -25,7 +25,7 @@ from cityx.agents.planning.workflow import Item, Workflow
 from cityx.agents.requests import place_of
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.serving import Slots
-from cityx.protocol.stages import stages_before
+from cityx.protocol.stages import stages_after, stages_before
 
 MOST_ACTIONS = 40  # that a model chooses from
 MOST_ITEMS = 30  # that it may propose
@@ -188,15 +188,18 @@ def _impossible(
         return f"it needs {', '.join(missing)}"
     gives = {f"{port.format.value} {port.role}" for port in record.gives if port.role}
     made = {fact for item in items for fact in item.gives}
-    if twice := sorted(gives & made):
+    planned = {fact for item in items if item.why != PROPOSED for fact in item.gives}
+    if twice := sorted(gives & planned):
         return f"{twice[0]} is made already"
     held = made | {" ".join(fact) for fact in situation.facts} | {"scene_layout layout"}
     for port in record.takes:
         if port.role and not port.optional and f"{port.format.value} {port.role}" not in held:
             return f"nothing makes {port.format.value} {port.role}"
     stages = situation.stages | {records[item.action].stage for item in items} | {"layout"}
-    late = [stage for stage in record.requires if stage not in stages]
-    return f"it needs stage {late[0]}" if late else ""
+    if absent := [stage for stage in record.requires if stage not in stages]:
+        return f"it needs stage {absent[0]}"
+    late = sorted(situation.stages & stages_after(record.stage))
+    return f"stage {late[0]} has run already" if late else ""
 
 
 def _place(

@@ -122,12 +122,12 @@ def test_a_killed_run_decides_the_same(server, tmp_path, monkeypatch):
     server.scripts["good"] = good
     asked = options(**chat(server, "good"))
 
-    def killed(*_):
+    def killed(*_, **__):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
         # As a kill does, leave everything where it is.
-        patch.setattr(module, "_make_views", killed)
+        patch.setattr(module, "make_views", killed)
         patch.setattr(module.shutil, "rmtree", lambda *_, **__: None)
         with pytest.raises(KeyboardInterrupt):
             build([], tmp_path / "a", asked)

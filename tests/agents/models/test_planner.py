@@ -2,7 +2,7 @@ import pytest
 from talk import channel_of, offline_planner, prompt_of
 
 from cityx.agents.models.asking import ModelFailed
-from cityx.agents.models.planner import MOST_ACTIONS, ModelPlanner, Proposal
+from cityx.agents.models.planner import MOST_ACTIONS, ModelPlanner
 from cityx.agents.planning.planner import Situation
 
 SLOTS = {"size.x": (400.0,), "size.y": (400.0,), "weather": ("rain",)}
@@ -135,10 +135,21 @@ def test_what_ran_is_not_proposed_again():
     assert "layout/highest-v1" not in {one.action for one in again.items}
 
 
-def test_a_proposal_needs_what_it_takes():
-    channel = channel_of({"items": []})
+def test_a_stage_that_has_run_is_not_gone_back_to():
+    channel = channel_of({"items": [{"action": "layout/highest-v1", "args": {"height": 30.0}}]})
     planner = ModelPlanner(channel, offline_planner())
-    known = planner.chosen(SLOTS, base(), frozenset())
-    record = planner.records["nature/trees-v2"]
-    plan = planner.completed([Proposal(action=record.id)], base(), SLOTS, START, known)
-    assert [item.action for item in plan.items].count(record.id) == 1
+    late = Situation(stages=frozenset({"layout", "terrain", "road"}))
+    plan = planner.workflow(SLOTS, late)
+    assert "layout/highest-v1" not in {item.action for item in plan.items}
+    assert channel.notes == [
+        'planner: "layout/highest-v1" was dropped: stage road has run already.'
+    ]
+
+
+def test_several_kinds_of_buildings_may_be_proposed():
+    wanted = ["building/church-v1", "building/barn-v1"]
+    plan, channel = planned({"items": [{"action": action} for action in wanted]})
+    actions = [item.action for item in plan.items]
+    assert set(wanted) <= set(actions)
+    assert max(map(actions.index, wanted)) < actions.index("building/shell-v1")
+    assert channel.notes == []
