@@ -20,6 +20,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.surface_states import material_named
+from cityx.assets.textures.relief import srgb_bytes
 from cityx.bench.scenes import (
     FRAME,
     Box,
@@ -82,27 +84,33 @@ def _draw(name: str, purpose: str) -> float:
 
 @dataclass(frozen=True)
 class _Paint:
-    """How a class is shown: its colour in the legend "cityx", and from above (sRGB)."""
+    """How a class is shown: its colour in the legend "cityx", its material and what tints that."""
 
-    word: str
     legend: int
-    seen: int
+    material: str
+    tint: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+    @property
+    def seen(self) -> FloatArray:
+        """Linear RGB, (3,), from above."""
+        return np.asarray(np.multiply(material_named(self.material).color, self.tint))
 
 
-_GROUND = _Paint("ground", 0xF0F0EB, 0x8C9068)
+_GROUND = _Paint(0xF0F0EB, "soil")
 _PAINTS: Mapping[str, _Paint] = MappingProxyType(
     {
-        "park": _Paint("park", 0x78B45A, 0x55703C),
-        "water": _Paint("water", 0x5A96DC, 0x2C4A50),
-        "road": _Paint("road", 0x8C8C96, 0x6B6C70),
-        "building": _Paint("building", 0xC83C3C, 0xA8614C),
+        "park": _Paint(0x78B45A, "grass"),
+        "water": _Paint(0x5A96DC, "water"),
+        "road": _Paint(0x8C8C96, "asphalt"),
+        "building": _Paint(0xC83C3C, "roof_tiles", (0.50, 0.18, 0.11)),
     }
 )  # fmt: skip
 _WIDTHS: Mapping[str, float] = MappingProxyType(
     {"secondary": 8.0, "tertiary": 7.0, "residential": 7.0}
 )  # metres
-_SHADE = (3.0, -4.0)  # metres that shadows reach east and north, less for the picture's north-up
-_GRAIN = 0.05  # of the light, by which pixels differ
+_SHADE = (3.0, -4.0)  # metres that shadows reach east and north
+_SHADED = 0.3  # of the light, that shadows leave
+_GRAIN = 0.1  # of the light, by which pixels differ
 
 
 def _layers(things: list[Thing]) -> dict[str, NDArray[Any]]:
@@ -170,14 +178,14 @@ def write_satellite(path: Path) -> None:
     grid, number, layers = _classes()
     light = np.ones(number.shape)
     shade = shapely.transform(layers["building"], lambda points: points + np.array(_SHADE))
-    light[(grid.numbered(shade) > 0) & (number != list(_PAINTS).index("building") + 1)] = 0.55
+    light[(grid.numbered(shade) > 0) & (number != list(_PAINTS).index("building") + 1)] = _SHADED
     roof = grid.numbered(layers["building"])
     tone = 0.75 + 0.5 * uniform(0, "bench/roof", np.arange(roof.max() + 1, dtype=np.uint64))
     light *= np.where(roof > 0, tone[roof], 1.0)
     pixel = np.arange(number.size, dtype=np.uint64).reshape(number.shape)
     light *= 1 + _GRAIN * (2 * uniform(0, "bench/grain", pixel.ravel()).reshape(pixel.shape) - 1)
-    seen = _colors([_GROUND.seen, *(paint.seen for paint in _PAINTS.values())])
-    _write_image(path, np.clip(seen[number] * light[..., None], 0, 255).astype(np.uint8))
+    seen = np.array([_GROUND.seen, *(paint.seen for paint in _PAINTS.values())])
+    _write_image(path, srgb_bytes((seen[number] * light[..., None]).astype(np.float32)))
 
 
 def write_heights(path: Path) -> None:
