@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -14,7 +14,7 @@ from cityx.agents.briefs import Clarify, Request, read_request
 from cityx.agents.build import build
 from cityx.agents.desk import Desk
 from cityx.agents.edit import edit_city, slots_of_edit
-from cityx.agents.options import BuildOptions
+from cityx.agents.options import BuildOptions, PlannerChoice
 from cityx.agents.planning.asked import slots_of_brief
 from cityx.agents.planning.planner import OfflinePlanner, Situation
 from cityx.bench.outcome import Outcome, Workplace, acted, fault_of
@@ -56,7 +56,7 @@ def driver_named(name: str) -> Driver:
     """
     word, _, detail = name.partition(":")
     if word in (LLM, REPLAY):
-        return Offline(model_options(word, detail))
+        return Models(planner_choice(word, detail))
     made: Mapping[str, Callable[[], Driver]] = {
         "offline": Offline, "null": Null, "random": Random, "oracle": Oracle,
     }  # fmt: skip
@@ -68,51 +68,62 @@ def driver_named(name: str) -> Driver:
     return made[name]()
 
 
-def model_options(word: str, detail: str) -> dict[str, Any]:
-    """Return the options by which a language model plays the roles of a build.
+def planner_choice(word: str, detail: str) -> PlannerChoice:
+    """Return who plans where a language model drives.
 
     Parameters
     ----------
     word
         "llm" or "replay".
     detail
-        A model as of ``--planner``, or a file of recorded decisions.
+        A model as of ``--planner``, perhaps with "@" and the address of its server; or a file of
+        recorded decisions.
 
     Raises
     ------
     UsageError
-        If nothing is named, or this version of CityX asks no models.
+        If nothing is named.
     """
     if not detail:
-        raise UsageError(f'Driver "{word}" needs what to ask: {word}:'
-                         f'{"openai-chat:MODEL" if word == LLM else "FILE"}.')  # fmt: skip
-    known = {column.name for column in fields(BuildOptions)}
-    wanted = {"planner": detail} if word == LLM else {"planner": REPLAY, "replay": Path(detail)}
-    missing = sorted(wanted.keys() - known)
-    if missing:
-        raise UsageError(
-            f'Driver "{word}" hands {" and ".join(missing)} to the build, which asks no language '
-            "models in this version."
-        )
-    return wanted
+        example = "openai-chat:MODEL" if word == LLM else "FILE"
+        raise UsageError(f'Driver "{word}" needs what to ask: {word}:{example}.')
+    if word == REPLAY:
+        return PlannerChoice(planner=REPLAY, replay=detail)
+    spec, _, address = detail.partition("@")
+    return PlannerChoice(planner=spec, base_url=address)
 
 
-class Offline:
-    """Does what the command line does.
+class Models:
+    """Builds as the command line does with ``--planner``; changes are planned offline.
 
     Parameters
     ----------
-    options
-        More options of the build, such as those of `model_options`.
+    choice
+        Which model, or which recorded decisions.
     """
 
-    def __init__(self, options: Mapping[str, Any] | None = None) -> None:
-        self._more = dict(options or {})
+    def __init__(self, choice: PlannerChoice) -> None:
+        self._choice = choice
+
+    def propose(self, place: Workplace) -> Outcome:
+        """Let the model read and plan, and build the city."""
+        if place.based:
+            return Offline().propose(place)
+        options = replace(_options(place, place.task.text), choice=self._choice)
+        return carried_out(
+            place,
+            Outcome(place.start, Reply("done")),
+            lambda: build(place.files, place.folder, options),
+        )
+
+
+class Offline:
+    """Does what the command line does."""
 
     def propose(self, place: Workplace) -> Outcome:
         """Read the text, plan, and build or change the city."""
         begin = time.perf_counter()
-        options = replace(_options(place, place.task.text), **self._more)
+        options = _options(place, place.task.text)
         try:
             files = [(item.path, item.kind) for item in sort_inputs(place.files).all]
             request = read_request(options, files, base=place.based)
@@ -135,8 +146,11 @@ class Offline:
 
 def carried_out(place: Workplace, outcome: Outcome, do: Callable[[], object]) -> Outcome:
     """Do something to the city of a task and return the outcome with what came of it."""
+    begin = time.perf_counter()
     try:
         do()
+    except Clarify as error:
+        return _asked_back(place, error.brief, time.perf_counter() - begin)
     except Exception as error:  # noqa: BLE001  a benchmark counts what breaks, and goes on
         return acted(place, replace(outcome, faults=(fault_of(error),)))
     return acted(place, replace(outcome, city=place.city()))

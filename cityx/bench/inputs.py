@@ -20,6 +20,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.surface_states import material_named
+from cityx.assets.textures.relief import srgb_bytes
 from cityx.bench.scenes import (
     FRAME,
     Box,
@@ -38,6 +40,7 @@ RELIEF = 14.0  # metres from the valley to the hill
 _COLUMNS, _STREETS = [-110.0, -20.0, 70.0], [-95.0, 0.0, 95.0]
 _POND: Box = (82.0, 12.0, 150.0, 82.0)
 _PARK: Box = (-102.0, 8.0, -28.0, 86.0)
+_RIM = 16.0  # metres from houses to the border of the site, which grows by houses that are nearer
 _PLOT = 24.0  # metres from house to house along a block
 NOTE = (
     "Make b01 red.\n"
@@ -57,6 +60,7 @@ def town() -> list[Thing]:
     spans = [[(low + 9.0, high - 9.0) for low, high in pairwise(edge)]
              for edge in edges]  # fmt: skip
     taken = shapely.union_all([thing.shape for thing in things[-2:]]).buffer(6.0)
+    inner = shapely.box(*SITE).buffer(-_RIM)
     number = 0
     for (west, east), (south, north) in product(*spans):
         rows = [south, north - 15.0] if north - south > 50.0 else [north - 15.0]
@@ -66,8 +70,8 @@ def town() -> list[Thing]:
             wide, deep = 12.0 + 8.0 * _draw(name, "width"), 10.0 + 5.0 * _draw(name, "depth")
             box = (round(x, 2), round(low, 2), round(x + min(wide, east - x), 2),
                    round(low + deep, 2))  # fmt: skip
-            inside = box[0] > SITE[0] + 16 and box[2] < SITE[2] - 16
-            if inside and not shapely.box(*box).intersects(taken):
+            plot = shapely.box(*box)
+            if inner.contains(plot) and not plot.intersects(taken):
                 use = ("apartments", "apartments", "retail", "office")[number % 4]
                 levels = 2 + int(4 * _draw(name, "levels"))
                 things.append(house(name, box, levels, building=use))
@@ -80,27 +84,33 @@ def _draw(name: str, purpose: str) -> float:
 
 @dataclass(frozen=True)
 class _Paint:
-    """How a class is shown: its colour in the legend "cityx", and from above (sRGB)."""
+    """How a class is shown: its colour in the legend "cityx", its material and what tints that."""
 
-    word: str
     legend: int
-    seen: int
+    material: str
+    tint: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+    @property
+    def seen(self) -> FloatArray:
+        """Linear RGB, (3,), from above."""
+        return np.asarray(np.multiply(material_named(self.material).color, self.tint))
 
 
-_GROUND = _Paint("ground", 0xF0F0EB, 0x8C9068)
+_GROUND = _Paint(0xF0F0EB, "soil")
 _PAINTS: Mapping[str, _Paint] = MappingProxyType(
     {
-        "park": _Paint("park", 0x78B45A, 0x55703C),
-        "water": _Paint("water", 0x5A96DC, 0x2C4A50),
-        "road": _Paint("road", 0x8C8C96, 0x6B6C70),
-        "building": _Paint("building", 0xC83C3C, 0xA8614C),
+        "park": _Paint(0x78B45A, "grass"),
+        "water": _Paint(0x5A96DC, "water"),
+        "road": _Paint(0x8C8C96, "asphalt"),
+        "building": _Paint(0xC83C3C, "roof_tiles", (0.50, 0.18, 0.11)),
     }
 )  # fmt: skip
 _WIDTHS: Mapping[str, float] = MappingProxyType(
-    {"secondary": 8.0, "tertiary": 7.0, "residential": 6.0}
+    {"secondary": 8.0, "tertiary": 7.0, "residential": 7.0}
 )  # metres
-_SHADE = (3.0, -4.0)  # metres that shadows reach east and north, less for the picture's north-up
-_GRAIN = 0.05  # of the light, by which pixels differ
+_SHADE = (3.0, -4.0)  # metres that shadows reach east and north
+_SHADED = 0.3  # of the light, that shadows leave
+_GRAIN = 0.1  # of the light, by which pixels differ
 
 
 def _layers(things: list[Thing]) -> dict[str, NDArray[Any]]:
@@ -158,9 +168,9 @@ def write_osm(path: Path) -> None:
 
 def write_semantic(path: Path) -> None:
     """Write the town as an image of classes in the colours of the legend "cityx"."""
-    grid, number, _ = _classes()
+    _, number, _ = _classes()
     legend = _colors([_GROUND.legend, *(paint.legend for paint in _PAINTS.values())])
-    _write_image(path, legend[number], grid)
+    _write_image(path, legend[number])
 
 
 def write_satellite(path: Path) -> None:
@@ -168,18 +178,21 @@ def write_satellite(path: Path) -> None:
     grid, number, layers = _classes()
     light = np.ones(number.shape)
     shade = shapely.transform(layers["building"], lambda points: points + np.array(_SHADE))
-    light[(grid.numbered(shade) > 0) & (number != list(_PAINTS).index("building") + 1)] = 0.55
+    light[(grid.numbered(shade) > 0) & (number != list(_PAINTS).index("building") + 1)] = _SHADED
     roof = grid.numbered(layers["building"])
     tone = 0.75 + 0.5 * uniform(0, "bench/roof", np.arange(roof.max() + 1, dtype=np.uint64))
     light *= np.where(roof > 0, tone[roof], 1.0)
     pixel = np.arange(number.size, dtype=np.uint64).reshape(number.shape)
     light *= 1 + _GRAIN * (2 * uniform(0, "bench/grain", pixel.ravel()).reshape(pixel.shape) - 1)
-    seen = _colors([_GROUND.seen, *(paint.seen for paint in _PAINTS.values())])
-    _write_image(path, np.clip(seen[number] * light[..., None], 0, 255).astype(np.uint8), grid)
+    seen = np.array([_GROUND.seen, *(paint.seen for paint in _PAINTS.values())])
+    _write_image(path, srgb_bytes((seen[number] * light[..., None]).astype(np.float32)))
 
 
 def write_heights(path: Path) -> None:
     """Write a valley and a hill below the town."""
+    import rasterio
+    from rasterio.transform import Affine
+
     west, south, east, north = SITE
     x, y = np.meshgrid(
         np.arange(west - 20 * CELL, east + 20 * CELL, CELL) + CELL / 2,
@@ -187,25 +200,19 @@ def write_heights(path: Path) -> None:
     )
     hill = np.sin(x / 110.0 + 0.4) * np.cos(y / 130.0) + 0.3 * np.sin((x - y) / 70.0)
     heights = (160.0 + RELIEF * (hill - hill.min()) / np.ptp(hill)).astype(np.float32)
-    grid = Grid(len(heights), len(heights[0]), CELL, west - 20 * CELL, north + 20 * CELL)
-    _write_raster(path, heights[None], grid, "GTiff")
-
-
-def _write_image(path: Path, pixels: NDArray[np.uint8], grid: Grid) -> None:
-    """Write (rows, columns, 3) sRGB; a file of the same name and ".aux.xml" says where it lies."""
-    _write_raster(path, np.moveaxis(pixels, 2, 0), grid, "PNG")
-
-
-def _write_raster(path: Path, bands: NDArray[Any], grid: Grid, driver: str) -> None:
-    import rasterio
-    from rasterio.transform import Affine
-
-    place = Affine(grid.pixel, 0.0, grid.west, 0.0, -grid.pixel, grid.north)
+    place = Affine(CELL, 0.0, west - 20 * CELL, 0.0, -CELL, north + 20 * CELL)
     with rasterio.open(
-        path, "w", driver=driver, width=grid.columns, height=grid.rows, count=len(bands),
-        dtype=bands.dtype, crs=FRAME.projection, transform=place,
+        path, "w", driver="GTiff", width=heights.shape[1], height=len(heights), count=1,
+        dtype=heights.dtype, crs=FRAME.projection, transform=place,
     ) as file:  # fmt: skip
-        file.write(bands)
+        file.write(heights, 1)
+
+
+def _write_image(path: Path, pixels: NDArray[np.uint8]) -> None:
+    """Write (rows, columns, 3) sRGB, which says neither where it lies nor how large it is."""
+    from PIL import Image
+
+    Image.fromarray(pixels).save(path)
 
 
 def write_note(path: Path) -> None:
@@ -214,12 +221,12 @@ def write_note(path: Path) -> None:
 
 
 def write_truth(path: Path) -> None:
-    """Write what the picture from above shows, as a drawing."""
+    """Write what the picture from above shows, as a drawing that lies nowhere, as it does."""
     things = [
         Thing(thing.name, {k: v for k, v in thing.tags.items() if k != "name"}, thing.shape)
         for thing in town()
     ]
-    write_drawing(things, SITE, path)
+    write_drawing(things, SITE, path, None)
 
 
 TRUTH = "satellite_small.gt"

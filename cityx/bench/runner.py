@@ -17,7 +17,7 @@ from cityx.agents.requests import with_requests
 from cityx.bench.drivers import change, driver_named
 from cityx.bench.inputs import input_paths, write_inputs
 from cityx.bench.outcome import Workplace
-from cityx.bench.scenes import EMPTY, SCENES, write_drawing
+from cityx.bench.scenes import EMPTY, LOD, SCENES, write_drawing
 from cityx.bench.scoring import Sample, judged
 from cityx.bench.tasks import Task
 from cityx.errors import UsageError
@@ -43,7 +43,7 @@ class Bench:
     seeds
         Every task is run once for each.
     lod
-        Level of detail of every city.
+        Level of detail of the cities that are built; base scenes have their own.
     jobs
         Processes.
     """
@@ -133,25 +133,25 @@ def _prepare(bench: Bench, jobs: Sequence[_Job], say: Say) -> None:
     if any(job.task.inputs for job in jobs):
         write_inputs(bench.out / "inputs")
     for name in sorted({job.task.base for job in jobs} - {EMPTY}):
-        folder = scene_folder(bench.out, name, bench.lod)
+        folder = scene_folder(bench.out, name)
         if not (folder / "city").exists():
             say(f"building the scene {name}")
-            build_scene(name, folder, bench.lod)
+            build_scene(name, folder)
 
 
-def scene_folder(out: Path, name: str, lod: int) -> Path:
+def scene_folder(out: Path, name: str) -> Path:
     """Return where the base scene of a benchmark lies."""
-    return out / "scenes" / f"{name}-lod{lod}-{registry_hash(registry())[:8]}"
+    return out / "scenes" / f"{name}-{registry_hash(registry())[:8]}"
 
 
-def build_scene(name: str, folder: Path, lod: int) -> None:
+def build_scene(name: str, folder: Path) -> None:
     """Build a base scene into a folder."""
     scene = SCENES[name]
     folder.parent.mkdir(parents=True, exist_ok=True)
     drawing = write_drawing(scene.draw(), scene.extent, folder.parent / f"{name}.geojson")
     options = BuildOptions(
-        lod=lod, formats=(), render=False, time=scene.time, weather=scene.weather,
-        settings=scene.settings_at(lod),
+        lod=LOD, formats=(), render=False, time=scene.time, weather=scene.weather,
+        settings=scene.settings,
     )  # fmt: skip
     build([drawing], folder, options)
 
@@ -163,7 +163,7 @@ def _done(job: _Job) -> Sample:
     folder = job.out / "work" / f"{task.id}-{word}-{job.seed}"
     shutil.rmtree(folder, ignore_errors=True)
     if task.base != EMPTY:
-        shutil.copytree(scene_folder(job.out, task.base, job.lod), folder)
+        shutil.copytree(scene_folder(job.out, task.base), folder)
     inputs = input_paths(job.out / "inputs")
     place = Workplace.opened(task, folder, inputs, seed=job.seed, lod=job.lod)
     if task.setup:

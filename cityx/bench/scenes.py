@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise, product
 from pathlib import Path
 from types import MappingProxyType
@@ -20,6 +20,7 @@ from cityx.city import Frame
 from cityx.sources.features.tagged import KIND, Tags
 
 EMPTY = "empty"
+LOD = 2  # of every scene: the lowest that has the cars and lamps which tasks are about
 FRAME = Frame(48.2, 16.3)  # where the scenes lie; any place whose traffic keeps to the right
 Box = tuple[float, float, float, float]
 
@@ -48,7 +49,7 @@ class Scene:
     layout
         Hash of its layout, which must not change unnoticed.
     settings
-        As of `cityx build --set`, and the least level of detail that has what they set.
+        As of `cityx build --set`.
     """
 
     extent: Box
@@ -56,11 +57,7 @@ class Scene:
     time: str
     weather: str
     layout: str
-    settings: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
-
-    def settings_at(self, lod: int) -> tuple[str, ...]:
-        """Return the settings that a level of detail has."""
-        return tuple(text for text, least in self.settings.items() if lod >= least)
+    settings: tuple[str, ...] = ()
 
 
 def house(name: str, box: Box, levels: int, **tags: str) -> Thing:
@@ -187,15 +184,15 @@ def _park() -> list[Thing]:
     return things
 
 
-_TREES_AS_DRAWN = MappingProxyType({"trees.street_trees=false": 1, "trees.budget=0": 1})
-_NO_CARS = MappingProxyType({"parked_cars.occupancy=0": 2, "parked_cars.lots=0": 2})
-_THIRTY_CARS = MappingProxyType({"parked_cars.occupancy=0.084": 2})
+_TREES_AS_DRAWN = ("trees.street_trees=false", "trees.budget=0")
+_NO_CARS = ("parked_cars.occupancy=0", "parked_cars.lots=0")
+_THIRTY_CARS = ("parked_cars.occupancy=0.084",)
 SCENES: Mapping[str, Scene] = MappingProxyType(
     {
         "grid_s": Scene(
             _GRID, _grid, "noon", "clear",
             "ecf14cc686e50c05cbbf677cb8413fa2a0e396079314c9dd21ab90f582a6afee",
-            {**_TREES_AS_DRAWN, **_NO_CARS},
+            (*_TREES_AS_DRAWN, *_NO_CARS),
         ),
         "river_s": Scene(
             _RIVER, _river, "noon", "overcast",
@@ -210,7 +207,9 @@ SCENES: Mapping[str, Scene] = MappingProxyType(
 )  # fmt: skip
 
 
-def write_drawing(things: list[Thing], extent: Box, path: Path, frame: Frame = FRAME) -> Path:
+def write_drawing(
+    things: list[Thing], extent: Box, path: Path, frame: Frame | None = FRAME
+) -> Path:
     """Write a drawing in metres, with its border.
 
     Parameters
@@ -222,7 +221,7 @@ def write_drawing(things: list[Thing], extent: Box, path: Path, frame: Frame = F
     path
         .geojson.
     frame
-        Where the scene lies.
+        Where the scene lies, None for nowhere.
     """
     border = Thing("border", {"kind": "boundary"}, shapely.box(*extent))
     features = [
@@ -230,8 +229,10 @@ def write_drawing(things: list[Thing], extent: Box, path: Path, frame: Frame = F
          "geometry": json.loads(shapely.to_geojson(thing.shape))}
         for thing in (*things, border)
     ]  # fmt: skip
-    place = {"latitude": frame.latitude, "longitude": frame.longitude}
-    document = {"type": "FeatureCollection", "units": "metres", "origin": place,
-                "features": features}  # fmt: skip
+    document: dict[str, Any] = {
+        "type": "FeatureCollection", "units": "metres", "features": features,
+    }  # fmt: skip
+    if frame is not None:
+        document["origin"] = {"latitude": frame.latitude, "longitude": frame.longitude}
     path.write_text(json.dumps(document), encoding="utf-8")
     return path

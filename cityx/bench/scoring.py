@@ -176,7 +176,7 @@ def judged(place: Workplace, driver: Driver, name: str, registry: str) -> Sample
         [{"predicate": text, **_said(found)}
          for text, found in zip(task.expect, goals, strict=True)],
         [_said(found) for found in rules],
-        faults, outcome.unsupported, _reply(outcome), slot_counts(task, outcome.slots),
+        faults, list(outcome.unsupported), _reply(outcome), slot_counts(task, outcome.slots),
         round(outcome.planning_s, 3), round(time.perf_counter() - begin, 3),
     )  # fmt: skip
 

@@ -68,7 +68,7 @@ def test_every_fault_is_told_by_its_task(tmp_path):
         read_tasks(written(tmp_path, json.dumps(records), "tasks.json"))
     text = str(caught.value)
     for said in (
-        'A1: there is no scene "grid_x"', "A1: n(dragon) >= 1: There is no kind dragon.",
+        'A1: there is no scene "grid_x"', 'A1: "n(dragon) >= 1": There is no kind dragon.',
         "A2: its text is no text.", "A2: it expects nothing", 'A3: there is no input "a.osm"',
         'A3: has no meaning for "slot". Did you mean "slots"', 'A4: the slot "park" is not',
         "A5: stands there twice.", "entry 7 is no object.",

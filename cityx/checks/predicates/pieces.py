@@ -138,7 +138,7 @@ class Pieces(Layer):
     @cached_property
     def _neon(self) -> BoolArray:
         """(n,) whether a light is a coloured one on a building."""
-        colored = np.array([_glows(p, least=words.GLOW) for p in self.city.scene.prototypes])
+        colored = np.array([_glows(p, least=words.GLOW) for p in self.city.scene.prototypes], bool)
         return np.asarray(colored[self._rows.prototype] & (self._rows.owner > 0), bool)
 
 
