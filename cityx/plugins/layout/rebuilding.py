@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -135,7 +136,7 @@ def _together(first: GeoDataFrame, second: GeoDataFrame) -> GeoDataFrame:
 
 
 def with_heights(layout: Layout, rows: NDArray[np.int64], heights: FloatArray) -> Layout:
-    """Scale buildings in height.
+    """Scale buildings in height, and tag them with it, so that whoever draws their roofs keeps it.
 
     Parameters
     ----------
@@ -155,6 +156,10 @@ def with_heights(layout: Layout, rows: NDArray[np.int64], heights: FloatArray) -
     height = old.copy()
     height[rows] = heights
     buildings["height"] = height
+    tags = buildings["tags"].to_numpy(object).copy()
+    for row, metres in zip(rows.tolist(), np.asarray(heights, float).tolist(), strict=True):
+        tags[row] = json.dumps({**json.loads(tags[row] or "{}"), "height": f"{metres:.2f}"})
+    buildings["tags"] = tags.astype(str)
     return replace(layout, buildings=buildings, parts=parts)
 
 
