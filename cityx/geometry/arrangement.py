@@ -359,6 +359,8 @@ def owners(ground: Ground, label: int, over: tuple[str, ...]) -> NDArray[np.int6
 def absorb_scraps(ground: Ground, label: int, area: float, over: tuple[str, ...]) -> Ground:
     """Give scraps of the surfaces of one label to their neighbours.
 
+    Scraps are small pieces that something cut off, and slivers by which a surface touches itself.
+
     Parameters
     ----------
     ground
@@ -388,7 +390,25 @@ def absorb_scraps(ground: Ground, label: int, area: float, over: tuple[str, ...]
         if waiting.sum() == scrap.sum():
             break
         ground, scrap = given, waiting
-    return ground
+    thin = (ground.face_label == label) & (face_areas(ground) < SLIVER_AREA)
+    thin &= _touching(ground, owners(ground, label, over))
+    return _given_away(ground, thin, takes & (ground.face_label != label))
+
+
+def _touching(ground: Ground, owner: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """(f,) faces with a corner at which the outline of their own surface meets itself."""
+    left, right = ground.edge_faces.T.astype(np.int64)
+    beyond = np.where(right == BEYOND, 0, owner[np.maximum(right, 0)])
+    rim = owner[left] != beyond
+    vertex = np.tile(ground.edges[rim].astype(np.int64).T.ravel(), 2)
+    surface = np.concatenate([np.tile(owner[left[rim]], 2), np.tile(beyond[rim], 2)])
+    count = int(owner.max(initial=0)) + 1
+    key, times = np.unique(vertex * count + surface, return_counts=True)
+    crossed = key[(times > 2) & (key % count > 0)]
+    corner = ground.triangles.astype(np.int64) * count + owner[ground.triangle_face][:, None]
+    found = np.zeros(len(owner), bool)
+    found[ground.triangle_face[np.isin(corner, crossed).any(axis=1)]] = True
+    return found
 
 
 def _given_away(

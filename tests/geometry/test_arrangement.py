@@ -90,6 +90,24 @@ def test_a_scrap_among_scraps_goes_to_the_surface_around_them():
     assert area_of(absorbed, junction) == pytest.approx(400.0)
 
 
+def test_a_sliver_by_which_a_surface_touches_itself_goes_to_its_neighbour():
+    # A sliver hangs on the upper box by a side and meets the lower one at a corner alone.
+    upper = shapely.box(-10, 0.1, 10, 10)
+    sliver = shapely.Polygon([(0, 0), (0.1, 0.1), (-0.1, 0.1)])
+    lower = shapely.Polygon([(0, 0), (-5, -4), (-20, -4), (-20, 12), (-10, 12), (-10, 10),
+                             (-12, 10), (-12, -3), (-6, -3), (-5, -3)])  # fmt: skip
+    junction = LABEL["junction"]
+    shapes = [shapely.box(-50, -50, 50, 50), upper, sliver, lower.buffer(0)]
+    found = regions(shapes, [ROAD] + [junction] * 3, [60, 72, 72, 72], np.full(4, 7, np.uint64))
+    cut = shapely.linestrings([[(-1, 0.1), (1, 0.1)]])
+    ground = arrange(found, (-50, -50, 50, 50), lines=cut)
+    before, after = (
+        area_of(ground, junction),
+        area_of(absorb_scraps(ground, junction, 0.0, ("marking",)), junction),
+    )
+    assert before - after == pytest.approx(sliver.area)
+
+
 def test_an_edge_knows_the_faces_on_both_hands():
     ground = arrange(regions([shapely.box(0, 0, 50, 80)], ROAD, 1), SITE)
     inner = ground.edges[ground.edge_faces[:, 1] >= 0]

@@ -14,6 +14,7 @@ from cityx.city.ground import KERB_HEIGHT
 from cityx.city.mesh import concatenate, empty_batch
 from cityx.geometry.identity import uniform
 from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, pack
+from cityx.plugins.road.embankments import earth_over
 from cityx.protocol import Port, action
 
 ACTION = "nature/barriers-v1"
@@ -83,6 +84,12 @@ def _cut(city: City, lines: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int6
     parts, index = shapely.get_parts(lines, return_index=True)
     good = (shapely.get_type_id(parts) == 1) & (shapely.length(parts) > SHORTEST)
     return parts[good], owner[index[good]]
+
+
+def _ground(city: City, xy: FloatArray) -> FloatArray:
+    """(n,) height of the ground, or of what is heaped on it, under points."""
+    land = city.terrain.height_at(xy) + KERB_HEIGHT
+    return np.asarray(np.fmax(land, earth_over(city.scene.meshes.get("structures"), xy)))
 
 
 def _resampled(lines: NDArray[Any]) -> Polylines:
@@ -222,7 +229,7 @@ def posts(
     position = position + aside * np.column_stack([-ahead[:, 1], ahead[:, 0]])
     ends = np.stack([position - 0.03 * ahead, position + 0.03 * ahead], axis=1).reshape(-1, 2)
     short = Polylines(ends, np.arange(0, len(ends) + 1, 2))
-    ground = np.repeat(city.terrain.height_at(position) + KERB_HEIGHT, 2)
+    ground = np.repeat(_ground(city, position), 2)
     size = np.column_stack([np.full(len(line), 0.03), height[line] + 0.06])
     return sweep(short, ids[line], ground, _BOX, size, "metal_dark", np.ones((len(line), 3)))
 
@@ -265,7 +272,7 @@ def barriers(city: City) -> City:
         size = np.column_stack([np.full(len(ids), kind.width / 2), height])
         pick = (uniform(city.seed, f"{ACTION}/tint", ids) * len(kind.tints)).astype(int)
         tint = np.array(kind.tints)[pick]
-        ground = city.terrain.height_at(lines.points) + KERB_HEIGHT
+        ground = _ground(city, lines.points)
         if name == "fence":
             for low, high in ((0.12, 0.16), (0.52, 0.55), (0.93, 0.97)):
                 batches.append(

@@ -15,15 +15,19 @@ from cityx.geometry.clearance import near_any, push_off
 from cityx.geometry.driving import keeps_left
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import locate, to_linestrings
+from cityx.geometry.standing import WALKED
 from cityx.plugins.nature.pieces import (
     FloatArray,
     Pieces,
     in_carriageways,
     join_pieces,
-    off_carriageways,
+    may_stand,
     pieces,
+    room_along,
+    walk_rims,
     with_pieces,
 )
+from cityx.plugins.nature.street_rules import TIGHT
 from cityx.plugins.road.kerbs import (
     edge_lengths,
     edge_lines,
@@ -67,6 +71,9 @@ MOST_PUSH = 3.0  # metres a mapped thing may be moved out of a carriageway
 SIGNAL_REACH = 25.0  # metres from a mapped signal to the junction it belongs to
 FRONT_REACH = 40.0  # metres within which a thing turns to a road
 SHELTER_ROOM = 2.6  # metres of free sidewalk that a shelter needs
+POLE = 0.2  # metres, half the foot of a lamp or a signal
+WALL_GAP = 0.32  # metres from a wall to the middle of a pole that stands at it
+WALK_REACH = 6.0  # metres of walk beside a pole that are looked at
 
 
 class _Roads:
@@ -302,6 +309,31 @@ def _cleared(city: City, roads: _Roads, given: Pieces, mapped: int) -> Pieces:
     return replace(given, xy=xy).take(free)
 
 
+def _let_pass(city: City, roads: _Roads, ours: Pieces) -> Pieces:
+    """Move poles that leave too little of a walk to its far side.
+
+    Lamps that leave too little there as well are left out; signals stay.
+    """
+    if city.ground is None or not len(ours):
+        return ours
+    rows, line = roads.nearest(ours.xy, FRONT_REACH)
+    walked = city.ground.on(ours.xy[rows], *WALKED)
+    rows, line = rows[walked], line[walked]
+    xy = ours.xy[rows]
+    out = xy - roads.foot(xy, line)[0]
+    out /= np.maximum(np.hypot(*out.T), 1e-6)[:, None]
+    rims = walk_rims(city.ground)
+    behind, before = (room_along(xy, way, rims, WALK_REACH) for way in (out, -out))
+    tight = np.maximum(behind, before) < TIGHT + POLE
+    roomy = behind + before >= TIGHT + POLE + WALL_GAP
+    moved, keep = ours.xy.copy(), np.ones(len(ours), bool)
+    back = tight & roomy
+    moved[rows[back]] += (out * (behind - WALL_GAP)[:, None])[back]
+    lamp = np.char.startswith(ours.name.astype(str), "street_lamp")
+    keep[rows[tight & ~roomy]] = ~lamp[rows[tight & ~roomy]]
+    return replace(ours, xy=moved).take(keep)
+
+
 @action(
     ACTION,
     limits=["Bridges and tunnels get no lamps of their own."],
@@ -331,20 +363,15 @@ def furniture(
     left = keeps_left(city.frame) if network is None else bool(network.left_hand.any())
     drive = -1.0 if left else 1.0
     roads = _Roads(city)
-    mapped = _mapped(city, roads, drive)
-    kind = city.layout.points["kind"].to_numpy().astype(str)
-    groups = [mapped] if mapped is not None else []
-    count = sum(len(group.id) for group in groups)
-    for extra in (
-        _lamps(city, int((kind == "street_lamp").sum())) if lamps else None,
-        _signals(city, drive),
-    ):
-        if extra is not None:
-            groups.append(extra)
-    if not groups:
+    mapped = _mapped(city, roads, drive) or join_pieces([])
+    posts = int((city.layout.points["kind"].to_numpy().astype(str) == "street_lamp").sum())
+    added = (_lamps(city, posts) if lamps else None, _signals(city, drive))
+    ours = _let_pass(city, roads, join_pieces([group for group in added if group is not None]))
+    if not len(mapped) + len(ours):
         return replace(city, stages_done=done)
-    standing = _cleared(city, roads, join_pieces(groups), count)
+    standing = _cleared(city, roads, join_pieces([mapped, ours]), len(mapped))
     # A shelter that the kerb leaves no room for is a pole.
-    tight = (standing.name == "bus_stop") & ~off_carriageways(city, standing)
+    tight = (standing.name == "bus_stop") & ~may_stand(city, standing)
     standing = replace(standing, name=np.where(tight, "bus_pole", standing.name))
+    standing = standing.take(may_stand(city, standing))
     return with_pieces(replace(city, stages_done=done), "street_furniture", standing)

@@ -27,7 +27,7 @@ from cityx.plugins.nature.pieces import (
     in_carriageways,
     inside_extent,
     join_pieces,
-    off_carriageways,
+    may_stand,
     pieces,
     with_pieces,
 )
@@ -364,5 +364,6 @@ def parks(city: City) -> City:
     soft = soft.take(~in_carriageways(city, soft.xy, np.full(len(soft), LARGEST)))
     soft = soft.take(~near_any(soft.xy, city.layout.buildings.geometry.to_numpy(), THING_GAP))
     hard = _equipment(city, fields)
-    found = join_pieces([soft, hard.take(off_carriageways(city, hard))])
+    found = join_pieces([soft, hard])
+    found = found.take(may_stand(city, found))
     return with_pieces(city, LAYER, found) if len(found) else city

@@ -11,10 +11,11 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.city import City, Instances
-from cityx.city.ground import KERB_HEIGHT, Ground
+from cityx.city.ground import KERB_HEIGHT, ROADWAY, Ground
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.polylines import to_linestrings
 from cityx.geometry.standing import WALKED, stand_on
+from cityx.plugins.road.embankments import earth_over
 from cityx.plugins.road.kerbs import edge_lines
 
 FloatArray = NDArray[np.float64]
@@ -120,14 +121,17 @@ def with_pieces(city: City, layer: str, found: Pieces, z: FloatArray | None = No
     return replace(city, scene=city.scene.with_instances(layer, prototypes, rows))
 
 
-def off_carriageways(city: City, found: Pieces) -> BoolArray:
-    """(n,) whether things, as they are turned, keep off every carriageway.
+def may_stand(city: City, found: Pieces) -> BoolArray:
+    """(n,) whether things, as they are turned, keep off every carriageway and every embankment.
 
     What counts of a thing is its outline between ankle and head.
     """
     from cityx.assets.furniture import furniture
 
-    network, free = city.network, np.ones(len(found), bool)
+    network = city.network
+    free = np.isnan(earth_over(city.scene.meshes.get("structures"), found.xy))
+    if city.ground is not None:
+        free &= ~city.ground.on(found.xy, *ROADWAY)
     if network is None or not network.edge_count or not len(found):
         return free
     outlines = np.empty(len(found), object)

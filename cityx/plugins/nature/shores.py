@@ -25,7 +25,7 @@ from cityx.plugins.nature.pieces import (
     in_carriageways,
     inside_extent,
     join_pieces,
-    off_carriageways,
+    may_stand,
     pieces,
     room_along,
     with_pieces,
@@ -253,6 +253,8 @@ def _growth(
     city: City, lines: Polylines, ids: NDArray[np.uint64], width: FloatArray, water: FloatArray
 ) -> tuple[Pieces, FloatArray]:  # fmt: skip
     """Reeds in patches and scattered stones at the foot of banks."""
+    ground = city.ground
+    assert ground is not None
     length = arc_lengths(lines)[1]
     found, level = [], []
     for name, spacing, share in (("reeds", REED_SPACING, 0.85), ("boulder", BOULDER_SPACING, 0.5)):
@@ -272,8 +274,10 @@ def _growth(
         xy = position + right * reach[:, None]
         group = pieces(name, xy, own, 2 * np.pi * uniform(city.seed, f"{ACTION}/turn", own))
         scale = 0.7 + 0.6 * uniform(city.seed, f"{ACTION}/size", own)
-        found.append(replace(group, scale=scale * (1.0 if name == "reeds" else 0.85)))
-        level.append(water[nearest] + (0.0 if name == "reeds" else 0.05))
+        # Where the bank turns, its foot may lie on the land of the other side, or on a road there.
+        wet = ground.on(xy, "water")
+        found.append(replace(group, scale=scale * (1.0 if name == "reeds" else 0.85)).take(wet))
+        level.append((water[nearest] + (0.0 if name == "reeds" else 0.05))[wet])
     return join_pieces(found), np.concatenate(level)
 
 
@@ -385,7 +389,7 @@ def shores(city: City) -> City:
     if batches:
         city = replace(city, scene=city.scene.with_mesh("shores", joined_by_id(batches)))
     found, z = join_pieces([growth, things]), np.concatenate([growth_level, level])
-    free = np.flatnonzero(off_carriageways(city, found))
+    free = np.flatnonzero(may_stand(city, found))
     found, z = found.take(free), z[free]
     if not len(found):
         return city

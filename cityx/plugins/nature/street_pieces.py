@@ -23,7 +23,7 @@ from cityx.plugins.nature.pieces import (
     in_carriageways,
     inside_extent,
     join_pieces,
-    off_carriageways,
+    may_stand,
     pieces,
     room_along,
     walk_rims,
@@ -395,6 +395,7 @@ def street_pieces(
     kept = drawn.take(_free(city, site, drawn, half[:, 0], half[:, 1]))
     stands = kept.take(kept.name == "bicycle_parking")
     bicycles = _bicycles(city, stands)
-    found = join_pieces([posts, kept, bicycles.take(off_carriageways(city, bicycles))])
+    found = join_pieces([posts, kept, bicycles])
+    found = found.take(may_stand(city, found))
     city = replace(city, stages_done=done)
     return with_pieces(city, LAYER, found) if len(found) else city

@@ -36,7 +36,7 @@ ROAD_HEADROOM = 4.5  # metres below branches over a carriageway
 WALK_REACH = 2.0  # metres from a path within which trees are pruned as beside a street
 OVERHANG = 1.0  # metres a low crown may reach over a kerb
 FREE_LEAVES = 0.15  # metres between a crown and a facade
-LEAST_WIDTH = 0.2  # share of its grown width below which a tree is not made
+LEAST_WIDTH = 0.1  # share of its grown width to which a crown beside a wall is drawn in at most
 TALLEST = 2.3  # height over width, as shares of the grown tree, of a crown in a narrow place
 # Surfaces of the ground on which no trunk stands, whatever the map says.
 TREELESS = ("carriageway", "setts", "junction", *PAINT, "tramway", "water")

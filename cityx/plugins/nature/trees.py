@@ -31,6 +31,7 @@ from cityx.plugins.nature.tree_room import (
     fitted,
     room_of,
 )
+from cityx.plugins.road.embankments import earth_over
 from cityx.plugins.road.kerbs import edge_lengths, join_places, places_along
 from cityx.protocol import Port, Range, action
 
@@ -527,6 +528,7 @@ def trees(
     turn = np.zeros((len(stand.id), 3), np.float32)
     turn[:, 2] = uniform(city.seed, f"{ACTION}/yaw", stand.id) * 2 * np.pi
     z = city.terrain.height_at(stand.xy) + KERB_HEIGHT
+    z = np.fmax(z, earth_over(city.scene.meshes.get("structures"), stand.xy))
     rows = Instances(
         number,
         stand.id,

@@ -102,12 +102,14 @@ def _steps(ways: Ways) -> _Steps:
     first = np.flatnonzero(owner[1:] == owner[:-1])
     run = ways.along[first + 1] - ways.along[first]
     across, across_run = _across(ways)
+    meet, meet_run = _abutting(ways)
     return _Steps(
-        ways.node[np.concatenate([np.column_stack([first, first + 1]), across])],
-        np.concatenate([run, across_run]),
-        np.concatenate([run * ways.grade[owner[first]], CROSSFALL * across_run]),
-        np.concatenate([owner[first], owner[across[:, 0]]]),
-    )
+        ways.node[np.concatenate([np.column_stack([first, first + 1]), across, meet])],
+        np.concatenate([run, across_run, meet_run]),
+        np.concatenate([run * ways.grade[owner[first]], CROSSFALL * across_run,
+                        meet_run * ways.grade[owner[meet[:, 1]]]]),
+        np.concatenate([owner[first], owner[across[:, 0]], owner[meet[:, 0]]]),
+    )  # fmt: skip
 
 
 def _solved(
@@ -192,6 +194,33 @@ def _across(ways: Ways) -> tuple[IntArray, FloatArray]:
     station, other, far = station[near], other[near], far[near]
     facing = nearest_station(ways, other, lines.points[station])
     return np.column_stack([station, facing]), np.maximum(far, 0.5)
+
+
+def _abutting(ways: Ways) -> tuple[IntArray, FloatArray]:
+    """Pair ends of streets with the street on whose carriageway they lie without a shared node.
+
+    Returns
+    -------
+    pairs, run
+        (k, 2) stations, the end first, and (k,) metres between them.
+    """
+    lines = ways.lines
+    street = np.flatnonzero((ways.edge >= 0) & (ways.level == 0))
+    end = np.concatenate([lines.start[street], lines.start[street + 1] - 1])
+    spots = shapely.points(lines.points[end])
+    way, spot = shapely.STRtree(spots).query(
+        ways.shapes[street], predicate="dwithin", distance=ways.half[street]
+    )
+    way, end = street[way], end[spot]
+    # Streets that share a node near the place meet there already.
+    key = np.unique(ways.owner * ways.count + ways.node)
+    joined = np.zeros(len(way), bool)
+    for foot in (lines.start[:-1], lines.start[1:] - 1):
+        joined |= np.isin(way * ways.count + ways.node[foot[ways.owner[end]]], key)
+    way, end = way[~joined], end[~joined]
+    facing = nearest_station(ways, way, lines.points[end])
+    run = np.hypot(*(lines.points[end] - lines.points[facing]).T)
+    return np.column_stack([end, facing]), np.maximum(run, 0.5)
 
 
 def _spanned(steps: _Steps, on_ground: BoolArray, base: FloatArray) -> FloatArray:

@@ -15,6 +15,7 @@ from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
 from cityx.plugins.nature.street_rules import place_of
+from cityx.plugins.road.embankments import earth_over
 from cityx.plugins.road.kerbs import edge_lines, join_places, places_along
 from cityx.plugins.road.yards import BAY as YARD_BAY
 from cityx.plugins.road.yards import yard_patches
@@ -255,6 +256,7 @@ def parked_cars(
     xmin, ymin, xmax, ymax = city.layout.extent
     keep = (xy[:, 0] >= xmin) & (xy[:, 0] <= xmax) & (xy[:, 1] >= ymin) & (xy[:, 1] <= ymax)
     keep &= ~near_any(xy, city.layout.buildings.geometry.to_numpy(), 1.0)
+    keep &= np.isnan(earth_over(city.scene.meshes.get("structures"), xy))
     order = np.flatnonzero(keep)[np.argsort(ids[keep], kind="stable")]
     xy, ids, yaw = xy[order], ids[order], yaw[order]
     body = _bodies(city, xy, ids)

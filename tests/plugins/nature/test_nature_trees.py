@@ -10,6 +10,7 @@ from cityx.checks.predicates import measure
 from cityx.city import Environment, Frame, Scene, make_table
 from cityx.errors import ActionFailed, UsageError
 from cityx.plugins.nature.climate import band_of, season_of, species_of_tags
+from cityx.plugins.nature.tree_room import Room, fitted
 from cityx.plugins.nature.trees import trees
 
 DAY = date(2025, 1, 1)
@@ -232,3 +233,11 @@ def test_more_trees_than_find_room_are_refused(crossroads):
         trees(crossroads, least=90_000)
     with pytest.raises(UsageError, match="least = 9 trees are more than most = 3"):
         trees(crossroads, least=9, most=3)
+
+
+def test_a_crown_ends_before_the_wall_that_its_trunk_nearly_touches():
+    room = Room(np.array([0.7]), np.array([np.inf]), np.array([np.inf]))
+    size = np.array([[14.0, 5.8, 2.0]])
+    up, wide = fitted(np.ones(1), np.ones(1), size, room, fixed=np.zeros(1, bool))
+    assert wide * 5.8 < 0.7
+    assert up < 2.5 * wide

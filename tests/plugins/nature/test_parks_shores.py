@@ -136,3 +136,14 @@ def test_the_same_seed_gives_the_same_bytes(waterside, action):
         )
     for layer in set(a.scene.meshes) - set(waterside.scene.meshes):
         assert a.scene.meshes[layer].vertices.tobytes() == b.scene.meshes[layer].vertices.tobytes()
+
+
+def test_reeds_and_stones_stay_in_the_water_where_the_bank_turns(crossroads):
+    wedges = [shapely.Polygon([(-95, y), (-20, y + 3), (-95, y + 6)]) for y in range(30, 95, 8)]
+    areas = make_table("areas", wedges, id=np.arange(61, 61 + len(wedges)),
+                       kind=["water"] * len(wedges))  # fmt: skip
+    built = ground(replace(crossroads, layout=replace(crossroads.layout, areas=areas)))
+    names, rows = named(shores(built), SHORE_LAYER)
+    grown = np.isin(names, ("reeds", "boulder"))
+    assert grown.sum() > 10
+    assert built.ground.on(rows.position[grown, :2], "water").all()

@@ -5,8 +5,10 @@ import pytest
 import shapely
 
 from cityx.checks.furniture import check_furniture, crowding, in_lanes, placed_outlines
+from cityx.city import make_table
 from cityx.city.scene import Instances
 from cityx.geometry.standing import WALKED, stand_on
+from cityx.plugins.nature.furniture import furniture
 from cityx.plugins.nature.pieces import front, join_pieces, pieces, room_along, with_pieces
 from cityx.plugins.nature.street_pieces import LAYER, street_pieces
 from cityx.plugins.road.ground import ground
@@ -119,3 +121,29 @@ def test_things_at_the_walls_of_wide_walks_touch_them_and_leave_the_walk(avenue)
     assert {check.name: check.value for check in check_furniture(found)}[
         "furniture_on_walkway"
     ] == 0.0
+
+
+def lamps_beside_houses(avenue, walk):
+    """Lamps of the avenue with rows of houses that leave walks of so many metres."""
+    near = 5.0 + walk
+    rows = [shapely.box(x, y, x + 80, y + 5) for x in (-95, 15) for y in (near, -near - 5)]
+    houses = avenue.layout.buildings.assign(geometry=rows)
+    parts = make_table("parts", rows, id=np.arange(71, 75), building=houses["id"].to_numpy(),
+                       base=np.zeros(4), walls=np.ones(4, bool))  # fmt: skip
+    points = avenue.layout.points.iloc[:0]
+    layout = replace(avenue.layout, buildings=houses, parts=parts, points=points)
+    built = furniture(ground(replace(avenue, layout=layout)))
+    position = built.scene.instances["street_furniture"].position
+    before = (np.abs(position[:, 0]) > 16) & (np.abs(position[:, 0]) < 94)
+    return built, np.abs(position[before & (np.abs(position[:, 1]) < 8), 1])
+
+
+def test_lamps_on_narrow_walks_stand_at_the_wall_and_let_people_pass(avenue):
+    built, across = lamps_beside_houses(avenue, 1.9)
+    assert across == pytest.approx(np.full(len(across), 6.9 - 0.32), abs=0.02)
+    assert len(across) >= 8
+    assert {check.value for check in check_furniture(built)} == {0.0}
+
+
+def test_walks_that_no_lamp_lets_anybody_pass_on_get_none(avenue):
+    assert not len(lamps_beside_houses(avenue, 1.4)[1])

@@ -3,6 +3,7 @@ import pytest
 
 from cityx.city.terrain import flat_terrain
 from cityx.geometry.solids import check_closed
+from cityx.plugins.road.embankments import earth_over
 from cityx.plugins.road.heights import way_heights
 from cityx.plugins.road.network import road_network
 from cityx.plugins.road.structures import build_structures
@@ -14,13 +15,23 @@ RAMP = [([(-20, 0), (20, 0)], BRIDGE), ([(-390, 0), (-20, 0)], {}), ([(20, 0), (
 
 
 @pytest.fixture
-def banks_of(layout_of):
+def structures_of(layout_of):
+    """The bodies of a bridge and its ramps."""
+
+    def build(streets=(), **options):
+        layout = layout_of([*RAMP, *streets], extent=LONG, **options)
+        net, off, terrain, _ = way_heights(layout, road_network(layout), flat_terrain())
+        return build_structures(layout, net, off, terrain).bodies
+
+    return build
+
+
+@pytest.fixture
+def banks_of(structures_of):
     """Corners of the slopes of earth beside the ramps of a bridge, (n, 3)."""
 
     def find(streets=(), **options):
-        layout = layout_of([*RAMP, *streets], extent=LONG, **options)
-        net, off, terrain, _ = way_heights(layout, road_network(layout), flat_terrain())
-        bodies = build_structures(layout, net, off, terrain).bodies
+        bodies = structures_of(streets, **options)
         assert check_closed(bodies).all()
         earth = np.flatnonzero(np.array(bodies.materials)[bodies.material] == "grass")
         corners = bodies.faces[earth]
@@ -50,3 +61,17 @@ def test_no_earth_lies_on_a_street_beside_the_ramp_nor_in_a_house(banks_of):
     # The sides with room keep theirs.
     assert ((x < -30) & (y < 0)).any()
     assert ((x > 30) & (y > 0)).any()
+
+
+def test_the_height_of_the_earth_is_known_on_slopes_and_nowhere_else(structures_of):
+    bodies = structures_of()
+    xy = np.array([[-50.0, y] for y in np.linspace(-30, 30, 601)])
+    found = earth_over(bodies, xy)
+    on = np.isfinite(found)
+    north = on & (xy[:, 1] > 0)
+    assert north.any()
+    assert (on & (xy[:, 1] < 0)).any()
+    assert not on[np.abs(xy[:, 1]) < 2].any()  # the ramp lies there
+    fall = np.diff(found[north]) / np.diff(xy[north, 1])
+    assert np.median(fall) == pytest.approx(-1 / 1.5, rel=0.05)
+    assert np.isnan(earth_over(None, xy)).all()

@@ -130,6 +130,18 @@ def test_hill_streets_keep_their_grade_and_the_terrain_follows(layout_of):
     assert np.allclose(terrain.height_at(far), hill.height_at(far), atol=0.05)
 
 
+def test_a_street_that_ends_on_another_without_a_node_meets_its_height(layout_of):
+    hill = Terrain((-200.0, -200.0), 10.0, np.tile(np.arange(41.0)[:, None] * 3.0, (1, 41)))
+    uphill = [(0, 1.0), *[(0, y) for y in range(5, 95, 5)]]
+    layout = layout_of([([(-90, 0), (90, 0)], {}), (uphill, {})])
+    net = solved(layout, hill)[0]
+    longest = int(np.diff(net.point_start).argmax())
+    rows = slice(*net.point_start[longest : longest + 2].tolist())
+    z, y = net.z[rows], net.points[rows, 1]
+    assert y.max() == 90
+    assert (np.abs(np.diff(z)) / np.abs(np.diff(y))).max() < 0.14
+
+
 @pytest.mark.parametrize("middle", [BRIDGE, TUNNEL])
 def test_structures_are_closed_and_leave_the_streets_free(layout_of, city_of, middle):
     city = built(city_of, crossed(layout_of, middle), lod=2)
