@@ -80,13 +80,16 @@ def _headroom(city: City) -> tuple[int, int, float]:
     return int(inside.sum()), int(short.sum()), least if np.isfinite(least) else 99.0
 
 
-def carriageway_places(city: City) -> tuple[FloatArray, FloatArray]:
-    """Return places on the middle of carriageways and of their halves, (k, 2) and (k,)."""
+def carriageway_places(city: City, period: float = EVERY) -> tuple[FloatArray, FloatArray]:
+    """Return places on the middle of carriageways and of their halves, (k, 2) and (k,) metres.
+
+    One lies in every `period` metres.
+    """
     network = city.network
     assert network is not None
     lines = Polylines(network.points, network.point_start)
     length = arc_lengths(lines)[1]
-    count = np.maximum((length / EVERY).astype(int), 1)
+    count = np.maximum((length / period).astype(int), 1)
     edge = np.repeat(np.arange(lines.count), count)
     first = np.concatenate([[0], np.cumsum(count)])[:-1]
     along = (np.arange(len(edge)) - first[edge] + 0.5) * (length / count)[edge]

@@ -18,7 +18,8 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 OFF_SURFACE = 0.3  # metres between a carriageway and the ground or deck that carries it
 BORDER = 2.0  # metres from the site's rectangle, where streets are cut
-SPACING = 1.0  # metres between the places of a turn that are tested
+APART = 5.0  # metres between the places of a street that are tested; no deck is shorter
+SPACING = 2.0  # metres between the places of a turn that are tested
 BLOCKED = 0.5  # share of the turns over a junction that leave its surface; corners cut are less
 ARMS = 3  # from which a node is a junction
 
@@ -57,7 +58,7 @@ def bare_places(city: City) -> FloatArray:
 
     What lies under buildings, where the ground is open, is left out.
     """
-    xy, z = carriageway_places(city)
+    xy, z = carriageway_places(city, APART)
     xy, z = xy[(inside := _within(city, xy))], z[inside]
     return np.asarray(xy[ground_gaps(city, np.column_stack([xy, z])) > OFF_SURFACE])
 
