@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from cityx.agents.briefs import Request, read_request
+from cityx.agents.evaluator import measured_of
 from cityx.agents.journal import Journal, derivation_key
 from cityx.agents.loop import Loop, Say, quiet
 from cityx.agents.models import Limits, Recording, roles_for
@@ -259,9 +260,9 @@ def _look(job: Job, report: dict[str, Any], renders: Path, pool: Pool) -> None:
         return
     from cityx.agents.models.evaluator import checklist_of
 
-    measured = {goal["goal"].replace(" = ", "="): goal["met"] for goal in report["goals"]}
     views = [path.read_bytes() for path in sorted(renders.glob("*.png"))]
-    verdict = job.roles.evaluator.judge(checklist_of(job.request.slots), measured, views)
+    asked = checklist_of(job.request.slots)
+    verdict = job.roles.evaluator.judge(asked, measured_of(report), views)
     report["verdict"] = verdict.to_json()
     pool.say(Message("evaluator", "verdict", report["verdict"]))
 

@@ -6,12 +6,19 @@ as there is one, and another is tried while something hard is missed.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
+from cityx.agents.verdict import Measured
 from cityx.city import City, Goal
 
 ROUNDS = 3  # layouts that are tried after the first
+BLOCK = 1000.0  # weight of a failed check, more than that of all goals of a brief
+# Question to somebody who looks at pictures -> checks whose failure answers it.
+DECIDED: Mapping[str, tuple[str, ...]] = {
+    "look.standing": ("floating_building", "building_buried", "things_off_ground"),
+}
 # What a predicate speaks of that only actions after the layout make.
 _LATER = (
     "env.", "sun_azimuth", "tree", "light", "style=", "material=", "color=", "roof=", "roof_color=",
@@ -29,16 +36,19 @@ class Judged:
     missed
         Goals that are not met, with what was measured.
     weight
-        Of what is missed, hard goals counting ten times.
+        Of what is missed, hard goals counting ten times; a failed check outweighs all goals.
+    failed
+        Checks that fail, with what was measured.
     """
 
     missed: tuple[tuple[Goal, str], ...]
     weight: float
+    failed: tuple[str, ...] = ()
 
     @property
     def texts(self) -> list[str]:
         """What is missed, in words."""
-        return [f"{goal.predicate} ({evidence})" for goal, evidence in self.missed]
+        return [*(f"{goal.predicate} ({evidence})" for goal, evidence in self.missed), *self.failed]
 
 
 def of_layout(goals: Sequence[Goal]) -> tuple[Goal, ...]:
@@ -47,7 +57,11 @@ def of_layout(goals: Sequence[Goal]) -> tuple[Goal, ...]:
 
 
 def judged(city: City, goals: Sequence[Goal]) -> Judged:
-    """Measure goals on a city; what cannot be told is not missed."""
+    """Measure goals on a city, and the checks of buildings, which a layout can fail already.
+
+    What cannot be told is not missed.
+    """
+    from cityx.checks.buildings import check_buildings
     from cityx.checks.predicates import measure_all
 
     findings = measure_all((goal.predicate for goal in goals), city)
@@ -56,4 +70,22 @@ def judged(city: City, goals: Sequence[Goal]) -> Judged:
         for goal, finding in zip(goals, findings, strict=True)
         if finding.met is False
     )
-    return Judged(missed, sum(goal.weight * (10.0 if goal.hard else 1.0) for goal, _ in missed))
+    failed = tuple(
+        f"{check.name} {check.value:g} (limit {check.limit:g})"
+        for check in check_buildings(city)
+        if not check.ok
+    )
+    weight = sum(goal.weight * (10.0 if goal.hard else 1.0) for goal, _ in missed)
+    return Judged(missed, weight + BLOCK * len(failed), failed)
+
+
+def measured_of(report: Mapping[str, Any]) -> Measured:
+    """Return what a report measured, as it stands against what is seen in pictures.
+
+    Goals are called as in the checklist of a look; a check that failed stands under its own name
+    and answers the question that it decides, so that no look can let it pass.
+    """
+    failed = {name for name, check in report["checks"].items() if not check["ok"]}
+    goals = {goal["goal"].replace(" = ", "="): goal["met"] for goal in report["goals"]}
+    answered = {question for question, checks in DECIDED.items() if failed & {*checks}}
+    return {**goals, **dict.fromkeys(sorted(failed | answered), False)}

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from cityx.checks.check import Check
+from cityx.checks.check import Check, named
 from cityx.city import City
-from cityx.geometry.identity import id_text
 
-BEYOND = 1.0  # metres; lamps and trees along a street that the border cuts stand a step beyond
+BEYOND = 2.0  # metres; lamps, trees and reeds along what the border cuts stand a step beyond
 
 
 def check_bounds(city: City) -> list[Check]:
@@ -24,5 +23,5 @@ def check_bounds(city: City) -> list[Check]:
     lost = np.concatenate(ids)[out]
     return [
         Check("outside_site", float(out.sum()), 0, "buildings and things beyond the site",
-              ids=tuple(id_text(int(value)) for value in lost[:8]))
+              ids=named(lost))
     ]  # fmt: skip

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+
+from cityx.geometry.identity import id_text
+
+NAMED = 20  # ids named of each check
 
 
 @dataclass(frozen=True)
@@ -34,3 +39,8 @@ class Check:
     def ok(self) -> bool:
         """Whether the value keeps the limit; NaN never does."""
         return bool(self.value >= self.limit if self.at_least else self.value <= self.limit)
+
+
+def named(ids: Iterable[int]) -> tuple[str, ...]:
+    """Return the texts of the first ids of what fails a check, each once, in order."""
+    return tuple(id_text(int(value)) for value in sorted(set(map(int, ids)))[:NAMED])

@@ -6,12 +6,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.check import Check
+from cityx.checks.check import Check, named
 from cityx.city import City
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.levels import ground_levels
 from cityx.city.scene import Instances
-from cityx.geometry.identity import hash_ids, id_text
+from cityx.geometry.identity import hash_ids
 from cityx.geometry.standing import stand_on
 
 RAY = (0.08, 0.35)  # metres before a window between which nothing may stand
@@ -23,6 +23,7 @@ LEAST_TALL = 2.6  # metres; lower ones are no houses
 STEP = 0.2  # metres between a door and the pavement before it
 THRESHOLD = 0.3  # metres that a building may float over or be buried in the ground at its door
 DOOR_AT = 0.4  # metres before the wall where the pavement is measured
+DOORLESS = 0.005  # of the houses at a sidewalk; towns and maps have none
 DOOR_ROOM = 1.5  # metres of free wall that a door needs
 NEIGHBOURS = 8
 NEAR = 120.0  # metres; a house further away is no neighbour
@@ -65,11 +66,13 @@ def blind_windows(city: City, windows: Instances) -> NDArray[np.int64]:
 
 
 def _blind(city: City, windows: Instances) -> Check:
+    blind = blind_windows(city, windows)
     return Check(
         "windows_on_blind_walls",
-        float(len(blind_windows(city, windows))),
+        float(len(blind)),
         0,
         f"windows, of up to {SAMPLE:,} sampled, that look at a wall less than {RAY[1]:g} m away",
+        ids=named(windows.object_id[blind]),
     )
 
 
@@ -100,9 +103,10 @@ def _doors(city: City, doors: Instances) -> Check:
     return Check(
         "street_doors_missing",
         missing,
-        0.02,
+        DOORLESS,
         f"share of houses at a sidewalk without a door within {STEP:g} m of the pavement's height; "
         "those that neighbours enclose are left out",
+        ids=named(open_ids[served.sum() :]),
     )
 
 
@@ -138,7 +142,7 @@ def _thresholds(city: City, doors: Instances) -> Check:
         float(gap.max()),
         THRESHOLD,
         "largest height of a door's foot over or under the ground before it, metres",
-        ids=tuple(id_text(int(owner)) for owner in np.unique(doors.owner[gap > THRESHOLD])),
+        ids=named(doors.owner[gap > THRESHOLD]),
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.check import Check
+from cityx.checks.check import Check, named
 from cityx.city import City
 from cityx.city.ground import ROADWAY
 from cityx.city.mesh import ranges
@@ -41,9 +41,11 @@ def check_furniture(city: City) -> list[Check]:
     # What the map shows stands where the map has it.
     tight = tight[~np.isin(ids[rows], city.layout.points["id"].to_numpy())]
     crowded = max(int(tight.sum()) - LET_PASS, 0)
+    hindering = in_lanes(city, outlines, xy)
     return [
-        Check("furniture_in_lanes", float(in_lanes(city, outlines, xy).sum()), 0,
-              "pieces of furniture whose outline reaches into a lane or a carriageway"),
+        Check("furniture_in_lanes", float(hindering.sum()), 0,
+              "pieces of furniture whose outline reaches into a lane or a carriageway",
+              ids=named(ids[hindering])),
         Check("furniture_on_walkway", crowded / max(len(tight), 1), CROWDED,
               f"share of the pieces on walks that leave less than {FREE} m to pass, "
               f"{LET_PASS} let pass"),

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
-from cityx.checks.check import Check
+from cityx.checks.check import Check, named
 from cityx.city import City
 from cityx.city.ground import PAINT
 from cityx.geometry.arrangement import check_arrangement
@@ -27,13 +24,8 @@ def check_ground(city: City) -> list[Check]:
     ]  # fmt: skip
     trees = city.scene.instances.get("trees")
     if trees is not None and trees.count:
-        misplaced = _standing_on(city, trees.position[:, :2], _NO_TRUNK)
-        checks.append(Check("trees_misplaced", misplaced, 0, "trunks in a carriageway or in water"))
+        misplaced = city.ground.on(trees.position[:, :2], *_NO_TRUNK)
+        checks.append(Check("trees_misplaced", float(misplaced.sum()), 0,
+                            "trunks in a carriageway or in water",
+                            ids=named(trees.object_id[misplaced])))  # fmt: skip
     return checks
-
-
-def _standing_on(city: City, points: NDArray[np.float64], labels: tuple[str, ...]) -> int:
-    ground = city.ground
-    if ground is None:
-        return 0
-    return int(np.count_nonzero(ground.on(points, *labels)))

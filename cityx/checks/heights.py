@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.checks.check import Check
+from cityx.checks.standing import surfaces_at
 from cityx.city import City
-from cityx.geometry.clearance import cells_of_triangles, triangles_at
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, values_along
 
 FloatArray = NDArray[np.float64]
@@ -67,7 +67,7 @@ def steep_share(city: City) -> float:
 
 def _headroom(city: City) -> tuple[int, int, float]:
     """Look up from places on all carriageways: those inside of a body, those under a low one."""
-    xy, z = _places(city)
+    xy, z = carriageway_places(city)
     hit, height = _above(city, xy)
     above = height - z[hit]
     inside = np.bincount(hit[above > HEAD], minlength=len(xy)) % 2 == 1
@@ -80,13 +80,16 @@ def _headroom(city: City) -> tuple[int, int, float]:
     return int(inside.sum()), int(short.sum()), least if np.isfinite(least) else 99.0
 
 
-def _places(city: City) -> tuple[FloatArray, FloatArray]:
-    """(k, 3) places along the middle of carriageways and of their halves."""
+def carriageway_places(city: City, period: float = EVERY) -> tuple[FloatArray, FloatArray]:
+    """Return places on the middle of carriageways and of their halves, (k, 2) and (k,) metres.
+
+    One lies in every `period` metres.
+    """
     network = city.network
     assert network is not None
     lines = Polylines(network.points, network.point_start)
     length = arc_lengths(lines)[1]
-    count = np.maximum((length / EVERY).astype(int), 1)
+    count = np.maximum((length / period).astype(int), 1)
     edge = np.repeat(np.arange(lines.count), count)
     first = np.concatenate([[0], np.cumsum(count)])[:-1]
     along = (np.arange(len(edge)) - first[edge] + 0.5) * (length / count)[edge]
@@ -98,20 +101,5 @@ def _places(city: City) -> tuple[FloatArray, FloatArray]:
 
 def _above(city: City, xy: FloatArray) -> tuple[IntArray, FloatArray]:
     """Return where vertical lines through places meet the bodies: place and height of each."""
-    batch = city.scene.meshes["structures"]
-    corners = batch.vertices[batch.triangles()[0]]
-    a, b, c = corners.transpose(1, 0, 2)
-    u, v = (b - a)[:, :2], (c - a)[:, :2]
-    flat = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) > 1e-9
-    corners = corners[flat]
-    faces = cells_of_triangles(
-        corners[:, :, :2].reshape(-1, 2), np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3)
-    )
     # Moved by less than anything built, so that no line runs through an edge two faces share.
-    pairs = list(triangles_at(xy + np.array([1.7e-5, 2.9e-5]), faces))
-    hit, face = (np.concatenate(column) for column in zip(*pairs, strict=True))
-    a, b, c = corners[face].transpose(1, 0, 2)
-    normal = np.cross(b - a, c - a)
-    offset = xy[hit] - a[:, :2]
-    rise = (normal[:, :2] * offset).sum(axis=1) / normal[:, 2]
-    return hit, np.asarray(a[:, 2] - rise)
+    return surfaces_at(city.scene.meshes["structures"], xy + np.array([1.7e-5, 2.9e-5]))

@@ -9,13 +9,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.check import Check
+from cityx.checks.check import NAMED, Check, named
 from cityx.city import City
 from cityx.city.ground import LABEL, ON_ROADWAY, ROADWAY, Ground
 from cityx.city.layout import Layout
 from cityx.geometry.arrangement import BEYOND, face_areas, owners
 from cityx.geometry.chains import components, join_segments
-from cityx.geometry.identity import id_text
 from cityx.geometry.polylines import Polylines, every, locate, to_linestrings
 
 FloatArray = NDArray[np.float64]
@@ -38,7 +37,6 @@ SPACING = 1.0  # metres between the places of a lane that are tested
 TIMES = 3.0  # times the product of its two widest arms that a junction may cover
 RETURN = 5.0  # metres of kerb radius that an arm's mouth is wider for
 LET_PASS = 2  # kerb curves outside of the limits, of which a small map has few
-NAMED = 20  # ids named of each check
 
 
 @dataclass(frozen=True)
@@ -126,11 +124,11 @@ def _surfaces(ground: Ground) -> list[Check]:
         Check("junction_surfaces", float(bad[1:].sum()) / total, 0.03,
               f"share of {len(ids):,} junctions that are no single closed surface with a simple "
               "outline",
-              ids=tuple(id_text(int(i)) for i in ids[bad[1:]][:NAMED])),
+              ids=named(ids[bad[1:]])),
         Check("junction_sizes", max(int(large.sum()) - LET_PASS, 0) / total, 0.1,
               f"share of junctions that cover more than {TIMES:g} times the product of their two "
               f"widest arms, kerb returns of {RETURN:g} m included; {LET_PASS} others let pass",
-              ids=tuple(id_text(int(i)) for i in ids[large][:NAMED])),
+              ids=named(ids[large])),
     ]  # fmt: skip
 
 

@@ -10,8 +10,9 @@ import numpy as np
 import shapely
 
 from cityx import __version__
+from cityx.checks.bounds import check_bounds
 from cityx.checks.buildings import check_buildings
-from cityx.checks.check import Check
+from cityx.checks.check import Check, named
 from cityx.checks.facades import check_facades
 from cityx.checks.furniture import check_furniture
 from cityx.checks.ground import check_ground
@@ -20,7 +21,11 @@ from cityx.checks.junctions import check_junctions
 from cityx.checks.lanes import check_lanes
 from cityx.checks.meshes import check_meshes, triangle_counts
 from cityx.checks.predicates import measure_all
+from cityx.checks.predicates.buildings import is_built
 from cityx.checks.predicates.words import TIMES, WEATHERS
+from cityx.checks.shells import check_shells
+from cityx.checks.standing import check_standing
+from cityx.checks.streets import check_streets
 from cityx.checks.terrain import check_terrain
 from cityx.checks.trees import check_trees
 from cityx.city import City, Goal
@@ -34,16 +39,21 @@ def run_checks(city: City) -> list[Check]:
     """Measure a city against every limit."""
     return [
         *check_buildings(city),
+        *check_shells(city),
         *check_facades(city),
         *check_ground(city),
         *check_furniture(city),
+        *check_standing(city),
         *check_lanes(city),
         *check_heights(city),
+        *check_streets(city),
         *check_terrain(city),
         *check_trees(city),
         *check_junctions(city),
         *check_meshes(city),
+        *check_bounds(city),
         _failed(city),
+        _vanished(city),
     ]
 
 
@@ -66,6 +76,18 @@ def _failed(city: City) -> Check:
         missing / max(wanted, 1),
         FAILED_SHARE,
         "share of the layout's buildings that have no shape in the scene",
+    )
+
+
+def _vanished(city: City) -> Check:
+    ids = city.layout.buildings["id"].to_numpy()[~is_built(city)]
+    lost = ids[~np.isin(ids, [failure.object_id for failure in city.failures])]
+    return Check(
+        "buildings_vanished",
+        float(len(lost)),
+        0,
+        "the layout's buildings that have no shape in the scene and no reason in the report",
+        ids=named(lost),
     )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.check import Check
+from cityx.checks.check import Check, named
 from cityx.city import City
 from cityx.city.mesh import NO_VERTEX
 from cityx.city.scene import Prototype
@@ -35,9 +35,10 @@ def check_trees(city: City) -> list[Check]:
     facade = distance_within(xy, houses, NEAR_HOUSE)
     inside = (reach > facade + TOUCH) & stemmed
     total = max(int(stemmed.sum()), 1)
+    walled = (facade < WALL_ROOM) & stemmed
     checks = [
-        Check("trees_in_walls", int(np.count_nonzero((facade < WALL_ROOM) & stemmed)), 0,
-              f"trunks nearer than {WALL_ROOM:g} m to a wall"),
+        Check("trees_in_walls", float(walled.sum()), 0,
+              f"trunks nearer than {WALL_ROOM:g} m to a wall", ids=named(rows.object_id[walled])),
         Check("crowns_in_facades", np.count_nonzero(inside) / total, 0.02,
               "share of trees whose crown, by its 99th percentile, reaches into a facade"),
     ]  # fmt: skip
@@ -48,9 +49,12 @@ def check_trees(city: City) -> list[Check]:
         ours = stemmed & ~np.isin(rows.object_id, city.layout.points["id"].to_numpy())
         before = near_any(xy[ours], spots, DOOR_ROOM)
         checks.append(Check("trees_before_doors", int(before.sum()), 0,
-                            f"trunks of ours nearer than {DOOR_ROOM:g} m to a door"))  # fmt: skip
+                            f"trunks of ours nearer than {DOOR_ROOM:g} m to a door",
+                            ids=named(rows.object_id[ours][before])))  # fmt: skip
     if city.lanes is not None and city.lanes.count:
-        checks.append(Check("trees_in_lanes", _in_lanes(city, xy), 0, "trunks in a lane"))
+        hit = _in_lanes(city, xy)
+        checks.append(Check("trees_in_lanes", float(hit.sum()), 0, "trunks in a lane",
+                            ids=named(rows.object_id[hit])))  # fmt: skip
     return checks
 
 
@@ -61,13 +65,12 @@ def _reach(prototype: Prototype) -> float:
     return float(np.quantile(np.hypot(corners[:, 0], corners[:, 1]), 0.99))
 
 
-def _in_lanes(city: City, xy: NDArray[np.float64]) -> int:
-    """Count points on lanes, parking lanes and shoulders."""
+def _in_lanes(city: City, xy: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Tell which of (n, 2) points lie on lanes, parking lanes and shoulders."""
     graph = city.lanes
-    if graph is None:
-        return 0
+    assert graph is not None
     planted = np.isin(graph.kind, [KIND[name] for name in PLANTED])
     rows = np.flatnonzero(~planted & (np.diff(graph.point_start) > 1))
     lines = np.array([shapely.LineString(graph.lane_points(row)) for row in rows.tolist()], object)
     half = 0.5 * (graph.left - graph.right)[rows]
-    return int(near_any(spots_of(xy), lines, half).sum())
+    return near_any(spots_of(xy), lines, half)

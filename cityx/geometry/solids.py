@@ -199,19 +199,44 @@ def volume(batch: MeshBatch) -> FloatArray:
     return volumes_by_group(batch.vertices, batch.faces, batch.face_object(), batch.count)
 
 
+def _undersides(batch: MeshBatch, without: Sequence[str]) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return the area vector of each face, (f, 3), and which are level undersides, (f,)."""
+    normal = area_vectors(batch.vertices, batch.faces)
+    size = np.linalg.norm(normal, axis=1)
+    under = -normal[:, 2] > LEVEL * size
+    skipped = [i for i, name in enumerate(batch.materials) if name in without]
+    return normal, np.asarray(under & ~np.isin(batch.material, skipped))
+
+
 def plan_area(batch: MeshBatch, *, without: Sequence[str] = ("trim",)) -> FloatArray:
     """Return the ground that each object covers, (k,) square metres.
 
     The level undersides are summed, so eaves (whose material is named in `without`), domes that
     bulge and roofs cut into many faces do not count twice.
     """
-    normal = area_vectors(batch.vertices, batch.faces)
-    size = np.linalg.norm(normal, axis=1)
-    under = -normal[:, 2] > LEVEL * size
-    skipped = [i for i, name in enumerate(batch.materials) if name in without]
-    counted = under & ~np.isin(batch.material, skipped)
+    normal, counted = _undersides(batch, without)
     area = np.bincount(batch.face_object()[counted], -normal[counted, 2], minlength=batch.count)
     return np.asarray(area, float)
+
+
+def plan_middle(batch: MeshBatch, *, without: Sequence[str] = ("trim",)) -> FloatArray:
+    """Return the middle of the ground that each object covers, (k, 2) metres; NaN for none.
+
+    It is the centroid of the level undersides, see `plan_area`.
+    """
+    counted = _undersides(batch, without)[1]
+    triangles, face = batch.triangles()
+    kept = counted[face]
+    a, b, c = batch.vertices[triangles[kept], :2].transpose(1, 0, 2)
+    u, v = b - a, c - a
+    weight = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    owner = batch.face_object()[face[kept]]
+    sums = [
+        np.bincount(owner, values, minlength=batch.count)
+        for values in (weight, *(weight[:, None] * (a + b + c) / 3).T)
+    ]
+    total = np.where(sums[0] > 0, sums[0], np.nan)
+    return np.column_stack([sums[1] / total, sums[2] / total])
 
 
 def degenerate_faces(batch: MeshBatch, *, smallest: float = MIN_FACE) -> NDArray[np.bool_]:

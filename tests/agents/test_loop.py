@@ -3,8 +3,10 @@
 from dataclasses import dataclass, field, replace
 
 import pytest
+import shapely
 
 from cityx.agents.database import connect
+from cityx.agents.evaluator import judged
 from cityx.agents.loop import Loop
 from cityx.agents.planning.planner import OfflinePlanner
 from cityx.agents.planning.workflow import Item
@@ -122,3 +124,56 @@ def test_a_layout_that_keeps_its_goals_is_built_at_once(tmp_path):
     loop_of(run, tmp_path, goals=(Goal("four", "n(building) == 4"),)).carry_out(EMPTY)
     assert run.names.count("layout/town-v1") == 1
     assert run.hold is False
+
+
+class Varied(Played):
+    """A run in which each variant of a town has other buildings."""
+
+    def __init__(self, layouts):
+        super().__init__()
+        self.layouts = layouts
+
+    def do(self, city, call):
+        city = super().do(city, call)
+        if call.action == "layout/town-v1":
+            return replace(city, layout=self.layouts[dict(call.args).get("variant", 0)])
+        return city
+
+
+def town_of(count, *, overlap=False):
+    """The example's layout with some of its four buildings, two of them in one place."""
+    layout = example_city().layout
+    buildings, parts = (getattr(layout, name).head(count).copy() for name in ("buildings", "parts"))
+    if overlap:
+        shapes = parts.geometry.to_numpy().copy()
+        shapes[1] = shapely.transform(shapes[0], lambda xy: xy + 1.0)
+        parts.geometry = shapes
+    return replace(layout, buildings=buildings, parts=parts)
+
+
+def test_the_best_layout_is_kept_when_a_later_one_is_worse(tmp_path):
+    run = Varied([town_of(1), town_of(3), town_of(2), town_of(1)])
+    goals = (Goal("four", "n(building) == 4"), Goal("three", "n(building) >= 3"))
+    city = loop_of(run, tmp_path, goals=goals).carry_out(EMPTY)
+    assert len(city.layout.buildings) == 3
+    assert run.names.count("layout/town-v1") == 4
+
+
+def test_a_layout_that_fails_a_check_loses_to_one_that_misses_goals(tmp_path):
+    blocked = town_of(4, overlap=True)
+    run = Varied([blocked, town_of(2), blocked, blocked])
+    goals = (Goal("four", "n(building) == 4"), Goal("more", "n(building) >= 3"))
+    loop = loop_of(run, tmp_path, goals=goals)
+    city = loop.carry_out(EMPTY)
+    assert len(city.layout.buildings) == 2
+    verdicts = [message.body["missed"] for message in loop.pool.read("verdict")]
+    assert [any("building_overlap" in text for text in missed) for missed in verdicts] == [
+        True, False, True, True,
+    ]  # fmt: skip
+
+
+def test_goals_that_are_met_do_not_excuse_a_failed_check(tmp_path):
+    run = Varied([town_of(4, overlap=True), town_of(4), town_of(4), town_of(4)])
+    city = loop_of(run, tmp_path, goals=(Goal("four", "n(building) == 4"),)).carry_out(EMPTY)
+    assert judged(city, ()).failed == ()
+    assert run.names.count("layout/town-v1") == 2

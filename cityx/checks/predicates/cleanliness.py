@@ -11,17 +11,20 @@ from cityx.checks.furniture import check_furniture
 from cityx.checks.ground import check_ground
 from cityx.checks.meshes import check_meshes
 from cityx.checks.predicates.finding import Finding
+from cityx.checks.shells import check_shells
+from cityx.checks.standing import check_standing
 from cityx.checks.trees import check_trees
 from cityx.city import City
 
 RUN: tuple[Callable[[City], Iterable[Check]], ...] = (
-    check_buildings, check_ground, check_furniture, check_trees, check_meshes, check_bounds,
+    check_buildings, check_shells, check_ground, check_furniture, check_standing, check_trees,
+    check_meshes, check_bounds,
 )  # fmt: skip
 # Rule of a clean city -> checks that decide it.
 RULES: Mapping[str, tuple[str, ...]] = {
     "no two buildings share ground": ("building_overlap",),
-    "no building stands on a road": ("building_on_road",),
-    "nothing floats or is buried": ("floating_building",),
+    "no building stands on a road": ("building_on_road", "building_in_street"),
+    "nothing floats or is buried": ("floating_building", "building_buried", "things_off_ground"),
     "nothing stands in a lane": ("trees_in_lanes", "furniture_in_lanes", "trees_misplaced"),
     "every number is finite": ("not_finite",),
     "everything lies within the site": ("outside_site",),

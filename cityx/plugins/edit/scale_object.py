@@ -6,8 +6,11 @@ from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
+import shapely
 
 from cityx.city.city import City
+from cityx.city.layout import Layout
+from cityx.city.levels import ground_levels
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Instances
 from cityx.errors import ActionFailed
@@ -58,7 +61,7 @@ def scale_object(
         if np.any((rows.object_id == wanted) | (rows.owner == wanted)):
             scaled = _scaled_rows(rows, wanted, pivot, factor)
             scene = scene.with_instances(layer, scene.prototypes, scaled)
-    return replace(city, scene=scene)
+    return replace(city, scene=scene, layout=_scaled_layout(city, wanted, pivot, factor))
 
 
 def _pivot(city: City, wanted: np.uint64) -> np.ndarray[tuple[int], np.dtype[np.float64]] | None:
@@ -74,7 +77,54 @@ def _pivot(city: City, wanted: np.uint64) -> np.ndarray[tuple[int], np.dtype[np.
     if not len(found):
         return None
     low, high = found.min(axis=0), found.max(axis=0)
-    return np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
+    level = ground_levels(city.layout, city.terrain)[
+        (city.layout.parts["building"] == wanted).to_numpy()
+    ]
+    # A building rises from the ground: its doors stay there, and so does the plinth below.
+    base = max(float(low[2]), float(level.min())) if len(level) else low[2]
+    return np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, base])
+
+
+def _scaled_points(
+    points: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
+    pivot: np.ndarray[tuple[int], np.dtype[np.float64]],
+    factor: np.ndarray[tuple[int], np.dtype[np.float64]],
+) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    """Scale (n, 3) points about a pivot; what lies below it keeps its height."""
+    scaled = pivot + (points - pivot) * factor
+    scaled[:, 2] = np.where(points[:, 2] < pivot[2], points[:, 2], scaled[:, 2])
+    return scaled
+
+
+def _scaled_layout(
+    city: City,
+    wanted: np.uint64,
+    pivot: np.ndarray[tuple[int], np.dtype[np.float64]],
+    factor: np.ndarray[tuple[int], np.dtype[np.float64]],
+) -> Layout:
+    """Return the layout with the footprint and the heights that a scaled building has now."""
+    layout = city.layout
+    whole = (layout.buildings["id"] == wanted).to_numpy()
+    part = (layout.parts["building"] == wanted).to_numpy()
+    if not whole.any() or not part.any():
+        return layout
+    old = ground_levels(layout, city.terrain)[part]
+    buildings, parts = layout.buildings.copy(), layout.parts.copy()
+    for table, rows in ((buildings, whole), (parts, part)):
+        shapes = table.geometry.to_numpy().copy()
+        shapes[rows] = shapely.transform(
+            shapes[rows], lambda xy: pivot[:2] + (xy - pivot[:2]) * factor[:2]
+        )
+        table.geometry = shapes
+    layout = replace(layout, buildings=buildings, parts=parts)
+    level = ground_levels(layout, city.terrain)[part]
+    for column in ("base", "top"):
+        height = parts.loc[part, column].to_numpy()
+        risen = pivot[2] + (old + height - pivot[2]) * factor[2] - level
+        parts.loc[part, column] = np.where(height > 0, risen, 0.0)  # what stands on the ground does
+    parts.loc[part, "roof_height"] *= factor[2]
+    buildings.loc[whole, "height"] = parts.loc[part, "top"].max()
+    return layout
 
 
 def _scaled_mesh(
@@ -85,7 +135,7 @@ def _scaled_mesh(
 ) -> MeshBatch:
     mine = np.repeat(batch.object_id == wanted, np.diff(batch.vertex_start))
     vertices = batch.vertices.copy()
-    vertices[mine] = pivot + (vertices[mine] - pivot) * factor
+    vertices[mine] = _scaled_points(vertices[mine], pivot, factor)
     return replace(batch, vertices=vertices)
 
 
@@ -97,7 +147,7 @@ def _scaled_rows(
 ) -> Instances:
     mine = (rows.object_id == wanted) | (rows.owner == wanted)
     position, scale = rows.position.copy(), rows.scale.copy()
-    position[mine] = pivot + (position[mine] - pivot) * factor
+    position[mine] = _scaled_points(position[mine], pivot, factor)
     # An instance's own axes are turned about z: its width and depth share the horizontal factor
     # along the directions they point in.
     turn = rows.rotation[mine, 2].astype(float)

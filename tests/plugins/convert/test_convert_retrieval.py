@@ -6,6 +6,7 @@ import pytest
 
 from cityx.assets.materials import MATERIALS
 from cityx.city import Frame
+from cityx.city.levels import ground_levels
 from cityx.errors import ActionFailed
 from cityx.plugins.convert.layouts import (
     geographic_to_layout_conversion,
@@ -124,9 +125,14 @@ def test_a_scaled_object_keeps_its_place_and_all_others_their_bytes():
     tower = int(city.layout.buildings.query("name == 'The Tower'")["id"].iloc[0])
     row = int(np.flatnonzero(old.object_id == np.uint64(tower))[0])
     first, second = old.take([row]).vertices, new.take([row]).vertices
-    assert np.ptp(second[:, 2]) == pytest.approx(2 * np.ptp(first[:, 2]))
+    mine = (city.layout.parts["building"] == tower).to_numpy()
+    ground = ground_levels(city.layout, city.terrain)[mine][0]
+    assert second[:, 2].max() - ground == pytest.approx(2 * (first[:, 2].max() - ground))
     assert np.array_equal(first[:, :2], second[:, :2])
-    assert first[:, 2].min() == second[:, 2].min()
+    assert first[:, 2].min() == second[:, 2].min()  # what stands in the ground stays
+    top = after.layout.parts["top"].to_numpy()[mine][0]
+    assert top == pytest.approx(2 * city.layout.parts["top"].to_numpy()[mine][0])
+    assert after.layout.buildings.set_index("id").loc[tower, "height"] == pytest.approx(top)
     others = [i for i in range(old.count) if i != row]
     assert np.array_equal(old.take(others).vertices, new.take(others).vertices)
     assert after.scene.instances["trees"].count == city.scene.instances["trees"].count

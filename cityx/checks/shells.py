@@ -1,0 +1,99 @@
+"""Checks of shells against the layout: each stands where, as deep and as high as its parts say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.check import Check, named
+from cityx.city import City
+from cityx.city.levels import ground_levels, terrain_at_walls
+from cityx.city.mesh import MeshBatch
+from cityx.geometry.solids import plan_middle
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+TOP_ERROR = 0.3  # metres; parapets and ridges end within a tenth of it
+PLINTH = 0.8  # metres below the lowest ground: half a metre of plinth, and what may be missed
+PLACE_ERROR = 0.5  # metres; posts and plinths move the middle of a plan by less
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What the layout asks of the shells it describes, k of them.
+
+    Attributes
+    ----------
+    row
+        (k,) int64, object of the batch.
+    top, lowest
+        (k,) float64, metres: top of the highest part, lowest terrain at the walls.
+    middle
+        (k, 2) float64, middle of the plan, metres.
+    """
+
+    row: IntArray
+    top: FloatArray
+    lowest: FloatArray
+    middle: FloatArray
+
+
+def check_shells(city: City) -> list[Check]:
+    """Run every check on shells against the layout; none where no building has a shell."""
+    batch = city.scene.meshes.get("buildings")
+    if batch is None or not batch.count or not len(city.layout.parts):
+        return []
+    wanted = wanted_of(city, batch)
+    ids = batch.object_id[wanted.row]
+    bottom, top = (values[wanted.row] for values in _reach(batch))
+    off = np.abs(top - wanted.top)
+    deep = wanted.lowest - bottom
+    away = np.hypot(*(plan_middle(batch)[wanted.row] - wanted.middle).T)
+    return [
+        Check("building_height_off", float(off.max(initial=0.0)), TOP_ERROR,
+              "largest difference between the top of a building and that of its layout, metres",
+              ids=named(ids[off > TOP_ERROR])),
+        Check("building_buried", float(deep.max(initial=0.0)), PLINTH,
+              "largest depth of a building's foot below the lowest ground at its walls, metres",
+              ids=named(ids[deep > PLINTH])),
+        Check("building_displaced", float(np.nan_to_num(away).max(initial=0.0)), PLACE_ERROR,
+              "largest distance between the middles of a building's plan and of its layout's, "
+              "metres",
+              ids=named(ids[away > PLACE_ERROR])),
+    ]  # fmt: skip
+
+
+def _reach(batch: MeshBatch) -> tuple[FloatArray, FloatArray]:
+    """Return the lowest and the highest vertex of every object, (n,) metres, NaN without any."""
+    full = np.diff(batch.vertex_start) > 0
+    low, high = np.full(batch.count, np.nan), np.full(batch.count, np.nan)
+    starts = batch.vertex_start[:-1][full]
+    if len(starts):
+        low[full] = np.minimum.reduceat(batch.vertices[:, 2], starts)
+        high[full] = np.maximum.reduceat(batch.vertices[:, 2], starts)
+    return low, high
+
+
+def wanted_of(city: City, batch: MeshBatch) -> Wanted:
+    """Look up what the layout asks of the shells that it describes."""
+    parts = city.layout.parts
+    order = np.argsort(batch.object_id)
+    own = parts["building"].to_numpy(np.uint64)
+    place = np.minimum(np.searchsorted(batch.object_id[order], own), batch.count - 1)
+    of_part = order[place]
+    known = (batch.object_id[of_part] == own) & ~shapely.is_empty(parts.geometry.to_numpy())
+    row, of_known = np.unique(of_part[known], return_inverse=True)
+    shapes = parts.geometry.to_numpy()[known]
+    top = np.full(len(row), -np.inf)
+    level = ground_levels(city.layout, city.terrain) + parts["top"].to_numpy(float)
+    np.maximum.at(top, of_known, level[known])
+    lowest = np.zeros(len(row))
+    lowest[of_known] = terrain_at_walls(city.layout, city.terrain)[0][known]
+    area = shapely.area(shapes)
+    spot = shapely.get_coordinates(shapely.centroid(shapes)) * area[:, None]
+    total = np.maximum(np.bincount(of_known, area, minlength=len(row)), 1e-9)
+    middle = [np.bincount(of_known, axis, minlength=len(row)) / total for axis in spot.T]
+    return Wanted(row, top, lowest, np.column_stack(middle))

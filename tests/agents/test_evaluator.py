@@ -1,0 +1,26 @@
+"""What was measured stands against what is seen."""
+
+import pytest
+
+from cityx.agents.evaluator import measured_of
+from cityx.agents.verdict import Seen, merge
+
+CHECKS = {"floating_building": {"ok": False}, "building_overlap": {"ok": True}}
+REPORT = {"checks": CHECKS, "goals": [{"goal": "weather = rain", "met": True}]}
+
+
+def test_a_failed_check_is_measured_under_its_name_and_answers_its_question():
+    assert measured_of(REPORT) == {
+        "weather=rain": True, "floating_building": False, "look.standing": False,
+    }  # fmt: skip
+    good = {**REPORT, "checks": {"building_overlap": {"ok": True}}}
+    assert measured_of(good) == {"weather=rain": True}
+
+
+@pytest.mark.parametrize("look", [Seen("yes"), Seen("yes", 2), Seen("cannot tell", 2)])
+def test_no_look_lets_a_floating_building_pass(look):
+    verdict = merge(measured_of(REPORT), {"look.standing": look, "floating_building": look})
+    assert not verdict.ok
+    for goal in ("look.standing", "floating_building"):
+        found = verdict.findings[goal]
+        assert (found.met, found.severity, found.origin) == (False, "block", "check")

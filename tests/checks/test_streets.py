@@ -1,0 +1,100 @@
+"""Streets without a surface, junctions nobody can drive over, things off the ground."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+from cityx.assets.trees import tree
+from cityx.checks.buildings import check_buildings
+from cityx.checks.standing import check_standing, ground_gaps
+from cityx.checks.streets import check_streets
+from cityx.city import City, Frame, Instances, Layout, make_table, one_mesh
+from cityx.city.ground import KERB_HEIGHT, LABEL, ON_ROADWAY
+from cityx.geometry.identity import id_text
+from cityx.plugins.road.ground import ground
+from cityx.plugins.road.lanes import lanes
+from cityx.plugins.road.network import network
+
+ARMS = [[(-90, 0), (0, 0), (90, 0)], [(0, -90), (0, 0), (0, 90)]]
+
+
+@pytest.fixture(scope="module")
+def cross():
+    roads = make_table(
+        "roads", [shapely.LineString(arm) for arm in ARMS], id=[1, 2], kind=["residential"] * 2,
+        lanes=[2] * 2, lanes_forward=[1] * 2, lane_width=[3.0] * 2, width=[6.0] * 2,
+        sidewalk_left=[2.0] * 2, sidewalk_right=[2.0] * 2,
+    )  # fmt: skip
+    layout = Layout((-80.0, -80.0, 80.0, 80.0), roads=roads)
+    return ground(lanes(network(City("cross", Frame(52.0, 13.0), layout, lod=2))))
+
+
+def failing(checks):
+    return {check.name: check.ids for check in checks if not check.ok}
+
+
+def test_a_plain_crossroads_passes(cross):
+    assert {check.name for check in check_streets(cross)} == {
+        "streets_without_surface", "junctions_closed", "junctions_covered",
+    }  # fmt: skip
+    assert failing(check_streets(cross)) == {}
+
+
+def test_a_street_off_its_surface_is_named_by_its_places(cross):
+    net = cross.network
+    raised = replace(net, z=net.z + np.where(net.points[:, 0] > 60.0, 1.0, 0.0))
+    found = failing(check_streets(replace(cross, network=raised)))
+    assert set(found) == {"streets_without_surface"}
+    deck = one_mesh(5, [(0, -9, 1), (80, -9, 1), (80, 9, 1), (0, 9, 1)], [[0, 1, 2, 3]])
+    places = np.array([(70.0, 0.0, 1.0), (70.0, 0.0, 0.0), (70.0, 0.0, 2.0)])
+    carried = replace(cross, scene=cross.scene.with_mesh("decks", deck))
+    assert ground_gaps(carried, places) == pytest.approx([0.0, 0.0, 1.0])
+
+
+def test_a_junction_that_no_lane_leads_over_is_named(cross):
+    graph = cross.lanes
+    shut = replace(
+        graph, connection=graph.connection[:0], movement=graph.movement[:0],
+        curve_start=graph.curve_start[:1], curve=graph.curve[:0],
+    )  # fmt: skip
+    found = failing(check_streets(replace(cross, lanes=shut)))
+    assert found == {"junctions_closed": ("(0.0, 0.0)",)}
+
+
+def test_a_junction_paved_as_a_walk_is_named(cross):
+    surface = cross.ground
+    own = surface.labelled("junction", *ON_ROADWAY)
+    label = np.where(own, LABEL["sidewalk"], surface.face_label).astype(np.uint8)
+    paved = replace(cross, ground=replace(surface, face_label=label))
+    assert failing(check_streets(paved)) == {"junctions_covered": ("(0.0, 0.0)",)}
+
+
+def with_tree(city, z):
+    one = np.ones((1, 3), np.float32)
+    rows = Instances(np.zeros(1, np.int32), np.array([8], np.uint64), np.zeros(1, np.uint64),
+                     np.array([[20.0, 20.0, z]]), 0 * one, one, one)  # fmt: skip
+    return replace(city, scene=city.scene.with_instances("trees", [tree("lime", 0, "light")], rows))
+
+
+@pytest.mark.parametrize(("z", "ok"), [(0.12, True), (0.0, True), (1.12, False), (-0.88, False)])
+def test_a_tree_stands_neither_over_nor_under_the_ground(cross, z, ok):
+    assert KERB_HEIGHT == 0.12
+    found = failing(check_standing(with_tree(cross, z)))
+    assert found == ({} if ok else {"things_off_ground": (id_text(8),)})
+
+
+def test_where_nothing_stands_there_is_no_such_check(cross):
+    assert check_standing(cross) == []
+
+
+@pytest.mark.parametrize(("x", "named"), [(40.0, True), (4.0, False)])
+def test_a_house_in_a_street_is_named_one_at_its_kerb_is_not(cross, x, named):
+    house = shapely.box(x, -4.0, x + 10.0, 4.0) if named else shapely.box(20.0, 3.0, 30.0, 12.0)
+    houses = make_table("buildings", [house], id=[6])
+    parts = make_table("parts", [house], id=[1], building=[6], base=[0.0], top=[6.0], walls=[True])
+    built = replace(cross, layout=replace(cross.layout, buildings=houses, parts=parts))
+    found = {check.name: check for check in check_buildings(built)}["building_in_street"]
+    assert found.ids == ((id_text(6),) if named else ())
+    assert found.ok is not named
