@@ -11,7 +11,8 @@ from cityx.geometry.identity import uniform
 FloatArray = NDArray[np.float64]
 
 PURPOSE = "yard field"
-REACH = (2.0, 14.0)  # metres of ground on each side of a house that belongs to it
+REACH = (3.0, 22.0)  # metres of ground on each side of a house that belongs to it
+TONE = (-1.0, 0.4)  # worn concrete and asphalt more often than fresh slabs
 LEVEL = 0.05  # metres between the ends of an edge of a wall that runs level
 SIDES = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], float)
 
@@ -47,7 +48,9 @@ def yard_fields(houses: MeshBatch) -> tuple[FloatArray, FloatArray]:
     low, high = low - reach[:, :2], high + reach[:, 2:]
     corner = np.where(SIDES[None] < 0, low[:, None], high[:, None])  # (k, 4, 2)
     outline = np.einsum("kcj,kij->kci", corner, frame)
-    return outline, 2 * uniform(0, f"{PURPOSE}/tone", houses.object_id) - 1
+    low_tone, high_tone = TONE
+    tone = uniform(0, f"{PURPOSE}/tone", houses.object_id)
+    return outline, low_tone + (high_tone - low_tone) * tone
 
 
 def _long_walls(houses: MeshBatch) -> FloatArray:
