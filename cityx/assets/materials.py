@@ -104,7 +104,7 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("road_concrete", (0.34, 0.335, 0.315), 0.88, texture="road_slabs", tile=8.0, porosity=0.5),
     _M("paving", (0.265, 0.257, 0.24), 0.85, texture="paving", tile=2.4, porosity=0.5),
     # Small blocks, a little darker than the slabs of walks: a plot ends where the walk begins.
-    _M("yard", (0.225, 0.217, 0.20), 0.88, texture="clinker", tile=2.0, porosity=0.5),
+    _M("yard", (0.20, 0.192, 0.176), 0.88, texture="clinker", tile=2.0, porosity=0.5),
     _M("kerb_stone", (0.40, 0.39, 0.37), 0.8, texture="concrete", tile=2.0, porosity=0.4),
     _M("marking_white", (0.70, 0.70, 0.68), 0.7, texture="paint", tile=2.0, porosity=0.1),
     _M("marking_yellow", (0.70, 0.42, 0.05), 0.7, texture="paint", tile=2.0, porosity=0.1),
