@@ -102,9 +102,9 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("clinker", (0.21, 0.115, 0.085), 0.85, texture="clinker", tile=2.0, porosity=0.6),
     _M("pavers", (0.28, 0.275, 0.26), 0.88, texture="clinker", tile=2.0, porosity=0.5),
     _M("road_concrete", (0.34, 0.335, 0.315), 0.88, texture="road_slabs", tile=8.0, porosity=0.5),
-    _M("paving", (0.32, 0.31, 0.29), 0.85, texture="paving", tile=2.4, porosity=0.5),
+    _M("paving", (0.265, 0.257, 0.24), 0.85, texture="paving", tile=2.4, porosity=0.5),
     # Small blocks, a little darker than the slabs of walks: a plot ends where the walk begins.
-    _M("yard", (0.265, 0.258, 0.24), 0.88, texture="clinker", tile=2.0, porosity=0.5),
+    _M("yard", (0.20, 0.192, 0.176), 0.88, texture="clinker", tile=2.0, porosity=0.5),
     _M("kerb_stone", (0.40, 0.39, 0.37), 0.8, texture="concrete", tile=2.0, porosity=0.4),
     _M("marking_white", (0.70, 0.70, 0.68), 0.7, texture="paint", tile=2.0, porosity=0.1),
     _M("marking_yellow", (0.70, 0.42, 0.05), 0.7, texture="paint", tile=2.0, porosity=0.1),

@@ -12,11 +12,11 @@ from cityx.blender.metering import shade_stops
 from cityx.blender.render import use_light_tree
 from cityx.blender.scene import BARE
 from cityx.blender.sky import lamp_balance, make_world
-from cityx.blender.weather import show_tracks, turn_knobs
+from cityx.blender.weather import show_wear, turn_knobs
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.city.store import View
-from cityx.geometry.tyre_tracks import tyre_tracks
+from cityx.geometry.ground_wear import ground_wear
 
 # A camera that looks down from high up sees sunlit roofs and streets, where one between the houses
 # sees half of them in shade: it closes by so many stops.
@@ -40,7 +40,10 @@ class Lighting:
         self.scene = scene
         self.view = view
         self.lamps = lamp_positions(view.scene)
-        self._tracked = view.network is None or view.lod == 0
+        if view.network is not None and view.lod > 0:
+            houses = view.scene.meshes.get("buildings")
+            picture, cell = ground_wear(view.network, houses, view.extent)
+            show_wear(picture, view.extent[:2], cell)
 
     def set(self, environment: Environment) -> None:
         """Show an environment: sky, wetness, snow, lit rooms, lamps, air seen from the middle."""
@@ -48,10 +51,6 @@ class Lighting:
         xmin, ymin, xmax, ymax = self.view.extent
         self._air(environment, ((xmin + xmax) / 2, (ymin + ymax) / 2, 0.0))
         turn_knobs(environment)
-        if environment.snow > 0 and not self._tracked and self.view.network is not None:
-            picture, cell = tyre_tracks(self.view.network, self.view.extent)
-            show_tracks(picture, self.view.extent[:2], cell)
-            self._tracked = True
         for tree in (o for o in bpy.data.objects if BARE in o.modifiers):
             modifier = tree.modifiers[BARE]
             modifier.show_render = modifier.show_viewport = environment.snow > SNOWED

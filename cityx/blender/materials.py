@@ -32,6 +32,8 @@ DRIVEN = frozenset(
      "marking_yellow"}
 )  # fmt: skip
 CRACKED = frozenset({"asphalt", "asphalt_light"})
+REPAIRED = CRACKED | {"paving"}  # what is dug up and filled again
+FIELDS = frozenset({"yard"})  # what was laid house by house
 GLAZED = frozenset({"glass", "glass_wall", "car_glass"})
 GLASS_IOR = 1.9  # a coated double pane mirrors twice as much as plain glass
 # From a material's emission to radiance under a camera opened by three stops, as at night.
@@ -99,6 +101,8 @@ class MaterialLibrary:
         weather.inputs["Puddles"].default_value = float(record.root in PUDDLED)
         weather.inputs["Traffic"].default_value = float(record.root in DRIVEN and not variant)
         weather.inputs["Cracks"].default_value = float(record.root in CRACKED and not variant)
+        weather.inputs["Repairs"].default_value = float(record.root in REPAIRED and not variant)
+        weather.inputs["Fields"].default_value = float(record.root in FIELDS and not variant)
         weather.inputs["Snow cover"].default_value = float(record.name not in SNOWLESS)
         weather.inputs["Foliage"].default_value = float(record.name in FOLIAGE)
         weather.inputs["Variation"].default_value = 1.0 if record.texture else 0.0

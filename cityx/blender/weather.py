@@ -45,7 +45,10 @@ SNOW_REACH = 8.0  # metres within which a roof, an awning or a bridge keeps snow
 CAUGHT = (0.42, 0.9)  # shares of open sky between which a leaf is covered
 CLUMP = 0.3  # metres
 SNOW_SAMPLES = 12  # the share of open sky is compared with a threshold: few would blur it
-TRACKS, TRACKS_CORNER, TRACKS_SCALE = "Tyre tracks", "Corner of the tracks", "Scale of the tracks"
+# The picture of `cityx.geometry.ground_wear`, and how much of the light it takes or gives.
+WEAR, WEAR_CORNER, WEAR_SCALE = "Ground wear", "Corner of the wear", "Scale of the wear"
+WORN = "Worn"  # 1 once the picture is there
+RUBBER, REPAIRED, FIELD = 0.20, 0.40, 0.45
 # Kelvin: bulbs and lamps of homes; tubes at work and in shops.
 HOME_KELVIN, WORK_KELVIN = (2700.0, 3700.0), (3300.0, 5000.0)
 
@@ -87,7 +90,7 @@ def weather_group() -> Tree:
     inputs = {
         "Color": (0.8, 0.8, 0.8, 1.0), "Roughness": 0.8, "Metallic": 0.0, "Porosity": 0.5,
         "Puddles": 0.0, "Snow cover": 1.0, "Traffic": 0.0, "Variation": 0.0, "Age": 0.0,
-        "Foliage": 0.0, "Cracks": 0.0,
+        "Foliage": 0.0, "Cracks": 0.0, "Repairs": 0.0, "Fields": 0.0,
         "Normal": (0.0, 0.0, 0.0),
     }  # fmt: skip
     outputs = {"Color": "Color", "Roughness": "Float", "Metallic": "Float", "Normal": "Vector"}
@@ -111,7 +114,10 @@ def weather_group() -> Tree:
     cracks = nodes.math(tree, "MULTIPLY", _cracks(tree), given["Cracks"])
     color = nodes.product(tree, color, nodes.math(tree, "SUBTRACT", 1.0, cracks))
 
-    white = _snow(tree, up, snow, given)
+    wheels, repaired, field = _wear(tree)
+    color = nodes.product(tree, color, _worn(tree, given, wheels, repaired, field))
+
+    white = _snow(tree, up, snow, given, wheels)
     # Cars melt snow: what they leave is wet.
     thaw = nodes.math(tree, "MULTIPLY", given["Traffic"], snow)
     wetness = nodes.math(tree, "MAXIMUM", wetness, nodes.math(tree, "MULTIPLY", thaw, 0.8))
@@ -233,7 +239,7 @@ def _ripples(tree: Tree, rain: Socket) -> Socket:
     return bump.outputs["Normal"]
 
 
-def _snow(tree: Tree, up: Socket, snow: Socket, given: Any) -> Socket:
+def _snow(tree: Tree, up: Socket, snow: Socket, given: Any, wheels: Socket) -> Socket:
     """Return the share of snow that hides a surface: level, and open to the sky."""
     # What lies over a surface is found by rays upward; under awnings and bridges it stays bare.
     sky = tree.nodes.new("ShaderNodeAmbientOcclusion")
@@ -253,7 +259,7 @@ def _snow(tree: Tree, up: Socket, snow: Socket, given: Any) -> Socket:
     # Tyres press a path for each wheel through it, and slush it a little all over the street.
     patches = nodes.smoothstep(tree, nodes.noise(tree, 1.7, 5.0), 0.3, 0.62)
     left = nodes.math(tree, "MULTIPLY_ADD", patches, 0.4, 0.45)
-    pressed = nodes.math(tree, "MULTIPLY_ADD", _tracks(tree), -0.9, 1.0)
+    pressed = nodes.math(tree, "MULTIPLY_ADD", wheels, -0.9, 1.0)
     left = nodes.math(tree, "MULTIPLY", left, pressed)
     trodden = nodes.mix(tree, given["Traffic"], 1.0, left, kind="FLOAT")
     cover = nodes.math(
@@ -263,32 +269,50 @@ def _snow(tree: Tree, up: Socket, snow: Socket, given: Any) -> Socket:
     return nodes.math(tree, "MULTIPLY", cover, full, clamp=True)
 
 
-def _tracks(tree: Tree) -> Socket:
-    """Return 1 where wheels run, by the picture that `show_tracks` puts here."""
+def _wear(tree: Tree) -> tuple[Socket, Socket, Socket]:
+    """Return where wheels run, 0 to 1, and the tones of repairs and of yards, about 0.
+
+    They come from the picture that `show_wear` puts here.
+    """
     place = tree.nodes.new("ShaderNodeNewGeometry").outputs["Position"]
     corner = tree.nodes.new("ShaderNodeCombineXYZ")
-    corner.name = TRACKS_CORNER
+    corner.name = WEAR_CORNER
     scale = tree.nodes.new("ShaderNodeCombineXYZ")
-    scale.name = TRACKS_SCALE
+    scale.name = WEAR_SCALE
     moved = nodes.vector(tree, "SUBTRACT", place, corner.outputs[0])
     picture = tree.nodes.new("ShaderNodeTexImage")
-    picture.name = TRACKS
-    picture.extension = "CLIP"
+    picture.name = WEAR
+    picture.extension = "EXTEND"
     placed = nodes.vector(tree, "MULTIPLY", moved, scale.outputs[0])
     tree.links.new(placed, picture.inputs["Vector"])
+    wheels, repaired, field = nodes.parts(tree, picture.outputs["Color"])
     wavering = nodes.math(tree, "MULTIPLY_ADD", nodes.noise(tree, 0.25, 3.0), 0.9, 0.45)
-    return nodes.math(tree, "MULTIPLY", picture.outputs["Color"], wavering, clamp=True)
+    wheels = nodes.math(tree, "MULTIPLY", wheels, wavering, clamp=True)
+    tones = (nodes.math(tree, "MULTIPLY_ADD", tone, 2.0, -256 / 255) for tone in (repaired, field))
+    return wheels, *tones
 
 
-def show_tracks(
+def _worn(tree: Tree, given: Any, wheels: Socket, repaired: Socket, field: Socket) -> Socket:
+    """Return the share of light that use and repairs leave."""
+    worn = nodes.knob(tree, WORN)
+    rubbed = nodes.math(tree, "MULTIPLY", wheels, given["Traffic"])
+    left = nodes.math(tree, "MULTIPLY", rubbed, -RUBBER)
+    for tone, where, most in ((repaired, "Repairs", REPAIRED), (field, "Fields", FIELD)):
+        left = nodes.math(
+            tree, "MULTIPLY_ADD", nodes.math(tree, "MULTIPLY", tone, given[where]), most, left
+        )
+    return nodes.math(tree, "MULTIPLY_ADD", left, worn, 1.0)
+
+
+def show_wear(
     picture: NDArray[np.uint8], corner: tuple[float, float], cell: float
 ) -> bpy.types.Image:
-    """Put a picture of wheel paths into the materials.
+    """Put a picture of the worn ground into the materials.
 
     Parameters
     ----------
     picture
-        (h, w) uint8, first row in the south.
+        (h, w, 3) uint8 as of `cityx.geometry.ground_wear`, first row in the south.
     corner
         South-western corner, metres.
     cell
@@ -296,20 +320,21 @@ def show_tracks(
     """
     from PIL import Image
 
-    height, width = picture.shape
+    height, width = picture.shape[:2]
     file = BytesIO()
     Image.fromarray(picture[::-1]).save(file, "PNG", compress_level=1)
     data = file.getvalue()
     # Packing a file is many times faster than handing over pixels.
-    image = bpy.data.images.new(TRACKS, 8, 8)
+    image = bpy.data.images.new(WEAR, 8, 8)
     image.source = "FILE"
-    image.filepath_raw = "//textures/tyre_tracks.png"
+    image.filepath_raw = "//textures/ground_wear.png"
     image.pack(data=data, data_len=len(data))
     image.colorspace_settings.name = "Non-Color"
     tree = bpy.data.node_groups[WEATHER]
-    tree.nodes[TRACKS].image = image
+    tree.nodes[WEAR].image = image
+    tree.nodes[WORN].outputs[0].default_value = 1.0
     for name, values in (
-        (TRACKS_CORNER, corner), (TRACKS_SCALE, (1 / (width * cell), 1 / (height * cell))),
+        (WEAR_CORNER, corner), (WEAR_SCALE, (1 / (width * cell), 1 / (height * cell))),
     ):  # fmt: skip
         for socket, value in zip(tree.nodes[name].inputs, values, strict=False):
             socket.default_value = value

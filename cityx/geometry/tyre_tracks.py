@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from cityx.city.roads import RoadNetwork
 
-CELL = 0.14  # metres per pixel: three across a tyre with its splashes
-MOST = 4096  # pixels along an edge; larger sites get coarser ones
 LANE = 3.1  # metres; as many lanes as fit between the kerbs
 GAUGE = 1.5  # metres between the wheels of a car
 WIDTH = 0.42  # metres, of a path that many cars have driven
@@ -16,40 +14,39 @@ NARROW = 2.0  # metres; on streets with less than this to either side cars share
 
 
 def tyre_tracks(
-    network: RoadNetwork, extent: tuple[float, float, float, float]
-) -> tuple[NDArray[np.uint8], float]:
+    network: RoadNetwork, corner: tuple[float, float], size: tuple[int, int], cell: float
+) -> NDArray[np.uint8]:
     """Draw the wheel paths of all streets.
 
     Parameters
     ----------
     network
         Centrelines and half widths.
-    extent
-        (xmin, ymin, xmax, ymax), metres.
+    corner
+        South-western corner of the picture, metres.
+    size
+        Pixels across and up.
+    cell
+        Metres per pixel.
 
     Returns
     -------
     picture
         (h, w) uint8, 255 in a wheel path, first row in the south.
-    cell
-        Metres per pixel.
     """
     from PIL import Image, ImageDraw, ImageFilter
 
-    xmin, ymin, xmax, ymax = extent
-    cell = max(CELL, max(xmax - xmin, ymax - ymin) / MOST)
-    size = (max(int((xmax - xmin) / cell), 1), max(int((ymax - ymin) / cell), 1))
     picture = Image.new("L", size)
     draw = ImageDraw.Draw(picture)
     for edge in range(network.edge_count):
-        points = (network.edge_points(edge) - (xmin, ymin)) / cell
+        points = (network.edge_points(edge) - corner) / cell
         half = float(network.half_width[edge])
         if len(points) < 2 or half < 1.3:  # footways
             continue
         for offset in wheel_offsets(half):
             path = _beside(points, offset / cell)
             draw.line([tuple(point) for point in path.tolist()], 255, round(WIDTH / cell), "curve")
-    return np.asarray(picture.filter(ImageFilter.GaussianBlur(0.08 / cell))), cell
+    return np.asarray(picture.filter(ImageFilter.GaussianBlur(0.08 / cell)))
 
 
 def wheel_offsets(half: float) -> list[float]:

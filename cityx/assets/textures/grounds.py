@@ -59,14 +59,14 @@ def setts(size: int) -> Relief:
 def paving(size: int) -> Relief:
     """Draw concrete slabs of 60 x 40 cm in half bond."""
     walk = lay("paving", size, 2.4, 4, 6, jitter=0.0)
-    joint = 1 - smooth(0.002, 0.008, walk.edge)
+    joint = 1 - smooth(0.003, 0.010, walk.edge)
     arris = 1 - smooth(0.004, 0.020, walk.edge)
     grain = speckle("paving", size) - np.float32(0.5)
     clouds = fractal("paving/clouds", size, 5, octaves=5, gain=0.65)
     gum = smooth(0.60, 0.66, _spots("paving/gum", size))
-    tone = 1 + 0.17 * (walk.draw(1) - 0.5) + 0.13 * grain + 0.07 * clouds - 0.06 * arris
-    hue = (walk.draw(2) - 0.5) * 0.05
-    shade = tone * (1 - 0.55 * joint) * (1 - 0.16 * gum)
+    tone = 1 + 0.27 * (walk.draw(1) - 0.5) + 0.13 * grain + 0.07 * clouds - 0.10 * arris
+    hue = (walk.draw(2) - 0.5) * 0.07
+    shade = tone * (1 - 0.65 * joint) * (1 - 0.16 * gum)
     albedo = shade[..., None] * np.stack([1 + hue, np.ones_like(hue), 1 - hue], axis=2)
     lean = (walk.draw(3) - 0.5) * 0.006 * (walk.across - 0.3)
     lean = lean + (walk.draw(4) - 0.5) * 0.006 * (walk.up - 0.2)

@@ -10,9 +10,11 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
-from cityx.city.ground import LABEL, Ground
+from cityx.city.ground import KERB_WIDTH, LABEL, Ground
+from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.clearance import distance_within, near_any
 from cityx.geometry.identity import choose, hash_ids, uniform
+from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.scatter import Points, candidates, cells_of_polygons, near_pairs, thin
 from cityx.geometry.standing import WALKED, stand_on
 from cityx.plugins.nature.pieces import (
@@ -71,8 +73,9 @@ USUAL_GAP = 0.8  # the same for everything else
 PLAZA = {"": 5.0, "bench": 2.0, "stone_bench": 1.5, "planter": 2.0, "waste_basket": 0.8,
          "planter_round": 1.0, "advertising_column": 0.15, "kiosk": 0.12,
          "bicycle_parking": 0.5, "street_lamp_post": 0.8}  # fmt: skip
-YARD = {"": 8.0, "planter": 1.2, "planter_round": 1.0, "bench": 0.7, "bicycle_parking": 0.5}
-YARD_WALL = {"": 3.0, "wheelie_bins": 2.0, "bicycle_parking": 1.4, "planter": 0.8}
+YARD = {"": 5.0, "planter": 1.6, "planter_round": 1.2, "bench": 0.7, "bicycle_parking": 1.2}
+YARD_WALL = {"": 2.5, "wheelie_bins": 2.0, "bicycle_parking": 1.6, "planter": 1.0, "bicycle": 1.2}
+YARD_WALL_JAPAN = {**YARD_WALL, "vending_machine": 1.6}
 # At the walls of wide walks; bicycles lean along them.
 WALK_WALL = {"": 7.0, "bicycle": 2.4, "planter": 1.2, "planter_round": 1.2, "bench": 1.0}
 WALK_WALL_JAPAN = {"": 7.0, "bicycle": 3.2, "planter_round": 1.6, "vending_machine": 1.5,
@@ -81,7 +84,12 @@ WALK_WALL_JAPAN = {"": 7.0, "bicycle": 3.2, "planter_round": 1.6, "vending_machi
 SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "cafe_set": 0.95,
         "planter_round": 0.4, "advertising_column": 0.8, "kiosk": 1.9, "bicycle_parking": 1.4,
         "street_lamp_post": 0.3, "wheelie_bins": 0.7, "parasol": 1.3, "shop_board": 0.35,
-        "vending_machine": 0.6, "bicycle": 0.9}  # fmt: skip
+        "vending_machine": 0.6, "bicycle": 0.9, "bollard": 0.12}  # fmt: skip
+# Bollards along the curves of kerbs at junctions: share of corners by place, metres between them,
+# behind the kerb, and of the longest curve (a longer one is no corner but a roundabout).
+CORNER_SHARE = {"british isles": 0.6, "japan": 0.8, "north america": 0.15}
+USUAL_CORNERS = 0.5
+CORNER_SPACING, FROM_CORNER, LONGEST_CORNER = 1.6, 0.35, 30.0
 PARKED_SHARE = 0.55  # of the places of a bicycle stand that are taken
 
 
@@ -176,6 +184,46 @@ def _along_kerbs(city: City, site: _Site, density: float) -> tuple[Pieces, Float
     return pieces(names, xy, ids, yaw).take(fits), asked[fits, 2:]
 
 
+def _at_corners(city: City, site: _Site) -> Pieces:
+    """Bollards that keep wheels off the curves of kerbs at junctions, at some of the corners."""
+    ground = city.ground
+    assert ground is not None
+    curves = _corner_kerbs(ground)
+    long = shapely.length(curves)
+    ids = _ids_of_places(shapely.get_coordinates(shapely.line_interpolate_point(curves, long / 2)))
+    share = CORNER_SHARE.get(site.place, USUAL_CORNERS)
+    chosen = (uniform(city.seed, f"{ACTION}/corner", ids) < share) & (long < LONGEST_CORNER)
+    lines, ids = pack(curves[chosen]), ids[chosen]
+    row, along = every(arc_lengths(lines)[1], CORNER_SPACING, CORNER_SPACING / 2)
+    foot, way = locate(lines, row, along)
+    out = np.column_stack([-way[:, 1], way[:, 0]])
+    # The walk lies on one side of the kerb, the junction on the other.
+    out = np.where(ground.on(foot + KERB_WIDTH / 2 * out, "junction")[:, None], -out, out)
+    xy = foot + (KERB_WIDTH + FROM_CORNER) * out
+    room = KERB_WIDTH + room_along(foot + KERB_WIDTH * out, out, site.rims, REACH)
+    fits = (room >= KERB_WIDTH + FROM_CORNER + CLEAR) & ground.on(xy, *WALKED)
+    nth = np.arange(len(row)) - np.searchsorted(row, row)
+    own = hash_ids(0, f"{ACTION}/corner", ids[row], nth)
+    return pieces("bollard", xy, own, yaw_facing(-out)).take(fits)
+
+
+def _corner_kerbs(ground: Ground) -> NDArray[Any]:
+    """(c,) lines at which the surfaces of junctions meet raised kerbs."""
+    left, right = ground.edge_faces.T.astype(np.int64)
+    joint, kerb = ground.labelled("junction"), ground.labelled("kerb")
+    inner = right != BEYOND
+    right = np.maximum(right, 0)
+    rim = inner & ((joint[left] & kerb[right]) | (joint[right] & kerb[left]))
+    edges = shapely.linestrings(ground.vertices[ground.edges[rim]])
+    return np.asarray(shapely.get_parts(shapely.line_merge(shapely.multilinestrings(edges))))
+
+
+def _ids_of_places(xy: FloatArray) -> NDArray[np.uint64]:
+    """(n,) ids of places, by the whole decimetre."""
+    cell = np.round(xy * 10).astype(np.int64).view(np.uint64)
+    return hash_ids(0, f"{ACTION}/place", cell[:, 0], cell[:, 1])
+
+
 def _labels(names: Any) -> list[int]:
     return [LABEL[name] for name in names]
 
@@ -257,7 +305,7 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
     for chosen, weights in (
         (plaza & (rim > 1.0), PLAZA),
         (yard & np.isinf(wall), YARD),
-        (yard & np.isfinite(wall), YARD_WALL),
+        (yard & np.isfinite(wall), YARD_WALL_JAPAN if site.place == "japan" else YARD_WALL),
         (walk & np.isfinite(wall), WALK_WALL_JAPAN if site.place == "japan" else WALK_WALL),
     ):
         words = np.array(list(weights), object)
@@ -386,10 +434,11 @@ def street_pieces(
             city = replace(city, scene=city.scene.with_mesh("wires", wires))
     site = replace(site, fixed=np.concatenate([site.fixed, posts.xy]))
     kerb, sizes = _along_kerbs(city, site, density)
+    corners = _at_corners(city, site)
     shops = _before_shops(city, site, density)
     open_ = _in_the_open(city, site, density)
-    drawn = join_pieces([kerb, shops, open_])
-    rest = join_pieces([shops, open_])
+    rest = join_pieces([corners, shops, open_])
+    drawn = join_pieces([kerb, rest])
     other = np.array([SIZE.get(str(name), 0.5) for name in rest.name])
     half = np.concatenate([sizes, np.repeat(other[:, None], 2, axis=1)])
     kept = drawn.take(_free(city, site, drawn, half[:, 0], half[:, 1]))

@@ -76,8 +76,7 @@ def halt_lines(street: Street, chosen: BoolArray, painting: Painting, through: T
             found.append(_line_across(street, edge, end, *span, shape))
         roomy = length - network.trim.sum(axis=1) > LEAST_ROOM
         roomy &= stops & yields & ~enters & (high > low + LEAST_LANE)
-        edge = np.flatnonzero(roomy)
-        middle = (low[edge] + high[edge]) / 2
+        edge, middle = _arriving_lanes(street, end, roomy, low, high)
         found.append(_told(street, edge, end, behind[edge], middle, painting))
     return together(found)
 
@@ -93,6 +92,19 @@ def _arriving(street: Street, end: int) -> tuple[FloatArray, FloatArray]:
     low[edge] = np.where(on_left, bands.middle[rows], bands.right[rows])
     high[edge] = np.where(on_left, bands.left[rows], bands.middle[rows])
     return low, high
+
+
+def _arriving_lanes(
+    street: Street, end: int, chosen: BoolArray, low: FloatArray, high: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Edge and middle of each wide lane that arrives at an end; where none does, of all at once."""
+    bands = street.bands
+    lane = np.isin(bands.kind, _MOVING) & (bands.direction == (1 if end == 1 else -1))
+    lane &= chosen[bands.edge] & (bands.left - bands.right >= LEAST_LANE)
+    shared = chosen.copy()
+    shared[bands.edge[lane]] = False
+    edge = np.concatenate([bands.edge[lane], np.flatnonzero(shared)])
+    return edge, np.concatenate([bands.middle[lane], (low[shared] + high[shared]) / 2])
 
 
 def _line_across(

@@ -29,6 +29,7 @@ FROM_KERB = 1.0  # metres from the kerb to the middle of a car
 JUNCTION_GAP = 6.0  # metres kept free behind the junction: 5 m by most traffic codes, and a bumper
 CROSSING_GAP = 4.6  # metres more where a zebra crossing lies there, with 1 m free before it
 LANE_LEFT = 2.4  # metres of carriageway that parked cars must leave to moving ones
+VAN_LEFT = 3.7  # the same where vans park: a fire engine must pass (Manual for Streets, 6.7.2)
 STALL_WIDTH, STALL_LENGTH, AISLE = 2.5, 5.0, 6.0  # metres, of a car park
 CAR_RADIUS = 2.7  # metres, half the diagonal of a car
 SMALLEST_LOT = 60.0  # square metres
@@ -43,6 +44,7 @@ class _Cars:
     xy: FloatArray
     id: NDArray[np.uint64]
     yaw: FloatArray
+    tight: NDArray[np.bool_]  # whether a van would stand in the way
 
 
 def _along_kerbs(city: City, occupancy: float) -> _Cars | None:
@@ -83,7 +85,8 @@ def _along_kerbs(city: City, occupancy: float) -> _Cars | None:
     xy = places.xy + places.ahead * (0.5 * slack)[:, None]
     xy += places.toward_road * (0.16 * inward)[:, None]
     tilt = np.radians(2.4) * (uniform(city.seed, f"{ACTION}/tilt", ids) - 0.5)
-    return _Cars(xy, ids, np.arctan2(way[:, 0], -way[:, 1]) + tilt)
+    tight = left_over[places.edge] < VAN_LEFT
+    return _Cars(xy, ids, np.arctan2(way[:, 0], -way[:, 1]) + tilt, tight)
 
 
 def _near_junctions(city: City, xy: FloatArray, edge: NDArray[np.int64]) -> NDArray[np.bool_]:
@@ -155,7 +158,8 @@ def _on_lots(city: City, occupancy: float) -> _Cars | None:
     half = np.nan_to_num(roads["width"].to_numpy()[open_] / 2, nan=1.5)
     inside &= ~near_any(xy, roads.geometry.to_numpy()[open_], np.fmin(half, 3.0) + 1.3)
     backwards = uniform(city.seed, f"{ACTION}/back", ids) < 0.2
-    return _Cars(xy[inside], ids[inside], (yaw + np.pi * backwards)[inside])
+    yaw = yaw + np.pi * backwards
+    return _Cars(xy[inside], ids[inside], yaw[inside], np.zeros(int(inside.sum()), bool))
 
 
 def _on_yards(city: City, occupancy: float) -> _Cars | None:
@@ -176,21 +180,27 @@ def _on_yards(city: City, occupancy: float) -> _Cars | None:
     yaw = np.arctan2(along[:, 1], along[:, 0]) + np.pi * back
     keep = uniform(city.seed, f"{ACTION}/taken", ids) < occupancy
     keep[keep] &= ground.on(xy[keep], "parking")
-    return _Cars(xy[keep], ids[keep], yaw[keep])
+    return _Cars(xy[keep], ids[keep], yaw[keep], np.zeros(int(keep.sum()), bool))
 
 
-def _bodies(city: City, xy: FloatArray, ids: NDArray[np.uint64]) -> NDArray[np.int64]:
-    """(n,) body of each car; before shops there are more vans."""
+def _bodies(
+    city: City, xy: FloatArray, ids: NDArray[np.uint64], tight: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """(n,) body of each car; before shops there are more vans, in tight streets none."""
     from cityx.assets import vehicles
 
-    body = choose(city.seed, f"{ACTION}/body", ids, vehicles.BODY_SHARES)
+    van = list(vehicles.BODIES).index("van")
+    shares = np.array(vehicles.BODY_SHARES, float)
+    body = choose(city.seed, f"{ACTION}/body", ids, shares)
+    shares[van] = 0.0
+    body = np.where(tight, choose(city.seed, f"{ACTION}/body", ids, shares), body)
     shops = city.scene.instances.get("shopfronts")
     if shops is None or not shops.count:
         return body
     fronts = shapely.points(shops.position[:, :2])
-    unloading = near_any(xy, fronts, UNLOADING)
+    unloading = ~tight & near_any(xy, fronts, UNLOADING)
     unloading &= uniform(city.seed, f"{ACTION}/unloading", ids) < VAN_SHARE
-    return np.where(unloading, list(vehicles.BODIES).index("van"), body)
+    return np.where(unloading, van, body)
 
 
 def _stall_rows(depth: float) -> tuple[FloatArray, FloatArray]:
@@ -253,13 +263,14 @@ def parked_cars(
     xy = np.concatenate([g.xy for g in groups])
     ids = np.concatenate([g.id for g in groups])
     yaw = np.concatenate([g.yaw for g in groups])
+    tight = np.concatenate([g.tight for g in groups])
     xmin, ymin, xmax, ymax = city.layout.extent
     keep = (xy[:, 0] >= xmin) & (xy[:, 0] <= xmax) & (xy[:, 1] >= ymin) & (xy[:, 1] <= ymax)
     keep &= ~near_any(xy, city.layout.buildings.geometry.to_numpy(), 1.0)
     keep &= np.isnan(earth_over(city.scene.meshes.get("structures"), xy))
     order = np.flatnonzero(keep)[np.argsort(ids[keep], kind="stable")]
     xy, ids, yaw = xy[order], ids[order], yaw[order]
-    body = _bodies(city, xy, ids)
+    body = _bodies(city, xy, ids, tight[order])
     paint = choose(city.seed, f"{ACTION}/paint", ids, vehicles.PAINT_SHARES)
     position, rotation = _on_terrain(city, xy, yaw)
     rows = Instances(

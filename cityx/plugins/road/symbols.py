@@ -16,6 +16,7 @@ STROKE = 0.15  # metres
 LENGTH = 5.0  # metres of an arrow
 LETTER = (2.4, 0.5)  # metres, long and wide: letters are drawn long for eyes that look along them
 WORD = 2.2  # metres, the widest word
+SIGN, SIGN_GAP = (1.4, 1.2), 0.4  # metres, of Japanese signs, long and wide, and between two
 TRIANGLE = (3.75, 1.25, 0.15)  # metres, long and wide, and of its rim
 WHEEL = 0.34  # metres, radius
 
@@ -67,18 +68,26 @@ _GLYPHS: dict[str, tuple[tuple[tuple[float, float], ...], ...]] = {
            ((0.45, 0.25), (0.8, 0.6), (0.7, 0.72), (0.15, 0.68), (0.05, 0.8), (0.2, 1))),
 }  # fmt: skip
 WORDS = ("BUS", "STOP", "止まれ")
+COLUMNS = ("止まれ",)
 
 
 @lru_cache(maxsize=8)
 def word(text: str) -> Any:
-    """Return a word of `WORDS` as drivers read it, its foot at the origin."""
-    long, wide = LETTER[0], min(LETTER[1], WORD / (1.6 * len(text) - 0.6))
-    shapes = []
-    for number, letter in enumerate(text):
-        left = wide * (0.8 * len(text) - 0.3 - 1.6 * number)
-        for line in _GLYPHS[letter]:
-            points = [(x * long, left - y * wide) for x, y in line]
-            shapes.append(_stroke(*points, width=0.12))
+    """Return a word of `WORDS` as drivers read it, its foot at the origin.
+
+    Letters stand beside each other, Japanese signs behind each other, the first the farthest.
+    """
+    if text in COLUMNS:
+        (long, wide), gap = SIGN, SIGN_GAP
+        feet = [((long + gap) * (len(text) - 1 - n), wide / 2) for n in range(len(text))]
+    else:
+        long, wide = LETTER[0], min(LETTER[1], WORD / (1.6 * len(text) - 0.6))
+        feet = [(0.0, wide * (0.8 * len(text) - 0.3 - 1.6 * n)) for n in range(len(text))]
+    shapes = [
+        _stroke(*[(foot + x * long, left - y * wide) for x, y in line], width=0.12)
+        for (foot, left), letter in zip(feet, text, strict=True)
+        for line in _GLYPHS[letter]
+    ]
     return shapely.union_all(shapes)
 
 

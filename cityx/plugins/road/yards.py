@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,13 +22,14 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 PURPOSE = "ground/patch"
-SPACING = 11.0  # metres between the middles of patches
+SPACING = 9.0  # metres between the middles of patches
 REACH = 12.0  # metres from a house within which its yard lies
 FROM_WALL, FROM_STREET, FROM_PATH = 1.6, 4.5, 2.0  # metres that stay free for those who walk
 # What a patch is, how often, and the range of its length and depth in metres.
-KINDS = (("", 4, (0.0, 0.0), (0.0, 0.0)), ("grass", 5, (4.0, 10.0), (2.0, 5.0)),
-         ("bare", 1, (3.0, 6.0), (2.0, 4.0)), ("parking", 2, (7.5, 15.0), (5.0, 5.0)))  # fmt: skip
+KINDS = (("", 2, (0.0, 0.0), (0.0, 0.0)), ("grass", 5, (4.0, 10.0), (2.0, 5.0)),
+         ("bare", 1, (3.0, 6.0), (2.0, 4.0)), ("parking", 3, (7.5, 15.0), (5.0, 5.0)))  # fmt: skip
 BAY = 2.5  # metres, width of a parking bay
+SHRUNK = (1.0, 0.6, 0.35)  # shares of its size at which a patch that finds no room is tried
 PRIORITY = 6  # above the paving of dense blocks, below gardens and all that a map shows
 
 
@@ -97,7 +98,22 @@ def yard_patches(layout: Layout, network: RoadNetwork) -> Patches:
     near = shapely.STRtree(houses).query_nearest(shapely.points(middle), all_matches=False)[1]
     house, row = np.unique(near, return_inverse=True)
     patches = Patches(ids, middle, _long_sides(houses[house])[row], size, label)
-    return patches.take(_clear(patches.shapes, layout, network))
+    return _fitted(patches, layout, network)
+
+
+def _fitted(patches: Patches, layout: Layout, network: RoadNetwork) -> Patches:
+    """Return the patches that have room, each at the largest of its sizes that does."""
+    size, fits = patches.size.copy(), np.zeros(len(patches.id), bool)
+    bays = patches.label == LABEL["parking"]
+    for share in SHRUNK:
+        rows = np.flatnonzero(~fits)
+        size[rows] = share * patches.size[rows]
+        row_of_bays = rows[bays[rows]]  # a row has fewer bays, not smaller ones
+        size[row_of_bays, 0] = np.maximum(np.round(size[row_of_bays, 0] / BAY), 1) * BAY
+        size[row_of_bays, 1] = patches.size[row_of_bays, 1]
+        tried = replace(patches, size=size).take(rows)
+        fits[rows] = _clear(tried.shapes, layout, network)
+    return replace(patches, size=size).take(fits)
 
 
 def _long_sides(shapes: NDArray[Any]) -> FloatArray:

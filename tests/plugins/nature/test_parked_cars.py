@@ -8,7 +8,7 @@ from cityx.assets import furniture
 from cityx.city import Frame, Instances, Terrain, make_table
 from cityx.city.ground import LABEL
 from cityx.plugins.road.ground import ground
-from cityx.plugins.road.parked_cars import parked_cars
+from cityx.plugins.road.parked_cars import VAN_LEFT, parked_cars
 from cityx.plugins.road.yards import yard_patches
 
 
@@ -96,23 +96,38 @@ def test_few_keep_a_car_in_the_streets_of_japan(crossroads):
     assert 0.1 * count[0] < count[1] < 0.6 * count[0]
 
 
+def with_shops(city):
+    """Shops at both sides of the eastern arm."""
+    spots = np.array([(x, y, 0.0) for x in range(20, 95, 15) for y in (-10.0, 10.0)])
+    count = len(spots)
+    ones = np.ones((count, 3), np.float32)
+    ids = np.arange(count, dtype=np.uint64) + np.uint64(7)
+    fronts = Instances(np.zeros(count, np.int32), ids, ids, spots, 0 * ones, ones, ones)
+    prototypes = [furniture.furniture("bench")]
+    return replace(city, scene=city.scene.with_instances("shopfronts", prototypes, fronts))
+
+
+def vans_of(city):
+    """Places of the vans among the cars along kerbs when every bay is taken."""
+    found = parked_cars(city, occupancy=1.0, lots=0.0)
+    rows = found.scene.instances["vehicles"]
+    van = np.array(["van" in found.scene.prototypes[i].name for i in rows.prototype])
+    return rows.position[van, :2]
+
+
 def test_vans_unload_before_shops(crossroads):
-    front = Instances(
-        np.zeros(1, np.int32), np.array([7], np.uint64), np.zeros(1, np.uint64),
-        np.array([[30.0, 10.0, 0.0]]), np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32),
-        np.ones((1, 3), np.float32),
-    )  # fmt: skip
-    shopping = replace(crossroads, scene=crossroads.scene.with_instances(
-        "shopfronts", [furniture.furniture("bench")], front))  # fmt: skip
-    vans = []
-    for city in (crossroads, shopping):
-        found = parked_cars(city, occupancy=1.0)
-        rows = found.scene.instances["vehicles"]
-        names = [found.scene.prototypes[i].name for i in rows.prototype]
-        near = np.hypot(*(rows.position[:, :2] - [30.0, 10.0]).T) < 12.0
-        vans.append((sum("van" in name for name in names), near.sum()))
-    assert vans[1][0] > vans[0][0]
-    assert vans[1][0] - vans[0][0] <= vans[1][1]
+    usual, shopping = vans_of(crossroads), vans_of(with_shops(crossroads))
+    arm = [np.sum(np.abs(vans[:, 1]) < 6.0) for vans in (usual, shopping)]
+    assert arm[1] > arm[0]
+    east = [vans[vans[:, 0] < 6.0] for vans in (usual, shopping)]
+    assert np.array_equal(*east)  # the other arms keep theirs
+
+
+def test_no_van_parks_where_it_would_leave_no_way_for_a_fire_engine(crossroads):
+    network = crossroads.network
+    tight = replace(network, half_width=np.full(4, (4.0 + VAN_LEFT) / 2 - 0.1))
+    assert len(vans_of(crossroads)) > 0
+    assert len(vans_of(with_shops(replace(crossroads, network=tight)))) == 0
 
 
 def test_a_bridge_has_no_parked_cars(crossroads):

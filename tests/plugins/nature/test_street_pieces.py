@@ -5,12 +5,20 @@ import pytest
 import shapely
 
 from cityx.checks.furniture import check_furniture, crowding, in_lanes, placed_outlines
-from cityx.city import make_table
+from cityx.city import Frame, make_table
+from cityx.city.ground import KERB_WIDTH
 from cityx.city.scene import Instances
 from cityx.geometry.standing import WALKED, stand_on
 from cityx.plugins.nature.furniture import furniture
-from cityx.plugins.nature.pieces import front, join_pieces, pieces, room_along, with_pieces
-from cityx.plugins.nature.street_pieces import LAYER, street_pieces
+from cityx.plugins.nature.pieces import (
+    front,
+    join_pieces,
+    pieces,
+    room_along,
+    walk_rims,
+    with_pieces,
+)
+from cityx.plugins.nature.street_pieces import FROM_CORNER, LAYER, street_pieces
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.lanes import lanes
 
@@ -147,3 +155,21 @@ def test_lamps_on_narrow_walks_stand_at_the_wall_and_let_people_pass(avenue):
 
 def test_walks_that_no_lamp_lets_anybody_pass_on_get_none(avenue):
     assert not len(lamps_beside_houses(avenue, 1.4)[1])
+
+
+def corner_bollards(city):
+    """Places of the bollards near the middle of the crossroads."""
+    rows = city.scene.instances[LAYER]
+    xy = rows.position[names_of(city) == "bollard", :2]
+    return xy[(np.abs(xy) < 12.0).all(axis=1)]
+
+
+def test_bollards_follow_the_kerb_of_corners_and_leave_the_walk(avenue):
+    tokyo = replace(avenue, frame=Frame(35.69, 139.78))
+    found = corner_bollards(street_pieces(tokyo))
+    assert len(found) >= 4
+    kerbs = shapely.union_all(walk_rims(avenue.ground))
+    gap = shapely.distance(shapely.points(found), kerbs)
+    assert np.allclose(gap, KERB_WIDTH + FROM_CORNER, atol=0.05)
+    apart = np.hypot(*(found[:, None] - found).T) + 99.0 * np.eye(len(found))
+    assert apart.min() > 1.2

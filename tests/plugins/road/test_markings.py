@@ -114,6 +114,16 @@ def test_minor_roads_of_the_americas_and_japan_have_a_word_behind_the_line(layou
         assert letters.bounds[3] < shapely.bounds(marks[0])[1] - 1.0
 
 
+def test_each_lane_that_arrives_has_its_word(layout_of):
+    stem = {"section": "drive 3.5 + | drive 3.5 +", "oneway": True, "width": 7.0}
+    layout = layout_of([(TEE[0], MAIN), ([(0, -90), (0, 0)], stem)])
+    marks = halts(layout, Painting(give_way="stop", stop_word="STOP"))
+    letters = shapely.union_all(marks[1:])
+    assert letters.area == pytest.approx(2 * word("STOP").area, rel=1e-6)
+    assert np.allclose(letters.centroid.x, 0.0, atol=0.1)
+    assert letters.intersection(shapely.box(-0.3, -90, 0.3, 0)).is_empty
+
+
 def test_the_stem_is_what_does_not_go_straight_on(layout_of):
     turned = [[(x * 0.6 - y * 0.8, x * 0.8 + y * 0.6) for x, y in line] for line in TEE]
     for lines in (TEE, turned):

@@ -45,3 +45,13 @@ def test_arrows_point_where_they_say():
     both = arrow(TURN["left"] | TURN["through"])
     assert both.bounds[2] == pytest.approx(LENGTH)
     assert placed(word("BUS"), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0)).tolist() == []
+
+
+def test_letters_stand_beside_each_other_and_japanese_signs_in_a_column():
+    long, wide = np.ptp(np.reshape(word("STOP").bounds, (2, 2)), axis=0)
+    assert long < 2.6
+    assert wide > 1.8
+    long, wide = np.ptp(np.reshape(word("止まれ").bounds, (2, 2)), axis=0)
+    assert long > 4.0
+    assert wide < 1.6
+    assert abs(np.sum(np.array(word("止まれ").bounds)[[1, 3]])) < 0.2  # in the middle of its lane
