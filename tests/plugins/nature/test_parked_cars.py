@@ -97,10 +97,12 @@ def test_few_keep_a_car_in_the_streets_of_japan(crossroads):
 
 
 def test_vans_unload_before_shops(crossroads):
+    shops = np.array([[x, 10.0, 0.0] for x in (-60.0, -40.0, 30.0, 50.0, 70.0)])
+    count = len(shops)
     front = Instances(
-        np.zeros(1, np.int32), np.array([7], np.uint64), np.zeros(1, np.uint64),
-        np.array([[30.0, 10.0, 0.0]]), np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32),
-        np.ones((1, 3), np.float32),
+        np.zeros(count, np.int32), np.arange(7, 7 + count, dtype=np.uint64),
+        np.zeros(count, np.uint64), shops, np.zeros((count, 3), np.float32),
+        np.ones((count, 3), np.float32), np.ones((count, 3), np.float32),
     )  # fmt: skip
     shopping = replace(crossroads, scene=crossroads.scene.with_instances(
         "shopfronts", [furniture.furniture("bench")], front))  # fmt: skip
@@ -109,8 +111,8 @@ def test_vans_unload_before_shops(crossroads):
         found = parked_cars(city, occupancy=1.0)
         rows = found.scene.instances["vehicles"]
         names = [found.scene.prototypes[i].name for i in rows.prototype]
-        near = np.hypot(*(rows.position[:, :2] - [30.0, 10.0]).T) < 12.0
-        vans.append((sum("van" in name for name in names), near.sum()))
+        far = np.linalg.norm(rows.position[:, None, :2] - shops[:, :2], axis=2).min(axis=1)
+        vans.append((sum("van" in name for name in names), (far < 12.0).sum()))
     assert vans[1][0] > vans[0][0]
     assert vans[1][0] - vans[0][0] <= vans[1][1]
 
