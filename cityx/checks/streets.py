@@ -16,7 +16,7 @@ from cityx.geometry.polylines import Polylines, every, locate, to_linestrings
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-OFF_SURFACE = 0.3  # metres between a carriageway and the ground or deck that carries it
+OFF_SURFACE = 0.6  # metres between a carriageway and what carries it; on slopes up to half that
 BORDER = 2.0  # metres from the site's rectangle, where streets are cut
 APART = 5.0  # metres between the places of a street that are tested; no deck is shorter
 SPACING = 2.0  # metres between the places of a turn that are tested
