@@ -94,7 +94,7 @@ def _nodes(city: City) -> tuple[IntArray, IntArray]:
 def covered_junctions(city: City) -> IntArray:
     """Return the nodes over which cars would drive on something else than a roadway, (k,).
 
-    Junctions on bridges and in tunnels, which have no face of the ground, are left out.
+    Junctions on bridges, ramps and in tunnels, which have no face of the ground, are left out.
     """
     graph, network, ground = city.lanes, city.network, city.ground
     if graph is None or network is None or ground is None:
@@ -106,7 +106,7 @@ def covered_junctions(city: City) -> IntArray:
     turn, along = every(shapely.length(to_linestrings(lines))[turns], SPACING)
     xy = locate(lines, turns[turn], along)[0]
     node = _nodes(city)[1][graph.connection[turns[turn], 0]]
-    kept = _within(city, xy) & ~_lifted(city)[node]
+    kept = _within(city, xy) & ~_lifted(city)[node] & ~ground.on(xy, "void")
     off = kept & ~ground.on(xy, *ROADWAY, *ON_ROADWAY)
     total = np.bincount(node[kept], minlength=len(network.node_degree))
     missed = np.bincount(node[off], minlength=len(total))
