@@ -21,12 +21,13 @@ from cityx.city.ground import LABEL, ON_ROADWAY, ROADWAY
 from cityx.city.levels import ground_levels
 from cityx.geometry.identity import hash_bits, hash_ids, id_text
 from cityx.geometry.polylines import Polylines, arc_lengths, locate
+from cityx.geometry.solids import area_vectors
 from cityx.plugins.background.sun import sun_of
 from cityx.plugins.background.weather import weather_of
 
 FloatArray = NDArray[np.float64]
 WEATHERS = ("clear", "overcast", "fog", "rain", "snow")
-TIMES = ("night", "dawn", "noon", "afternoon", "dusk")
+LOW_SUN = 15.0  # degrees; by a higher sun it is no evening and no morning twilight
 HIGHER, LOWER = 1.3, 0.7  # of what a building's layout asks for
 AWAY = 5.0  # metres that a shell is put from its footprint
 RISE = 1.0  # metres that things are lifted or sunk
@@ -35,6 +36,7 @@ BEYOND = 20.0  # metres that a tree is put beyond the site
 PARTY = 1.5  # metres of wall that two buildings share
 STAND = 1.0  # metres above the ground of a window in a party wall
 LARGE = 60.0  # square metres of a building that is worth to be moved
+UPRIGHT = 0.5  # vertical part of a normal below which a face is a wall
 FOREIGN = 0.75  # of the buildings, by which a town of a style loses it
 PAINT = {"red": (0.55, 0.03, 0.03), "blue": (0.03, 0.06, 0.5)}  # linear RGB
 OUTDOORS = ("street_furniture", "street_pieces", "park_pieces")
@@ -248,7 +250,9 @@ def _painted(
     city: City, owner: np.uint64, material: str, color: tuple[float, float, float]
 ) -> City:
     batch = city.scene.meshes["buildings"]
-    mine = owner == np.repeat(batch.object_id, np.diff(batch.face_start))
+    vector = area_vectors(batch.vertices, batch.faces)
+    wall = np.abs(vector[:, 2]) < UPRIGHT * np.linalg.norm(vector, axis=1)
+    mine = wall & (owner == np.repeat(batch.object_id, np.diff(batch.face_start)))
     names = (*batch.materials, material) if material not in batch.materials else batch.materials
     number, tint = batch.material.copy(), batch.tint.copy()
     number[mine], tint[mine] = names.index(material), color
@@ -526,15 +530,16 @@ def other_weather(city: City, key: int) -> Planted | None:
 
 def other_time(city: City, key: int) -> Planted | None:
     """Let the sun stand as at another time than asked."""
-    now = times_of(city.environment)
-    others = [word for word in TIMES if word not in now]
-    if not now:
+    # Words of the day overlap: at dusk it is evening too, and by a low sun as much day as at noon.
+    high = np.degrees(city.environment.sun_elevation) > LOW_SUN
+    now = drawn([word for word in times_of(city.environment) if high or word != "day"], key)
+    if now is None:
         return None
-    word = others[hash_bits(0, "defect", key) % len(others)]
+    word = "night" if high else "noon"
     frame = city.frame
     changed = sun_of(city.environment, frame.latitude, frame.longitude, time=word,
                      date=city.environment.date)  # fmt: skip
-    return Planted(replace(city, environment=changed), (), (f"env.time == {now[0]}",))
+    return Planted(replace(city, environment=changed), (), (f"env.time == {now}",))
 
 
 def no_park(city: City, key: int) -> Planted | None:

@@ -52,17 +52,17 @@ def check_shells(city: City) -> list[Check]:
     off = np.abs(top - wanted.top)
     deep = wanted.lowest - bottom
     away = np.hypot(*(plan_middle(batch)[wanted.row] - wanted.middle).T)
+    high, sunk, astray = off > TOP_ERROR, deep > PLINTH, away > PLACE_ERROR
     return [
-        Check("building_height_off", float(off.max(initial=0.0)), TOP_ERROR,
-              "largest difference between the top of a building and that of its layout, metres",
-              ids=named(ids[off > TOP_ERROR])),
-        Check("building_buried", float(deep.max(initial=0.0)), PLINTH,
-              "largest depth of a building's foot below the lowest ground at its walls, metres",
-              ids=named(ids[deep > PLINTH])),
-        Check("building_displaced", float(np.nan_to_num(away).max(initial=0.0)), PLACE_ERROR,
-              "largest distance between the middles of a building's plan and of its layout's, "
-              "metres",
-              ids=named(ids[away > PLACE_ERROR])),
+        Check("building_height_off", float(high.sum()), 0,
+              f"buildings whose top is over {TOP_ERROR:g} m from that of their layout",
+              ids=named(ids[high])),
+        Check("building_buried", float(sunk.sum()), 0,
+              f"buildings whose foot is over {PLINTH:g} m below the lowest ground at their walls",
+              ids=named(ids[sunk])),
+        Check("building_displaced", float(astray.sum()), 0,
+              f"buildings whose plan has its middle over {PLACE_ERROR:g} m from their layout's",
+              ids=named(ids[astray])),
     ]  # fmt: skip
 
 

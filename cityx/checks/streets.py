@@ -16,7 +16,7 @@ from cityx.geometry.polylines import Polylines, every, locate, to_linestrings
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-OFF_SURFACE = 0.3  # metres between a carriageway and the ground or deck that carries it
+OFF_SURFACE = 0.6  # metres between a carriageway and what carries it; on slopes up to half that
 BORDER = 2.0  # metres from the site's rectangle, where streets are cut
 APART = 5.0  # metres between the places of a street that are tested; no deck is shorter
 SPACING = 2.0  # metres between the places of a turn that are tested
@@ -94,7 +94,7 @@ def _nodes(city: City) -> tuple[IntArray, IntArray]:
 def covered_junctions(city: City) -> IntArray:
     """Return the nodes over which cars would drive on something else than a roadway, (k,).
 
-    Junctions on bridges and in tunnels, which have no face of the ground, are left out.
+    Junctions on bridges, ramps and in tunnels, which have no face of the ground, are left out.
     """
     graph, network, ground = city.lanes, city.network, city.ground
     if graph is None or network is None or ground is None:
@@ -106,7 +106,7 @@ def covered_junctions(city: City) -> IntArray:
     turn, along = every(shapely.length(to_linestrings(lines))[turns], SPACING)
     xy = locate(lines, turns[turn], along)[0]
     node = _nodes(city)[1][graph.connection[turns[turn], 0]]
-    kept = _within(city, xy) & ~_lifted(city)[node]
+    kept = _within(city, xy) & ~_lifted(city)[node] & ~ground.on(xy, "void")
     off = kept & ~ground.on(xy, *ROADWAY, *ON_ROADWAY)
     total = np.bincount(node[kept], minlength=len(network.node_degree))
     missed = np.bincount(node[off], minlength=len(total))
