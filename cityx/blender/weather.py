@@ -48,7 +48,7 @@ SNOW_SAMPLES = 12  # the share of open sky is compared with a threshold: few wou
 # The picture of `cityx.geometry.ground_wear`, and how much of the light it takes or gives.
 WEAR, WEAR_CORNER, WEAR_SCALE = "Ground wear", "Corner of the wear", "Scale of the wear"
 WORN = "Worn"  # 1 once the picture is there
-RUBBER, REPAIRED, FIELD = 0.20, 0.40, 0.45
+RUBBER, REPAIRED, FIELD = 0.36, 0.40, 0.45
 # Kelvin: bulbs and lamps of homes; tubes at work and in shops.
 HOME_KELVIN, WORK_KELVIN = (2700.0, 3700.0), (3300.0, 5000.0)
 

@@ -29,7 +29,7 @@ FROM_WALL, FROM_STREET, FROM_PATH = 1.6, 4.5, 2.0  # metres that stay free for t
 KINDS = (("", 2, (0.0, 0.0), (0.0, 0.0)), ("grass", 5, (4.0, 10.0), (2.0, 5.0)),
          ("bare", 1, (3.0, 6.0), (2.0, 4.0)), ("parking", 3, (7.5, 15.0), (5.0, 5.0)))  # fmt: skip
 BAY = 2.5  # metres, width of a parking bay
-SHRUNK = (1.0, 0.6, 0.35)  # shares of its size at which a patch that finds no room is tried
+SHRUNK = (0.35, 0.6, 1.0)  # shares of its size at which a patch is tried; the largest wins
 PRIORITY = 6  # above the paving of dense blocks, below gardens and all that a map shows
 
 
@@ -103,17 +103,23 @@ def yard_patches(layout: Layout, network: RoadNetwork) -> Patches:
 
 def _fitted(patches: Patches, layout: Layout, network: RoadNetwork) -> Patches:
     """Return the patches that have room, each at the largest of its sizes that does."""
-    size, fits = patches.size.copy(), np.zeros(len(patches.id), bool)
+    least = _shrunk(patches, SHRUNK[0])
+    fits = _clear(least.shapes, layout, network)
+    patches, fitted = patches.take(fits), least.take(fits)
+    for share in SHRUNK[1:]:
+        larger = _shrunk(patches, share)
+        fits = _clear(larger.shapes, layout, network)
+        fitted = replace(fitted, size=np.where(fits[:, None], larger.size, fitted.size))
+    return fitted
+
+
+def _shrunk(patches: Patches, share: float) -> Patches:
+    """Return smaller patches; a row of bays has fewer of them, not smaller ones."""
+    size = share * patches.size
     bays = patches.label == LABEL["parking"]
-    for share in SHRUNK:
-        rows = np.flatnonzero(~fits)
-        size[rows] = share * patches.size[rows]
-        row_of_bays = rows[bays[rows]]  # a row has fewer bays, not smaller ones
-        size[row_of_bays, 0] = np.maximum(np.round(size[row_of_bays, 0] / BAY), 1) * BAY
-        size[row_of_bays, 1] = patches.size[row_of_bays, 1]
-        tried = replace(patches, size=size).take(rows)
-        fits[rows] = _clear(tried.shapes, layout, network)
-    return replace(patches, size=size).take(fits)
+    size[bays, 0] = np.maximum(np.round(size[bays, 0] / BAY), 1) * BAY
+    size[bays, 1] = patches.size[bays, 1]
+    return replace(patches, size=size)
 
 
 def _long_sides(shapes: NDArray[Any]) -> FloatArray:
@@ -131,9 +137,10 @@ def _clear(shapes: NDArray[Any], layout: Layout, network: RoadNetwork) -> BoolAr
     clear = np.ones(len(shapes), bool)
     centre = to_linestrings(Polylines(network.points, network.point_start))
     tree = shapely.STRtree(shapes)
+    paths = np.delete(layout.roads.geometry.to_numpy(), np.unique(network.edge_road))
     for things, gap in (
         (layout.buildings.geometry.to_numpy(), FROM_WALL),
-        (layout.roads.geometry.to_numpy(), FROM_PATH),
+        (paths, FROM_PATH),
         (centre, network.half_width + FROM_STREET),
     ):
         reach = np.broadcast_to(np.asarray(gap, float), len(things))
