@@ -20,7 +20,7 @@ from cityx.geometry.ground_wear import ground_wear
 
 # A camera that looks down from high up sees sunlit roofs and streets, where one between the houses
 # sees half of them in shade: it closes by so many stops.
-AERIAL_STOPS = 1.1
+AERIAL_STOPS = 0.6
 SNOWED = 0.3  # snow cover from which deciduous trees are bare
 AERIAL_HEIGHT = (15.0, 60.0)  # metres above the ground over which it does so
 
