@@ -43,7 +43,7 @@ def test_a_missing_file_is_named_and_nothing_is_written(monkeypatch, capsys, tmp
     ("name", "content", "words"),
     [
         ("empty.osm", b"", "is empty."),
-        ("notes.txt", b"hello", "is of no known kind"),
+        ("notes.xyz", b"hello", "is of no known kind"),
         ("map.png", b"\x89PNG", "is no image"),
         ("binary.osm", bytes(range(256)) * 50, ""),
         ("other.osm", b"<?xml version='1.0'?><gpx></gpx>", ""),

@@ -225,8 +225,8 @@ def _run(record: Encapsulation, actions: Registry, city: City, data: dict[str, A
     missing = [module for module in record.needs if find_spec(module) is None]
     if missing:
         raise _Skip(f"{missing[0]} is not installed")
-    if record.classname == "OSM_file_retrieval":
-        raise _Skip("reads a file of the user")
+    if record.kind == "source":
+        raise _Skip("reads files of the user")
     args = example_arguments(record)
     try:
         if record.scope != "value":
@@ -236,6 +236,10 @@ def _run(record: Encapsulation, actions: Registry, city: City, data: dict[str, A
         return function(**given, **data, **record.arguments(args))
     except (EngineError, MissingDependency) as error:
         raise _Skip(str(error)) from error
+    except ActionFailed as error:
+        if record.stage != "layout":
+            raise
+        raise _Skip(f"the example city has no room for it: {error}") from error
 
 
 def _data(record: Encapsulation) -> dict[str, Any]:

@@ -182,6 +182,9 @@ def _color(text: str) -> int:
     if plain in _TRANSPARENT:
         return NO_COLOR
     found = colormap.get(plain, colormap.get(plain.replace("gray", "grey")))
+    if isinstance(found, tuple):  # Pillow keeps what it has read once as numbers
+        red, green, blue = found[:3]
+        return red << 16 | green << 8 | blue
     if isinstance(found, str):
         return int(found[1:7], 16)
     return _ODD_COLORS.get(plain, NO_COLOR)
