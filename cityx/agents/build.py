@@ -13,7 +13,7 @@ from typing import Any
 
 from cityx.agents.briefs import Request, read_request
 from cityx.agents.evaluator import measured_of
-from cityx.agents.journal import Journal, derivation_key
+from cityx.agents.journal import JOURNAL, Journal, derivation_key
 from cityx.agents.loop import Loop, Say, quiet
 from cityx.agents.models import Limits, Recording, roles_for
 from cityx.agents.options import FORMATS, BuildOptions, PlannerChoice
@@ -40,8 +40,6 @@ from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.inputs import InputFiles
 from cityx.protocol.registry import Registry, registry
 from cityx.sources.intake import Inputs, sort_inputs
-
-JOURNAL = "journal.sqlite"
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from cityx.agents.journal import DONE, STARTED, Journal, derivation_key
+from cityx.agents.journal import DONE, JOURNAL, STARTED, Journal, RunRecord, derivation_key
 from cityx.agents.locks import locked
 from cityx.agents.pool import Message, Pool
 from cityx.agents.run import Run
@@ -28,7 +28,6 @@ from cityx.protocol.inputs import InputFiles
 from cityx.protocol.registry import Registry, registry
 
 STORE, NEXT, OLD, HISTORY = "city", "city.next", "city.old", "history"
-JOURNAL = "journal.sqlite"
 
 
 class Conflict(UsageError):
@@ -106,8 +105,7 @@ class Desk:
     @property
     def revision(self) -> int:
         """Number of the revision that the city on disk has."""
-        done = [record.number for record in self.journal.runs() if record.status == DONE]
-        return max(done, default=0)
+        return max(self.journal.done(), default=0)
 
     def revisions(self) -> tuple[Revision, ...]:
         """Return every revision that can be gone back to, in order."""
@@ -118,8 +116,7 @@ class Desk:
                 tuple(s.action for s in self.journal.steps(record.number) if s.status == "done"),
                 record.content,
             )
-            for record in self.journal.runs()
-            if record.status == DONE
+            for record in self.journal.done().values()
         )
 
     def change(
@@ -172,7 +169,8 @@ class Desk:
         number = self._begin(text, {"calls": [call.key for call in calls]})
         pool = Pool(self.journal.database, number)
         pool.say(Message("user", "brief", {"text": text}))
-        content = self.journal.run(self.revision).content if self.revision else ""
+        now = self.journal.done().get(self.revision)
+        content = now.content if now is not None else ""
         state = derivation_key("", "revision", {"content": content})
         run = Run(
             self.journal, number, state, self.actions, inputs=inputs or InputFiles(), budget=budget
@@ -207,24 +205,22 @@ class Desk:
             As of `change`.
         """
         with self._alone(expected):
-            known = {record.number: record for record in self.journal.runs()
-                     if record.status == DONE}  # fmt: skip
+            known = self.journal.done()
             wanted = self._before(known) if to is None else to
             if wanted not in known:
-                last = max(known)
                 raise UsageError(
                     "There is nothing to undo." if to is None else
                     f"There is no revision {to}; they are {', '.join(map(str, sorted(known)))} "
-                    f"({last} is the last)."
+                    f"({self.revision} is the last)."
                 )  # fmt: skip
             number = self._begin(f"back to revision {wanted}", {"same_as": wanted})
-            source = self._store if wanted == max(known) else self.folder / HISTORY / str(wanted)
+            source = self._store if wanted == self.revision else self.folder / HISTORY / str(wanted)
             return self._commit(number, read_city(source), source)
 
-    def _before(self, known: Mapping[int, Any]) -> int:
+    def _before(self, known: Mapping[int, RunRecord]) -> int:
         """Return the revision before the last change, looking through what was undone."""
-        now = max(known)
-        while "same_as" in known[now].config:
+        now = self.revision
+        while now in known and "same_as" in known[now].config:
             now = int(known[now].config["same_as"])
         earlier = [number for number in known if number < now]
         return max(earlier, default=-1)
@@ -253,7 +249,7 @@ class Desk:
 
     def _commit(self, number: int, city: City, like: Path) -> Revision:
         """Put a city in the place of the one on disk, with the journal that tells of it."""
-        before = max(r.number for r in self.journal.runs() if r.status == DONE)
+        before = self.revision
         following = self.folder / NEXT
         shared = self.city if like == self._store else city
         write_city(city, following, like=(shared, like))
@@ -293,8 +289,8 @@ def recover(folder: Path) -> None:
         old.rename(store)
     if old.exists():
         with Journal(store / JOURNAL) as journal:
-            done = [record.number for record in journal.runs() if record.status == DONE]
-        _put_away(folder, sorted(done)[-2])
+            *_, before, _ = (0, *sorted(journal.done()))  # 0 for a city that came without a journal
+        _put_away(folder, before)
     if store.exists():
         for left in (following, folder / f"{NEXT}.partial"):
             shutil.rmtree(left, ignore_errors=True)

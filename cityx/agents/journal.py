@@ -20,6 +20,7 @@ from typing import Any
 from cityx.agents.database import connect
 from cityx.errors import UsageError
 
+JOURNAL = "journal.sqlite"  # its name in the folder of a stored city
 LEASE_S = 900.0  # seconds; a step that takes longer renews nothing, but few take a minute
 STARTED, DONE, ENDED = "started", "done", "ended"
 
@@ -207,6 +208,10 @@ class Journal:
         """Return all runs in order."""
         rows = self.database.execute("SELECT id FROM run ORDER BY id").fetchall()
         return tuple(self.run(number) for (number,) in rows)
+
+    def done(self) -> dict[int, RunRecord]:
+        """Return the runs that came to an end well, each a revision of the city, by number."""
+        return {record.number: record for record in self.runs() if record.status == DONE}
 
     def start_step(
         self,

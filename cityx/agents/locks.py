@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from cityx.errors import UsageError
+from cityx.errors import InputError, UsageError
 
 WAIT_S = 20.0  # for another process to end what it does
 STEP_S = 0.05
@@ -22,9 +22,13 @@ def locked(folder: Path, wait: float = WAIT_S) -> Iterator[None]:
 
     Raises
     ------
+    InputError
+        If there is no such folder.
     UsageError
         If another process holds it for longer than the wait.
     """
+    if not folder.is_dir():
+        raise InputError(f"{folder} holds no city: it is no folder.")
     try:
         import fcntl
     except ImportError:  # Windows

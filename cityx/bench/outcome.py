@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 
-from cityx.agents.journal import Journal, Step
+from cityx.agents.desk import STORE
+from cityx.agents.journal import JOURNAL, Journal, Step
 from cityx.bench.scenes import EMPTY
 from cityx.bench.tasks import SlotPair, Task
 from cityx.checks.predicates import Reply
@@ -20,7 +21,6 @@ from cityx.protocol.gate import CODES
 # What ends a proposal besides the codes of the gate: an action failed, the whole was refused before
 # anything ran, an engine is missing, CityX itself failed.
 FAILED, REFUSED, ENGINE, CRASH = "FAILED", "REFUSED", "ENGINE", "CRASH"
-STORE, JOURNAL = "city", "journal.sqlite"
 
 
 class Fault(NamedTuple):

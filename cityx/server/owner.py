@@ -13,7 +13,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, TypeVar
 
-from cityx.agents.desk import JOURNAL, STORE, Cancelled, Conflict, Desk, recover
+from cityx.agents.desk import STORE, Cancelled, Conflict, Desk, recover
+from cityx.agents.journal import JOURNAL
+from cityx.agents.locks import locked
 from cityx.agents.results import result_folder
 from cityx.errors import CityxError
 from cityx.protocol.registry import Registry
@@ -241,7 +243,8 @@ class Owner:
 
     def _open(self) -> None:
         if self.folder.exists() and not (self.folder / STORE).exists():
-            recover(self.folder)  # a change was cut between two renames
+            with locked(self.folder):
+                recover(self.folder)  # a change was cut between two renames
         if (self.folder / STORE / "city.json").exists():
             self._desk = Desk(self.folder, self.actions)
         self._opened = self._signature()

@@ -10,7 +10,7 @@ from cityx.agents.locks import locked
 from cityx.agents.options import BuildOptions
 from cityx.city.content import content_hash
 from cityx.city.store import read_city
-from cityx.errors import ActionRejected, UsageError
+from cityx.errors import ActionRejected, InputError, UsageError
 from cityx.protocol.gate import Call
 
 SNOW = Call("background/weather-v1", {"preset": "snow"})
@@ -123,3 +123,18 @@ def test_who_comes_while_another_changes_the_city_is_told(folder):
     with locked(folder), pytest.raises(UsageError, match="Another process is changing"):
         second()
     second()
+
+
+def test_a_city_that_came_without_a_journal_can_be_changed_too(folder):
+    for path in (folder / "city").glob("journal.sqlite*"):
+        path.unlink()
+    with Desk(folder) as desk:
+        assert desk.revision == 0
+        assert desk.change([SNOW]).number == 1
+        with pytest.raises(UsageError, match="nothing to undo"):
+            desk.undo()
+
+
+def test_a_folder_that_is_none_is_told(tmp_path):
+    with pytest.raises(InputError, match="holds no city"):
+        Desk(tmp_path / "nowhere")
