@@ -14,6 +14,7 @@ from cityx.agents.verdict import Measured
 from cityx.city import City, Goal
 
 ROUNDS = 3  # layouts that are tried after the first
+HARD = 10.0  # weight of a hard goal, of one that only weighs 1
 BLOCK = 1000.0  # weight of a failed check, more than that of all goals of a brief
 # Question to somebody who looks at pictures -> checks whose failure answers it.
 DECIDED: Mapping[str, tuple[str, ...]] = {
@@ -75,7 +76,7 @@ def judged(city: City, goals: Sequence[Goal]) -> Judged:
         for check in check_buildings(city)
         if not check.ok
     )
-    weight = sum(goal.weight * (10.0 if goal.hard else 1.0) for goal, _ in missed)
+    weight = sum(goal.weight * (HARD if goal.hard else 1.0) for goal, _ in missed)
     return Judged(missed, weight + BLOCK * len(failed), failed)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
-from cityx.agents.evaluator import ROUNDS, Judged, judged, of_layout
+from cityx.agents.evaluator import HARD, ROUNDS, Judged, judged, of_layout
 from cityx.agents.planning.planner import Situation
 from cityx.agents.planning.search import Fact
 from cityx.agents.planning.workflow import Item, Workflow
@@ -135,9 +135,8 @@ class Loop:
     def _kept(self, city: City, place: int) -> _Kept:
         """Measure a layout and keep all that is needed to go on from it."""
         found = judged(city, of_layout((*self.goals, *city.goals)))
-        lost = sum(10.0 for _ in self.unmet)
         self.pool.say(Message("evaluator", "verdict", {"missed": found.texts}, parent=self._told))
-        whole = replace(found, weight=found.weight + lost)
+        whole = replace(found, weight=found.weight + HARD * len(self.unmet))
         return _Kept(
             city, whole, self.run.state, self._plan, place, self._told, list(self._done),
             list(self.unmet), set(self._made),
@@ -171,9 +170,8 @@ class Loop:
 
     def _taken_up(self, city: City, last: Message) -> int:
         """Take up the plan after the last step that was kept; return the place in it."""
-        told = next(m for m in self.pool.read("workflow") if m.seq == last.parent)
-        self._plan, self._told = Workflow.from_json(told.body), told.seq
         plans = {m.seq: Workflow.from_json(m.body) for m in self.pool.read("workflow")}
+        self._plan, self._told = plans[last.parent], last.parent
         for message in self.pool.read("result"):
             if message.seq < last.seq:
                 self._note(plans[message.parent].items[message.body["item"]])

@@ -139,9 +139,10 @@ class Run:
         self._spent = 0.0
         with self.watch.step("snapshot"):
             write_city(city, self.keep / self.state)
+            held = self.journal.snapshot(self.number)
+            wanted = {self.state, held[1] if held is not None else self.state}
             for folder in self.keep.iterdir():
-                held = self.journal.snapshot(self.number)
-                if folder.name != self.state and (held is None or folder.name != held[1]):
+                if folder.name not in wanted:
                     shutil.rmtree(folder)
         return self.state
 

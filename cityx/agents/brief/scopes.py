@@ -48,13 +48,6 @@ def settle_scopes(items: Sequence[Item]) -> None:
             _mark(_scope(items, at + 1), KEPT)
 
 
-def clause_end(items: Sequence[Item], at: int) -> int:
-    """Return the index of the mark that ends the sentence around an item."""
-    while at < len(items) and not items[at].is_mark(ENDS):
-        at += 1
-    return at
-
-
 def _mark(items: Iterable[Item], state: str) -> None:
     for item in items:
         if not item.state and (item.senses or item.kind in ("id", "quantity")):

@@ -148,10 +148,10 @@ class Reached:
         self.cost: dict[Node, float] = {}
         self.by: dict[Node, Use] = {}
         self._held: dict[Fact, list[Node]] = {}
-        self._waiting: dict[str, list[tuple[int, Operator]]] = {}
-        for place, operator in enumerate(self._operators):
+        self._waiting: dict[str, list[Operator]] = {}
+        for operator in self._operators:
             for format_name in {fact[0] for fact in (*operator.needs, *operator.reads)}:
-                self._waiting.setdefault(format_name, []).append((place, operator))
+                self._waiting.setdefault(format_name, []).append(operator)
         self._spread(list(start))
 
     def _spread(self, start: list[Node]) -> None:
@@ -178,7 +178,7 @@ class Reached:
             self._held.setdefault(node.fact, []).append(node)
             if use is not None:
                 self.by[node] = use
-            for _, operator in self._waiting.get(node.fact[0], ()):
+            for operator in self._waiting.get(node.fact[0], ()):
                 for given in self._choices(operator, node):
                     total = operator.cost + sum(self.cost[other] for other in given)
                     for made in _results(operator, given):

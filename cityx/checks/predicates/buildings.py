@@ -22,7 +22,7 @@ from cityx.checks.predicates.things import (
     CannotTell,
     FloatArray,
     IntArray,
-    Layer,
+    TableLayer,
     UInt64Array,
     column,
 )
@@ -48,7 +48,7 @@ class Faces:
 
 
 @dataclass(frozen=True)
-class Buildings(Layer):
+class Buildings(TableLayer):
     """The buildings of a city that stand; those of its layout while none is built."""
 
     @cached_property
@@ -73,21 +73,6 @@ class Buildings(Layer):
     def remark(self) -> str:
         """Say that nothing is built yet."""
         return "" if self._any_built else "of the layout; none is built yet"
-
-    @cached_property
-    def ids(self) -> UInt64Array:
-        """(n,) ids."""
-        return np.asarray(self._table["id"].to_numpy(np.uint64))
-
-    @cached_property
-    def shapes(self) -> NDArray[Any]:
-        """(n,) footprints."""
-        return np.asarray(self._table.geometry.to_numpy(), object)
-
-    @cached_property
-    def names(self) -> Mapping[str, NDArray[Any]]:
-        """Names and sources."""
-        return {"name": column(self._table, "name"), "source": column(self._table, "source")}
 
     @cached_property
     def heights(self) -> FloatArray:

@@ -21,6 +21,7 @@ from cityx.checks.predicates.things import (
     FloatArray,
     IntArray,
     Layer,
+    TableLayer,
     UInt64Array,
     column,
     union,
@@ -40,28 +41,13 @@ HUB_SHARE = 0.25  # of the site's shorter side within which a square is the main
 
 
 @dataclass(frozen=True)
-class Roads(Layer):
+class Roads(TableLayer):
     """The ways of a kind; a street from end to end counts once."""
 
     @cached_property
     def _table(self) -> Any:
         table = self.city.layout.roads
         return table[table["kind"].isin(KINDS[self.kind]).to_numpy()]
-
-    @cached_property
-    def ids(self) -> UInt64Array:
-        """(n,) ids."""
-        return np.asarray(self._table["id"].to_numpy(np.uint64))
-
-    @cached_property
-    def shapes(self) -> NDArray[Any]:
-        """(n,) centrelines."""
-        return np.asarray(self._table.geometry.to_numpy(), object)
-
-    @cached_property
-    def names(self) -> Mapping[str, NDArray[Any]]:
-        """Names and sources."""
-        return {"name": column(self._table, "name"), "source": column(self._table, "source")}
 
     @property
     def weights(self) -> FloatArray:

@@ -105,6 +105,31 @@ class Layer:
         return np.asarray(found, bool)
 
 
+@dataclass(frozen=True)
+class TableLayer(Layer):
+    """Things that are rows of a table of the layout."""
+
+    @property
+    def _table(self) -> Any:
+        """Their rows."""
+        raise NotImplementedError
+
+    @cached_property
+    def ids(self) -> UInt64Array:
+        """(n,) ids."""
+        return np.asarray(self._table["id"].to_numpy(np.uint64))
+
+    @cached_property
+    def shapes(self) -> NDArray[Any]:
+        """(n,) footprints or centrelines."""
+        return np.asarray(self._table.geometry.to_numpy(), object)
+
+    @cached_property
+    def names(self) -> Mapping[str, NDArray[Any]]:
+        """Names and sources."""
+        return {"name": column(self._table, "name"), "source": column(self._table, "source")}
+
+
 def _is_hexadecimal(word: str) -> bool:
     return len(word) == 16 and all(sign in "0123456789abcdef" for sign in word)
 
