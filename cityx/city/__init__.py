@@ -10,6 +10,7 @@ from cityx.city.mesh import MeshBatch, concatenate, one_mesh
 from cityx.city.roads import RoadNetwork
 from cityx.city.scene import Instances, Prototype, Scene
 from cityx.city.terrain import Terrain, flat_terrain
+from cityx.city.tracks import Tracks
 
 __all__ = [
     "SURFACES",
@@ -27,6 +28,7 @@ __all__ = [
     "Scene",
     "Surface",
     "Terrain",
+    "Tracks",
     "concatenate",
     "empty_table",
     "flat_terrain",

@@ -14,6 +14,7 @@ from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.scene import Scene
 from cityx.city.terrain import Survey, Terrain, flat_terrain
+from cityx.city.tracks import Tracks
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,10 @@ class City:
         Style word asked for, or "".
     layout, terrain, network, heights, lanes, ground, scene, environment
         The parts; None until the action that makes them has run.
+    tracks
+        Where vehicles and people are over time, None when nothing moves.
+    moment
+        Seconds into the tracks that a picture shows.
     survey
         What the height file says, None without one; the terrain is cut and filled for streets.
     attribution
@@ -78,6 +83,8 @@ class City:
     lanes: LaneGraph | None = None
     ground: Ground | None = None
     scene: Scene = field(default_factory=Scene)
+    tracks: Tracks | None = None
+    moment: float = 0.0
     environment: Environment = field(default_factory=Environment)
     attribution: tuple[str, ...] = ()
     stages_done: frozenset[str] = frozenset()

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from cityx.city.city import City
     from cityx.city.mesh import MeshBatch
     from cityx.city.scene import Instances
+    from cityx.city.tracks import Tracks
 
 PER_METRE = 1e3  # coordinates count in millimetres
 PER_UNIT = 1e6  # other numbers in millionths
@@ -38,7 +39,8 @@ class ContentHash:
     Attributes
     ----------
     total
-        64 hexadecimal digits over features, terrain, ground, meshes, instances and environment.
+        64 hexadecimal digits over features, terrain, ground, meshes, instances, tracks and
+        environment.
     layers
         Layer name (``layout/roads``, ``meshes/buildings``, ...) to its object ids and their hashes,
         both (n,) uint64, sorted by id.
@@ -119,6 +121,27 @@ def hash_instances(rows: Instances, names: NDArray[np.uint64]) -> tuple[UInt64Ar
     return _sorted(rows.object_id, total)
 
 
+def hash_tracks(tracks: Tracks) -> tuple[UInt64Array, UInt64Array]:
+    """Hash the movers of tracks; returns ids and hashes, sorted by id."""
+    hashes = np.zeros(tracks.count, np.uint64)
+    texts = (tracks.look.astype("U64"), tracks.origin.astype("U64"))
+    own: tuple[NDArray[Any], ...] = (
+        tracks.kind, *texts, _steps(tracks.tint), _steps(tracks.size)
+    )  # fmt: skip
+    ways = (tracks.time, tracks.position, tracks.heading, tracks.speed)
+    samples: tuple[NDArray[Any], ...] = (*map(_steps, ways), tracks.gait, tracks.place)
+    start = tracks.sample_start.tolist()
+    for row in range(tracks.count):
+        part = slice(start[row], start[row + 1])
+        held = [values[row].tobytes() for values in own]
+        hashes[row] = _digest(*held, *(values[part].tobytes() for values in samples))
+    return _sorted(tracks.object_id, hashes)
+
+
+def _steps(values: Any) -> NDArray[np.int64]:
+    return np.asarray(np.rint(np.asarray(values, float) * PER_METRE), np.int64)
+
+
 def _sorted(ids: UInt64Array, hashes: UInt64Array) -> tuple[UInt64Array, UInt64Array]:
     order = np.lexsort((hashes, ids))
     return ids[order], hashes[order]
@@ -140,6 +163,8 @@ def content_hash(city: City) -> ContentHash:
     )
     for layer, rows in city.scene.instances.items():
         layers[f"instances/{layer}"] = hash_instances(rows, prototypes)
+    if city.tracks is not None:
+        layers["tracks"] = hash_tracks(city.tracks)
     terrain = city.terrain
     whole = blake2b(digest_size=32)
     whole.update(_quantised(city.layout.extent, PER_METRE))

@@ -2,7 +2,7 @@
 
 Layout of the folder: ``city.json`` (everything small), ``layout/*.parquet`` (GeoParquet),
 ``terrain.tif`` (GeoTIFF), ``surroundings.tif`` and ``survey.npz`` (what a height file says),
-``network.npz``, ``heights.npz``, ``lanes.npz``, ``ground.npz``,
+``network.npz``, ``heights.npz``, ``lanes.npz``, ``ground.npz``, ``tracks.npz``,
 ``meshes/*.npz``, ``instances/*.npz``,
 ``prototypes.npz`` and ``objects.json`` (what each building is, for views that load no tables).
 """
@@ -33,6 +33,7 @@ from cityx.city.mesh import MeshBatch, concatenate
 from cityx.city.roads import RoadNetwork
 from cityx.city.scene import Instances, Prototype, Scene
 from cityx.city.terrain import Survey, Terrain
+from cityx.city.tracks import Tracks
 from cityx.errors import InputError
 from cityx.geometry.identity import id_text
 
@@ -61,6 +62,8 @@ class View:
     environment: Environment
     network: RoadNetwork | None
     terrain: Terrain
+    tracks: Tracks | None
+    moment: float
     attribution: tuple[str, ...]
     objects: Mapping[int, Mapping[str, str]]
 
@@ -77,6 +80,8 @@ def view_of(city: City) -> View:
         city.environment,
         city.network,
         city.terrain,
+        city.tracks,
+        city.moment,
         city.attribution,
         {int(key, 16): value for key, value in _objects(city).items()},
     )
@@ -126,6 +131,7 @@ def write_city(city: City, folder: Path, *, like: tuple[City, Path] | None = Non
         "seed": city.seed,
         "lod": city.lod,
         "style": city.style,
+        "moment": city.moment,
         "environment": asdict(city.environment),
         "terrain": _grid_of(city.terrain),
         "survey": _record_of(city.survey) if city.survey is not None else None,
@@ -165,7 +171,7 @@ def _files(city: City) -> dict[str, _File]:
         found["surroundings.tif"] = _File(around, partial(_write_terrain, around, city.frame))
     values: dict[str, Any] = {
         "survey": city.survey, "network": city.network, "heights": city.heights,
-        "lanes": city.lanes, "ground": city.ground,
+        "lanes": city.lanes, "ground": city.ground, "tracks": city.tracks,
     }  # fmt: skip
     values |= {f"meshes/{layer}": batch for layer, batch in city.scene.meshes.items()}
     values |= {f"instances/{layer}": rows for layer, rows in city.scene.instances.items()}
@@ -219,6 +225,8 @@ def read_city(folder: Path) -> City:
         heights=_read_value(folder / "heights.npz", WayHeights),
         lanes=_read_value(folder / "lanes.npz", LaneGraph),
         ground=_read_value(folder / "ground.npz", Ground),
+        tracks=_read_value(folder / "tracks.npz", Tracks),
+        moment=record.get("moment", 0.0),
         scene=_read_scene(folder, record),
         environment=Environment(**record["environment"]),
         attribution=tuple(record["attribution"]),
@@ -251,6 +259,8 @@ def read_view(folder: Path) -> View:
         Environment(**record["environment"]),
         _read_value(folder / "network.npz", RoadNetwork),
         _read_terrain(folder / "terrain.tif", record["terrain"]),
+        _read_value(folder / "tracks.npz", Tracks),
+        record.get("moment", 0.0),
         tuple(record["attribution"]),
         {int(key, 16): value for key, value in objects.items()},
     )
