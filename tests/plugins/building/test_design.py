@@ -6,8 +6,8 @@ import pytest
 import shapely
 
 from cityx.errors import ActionFailed
-from cityx.plugins.building.design import design
 from cityx.plugins.building.catalogue import generators
+from cityx.plugins.building.design import design
 from cityx.plugins.building.samples import sample_city, sheet_of
 from cityx.plugins.building.selection import designs_of_parts
 from cityx.plugins.building.setback_skyscraper import setback_skyscraper
