@@ -1,8 +1,7 @@
-"""What words without numbers mean, in numbers: one table for whoever asks and whoever measures.
+"""When a thing is what a predicate calls it, in numbers.
 
-``PHRASES`` is what a wish such as "a dense city" asks for, as predicates. The other tables say
-when a thing is what a predicate calls it; each is a definition by what can be measured, so that
-nothing becomes a tower by being called one.
+Each is a definition by what can be measured, so that nothing becomes a tower by being called one.
+What a wish such as "a dense city" asks for is in `cityx.agents.brief.goals`.
 """
 
 from __future__ import annotations
@@ -224,83 +223,3 @@ WEATHERS: Mapping[str, Air] = MappingProxyType(
 )
 
 CLEAREST, THICKEST = 10_000.0, 100.0  # metres of visibility at which "fog" is 0 and 1
-
-# What a wish without numbers asks for: slot of the brief -> its value -> predicates.
-PHRASES: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
-    {
-        "density": {
-            "high": ("cover(building) >= 0.35",),
-            "medium": ("cover(building) in [0.15, 0.4]",),
-            "low": ("cover(building) <= 0.2",),
-        },
-        "size": {
-            "small": ("size.area <= 160000",),
-            "medium": ("size.area in [160000, 1000000]",),
-            "large": ("size.area >= 1000000",),
-        },
-        "district": {
-            "downtown": ("stat(building, height, p90) >= 45",),
-            "old_town": ("stat(building, floors, p90) <= 6",),
-            "suburban": ("stat(building, floors, max) <= 3",),
-            "village": ("stat(building, floors, p90) <= 3",),
-            "industrial": ("share(building, use=industrial) >= 0.6",),
-            "residential": ("share(building, use=residential) >= 0.6",),
-            "commercial": ("share(building, use=commercial) >= 0.6",),
-            "coastal": ("n(sea) >= 1",),
-        },
-        "building.height": {
-            "tall": ("stat(building, height, p90) >= 45",),
-            "low": ("stat(building, floors, p90) <= 3",),
-        },
-        "roads.width": {
-            "narrow": ("stat(road, width, p50) <= 7",),
-            "wide": ("stat(road, width, p50) >= 12",),
-        },
-        "nature.trees": {
-            "many": ("n(tree) >= 60",),
-            "some": ("n(tree) >= 10",),
-            "few": ("n(tree) in [1, 20]",),
-            "none": ("n(tree) == 0",),
-        },
-        "nature.green": {"much": ("cover(green) >= 0.15",)},
-        "traffic": {
-            "heavy": ("density(vehicle, road.class=primary) >= 25",),
-            "light": ("density(vehicle, road) in [1, 8]",),
-            "none": ("n(vehicle) == 0",),
-        },
-        "pedestrians": {
-            "heavy": ("density(pedestrian, sidewalk) >= 15",),
-            "none": ("n(pedestrian) == 0",),
-        },
-        "style": {"": ("share(building, style={value}) >= 0.7",)},
-        "weather": {
-            "clear": ("env.weather == clear",),
-            "cloudy": ("env.weather == cloudy",),
-            "overcast": ("env.weather == overcast",),
-            "haze": ("env.weather == haze",),
-            "fog": ("env.weather == fog", "env.fog >= 0.4"),
-            "rain": ("env.weather == rain", "env.wetness >= 0.4"),
-            "storm": ("env.weather == storm", "env.cloud >= 0.8"),
-            "snow": ("env.weather == snow",),
-        },
-        "snow.intensity": {
-            "light": ("env.snow_cover in [0.05, 0.5]",),
-            "heavy": ("env.snow_cover >= 0.5",),
-        },
-        "time": {
-            "night": ("env.time == night", "env.sun_elev < -6"),
-            "noon": ("env.sun_elev >= 45",),
-            "afternoon": ("env.sun_elev in [15, 55]",),
-            "dusk": ("env.time == dusk", "env.sun_elev in [-6, 6]"),
-            "sunset": ("env.sun_elev in [0, 8]", "sun_azimuth in [240, 300]"),
-            "golden_hour": ("env.sun_elev in [2, 12]",),
-            "": ("env.time == {value}",),
-        },
-        "lights": {
-            "street": ("n(streetlight, on=true) >= 10",),
-            "neon": ("n(light, type=neon) >= 20",),
-        },
-        "place": {"central": ("dist({value}, center) <= 0.15 * min(size.x, size.y)",)},
-        "roads.pattern": {"": ("road.pattern == {value}",)},
-    }
-)  # fmt: skip

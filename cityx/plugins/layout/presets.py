@@ -1,8 +1,8 @@
 """What words for districts, density, streets and patterns mean: arguments of layout actions.
 
 One table per slot of a brief. A planner joins the rows of the words it was given (`plan_of`); what
-is said in numbers goes over them. Every row gives what `cityx.checks.predicates.words.PHRASES`
-measures for its word, on any site of 150 metres and more.
+is said in numbers goes over them. Every row gives what the goals of a brief measure for
+its word, on any site of 150 metres and more.
 """
 
 from __future__ import annotations

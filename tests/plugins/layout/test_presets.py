@@ -2,8 +2,8 @@
 
 import pytest
 
+from cityx.agents.brief.goals import WORDS
 from cityx.checks.predicates import measure
-from cityx.checks.predicates.words import PHRASES
 from cityx.city import City, Frame, Layout
 from cityx.errors import UsageError
 from cityx.plugins.layout.presets import PRESETS, plan_of, zone_for
@@ -30,9 +30,9 @@ def laid_out(words, size=420.0, seed=2):
 @pytest.mark.parametrize(("slot", "word"), CASES)
 def test_a_word_gives_what_is_measured_for_it(slot, word, as_built):
     city = as_built(laid_out([(slot, word)]))
-    rows = PHRASES.get(slot, {})
+    rows = WORDS.get(slot, {})
     asked = [
-        text.format(value=word) for text in rows.get(word, rows.get("", ())) if "share(" not in text
+        text.format(v=word) for text in rows.get(word, rows.get("*", ())) if "share(" not in text
     ]
     for predicate in [*asked, *(goal.predicate for goal in city.goals)]:
         found = measure(predicate, city)
