@@ -6,11 +6,14 @@ as there is one, and another is tried while something hard is missed.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from cityx.agents.verdict import Measured
+from cityx.checks.predicates.syntax import NAME
+from cityx.checks.predicates.vocabulary import family_of
 from cityx.city import City, Goal
 
 ROUNDS = 3  # layouts that are tried after the first
@@ -20,12 +23,13 @@ BLOCK = 1000.0  # weight of a failed check, more than that of all goals of a bri
 DECIDED: Mapping[str, tuple[str, ...]] = {
     "look.standing": ("floating_building", "building_buried", "things_off_ground"),
 }
-# What a predicate speaks of that only actions after the layout make.
-_LATER = (
-    "env.", "sun_azimuth", "tree", "light", "style=", "material=", "color=", "roof=", "roof_color=",
-    "feature=", "vehicle", "pedestrian", "bench", "terrain", "slope", "used_source", "same(",
-    "changed(", "ratio(", "iou(", "corr(",
-)  # fmt: skip
+# Of what a predicate speaks that only actions after the layout make: families of things, and words.
+_LATER_FAMILIES = frozenset({"piece", "lamp", "light", "vehicle", "pedestrian"})
+_LATER_WORDS = frozenset(
+    """sun_azimuth sun_elev style material color roof roof_color feature terrain slope used_source
+    same changed ratio iou corr""".split()
+)
+_AIR = "env."
 
 
 @dataclass(frozen=True)
@@ -54,7 +58,16 @@ class Judged:
 
 def of_layout(goals: Sequence[Goal]) -> tuple[Goal, ...]:
     """Return the goals that can be measured on a layout before anything is built on it."""
-    return tuple(goal for goal in goals if not any(word in goal.predicate for word in _LATER))
+    return tuple(goal for goal in goals if not any(map(_is_later, _words(goal.predicate))))
+
+
+def _words(predicate: str) -> list[str]:
+    return re.findall(NAME, predicate)
+
+
+def _is_later(word: str) -> bool:
+    later = word in _LATER_WORDS or word.startswith(_AIR)
+    return later or family_of(word) in _LATER_FAMILIES
 
 
 def judged(city: City, goals: Sequence[Goal]) -> Judged:
