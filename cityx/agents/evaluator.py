@@ -25,10 +25,10 @@ DECIDED: Mapping[str, tuple[str, ...]] = {
 }
 # Of what a predicate speaks that only actions after the layout make: families of things, and words.
 _LATER_FAMILIES = frozenset({"piece", "lamp", "light", "vehicle", "pedestrian"})
-_LATER_WORDS = frozenset(
-    """sun_azimuth sun_elev style material color roof roof_color feature terrain slope used_source
-    same changed ratio iou corr""".split()
-)
+_LATER_WORDS = frozenset({
+    "sun_azimuth", "sun_elev", "style", "material", "color", "roof", "roof_color", "feature",
+    "terrain", "slope", "used_source", "same", "changed", "ratio", "iou", "corr",
+})  # fmt: skip
 _AIR = "env."
 
 
