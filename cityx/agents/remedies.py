@@ -1,0 +1,154 @@
+"""Remedies: changes of a built city that bring about what it misses of its goals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from cityx.agents.brief import Edit, Selector
+from cityx.checks.predicates.facts import Facts, constant
+from cityx.checks.predicates.parser import parse
+from cityx.checks.predicates.syntax import Call, Comparison, Name, Within
+from cityx.checks.predicates.things import (
+    BoolArray,
+    CannotTell,
+    FloatArray,
+    IntArray,
+    Selection,
+    UInt64Array,
+)
+from cityx.checks.predicates.vocabulary import KINDS, NARROWING, split_arguments
+from cityx.city import City
+from cityx.geometry.identity import hash_ids, id_text
+
+MEASURES = ("height", "floors")  # of buildings, that an edit can set
+LOOKS = ("style", "material", "color", "roof")  # of buildings, that an edit can give
+MOVABLE = ("piece", "lamp", "vehicle", "pedestrian")  # families of which things come and go
+# Part of the values that lies below what a function returns.
+_BELOW: Mapping[str, float] = MappingProxyType(
+    {"min": 0.0, "p10": 0.1, "p50": 0.5, "p90": 0.9, "max": 1.0}
+)
+_NOTHING: tuple[Edit, ...] = ()
+
+
+def remedies(predicate: str, city: City) -> tuple[Edit, ...]:
+    """Return changes after which a city has what a predicate asks for.
+
+    Parameters
+    ----------
+    predicate
+        Something that is measured and not met.
+    city
+        The city that misses it.
+
+    Returns
+    -------
+    edits
+        None where no change of single objects helps, as of the shape of a layout.
+    """
+    wanted = parse(predicate)
+    measured = wanted.left if isinstance(wanted, Comparison) else getattr(wanted, "of", None)
+    if not isinstance(measured, Call) or measured.form not in _RULES:
+        return _NOTHING
+    try:
+        low, high = _bounds(wanted)
+        return _RULES[measured.form](measured, low, high, Facts(city))
+    except CannotTell:
+        return _NOTHING
+
+
+def _bounds(wanted: object) -> tuple[float, float]:
+    """Return the least and the greatest value that is asked for."""
+    if isinstance(wanted, Within):
+        return constant(wanted.low), constant(wanted.high)
+    assert isinstance(wanted, Comparison)
+    value = constant(wanted.right)
+    if wanted.sign in (">=", ">"):
+        return value, math.inf
+    if wanted.sign in ("<=", "<"):
+        return -math.inf, value
+    return (value, value) if wanted.sign == "==" else (-math.inf, math.inf)
+
+
+def _on(chosen: Selection, ids: UInt64Array) -> Selector:
+    return Selector(chosen.layer.kind, ids=tuple(map(id_text, ids.tolist())))
+
+
+def _by_lot(ids: UInt64Array, city: City) -> UInt64Array:
+    """Return ids in an order of chance that is always the same."""
+    order: IntArray = np.lexsort((ids, hash_ids(city.seed, "agents/remedy", ids)))
+    return ids[order]
+
+
+def _measure(call: Call, low: float, high: float, facts: Facts) -> tuple[Edit, ...]:
+    """Set heights or floors of those that keep a statistic out of its bounds."""
+    (group, attribute, function), _ = split_arguments(call)
+    assert isinstance(attribute.head, Name)
+    assert isinstance(function.head, Name)
+    name, below = attribute.head.word, _BELOW.get(function.head.word)
+    chosen = facts.select(group)
+    if KINDS[chosen.layer.kind] != "building" or name not in MEASURES or below is None:
+        return _NOTHING
+    value = chosen.layer.number(name)[chosen.rows]
+    found = []
+    for bound, missed in ((low, value < low), (high, value > high)):
+        moved = chosen.ids[_needed(value, missed, below, up=bound is low)]
+        if len(moved) and math.isfinite(bound):
+            found.append(Edit(f"set_{name}", _on(chosen, moved), ((name, bound),)))
+    return tuple(found)
+
+
+def _needed(value: FloatArray, missed: BoolArray, below: float, *, up: bool) -> IntArray:
+    """Return the rows that must be moved so that no more than a part of all is left beyond."""
+    rows = np.flatnonzero(missed)
+    nearest = rows[np.argsort(-value[rows] if up else value[rows], kind="stable")]
+    # What may stay: those under a high quantile when it rises, those over a low one when it falls.
+    stay = math.floor((below if up else 1.0 - below) * (len(value) - 1))
+    return np.asarray(nearest[: max(len(rows) - stay, 0)])
+
+
+def _share(call: Call, low: float, high: float, facts: Facts) -> tuple[Edit, ...]:
+    """Give more buildings the look of which too few have one."""
+    del high
+    (group, *_), _ = split_arguments(call)
+    chosen, has = facts.select_apart(group)
+    if KINDS[chosen.layer.kind] != "building" or not math.isfinite(low):
+        return _NOTHING
+    lacking = math.ceil(low * len(has) - 1e-9) - int(has.sum())
+    changed = _on(chosen, _by_lot(chosen.ids[~has], facts.city)[: max(lacking, 0)])
+    found = []
+    for asked in group.conditions:
+        if not isinstance(asked, Comparison) or not isinstance(asked.left, Name):
+            return _NOTHING
+        name = asked.left.word
+        if name in NARROWING:
+            continue
+        if asked.sign != "=" or name not in (*LOOKS, *MEASURES):
+            return _NOTHING
+        value = asked.right.word if isinstance(asked.right, Name) else constant(asked.right)
+        found.append(Edit(f"set_{name}", changed, ((name, value),)))
+    return tuple(found) if lacking > 0 else _NOTHING
+
+
+def _number(call: Call, low: float, high: float, facts: Facts) -> tuple[Edit, ...]:
+    """Take away what there is too much of; plant trees where there are too few."""
+    (group, *_), _ = split_arguments(call)
+    chosen = facts.select(group)
+    kind = chosen.layer.kind
+    if KINDS[kind] not in MOVABLE:
+        return _NOTHING
+    if chosen.count > high:
+        gone = _by_lot(chosen.ids, facts.city)[: chosen.count - math.floor(high)]
+        return (Edit("remove", _on(chosen, gone)),)
+    if chosen.count < low and kind == "tree" and not group.conditions:
+        more = math.ceil(low) - chosen.count
+        return (Edit("plant", None, (("nature", "tree"), ("count", more))),)
+    return _NOTHING
+
+
+_RULES: Mapping[str, Callable[[Call, float, float, Facts], tuple[Edit, ...]]] = MappingProxyType(
+    {"stat": _measure, "share": _share, "n": _number}
+)
