@@ -98,3 +98,19 @@ def _written(rows: Instances, mine: BoolArray, made: Instances) -> Instances:
         values[mine] = getattr(made, name)
         columns[name] = values
     return Instances(**columns)
+
+
+def buildings_named(city: City, objects: Sequence[str]) -> Ids:
+    """Return the ids of buildings, (k,) ascending.
+
+    Raises
+    ------
+    ActionFailed
+        If one of the objects is none.
+    """
+    found = targets_of(city, objects)
+    others = np.concatenate([found.pieces, found.movers])
+    if len(others):
+        named = ", ".join(id_text(int(one)) for one in others[:SHOWN])
+        raise ActionFailed(f"{len(others)} of the objects ({named}) are no buildings.")
+    return found.buildings
