@@ -4,19 +4,25 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from cityx.agents.brief import Edit
-from cityx.agents.briefs import Request, read_request
+from cityx.agents.brief import Brief, Edit, Question
+from cityx.agents.briefs import Clarify, Request, read_request
+from cityx.agents.contradictions import contradictions
 from cityx.agents.desk import Desk, Revision
 from cityx.agents.loop import Say, quiet
 from cityx.agents.options import BuildOptions
 from cityx.agents.planning.planner import OfflinePlanner
 from cityx.agents.planning.workflow import Item
 from cityx.agents.results import write_report
+from cityx.agents.selecting import Open, chosen_by
+from cityx.checks.predicates.things import Selection
+from cityx.checks.predicates.vocabulary import KINDS
 from cityx.city import City
 from cityx.errors import UsageError
+from cityx.geometry.identity import id_text
 from cityx.protocol.serving import Slots
 
 UNDO = "undo"
@@ -86,8 +92,8 @@ def planned(desk: Desk, text: str, files: Sequence[Path] = ()) -> tuple[Request,
     planner = OfflinePlanner(known_records(desk.actions))
     items: list[Item] = []
     faults = []
-    for edit in edits:
-        found = planner.answers(slots_of_edit(edit))
+    for edit, slots in slots_of_edits(request.brief, desk.city):
+        found = planner.answers(slots)
         items += found
         if not found:
             said = f'"{text[slice(*edit.span)]}": ' if not files else ""  # spans are of one text
@@ -116,11 +122,36 @@ def wishes_in(files: Sequence[Path]) -> list[tuple[Path, str]]:
     return [(item.path, item.kind) for item in found]
 
 
-def slots_of_edit(edit: Edit) -> Slots:
-    """Return a change as slots: its verb, its target and what becomes of it."""
-    found: dict[str, tuple[Any, ...]] = {}
-    for key, value in edit.items():
-        found[key] = (*found.get(key, ()), value)
+def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
+    """Return the changes of a brief, each with what actions take of it.
+
+    Besides what the sentence says, "objects" are the ids of what is meant, as 16 hexadecimal digits
+    each, and "family" is what they are: a family of `cityx.checks.predicates.vocabulary.KINDS`.
+
+    Raises
+    ------
+    Clarify
+        If it is open which objects are meant, or changes contradict each other.
+    """
+    found: list[tuple[Edit, Slots]] = []
+    meant: list[tuple[Edit, Selection | None]] = []
+    questions: list[Question] = []
+    for edit in brief.edits:
+        try:
+            meant.append((edit, chosen_by(edit, city)))
+        except Open as error:
+            questions.append(error.question)
+    questions += contradictions(meant)
+    if questions:
+        raise Clarify(replace(brief, questions=(*brief.questions, *questions)))
+    for edit, chosen in meant:
+        slots: dict[str, tuple[Any, ...]] = {}
+        for key, value in edit.items():
+            slots[key] = (*slots.get(key, ()), value)
+        if chosen is not None:
+            slots["objects"] = (tuple(id_text(int(one)) for one in chosen.ids),)
+            slots["family"] = (KINDS[chosen.layer.kind],)
+        found.append((edit, slots))
     return found
 
 

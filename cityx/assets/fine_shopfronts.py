@@ -340,8 +340,24 @@ def box_awning() -> Shapes:
     return shapes
 
 
-def _letters(purpose: str, reach: float, low: float, high: float, front: float) -> Shapes:
-    """Make stems, bowls and bars that read as a word."""
+def letters(
+    purpose: str, reach: float, low: float, high: float, front: float, material: str = "lamp_glow"
+) -> Shapes:
+    """Make stems, bowls and bars of glowing tube that read as a word.
+
+    Parameters
+    ----------
+    purpose
+        What the word is drawn by.
+    reach
+        Half the width that it may take, metres.
+    low, high
+        Its lower and upper edge, metres.
+    front
+        y of the face that it is fixed on, metres.
+    material
+        What glows.
+    """
     rng = rng_for(0, "assets/letters", len(purpose))
     shapes: Shapes = []
     x, tall = -reach, high - low
@@ -357,14 +373,14 @@ def _letters(purpose: str, reach: float, low: float, high: float, front: float) 
             path = np.column_stack([x + wide / 2 + (wide / 2 - pen) * np.cos(angle), np.full(21, y),
                                     (low + high) / 2 + (tall / 2 - pen) * np.sin(angle)]
             )  # fmt: skip
-            shapes.append(tube(path, pen, "lamp_glow", sides=10))
+            shapes.append(tube(path, pen, material, sides=10))
         else:
             stems = [[[x + pen, y, low], [x + pen, y, high]]]
             if kind > 1:
                 stems.append([[x + wide - pen, y, low], [x + wide - pen, y, high]])
             bars = {1: (0.02, 0.5, 0.98), 2: (0.5,), 3: (0.98,)}[kind]
             stems += [[[x, y, low + s * tall], [x + wide, y, low + s * tall]] for s in bars]
-            shapes += [tube(path, pen, "lamp_glow", sides=10) for path in stems]
+            shapes += [tube(path, pen, material, sides=10) for path in stems]
         x += wide + 0.05
     return shapes
 
@@ -380,7 +396,7 @@ def sign_fascia() -> Shapes:
     for x in np.linspace(-1.66, 1.66, 42):
         shapes.append(bevelled((x - 0.022, -0.19, 0.455), (x + 0.022, -0.13, 0.5), "door_paint",
                                bevel=0.003, hidden=("+z",)))  # fmt: skip
-    return shapes + _letters("fascia", 0.85, 0.16, 0.36, -0.14)
+    return shapes + letters("fascia", 0.85, 0.16, 0.36, -0.14)
 
 
 def sign_box() -> Shapes:
@@ -390,7 +406,7 @@ def sign_box() -> Shapes:
     return [
         frame(-1.7, 1.7, 0.02, 0.58, rim, "metal_grey"),
         plate(face, -0.232, "sign"),
-        *_letters("light box", 1.25, 0.17, 0.45, -0.23),
+        *letters("light box", 1.25, 0.17, 0.45, -0.23),
         tube(
             [[1.6, -0.1, 0.58], [1.6, -0.1, 0.66], [1.6, 0.0, 0.7]], 0.012, "metal_dark", sides=10
         ),
@@ -405,7 +421,7 @@ def sign_letters() -> Shapes:
     for x in (-1.0, -0.35, 0.35, 1.0):
         for z in (0.118, 0.418):
             shapes.append(tube([[x, 0.0, z], [x, -0.05, z]], 0.010, "metal_dark", sides=10))
-    return shapes + _letters("rail letters!", 0.95, 0.14, 0.42, -0.06)
+    return shapes + letters("rail letters!", 0.95, 0.14, 0.42, -0.06)
 
 
 def sign_blade() -> Shapes:
@@ -424,7 +440,7 @@ def sign_blade() -> Shapes:
         rim = soft([(0.0, -0.028), (0.0, -0.040), (0.02, -0.042), (0.03, -0.032)], 0.003, 2)
         face = [moved(part, (0.0, 0.0, 0.0), yaw=side * np.pi / 2)
                 for part in (frame(-0.34, 0.34, 0.01, 0.57, rim, "metal_dark"),
-                             *_letters("blade", 0.24, 0.22, 0.34, -0.03))]  # fmt: skip
+                             *letters("blade", 0.24, 0.22, 0.34, -0.03))]  # fmt: skip
         shapes += [moved(part, (0.0, -0.56, 0.0)) for part in face]
     return shapes
 
@@ -446,7 +462,7 @@ def sign_tower() -> Shapes:
         shapes.append(bevelled((-0.09, -0.98, z), (0.09, -0.26, z + 1.0), "sign", tint, bevel=0.02))
         for side in (-1.0, 1.0):
             words = [part for line in range(3)
-                     for part in _letters("x" * (3 + line + 4 * row), 0.26, z + 0.12 + 0.29 * line,
+                     for part in letters("x" * (3 + line + 4 * row), 0.26, z + 0.12 + 0.29 * line,
                                           z + 0.30 + 0.29 * line, -0.088)]  # fmt: skip
             shapes += [moved(part, (0.0, -0.62, 0.0), yaw=side * np.pi / 2) for part in words]
     return shapes

@@ -156,6 +156,14 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("rubber", (0.02, 0.02, 0.02), 0.9, takes_tint=False, porosity=0.0),
     _M("lamp_glow", (0.90, 0.85, 0.75), 0.5, takes_tint=False, emission=30.0, porosity=0.0),
     _M("signal_red", (0.60, 0.02, 0.02), 0.4, takes_tint=False, emission=2.0, porosity=0.0),
+    # Gas in tubes: neon itself, and argon with mercury over phosphors of several colours.
+    _M("neon_red", (1.0, 0.06, 0.02), 0.4, takes_tint=False, emission=12.0, porosity=0.0),
+    _M("neon_amber", (1.0, 0.32, 0.02), 0.4, takes_tint=False, emission=12.0, porosity=0.0),
+    _M("neon_green", (0.06, 1.0, 0.20), 0.4, takes_tint=False, emission=9.0, porosity=0.0),
+    _M("neon_cyan", (0.03, 0.70, 1.0), 0.4, takes_tint=False, emission=10.0, porosity=0.0),
+    _M("neon_blue", (0.04, 0.12, 1.0), 0.4, takes_tint=False, emission=14.0, porosity=0.0),
+    _M("neon_violet", (0.45, 0.06, 1.0), 0.4, takes_tint=False, emission=12.0, porosity=0.0),
+    _M("neon_pink", (1.0, 0.05, 0.38), 0.4, takes_tint=False, emission=12.0, porosity=0.0),
     _M("plastic", (0.80, 0.80, 0.80), 0.5, porosity=0.0),
 )  # fmt: skip
 

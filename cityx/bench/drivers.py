@@ -13,7 +13,7 @@ from cityx.agents.brief import Brief
 from cityx.agents.briefs import Clarify, Request, read_request
 from cityx.agents.build import build
 from cityx.agents.desk import Desk
-from cityx.agents.edit import edit_city, slots_of_edit
+from cityx.agents.edit import edit_city, slots_of_edits
 from cityx.agents.options import BuildOptions, PlannerChoice
 from cityx.agents.planning.asked import slots_of_brief
 from cityx.agents.planning.planner import OfflinePlanner, Situation
@@ -186,8 +186,8 @@ def _planned(place: Workplace, request: Request, files: list[tuple[Path, str]]) 
     if place.based:
         return tuple(
             f"edit={edit.verb}"
-            for edit in request.brief.edits
-            if not planner.answers(slots_of_edit(edit))
+            for edit, slots in slots_of_edits(request.brief, place.start)
+            if not planner.answers(slots)
         )
     situation = Situation(place.lod, tuple(kind for _, kind in files))
     plan = planner.workflow(request.slots, situation)

@@ -64,7 +64,8 @@ def _arguments(record: Encapsulation, city: City, rng: np.random.Generator) -> d
 def _drawn(parameter: Parameter, city: City, rng: np.random.Generator) -> Value:
     if parameter.names_object:
         names = city.layout.buildings["source"].tolist()
-        return str(rng.choice(names)) if names else "nothing"
+        name = str(rng.choice(names)) if names else "nothing"
+        return [name] if parameter.lists_names else name
     if parameter.choices:
         return str(rng.choice(parameter.choices))
     if parameter.kind == "boolean":

@@ -210,6 +210,8 @@ def _example(parameter: Parameter, role: str) -> Any:
     if parameter.kind == "string":
         role = "object" if parameter.names_object else role or parameter.name
         return _WORDS.get(role, "example")
+    if parameter.lists_names:
+        return [_WORDS["object"]]
     low = 1.0 if parameter.low is None else parameter.low
     high = low + 10 if parameter.high is None else parameter.high
     number = min(max(low, 2.0), high)

@@ -9,12 +9,14 @@ from importlib.util import find_spec
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from cityx.errors import ActionRejected, UsageError
 from cityx.protocol.conversions import ConversionGraph, Path, serves
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.formats import Port
 from cityx.protocol.holdings import Node, held, lacks
-from cityx.protocol.objects import find_object, name_hint
+from cityx.protocol.objects import find_objects, name_hint
 from cityx.protocol.stages import NEUTRAL, stages_after
 
 if TYPE_CHECKING:
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from cityx.protocol.inputs import InputFiles
     from cityx.protocol.registry import Registry
 
+MOST_FAULTS = 5  # names that lead to no object of which one call is told
 CODES = (
     "UNKNOWN_ACTION",
     "BAD_ARGS",
@@ -209,13 +212,18 @@ def _order_faults(record: Encapsulation, city: City) -> list[Fault]:
 def _object_faults(record: Encapsulation, call: Call, city: City) -> list[Fault]:
     found = []
     for parameter in record.parameters:
-        name = call.args.get(parameter.name)
-        if not parameter.names_object or not isinstance(name, str):
+        value = call.args.get(parameter.name)
+        if not parameter.names_object or parameter.fault(value) or value is None:
             continue
-        if find_object(city, name) is None:
+        names = [value] if isinstance(value, str) else list(value)
+        unknown = [names[at] for at in np.flatnonzero(find_objects(city, names) == 0).tolist()]
+        for name in unknown[:MOST_FAULTS]:
             hint = name_hint(city, name)
             message = f'{record.id}: {parameter.name} = "{name}" names no single object.{hint}'
             found.append(Fault("NO_SUCH_OBJECT", message))
+        if len(unknown) > MOST_FAULTS:
+            more = f"{record.id}: so do {len(unknown) - MOST_FAULTS} more of {parameter.name}."
+            found.append(Fault("NO_SUCH_OBJECT", more))
     return found
 
 

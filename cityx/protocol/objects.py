@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cityx.errors import nearest
-from cityx.geometry.identity import id_text
+from cityx.geometry.identity import UInt64Array, id_text
 from cityx.protocol.preconditions import TABLES
 
 if TYPE_CHECKING:
@@ -40,12 +42,53 @@ def find_object(city: City, name: str) -> int | None:
     return found.pop() if len(found) == 1 else None
 
 
+def find_objects(city: City, names: Sequence[str]) -> UInt64Array:
+    """Return the ids of objects, (n,) uint64; 0 for a name of none or of several.
+
+    Parameters
+    ----------
+    city
+        The city.
+    names
+        As of `find_object`; thousands of ids take no longer than a few.
+    """
+    found = np.zeros(len(names), np.uint64)
+    hexadecimal = np.array([bool(_ID.fullmatch(name)) for name in names], bool)
+    wanted = np.array([int(name, 16) for name in names if _ID.fullmatch(name)], np.uint64)
+    found[hexadecimal] = np.where(_known(city, wanted), wanted, np.uint64(0))
+    for row in np.flatnonzero(~hexadecimal).tolist():
+        found[row] = find_object(city, names[row]) or 0
+    return found
+
+
 def _has_id(city: City, wanted: int) -> bool:
-    number = np.uint64(wanted)
-    tables = (getattr(city.layout, table)["id"].to_numpy() for table in TABLES)
-    meshes = (batch.object_id for batch in city.scene.meshes.values())
-    rows = (instances.object_id for instances in city.scene.instances.values())
-    return any(bool(np.any(ids == number)) for group in (tables, meshes, rows) for ids in group)
+    return bool(_known(city, np.array([wanted], np.uint64)).all())
+
+
+def _known(city: City, wanted: UInt64Array) -> NDArray[np.bool_]:
+    """(n,) which ids are those of an object of any table, mesh, instance or mover."""
+    order = np.argsort(wanted)
+    ascending = wanted[order]
+    found = np.zeros(len(wanted), bool)
+    for ids in _ids_of(city):
+        if found.all() or not len(ids):
+            continue
+        at = np.minimum(np.searchsorted(ascending, ids), len(ascending) - 1)
+        found[at[ascending[at] == ids]] = True
+    # Of an id that is asked for twice, the search ends at the first.
+    first = np.searchsorted(ascending, ascending)
+    known = np.zeros(len(wanted), bool)
+    known[order] = found[first] if len(first) else found
+    return known
+
+
+def _ids_of(city: City) -> Iterator[UInt64Array]:
+    """Yield the ids of a city, the shorter lists first."""
+    yield from (getattr(city.layout, table)["id"].to_numpy(np.uint64) for table in TABLES)
+    yield from (batch.object_id for batch in city.scene.meshes.values())
+    if city.tracks is not None:
+        yield city.tracks.object_id
+    yield from sorted((rows.object_id for rows in city.scene.instances.values()), key=len)
 
 
 def name_hint(city: City, name: str) -> str:

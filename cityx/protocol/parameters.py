@@ -14,6 +14,7 @@ from cityx.errors import UsageError, nearest
 from cityx.protocol.formats import Format, type_name
 
 MAX_TEXT = 80  # letters of a text argument: names and words, never prose or code
+MAX_NAMES = 200_000  # objects that one call may be about: every tree of a large city
 _LINEAR_COLOR = "cityx.protocol.values:LinearColor"
 # A parameter of one of these types or names would let a caller reach outside the city.
 _FORBIDDEN_TYPES = ("Path", "PosixPath", "PurePath", "Callable", "CodeType")
@@ -70,7 +71,10 @@ class Color:
 
 @dataclass(frozen=True)
 class ObjectName:
-    """Mark a text as the name of an object of the city: its id, source or name."""
+    """Mark a text, or each of a tuple of texts, as the name of an object of the city.
+
+    Names are ids, sources and names; see `cityx.protocol.objects.find_object`.
+    """
 
 
 class _Required:
@@ -92,7 +96,8 @@ class Parameter:
     name, description
         As in the signature and the docstring.
     kind
-        JSON type: "integer", "number", "boolean", "string" or "array" (of numbers or points).
+        JSON type: "integer", "number", "boolean", "string" or "array" (of numbers, of points, or of
+        the names of objects).
     format
         The data format the parameter counts as.
     default
@@ -108,7 +113,7 @@ class Parameter:
     nullable
         Whether None is admitted.
     names_object
-        Whether the text must name an object of the city.
+        Whether the text, or every text of the array, must name an object of the city.
     """
 
     name: str
@@ -129,10 +134,17 @@ class Parameter:
         """Whether a call must give it."""
         return isinstance(self.default, _Required)
 
+    @property
+    def lists_names(self) -> bool:
+        """Whether the value is an array of names of objects."""
+        return self.names_object and self.kind == "array"
+
     def schema(self) -> dict[str, Any]:
         """Return the JSON schema of the value."""
         out: dict[str, Any] = {"type": [self.kind, "null"] if self.nullable else self.kind}
-        if self.kind == "array":
+        if self.lists_names:
+            out |= _array_of({"type": "string", "maxLength": MAX_TEXT}, 1, MAX_NAMES)
+        elif self.kind == "array":
             number: dict[str, Any] = {"type": "number"} | self._bounds()
             out |= (
                 _array_of(_array_of(number, 2, 3), *self.points)
@@ -163,6 +175,8 @@ class Parameter:
             return f"{self.name} = {shown} is not {self._wanted()}."
         if self.kind == "string":
             return self._text_fault(value, shown)
+        if self.lists_names:
+            return next((f for one in value if (f := self._text_fault(one, repr(one)))), "")
         if self.kind == "boolean":
             return ""
         numbers = chain.from_iterable(value) if self.points else value
@@ -185,6 +199,8 @@ class Parameter:
             return _is_number(value)
         if not isinstance(value, list | tuple):
             return False
+        if self.lists_names:
+            return 1 <= len(value) <= MAX_NAMES and all(isinstance(one, str) for one in value)
         if self.points:
             least, most = self.points
             return least <= len(value) <= most and all(_is_point(row) for row in value)
@@ -208,6 +224,8 @@ class Parameter:
     def _wanted(self) -> str:
         if self.points:
             return f"an array of {self.points[0]} to {self.points[1]} points [x, y] or [x, y, z]"
+        if self.lists_names:
+            return f"an array of 1 to {MAX_NAMES} names of objects"
         if self.kind == "array":
             return f"an array of {self.length} numbers"
         return {
@@ -230,6 +248,8 @@ class Parameter:
             return None
         if self.points:
             return tuple(tuple(float(number) for number in row) for row in value)
+        if self.lists_names:
+            return tuple(value)
         if self.kind == "array":
             return tuple(float(number) for number in value)
         return {"integer": int, "number": float}.get(self.kind, lambda v: v)(value)
@@ -237,13 +257,15 @@ class Parameter:
     def read(self, text: str) -> Any:
         """Return the JSON value that a text stands for; the text itself where it stands for none.
 
-        Numbers of an array may be written with commas: "80,150".
+        Numbers and names of an array may be written with commas: "80,150" or "b01,b02".
         """
         if self.kind == "string":
             return text
         if self.kind == "boolean":
             return True if text.lower() in TRUE else False if text.lower() in FALSE else text
         listed = self.kind == "array" and not text.strip().startswith("[")
+        if listed and self.names_object:
+            return [name.strip() for name in text.split(",")]
         try:
             return json.loads(f"[{text}]" if listed else text)
         except ValueError:
@@ -327,6 +349,8 @@ def parameter_from(name: str, annotation: Any, default: Any, description: str) -
         fields.setdefault("length", MAX_TEXT)
     elif fields.get("points") and kind == tuple[tuple[float, ...], ...]:
         json_kind, fmt = "array", Format.POINT
+    elif fields.get("names_object") and kind == tuple[str, ...]:
+        json_kind, fmt = "array", Format.STRING
     elif get_origin(kind) is tuple and set(get_args(kind)) <= {float, int}:
         json_kind, fields["length"] = "array", len(get_args(kind))
     else:

@@ -20,7 +20,7 @@ from cityx.protocol import (
 )
 from cityx.protocol.example_city import example_city
 from cityx.protocol.fingerprint import fingerprint
-from cityx.protocol.gate import Budget, find_faults
+from cityx.protocol.gate import Budget, GateRejection, check, find_faults
 from cityx.protocol.run import Call, run_action, run_step
 from cityx.protocol.values import Footprint, Points, Surfaces, make_surfaces
 
@@ -61,6 +61,21 @@ def paint(city: City, *, target: Annotated[str, ObjectName()]) -> City:
         Its name.
     """
     del target
+    return city
+
+
+@action("edit/paint_all-v1", limits=["Test only."])
+def paint_all(city: City, *, targets: Annotated[tuple[str, ...], ObjectName()]) -> City:
+    """Paint objects.
+
+    Parameters
+    ----------
+    city
+        The city.
+    targets
+        The objects.
+    """
+    assert all(isinstance(name, str) for name in targets)
     return city
 
 
@@ -268,3 +283,17 @@ def test_input_files_reach_the_action_that_asks_for_them(tmp_path):
     files = InputFiles((tmp_path / "a.osm",))
     after = run_step(city, Call("count_inputs"), Registry.of([count_inputs]), inputs=files)
     assert after.notes == ("1",)
+
+
+def test_every_name_of_a_list_must_lead_to_an_object():
+    actions = Registry()
+    actions.add(paint_all)
+    city = example_city()
+    known = [f"{number:016x}" for number in city.layout.buildings["id"].tolist()]
+    check(Call("edit/paint_all-v1", {"targets": [*known, "The Tower"]}), city, actions)
+    with pytest.raises(GateRejection) as caught:
+        check(Call("edit/paint_all-v1", {"targets": [*known, "0" * 16, "nobody"]}), city, actions)
+    assert [fault.code for fault in caught.value.faults] == ["NO_SUCH_OBJECT"] * 2
+    assert 'targets = "nobody" names no single object.' in str(caught.value)
+    with pytest.raises(GateRejection, match="is not an array of 1 to 200000 names of objects"):
+        check(Call("edit/paint_all-v1", {"targets": []}), city, actions)

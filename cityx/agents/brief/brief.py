@@ -44,8 +44,10 @@ class Selector:
         Conditions on single objects: "height>30", "material=brick".
     share
         Part of the objects, 0 to 1.
-    near, along, side, of
-        Where the objects are: near or along what, on which side (of what).
+    near, inside, along, side, of
+        Where the objects are: near, in or along what, on which side (of what).
+    alone
+        Whether the words mean one object, as "the church" does.
     """
 
     kind: str = ""
@@ -56,9 +58,11 @@ class Selector:
     filters: tuple[str, ...] = ()
     share: float | None = None
     near: str = ""
+    inside: str = ""
     along: str = ""
     side: str = ""
     of: str = ""
+    alone: bool = False
 
     def items(self) -> Iterator[tuple[str, Value]]:
         """Yield what is said, as keys and values."""
@@ -67,10 +71,10 @@ class Selector:
         for one in self.ids:
             yield "target", one
         yield from (("filter", text) for text in self.filters)
-        for key in ("rank", "k", "nth", "share", "near", "along", "side", "of"):
+        for key in ("rank", "k", "nth", "share", "near", "inside", "along", "side", "of"):
             value = getattr(self, key)
             if value not in ("", 0, None) and not (key == "k" and self.nth):
-                yield key, value
+                yield {"inside": "in"}.get(key, key), value
 
 
 @dataclass(frozen=True)
@@ -87,12 +91,15 @@ class Edit:
         What it becomes: pairs of a key and a value in SI units.
     span
         Where the text says so.
+    wished
+        Whether a file asks for it, and not the user.
     """
 
     verb: str
     target: Selector | None = None
     change: tuple[tuple[str, Value], ...] = ()
     span: Span = (0, 0)
+    wished: bool = False
 
     def items(self) -> Iterator[tuple[str, Value]]:
         """Yield the edit as keys and values, the verb first."""

@@ -347,8 +347,8 @@ def _chosen(target: Selector) -> Iterator[str]:
         yield from target.ids
         return
     kind = things(target.kind)
-    conditions = [_filter(text) for text in target.filters]
-    placed = target.near or target.along or target.side
+    conditions = [condition_of(text) for text in target.filters]
+    placed = target.near or target.inside or target.along or target.side
     if not kind or placed or target.nth or not all(conditions):
         return
     chosen = ", ".join([kind, *conditions])
@@ -358,8 +358,8 @@ def _chosen(target: Selector) -> Iterator[str]:
         yield chosen
 
 
-def _filter(text: str) -> str:
-    """Return a filter as a condition of predicates."""
+def condition_of(text: str) -> str:
+    """Return a filter of a selector as a condition of predicates, "" where none says it."""
     for sign, span in ((">", "{0} in [{1}, {2:g}]"), ("<", "{0} in [0, {1}]")):
         name, found, value = text.partition(sign)
         if found:

@@ -91,7 +91,7 @@ def read_note(text: str, *, base: bool = True) -> Brief:
     edits: list[Edit] = []
     for edit, note in untrusted.allowed(brief.edits, text):
         if edit is not None:
-            edits.append(edit)
+            edits.append(replace(edit, wished=True))
         elif note is not None:
             ignored.append(note)
     goals, _ = goals_of(brief.slots, brief.negated, brief.kept, edits)

@@ -17,6 +17,7 @@ MEASURES = {"length": "height", "floors": "floors", "speed": "speed", "area": "a
 _THROUGH = ("path", "center", "road", "sidewalk", "green")  # "the path around the park": the park
 _ROADS = ("main_street", "road", "side_street", "avenue", "ring_road")
 _MOST_IDS = 500  # in one range
+_MANY = ("ALL", "COUNT", "SHARE", "RANK", "ORDINAL", "REST")  # what says how many are meant
 _SPOTS = ("BUILDING", "KIND", "THING", "ROAD", "PLANT", "WHOLE", "ID")
 
 
@@ -87,7 +88,15 @@ def _selector(target: Node) -> Selector:
             selector = replace(selector, kind="it")
         elif child.item is not None:
             selector = _of_kind(selector, child.item)
+            many = any(mod.own(*_MANY) for mod in target.own("mod"))
+            selector = replace(selector, alone=_is_one(child.item) and not many)
     return selector
+
+
+def _is_one(noun: Item) -> bool:
+    """Tell whether a noun stands for a single object: no plural, no mass, no place."""
+    mass = noun.text in ("traffic", "vegetation", "foliage", "planting", "greenery")
+    return not (is_plural(noun) or mass or noun.noun in ("city", "everything", "landscape"))
 
 
 def _ids(named: tuple[str, ...]) -> tuple[str, ...]:
@@ -158,6 +167,8 @@ def _placed(selector: Selector, place: Place) -> Selector:
         return replace(selector, side=place.side, of=place.spot)
     if place.relation == "along" or (place.relation == "on" and place.spot in _ROADS):
         return replace(selector, along=place.spot)
+    if place.relation in ("in", "on"):
+        return replace(selector, inside=place.spot)
     return replace(selector, near=place.spot)
 
 

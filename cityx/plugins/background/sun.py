@@ -24,7 +24,7 @@ _HOURS = {"noon": 12.0, "morning": 9.0, "afternoon": 15.0, "midnight": 0.0, "nig
 _ELEVATIONS = {
     "sunrise": (0.5, True),
     "dawn": (4.0, True),  # the first rays: shadows are fourteen times as long as things are high
-    "evening": (12.0, False),
+    "evening": (-1.5, False),
     "golden": (6.0, False),
     "sunset": (0.5, False),
     "dusk": (-3.0, False),
