@@ -239,6 +239,32 @@ def undo(
     _changed(report)
 
 
+@app.command()
+def pull(
+    folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
+    blend: Annotated[
+        Path | None, typer.Option(help="The file that was changed; city.blend of the folder.")
+    ] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Show, change nothing.")] = False,
+    removals: Annotated[
+        bool, typer.Option("--removals", help="More than a fifth of all objects may go.")
+    ] = False,
+) -> None:
+    """Take what an artist moved, deleted, copied or recoloured in Blender into the city."""
+    from cityx.agents.pull import pull as pull_changes
+
+    with _progress() as say:
+        found, report = pull_changes(
+            folder, blend=blend, dry_run=dry_run, removals=removals, say=say
+        )
+    for line in found.lines():
+        typer.echo(line)
+    if report is not None:
+        _changed(report)
+    elif not found.calls:
+        typer.echo("nothing changed")
+
+
 def _changed(report: dict) -> None:  # type: ignore[type-arg]
     """Print what a change came to; end with exit code 1 if a goal is missed."""
     typer.echo(f"revision {report['revision']}, hash {report['hash']}")
