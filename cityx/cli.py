@@ -116,7 +116,9 @@ def build(
     window: Annotated[
         str | None, typer.Option(help="X,Y,W,H of the plane of towns, metres, without a map.")
     ] = None,
-    formats: Annotated[str, typer.Option(help="Comma-separated: blend, glb, usd.")] = "blend,glb",
+    formats: Annotated[
+        str, typer.Option(help="Comma-separated: blend, glb, usd, bodies.")
+    ] = "blend,glb",
     render: Annotated[bool, typer.Option("--render/--no-render", help="Make pictures.")] = True,
     samples: Annotated[int, typer.Option(min=1, max=65536, help="Samples per pixel.")] = 48,
     picture: Annotated[str, typer.Option(help="Size of the pictures, pixels.")] = "960x540",
@@ -235,6 +237,32 @@ def undo(
     with _progress() as say:
         report = undo_change(folder, to, say=say)
     _changed(report)
+
+
+@app.command()
+def pull(
+    folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
+    blend: Annotated[
+        Path | None, typer.Option(help="The file that was changed; city.blend of the folder.")
+    ] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Show, change nothing.")] = False,
+    removals: Annotated[
+        bool, typer.Option("--removals", help="More than a fifth of all objects may go.")
+    ] = False,
+) -> None:
+    """Take what an artist moved, deleted, copied or recoloured in Blender into the city."""
+    from cityx.agents.pull import pull as pull_changes
+
+    with _progress() as say:
+        found, report = pull_changes(
+            folder, blend=blend, dry_run=dry_run, removals=removals, say=say
+        )
+    for line in found.lines():
+        typer.echo(line)
+    if report is not None:
+        _changed(report)
+    elif not found.calls:
+        typer.echo("nothing changed")
 
 
 def _changed(report: dict) -> None:  # type: ignore[type-arg]

@@ -193,7 +193,9 @@ def renew(
     from cityx.checks.predicates import measure_all
     from cityx.checks.report import counts
 
-    files = {"blend": "city.blend", "glb": "city.glb", "usd": "city.usdc"}
+    files = {
+        "blend": "city.blend", "glb": "city.glb", "usd": "city.usdc", "bodies": "city_bodies.npz",
+    }  # fmt: skip
     formats = [name for name, file in files.items() if (folder / file).exists()]
     if formats:
         staging = folder / ".views.partial"

@@ -44,7 +44,7 @@ def make_views(
     watch: Stopwatch | None = None,
     say: Say,
 ) -> float:
-    """Write GLB, USD, .blend and pictures of a city.
+    """Write GLB, USD, bodies, .blend and pictures of a city.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def make_views(
     folder
         Where to write them.
     formats
-        "blend", "glb", "usd".
+        "blend", "glb", "usd", "bodies".
     store
         Folder of the stored city; ``city`` of the same folder when left out.
     views, size, samples
@@ -68,6 +68,7 @@ def make_views(
     """
     from cityx.checks.report import peak_memory_mb
     from cityx.city.store import view_of
+    from cityx.outputs.bodies import write_bodies
     from cityx.outputs.glb import write_glb
     from cityx.outputs.usd import write_usd
 
@@ -81,6 +82,10 @@ def make_views(
         say("writing city.usdc")
         with watch.step("usd"):
             write_usd(view_of(city), folder / "city.usdc")
+    if "bodies" in formats:
+        say("writing city_bodies.npz")
+        with watch.step("bodies"):
+            write_bodies(view_of(city), folder / "city_bodies.npz")
     if "blend" in formats or views:
         blend = folder / "city.blend" if "blend" in formats else None
         times, _ = blender_views(

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.blender.materials import MaterialLibrary
-from cityx.city.mesh import NO_VERTEX, MeshBatch
+from cityx.city.content import scene_key
+from cityx.city.mesh import NO_VERTEX, MeshBatch, feet
 from cityx.city.rooms import ROOM_KINDS, room_draws, room_uses
 from cityx.city.scene import Instances, Prototype
 from cityx.geometry.identity import id_text
@@ -26,6 +27,8 @@ LOW_32 = np.uint64(0xFFFFFFFF)
 OBJECT_LAYERS = frozenset({"buildings"})  # layers whose things a user wants to pick one by one
 LEAF = "foliage"
 BARE = "Bare"  # name of the modifier that takes the leaves off a deciduous tree
+# Custom properties by which `cityx.blender.pull` knows what it reads.
+ID, LAYER, NAME, SCENE = "cityx_id", "cityx_layer", "cityx_name", "cityx_scene"
 SIGNS = ("sign_", "shop_")  # names of prototypes whose signs shine at night begin so
 
 
@@ -71,6 +74,12 @@ def build_scene(view: View, *, objects: bool | None = None) -> bpy.types.Scene:
     return scene
 
 
+def mark_made() -> None:
+    """Write into every object of the file the name it has, which tells it from an artist's own."""
+    for item in bpy.data.objects:
+        item[NAME] = item.name
+
+
 def _collection(name: str, parent: bpy.types.Collection) -> bpy.types.Collection:
     collection = bpy.data.collections.new(name)
     parent.children.link(collection)
@@ -86,6 +95,7 @@ def _link(collection: bpy.types.Collection, objects: Iterator[bpy.types.Object])
 def _describe(scene: bpy.types.Scene, view: View) -> None:
     scene.name = view.name or "City"
     scene["cityx_name"] = view.name
+    scene[SCENE] = scene_key(view.scene)
     scene["cityx_projection"] = view.frame.projection
     scene["cityx_latitude"] = view.frame.latitude
     scene["cityx_longitude"] = view.frame.longitude
@@ -117,7 +127,7 @@ def _corners(batch: MeshBatch) -> _Corners:
     return _Corners(batch.faces.ravel()[used], uv[used].view(np.float32).reshape(-1, 2), start)
 
 
-def _encoded(tint: NDArray[np.float32]) -> NDArray[np.float32]:
+def encoded(tint: NDArray[np.float32]) -> NDArray[np.float32]:
     """Encode linear (n, 3) colours for byte storage (sRGB curve), with alpha 1, (n, 4)."""
     linear = np.clip(tint, 0.0, 1.0)
     curve = np.where(
@@ -141,7 +151,7 @@ class _Uploader:
         self.points = batch.vertices
         self.material = batch.material.astype(np.int32)
         self.plain = plain
-        self.tint = _encoded(batch.tint)
+        self.tint = encoded(batch.tint)
         self.materials = [library.get(name, suffix) for name in batch.materials]
 
     def mesh(self, name: str, vertices: slice, faces: slice, origin: Any) -> bpy.types.Mesh:
@@ -186,11 +196,7 @@ def _separate(
     """One object per thing, its origin at the middle of its foot, named by its id."""
     upload = _Uploader(batch, library)
     filled = np.flatnonzero(np.diff(batch.vertex_start) > 0)
-    begin = batch.vertex_start[:-1][filled]
-    low = np.minimum.reduceat(batch.vertices, begin) if len(filled) else np.zeros((0, 3))
-    high = np.maximum.reduceat(batch.vertices, begin) if len(filled) else np.zeros((0, 3))
-    origins = np.round(np.column_stack([(low + high)[:, :2] / 2, low[:, 2]]), 3)
-    origins = origins.astype(np.float32).astype(float)  # as Blender keeps it
+    origins = feet(batch)[filled].astype(np.float32).astype(float)  # as Blender keeps it
     kind = layer.removesuffix("s")
     vertex_start, face_start = batch.vertex_start.tolist(), batch.face_start.tolist()
     ids = batch.object_id[filled].tolist()
@@ -208,20 +214,46 @@ def _separate(
     for object_id, origin, mesh in zip(ids, origins.tolist(), meshes, strict=True):
         item = make(mesh.name, mesh)
         item.location = origin
-        item["cityx_id"] = id_text(object_id)
+        item[ID] = id_text(object_id)
+        item[LAYER] = layer
         for key, value in known.get(object_id, {"kind": kind}).items():
             if value:
                 item[key] = value
         yield item
 
 
-def _tiles(
-    layer: str, batch: MeshBatch, library: MaterialLibrary, *, plain: bool = False
-) -> Iterator[bpy.types.Object]:
-    """Objects merged per tile; faces keep the id of the thing they belong to."""
+@dataclass(frozen=True)
+class Tile:
+    """Objects of a batch that are merged to one: consecutive ones of `batch`."""
+
+    name: str
+    batch: MeshBatch
+    objects: slice
+    origin: NDArray[np.float64]
+
+    @property
+    def vertices(self) -> slice:
+        """Their rows of the batch's vertices."""
+        return slice(*self.batch.vertex_start[[self.objects.start, self.objects.stop]].tolist())
+
+    @property
+    def faces(self) -> slice:
+        """Their rows of the batch's faces."""
+        return slice(*self.batch.face_start[[self.objects.start, self.objects.stop]].tolist())
+
+    @property
+    def face_id(self) -> NDArray[np.uint64]:
+        """(f,) id of the object of each face."""
+        first, last = self.objects.start, self.objects.stop
+        sizes = np.diff(self.batch.face_start[first : last + 1])
+        return np.repeat(self.batch.object_id[self.objects], sizes)
+
+
+def tiles_of(layer: str, batch: MeshBatch) -> list[Tile]:
+    """Cut a layer into tiles by the middles of its objects."""
     filled = np.flatnonzero(np.diff(batch.vertex_start) > 0)
     if not len(filled):
-        return
+        return []
     begin = batch.vertex_start[:-1][filled]
     middle = np.minimum.reduceat(batch.vertices, begin) / 2
     middle += np.maximum.reduceat(batch.vertices, begin) / 2
@@ -231,22 +263,33 @@ def _tiles(
     chosen = filled[order]
     whole = np.array_equal(chosen, np.arange(batch.count))
     sorted_batch = batch if whole else batch.take(chosen)
-    upload = _Uploader(sorted_batch, library, plain=plain)
     bounds = np.searchsorted(which[order], np.arange(len(cells) + 1))
+    return [
+        Tile(
+            f"{layer}_{i}_{j}" if len(cells) > 1 else layer, sorted_batch,
+            slice(int(first), int(last)), np.array([i * TILE, j * TILE, 0.0]),
+        )
+        for (i, j), first, last in zip(cells.tolist(), bounds[:-1], bounds[1:], strict=True)
+    ]  # fmt: skip
+
+
+def _tiles(
+    layer: str, batch: MeshBatch, library: MaterialLibrary, *, plain: bool = False
+) -> Iterator[bpy.types.Object]:
+    """Objects merged per tile; faces keep the id of the thing they belong to."""
+    tiles = tiles_of(layer, batch)
+    if not tiles:
+        return
+    upload = _Uploader(tiles[0].batch, library, plain=plain)
     made = []
-    for (i, j), first, last in zip(cells.tolist(), bounds[:-1], bounds[1:], strict=True):
-        name = f"{layer}_{i}_{j}" if len(cells) > 1 else layer
-        vertices = slice(*sorted_batch.vertex_start[[first, last]].tolist())
-        faces = slice(*sorted_batch.face_start[[first, last]].tolist())
-        origin = np.array([i * TILE, j * TILE, 0.0])
-        mesh = upload.mesh(name, vertices, faces, origin)
-        ids = sorted_batch.object_id[first:last]
-        sizes = np.diff(sorted_batch.face_start[first : last + 1])
-        _store_ids(mesh, "id", np.repeat(ids, sizes), "FACE")
-        made.append((mesh, origin, ids))
+    for tile in tiles:
+        mesh = upload.mesh(tile.name, tile.vertices, tile.faces, tile.origin)
+        _store_ids(mesh, "id", tile.face_id, "FACE")
+        made.append((mesh, tile.origin, tile.batch.object_id[tile.objects]))
     for mesh, origin, ids in made:
         item = bpy.data.objects.new(mesh.name, mesh)
         item.location = origin
+        item[LAYER] = layer
         if layer in OBJECT_LAYERS:
             item["cityx_ids"] = "\n".join(map(id_text, ids.tolist()))
         yield item
@@ -319,6 +362,7 @@ def _placed(
 ) -> bpy.types.Object:
     """Put the objects of a collection on the points of a layer."""
     points = bpy.data.objects.new(layer, mesh)
+    points[LAYER] = layer
     modifier = points.modifiers.new("Instances", "NODES")
     modifier.node_group = bpy.data.node_groups.get(INSTANCER) or _instancer()
     modifier["Socket_2"] = sources

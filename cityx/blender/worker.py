@@ -81,6 +81,7 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
         if pictures:
             scene.camera = cameras[0]
             lighting.set_for(environment, pictures[0][0])
+        scenes.mark_made()
     record: dict[str, Any] = {"device": device, "objects": len(bpy.data.objects), "files": []}
     if job["blend"]:
         tell(0.1, "saving the scene")

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from cityx.city.city import City
     from cityx.city.mesh import MeshBatch
-    from cityx.city.scene import Instances
+    from cityx.city.scene import Instances, Scene
     from cityx.city.tracks import Tracks
 
 PER_METRE = 1e3  # coordinates count in millimetres
@@ -158,6 +158,24 @@ def differing_ids(
         np.add.at(total, np.searchsorted(ids, owner), mix(hashes))
         sums.append(total)
     return np.asarray(ids[sums[0] != sums[1]])
+
+
+def scene_key(scene: Scene) -> str:
+    """Return a key of a scene as it is stored, 32 hexadecimal digits: other bytes, another key.
+
+    It tells a view which state of a city it shows; `content_hash` is the one to compare builds by.
+    """
+    hasher = blake2b(digest_size=16)
+    shared = ((prototype.name, prototype.mesh) for prototype in scene.prototypes)
+    tables: list[tuple[str, MeshBatch | Instances]] = [*scene.meshes.items(), *shared]
+    tables += scene.instances.items()
+    for name, value in tables:
+        hasher.update(name.encode())
+        for field in fields(value):
+            held = getattr(value, field.name)
+            exact = isinstance(held, np.ndarray)
+            hasher.update(np.ascontiguousarray(held).tobytes() if exact else repr(held).encode())
+    return hasher.hexdigest()
 
 
 def content_hash(city: City) -> ContentHash:

@@ -1,0 +1,214 @@
+"""Pulling: what an artist changed in ``city.blend`` comes back as one revision of the city."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cityx.agents.briefs import Request
+from cityx.agents.desk import HISTORY, STORE, Conflict, Desk
+from cityx.agents.edit import renew
+from cityx.agents.loop import Say, quiet
+from cityx.blender.client import run_module
+from cityx.errors import EngineError, InputError, UsageError
+from cityx.protocol.gate import Call
+
+BLEND = "city.blend"
+TEXT = "pulled from city.blend"
+MOST_REMOVED = 0.2  # share of the objects of a city that may go without being asked for
+SHOWN = 12  # things named of each kind of change
+
+
+@dataclass(frozen=True)
+class Pull:
+    """What a .blend differs in from the city that it shows.
+
+    Attributes
+    ----------
+    moved, copied
+        Objects ("id") with "move", "turn" and "factor"; see `cityx.plugins.edit.place_objects`.
+    removed
+        Ids of objects that are gone.
+    painted
+        Objects ("id") with "surface" and "tint"; see `cityx.plugins.edit.paint_objects`.
+    untaken
+        Changes that CityX cannot take back, in words.
+    foreign
+        Objects of the artist's own: "name" and "type".
+    """
+
+    moved: tuple[Mapping[str, Any], ...] = ()
+    copied: tuple[Mapping[str, Any], ...] = ()
+    removed: tuple[str, ...] = ()
+    painted: tuple[Mapping[str, Any], ...] = ()
+    untaken: tuple[str, ...] = ()
+    foreign: tuple[Mapping[str, str], ...] = ()
+
+    @property
+    def calls(self) -> list[Call]:
+        """The actions that bring about the same: those alike in one call."""
+        copied = _grouped(self.copied, ("move", "turn", "factor"))
+        moved = _grouped(self.moved, ("move", "turn", "factor"))
+        painted = _grouped(self.painted, ("surface", "tint"))
+        calls = [Call("edit/copy_objects-v1", arguments) for arguments in copied]
+        if self.removed:
+            names = {"object_names": sorted(set(self.removed))}
+            calls.append(Call("edit/remove_objects-v1", names))
+        calls += [Call("edit/paint_objects-v1", arguments) for arguments in painted]
+        return [*calls, *(Call("edit/place_objects-v1", arguments) for arguments in moved)]
+
+    def lines(self, most: int = SHOWN) -> list[str]:
+        """Say in words what differs, some of each kind by name."""
+        found = []
+        for verb, changes in (("moved", self.moved), ("copied", self.copied)):
+            found += _named(verb, [f"{c['id']} by {_metres(c['move'])} m" for c in changes], most)
+        found += _named("removed", sorted(self.removed), most)
+        found += _named("recoloured", [str(c["id"]) for c in self.painted], most)
+        found += _named("not taken", list(self.untaken), most)
+        own = [f"{item['name']} ({item['type']})" for item in self.foreign]
+        return found + _named("your own, kept in the file alone", own, most)
+
+
+def _metres(move: Sequence[float]) -> str:
+    return ", ".join(f"{value:g}" for value in move)
+
+
+def _named(verb: str, things: Sequence[str], most: int) -> list[str]:
+    """Return a line for each of the first things, and one that counts the others."""
+    more = [f"{verb}: {len(things) - most} more"] if len(things) > most else []
+    return [*(f"{verb}: {thing}" for thing in things[:most]), *more]
+
+
+def _grouped(changes: Sequence[Mapping[str, Any]], keys: tuple[str, ...]) -> list[dict[str, Any]]:
+    """Put objects to which the same happens into one call."""
+    groups: dict[str, dict[str, Any]] = {}
+    for change in changes:
+        same = {key: change[key] for key in keys}
+        group = groups.setdefault(json.dumps(same), {**same, "object_names": []})
+        group["object_names"].append(change["id"])
+    return list(groups.values())
+
+
+def pull(
+    folder: Path,
+    *,
+    blend: Path | None = None,
+    dry_run: bool = False,
+    removals: bool = False,
+    say: Say = quiet,
+) -> tuple[Pull, dict[str, Any] | None]:
+    """Take what was changed in the .blend of a city into the city, as one revision.
+
+    Parameters
+    ----------
+    folder
+        Folder of a built city.
+    blend
+        The file that the artist saved; ``city.blend`` of the folder when left out.
+    dry_run
+        Whether only to look.
+    removals
+        Whether more than a fifth of all objects may go.
+    say
+        Called with one line of progress at a time.
+
+    Returns
+    -------
+    found, report
+        What differs, and the report of the changed city; None where nothing was changed.
+
+    Raises
+    ------
+    InputError
+        If there is no .blend, or it cannot be read, or shows another city.
+    Conflict
+        If it shows an older revision of the city.
+    UsageError
+        If more is gone than `removals` admits.
+    """
+    path = folder / BLEND if blend is None else blend
+    if not path.is_file():
+        raise InputError(
+            f"There is no {path}. A city is built with one by: cityx build ... --formats blend"
+        )
+    with Desk(folder) as desk:
+        revision = desk.revision
+        numbers = [*sorted((r.number for r in desk.revisions()), reverse=True)]
+        say("reading city.blend")
+        found = differences(folder, path, numbers)
+        _bounded(found, desk, removals)
+        calls = found.calls
+        if dry_run or not calls:
+            return found, None
+        done = desk.change(calls, text=TEXT, expected=revision)
+        # The artist's file goes where the state is kept that it shows: objects of their own are
+        # in no other.
+        shutil.copyfile(path, folder / HISTORY / str(revision) / BLEND)
+        return found, renew(folder, desk.city, Request(), done, say)
+
+
+def differences(folder: Path, path: Path, numbers: Sequence[int]) -> Pull:
+    """Compare a .blend with the city of a folder, in a Blender process.
+
+    Parameters
+    ----------
+    folder
+        Folder of the city.
+    path
+        The .blend.
+    numbers
+        Revisions of the city, the newest first.
+
+    Raises
+    ------
+    InputError, Conflict, EngineError
+        As of `pull`.
+    """
+    past = [(n, folder / HISTORY / str(n)) for n in numbers[1:]]
+    stores = [(numbers[0] if numbers else 0, folder / STORE)]
+    stores += [(number, store) for number, store in past if (store / "city.json").is_file()]
+    with tempfile.TemporaryDirectory(prefix="cityx-pull-") as work:
+        answer = Path(work) / "result.json"
+        job = {
+            "blend": str(path.resolve()),
+            "stores": [str(store.resolve()) for _, store in stores],
+            "result": str(answer),
+        }
+        code, log = run_module("cityx.blender.pull", job, Path(work))
+        if code or not answer.exists():
+            raise EngineError(f"Blender could not compare {path}. Its last words:\n{log}")
+        record = json.loads(answer.read_text())
+    if "unreadable" in record:
+        raise InputError(f"{path}: {record['unreadable']}.")
+    if "state" not in record:
+        raise InputError(
+            f'{path} shows another city ("{record["name"]}"), or a state of this one that is not '
+            "kept; pull it into the folder that it was built in."
+        )
+    if record["state"]:
+        shown = stores[record["state"]][0]
+        raise Conflict(
+            f"{path} shows revision {shown}, and the city has revision {stores[0][0]} by now. "
+            f"Put the file aside as mine.blend, go back with: cityx undo {folder} --to {shown}, "
+            f"then: cityx pull {folder} --blend mine.blend"
+        )
+    del record["state"]
+    return Pull(**{name: tuple(values) for name, values in record.items()})
+
+
+def _bounded(found: Pull, desk: Desk, removals: bool) -> None:
+    """Ask before a large part of the city goes: a layer is easily deleted by mistake."""
+    scene = desk.city.scene
+    total = sum(batch.count for batch in scene.meshes.values())
+    total += sum(rows.count for rows in scene.instances.values() if not rows.owner.any())
+    gone = len(set(found.removed))
+    if gone > MOST_REMOVED * total and not removals:
+        raise UsageError(
+            f"{gone} of about {total} objects are gone from {BLEND}. If that is meant, pull with "
+            "--removals; nothing was changed."
+        )
