@@ -94,6 +94,10 @@ class BlenderJob:
         Whether every building is an object; None decides by their number.
     gpu
         Whether a GPU is used when there is one.
+    moment
+        Seconds into the tracks that are shown instead of the city's own, or None.
+    frames
+        First and last frame of a span that is rendered, 25 a second; None renders the moment.
     """
 
     store: Path
@@ -102,6 +106,8 @@ class BlenderJob:
     environment: Environment | None = None
     objects: bool | None = None
     gpu: bool = True
+    moment: float | None = None
+    frames: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -218,6 +224,8 @@ def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
         "environment": _values(job.environment),
         "objects": job.objects,
         "gpu": job.gpu,
+        "moment": job.moment,
+        "frames": job.frames,
         "result": str(answer),
         "parent": os.getpid(),
     }

@@ -42,9 +42,10 @@ HEADWAY = 1.4  # seconds behind the one in front, on top of its length
     requires=("layout", has_ground()),
     takes=(Port("curve", "line", role="curve", optional=True),),
     labels=("car", "bus", "truck", "tram", "bicycle", "motorcycle", "drive", "traffic"),
-    serves=tuple(
-        Serves("edit=add_agent", f"agent={kind}", kind=kind) for kind in SPEEDS
-    ) + (Serves("edit=add_agent", "agent=vehicle"),),
+    serves=(
+        Serves("edit=add_agent", "agent=vehicle"),
+        *(Serves("edit=add_agent", f"agent={kind}", kind=kind) for kind in SPEEDS),
+    ),
     binds={"path": "path", "count": "count", "speed": "speed"},
 )  # fmt: skip
 def vehicle_on_path(
