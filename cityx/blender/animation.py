@@ -34,6 +34,7 @@ from cityx.assets.people_gaits import lift_at, pose_of, stride_of
 from cityx.assets.people_poses import ride
 from cityx.assets.people_skeleton import JOINTS, NUMBER, PARENTS, relative_turns
 from cityx.assets.shapes import tinted
+from cityx.blender.client import FRAME_RATE
 from cityx.blender.operators import call
 from cityx.blender.scene import MeshUploader, title
 from cityx.city.tracks import GAITS, MOVER_KINDS, Tracks, travelled
@@ -45,7 +46,6 @@ if TYPE_CHECKING:
     from cityx.city.store import View
 
 FloatArray = NDArray[np.float64]
-FRAME_RATE = 25  # per second
 CYCLE = 24  # frames of a cycle of a gait as it is stored; its strip is run by the metres gone
 BONE = 0.06  # metres, length of a bone; it points to the back, so that its axes are the figure's
 CONSTANT, LINEAR = 0, 1  # Blender's numbers of interpolations

@@ -27,6 +27,7 @@ from cityx.errors import EngineError, MissingDependency
 PROGRESS = "@cityx "
 LOG_LINES = 15  # of the engine's own words, shown when it fails
 DEFAULT_SAMPLES = 48
+FRAME_RATE = 25  # frames per second of what moves
 
 # Shared libraries that Blender needs and small systems lack: file name -> Debian, Fedora package.
 LIBRARIES: Mapping[str, tuple[str, str]] = {
@@ -97,7 +98,8 @@ class BlenderJob:
     moment
         Seconds into the tracks that are shown instead of the city's own, or None.
     frames
-        First and last frame of a span that is rendered, 25 a second; None renders the moment.
+        First and last frame of a span that is rendered, `FRAME_RATE` a second; None renders the
+        moment.
     """
 
     store: Path
