@@ -136,7 +136,7 @@ def encoded(tint: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.column_stack([curve, np.ones(len(curve), np.float32)])
 
 
-class _Uploader:
+class MeshUploader:
     """Cuts meshes out of one batch and hands them to Blender.
 
     A class because the flattened arrays of the whole batch are shared by thousands of small meshes.
@@ -194,7 +194,7 @@ def _separate(
     library: MaterialLibrary,
 ) -> Iterator[bpy.types.Object]:
     """One object per thing, its origin at the middle of its foot, named by its id."""
-    upload = _Uploader(batch, library)
+    upload = MeshUploader(batch, library)
     filled = np.flatnonzero(np.diff(batch.vertex_start) > 0)
     origins = feet(batch)[filled].astype(np.float32).astype(float)  # as Blender keeps it
     kind = layer.removesuffix("s")
@@ -280,7 +280,7 @@ def _tiles(
     tiles = tiles_of(layer, batch)
     if not tiles:
         return
-    upload = _Uploader(tiles[0].batch, library, plain=plain)
+    upload = MeshUploader(tiles[0].batch, library, plain=plain)
     made = []
     for tile in tiles:
         mesh = upload.mesh(tile.name, tile.vertices, tile.faces, tile.origin)
@@ -377,7 +377,7 @@ def _prototype(prototype: Prototype, index: int, library: MaterialLibrary) -> bp
         variant = "sign"
     name = f"{index:04d}_{prototype.name}"
     mesh = prototype.mesh
-    upload = _Uploader(mesh, library, variant)
+    upload = MeshUploader(mesh, library, variant)
     made = upload.mesh(name, slice(0, len(mesh.vertices)), slice(0, len(mesh.faces)), 0.0)
     item = bpy.data.objects.new(name, made)
     item["kind"] = prototype.kind
