@@ -193,7 +193,9 @@ def _grid_over(extent: tuple[float, float, float, float]) -> Grid:
     if rows * columns > MOST_CELLS:
         size = rows * columns * CELL * CELL / 1e6
         most = MOST_CELLS * CELL * CELL / 1e6
-        raise ValueError(f"a site of {size:.1f} km2 is too large to walk in; {most:.0f} km2 are not")
+        raise ValueError(
+            f"a site of {size:.1f} km2 is too large to walk in; {most:.0f} km2 are not"
+        )
     return Grid(rows, columns, CELL, float(west), float(north))
 
 

@@ -21,7 +21,10 @@ COMFORT = 0.7  # metres of clearance from which a way is no longer better
 TIGHT = 1.5  # what a metre along a wall costs more than one in the open
 PASSING = 0.35  # metres of clearance with which two people pass each other, shoulders turned
 BOTTLENECK = 0.8  # metres from such a place to the middle of a narrow one that one waits at
-NARROW, SINGLE_FILE = 0.35, 12.0  # metres of clearance where two can pass, what one costs more below
+NARROW, SINGLE_FILE = (
+    0.35,
+    12.0,
+)  # metres of clearance where two can pass, what one costs more below
 OFF_PAVEMENT = 0.6  # what a metre on the land beside a roadway costs more
 CROSSING = {True: 1.0, False: 2.5}  # what a metre of a crosswalk costs more, with bars or without
 HERE = 1.2  # metres within which a place lies at a node
@@ -136,7 +139,7 @@ def _joined(walkable: Walkable, cell: IntArray, number: IntArray) -> tuple[IntAr
         for beside in (-0.2, 0.2):  # cells; not through the corner between two others
             at = np.rint(between + beside).astype(np.int64)
             open_ &= walkable.free[at[:, 0], at[:, 1]]
-            at = np.rint(between + [beside, -beside]).astype(np.int64)
+            at = np.rint(between + np.array([beside, -beside])).astype(np.int64)
             open_ &= walkable.free[at[:, 0], at[:, 1]]
     return pair[open_, 0], pair[open_, 1]
 

@@ -6,19 +6,18 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.people_looks import drawn_person
+from cityx.assets.movers import person_look, size_of
 from cityx.city import City
 from cityx.city.tracks import GAIT, MOVER, Tracks
 from cityx.geometry.identity import hash_ids
 from cityx.geometry.polylines import Polylines, to_linestrings
-from cityx.geometry.standing import stand_on
+from cityx.plugins.dynamic.feasible import ground_height
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 UInt64Array = NDArray[np.uint64]
 
 LOOKS = 48  # different people in one city; each is a mesh
-SHOULDERS, CHEST = 0.46, 0.30  # metres, width and depth of a person
 SLACK = 0.01  # metres that a sample may lie off the line between its neighbours to be left out
 STILL, RUNNING = 0.12, 2.1  # metres per second: below one stands, above one runs
 SMOOTH = 5  # samples to each side over which direction and speed are evened out
@@ -27,17 +26,16 @@ TURN_SLACK = 0.05  # radians that a heading may be off
 
 
 def look_of(person: UInt64Array, seed: int) -> NDArray[np.str_]:
-    """Return the prototypes that show people, ``person_NUMBER`` of `cityx.assets.people`."""
-    number = hash_ids(seed, "people/look", person) % np.uint64(LOOKS)
-    return np.char.add("person_", number.astype(str))
+    """Return (n,) looks of people, as of `cityx.assets.movers`."""
+    number = (hash_ids(seed, "people/look", person) % np.uint64(LOOKS)).astype(int)
+    return np.array([person_look(value) for value in number.tolist()] or [""])[: len(number)]
 
 
 def sizes_of(look: NDArray[np.str_]) -> NDArray[np.float32]:
     """(n, 3) metres: depth, width and height of people, from their looks."""
     words, row = np.unique(look, return_inverse=True)
-    height = [drawn_person(int(word.rsplit("_", 1)[1])).height for word in words.tolist()]
-    table = np.column_stack([np.full(len(words), CHEST), np.full(len(words), SHOULDERS), height])
-    return np.asarray(table.reshape(-1, 3)[row], np.float32)
+    table = np.array([size_of(word) for word in words.tolist()]).reshape(-1, 3)
+    return np.asarray(table[row], np.float32)
 
 
 def tracks_of_people(
@@ -72,9 +70,7 @@ def tracks_of_people(
     rows, walker = np.unique(walker, return_inverse=True)
     start = np.searchsorted(walker, np.arange(len(rows) + 1)).astype(np.int64)
     speed, heading = _motion(start, time, position)
-    z = stand_on(city.scene.meshes.get("ground"), position).z
-    z = np.where(np.isfinite(z), z, city.terrain.height_at(position))
-    place = np.column_stack([position, z])
+    place = np.column_stack([position, ground_height(city, position)])
     kept = _telling(start, time, place, heading)
     size = np.add.reduceat(kept, start[:-1]) if len(rows) else np.zeros(0, np.int64)
     gait = np.where(speed > RUNNING, GAIT["run"], GAIT["walk"])
@@ -90,7 +86,9 @@ def tracks_of_people(
     return found.take(np.argsort(found.object_id))
 
 
-def _motion(start: IntArray, time: FloatArray, position: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _motion(
+    start: IntArray, time: FloatArray, position: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """(s,) speeds and headings, evened out over half a second to each side."""
     if not len(time):
         return np.zeros(0), np.zeros(0)

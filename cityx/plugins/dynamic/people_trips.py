@@ -263,7 +263,7 @@ def _goals(city: City, ports: Ports, purpose: str) -> IntArray:
 def _walks(
     city: City, walkable: Walkable, ports: Ports, goals: IntArray, key: UInt64Array, purpose: str
 ) -> tuple[Polylines, NDArray[np.bool_]]:
-    """Walks of people from where they are drawn to come from, by keys of the walks."""
+    """Find the walks of some keys, and tell which have a way."""
     graph = walk_graph(walkable)
     count = len(key)
     origin, goal = np.full(count, -1, np.int64), np.full(count, -1, np.int64)

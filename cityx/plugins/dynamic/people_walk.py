@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.walkable import Walkable
+from cityx.city.walks import SPACING
 from cityx.geometry.crowd import APART, SQUEEZED, Crowd, stepped
 from cityx.plugins.dynamic.people_trips import Trips
 
@@ -58,15 +60,12 @@ class Gates:
             ~self.shut[crosswalk, first] & (self._counted[crosswalk, until + 1] == before)
         )
 
-    @property
+    @cached_property
     def _counted(self) -> IntArray:
-        return self._sums
-
-    def __post_init__(self) -> None:
-        """Count the ticks that are taken once, so that spans of time are looked up."""
+        """(c, n + 1) ticks taken before each, so that spans of time are looked up."""
         sums = np.zeros((self.taken.shape[0], self.taken.shape[1] + 1), np.int64)
         np.cumsum(self.taken, axis=1, out=sums[:, 1:])
-        object.__setattr__(self, "_sums", sums)
+        return sums
 
 
 @dataclass(frozen=True)
@@ -138,13 +137,16 @@ class _Walk:
     def __init__(self, trips: Trips, walkable: Walkable, gates: Gates, side: float) -> None:
         self.trips, self.walkable, self.gates = trips, walkable, gates
         count = len(trips.id)
+        self.points: FloatArray
+        self.first: IntArray
+        self.last: IntArray
         # Behind all ways lie the same ways back, for those who give up.
         self.points = np.concatenate([trips.walks.points, trips.walks.points[::-1]])
         self.first, self.last = trips.walks.start[:-1].copy(), trips.walks.start[1:] - 1
         ends = np.concatenate([self.first, len(self.points) - 1 - self.last])
         lasts = np.concatenate([self.last, len(self.points) - 1 - self.first])
-        self.at = self.first.copy()  # point of the way that each is at
-        self.position = self.points[self.first].copy()
+        self.at: IntArray = self.first.copy()  # point of the way that each is at
+        self.position: FloatArray = self.points[self.first].copy()
         self.side = np.full(count, side)
         self.keep = KEEP[0] + (KEEP[1] - KEEP[0]) * _share(trips)
         self.granted = np.full(count, 0)  # number of the crosswalk that each may be on
@@ -152,7 +154,7 @@ class _Walk:
         self.back = np.zeros(count, bool)
         self.started, self.arrived = np.zeros(count, bool), np.zeros(count, bool)
         self.present = np.zeros(0, np.int64)
-        self.over = walkable.at(walkable.crosswalk, self.points).astype(np.int64)
+        self.over: IntArray = walkable.at(walkable.crosswalk, self.points).astype(np.int64)
         self.next_over = _next_set(self.over, lasts)
         self.right = _rights(self.points, ends, lasts)
         self.room = np.maximum(
@@ -221,7 +223,7 @@ class _Walk:
         self.stuck[turned] = 0.0
 
     def _enter(self, others: FloatArray) -> None:
-        """Let the next of each place of the crowd begin where the way begins, if nobody is there."""
+        """Let the next of each place of the crowd begin, if nobody stands where its way begins."""
         place = self.trips.place
         waiting = np.flatnonzero(~self.started)
         waiting = waiting[np.r_[True, place[waiting][1:] != place[waiting][:-1]][: len(waiting)]]
@@ -245,32 +247,22 @@ class _Walk:
         ahead = np.minimum(self.at[rows, None] + np.arange(WINDOW), self.last[rows, None])
         far = np.hypot(*(self.points[ahead] - self.position[rows, None]).transpose(2, 0, 1))
         self.at[rows] = ahead[np.arange(len(rows)), np.argmin(far, axis=1)]
-        # Past a crosswalk it may not be gone back onto.
-        here = self.walkable.at(self.walkable.crosswalk, self.position[rows])
-        self.granted[rows] = np.where(
-            (here == 0) & (self.over[self.at[rows]] == 0) & self._beyond(rows), 0,
-            self.granted[rows],
-        )  # fmt: skip
-
-    def _beyond(self, rows: IntArray) -> BoolArray:
-        """(r,) whether the crosswalk that each was let onto lies behind."""
-        return np.asarray(self.over[self.next_over[self.at[rows]]] != self.granted[rows])
 
     def _wait(self, rows: IntArray, now: float) -> BoolArray:
         """(r,) whether each stands before a roadway that may not be stepped onto now."""
         at = self.at[rows]
         ahead = self.next_over[at]
         crosswalk = self.over[ahead]
-        near = (crosswalk > 0) & ((ahead - at) * 0.5 <= BEFORE)
-        asks = near & (self.granted[rows] != crosswalk)
+        here = self.walkable.at(self.walkable.crosswalk, self.position[rows]).astype(np.int64)
+        # Until one is on it leave may be taken back; once on it, nobody stops.
+        asks: BoolArray = (crosswalk > 0) & (crosswalk != here) & ((ahead - at) * SPACING <= BEFORE)
+        self.granted[rows] = here
         asking = np.flatnonzero(asks)
-        if not len(asking):
-            return asks
         number = crosswalk[asking] - 1
-        seconds = (self.walkable.crosswalks.length[number] + BEFORE) / self.trips.pace[rows[asking]]
-        let = self.gates.open(number, now, seconds)
-        self.granted[rows[asking[let]]] = crosswalk[asking[let]]
-        asks[asking[let]] = False
+        way = self.walkable.crosswalks.length[number] + BEFORE
+        let = asking[self.gates.open(number, now, way / self.trips.pace[rows[asking]])]
+        self.granted[rows[let]] = crosswalk[let]
+        asks[let] = False
         return asks
 
     def _targets(self, rows: IntArray) -> FloatArray:
@@ -279,12 +271,12 @@ class _Walk:
         ahead = np.minimum(at + AHEAD, last)
         aside = np.minimum(self.keep[rows], self.room[ahead]) * self.side[rows]
         aside[ahead == last] = 0.0
-        found = self.points[at]
+        found: FloatArray = self.points[at]
         open_ = np.ones(len(rows), bool)
-        for far, beside in ((AHEAD, aside), (AHEAD, 0.5 * aside), (2, 0.0 * aside), (1, 0.0 * aside)):
+        for far, share in ((AHEAD, 1.0), (AHEAD, 0.5), (2, 0.0), (1, 0.0)):
             of = np.flatnonzero(open_)
             point = np.minimum(at + far, last)[of]
-            to = self.points[point] + beside[of, None] * self.right[point]
+            to = self.points[point] + share * aside[of, None] * self.right[point]
             seen = self._sees(self.position[rows[of]], to)
             found[of[seen]] = to[seen]
             open_[of[seen]] = False
