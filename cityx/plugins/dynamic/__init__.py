@@ -1,0 +1,1 @@
+"""Actions that let things move."""
