@@ -27,53 +27,44 @@ def rounded(rings: FloatArray, times: int = 2) -> FloatArray:
 
 
 def fine_car(body: Body) -> list[MeshBatch]:
-    """Make the parts of a car; see `cityx.assets.vehicles.car`."""
+    """Make the parts of a car but its wheels; see `cityx.assets.vehicles.car`."""
     from cityx.assets.vehicles import body_rings, cabin
 
     rings = rounded(body_rings(body, ARCH_STEPS, np.linspace(0.0, 1.0, 33)))
     parts = [loft(rings[:, ::-1], "car_paint"), *cabin(body)]
-    return [*parts, *_wheels(body), *_front(body), *_rear(body), *_sides(body)]
+    return [*parts, *_front(body), *_rear(body), *_sides(body)]
 
 
-def _wheels(body: Body) -> list[MeshBatch]:
-    """Tyres with a rounded tread, rims with a lip, five double spokes, a disc and nuts."""
-    parts = []
-    r, half = body.wheel, body.width / 2
+def fine_wheel(radius: float) -> list[MeshBatch]:
+    """Make a wheel about its axle, x, outer face at x = 0; see `cityx.assets.vehicles.car_wheel`.
+
+    A tyre with a rounded tread, a rim with a lip, five double spokes, a disc and nuts.
+    """
+    r = radius
     tread = np.array([(0.0, 0.62), (0.0, 0.66), (0.012, 0.80), (0.030, 0.95), (0.055, 0.99),
-                      (0.07, 1.0), (0.15, 1.0), (0.165, 0.99), (0.19, 0.94), (0.205,
-                          0.75)])  # fmt: skip
-    for share in body.axles:
-        y = share * body.length - body.length / 2
-        for side in (-1.0, 1.0):
-            outer = side * (half - 0.010)
+                      (0.07, 1.0), (0.15, 1.0), (0.165, 0.99), (0.19, 0.94),
+                      (0.205, 0.75)])  # fmt: skip
+    lip = np.array([(0.004, 0.66), (-0.004, 0.66), (-0.006, 0.645), (0.004, 0.62), (0.02, 0.60)])
 
-            def turned(line: FloatArray, material: str, sides: int = 32, x: float = outer,
-                       y: float = y, side: float = side) -> MeshBatch:  # fmt: skip
-                path = [[x - side * a, y, r] for a, _ in line]
-                order = slice(None) if side < 0 else slice(None, None, -1)
-                return tube(np.array(path)[order], (line[:, 1] * r)[order], material, sides=sides)
+    def turned(line: FloatArray, material: str, sides: int = 32) -> MeshBatch:
+        """Turn a profile of depth behind the outer face and share of the radius."""
+        path = np.column_stack([-line[:, 0], np.zeros((len(line), 2))])
+        return tube(path[::-1], (line[:, 1] * r)[::-1], material, sides=sides)
 
-            parts.append(turned(tread, "rubber"))
-            lip = np.array(
-                [(0.004, 0.66), (-0.004, 0.66), (-0.006, 0.645), (0.004, 0.62), (0.02, 0.60)]
-            )
-            parts.append(turned(lip, "metal_grey"))
-            parts.append(turned(np.array([(0.035, 0.60), (0.040, 0.02)]), "metal_dark", 24))
-            parts.append(
-                turned(np.array([(-0.004, 0.10), (0.004, 0.14), (0.03, 0.16)]), "metal_grey", 24)
-            )
-            for spoke in range(5):
-                for turn in (-0.13, 0.13):
-                    a = 2 * np.pi * spoke / 5 + np.pi / 2
-                    hub = np.array([outer - side * 0.012, y + 0.13 * r * np.cos(a),
-                                    r + 0.13 * r * np.sin(a)])  # fmt: skip
-                    rim = np.array([outer - side * 0.006, y + 0.63 * r * np.cos(a + turn),
-                                    r + 0.63 * r * np.sin(a + turn)])  # fmt: skip
-                    parts.append(tube([hub, rim], [0.012, 0.017], "metal_grey", sides=8))
-                nut = np.array(
-                    [outer + side * 0.006, y + 0.085 * r * np.cos(a), r + 0.085 * r * np.sin(a)]
-                )
-                parts.append(tube([nut - [side * 0.01, 0, 0], nut], 0.008, "metal_dark", sides=6))
+    parts = [
+        turned(tread, "rubber"),
+        turned(lip, "metal_grey"),
+        turned(np.array([(0.035, 0.60), (0.040, 0.02)]), "metal_dark", 24),
+        turned(np.array([(-0.004, 0.10), (0.004, 0.14), (0.03, 0.16)]), "metal_grey", 24),
+    ]
+    for spoke in range(5):
+        a = 2 * np.pi * spoke / 5 + np.pi / 2
+        for turn in (-0.13, 0.13):
+            hub = np.array([-0.012, 0.13 * r * np.cos(a), 0.13 * r * np.sin(a)])
+            rim = np.array([-0.006, 0.63 * r * np.cos(a + turn), 0.63 * r * np.sin(a + turn)])
+            parts.append(tube([hub, rim], [0.012, 0.017], "metal_grey", sides=8))
+        nut = np.array([0.006, 0.085 * r * np.cos(a), 0.085 * r * np.sin(a)])
+        parts.append(tube([nut - [0.01, 0, 0], nut], 0.008, "metal_dark", sides=6))
     return parts
 
 

@@ -18,6 +18,7 @@ from cityx.geometry.identity import draw, stable_id
 T = TypeVar("T")
 AGES = ("child", "adult", "elder")
 SEXES = ("female", "male")
+STYLES = ("casual", "business", "sport")
 LEAST, MOST = 1.0, 2.0  # metres, height
 _AGE_SHARES = {"child": 0.13, "adult": 0.70, "elder": 0.17}
 # Mean and spread of the height of grown people, shoes included, metres.
@@ -51,6 +52,30 @@ _BOTTOMS: Mapping[str, Mapping[str, float]] = {
                "short skirt": 6, "long skirt": 7},
     "male": {"slim trousers": 30, "trousers": 54, "wide trousers": 4, "shorts": 12},
     "child": {"slim trousers": 40, "trousers": 35, "shorts": 25},
+}  # fmt: skip
+# What is worn in a style instead; where a style says nothing, everything goes.
+_STYLE_TOPS: Mapping[str, Mapping[str, Mapping[str, float]]] = {
+    "casual": {
+        "female": {"t_shirt": 30, "blouse": 16, "jumper": 18, "hoodie": 12, "open_jacket": 14},
+        "male": {"t_shirt": 34, "shirt": 16, "jumper": 18, "hoodie": 18, "open_jacket": 14},
+    },
+    "business": {
+        "female": {"suit": 52, "blouse": 28, "coat": 20},
+        "male": {"suit": 62, "shirt": 22, "coat": 16},
+    },
+    "sport": {"female": {"t_shirt": 78, "hoodie": 22}, "male": {"t_shirt": 80, "hoodie": 20}},
+}
+_STYLE_BOTTOMS: Mapping[str, Mapping[str, Mapping[str, float]]] = {
+    "casual": {
+        "female": {"slim trousers": 56, "trousers": 22, "shorts": 12, "skirt": 10},
+        "male": {"slim trousers": 40, "trousers": 42, "shorts": 18},
+    },
+    "business": {
+        "female": {"slim trousers": 40, "trousers": 30, "skirt": 30}, "male": {"trousers": 100},
+    },
+    "sport": {
+        "female": {"slim trousers": 66, "shorts": 34}, "male": {"shorts": 72, "slim trousers": 28},
+    },
 }  # fmt: skip
 _HAIRS: Mapping[str, Mapping[str, float]] = {
     "female": {"long": 34, "bob": 19, "ponytail": 20, "bun": 11, "short": 6, "curly": 6, "afro": 4},
@@ -167,19 +192,23 @@ class Person:
                 )
 
 
-def drawn_person(number: int, *, seed: int = 0, age: str = "") -> Person:
+def drawn_person(
+    number: int, *, seed: int = 0, age: str = "", sex: str = "", style: str = ""
+) -> Person:
     """Draw a person.
 
     Parameters
     ----------
     number
-        Of the person; the same number, seed and age give the same one.
+        Of the person; the same arguments give the same one.
     seed
         Key of all draws.
-    age
-        Of `AGES`, or "" for any.
+    age, sex
+        Of `AGES` and `SEXES`, or "" for any.
+    style
+        Of `STYLES`, or "" for whatever people wear.
     """
-    key = stable_id("person", number, age)
+    key = stable_id("person", number, age, *filter(None, (sex, style)))
 
     def share(what: str) -> float:
         return draw(seed, f"people/{what}", key)
@@ -191,7 +220,7 @@ def drawn_person(number: int, *, seed: int = 0, age: str = "") -> Person:
         return _linear(_pick(weights, share(what)))
 
     age = age or word("age", _AGE_SHARES)
-    sex = SEXES[int(share("sex") < 0.5)]
+    sex = sex or SEXES[int(share("sex") < 0.5)]
     kind = "child" if age == "child" else sex
     tone = _pick({row: row[1] for row in _SKINS}, share("skin"))
     hair = word("hair", _HAIRS[f"old {sex}" if age == "elder" else sex])
@@ -200,14 +229,19 @@ def drawn_person(number: int, *, seed: int = 0, age: str = "") -> Person:
     if age == "child" and hair in ("bald", "receding", "bun"):
         hair = "short" if sex == "male" else "ponytail"
     grey = age == "elder" and share("grey") < 0.85
-    top = word("top", _TOPS[kind])
-    bottom = "" if "dress" in top else word("bottom", _BOTTOMS[kind])
+    tops, bottoms = _TOPS[kind], _BOTTOMS[kind]
+    if style and age != "child":
+        tops, bottoms = _STYLE_TOPS[style][sex], _STYLE_BOTTOMS[style][sex]
+    top = word("top", tops)
+    bottom = "" if "dress" in top else word("bottom", bottoms)
     if top == "suit" and bottom in ("shorts", "short skirt"):
         bottom = "trousers"
     if age == "elder" and bottom in ("shorts", "short skirt", "slim trousers"):
         bottom = "trousers"
     shoes = word("shoes", {"shoes": 45, "trainers": 40, "boots": 15})
     shoes = {"child": "trainers"}.get(age, "shoes" if top == "suit" else shoes)
+    if style == "sport":
+        shoes = "trainers"
     if shoes == "boots" and (bottom in BOTTOMS or bottom == ""):
         shoes = "shoes"  # trousers would cover them
     worn = color("shoe color", _TRAINERS if shoes == "trainers" else _SHOE_COLORS)
@@ -216,6 +250,8 @@ def drawn_person(number: int, *, seed: int = 0, age: str = "") -> Person:
                        "shopping bag": 8})  # fmt: skip
     if age == "child" and bag == "handbag":
         bag = "backpack"
+    if style == "sport":
+        bag = ""
     if top in ("coat", "open_coat", "suit") and hat == "cap":
         hat = ""
     palette: Mapping[int, float] = _TOP_COLORS

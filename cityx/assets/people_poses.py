@@ -1,4 +1,4 @@
-"""Poses of people: rotations of joints when they stand, walk, run and sit.
+"""Poses of people: rotations of joints when they stand, walk, run, ride and sit.
 
 Every pose is (j, 3) float in the order of `people_skeleton.JOINTS`: rotation vectors in radians
 about x (to the figure's left), y (to its back) and z (up). About x, a negative angle swings what
@@ -90,6 +90,35 @@ def sit() -> FloatArray:
             "left_elbow": (-52, 0, -12), "right_elbow": (-52, 0, 12),
         }
     )  # fmt: skip
+
+
+def ride(phase: float, *, pedals: bool = True) -> FloatArray:
+    """Sit on a bicycle and turn the pedals, or on a motorcycle with still feet.
+
+    Parameters
+    ----------
+    phase
+        Turns of the pedals, 0 to 1 and around; at 0 the left one is at the top.
+    pedals
+        Whether there are any.
+    """
+    found: dict[str, tuple[float, float, float]] = {
+        "pelvis": (14, 0, 0), "spine": (12, 0, 0), "chest": (8, 0, 0), "head": (-26, 0, 0),
+    } if pedals else {
+        "pelvis": (2, 0, 0), "spine": (10, 0, 0), "chest": (6, 0, 0), "head": (-14, 0, 0),
+    }  # fmt: skip
+    lean = sum(found[name][0] for name in ("pelvis", "spine", "chest"))
+    for side, offset, sign in (("left", 0.0, 1.0), ("right", 0.5, -1.0)):
+        turn = 2 * np.pi * (float(phase) + offset)
+        up, ahead = float(np.cos(turn)), float(np.sin(turn))
+        hip, knee = (58 + 24 * up + 4 * ahead, 66 + 36 * up - 10 * ahead) if pedals else (72, 84)
+        tilt = found["pelvis"][0]
+        found[f"{side}_hip"] = (-hip - tilt, 0.0, (0.0 if pedals else 8.0) * sign)
+        found[f"{side}_knee"] = (knee, 0.0, 0.0)
+        found[f"{side}_ankle"] = (hip - knee if pedals else -4.0, 0.0, 0.0)
+        found[f"{side}_shoulder"] = (-lean - (40.0 if pedals else 34.0), -10.0 * sign, 0.0)
+        found[f"{side}_elbow"] = (-22.0 if pedals else -30.0, 0.0, -8.0 * sign)
+    return _pose(found)
 
 
 def _gait(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.materials import srgb_to_linear
-from cityx.assets.shapes import box, cylinder, fine_shapes, loft, prototype
+from cityx.assets.shapes import box, cylinder, fine_shapes, loft, moved, prototype
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
 
@@ -90,6 +90,8 @@ BODIES: Mapping[str, Body] = MappingProxyType(
 BODY_SHARES = np.array([body.share for body in BODIES.values()])
 SILL = 0.20  # metres, lower edge of the body above the road
 ARCH_STEPS = 7
+TYRE = 0.205  # metres, width of a tyre
+TUCKED = 0.012  # metres, from the side of the body to the outer face of a wheel
 FINE = 3  # level of detail from which the fine form is made
 
 
@@ -204,20 +206,31 @@ def _bar(
     return loft(rings if side > 0 else rings[:, ::-1], "car_paint")
 
 
-def _wheels(body: Body) -> list[MeshBatch]:
-    parts = []
-    r, half = body.wheel, body.width / 2
-    for share in body.axles:
-        y = share * body.length - body.length / 2
-        for side in (-1.0, 1.0):
-            outer, inner = side * (half - 0.015), side * (half - 0.22)
-            ends = sorted((outer, inner))
-            parts.append(cylinder((ends[0], y, r), (ends[1], y, r), r, "rubber", sides=14))
-            rim = sorted((outer - side * 0.02, outer + side * 0.006))
-            parts.append(cylinder((rim[0], y, r), (rim[1], y, r), 0.66 * r, "metal_grey", sides=10))
-            hub = sorted((outer, outer + side * 0.012))
-            parts.append(cylinder((hub[0], y, r), (hub[1], y, r), 0.2 * r, "metal_dark", sides=6))
-    return parts
+def wheel_parts(radius: float, width: float) -> list[MeshBatch]:
+    """Make a wheel about its axle, x: its outer face at x = 0, what holds it at negative x."""
+    return [
+        cylinder((-width, 0, 0), (0, 0, 0), radius, "rubber", sides=14),
+        cylinder((-0.02, 0, 0), (0.006, 0, 0), 0.66 * radius, "metal_grey", sides=10),
+        cylinder((0, 0, 0), (0.012, 0, 0), 0.2 * radius, "metal_dark", sides=6),
+    ]
+
+
+def wheel_places(body: Body) -> list[tuple[float, float, float]]:
+    """Return the middles of the outer faces of the wheels, metres; x > 0 is the left side."""
+    return [
+        (side * (body.width / 2 - TUCKED), (share - 0.5) * body.length, body.wheel)
+        for share in body.axles
+        for side in (-1.0, 1.0)
+    ]
+
+
+def _wheels(body: Body, parts: list[MeshBatch]) -> list[MeshBatch]:
+    """Set a wheel under every corner; those on the right are turned about."""
+    return [
+        moved(part, place, yaw=0.0 if place[0] > 0 else np.pi)
+        for place in wheel_places(body)
+        for part in parts
+    ]
 
 
 def _fittings(body: Body) -> list[MeshBatch]:
@@ -252,17 +265,33 @@ def _fittings(body: Body) -> list[MeshBatch]:
     return parts
 
 
-@lru_cache(maxsize=32)
-def car(body: str, *, detail: int = 2) -> Prototype:
-    """Make a parked car; `body` is a key of `BODIES`. The prototype's kind is "vehicle".
+@lru_cache(maxsize=64)
+def car(body: str, *, detail: int = 2, wheels: bool = True) -> Prototype:
+    """Make a car; `body` is a key of `BODIES`. The prototype's kind is "vehicle".
 
-    From level of `detail` 3 on lines are rounded, wheels have spokes and joints are drawn.
+    From level of `detail` 3 on lines are rounded, wheels have spokes and joints are drawn. Without
+    `wheels` it is the body alone, for cars whose wheels turn.
     """
     shape = BODIES[body]
+    name = "_".join(filter(None, ("car", body, "" if wheels else "body",
+                                  "fine" if detail >= FINE else "")))  # fmt: skip
     if detail >= FINE:
         from cityx.assets.fine_vehicles import fine_car
 
         with fine_shapes():
-            return prototype(f"car_{body}_fine", "vehicle", fine_car(shape))
-    parts = [_lower_body(shape), *cabin(shape), *_wheels(shape), *_fittings(shape)]
-    return prototype(f"car_{body}", "vehicle", parts)
+            parts = fine_car(shape)
+    else:
+        parts = [_lower_body(shape), *cabin(shape), *_fittings(shape)]
+    if wheels:
+        parts = [*parts, *_wheels(shape, car_wheel(shape, detail))]
+    return prototype(name, "vehicle", parts)
+
+
+def car_wheel(body: Body, detail: int) -> list[MeshBatch]:
+    """Make the parts of one wheel of a car, as of `wheel_parts`."""
+    if detail >= FINE:
+        from cityx.assets.fine_vehicles import fine_wheel
+
+        with fine_shapes():
+            return fine_wheel(body.wheel)
+    return wheel_parts(body.wheel, TYRE)

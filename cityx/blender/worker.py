@@ -149,10 +149,11 @@ def main(arguments: list[str]) -> int:
             import bpy
             import rasterio  # noqa: F401  the store reads terrain with it
 
+            from cityx.assets.moving import with_movers
             from cityx.blender import light, render, scene  # noqa: F401
             from cityx.city.store import read_view
         with clock.step("read"):
-            view = read_view(Path(job["store"]))
+            view = with_movers(read_view(Path(job["store"])))
         result = perform(job, view, clock, say)
         result["blender"] = bpy.app.version_string
     except ImportError as error:

@@ -107,6 +107,8 @@ class Poses:
         As of `Tracks`.
     travelled
         (m,) float64, metres that each has gone since its first sample; wheels and legs follow it.
+    climb
+        (m,) float64, radians by which the way that it goes rises.
     """
 
     row: NDArray[np.int64]
@@ -115,6 +117,7 @@ class Poses:
     speed: NDArray[np.float64]
     gait: NDArray[np.uint8]
     travelled: NDArray[np.float64]
+    climb: NDArray[np.float64]
 
 
 _OF_SAMPLES = ("time", "position", "heading", "speed", "gait", "place")
@@ -182,18 +185,20 @@ def poses_at(tracks: Tracks, moment: float) -> Poses:
     share = np.where(span > 0, (moment - time[low]) / np.where(span > 0, span, 1.0), 0.0)
     turn = np.remainder(tracks.heading[high] - tracks.heading[low] + np.pi, 2 * np.pi) - np.pi
     step = tracks.position[high] - tracks.position[low]
+    run = np.hypot(*step[:, :2].T)
     return Poses(
         held,
         tracks.position[low] + share[:, None] * step,
         tracks.heading[low] + share * turn,
         tracks.speed[low] + share * (tracks.speed[high] - tracks.speed[low]),
         tracks.gait[low],
-        _lengths(tracks)[low] + share * np.hypot(*step[:, :2].T),
+        travelled(tracks)[low] + share * run,
+        np.arctan2(step[:, 2], run),
     )
 
 
-def _lengths(tracks: Tracks) -> NDArray[np.float64]:
-    """(s,) metres that its mover has gone up to each sample."""
+def travelled(tracks: Tracks) -> NDArray[np.float64]:
+    """Return (s,) metres that its mover has gone up to each sample."""
     gone = np.zeros(len(tracks.time))
     gone[1:] = np.cumsum(np.hypot(*np.diff(tracks.position[:, :2], axis=0).T))
     first = tracks.sample_start[:-1]

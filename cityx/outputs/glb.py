@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx import __version__
+from cityx.assets.moving import with_movers
 from cityx.atomic import replaced
 from cityx.city.environment import Environment
 from cityx.city.mesh import MeshBatch
@@ -94,6 +95,7 @@ def write_glb(
         from cityx.city.store import view_of
 
         view = view_of(view)
+    view = with_movers(view)
     writer = _Writer(view, instancing, texture_size)
     layers = [
         *(writer.mesh_layer(name, batch) for name, batch in sorted(writer.scene.meshes.items())),

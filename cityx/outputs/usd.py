@@ -15,6 +15,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from cityx.assets.moving import with_movers
 from cityx.atomic import replaced
 from cityx.errors import EngineError, MissingExtra
 
@@ -88,6 +89,7 @@ def write_usd(view: Any, path: str | os.PathLike[str], *, texture_size: int = 51
         from cityx.city.store import view_of
 
         view = view_of(view)
+    view = with_movers(view)
     path = Path(path)
     writer = UsdWriter(view, path.with_name(f"{path.stem}_textures"), texture_size)
     for name, batch in sorted(writer.scene.meshes.items()):

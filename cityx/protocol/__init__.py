@@ -8,7 +8,7 @@ from cityx.protocol.actions import Action, action, encapsulation_of
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.formats import Format, Port
 from cityx.protocol.inputs import InputFiles
-from cityx.protocol.parameters import Choice, Color, ObjectName, Points, Range, Text
+from cityx.protocol.parameters import Choice, Color, ObjectName, Points, Range, Text, Way
 from cityx.protocol.preconditions import (
     Pre,
     count_at_most,
@@ -35,6 +35,7 @@ __all__ = [
     "Registry",
     "Serves",
     "Text",
+    "Way",
     "action",
     "count_at_most",
     "encapsulation_of",

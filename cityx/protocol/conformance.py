@@ -199,6 +199,7 @@ _WORDS = {
     "material": "red brick",
     "color": "#336699",
     "number": "12.5",
+    "path": "Long Street",
 }
 
 

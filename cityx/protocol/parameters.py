@@ -73,6 +73,11 @@ class ObjectName:
     """Mark a text as the name of an object of the city: its id, source or name."""
 
 
+@dataclass(frozen=True)
+class Way:
+    """Mark a text as words for a way through the city: its name, or "around the park"."""
+
+
 class _Required:
     """Type of the default of a parameter that has none."""
 
@@ -294,7 +299,8 @@ def parameter_from(name: str, annotation: Any, default: Any, description: str) -
         If the type is none a call may carry.
     """
     kind, marks, nullable = _unwrap(annotation)
-    if name.lower() in _FORBIDDEN_NAMES or type_name(kind).partition(":")[2] in _FORBIDDEN_TYPES:
+    forbidden = name.lower() in _FORBIDDEN_NAMES and not any(isinstance(m, Way) for m in marks)
+    if forbidden or type_name(kind).partition(":")[2] in _FORBIDDEN_TYPES:
         raise UsageError(f"Parameter {name}: no action takes code, a path or an address.")
     fields: dict[str, Any] = {}
     is_color = any(mark is Color or isinstance(mark, Color) for mark in marks)

@@ -45,6 +45,8 @@ def view(scene, **options):
         "frame": Frame(51.5, -0.13),
         "seed": 3,
         "environment": Environment(),
+        "tracks": None,
+        "moment": 0.0,
         "attribution": ("© OpenStreetMap contributors, ODbL 1.0",),
         "objects": {},
     }
