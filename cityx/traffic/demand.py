@@ -157,7 +157,7 @@ class Drivable:
         open_to_cars, narrow, back = (
             np.array([test(way) for way in self.streets.ways], bool)
             for test in (
-                lambda way: any(lane.kind == "drive" for lane in way.lanes),
+                lambda way: any(lane.kind == "drive" and not lane.closed for lane in way.lanes),
                 lambda way: any(lane.narrow for lane in way.lanes),
                 lambda way: way.name.startswith("-"),
             )
@@ -169,7 +169,10 @@ class Drivable:
         """(w,) whether lorries and buses use a way."""
         wide = [
             self.road(way) not in ("service", "living_street")
-            and any(lane.kind == "drive" and lane.width >= WIDE_ENOUGH for lane in way.lanes)
+            and any(
+                lane.kind == "drive" and not lane.closed and lane.width >= WIDE_ENOUGH
+                for lane in way.lanes
+            )
             for way in self.streets.ways
         ]
         return np.asarray(self.usable & np.array(wide, bool))
@@ -180,13 +183,14 @@ class Drivable:
         found = {
             (link.source[0], link.target[0])
             for link in self.streets.links
-            if all(self._kind(end) in ("drive", "bus") for end in (link.source, link.target))
+            if all(self._open(end) for end in (link.source, link.target))
         }
         pairs = np.array(sorted(found), np.int64).reshape(-1, 2)
         return np.asarray(pairs[self.usable[pairs].all(axis=1)])
 
-    def _kind(self, end: tuple[int, int]) -> str:
-        return self.streets.ways[end[0]].lanes[end[1]].kind
+    def _open(self, end: tuple[int, int]) -> bool:
+        lane = self.streets.ways[end[0]].lanes[end[1]]
+        return lane.kind == "drive" and not lane.closed
 
     @cached_property
     def seconds(self) -> FloatArray:

@@ -15,8 +15,9 @@ from shapely.ops import substring
 
 from cityx.city.frame import Frame
 from cityx.errors import EngineError, InputError
+from cityx.traffic.conflicts import conflicts_of, settle
 from cityx.traffic.engine import last, run_program
-from cityx.traffic.plain import shape_text, write_plain
+from cityx.traffic.plain import junction_name, shape_text, write_plain
 from cityx.traffic.streets import Streets
 
 FloatArray = NDArray[np.float64]
@@ -24,6 +25,7 @@ FloatArray = NDArray[np.float64]
 NET = "city.net.xml"
 LEAST = 0.1  # metres that SUMO wants a lane to be long
 TIMEOUT_S = 600.0
+WAITING = 3.0  # metres that a vehicle which waits amid a junction leaves to others
 JOINED = 30.0  # metres between junctions under signals that change together
 _NAME = re.compile(r"'(-?[0-9a-f]{16})#?(?:_\d+)?'")
 
@@ -40,11 +42,14 @@ class Network:
         Name of a lane to its way and its place on it.
     links
         Name of a lane across a junction to its link.
+    crossings
+        Name of an edge on which people cross to its crossing.
     """
 
     file: Path
     lanes: dict[str, tuple[int, int]]
     links: dict[str, int]
+    crossings: dict[str, int]
 
 
 def make_network(
@@ -76,8 +81,9 @@ def make_network(
     options = [
         *(word for pair in zip("nex", names, strict=True) for word in (f"-{pair[0]}", pair[1])),
         "--output-file", NET, "--offset.disable-normalization", "--precision", "3",
-        "--no-turnarounds", "--tls.join", "--tls.join-dist", f"{JOINED:g}",
-        "--xml-validation", "never", *(["--lefthand"] if streets.left_hand else []),
+        "--no-turnarounds", "--walkingareas", "--tls.join", "--tls.join-dist", f"{JOINED:g}",
+        "--internal-junctions.vehicle-width", f"{WAITING:g}", "--xml-validation", "never",
+        *(["--lefthand"] if streets.left_hand else []),
     ]  # fmt: skip
     try:
         lines = run_program("netconvert", options, folder, timeout_s=TIMEOUT_S)
@@ -113,11 +119,14 @@ def _with_own_shapes(streets: Streets, file: Path) -> Network:
             lanes[name] = (number, index)
             _set_shape(found[name], lane.shape, way.length)
     links = _set_links(streets, root, found)
+    first = {number: name for name, number in reversed(links.items())}
+    settle(root, conflicts_of(streets), first)
+    crossings = _set_crossings(streets, root)
     for element in root.iter("lane"):
         element.attrib.pop("customShape", None)
     etree.indent(root, "    ")
     file.write_bytes(etree.tostring(root, xml_declaration=True, encoding="UTF-8") + b"\n")
-    return Network(file, lanes, links)
+    return Network(file, lanes, links, crossings)
 
 
 def _set_links(streets: Streets, root: Any, found: dict[str, Any]) -> dict[str, int]:
@@ -141,6 +150,26 @@ def _set_links(streets: Streets, root: Any, found: dict[str, Any]) -> dict[str, 
             shape = _part(link.shape, float(begin), float(end))
             _set_shape(lane, shape, float(np.linalg.norm(np.diff(shape, axis=0), axis=1).sum()))
     return links
+
+
+def _set_crossings(streets: Streets, root: Any) -> dict[str, int]:
+    """Set the shapes of crossings; also say which of ours each edge of them is."""
+    numbers = {}
+    for number, crossing in enumerate(streets.crossings):
+        names = sorted(streets.ways[way].name for way in crossing.ways)
+        numbers[junction_name(crossing.junction), *names] = number
+    found = {}
+    for edge in root.iter("edge"):
+        if edge.get("function") != "crossing":
+            continue
+        junction = edge.get("id")[1:].rpartition("_c")[0]
+        number = numbers[(junction, *sorted(edge.get("crossingEdges").split()))]
+        found[edge.get("id")] = number
+        lane = edge.find("lane")
+        shape = streets.crossings[number].shape
+        lane.attrib.pop("outlineShape", None)
+        _set_shape(lane, shape, float(np.linalg.norm(shape[1] - shape[0])))
+    return found
 
 
 def _part(shape: FloatArray, begin: float, end: float) -> FloatArray:

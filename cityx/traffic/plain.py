@@ -18,11 +18,12 @@ FloatArray = NDArray[np.float64]
 # Kind of band -> classes of SUMO that may use it.
 ALLOWED = {
     "drive": "private emergency authority passenger hov taxi bus coach delivery truck trailer "
-             "motorcycle moped bicycle evehicle custom1 custom2",
+             "motorcycle moped bicycle evehicle",
     "bus": "bus coach taxi emergency bicycle",
     "cycle": "bicycle",
     "walk": "pedestrian",
 }  # fmt: skip
+CLOSED = "custom1"  # a class that no vehicle has
 WALKED = 2.0  # metres per second that a walk allows
 PARTS = ("nod", "edg", "con")
 
@@ -141,10 +142,11 @@ def _lane(way: Way, index: int) -> str:
     barred = {}
     # Nobody changes over what lies between two lanes; the first lane is the one at the kerb.
     if index and way.apart[index - 1]:
-        barred["changeRight"] = "custom2"
+        barred["changeRight"] = CLOSED
     if index < len(way.apart) and way.apart[index]:
-        barred["changeLeft"] = "custom2"
-    return tag("lane", index=index, allow=ALLOWED[lane.kind], width=f"{lane.width:.3f}",
+        barred["changeLeft"] = CLOSED
+    allowed = CLOSED if lane.closed else ALLOWED[lane.kind]
+    return tag("lane", index=index, allow=allowed, width=f"{lane.width:.3f}",
                speed=f"{WALKED if walked else lane.speed:.3f}", shape=shape_text(lane.shape),
                **barred)  # fmt: skip
 
@@ -159,3 +161,8 @@ def _connections(streets: Streets) -> Iterable[str]:
     for way in streets.ways:
         if way.name not in led:  # else netconvert would guess where it leads to
             yield tag("connection", from_=way.name)
+    for crossing in streets.crossings:
+        names = " ".join(streets.ways[way].name for way in crossing.ways)
+        yield tag("crossing", node=junction_name(crossing.junction), edges=names,
+                  width=f"{crossing.width:.3f}", shape=shape_text(crossing.shape),
+                  priority="true")  # fmt: skip

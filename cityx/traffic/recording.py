@@ -62,10 +62,7 @@ def recorded(
     rows, mover = np.unique(mover, return_inverse=True)
     about = [movers[str(poses.name[row])] for row in rows.tolist()]
     size = np.array([each.size for each in about], np.float32).reshape(-1, 3)
-    heading = poses.angle[kept]
-    ahead = np.column_stack([np.cos(heading), np.sin(heading)])
-    # SUMO tells where the foremost point of a vehicle is.
-    xy = poses.xy[kept] - ahead * (size[mover, :1].astype(float) / 2)
+    xy, heading = bodies(poses.xy[kept], poses.angle[kept], mover, size[:, 0].astype(float))
     edge, place = _lanes(city, streets, network, poses, kept)
     z = _heights(city, xy, mover, edge)
     time, speed = poses.time[kept], poses.speed[kept]
@@ -90,6 +87,46 @@ def recorded(
         place[few],
     )
     return tracks.take(np.argsort(ids))
+
+
+def bodies(
+    front: FloatArray, angle: FloatArray, mover: IntArray, length: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return where bodies are whose foremost points follow a path: their middles and headings.
+
+    A body is a chord of the path. In a bend its driver swings out, so that its middle leaves the
+    path to the inside no more than its ends do to the outside.
+
+    Parameters
+    ----------
+    front
+        (p, 2) float64, foremost points, ordered by mover and time.
+    angle
+        (p,) float64, headings where the path behind is not known yet.
+    mover
+        (p,) int64, ascending.
+    length
+        (m,) float64, metres, of each mover.
+    """
+    size = length[mover]
+    ahead = np.column_stack([np.cos(angle), np.sin(angle)])
+    straight = front - ahead * size[:, None] / 2
+    step = np.r_[0.0, np.hypot(*np.diff(front, axis=0).T)]
+    first = np.r_[True, np.diff(mover) != 0] if len(mover) else np.zeros(0, bool)
+    # Movers follow each other on one axis, farther apart than any of them is long.
+    step[first] = length.max(initial=0.0) + 1.0
+    gone = np.cumsum(step)
+    begin = np.repeat(gone[first], np.diff(np.r_[np.flatnonzero(first), len(gone)]))
+    known = gone - begin >= size
+    if not known.any():
+        return straight, angle
+    middle, back = (
+        np.column_stack([np.interp(gone - share * size, gone, front[:, axis]) for axis in (0, 1)])
+        for share in (0.5, 1.0)
+    )
+    chord = front - back
+    xy = np.where(known[:, None], ((front + back) / 2 + middle) / 2, straight)
+    return xy, np.where(known, np.arctan2(chord[:, 1], chord[:, 0]), angle)
 
 
 def thinned(

@@ -8,10 +8,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from cityx.city.city import City
+from cityx.city.signals import Signals
 from cityx.city.tracks import Tracks
 from cityx.geometry.identity import id_text
+from cityx.traffic.ghosts import ghosts_of
 from cityx.traffic.network import make_network
 from cityx.traffic.recording import Mover, recorded
+from cityx.traffic.signals import signals_of
 from cityx.traffic.simulation import Outcome, Run, simulate
 from cityx.traffic.streets import Streets
 
@@ -24,18 +27,23 @@ class Driven:
     ----------
     tracks
         Of the movers.
+    signals
+        What signals show meanwhile.
     outcome
         As the engine tells it.
     """
 
     tracks: Tracks
+    signals: Signals | None
     outcome: Outcome
 
 
 def driven(
     city: City, streets: Streets, run: Run, movers: Mapping[str, Mover], origin: str
 ) -> Driven:
-    """Simulate a run on the streets of a city.
+    """Simulate a run on the streets of a city, among all that moves there already.
+
+    What other actions put there drives and walks as it did before: those of this run give way.
 
     Parameters
     ----------
@@ -57,8 +65,11 @@ def driven(
     """
     with TemporaryDirectory(prefix="cityx-traffic-") as name:
         network = make_network(streets, city.frame, Path(name), said=street_names(city))
-        outcome = simulate(run, network)
-    return Driven(recorded(city, streets, network, outcome.poses, movers, origin), outcome)
+        ghosts = ghosts_of(city, streets, network, origin, run)
+        outcome = simulate(run, network, ghosts)
+        signals = signals_of(city, streets, network, run.warm)
+    tracks = recorded(city, streets, network, outcome.poses, movers, origin)
+    return Driven(tracks, signals, outcome)
 
 
 def street_names(city: City) -> Callable[[str], str]:

@@ -28,7 +28,7 @@ STUCK = 60.0  # seconds without moving after which a vehicle counts as stuck
 BLOCKED = 15.0  # seconds after which those who block a junction are driven round
 SLOWEST = 0.5  # times real time on a busy machine; slower than this is a hang
 START_S = 120.0  # seconds that starting may take
-ROUTES = "city.rou.xml"
+ROUTES, GHOSTS = "city.rou.xml", "ghosts.npz"
 
 
 @dataclass(frozen=True)
@@ -225,8 +225,53 @@ class Run:
     step: float = field(default=STEP)
 
 
-def simulate(run: Run, network: Network) -> Outcome:
+@dataclass(frozen=True)
+class Ghosts:
+    """What moves already, g movers, and where it is in every step; a run drives round it.
+
+    Attributes
+    ----------
+    name
+        (g,) str.
+    sumo_type
+        (g,) str, names of types; "" of people.
+    types
+        The types as XML.
+    step_start
+        (s + 1,) int64 into the rows, of each step from the beginning of the run.
+    row
+        (p,) int64 into `name`.
+    x, y, angle
+        (p,) float64: foremost points of vehicles, middles of people; degrees clockwise from north.
+    edge
+        (p,) int64 into `edges`, where people are.
+    edges
+        Names of edges.
+    """
+
+    name: NDArray[np.str_]
+    sumo_type: NDArray[np.str_]
+    types: tuple[str, ...]
+    step_start: IntArray
+    row: IntArray
+    x: FloatArray
+    y: FloatArray
+    angle: FloatArray
+    edge: IntArray
+    edges: NDArray[np.str_]
+
+
+def simulate(run: Run, network: Network, ghosts: Ghosts | None = None) -> Outcome:
     """Run SUMO in a process of its own.
+
+    Parameters
+    ----------
+    run
+        Who sets out.
+    network
+        On what; files of the run are written beside it.
+    ghosts
+        What moves there already, None for nothing.
 
     Raises
     ------
@@ -237,14 +282,17 @@ def simulate(run: Run, network: Network) -> Outcome:
     """
     require_sumo()
     folder = network.file.parent
-    (folder / ROUTES).write_text(routes_text(run))
+    (folder / ROUTES).write_text(routes_text(run, ghosts.types if ghosts else ()))
+    if ghosts is not None:
+        np.savez(folder / GHOSTS, **{key: value for key, value in vars(ghosts).items()
+                                     if isinstance(value, np.ndarray)})  # fmt: skip
     files = {key: str(folder / name) for key, name in
              (("poses", "poses.parquet"), ("collisions", "collisions.xml"),
               ("answer", "answer.json"), ("routes", ROUTES))}  # fmt: skip
     job: dict[str, Any] = {
         "net": str(network.file), **files, "warm": run.warm, "duration": run.duration,
         "step": run.step, "seed": run.seed % (1 << 31), "patience": PATIENCE, "stuck": STUCK,
-        "blocked": BLOCKED,
+        "blocked": BLOCKED, "ghosts": str(folder / GHOSTS) if ghosts is not None else "",
         "groups": [
             {"edges": group.edges, "target": group.target,
              "trips": [_trip(trip, run.looks) for trip in group.trips]}
@@ -285,9 +333,9 @@ def _trip(trip: Trip, looks: Sequence[Look]) -> dict[str, Any]:
             "entry": trip.entry, "rolling": trip.rolling}  # fmt: skip
 
 
-def routes_text(run: Run) -> str:
+def routes_text(run: Run, types: Sequence[str] = ()) -> str:
     """Return types, vehicles with a time of their own, and people as SUMO's XML, in time."""
-    lines = [_type(look) for look in run.looks]
+    lines = [*(type_text(look) for look in run.looks), *types]
     timed = []
     for trip in run.trips:
         at = run.warm + (trip.depart or 0.0)
@@ -302,7 +350,8 @@ def routes_text(run: Run) -> str:
     return "<routes>\n" + "\n".join(lines) + "\n</routes>\n"
 
 
-def _type(look: Look) -> str:
+def type_text(look: Look) -> str:
+    """Return the type of a look as SUMO's XML."""
     drive = DRIVING[look.kind]
     length, width, height = look.size
     wanted = {} if look.speed is None else {"speedFactor": "9", "speedDev": "0"}

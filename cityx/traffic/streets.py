@@ -8,7 +8,7 @@ junction here, and lanes end where one halts: before the zebra.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
@@ -21,6 +21,7 @@ from cityx.geometry.identity import id_text
 from cityx.geometry.polylines import (
     Polylines,
     arc_lengths,
+    locate,
     miters,
     pieces,
     to_linestrings,
@@ -37,7 +38,13 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 SHORTEST = 5.0  # metres, a car: shorter lanes belong to the junction
-PASSING = 4.0  # metres of a lane for both ways on which two cars pass each other
+PASSING = 4.4  # metres of a lane for both ways on which two cars pass each other
+OVERLAP = 0.2  # metres from the side of a lane that no vehicle needs
+REACHED = 6.0  # metres from the end of a lane within which it lies on another for that end's sake
+LONGEST_SHARED = 80.0  # metres of lanes that become part of a junction since they share ground
+HALF_BODY = 0.95  # metres from the middle of a car to its side
+BRUSHED = 1.5  # square metres in which two bodies may touch before one of their lanes is closed
+STOREY = 2.5  # metres of height that part two streets
 LONGEST_CHAIN = 12  # short lanes that one way across a junction runs over at most
 BESIDE = 0.3  # metres between two lanes over which one still changes from one to the other
 
@@ -55,11 +62,20 @@ class Halts:
         (n,) bool, whether signals rule a node of the network.
     rank
         (e,) int64, the higher the more important; traffic from lower ranks gives way.
+    zebra
+        (e, 2) bool, whether people cross an edge near its start and its end.
+    zebra_at
+        (e, 2) float64, metres from that end to the middle of where they cross.
+    zebra_width
+        (e,) float64, metres along the street that they cross on.
     """
 
     gap: FloatArray
     signals: BoolArray
     rank: IntArray
+    zebra: BoolArray
+    zebra_at: FloatArray
+    zebra_width: FloatArray
 
 
 @dataclass(frozen=True)
@@ -80,6 +96,8 @@ class Lane:
         (k, 3) float64, its middle in the direction of travel.
     narrow
         Whether it is driven in both directions and two cars cannot pass each other on it.
+    closed
+        Whether nobody drives on it, since it lies on a lane of another street.
     """
 
     row: int
@@ -88,6 +106,7 @@ class Lane:
     speed: float
     shape: FloatArray
     narrow: bool
+    closed: bool = False
 
     @property
     def length(self) -> float:
@@ -147,6 +166,32 @@ class Link:
 
 
 @dataclass(frozen=True)
+class Crossing:
+    """A place where people cross a street before a junction.
+
+    Attributes
+    ----------
+    edge, end
+        Of the network, and which end of it, 0 or 1.
+    junction
+        That it belongs to.
+    ways
+        Ways that are crossed.
+    width
+        Metres along the street.
+    shape
+        (2, 3) float64, from kerb to kerb, counter-clockwise round the junction.
+    """
+
+    edge: int
+    end: int
+    junction: int
+    ways: tuple[int, ...]
+    width: float
+    shape: FloatArray
+
+
+@dataclass(frozen=True)
 class Streets:
     """What a simulator knows of the streets of a city.
 
@@ -156,6 +201,8 @@ class Streets:
         The ways.
     links
         The links between their lanes.
+    crossings
+        Where people cross.
     place
         (j, 3) float64, the junctions.
     signals
@@ -166,6 +213,7 @@ class Streets:
 
     ways: tuple[Way, ...]
     links: tuple[Link, ...]
+    crossings: tuple[Crossing, ...]
     place: FloatArray
     signals: BoolArray
     left_hand: bool
@@ -189,21 +237,22 @@ def streets_of(city: City, halts: Halts) -> Streets:
     network, graph = city.network, city.lanes
     assert network is not None
     assert graph is not None
-    lines = _lane_lines(network, graph, halts)
-    length = arc_lengths(lines)[1]
     moving = np.asarray(graph.travelled & (graph.direction != 0))
-    longest = np.zeros(network.edge_count)
-    np.maximum.at(longest, graph.edge[moving], length[moving])
-    short = longest < SHORTEST
-    junction = components(network.edge_nodes[short].astype(np.int64), len(network.node_position))
-    _, junction = np.unique(junction, return_inverse=True)
     heights = _Heights(city, network)
+    lines = _lane_lines(network, graph, halts.gap)
+    short, junction = _short_edges(network, graph, lines, moving)
+    gap = np.maximum(halts.gap, _shared_ground(network, graph, lines, moving & ~short[graph.edge],
+                                               junction, heights) + halts.gap)  # fmt: skip
+    lines = _lane_lines(network, graph, gap)
+    short, junction = _short_edges(network, graph, lines, moving)
     open_lane = moving & ~short[graph.edge]
-    ways, place_of = _ways(network, graph, lines, open_lane, junction, halts, heights)
+    closed = _closed(graph, lines, open_lane, halts.rank, heights)
+    ways, place_of = _ways(network, graph, lines, open_lane, closed, junction, halts.rank, heights)
     links = _links(graph, lines, open_lane, place_of, ways, moving)
+    crossings = _crossings(network, halts, ways, heights)
     place, signals = _junctions(city, network, junction, halts)
     left_hand = bool(network.left_hand.any())
-    return _unlooped(Streets(ways, links, place, signals, left_hand))
+    return _unlooped(Streets(ways, links, crossings, place, signals, left_hand))
 
 
 def _junctions(
@@ -222,11 +271,15 @@ def _junctions(
 
 
 def _unlooped(streets: Streets) -> Streets:
-    """Divide ways that lead back to where they come from: no simulator knows such edges."""
+    """Divide ways that lead back to where they come from: no simulator knows such edges.
+
+    Nobody crosses them, for both their ends lie at one junction.
+    """
     ways, links, place = list(streets.ways), list(streets.links), list(streets.place)
-    for number, way in enumerate(streets.ways):
-        if way.source != way.target:
-            continue
+    looped = {number for number, way in enumerate(streets.ways) if way.source == way.target}
+    crossings = tuple(each for each in streets.crossings if looped.isdisjoint(each.ways))
+    for number in sorted(looped):
+        way = ways[number]
         halves = [_halves(lane.shape) for lane in way.lanes]
         near = tuple(replace(lane, shape=a) for lane, (a, _) in zip(way.lanes, halves, strict=True))
         far = tuple(replace(lane, shape=b) for lane, (_, b) in zip(way.lanes, halves, strict=True))
@@ -238,8 +291,8 @@ def _unlooped(streets: Streets) -> Streets:
         ways.append(replace(way, name=f"{way.name}#", source=len(place), lanes=far))
         place.append(far[-1].shape[0])
     signals = np.r_[streets.signals, np.zeros(len(place) - len(streets.place), bool)]
-    return replace(streets, ways=tuple(ways), links=tuple(links), place=np.array(place),
-                   signals=signals)  # fmt: skip
+    return replace(streets, ways=tuple(ways), links=tuple(links), crossings=crossings,
+                   place=np.array(place), signals=signals)  # fmt: skip
 
 
 def _halves(shape: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -250,7 +303,100 @@ def _halves(shape: FloatArray) -> tuple[FloatArray, FloatArray]:
     return near, far
 
 
-def _lane_lines(network: RoadNetwork, graph: LaneGraph, halts: Halts) -> Polylines:
+def _short_edges(
+    network: RoadNetwork, graph: LaneGraph, lines: Polylines, moving: BoolArray
+) -> tuple[BoolArray, IntArray]:
+    """(e,) edges that belong to junctions, and (n,) the junction of each node."""
+    longest = np.zeros(network.edge_count)
+    np.maximum.at(longest, graph.edge[moving], arc_lengths(lines)[1][moving])
+    short = longest < SHORTEST
+    junction = components(network.edge_nodes[short].astype(np.int64), len(network.node_position))
+    return short, np.unique(junction, return_inverse=True)[1]
+
+
+def _shared_ground(
+    network: RoadNetwork, graph: LaneGraph, lines: Polylines, chosen: BoolArray,
+    junction: IntArray, heights: _Heights,
+) -> FloatArray:  # fmt: skip
+    """(e, 2) metres from each end over which lanes lie on those of another edge that meets there.
+
+    Where streets part at a small angle their lanes share ground far beyond the junction.
+    """
+    rows = np.flatnonzero(chosen)
+    found = np.zeros((network.edge_count, 2))
+    middle = to_linestrings(lines)[rows]
+    half = np.maximum((graph.left - graph.right)[rows] / 2 - OVERLAP, OVERLAP)
+    strips = shapely.buffer(middle, half, cap_style="flat")
+    one, other = shapely.STRtree(strips).query(strips, predicate="intersects")
+    edge = graph.edge[rows]
+    apart = edge[one] != edge[other]
+    one, other = one[apart], other[apart]
+    ends = junction[network.edge_nodes]  # (e, 2)
+    for side in (0, 1):
+        meets = (ends[edge[one], side, None] == ends[edge[other]]).any(axis=1)
+        a, b = one[meets], other[meets]
+        ahead = (graph.direction[rows[a]] > 0) == (side == 0)
+        pieces_, owner = shapely.get_parts(
+            shapely.intersection(strips[a], strips[b]), return_index=True
+        )
+        points, piece = shapely.get_coordinates(pieces_, return_index=True)
+        if not len(points):
+            continue
+        along = shapely.line_locate_point(middle[a][owner[piece]], shapely.points(points))
+        length = shapely.length(middle[a])[owner[piece]]
+        away = np.where(ahead[owner[piece]], along, length - along)
+        near, far = np.full(len(pieces_), np.inf), np.zeros(len(pieces_))
+        np.minimum.at(near, piece, away)
+        np.maximum.at(far, piece, away)
+        size = shapely.length(middle[a])[owner]
+        level = _level(heights, edge.astype(np.int64), a[owner], b[owner], pieces_)
+        joined = (near < REACHED) & level
+        far = np.minimum(far, np.minimum(LONGEST_SHARED, size))
+        np.maximum.at(found[:, side], edge[a[owner[joined]]], far[joined])
+    return found
+
+
+def _closed(
+    graph: LaneGraph, lines: Polylines, chosen: BoolArray, rank: IntArray, heights: _Heights
+) -> BoolArray:
+    """(l,) lanes that are closed since they lie on one of another street, the lesser of the two.
+
+    Maps draw the sides of a street nearer to each other than their lanes are wide. The lane of the
+    side with more of them is closed, else that of the lower rank.
+    """
+    closed = np.zeros(graph.count, bool)
+    rows = np.flatnonzero(chosen)
+    middle = to_linestrings(lines)[rows]
+    bodies = shapely.buffer(middle, HALF_BODY, cap_style="flat")
+    one, other = shapely.STRtree(bodies).query(bodies, predicate="intersects")
+    edge = graph.edge[rows].astype(np.int64)
+    kept = (one < other) & (edge[one] != edge[other])
+    one, other = one[kept], other[kept]
+    ground = shapely.intersection(bodies[one], bodies[other])
+    kept = shapely.area(ground) > BRUSHED
+    kept[kept] &= _level(heights, edge, one[kept], other[kept], ground[kept])
+    side = edge * 2 + (graph.direction[rows] > 0)
+    lanes = np.bincount(side)
+    for a, b in zip(one[kept].tolist(), other[kept].tolist(), strict=True):
+        if closed[rows[[a, b]]].any():
+            continue
+        keys = [(lanes[side[each]], -rank[edge[each]], each) for each in (a, b)]
+        lesser = max(keys)[2]
+        closed[rows[lesser]] = True
+        lanes[side[lesser]] -= 1
+    return closed
+
+
+def _level(
+    heights: _Heights, edge: IntArray, one: IntArray, other: IntArray, shapes: NDArray[Any]
+) -> BoolArray:
+    """(k,) whether two edges lie at one height where their lanes meet."""
+    at = shapely.get_coordinates(shapely.centroid(shapes))
+    z = [heights.lifted(edge[side], at)[:, 2] for side in (one, other)]
+    return np.asarray(np.abs(z[0] - z[1]) < STOREY)
+
+
+def _lane_lines(network: RoadNetwork, graph: LaneGraph, gap: FloatArray) -> Polylines:
     """Middles of lanes from where one has crossed to where one halts, in the direction of travel.
 
     Where two cars pass each other on a lane for both ways, each keeps to its side of it.
@@ -262,10 +408,10 @@ def _lane_lines(network: RoadNetwork, graph: LaneGraph, halts: Halts) -> Polylin
     moved = Polylines(lines.points + miters(lines) * side[owner][:, None], lines.start)
     length = arc_lengths(moved)[1]
     ahead = graph.direction >= 0
-    begin = np.where(ahead, halts.gap[graph.edge, 0], halts.gap[graph.edge, 1])
-    end = np.where(ahead, halts.gap[graph.edge, 1], halts.gap[graph.edge, 0])
-    # A street too short for its zebras keeps its middle, so that the two ends never cross.
-    scale = np.minimum(1.0, 0.5 * length / np.maximum(np.maximum(begin, end), 1e-9))
+    begin = np.where(ahead, gap[graph.edge, 0], gap[graph.edge, 1])
+    end = np.where(ahead, gap[graph.edge, 1], gap[graph.edge, 0])
+    # Of a street too short for both its ends nothing is left, so that it belongs to the junction.
+    scale = np.minimum(1.0, length / np.maximum(begin + end, 1e-9))
     whole = np.arange(graph.count)
     return pieces(moved, whole, begin * scale, length - end * scale)
 
@@ -300,7 +446,7 @@ class _Heights:
 
 def _ways(
     network: RoadNetwork, graph: LaneGraph, lines: Polylines, open_lane: BoolArray,
-    junction: IntArray, halts: Halts, heights: _Heights,
+    closed: BoolArray, junction: IntArray, rank: IntArray, heights: _Heights,
 ) -> tuple[tuple[Way, ...], dict[int, tuple[int, int]]]:  # fmt: skip
     """Gather lanes to ways; also say which way and place on it each lane of the graph has."""
     owner = lines.line_of_point()
@@ -332,14 +478,15 @@ def _ways(
                 shapes.append(shape[::-1] if walk[row] and direction < 0 else shape)
             lanes = tuple(
                 Lane(row, str(names[graph.kind[row]]), float(width[row]),
-                     float(graph.speed[row]) / 3.6, shape, bool(narrow[row]))
+                     float(graph.speed[row]) / 3.6, shape, bool(narrow[row]),
+                     bool(closed[row]))
                 for row, shape in zip(ordered.tolist(), shapes, strict=True)
             )  # fmt: skip
             place_of |= {row: (len(ways), k) for k, row in enumerate(ordered.tolist())}
             ends = network.edge_nodes[edge][:: 1 if direction > 0 else -1]
             ways.append(
                 Way(("" if direction > 0 else "-") + id_text(int(network.edge_id[edge])), edge,
-                    int(junction[ends[0]]), int(junction[ends[1]]), int(halts.rank[edge]), lanes,
+                    int(junction[ends[0]]), int(junction[ends[1]]), int(rank[edge]), lanes,
                     _apart(graph, ordered))
             )  # fmt: skip
     return tuple(ways), place_of
@@ -385,7 +532,54 @@ def _links(
             source, target = place_of[lane], place_of[goal]
             ends = ways[source[0]].lanes[source[1]].shape, ways[target[0]].lanes[target[1]].shape
             links.append(Link(source, target, _risen(found[goal][1], ends)))
-    return tuple(links)
+    return _merged(links)
+
+
+def _merged(links: list[Link]) -> tuple[Link, ...]:
+    """Let one lane of a way alone lead into each lane of the next: before, the others merge.
+
+    Nobody gives way within one stream of traffic, so two lanes that lead into one would run into
+    each other. The lane with the fewest other ways on keeps its own.
+    """
+    choices = np.unique([link.source for link in links], axis=0, return_counts=True)
+    others = dict(zip(map(tuple, choices[0].tolist()), choices[1].tolist(), strict=True))
+    best: dict[tuple[int, tuple[int, int]], Link] = {}
+    for link in links:
+        key = (link.source[0], link.target)
+        if key not in best or others[link.source] < others[best[key].source]:
+            if key in best:
+                others[best[key].source] -= 1
+            best[key] = link
+        else:
+            others[link.source] -= 1
+    kept = {id(link) for link in best.values()}
+    return tuple(link for link in links if id(link) in kept)
+
+
+def _crossings(
+    network: RoadNetwork, halts: Halts, ways: tuple[Way, ...], heights: _Heights
+) -> tuple[Crossing, ...]:
+    """Place where people cross before the junctions of ways."""
+    own: dict[int, list[int]] = {}
+    for number, way in enumerate(ways):
+        own.setdefault(way.edge, []).append(number)
+    found = []
+    length = arc_lengths(heights.lines)[1]
+    for edge, end in np.argwhere(halts.zebra).tolist():
+        if edge not in own:
+            continue  # the whole street lies within a junction
+        first = ways[own[edge][0]]
+        onward = not first.name.startswith("-")
+        junction = first.source if (end == 0) == onward else first.target
+        along = halts.zebra_at[edge, end] if end == 0 else length[edge] - halts.zebra_at[edge, end]
+        middle, ahead = locate(heights.lines, [edge], [along])
+        left = np.array([-ahead[0, 1], ahead[0, 0]]) * network.half_width[edge]
+        # Counter-clockwise about the junction one comes from the right of who looks away from it.
+        ends = np.stack([middle[0] - left, middle[0] + left])
+        shape = heights.lifted(np.full(2, edge), ends if end == 0 else ends[::-1])
+        found.append(Crossing(edge, end, junction, tuple(own[edge]),
+                              float(halts.zebra_width[edge]), np.round(shape, 3)))  # fmt: skip
+    return tuple(found)
 
 
 def _line(lines: Polylines, row: int) -> FloatArray:

@@ -15,6 +15,8 @@ def halts_of(city: City) -> Halts:
     network = city.network
     assert network is not None
     street = street_of(city.layout, network, bands_of(city.layout, network))
-    zebra = street.setback + street.depth[:, None] + BEFORE
-    rank = len(RANK) - street.rank
-    return Halts(np.where(network.crossing, zebra, 0.0), street.signalled, rank)
+    halt = street.setback + street.depth[:, None] + BEFORE
+    return Halts(
+        np.where(network.crossing, halt, 0.0), street.signalled, len(RANK) - street.rank,
+        network.crossing, network.trim + street.setback + street.depth[:, None] / 2, street.depth,
+    )  # fmt: skip

@@ -90,7 +90,8 @@ def traffic(
     trips = tuple(trip for group in demand.groups for trip in group.trips)
     found = driven(city, streets, run, movers_of(trips, demand.looks, city.seed), ACTION)
     changed = with_tracks(city, found.tracks, ACTION)
-    return replace(changed, notes=(*_without_own(city), *told(found.outcome)))
+    notes = (*_without_own(city), *told(found.outcome))
+    return replace(changed, signals=found.signals, notes=notes)
 
 
 def _without_own(city: City) -> tuple[str, ...]:
