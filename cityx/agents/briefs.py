@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cityx.agents.brief import Brief, read_note
+from cityx.agents.naming import names_of, renamed, with_ids
 from cityx.agents.options import BuildOptions, slots_of
 from cityx.agents.planning.asked import slots_of_brief
 from cityx.agents.roles import BriefMaker, OfflineBriefMaker
@@ -89,6 +90,7 @@ def read_request(
     *,
     base: bool = False,
     maker: BriefMaker | None = None,
+    city: City | None = None,
 ) -> Request:
     """Read the instruction of a build or of a change.
 
@@ -102,6 +104,8 @@ def read_request(
         Whether a city exists that is to be changed.
     maker
         Who reads the instruction; rules when None.
+    city
+        The one that is to be changed: the names of its things are known.
 
     Raises
     ------
@@ -116,14 +120,19 @@ def read_request(
     notes = [path for path, kind in items if kind == "text"]
     if not options.text and not notes:
         return Request(Brief(), _checked(slots_of(options)))
+    names = names_of(city) if city is not None else ()
+    text, meant = with_ids(options.text, names)
     brief = (maker or OfflineBriefMaker()).read(
-        options.text,
+        text,
         inputs=[(path.name, kind) for path, kind in items],
         base=base,
         options=_said(options),
     )
+    brief = renamed(brief, options.text, meant)
     for path in notes:
-        brief = brief.joined(read_note(_text_of(path), base=base))
+        said = _text_of(path)
+        text, meant = with_ids(said, names)
+        brief = brief.joined(renamed(read_note(text, base=base), said, meant))
     if brief.conflicts or brief.questions:
         raise Clarify(brief)
     return Request(brief, _checked({**slots_of_brief(brief), **slots_of(options)}))

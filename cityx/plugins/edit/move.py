@@ -10,6 +10,7 @@ import numpy as np
 from cityx.city.city import City
 from cityx.city.scene import Instances
 from cityx.plugins.edit.footing import moved_pieces, moved_points
+from cityx.plugins.edit.settling import settled
 from cityx.plugins.edit.standing import reshaped
 from cityx.plugins.edit.targets import targets_of
 from cityx.protocol import ObjectName, Port, Range, action
@@ -29,13 +30,14 @@ FURTHEST = 100_000.0  # metres; nothing is moved farther than a city is large
     gives=(Port("object", "complex_geometry"),),
     labels=("move", "shift", "drag", "relocate", "push"),
     serves=(Serves("edit=move", "offset"),),
-    binds={"objects": "objects", "offset": "offset"},
+    binds={"objects": "objects", "offset": "offset", "settle": "settle"},
 )
 def move(
     city: City,
     *,
     objects: Annotated[tuple[str, ...], ObjectName()],
     offset: Annotated[tuple[float, float], Range(-FURTHEST, FURTHEST)],
+    settle: Annotated[float, Range(0.0, 50.0)] = 0.0,
     anywhere: bool = False,
 ) -> City:
     """Move objects, everything they own with them.
@@ -48,11 +50,15 @@ def move(
         Buildings, and things that stand or move about.
     offset
         Metres to the east and to the north.
+    settle
+        Metres from there at which they may stand where there is no room: the nearest is taken.
     anywhere
         Whether things may be put where such things do not stand, as an artist may wish.
     """
     found = targets_of(city, objects)
     way = np.asarray(offset, float)
+    if settle and not anywhere:
+        way = settled(city, found, way, settle)
     if len(found.buildings):
         city = reshaped(city, found.buildings, lambda points: points + way)
     if len(found.pieces):

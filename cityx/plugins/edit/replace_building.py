@@ -21,6 +21,7 @@ from cityx.plugins.edit.targets import buildings_named
 from cityx.protocol import Choice, Color, ObjectName, Port, Range, action
 from cityx.protocol.serving import Serves
 
+SAID = ("building.type",)  # what a sentence says of the new building
 SPACIOUS = 1.5  # times the largest usual plot, from which a footprint is drawn in to it
 # Word of a kind of building -> its generator, where that has another name.
 KINDS: Mapping[str, str] = MappingProxyType(
@@ -50,7 +51,7 @@ USES: Mapping[str, str] = MappingProxyType(
     takes=(Port("object", "complex_geometry"),),
     gives=(Port("object", "complex_geometry"),),
     labels=("replace", "rebuild", "turn into", "instead"),
-    serves=(Serves("edit=replace", "family=building"),),
+    serves=tuple(Serves("edit=replace", "family=building", said) for said in SAID),
     binds={
         "objects": "objects", "kind": "building.type", "floors": "building.floors",
         "height": "building.height", "material": "material", "color": "rgb", "style": "style",

@@ -8,7 +8,7 @@ from cityx.assets.palette_tables import WALL_WORDS
 from cityx.city.city import City
 from cityx.plugins.edit.designing import Wish, redesigned
 from cityx.plugins.edit.targets import buildings_named
-from cityx.protocol import Choice, ObjectName, Port, action
+from cityx.protocol import Choice, Color, ObjectName, Port, Range, action
 from cityx.protocol.serving import Serves
 
 WORDS = tuple(sorted({word for row in WALL_WORDS.values() for word in row.split()}))
@@ -21,15 +21,16 @@ WORDS = tuple(sorted({word for row in WALL_WORDS.values() for word in row.split(
     gives=(Port("object", "complex_geometry"),),
     labels=("material", "brick", "glass", "stone", "clad"),
     serves=(Serves("edit=set_material", "family=building"),),
-    binds={"objects": "objects", "material": "material"},
+    binds={"objects": "objects", "material": "material", "color": "rgb"},
 )
 def set_material(
     city: City,
     *,
     objects: Annotated[tuple[str, ...], ObjectName()],
     material: Annotated[str, Choice(*WORDS)],
+    color: Annotated[int | None, Color(), Range(0, 0xFFFFFF)] = None,
 ) -> City:
-    """Build walls of another material, in its own colours.
+    """Build walls of another material.
 
     Parameters
     ----------
@@ -39,5 +40,8 @@ def set_material(
         The buildings.
     material
         What the walls are of, in the words of building:material.
+    color
+        0xRRGGBB, sRGB; the usual colours of the material when left out.
     """
-    return redesigned(city, buildings_named(city, objects), Wish(material=material))
+    wish = Wish(material=material, color=None if color is None else int(color))
+    return redesigned(city, buildings_named(city, objects), wish)

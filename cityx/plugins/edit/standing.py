@@ -20,6 +20,8 @@ from cityx.plugins.edit.rebuilding import Ids, buildings_of, rebuilt
 FloatArray = NDArray[np.float64]
 Reshape = Callable[[FloatArray], FloatArray]
 
+BETWEEN = 2.0  # metres from a building that finds its own place to the next
+WALKS = ("sidewalk", "kerb", "furnishing", "water")  # what it leaves free besides roadways
 SHARED = 0.5  # square metres by which buildings may overlap, as in a clean city
 ON_STREET = 1.0  # square metres of a building on a carriageway
 
@@ -82,6 +84,20 @@ def _check_room(city: City, ids: Ids) -> None:
         raise ActionFailed(f"There is no room: {'; '.join(said)}.")
 
 
+def room_for(city: City, shapes: NDArray[Any], but: Ids) -> NDArray[np.bool_]:
+    """(n,) whether footprints have room: in the site, beside buildings and streets."""
+    free = np.asarray(shapely.covers(shapely.box(*city.layout.extent), shapes), bool)
+    table = city.layout.buildings
+    others = table.geometry.to_numpy()[~np.isin(table["id"].to_numpy(np.uint64), but)]
+    place, _ = shapely.STRtree(others).query(shapes, predicate="dwithin", distance=BETWEEN)
+    free[place] = False
+    if city.ground is not None:
+        ground = city.ground
+        street = shapely.polygons(ground.vertices[ground.triangles_of(*ROADWAY, *WALKS)])
+        free[shapely.STRtree(street).query(shapes, predicate="intersects")[0]] = False
+    return free
+
+
 def _fault(city: City, shapes: NDArray[Any], number: Ids, row: int) -> str:
     shape = shapes[row]
     if not shapely.covers(shapely.box(*city.layout.extent), shape):
@@ -97,12 +113,22 @@ def _fault(city: City, shapes: NDArray[Any], number: Ids, row: int) -> str:
         on_street = float(shapely.area(shapely.intersection(shape, hit)).sum())
         if on_street > ON_STREET:
             return f"would stand on {on_street:.0f} m2 of the carriageway"
+        wet = city.ground.triangles_of("water")
+        water = shapely.polygons(city.ground.vertices[wet])
+        under = float(shapely.area(shapely.intersection(shape, water)).sum()) if len(wet) else 0.0
+        if under > SHARED:
+            return f"would stand in {under:.0f} m2 of water"
     return ""
 
 
 def _name(city: City, row: int) -> str:
     building = city.layout.buildings.iloc[row]
     return str(building["name"]) or id_text(int(building["id"]))
+
+
+def about(middle: FloatArray, matrix: FloatArray) -> Reshape:
+    """Return what maps (n, 2) points by a (2, 2) matrix, rows times it, about a middle."""
+    return lambda points: np.asarray(middle + (points - middle) @ matrix)
 
 
 def middle_of(city: City, building: int) -> FloatArray:
