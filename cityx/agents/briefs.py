@@ -89,6 +89,7 @@ def read_request(
     *,
     base: bool = False,
     maker: BriefMaker | None = None,
+    names: Iterable[str] = (),
 ) -> Request:
     """Read the instruction of a build or of a change.
 
@@ -102,6 +103,8 @@ def read_request(
         Whether a city exists that is to be changed.
     maker
         Who reads the instruction; rules when None.
+    names
+        What things of the city that is to be changed are called.
 
     Raises
     ------
@@ -121,9 +124,10 @@ def read_request(
         inputs=[(path.name, kind) for path, kind in items],
         base=base,
         options=_said(options),
+        names=names,
     )
     for path in notes:
-        brief = brief.joined(read_note(_text_of(path), base=base))
+        brief = brief.joined(read_note(_text_of(path), base=base, names=names))
     if brief.conflicts or brief.questions:
         raise Clarify(brief)
     return Request(brief, _checked({**slots_of_brief(brief), **slots_of(options)}))

@@ -14,6 +14,7 @@ from cityx.agents.contradictions import contradictions
 from cityx.agents.desk import Desk, Revision
 from cityx.agents.loop import Say, quiet
 from cityx.agents.options import BuildOptions
+from cityx.agents.placing import names_of, protected, slots_of_places
 from cityx.agents.planning.planner import OfflinePlanner
 from cityx.agents.planning.workflow import Item
 from cityx.agents.results import write_report
@@ -83,7 +84,9 @@ def planned(desk: Desk, text: str, files: Sequence[Path] = ()) -> tuple[Request,
     """
     from cityx.protocol.catalogue import known_records
 
-    request = read_request(BuildOptions(text=text), wishes_in(files), base=True)
+    request = read_request(
+        BuildOptions(text=text), wishes_in(files), base=True, names=names_of(desk.city)
+    )
     edits = request.brief.edits
     if any(edit.verb == UNDO for edit in edits):
         if len(edits) > 1:
@@ -135,23 +138,25 @@ def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
     """
     found: list[tuple[Edit, Slots]] = []
     meant: list[tuple[Edit, Selection | None]] = []
+    placed: list[Slots] = []
     questions: list[Question] = []
     for edit in brief.edits:
         try:
             meant.append((edit, chosen_by(edit, city)))
+            placed.append(slots_of_places(edit, city))
         except Open as error:
             questions.append(error.question)
-    questions += contradictions(meant)
+    questions += [*contradictions(meant), *protected(brief, meant, city)]
     if questions:
         raise Clarify(replace(brief, questions=(*brief.questions, *questions)))
-    for edit, chosen in meant:
+    for (edit, chosen), places in zip(meant, placed, strict=True):
         slots: dict[str, tuple[Any, ...]] = {}
         for key, value in edit.items():
             slots[key] = (*slots.get(key, ()), value)
         if chosen is not None:
             slots["objects"] = (tuple(id_text(int(one)) for one in chosen.ids),)
             slots["family"] = (KINDS[chosen.layer.kind],)
-        found.append((edit, slots))
+        found.append((edit, slots | dict(places)))
     return found
 
 

@@ -136,6 +136,9 @@ def _filtered(selector: Selector, node: Node) -> Selector:
     place = node.branch("place")
     if place is not None:
         return _placed(selector, _place(place))
+    spot = node.branch("spot")
+    if spot is not None:  # "the benches from the park"
+        return replace(selector, inside=_spot(spot))
     for item in node.leaves("LIMIT", "ROOF", "MATERIAL", "FLOORS"):
         selector = replace(selector, filters=(*selector.filters, *_conditions(item)))
     return selector
