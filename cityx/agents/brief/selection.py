@@ -50,7 +50,8 @@ def kind_of(noun: Item) -> str:
 
 def is_plural(noun: Item) -> bool:
     """Tell whether a noun stands for several."""
-    last = noun.words[-1]
+    words = [word for word in noun.words if not word.endswith("ed")]  # "cars parked"
+    last = (words or noun.words)[-1]
     return (last.endswith("s") and last not in ("bus", "grass")) or last in (
         "people", "men", "women", "children",
     )  # fmt: skip
