@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cityx.agents.brief import Brief, read_note
+from cityx.agents.naming import names_of
 from cityx.agents.options import BuildOptions, slots_of
 from cityx.agents.planning.asked import slots_of_brief
 from cityx.agents.roles import BriefMaker, OfflineBriefMaker
@@ -89,7 +90,7 @@ def read_request(
     *,
     base: bool = False,
     maker: BriefMaker | None = None,
-    names: Iterable[str] = (),
+    city: City | None = None,
 ) -> Request:
     """Read the instruction of a build or of a change.
 
@@ -103,8 +104,8 @@ def read_request(
         Whether a city exists that is to be changed.
     maker
         Who reads the instruction; rules when None.
-    names
-        What things of the city that is to be changed are called.
+    city
+        The one that is to be changed: the names of its things are known.
 
     Raises
     ------
@@ -119,6 +120,7 @@ def read_request(
     notes = [path for path, kind in items if kind == "text"]
     if not options.text and not notes:
         return Request(Brief(), _checked(slots_of(options)))
+    names = names_of(city) if city is not None else ()
     brief = (maker or OfflineBriefMaker()).read(
         options.text,
         inputs=[(path.name, kind) for path, kind in items],

@@ -9,6 +9,7 @@ import numpy as np
 
 from cityx.agents.brief import Edit, Question
 from cityx.checks.predicates.things import Selection
+from cityx.geometry.roofs import SHAPES
 
 Meant = Sequence[tuple[Edit, Selection | None]]
 # What an object can have but one of; "set_height" and "raise_floors" speak of the same.
@@ -36,6 +37,9 @@ def _two_values(meant: Meant) -> Iterator[Question]:
     for edit, _ in meant:
         for key in dict.fromkeys(key for key, _ in edit.change if key not in _SEVERAL):
             values = dict.fromkeys(str(value) for name, value in edit.change if name == key)
+            shapes = [value for value in values if value in SHAPES]
+            if key == "roof" and len(shapes) == len(values) - 1 == 1:
+                continue  # "a gabled slate roof" has a shape and a covering
             if len(values) > 1:
                 yield Question(f"{' and '.join(values)} cannot both be the {key}; which?",
                                tuple(values))  # fmt: skip

@@ -4,26 +4,21 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from cityx.agents.brief import Brief, Edit, Question
-from cityx.agents.briefs import Clarify, Request, read_request
-from cityx.agents.contradictions import contradictions
+from cityx.agents.brief import Edit
+from cityx.agents.briefs import Request, read_request
+from cityx.agents.changes import slots_of_edits
 from cityx.agents.desk import Desk, Revision
 from cityx.agents.loop import Say, quiet
 from cityx.agents.options import BuildOptions
-from cityx.agents.placing import names_of, protected, slots_of_places
 from cityx.agents.planning.planner import OfflinePlanner
 from cityx.agents.planning.workflow import Item
 from cityx.agents.results import write_report
-from cityx.agents.selecting import Open, chosen_by
-from cityx.checks.predicates.things import Selection
-from cityx.checks.predicates.vocabulary import KINDS
 from cityx.city import City
 from cityx.errors import UsageError
-from cityx.geometry.identity import id_text
+from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.serving import Slots
 
 UNDO = "undo"
@@ -84,9 +79,7 @@ def planned(desk: Desk, text: str, files: Sequence[Path] = ()) -> tuple[Request,
     """
     from cityx.protocol.catalogue import known_records
 
-    request = read_request(
-        BuildOptions(text=text), wishes_in(files), base=True, names=names_of(desk.city)
-    )
+    request = read_request(BuildOptions(text=text), wishes_in(files), base=True, city=desk.city)
     edits = request.brief.edits
     if any(edit.verb == UNDO for edit in edits):
         if len(edits) > 1:
@@ -98,14 +91,40 @@ def planned(desk: Desk, text: str, files: Sequence[Path] = ()) -> tuple[Request,
     for edit, slots in slots_of_edits(request.brief, desk.city):
         found = planner.answers(slots)
         items += found
+        said = f'"{text[slice(*edit.span)]}": ' if not files else ""  # spans are of one text
         if not found:
-            said = f'"{text[slice(*edit.span)]}": ' if not files else ""  # spans are of one text
             faults.append(f"{said}no action does this ({_named(edit)}).")
+        faults += [
+            f"{said}{fault}" for item in found for fault in untaken(planner.records[item.action],
+                                                                   slots, item)
+        ]  # fmt: skip
     if not edits:
         faults.append("The sentence names no change that is understood.")
     if faults:
         raise UsageError("\n".join(faults))
     return request, items
+
+
+def untaken(record: Encapsulation, slots: Slots, item: Item) -> list[str]:
+    """Return why an action takes values that are asked for not at all; it must not run without.
+
+    Parameters
+    ----------
+    record
+        Of the action.
+    slots
+        What is asked for.
+    item
+        The action with the arguments that it takes.
+    """
+    taken = {slot for name, slot in record.binds if name in item.args}
+    faults = []
+    for name, slot in record.binds:
+        if slot in slots and slot not in taken:
+            parameter = next(one for one in record.parameters if one.name == name)
+            faults.append(parameter.fault(slots[slot][0]))
+            taken.add(slot)
+    return faults
 
 
 def wishes_in(files: Sequence[Path]) -> list[tuple[Path, str]]:
@@ -123,41 +142,6 @@ def wishes_in(files: Sequence[Path]) -> list[tuple[Path, str]]:
     if other:
         raise UsageError(f"A city is changed by words: {', '.join(other)}; give .txt or .md.")
     return [(item.path, item.kind) for item in found]
-
-
-def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
-    """Return the changes of a brief, each with what actions take of it.
-
-    Besides what the sentence says, "objects" are the ids of what is meant, as 16 hexadecimal digits
-    each, and "family" is what they are: a family of `cityx.checks.predicates.vocabulary.KINDS`.
-
-    Raises
-    ------
-    Clarify
-        If it is open which objects are meant, or changes contradict each other.
-    """
-    found: list[tuple[Edit, Slots]] = []
-    meant: list[tuple[Edit, Selection | None]] = []
-    placed: list[Slots] = []
-    questions: list[Question] = []
-    for edit in brief.edits:
-        try:
-            meant.append((edit, chosen_by(edit, city)))
-            placed.append(slots_of_places(edit, city))
-        except Open as error:
-            questions.append(error.question)
-    questions += [*contradictions(meant), *protected(brief, meant, city)]
-    if questions:
-        raise Clarify(replace(brief, questions=(*brief.questions, *questions)))
-    for (edit, chosen), places in zip(meant, placed, strict=True):
-        slots: dict[str, tuple[Any, ...]] = {}
-        for key, value in edit.items():
-            slots[key] = (*slots.get(key, ()), value)
-        if chosen is not None:
-            slots["objects"] = (tuple(id_text(int(one)) for one in chosen.ids),)
-            slots["family"] = (KINDS[chosen.layer.kind],)
-        found.append((edit, slots | dict(places)))
-    return found
 
 
 def _named(edit: Edit) -> str:

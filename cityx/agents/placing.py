@@ -12,7 +12,6 @@ from cityx.agents.selecting import Open, choose
 from cityx.checks.predicates.things import Selection
 from cityx.city import City
 from cityx.geometry.identity import id_text
-from cityx.protocol.preconditions import TABLES
 from cityx.protocol.serving import Slots
 
 # Words of a change that name a place -> the slot with the ids of what is meant.
@@ -41,16 +40,6 @@ def slots_of_places(edit: Edit, city: City) -> Slots:
 
 def _members(chosen: Selection) -> Any:
     return chosen.layer.members(chosen.rows)
-
-
-def names_of(city: City) -> tuple[str, ...]:
-    """Return what things of a city are called, each name once."""
-    names: dict[str, None] = {}
-    for table in TABLES:
-        rows = getattr(city.layout, table)
-        if "name" in rows:
-            names |= dict.fromkeys(str(name) for name in rows["name"].tolist() if name)
-    return tuple(names)
 
 
 def protected(

@@ -37,7 +37,7 @@ SHOWN = 6  # candidates that a question lists
 MOST_BY_FILE = 0.2  # of the things of a kind, that a file may have removed or replaced
 TAKES_AWAY = ("remove", "replace")
 LOOKS = ("set_style", "set_material", "set_color", "set_roof")
-_SIDES: Mapping[str, tuple[float, float]] = MappingProxyType(
+SIDES: Mapping[str, tuple[float, float]] = MappingProxyType(
     {
         "north": (0.0, 1.0), "east": (1.0, 0.0), "south": (0.0, -1.0), "west": (-1.0, 0.0),
         "northeast": (1.0, 1.0), "southeast": (1.0, -1.0),
@@ -251,6 +251,11 @@ def region_of(word: str, facts: Facts) -> Any:
     """
     if kind_named(word) == "center":
         return facts.region("center")
+    return shapely.union_all(shapely.make_valid(_place(word, facts).grounds))
+
+
+def _place(word: str, facts: Facts) -> Selection:
+    """Return the things that a place is called after."""
     text = things(word)
     try:
         chosen = facts.select(group_of(text)) if text else facts.named(word)
@@ -258,7 +263,7 @@ def region_of(word: str, facts: Facts) -> Any:
         chosen = None
     if chosen is None or not len(chosen.rows):
         raise Open(f"There is no {word.replace('_', ' ')} in the city.")
-    return shapely.union_all(shapely.make_valid(chosen.grounds))
+    return chosen
 
 
 def distance_to(word: str, chosen: Selection, facts: Facts) -> FloatArray:
@@ -283,7 +288,7 @@ def _along(word: str, chosen: Selection, facts: Facts) -> BoolArray:
     flat = KINDS[chosen.layer.kind] in ("building", "land")
     near = away <= (LINED if flat else ROADSIDE)
     streets = facts.layer("road")
-    if not len(streets.ids) or KINDS.get(kind_named(things(word).partition(",")[0])) != "road":
+    if not len(streets.ids) or _place(word, facts).layer.kind != "road":
         return np.asarray(near, bool)
     tree = shapely.STRtree(streets.grounds)
     _, least = tree.query_nearest(chosen.shapes, return_distance=True, all_matches=False)
@@ -292,7 +297,7 @@ def _along(word: str, chosen: Selection, facts: Facts) -> BoolArray:
 
 def _beside(selector: Selector, chosen: Selection, facts: Facts) -> BoolArray:
     """Whether things lie on a side of something, or of the site."""
-    way = np.array(_SIDES[selector.side.replace("_", "")])
+    way = np.array(SIDES[selector.side.replace("_", "")])
     middle = shapely.centroid(chosen.shapes)
     at = shapely.get_coordinates(middle)
     if not selector.of:
@@ -357,7 +362,7 @@ def _rank_value(selector: Selector, chosen: Selection, facts: Facts) -> FloatArr
     rank = selector.rank
     if rank in _MOST:
         at = shapely.get_coordinates(shapely.centroid(chosen.shapes))
-        return np.asarray(-at @ np.array(_SIDES[_MOST[rank]]))
+        return np.asarray(-at @ np.array(SIDES[_MOST[rank]]))
     if rank in ("nearest", "farthest"):
         word = selector.near or selector.inside or selector.of or selector.along
         if not word:

@@ -12,10 +12,10 @@ from typing import Any, Protocol
 from cityx.agents.brief import Brief
 from cityx.agents.briefs import Clarify, Request, read_request
 from cityx.agents.build import build
+from cityx.agents.changes import slots_of_edits
 from cityx.agents.desk import Desk
-from cityx.agents.edit import edit_city, slots_of_edits
+from cityx.agents.edit import edit_city
 from cityx.agents.options import BuildOptions, PlannerChoice
-from cityx.agents.placing import names_of
 from cityx.agents.planning.asked import slots_of_brief
 from cityx.agents.planning.planner import OfflinePlanner, Situation
 from cityx.bench.outcome import Outcome, Workplace, acted, fault_of
@@ -127,8 +127,8 @@ class Offline:
         options = _options(place, place.task.text)
         try:
             files = [(item.path, item.kind) for item in sort_inputs(place.files).all]
-            names = names_of(place.start) if place.based else ()
-            request = read_request(options, files, base=place.based, names=names)
+            known = place.start if place.based else None
+            request = read_request(options, files, base=place.based, city=known)
             unsupported = _planned(place, request, files)
         except Clarify as error:
             return _asked_back(place, error.brief, time.perf_counter() - begin)

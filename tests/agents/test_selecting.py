@@ -4,8 +4,8 @@ import pytest
 
 from cityx.agents.brief import Edit, Selector, read_brief
 from cityx.agents.briefs import Clarify
+from cityx.agents.changes import slots_of_edits
 from cityx.agents.contradictions import contradictions
-from cityx.agents.edit import slots_of_edits
 from cityx.agents.selecting import Open, choose, chosen_by
 
 

@@ -32,7 +32,7 @@ from cityx.city.mesh import MeshBatch
 
 POINTS = 0.02  # of a share of the ground under buildings, by which it may be missed
 AGREES = 0.25  # metres between the height of the layout and that of the shell
-UPRIGHT = 0.5  # vertical part of a normal below which a face is a wall
+UPRIGHT = 0.2  # vertical part of a normal below which a face is a wall; a mansard is a roof
 ASSETS = "building_assets"
 
 

@@ -29,6 +29,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 PAINT = "plaster"
+LOOKS = ("roof:", "building:material", "building:colour", "building:color")  # tags of a look
 BOARDS = ("wood", "timber", "weatherboard")
 LOWEST, HIGHEST = 2.2, 1000.0  # metres of a building
 CLOSE = 0.005  # of a height, by which what is built may miss what is asked
@@ -70,6 +71,11 @@ class Wish:
     roof: str | None = None
     roof_material: str | None = None
     roof_color: int | None = None
+
+    @property
+    def replaces_look(self) -> bool:
+        """Whether buildings become others, of materials and under roofs of their own."""
+        return self.generator is not None or self.style is not None
 
     @property
     def changes_form(self) -> bool:
@@ -166,7 +172,7 @@ def _merged(whole: Layout, small: Layout, ids: Ids) -> Layout:
 def _finished(layout: Layout, wish: Wish) -> Layout:
     """Say of every part what it is built and covered with."""
     parts = layout.parts
-    if wish.style is not None:  # a style is of its own materials
+    if wish.replaces_look:
         parts = parts.assign(wall_material="", wall_color=np.int32(-1))
         parts = parts.assign(roof_material="", roof_color=np.int32(-1))
     said = {
@@ -203,7 +209,7 @@ def _typed(table: GeoDataFrame, like: GeoDataFrame) -> GeoDataFrame:
 def _formed(city: City, layout: Layout, wish: Wish) -> Layout:
     """Give buildings heights, storeys, roofs and generators, and grow their volumes."""
     old = layout.buildings
-    wanted = np.where(_grown(layout), True, wish.generator is not None or wish.style is not None)
+    wanted = _grown(layout) | wish.replaces_look
     sized = _sized(old, wish)
     mapped = _stretched(layout, sized, wish, ~wanted)
     if not wanted.any():
@@ -217,8 +223,7 @@ def _formed(city: City, layout: Layout, wish: Wish) -> Layout:
     kinds = generators()
     massive = np.array([bool(kinds[name].mass) for name in named["generator"].to_numpy(str)[rows]])
     roads = replace(drawn, roads=city.layout.roads)
-    new = wish.generator is not None or wish.style is not None
-    grown, _ = grown_by(roads, rows[massive], city.seed, free=new)
+    grown, _ = grown_by(roads, rows[massive], city.seed, free=wish.replaces_look)
     if wish.roof is not None:
         grown = _with_roof(grown, drawn, wish.roof)
     return replace(grown, roads=layout.roads)
@@ -242,6 +247,8 @@ def _sized(buildings: GeoDataFrame, wish: Wish) -> GeoDataFrame:
     height = buildings["height"].to_numpy(float).copy()
     levels = buildings["levels"].to_numpy(np.int64).copy()
     storey = height / np.maximum(levels, 1)
+    if wish.generator is not None:
+        storey = np.full(len(levels), generators()[wish.generator].storey)
     tags = [json.loads(text or "{}") for text in buildings["tags"].to_numpy(str).tolist()]
     if wish.floors is not None:
         levels = np.maximum(wish.floors, 1)
@@ -251,6 +258,8 @@ def _sized(buildings: GeoDataFrame, wish: Wish) -> GeoDataFrame:
         if wish.floors is None:
             levels = np.maximum(np.round(height / storey), 1).astype(np.int64)
     for row, own in enumerate(tags):
+        if wish.replaces_look:
+            tags[row] = own = {key: own[key] for key in own if not key.startswith(LOOKS)}
         if wish.floors is not None or wish.height is not None:
             own["building:levels"] = str(int(levels[row]))
             own.pop("height", None)
