@@ -247,7 +247,7 @@ def pull(
     ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Show, change nothing.")] = False,
     removals: Annotated[
-        bool, typer.Option("--removals", help="More than a fifth of all objects may go.")
+        bool, typer.Option("--removals", help="More than a fifth of a layer may go.")
     ] = False,
 ) -> None:
     """Take what an artist moved, deleted, copied or recoloured in Blender into the city."""

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cityx.agents.briefs import Request
 from cityx.agents.desk import HISTORY, STORE, Conflict, Desk
 from cityx.agents.edit import renew
@@ -20,7 +22,8 @@ from cityx.protocol.gate import Call
 
 BLEND = "city.blend"
 TEXT = "pulled from city.blend"
-MOST_REMOVED = 0.2  # share of the objects of a city that may go without being asked for
+MOST_REMOVED = 0.2  # share of the objects of a layer that may go without being asked for
+FEW = 5  # objects of a layer that always may
 SHOWN = 12  # things named of each kind of change
 
 
@@ -113,7 +116,7 @@ def pull(
     dry_run
         Whether only to look.
     removals
-        Whether more than a fifth of all objects may go.
+        Whether more than a fifth of a layer may go.
     say
         Called with one line of progress at a time.
 
@@ -203,12 +206,17 @@ def differences(folder: Path, path: Path, numbers: Sequence[int]) -> Pull:
 
 def _bounded(found: Pull, desk: Desk, removals: bool) -> None:
     """Ask before a large part of the city goes: a layer is easily deleted by mistake."""
+    gone = np.array([int(text, 16) for text in found.removed], np.uint64)
     scene = desk.city.scene
-    total = sum(batch.count for batch in scene.meshes.values())
-    total += sum(rows.count for rows in scene.instances.values() if not rows.owner.any())
-    gone = len(set(found.removed))
-    if gone > MOST_REMOVED * total and not removals:
+    held = {name: batch.object_id for name, batch in scene.meshes.items()}
+    held |= {name: rows.object_id for name, rows in scene.instances.items()}
+    large = []
+    for layer, ids in held.items():
+        lost = int(np.isin(ids, gone).sum())
+        if lost > max(FEW, MOST_REMOVED * len(ids)):
+            large.append(f"{lost} of {len(ids)} {layer.replace('_', ' ')}")
+    if large and not removals:
         raise UsageError(
-            f"{gone} of about {total} objects are gone from {BLEND}. If that is meant, pull with "
+            f"{' and '.join(large)} are gone from {BLEND}. If that is meant, pull with "
             "--removals; nothing was changed."
         )
