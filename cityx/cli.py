@@ -261,7 +261,7 @@ def pull(
         typer.echo(line)
     if report is not None:
         _changed(report)
-    elif not found.calls:
+    elif found.empty:
         typer.echo("nothing changed")
 
 

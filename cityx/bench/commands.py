@@ -48,3 +48,27 @@ def agents(
     for line in summary(write_results(samples, command, out)):
         typer.echo(line)
     typer.echo(str(out / "results.md"))
+
+
+@bench.command()
+def edits(
+    held: Annotated[
+        bool, typer.Option("--held", help="The set that nobody tunes the program to.")
+    ] = False,
+    only: Annotated[str, typer.Option(help="Ids, comma-separated: asset01,style05.")] = "",
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder of scenes and results.")] = Path(
+        "bench"
+    ),
+) -> None:
+    """Change base scenes by sentences, measure each, and count what is right by class."""
+    from cityx.bench.edits import run_edits, sentences, write_edits
+
+    names = [word.strip() for word in only.split(",") if word.strip()]
+    chosen = sentences(held=held, only=names)
+    out.mkdir(parents=True, exist_ok=True)
+    results = run_edits(chosen, out, lambda line: typer.echo(line, err=True))
+    command = (
+        "cityx bench edits" + (" --held" if held else "") + (f" --only {only}" if only else "")
+    )
+    for line in write_edits(results, command, out):
+        typer.echo(line)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from cityx.city.environment import Environment
 from cityx.city.frame import Frame
@@ -64,6 +66,9 @@ class City:
         Texts that must be shown with the data, e.g. "© OpenStreetMap contributors, ODbL 1.0".
     stages_done
         Stages of the protocol that have run.
+    made
+        Actions that made its parts, in the order in which they ran last, each with its arguments:
+        how a part is made again after something that it depends on has changed.
     failures, notes
         What could not be built; what a reader of the report should know.
     goals
@@ -88,6 +93,7 @@ class City:
     environment: Environment = field(default_factory=Environment)
     attribution: tuple[str, ...] = ()
     stages_done: frozenset[str] = frozenset()
+    made: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     failures: tuple[Failure, ...] = ()
     notes: tuple[str, ...] = ()
     goals: tuple[Goal, ...] = ()

@@ -165,6 +165,19 @@ def scene_key(scene: Scene) -> str:
     return hasher.hexdigest()
 
 
+def differing_ids(
+    old: tuple[UInt64Array, UInt64Array], new: tuple[UInt64Array, UInt64Array]
+) -> UInt64Array:
+    """Return the ids whose hashes, as of `hash_mesh`, are not the same in any order, sorted."""
+    ids = np.unique(np.concatenate([old[0], new[0]]))
+    sums = []
+    for owner, hashes in (old, new):
+        total = np.zeros(len(ids), np.uint64)
+        np.add.at(total, np.searchsorted(ids, owner), mix(hashes))
+        sums.append(total)
+    return np.asarray(ids[sums[0] != sums[1]])
+
+
 def content_hash(city: City) -> ContentHash:
     """Hash a city: the same for every build order, process and machine."""
     layers: dict[str, tuple[UInt64Array, UInt64Array]] = {}

@@ -137,6 +137,7 @@ def write_city(city: City, folder: Path, *, like: tuple[City, Path] | None = Non
         "survey": _record_of(city.survey) if city.survey is not None else None,
         "attribution": city.attribution,
         "stages_done": sorted(city.stages_done),
+        "made": [[action, dict(args)] for action, args in city.made.items()],
         "failures": [
             {"id": id_text(f.object_id), "action": f.action, "error": f.error}
             for f in city.failures
@@ -231,6 +232,7 @@ def read_city(folder: Path) -> City:
         environment=Environment(**record["environment"]),
         attribution=tuple(record["attribution"]),
         stages_done=frozenset(record["stages_done"]),
+        made=dict(record.get("made", ())),
         failures=tuple(
             Failure(int(f["id"], 16), f["action"], f["error"]) for f in record["failures"]
         ),

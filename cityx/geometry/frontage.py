@@ -152,7 +152,7 @@ def door_walls(
     along = np.full(walls.count, np.nan)
     if len(entrances):
         point, line = shapely.STRtree(lines).query_nearest(
-            shapely.points(entrances), max_distance=DOOR_NEAR, all_matches=False
+            shapely.points(entrances), max_distance=DOOR_NEAR, all_matches=True
         )
         order = np.lexsort((entrances[point, 1], entrances[point, 0], rank[point]))[::-1]
         point, wall = point[order], rows[line[order]]  # the best is written last

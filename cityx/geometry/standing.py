@@ -30,10 +30,13 @@ class Footing:
         (n,) int64 into `cityx.city.ground.SURFACES`, `NOWHERE` where there is no ground.
     z
         (n,) float64, metres; NaN where there is no ground.
+    face
+        (n,) int64, face of the mesh, `NOWHERE` where there is no ground.
     """
 
     label: NDArray[np.int64]
     z: FloatArray
+    face: NDArray[np.int64]
 
 
 def stand_on(ground: MeshBatch | None, xy: ArrayLike) -> Footing:
@@ -49,8 +52,9 @@ def stand_on(ground: MeshBatch | None, xy: ArrayLike) -> Footing:
     spots = np.asarray(xy, float).reshape(-1, 2)
     label = np.full(len(spots), NOWHERE, np.int64)
     z = np.full(len(spots), np.nan)
+    under = np.full(len(spots), NOWHERE, np.int64)
     if ground is None or not ground.count or not len(spots):
-        return Footing(label, z)
+        return Footing(label, z, under)
     faces, prepared = _tops(ground)
     found = triangle_at(spots, prepared)
     hit = np.flatnonzero(found >= 0)
@@ -58,9 +62,9 @@ def stand_on(ground: MeshBatch | None, xy: ArrayLike) -> Footing:
     labels = np.array([known.get(int(own), NOWHERE) for own in ground.object_id])
     face = faces[found[hit]]
     own = np.searchsorted(ground.face_start, face, side="right") - 1
-    label[hit] = labels[own]
+    label[hit], under[hit] = labels[own], face
     z[hit] = heights_on(ground.vertices[ground.faces[face, :3]], spots[hit])
-    return Footing(label, z)
+    return Footing(label, z, under)
 
 
 def heights_on(corners: FloatArray, xy: FloatArray) -> FloatArray:

@@ -111,7 +111,7 @@ def run_action(
     try:
         if record.scope == "thing":
             made = map_over_buildings(city, record, function, args)
-            return Outcome(_finished(city, made, record), None, {})
+            return Outcome(_finished(city, made, record, call), None, {})
         paths = {} if record.scope == "city" else _paths(record, call, city, actions, inputs)
         for name, path in paths.items():
             given[name] = apply_path(path, take(city, path.source, inputs), actions, city=city)
@@ -126,14 +126,20 @@ def run_action(
     if record.scope == "city":
         if not isinstance(result, City):
             raise ActionFailed(f"{with_id}it returned {type(result).__name__}, not City.")
-        return Outcome(_finished(city, result, record), None, {})
-    return Outcome(_finished(city, deposit(city, result, record, actions), record), result, paths)
+        return Outcome(_finished(city, result, record, call), None, {})
+    after = deposit(city, result, record, actions)
+    return Outcome(_finished(city, after, record, call), result, paths)
 
 
-def _finished(before: City, after: City, record: Encapsulation) -> City:
+def _finished(before: City, after: City, record: Encapsulation, call: Call) -> City:
     if record.stage in NEUTRAL or (after is before and record.scope == "value"):
         return after
-    return replace(after, stages_done=after.stages_done | {record.stage.value})
+    earlier = {action: args for action, args in after.made.items() if action != record.id}
+    return replace(
+        after,
+        stages_done=after.stages_done | {record.stage.value},
+        made={**earlier, record.id: dict(call.args)},
+    )
 
 
 def _paths(

@@ -14,6 +14,7 @@ from types import MappingProxyType
 from typing import Any
 
 from cityx.agents.brief import Brief
+from cityx.plugins.edit.moment import SEASONS
 from cityx.plugins.layout.presets import PRESETS, plan_of, zone_for
 from cityx.protocol.serving import DO, Slots
 
@@ -29,12 +30,6 @@ MARGIN = 0.02  # of a height, by which a bound is kept clear
 MANY, SOME, FEW = 60, 10, 30  # trees
 TALL_TOWN = MappingProxyType({"zone": "core", "density": 1.0})
 LOW = 11.5  # metres of buildings that are called low
-DAYS: Mapping[str, tuple[str, str]] = MappingProxyType(  # month and day, north and south
-    {
-        "spring": ("04-20", "10-20"), "summer": ("06-21", "12-21"), "autumn": ("10-15", "04-15"),
-        "winter": ("01-10", "07-10"),
-    }
-)  # fmt: skip
 LATE_SUMMER = "08-10"  # a day on which the sun sets near west at noon's height of a summer
 CLOCKS: Mapping[str, str] = MappingProxyType({"golden_hour": "golden"})
 # How strong weather is, of that of its preset.
@@ -224,8 +219,8 @@ def _air(found: dict[str, tuple[Any, ...]], town: dict[str, Any], wishes: Wishes
         if word in ("sunset", "sunrise"):
             found["sun.date"] = (LATE_SUMMER,)
     for season in found.get("season", ()):
-        if season in DAYS:
-            found |= {"sun.date": (DAYS[str(season)][0],), "trees.season": (season,)}
+        if season in SEASONS:
+            found |= {"sun.date": (SEASONS[str(season)][0],), "trees.season": (season,)}
 
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (

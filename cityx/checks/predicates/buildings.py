@@ -103,6 +103,10 @@ class Buildings(TableLayer):
             return self._mostly(words.MATERIALS[word], walls=attribute == "material")
         if attribute == "color":
             return np.asarray(self.color_words == word)
+        if attribute == "roof_color":
+            return np.asarray(nearest_word(self._mean_colors(walls=False)) == word)
+        if attribute == "roof_form":
+            return np.asarray(self._flat == (word == "flat"))
         return super().has(attribute, word)
 
     def applies(self, attribute: str) -> BoolArray:
@@ -155,8 +159,20 @@ class Buildings(TableLayer):
     @cached_property
     def colors(self) -> FloatArray:
         """(n, 3) linear RGB of the walls, the mean over their area."""
+        return self._mean_colors(walls=True)
+
+    @cached_property
+    def _flat(self) -> BoolArray:
+        """(n,) whether most of what faces up is flat."""
         faces = self.faces
-        weight = faces.area * (faces.up < UPRIGHT)
+        roof = np.bincount(faces.row, faces.area * (faces.up >= UPRIGHT), minlength=len(self.ids))
+        level = faces.area * (faces.up >= words.FLAT_ROOF)
+        return np.asarray(np.bincount(faces.row, level, minlength=len(self.ids)) > roof / 2)
+
+    def _mean_colors(self, *, walls: bool) -> FloatArray:
+        """(n, 3) linear RGB of walls or roofs, the mean over their area."""
+        faces = self.faces
+        weight = faces.area * ((faces.up < UPRIGHT) == walls)
         total = np.maximum(np.bincount(faces.row, weight, minlength=len(self.ids)), 1e-9)
         sums = [
             np.bincount(faces.row, weight * channel, minlength=len(self.ids))

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates.facts import Facts, names_of
 from cityx.checks.predicates.syntax import Call, Name
-from cityx.checks.predicates.things import CannotTell, UInt64Array
+from cityx.checks.predicates.things import CannotTell, Selection, UInt64Array
 from cityx.checks.predicates.vocabulary import Group, is_identity, kind_named
 from cityx.city import City
-from cityx.city.content import hash_instances, hash_mesh, hash_table
+from cityx.city.content import differing_ids, hash_instances, hash_mesh, hash_table
 from cityx.city.layout import SCHEMA
-from cityx.geometry.identity import id_text, mix, stable_id
+from cityx.geometry.identity import id_text, stable_id
 
 # Meshes that are arranged anew around whatever changes, and hold no object of their own.
 ARRANGED = ("ground", "surroundings")
@@ -37,12 +38,12 @@ def changed_ids(before: City, after: City) -> UInt64Array:
         if old is not new and not _equal_arrays(old, new):
             empty = np.zeros(0, np.uint64), np.zeros(0, np.uint64)
             pair = [hash_mesh(each) if each is not None else empty for each in (old, new)]
-            found.append(_differing(*pair))
+            found.append(differing_ids(*pair))
     for layer in sorted({*before.scene.instances, *after.scene.instances}):
         old_rows, new_rows = before.scene.instances.get(layer), after.scene.instances.get(layer)
         if old_rows is new_rows:
             continue
-        found.append(_differing(_of_instances(before, layer), _of_instances(after, layer)))
+        found.append(differing_ids(_of_instances(before, layer), _of_instances(after, layer)))
     return np.unique(np.concatenate(found))
 
 
@@ -54,7 +55,7 @@ def _of_tables(old: Any, new: Any, name: str) -> UInt64Array:
         ids, hashes = hash_table(table, name)
         owner = table["building"].to_numpy(np.uint64) if name == "parts" else ids
         pair.append((owner, hashes))
-    return _differing(*pair)
+    return differing_ids(*pair)
 
 
 def _equal_arrays(old: Any, new: Any) -> bool:
@@ -81,19 +82,6 @@ def _of_instances(city: City, layer: str) -> tuple[UInt64Array, UInt64Array]:
     return owner[row], hashes
 
 
-def _differing(
-    old: tuple[UInt64Array, UInt64Array], new: tuple[UInt64Array, UInt64Array]
-) -> UInt64Array:
-    """Return the ids whose rows, whatever their order, are not the same."""
-    ids = np.unique(np.concatenate([old[0], new[0]]))
-    sums = []
-    for owner, hashes in (old, new):
-        total = np.zeros(len(ids), np.uint64)
-        np.add.at(total, np.searchsorted(ids, owner), mix(hashes))
-        sums.append(total)
-    return np.asarray(ids[sums[0] != sums[1]])
-
-
 def changed_parts(before: City, after: City) -> list[str]:
     """Return what else differs: the site, the light, the terrain."""
     found = []
@@ -112,6 +100,14 @@ def named_elsewhere(facts: Facts) -> tuple[UInt64Array, set[str]]:
     A kind alone, as in ``n(building) == 48``, names all of its things, but only where no other
     predicate names some of the same family one by one.
     """
+    ids = [np.zeros(0, np.uint64)]
+    ids += [chosen.layer.members(chosen.rows) for chosen in _named(facts)]
+    parts = {"light and weather" for p in facts.together if "env." in str(p) or "sun_" in str(p)}
+    return np.unique(np.concatenate(ids)), parts
+
+
+def _named(facts: Facts) -> list[Selection]:
+    """Return what the predicates measured together name, as it was and as it is."""
     single: list[Group] = []
     kinds: list[str] = []
     for predicate in facts.together:
@@ -121,21 +117,53 @@ def named_elsewhere(facts: Facts) -> tuple[UInt64Array, set[str]]:
                 single.append(group)
             elif isinstance(group.head, Name):
                 kinds.append(kind_named(group.head.word))
-    ids = [np.zeros(0, np.uint64)]
-    families = set()
-    for group in single:
-        for state in _states(facts):
-            chosen = _tried(state, group)
-            if chosen is not None:
-                ids.append(chosen.layer.members(chosen.rows))
-                families.add(type(chosen.layer))
+    states = list(_states(facts))
+    found = [_tried(state, group) for group in single for state in states]
+    families = {type(chosen.layer) for chosen in found if chosen is not None}
     for kind in kinds:
-        for state in _states(facts):
-            chosen = _tried(state, Group(Name(kind)))
-            if chosen is not None and type(chosen.layer) not in families:
-                ids.append(chosen.layer.members(chosen.rows))
-    parts = {"light and weather" for p in facts.together if "env." in str(p) or "sun_" in str(p)}
-    return np.unique(np.concatenate(ids)), parts
+        whole = [_tried(state, Group(Name(kind))) for state in states]
+        found += [c for c in whole if c is not None and type(c.layer) not in families]
+    return [chosen for chosen in found if chosen is not None]
+
+
+def far_ids(facts: Facts, ids: UInt64Array, reach: float) -> UInt64Array:
+    """Return those of some changed objects that lie farther than `reach` metres from all named.
+
+    What lies nowhere, as a rule of a junction does, is far.
+    """
+    grounds = [chosen.grounds for chosen in _named(facts)]
+    region = shapely.union_all(np.concatenate([np.zeros(0, object), *grounds]))
+    shapely.prepare(region)
+    near: list[NDArray[np.uint64]] = [np.zeros(0, np.uint64)]
+    far = [np.zeros(0, np.uint64)]
+    for state in _states(facts):
+        for own, shapes in _located(state.city, ids):
+            close = shapely.dwithin(shapes, region, reach)
+            near.append(own[close])
+            far.append(own[~close])
+    astray = np.concatenate(far)
+    return np.asarray(ids[~np.isin(ids, np.concatenate(near)) | np.isin(ids, astray)])
+
+
+def _located(city: City, ids: UInt64Array) -> Iterator[tuple[UInt64Array, NDArray[Any]]]:
+    """Yield objects among some ids with the shapes they have on the ground."""
+    for name in SCHEMA:
+        table = getattr(city.layout, name)
+        own = table["building" if name == "parts" else "id"].to_numpy(np.uint64)
+        kept = np.isin(own, ids)
+        yield own[kept], table.geometry.to_numpy()[kept]
+    for layer, batch in city.scene.meshes.items():
+        rows = np.flatnonzero(np.isin(batch.object_id, ids))
+        if layer in ARRANGED or not len(rows):
+            continue
+        spans = zip(batch.vertex_start[rows], batch.vertex_start[rows + 1], strict=True)
+        shapes = [shapely.convex_hull(shapely.multipoints(batch.vertices[a:b, :2]))
+                  for a, b in spans]  # fmt: skip
+        yield batch.object_id[rows], np.array(shapes, object)
+    for instances in city.scene.instances.values():
+        owner = np.where(instances.owner > 0, instances.owner, instances.object_id)
+        kept = np.isin(owner, ids)
+        yield owner[kept], np.asarray(shapely.points(instances.position[kept, :2]), object)
 
 
 def _states(facts: Facts) -> Iterable[Facts]:

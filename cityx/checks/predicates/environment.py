@@ -37,6 +37,13 @@ def weathers_of(environment: Environment) -> tuple[str, ...]:
     )  # fmt: skip
 
 
+def season_of(environment: Environment, latitude: float) -> str:
+    """Return the season of the calendar: winter from December to February, or half a year later."""
+    month = int(environment.date[5:7]) if environment.date else 6
+    quarter = (month % 12 // 3 + (2 if latitude < 0 else 0)) % 4
+    return ("winter", "spring", "summer", "autumn")[quarter]
+
+
 def fog_of(environment: Environment) -> float:
     """Return how thick the fog is: 0 at 10 km of visibility, 1 at 100 m, by its logarithm."""
     span = log(words.CLEAREST / words.THICKEST)
@@ -56,4 +63,5 @@ def air_number(environment: Environment, key: str) -> float:
         "visibility": environment.visibility,
         "wind": environment.wind,
         "rain": environment.rain,
+        "hour": environment.hour,
     }[key]

@@ -8,7 +8,8 @@ What the words leave open is settled so:
   they have. Streets weigh by length, in ``stat`` too; ``by=area`` weighs buildings by footprint.
 - ``inside`` wants one of the first in some of the second, ``crosses`` each of the first over some.
 - ``same(others)`` lets go of what the predicates measured together name one by one, and of kinds of
-  which they name none one by one; the ground, which is arranged anew, is no object.
+  which they name none one by one; the ground, which is arranged anew, is no object. With
+  ``beyond=15`` it lets go of what lies within 15 m of what is named besides.
 - What is not there is not met; what the city has no record of, such as traffic, cannot be told.
 """
 
@@ -23,10 +24,16 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates.buildings import Buildings
-from cityx.checks.predicates.changes import changed_ids, changed_parts, listed, named_elsewhere
+from cityx.checks.predicates.changes import (
+    changed_ids,
+    changed_parts,
+    far_ids,
+    listed,
+    named_elsewhere,
+)
 from cityx.checks.predicates.cleanliness import clean
-from cityx.checks.predicates.environment import air_number, times_of, weathers_of
-from cityx.checks.predicates.facts import SURFACES, Facts, Options, Reply, said
+from cityx.checks.predicates.environment import air_number, season_of, times_of, weathers_of
+from cityx.checks.predicates.facts import SURFACES, Facts, Options, Reply, constant, said
 from cityx.checks.predicates.finding import Measured
 from cityx.checks.predicates.rasters import height_correlation, open_area, overlap_of_layers
 from cityx.checks.predicates.relations import (
@@ -205,12 +212,14 @@ def _changed(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     )
 
 
-def _same(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
+def _same(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measured:
     ids = changed_ids(facts.earlier.city, facts.city)
     head = groups[0].head
     if isinstance(head, Name) and head.word == OTHERS:
         named, parts = named_elsewhere(facts)
         other = ids[~np.isin(ids, named)]
+        if "beyond" in options:
+            other = far_ids(facts, other, constant(options["beyond"]))
         more = [p for p in changed_parts(facts.earlier.city, facts.city) if p not in parts]
         seen = [listed(other)] if len(other) else []
         return Measured(
@@ -386,6 +395,9 @@ def measured_quantity(name: str, facts: Facts) -> Measured:
             f"rain {environment.rain:.1f} mm/h, snow {environment.snow:.2f}: "
             f"{', '.join(found) or 'none of the words'}",
         )
+    if key == "season":
+        season = season_of(environment, facts.city.frame.latitude)
+        return Measured((season,), f"it is {season}, {environment.date or 'midsummer'}")
     value = air_number(environment, key)
     return Measured(value, f"{key} is {value:.4g}")
 

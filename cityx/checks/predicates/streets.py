@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.surface_states import material_named
 from cityx.checks.predicates import words
 from cityx.checks.predicates.hubs import avenues, rings
 from cityx.checks.predicates.places import places_of
@@ -27,13 +28,17 @@ from cityx.checks.predicates.things import (
     union,
 )
 from cityx.city import City, RoadNetwork
+from cityx.city.section import KIND
 from cityx.geometry.chains import components
+from cityx.geometry.standing import stand_on
 
 KINDS: Mapping[str, tuple[str, ...]] = {
     "road": words.ROADS, "path": words.PATHS, "railway": words.RAILWAYS,
 }  # fmt: skip
 JOINED = 0.05  # metres between the ends of two ways that are one street
 BENDS = np.cos(np.radians(50.0))  # of a street that goes on where two ways meet
+SAMPLES = 15  # places along a way at which its surface is looked at
+WHEEL_PATH = 1.5  # metres from the middle of a way
 RUN = 3.0  # metres over which a slope is measured at least
 NARROWEST = 2.0  # metres of a bridge's deck
 BESIDE = 1.5  # metres between two decks that are one bridge
@@ -69,12 +74,56 @@ class Roads(TableLayer):
         return super().number(attribute)
 
     def has(self, attribute: str, word: str) -> BoolArray:
-        """Tell which are of a class."""
+        """Tell which are of a class or a surface, one-way, or have lanes for parking or cycles."""
+        if attribute == "surface":
+            return self._paved(words.PAVINGS[word])
+        if attribute == "oneway":
+            return np.asarray(self._oneway == (word == "true"))
+        if attribute in ("parking", "cycling"):
+            return np.asarray(self._beside({"cycling": "cycle"}.get(attribute, attribute)) == word)
         if attribute != "class":
             return super().has(attribute, word)
         if word in (words.AVENUE, words.RING):
             return np.asarray(self._shaped(word) >= 0)
         return np.isin(column(self._table, "kind"), words.ROAD_CLASSES[word])
+
+    def _paved(self, materials: tuple[str, ...]) -> BoolArray:
+        """(n,) whether most of the ground along ways is of some materials."""
+        mesh = self.city.scene.meshes.get("ground")
+        if mesh is None:
+            raise CannotTell("the ground is not laid yet")
+        own = np.isin([material_named(name).root for name in mesh.materials], materials)
+        width = np.nan_to_num(self._table["width"].to_numpy(float))
+        aside = np.minimum(width / 4, WHEEL_PATH)  # a painted line may run along the middle
+        lines = shapely.offset_curve(self.shapes, np.maximum(aside, 0.1))
+        share = (np.arange(SAMPLES) + 0.5) / SAMPLES
+        spots = shapely.line_interpolate_point(lines[:, None], share, normalized=True)
+        face = stand_on(mesh, shapely.get_coordinates(spots)).face.reshape(-1, SAMPLES)
+        return np.asarray((own[mesh.material[face]] & (face >= 0)).mean(axis=1) > 1 / 2)
+
+    def _bands(self, kind: str) -> tuple[IntArray, Any]:
+        """Return the rows of the lanes of a kind, -1 for those of other ways, and the lanes."""
+        lanes, network = self.city.lanes, self.city.network
+        if lanes is None or network is None:
+            raise CannotTell("the city has no lanes yet")
+        row = self.rows_of_edges(network)[lanes.edge]
+        return np.where(lanes.kind == KIND[kind], row, -1), lanes
+
+    @property
+    def _oneway(self) -> BoolArray:
+        """(n,) whether all lanes lead one way."""
+        row, lanes = self._bands("drive")
+        ways = [np.bincount(row[(row >= 0) & (lanes.direction == sign)], minlength=len(self.ids))
+                for sign in (1, -1)]  # fmt: skip
+        return np.asarray((ways[0] > 0) != (ways[1] > 0))
+
+    def _beside(self, kind: str) -> NDArray[np.str_]:
+        """(n,) on which sides of the middle there is a band of a kind."""
+        row, lanes = self._bands(kind)
+        middle = (lanes.left + lanes.right) / 2
+        left, right = (np.isin(np.arange(len(self.ids)), row[(row >= 0) & side])
+                       for side in (middle > 0, middle < 0))  # fmt: skip
+        return np.array(words.ON_SIDES)[left + 2 * right]
 
     def units(self, rows: IntArray) -> IntArray:
         """Return the number of the street of each way; avenues and rings are told by shape."""

@@ -32,10 +32,11 @@ _PLACED = {"id": IDENTITY, "on": PLACE, "in": PLACE}
 ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
         "building": {**_PLACED, "style": WORD, "use": WORD, "tag": WORD, "type": WORD,
-                     "material": WORD, "roof": WORD, "color": WORD, "height": NUMBER,
-                     "floors": NUMBER, "area": NUMBER},
+                     "material": WORD, "roof": WORD, "roof_color": WORD, "roof_form": WORD,
+                     "color": WORD, "height": NUMBER, "floors": NUMBER, "area": NUMBER},
         "road": {**_PLACED, "class": WORD, "name": IDENTITY, "lanes": NUMBER, "width": NUMBER,
-                 "slope": NUMBER, "speed": NUMBER, "length": NUMBER},
+                 "slope": NUMBER, "speed": NUMBER, "length": NUMBER, "surface": WORD,
+                 "oneway": FLAG, "parking": WORD, "cycling": WORD},
         "bridge": {**_PLACED, "over": PLACE, "length": NUMBER, "width": NUMBER},
         "land": {**_PLACED, "area": NUMBER, "width": NUMBER},
         "surface": {"area": NUMBER},
@@ -63,6 +64,11 @@ def _word_lists() -> Mapping[tuple[str, str], tuple[str, ...]]:
         ("building", "material"): tuple(words.MATERIALS),
         ("building", "roof"): tuple(words.MATERIALS),
         ("building", "color"): tuple(words.COLORS),
+        ("building", "roof_color"): tuple(words.COLORS),
+        ("building", "roof_form"): words.ROOF_FORMS,
+        ("road", "surface"): tuple(words.PAVINGS),
+        ("road", "parking"): words.ON_SIDES,
+        ("road", "cycling"): words.ON_SIDES,
         ("road", "class"): (*words.ROAD_CLASSES, words.AVENUE, words.RING),
         ("light", "type"): ("lamp", "neon"),
         ("vehicle", "type"): tuple(words.VEHICLE_TYPES),
@@ -128,16 +134,17 @@ def family_of(word: str) -> str:
 # Quantities without arguments -> what they are.
 QUANTITIES: Mapping[str, str] = MappingProxyType(
     {
-        "env.weather": WORD, "env.time": WORD,
+        "env.weather": WORD, "env.time": WORD, "env.season": WORD,
         **dict.fromkeys(("env.sun_elev", "env.sun_azimuth", "env.fog", "env.wetness",
                          "env.snow_cover", "env.cloud", "env.visibility", "env.wind", "env.rain",
-                         "sun_azimuth", "sun_elev"), NUMBER),
+                         "sun_azimuth", "sun_elev", "env.hour"), NUMBER),
         **dict.fromkeys(("size.x", "size.y", "size.area", "journal.mutations"), NUMBER),
         "road.pattern": WORD,
     }
 )  # fmt: skip
 _QUANTITY_WORDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"env.weather": tuple(words.WEATHERS), "env.time": tuple(words.TIMES),
+     "env.season": words.SEASONS,
      "road.pattern": words.PATTERNS, "axis": words.AXES, "side": words.SIDES}
 )  # fmt: skip
 
@@ -186,7 +193,7 @@ FORMS: Mapping[str, Signature] = MappingProxyType(
         "color": _S((THINGS,), COLOR),
         "follows": _S((THINGS, THINGS), TRUTH, {"dev": ()}),
         "changed": _S((THINGS,), TRUTH),
-        "same": _S((THINGS,), TRUTH),
+        "same": _S((THINGS,), TRUTH, {"beyond": ()}),
         "ratio": _S((THINGS, ATTRIBUTE), NUMBER),
         "iou": _S((LAYER, FILE), NUMBER),
         "corr": _S((LAYER, FILE), NUMBER),

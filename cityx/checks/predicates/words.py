@@ -79,6 +79,18 @@ MATERIALS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "grass": ("grass",), "gravel": ("roof_gravel",), "bitumen": ("bitumen",),
     }
 )  # fmt: skip
+# Surface of a street -> materials of `cityx.assets.materials`.
+PAVINGS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "asphalt": ("asphalt", "asphalt_light", "asphalt_red"), "concrete": ("road_concrete",),
+        "cobbles": ("cobbles", "setts"), "pavers": ("pavers", "paving"), "brick": ("clinker",),
+        "gravel": ("gravel",), "soil": ("soil",),
+    }
+)  # fmt: skip
+SEASONS = ("spring", "summer", "autumn", "winter")
+ON_SIDES = ("none", "left", "right", "both")  # of a street as it is drawn
+ROOF_FORMS = ("flat", "pitched")
+FLAT_ROOF = 0.985  # vertical part of the normal of what is flat: 10 degrees
 MAIN_SHARE = 0.5  # of the walls that the material has which a building is said to be of
 
 # Colours as sRGB; a colour is called by the nearest of these in CIELAB. Walls are muted, so each

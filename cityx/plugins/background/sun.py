@@ -12,7 +12,7 @@ from cityx.city import City, Environment
 from cityx.errors import UsageError, nearest
 from cityx.geometry.solar import hour_of_elevation, solar_position
 from cityx.plugins.background.light import darkened
-from cityx.protocol import Port, Serves, Text, action
+from cityx.protocol import Port, Text, action
 
 # A fixed day keeps results reproducible; the seasons hardly move between years.
 YEAR = 2025
@@ -125,7 +125,6 @@ def sun_of(environment: Environment, latitude: float, longitude: float, *, time:
     limits=["Times are local mean solar time; legal time zones are not known."],
     requires=("layout",),
     gives=(Port("environment", "scene_layout", role="light"),),
-    serves=(Serves("edit=set_time"), Serves("edit=set_weather", "time")),
     binds={"time": "time", "date": "date"},
     labels=("time of day", "light", "daylight", "date", "season"),
 )

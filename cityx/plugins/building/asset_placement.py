@@ -20,17 +20,17 @@ from cityx.assets.library.fit import (
     place,
     targets_of,
 )
-from cityx.assets.library.models import Models, join_rows, take_rows, turns
+from cityx.assets.library.models import Models, take_rows, turns
 from cityx.assets.library.paper_placement import place_as_paper
 from cityx.assets.library.shelves import Shelf, shelf_of, text_scores
 from cityx.assets.palettes import GROUPS, family_of, groups_of, region_of
 from cityx.city.city import City
-from cityx.city.mesh import MeshBatch
-from cityx.city.scene import Instances, Prototype, Scene
+from cityx.city.scene import Instances, Scene
 from cityx.errors import ActionFailed
 from cityx.geometry.identity import hash_ids, id_text, uniform
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.plugins.building.fronts import STREETS
+from cityx.plugins.building.splicing import with_rows, without
 from cityx.plugins.building.volumes import volumes_of
 from cityx.protocol import InputFiles, Range, action
 from cityx.protocol.parameters import Choice
@@ -239,7 +239,7 @@ def put_into_scene(
         Assets, and the rows of those that were considered.
     """
     placed = np.flatnonzero(found.asset != NONE)
-    scene = _without(city.scene, lots.id[placed])
+    scene = without(city.scene, lots.id[placed])
     if not len(placed):
         return scene
     rows, number = np.unique(usable[found.asset[placed]], return_inverse=True)
@@ -258,7 +258,7 @@ def put_into_scene(
     table = Instances(
         number.astype(np.int32), ids, ids, position, turn, scale, np.ones((count, 3), np.float32)
     )
-    scene = _with_rows(scene, LAYER, shells, table)
+    scene = with_rows(scene, LAYER, shells, table)
     return _with_fittings(scene, city, lots, models.take(number), ids, table)
 
 
@@ -293,7 +293,7 @@ def _with_fittings(
     for number, layer in enumerate(models.layers):
         of = np.flatnonzero((models.layer == number) & keep)
         if len(of):
-            scene = _with_rows(scene, layer, models.prototypes, take_rows(moved, of))
+            scene = with_rows(scene, layer, models.prototypes, take_rows(moved, of))
     return scene
 
 
@@ -322,37 +322,3 @@ def _behind_neighbours(lots: Lots, rows: Instances, models: Models) -> NDArray[n
     level = ground[np.minimum(np.searchsorted(lots.id, rows.owner[of[point]]), len(ground) - 1)]
     found[of[point[base - level < height]]] = True
     return found
-
-
-def _without(scene: Scene, ids: NDArray[np.uint64]) -> Scene:
-    """Take buildings and everything they own out of a scene."""
-    batch = scene.meshes.get("buildings")
-    if batch is not None and batch.count:
-        kept: MeshBatch = batch.take(np.flatnonzero(~np.isin(batch.object_id, ids)))
-        scene = scene.with_mesh("buildings", kept)
-    for layer, rows in scene.instances.items():
-        gone = np.isin(rows.owner, ids)
-        if gone.any():
-            scene = scene.with_instances(layer, scene.prototypes, take_rows(rows, ~gone))
-    return scene
-
-
-def _with_rows(scene: Scene, layer: str, prototypes: Any, rows: Instances) -> Scene:
-    """Add rows to a layer, sorted by id, with the prototypes they use."""
-    used, number = np.unique(rows.prototype, return_inverse=True)
-    offered: list[Prototype] = [prototypes[index] for index in used.tolist()]
-    fresh = replace(rows, prototype=number.astype(np.int32))
-    old = scene.instances.get(layer)
-    if old is not None and old.count:
-        known = list(scene.prototypes)
-        names = {p.name: i for i, p in enumerate(known)}
-        place_of = []
-        for prototype in offered:
-            if prototype.name not in names:
-                names[prototype.name] = len(known)
-                known.append(prototype)
-            place_of.append(names[prototype.name])
-        fresh = replace(fresh, prototype=np.array(place_of, np.int32)[fresh.prototype])
-        fresh, offered = join_rows([old, fresh]), known
-    order = np.argsort(fresh.object_id, kind="stable")
-    return scene.with_instances(layer, offered, take_rows(fresh, order))

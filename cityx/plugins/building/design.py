@@ -60,15 +60,34 @@ def design(city: City) -> City:
     buildings["generator"] = names
     layout = _with_podiums(replace(layout, buildings=buildings))
     plain = _plain_rows(layout)
-    layout = _with_roofs(layout, plain, city.seed)
+    layout = with_drawn_roofs(layout, plain, city.seed)
     kinds = generators()
     rows = np.array(
         [row for row, name in enumerate(names.tolist()) if plain[row] >= 0 and kinds[name].mass],
         np.int64,
     )
-    massings = {name: kind.mass for name, kind in kinds.items() if kind.mass}
-    layout, failures = _massed(layout, rows, massings, city.seed)
+    layout, failures = grown_by(layout, rows, city.seed)
     return replace(city, layout=layout, failures=city.failures + failures)
+
+
+def grown_by(
+    layout: Layout, rows: IntArray, seed: int, *, free: bool = False
+) -> tuple[Layout, tuple[Failure, ...]]:
+    """Grow the volumes of buildings by their generators, of those that have a massing.
+
+    Parameters
+    ----------
+    layout
+        With one plain part for each of the buildings.
+    rows
+        (k,) of the buildings.
+    seed
+        Of the city.
+    free
+        Whether the ground floor may leave a part of the footprint open.
+    """
+    massings = {name: kind.mass for name, kind in generators().items() if kind.mass}
+    return _massed(layout, rows, massings, seed, free=free)
 
 
 def redesign(
@@ -114,7 +133,7 @@ def redesign(
     plain = np.full(len(layout.buildings), -1, np.int64)
     part_rows = np.searchsorted(layout.parts["id"].to_numpy(np.uint64), ids[rows])
     plain[rows] = part_rows
-    layout = _with_roofs(layout, plain, city.seed)
+    layout = with_drawn_roofs(layout, plain, city.seed)
     failures: tuple[Failure, ...] = ()
     if kind.mass:
         layout, failures = _massed(
@@ -123,13 +142,22 @@ def redesign(
     return raised(replace(city, layout=layout, failures=city.failures + failures))
 
 
-def raised(city: City) -> City:
-    """Raise all buildings of a designed layout at the city's level of detail."""
-    from cityx.plugins.building.facade import facade
+def raised(city: City, trade: FloatArray | None = None) -> City:
+    """Raise all buildings of a designed layout at the city's level of detail.
+
+    Parameters
+    ----------
+    trade
+        (n,) how much trade there is around each part, as of
+        `cityx.plugins.building.fronts.trade_of`; worked out when left out.
+    """
+    from cityx.plugins.building.facade import MIN_LOD, faced
     from cityx.plugins.building.prism import prism
     from cityx.plugins.building.shell import shell
 
-    return prism(city) if city.lod == 0 else facade(shell(city))
+    if city.lod == 0:
+        return prism(city)
+    return faced(shell(city), trade) if city.lod >= MIN_LOD else shell(city)
 
 
 def _named(city: City, name: str) -> IntArray:
@@ -214,7 +242,7 @@ def _sorted(parts: Any) -> GeoDataFrame:
     return parts.sort_values("id", kind="stable", ignore_index=True)
 
 
-def _with_roofs(layout: Layout, plain: IntArray, seed: int) -> Layout:
+def with_drawn_roofs(layout: Layout, plain: IntArray, seed: int) -> Layout:
     """Draw the roofs of plain buildings where the input names none and the generator has its own.
 
     Parameters

@@ -87,15 +87,15 @@ class Facade:
     openings: Openings
 
 
-def facade_of(city: City) -> Facade:
-    """Work out the openings of every wall of a city."""
+def facade_of(city: City, trade: FloatArray | None = None) -> Facade:
+    """Work out the openings of every wall of a city; `trade` as of `fronts_of`."""
     volumes = volumes_of(city.layout, city.terrain)
     walls = walls_of_volumes(volumes)
     finishes = finishes_of(city)
     designs = designs_of(designs_of_parts(city), volumes.building, city.seed)
     reserve = reserve_of(volumes, city.layout.parts, city.seed)
     storey_walls = lowered(walls, reserve)
-    fronts = fronts_of(city, volumes, storey_walls, designs, finishes.wall_material)
+    fronts = fronts_of(city, volumes, storey_walls, designs, finishes.wall_material, trade)
     openings = lay_out(storey_walls, fronts, city.seed)
     windows = np.flatnonzero(np.isin(openings.role, WINDOW_ROLES))
     table = openings.take(windows)
@@ -126,9 +126,12 @@ def facade(city: City) -> City:
     Walls are split into storeys and bays; party walls stay blind. Shops lie on the ground floors of
     commercial streets, and every building has one main door, at the pavement of its best street.
     """
-    if city.lod < MIN_LOD:
-        return city
-    found = facade_of(city)
+    return faced(city) if city.lod >= MIN_LOD else city
+
+
+def faced(city: City, trade: FloatArray | None = None) -> City:
+    """Do what `facade` does, at level of detail 2 and above; `trade` as of `fronts_of`."""
+    found = facade_of(city, trade)
     building = found.volumes.building[found.walls.part]
     walled = np.where(found.volumes.walls, found.volumes.polygons, shapely.Polygon())
     # Parts that stand on one another have walls in the same place.

@@ -144,7 +144,12 @@ def lowered(walls: WallTable, reserve: FloatArray) -> WallTable:
 
 
 def fronts_of(
-    city: City, volumes: Volumes, walls: WallTable, designs: Designs, walled: Words
+    city: City,
+    volumes: Volumes,
+    walls: WallTable,
+    designs: Designs,
+    walled: Words,
+    trade: FloatArray | None = None,
 ) -> Fronts:
     """Gather the facts of all walls.
 
@@ -154,6 +159,8 @@ def fronts_of(
         Walls up to the ceiling of the last storey (`lowered`).
     walled
         (n,) material of the walls of each part.
+    trade
+        As of `trade_of`, worked out when left out.
     """
     layout, seed = city.layout, city.seed
     parts = layout.parts
@@ -187,7 +194,8 @@ def fronts_of(
     door_along = np.full(walls.count, np.nan)
     door_along[rows] = along
 
-    shop = _shops(city, part, group, mode, worth, share, building)
+    trade = trade_of(layout, seed) if trade is None else trade
+    shop = _shops(city, part, group, mode, worth, share * trade[part], building)
     size = _sizes(designs, building, part, seed)
     levels = (np.maximum(parts["levels"].to_numpy(np.int64), 1) + volumes.cellars)[part]
     tall = (walls.z_high - walls.z_low) / levels
@@ -303,7 +311,6 @@ def _shops(
     use = landuse_of(layout)
     index = {name: number for number, name in enumerate(GROUPS)}
     share = share * np.select([place == "core", place == "urban"], [1.7, 1.0], 0.12)[part]
-    share = share * _trade(layout, np.isin(group, [index["retail"], index["office"]]))[part]
     share = np.where(np.isin(use, ["retail"])[part], np.maximum(share, 0.85), share)
     share = np.where(np.isin(use, ["commercial"])[part], np.maximum(share, 0.5), share)
     share = np.where((group == index["retail"])[part], 1.0, share)
@@ -314,10 +321,11 @@ def _shops(
     return np.asarray(fit & (uniform(city.seed, "facade/shop", building) < share))
 
 
-def _trade(layout: Layout, trading: NDArray[np.bool_]) -> FloatArray:
+def trade_of(layout: Layout, seed: int) -> FloatArray:
     """Factor on the share of shops, (n,): up to 2 where a quarter of the buildings trade."""
     from scipy.spatial import cKDTree
 
+    trading = np.isin(groups_of(layout, seed), [GROUPS.index("retail"), GROUPS.index("office")])
     if not trading.any():
         return np.ones(len(trading))
     centroid = shapely.centroid(layout.parts.geometry.to_numpy())

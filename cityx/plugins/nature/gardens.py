@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from cityx.city import City, MeshBatch
 from cityx.city.ground import LABEL
-from cityx.city.mesh import NO_VERTEX, one_mesh
-from cityx.geometry.identity import stable_id, uniform
+from cityx.city.mesh import NO_VERTEX
+from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import Polylines, pack
 from cityx.geometry.standing import WALKED, stand_on
 from cityx.plugins.nature.pieces import FloatArray, front, heights, room_along, walk_rims
@@ -48,8 +48,11 @@ def _clear(starts: FloatArray, ends: FloatArray, houses: NDArray[np.object_]) ->
     return np.asarray(~blocked)
 
 
-def _strips(city: City, lines: Polylines, half: FloatArray, chosen: NDArray[np.int64]) -> MeshBatch:
-    """Lay slabs along straight lines; ``half`` and ``chosen`` kind are (n,) per line."""
+def _strips(
+    city: City, lines: Polylines, half: FloatArray, chosen: NDArray[np.int64],
+    ids: NDArray[np.uint64],
+) -> MeshBatch:  # fmt: skip
+    """Lay slabs along straight lines, an object each; ``half`` to ``ids`` are (n,) per line."""
     owner = lines.line_of_point()
     first = lines.points[lines.start[:-1]]
     way = lines.points[lines.start[1:] - 1] - first
@@ -57,16 +60,21 @@ def _strips(city: City, lines: Polylines, half: FloatArray, chosen: NDArray[np.i
     left = np.column_stack([-way[:, 1], way[:, 0]])[owner] * half[owner][:, None]
     sides = np.stack([lines.points + left, lines.points - left], axis=1).reshape(-1, 2)
     vertices = np.column_stack([sides, heights(city, sides) + OVER])
-    here = np.flatnonzero(owner[1:] == owner[:-1]) * 2
-    faces = np.concatenate([np.column_stack([here, here + 1, here + 3]),
-                            np.column_stack([here, here + 3, here + 2])])  # fmt: skip
-    kind = np.tile(chosen[owner[here // 2]], 2)
-    uv = np.zeros((len(faces), 4, 2))
+    segment = np.flatnonzero(owner[1:] == owner[:-1])
+    here = 2 * segment[:, None, None]
+    corners = np.array([[0, 1, 3], [0, 3, 2]])  # of the two triangles of a slab
+    faces = (here + corners).reshape(-1, 3)
+    kind = np.repeat(chosen[owner[segment]], 2)
+    uv = np.zeros((len(faces), 4, 2), np.float32)
     uv[:, :3] = vertices[faces][:, :, :2]
     tint = np.array([color for _, color, _ in KINDS])[kind]
-    table = np.column_stack([faces, np.full(len(faces), NO_VERTEX)])
-    return one_mesh(stable_id("gardens", "paths"), vertices, table, material=kind,
-                    materials=[name for name, _, _ in KINDS], uv=uv, tint=tint)  # fmt: skip
+    table = np.column_stack([faces, np.full(len(faces), NO_VERTEX)]).astype(np.int32)
+    starts = 2 * (lines.start - np.arange(len(lines.start)))  # each line has a segment less
+    batch = MeshBatch(
+        ids, 2 * lines.start, starts, vertices, table, kind.astype(np.int16),
+        tuple(name for name, _, _ in KINDS), uv, tint.astype(np.float32),
+    )  # fmt: skip
+    return batch.take(np.argsort(ids, kind="stable"))
 
 
 @action(
@@ -127,5 +135,6 @@ def gardens(city: City) -> City:
     draw = uniform(city.seed, f"{ACTION}/kind", doors.owner[rows]) * share[-1]
     chosen = np.searchsorted(share, draw, side="right")
     shapes = shapely.segmentize(shapely.linestrings(np.stack([foot[rows], end], axis=1)), STEP)
-    batch = _strips(city, pack(shapes), half, chosen)
+    ids = hash_ids(0, ACTION, doors.object_id[rows])
+    batch = _strips(city, pack(shapes), half, chosen, ids)
     return replace(city, scene=city.scene.with_mesh(LAYER, batch))

@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.tree_pits import PITS, pit
-from cityx.city import City, Instances
+from cityx.city import City, Instances, Prototype
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
 from cityx.plugins.road.kerbs import edge_lines
@@ -29,15 +29,31 @@ def with_pits(city: City, trees: Instances) -> City:
     trees
         Rows of its trees, counting the scene's prototypes or the offered ones.
     """
+    counted = replace(trees, prototype=city.scene.instances["trees"].prototype)
+    found = pits_of(city, counted)
+    if found is None:
+        return city
+    kind, pits = found
+    return replace(city, scene=city.scene.with_instances("tree_pits", [kind], pits))
+
+
+def pits_of(city: City, trees: Instances) -> tuple[Prototype, Instances] | None:
+    """Return the pits of trees that stand on paving, None where none does.
+
+    Parameters
+    ----------
+    city
+        City with its ground.
+    trees
+        Rows that count the scene's prototypes.
+    """
     if city.ground is None or not trees.count:
-        return city
-    ground = city.ground
-    rows = city.scene.instances["trees"]
+        return None
     bush = np.array([p.name.startswith(BUSHES) for p in city.scene.prototypes])
-    on = ground.on(trees.position[:, :2], *PAVED)
-    chosen = np.flatnonzero(on & ~bush[rows.prototype])
+    on = city.ground.on(trees.position[:, :2], *PAVED)
+    chosen = np.flatnonzero(on & ~bush[trees.prototype])
     if not len(chosen):
-        return city
+        return None
     # One kind for the whole place: a city buys its grates once.
     kind = list(PITS)[int(uniform(city.seed, "nature/tree_pits", np.uint64(1)) * len(PITS))]
     ids = hash_ids(0, "nature/tree_pits", trees.object_id[chosen])
@@ -46,11 +62,10 @@ def with_pits(city: City, trees: Instances) -> City:
     count = len(chosen)
     rotation = np.zeros((count, 3), np.float32)
     rotation[:, 2] = _along_street(city, trees.position[chosen, :2])
-    pits = Instances(
+    return pit(kind), Instances(
         np.zeros(count, np.int32), ids, trees.object_id[chosen], trees.position[chosen], rotation,
         np.ones((count, 3), np.float32), np.ones((count, 3), np.float32),
     )  # fmt: skip
-    return replace(city, scene=city.scene.with_instances("tree_pits", [pit(kind)], pits))
 
 
 def _along_street(city: City, xy: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city import City, Instances, Prototype
-from cityx.city.ground import KERB_HEIGHT
+from cityx.city import City
 from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.clearance import distance_within
 from cityx.geometry.identity import choose, hash_ids, stable_id, uniform
@@ -19,19 +17,27 @@ from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.scatter import Points, cell_ids, cells_of_polygons, poisson_in, thinned
 from cityx.plugins.layout.wishes import asked
 from cityx.plugins.nature import climate
-from cityx.plugins.nature.climate import band_of, season_of, species_of_tags
+from cityx.plugins.nature.climate import band_of, species_of_tags
 from cityx.plugins.nature.furniture import lamp_places
+from cityx.plugins.nature.stands import (
+    BUSHES,
+    INDEX,
+    Stand,
+    draw_species,
+    forms_of,
+    join_stands,
+    rows_of,
+    stand_of,
+    take_trees,
+)
 from cityx.plugins.nature.tree_pits import with_pits
 from cityx.plugins.nature.tree_room import (
     FACADE_CLEARANCE,
     KERB_CLEARANCE,
     SIGHT,
     Room,
-    beside_street,
-    fitted,
     room_of,
 )
-from cityx.plugins.road.embankments import earth_over
 from cityx.plugins.road.kerbs import edge_lengths, join_places, places_along
 from cityx.protocol import Port, Range, action
 
@@ -43,11 +49,8 @@ IntArray = NDArray[np.int64]
 ROW_SPACING = 8.0  # metres between the trees of a mapped row
 WOOD_SPACING = 5.0  # metres; a grown mixed wood
 PACKING = 0.53  # points of `poisson_in` per squared radius, measured
-NEAR_LIMIT = 20_000  # trees with many leaves; beyond, all take the light form
-NEAR_MASS = 8_000  # trees of woods that one may walk among; larger woods take the light form
 GROVE_SPACING = 11.0  # metres; wider, a single tree leaves the wood's floor bare from the air
 NEAR_SHARE = 0.7  # of the budget, for woods beside buildings at most
-SNOWED = 0.3  # snow cover from which deciduous trees are bare
 STREET_SPACINGS = (7.0, 8.0, 9.0, 10.0)  # metres between the trees of a street, drawn per street
 STREET_SHARE, MAIN_SHARE = 0.45, 0.75  # of the streets that are wide enough, of the main ones
 STREET_KINDS = ("residential", "tertiary", "secondary", "primary", "unclassified", "living_street")
@@ -59,11 +62,6 @@ MORE_SPACINGS = (12.0, 9.0, 7.0, 5.5, 4.5)  # metres between trees that are adde
 TREE_WALK = 2.8  # metres, narrowest walk or verge with trees
 HOUSES_WITHIN = 25.0  # metres; a street has trees only where it has houses on its side
 
-SPECIES = ("lime", "plane", "maple", "oak", "chestnut", "birch", "cherry", "ginkgo", "zelkova",
-           "camphor", "poplar", "willow", "jacaranda", "acacia", "olive", "pine", "spruce",
-           "cypress", "palm", "shrub", "boxwood", "grove")  # fmt: skip
-BUSHES = ("shrub", "boxwood")
-_INDEX = {name: index for index, name in enumerate(SPECIES)}
 # (spacing in metres, share of points kept, kind of mix) by kind of area.
 AREAS = {
     "wood": (WOOD_SPACING, 1.0), "park": (9.0, 0.55), "garden": (8.0, 0.40),
@@ -72,58 +70,7 @@ AREAS = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True)
-class _Stand:
-    """Trees that share an origin; (n,) each. Heights of NaN are drawn later."""
-
-    xy: FloatArray
-    id: NDArray[np.uint64]
-    species: IntArray
-    height: FloatArray
-    mapped: BoolArray
-    light: BoolArray
-    line: NDArray[np.uint64]  # id of the row or street side by side with others, or 0
-    place: IntArray  # number along it
-
-
-_COLUMNS = ("xy", "id", "species", "height", "mapped", "light", "line", "place")
-
-
-def _stand(
-    points: Points,
-    species: Any,
-    height: Any = np.nan,
-    *,
-    mapped: bool = False,
-    light: bool = False,
-    line: Any = 0,
-    place: Any = 0,
-) -> _Stand:
-    count = len(points.id)
-    return _Stand(points.xy.reshape(-1, 2), points.id, np.broadcast_to(species, (count,)),
-                  np.broadcast_to(np.asarray(height, float), (count,)), np.full(count, mapped),
-                  np.full(count, light), np.broadcast_to(np.asarray(line, np.uint64), (count,)),
-                  np.broadcast_to(np.asarray(place, np.int64), (count,)))  # fmt: skip
-
-
-def _join(stands: list[_Stand]) -> _Stand:
-    return _Stand(*(np.concatenate([getattr(s, name) for s in stands]) for name in _COLUMNS))
-
-
-def _rows(stand: _Stand, keep: Any) -> _Stand:
-    return _Stand(*(getattr(stand, name)[keep] for name in _COLUMNS))
-
-
-def _draw(
-    mixes: Mapping[str, Mapping[str, float]], city: City, ids: NDArray[np.uint64]
-) -> IntArray:
-    """Draw species by the weights of the place's climate."""
-    mix = mixes[band_of(city.frame)]
-    table = np.array([_INDEX[name] for name in mix])
-    return table[choose(city.seed, "nature/species", ids, list(mix.values()))]
-
-
-def _mapped(city: City) -> list[_Stand]:
+def _mapped(city: City) -> list[Stand]:
     """Trees and shrubs mapped as points, and rows of trees."""
     stands = []
     table = city.layout.points
@@ -131,13 +78,13 @@ def _mapped(city: City) -> list[_Stand]:
     rows = np.flatnonzero((kind == "tree") | (kind == "shrub"))
     if len(rows):
         ids = table["id"].to_numpy()[rows]
-        species = _draw(climate.STREET_MIX, city, ids)
+        species = draw_species(climate.STREET_MIX, city, ids)
         named = [species_of_tags(text) for text in table["tags"].to_numpy()[rows]]
-        species = np.array([_INDEX[n] if n else s for n, s in zip(named, species, strict=True)])
-        species[kind[rows] == "shrub"] = _INDEX["shrub"]
+        species = np.array([INDEX[n] if n else s for n, s in zip(named, species, strict=True)])
+        species[kind[rows] == "shrub"] = INDEX["shrub"]
         xy = shapely.get_coordinates(table.geometry.to_numpy()[rows])
         stands.append(
-            _stand(Points(xy, ids), species, table["height"].to_numpy()[rows], mapped=True)
+            stand_of(Points(xy, ids), species, table["height"].to_numpy()[rows], mapped=True)
         )
     lines = city.layout.lines
     rows = np.flatnonzero(lines["kind"].to_numpy().astype(str) == "tree_row")
@@ -146,18 +93,18 @@ def _mapped(city: City) -> list[_Stand]:
         line, along = every(arc_lengths(packed)[1], ROW_SPACING)
         ids = lines["id"].to_numpy()[rows]
         named = [species_of_tags(text) for text in lines["tags"].to_numpy()[rows]]
-        species = _draw(climate.STREET_MIX, city, ids)
-        species = np.array([_INDEX[n] if n else s for n, s in zip(named, species, strict=True)])
+        species = draw_species(climate.STREET_MIX, city, ids)
+        species = np.array([INDEX[n] if n else s for n, s in zip(named, species, strict=True)])
         number = np.arange(len(line)) - np.searchsorted(line, line)
         points = Points(locate(packed, line, along)[0], hash_ids(0, ACTION, ids[line], number))
         height = lines["height"].to_numpy()[rows][line]
         stands.append(
-            _stand(points, species[line], height, mapped=True, line=ids[line], place=number)
+            stand_of(points, species[line], height, mapped=True, line=ids[line], place=number)
         )
     return stands
 
 
-def _wooded(city: City, budget: int, have: FloatArray) -> list[_Stand]:
+def _wooded(city: City, budget: int, have: FloatArray) -> list[Stand]:
     """Trees of woods, parks and orchards, none where the map shows single trees already."""
     areas = city.layout.areas
     kinds = areas["kind"].to_numpy().astype(str)
@@ -183,18 +130,18 @@ def _wooded(city: City, budget: int, have: FloatArray) -> list[_Stand]:
         points = thinned(points, share * _clumps(points.xy, city.seed, purpose), seed=city.seed,
                          purpose=purpose)  # fmt: skip
         if kind == "scrub":
-            species = np.full(len(points.id), _INDEX["shrub"])
+            species = np.full(len(points.id), INDEX["shrub"])
         elif kind == "orchard":
-            species = _draw(climate.ORCHARD, city, points.id)
+            species = draw_species(climate.ORCHARD, city, points.id)
         else:
-            species = _draw(climate.PARK_MIX, city, points.id)
+            species = draw_species(climate.PARK_MIX, city, points.id)
             bush = uniform(city.seed, purpose, points.id, 7) < 0.22
-            species = np.where(bush, _INDEX["shrub"], species)
+            species = np.where(bush, INDEX["shrub"], species)
             if kind in ("garden", "cemetery"):
                 clipped = uniform(city.seed, purpose, points.id, 8) < 0.35
-                species = np.where(bush & clipped, _INDEX["boxwood"], species)
+                species = np.where(bush & clipped, INDEX["boxwood"], species)
         height = np.nan if kind != "orchard" else 4.2
-        stands.append(_stand(points, species, height, light=kind == "scrub"))
+        stands.append(stand_of(points, species, height, light=kind == "scrub"))
     return stands
 
 
@@ -212,13 +159,13 @@ def _clumps(xy: FloatArray, seed: int, purpose: str) -> FloatArray:
     return np.asarray(0.25 + 1.5 * uniform(seed, purpose, cell_ids(cells), 5))
 
 
-def _woods(city: City, shapes: NDArray[Any], budget: int, purpose: str) -> list[_Stand]:
+def _woods(city: City, shapes: NDArray[Any], budget: int, purpose: str) -> list[Stand]:
     """Fill woods: full density within the budget, else dense near buildings, groves farther off."""
     extent = city.layout.extent
     area = float(shapely.area(shapes).sum())
     if PACKING * area / WOOD_SPACING**2 <= budget:
         points = poisson_in(shapes, WOOD_SPACING, seed=city.seed, purpose=purpose, bounds=extent)
-        return [_stand(points, _wood_species(city, points), light=True)]
+        return [stand_of(points, _wood_species(city, points), light=True)]
     near = _NearBuildings(city)
     share = near.share_of(shapes)
     stands = []
@@ -236,9 +183,9 @@ def _woods(city: City, shapes: NDArray[Any], budget: int, purpose: str) -> list[
             shapes, radius, seed=city.seed, purpose=name, bounds=extent, where=where
         )
         if radius > GROVE_SPACING:
-            stands.append(_stand(points, _INDEX["grove"], radius, light=True))
+            stands.append(stand_of(points, INDEX["grove"], radius, light=True))
         else:
-            stands.append(_stand(points, _wood_species(city, points), light=True))
+            stands.append(stand_of(points, _wood_species(city, points), light=True))
     return stands
 
 
@@ -285,11 +232,11 @@ def _wood_species(city: City, points: Points) -> NDArray[np.int64]:
     share = CONIFERS[band_of(city.frame)]
     stranger = uniform(city.seed, "nature/stranger", points.id) < 0.15
     return np.where((patch < share) ^ (stranger & (share > 0)),
-                    _draw(climate.NEEDLE_MIX, city, points.id),
-                    _draw(climate.BROAD_MIX, city, points.id))  # fmt: skip
+                    draw_species(climate.NEEDLE_MIX, city, points.id),
+                    draw_species(climate.BROAD_MIX, city, points.id))  # fmt: skip
 
 
-def _street_trees(city: City, mapped: int) -> list[_Stand]:
+def _street_trees(city: City, mapped: int) -> list[Stand]:
     """Plant some of the wide streets of an urban place whose map shows next to no trees."""
     network = city.network
     if network is None or not network.edge_count:
@@ -325,87 +272,29 @@ def _street_trees(city: City, mapped: int) -> list[_Stand]:
     places = places.take(np.isfinite(facade) & (facade >= FACADE_CLEARANCE))
     ids = hash_ids(0, f"{ACTION}/street", network.edge_id[places.edge],
                    2 * places.number + (places.side > 0))  # fmt: skip
-    return [_stand(Points(places.xy, ids), _draw(climate.STREET_MIX, city, key[places.edge]),
-                   line=network.edge_id[places.edge],
-                   place=2 * places.number + (places.side > 0))]  # fmt: skip
+    species = draw_species(climate.STREET_MIX, city, key[places.edge])
+    return [stand_of(Points(places.xy, ids), species, line=network.edge_id[places.edge],
+                     place=2 * places.number + (places.side > 0))]  # fmt: skip
 
 
-def _variants(stand: _Stand, street: BoolArray) -> IntArray:
-    """(n,) number of the individual each tree is; along a row no two neighbours are the same."""
-    from cityx.assets.trees import individuals
-
-    table = np.array([[individuals(name, street=side) for side in (False, True)]
-                      for name in SPECIES])  # fmt: skip
-    first, count = table[stand.species, street.astype(int)].T  # (n,) each
-    turn = (stand.id >> np.uint64(8)).astype(np.int64) & 0xFFFF
-    order = np.lexsort((stand.place, stand.line))
-    line = stand.line[order]
-    rank = np.arange(len(line)) - np.searchsorted(line, line)
-    start = (hash_ids(0, ACTION, line) >> np.uint64(48)).astype(np.int64)
-    turn[order] = np.where(line > 0, start + rank, turn[order])
-    return np.asarray(first + turn % count)
-
-
-def _prototypes(
-    stand: _Stand, variant: IntArray, forms: tuple[str, str], season: str
-) -> tuple[list[Prototype], NDArray[np.int32]]:
-    """Make the prototypes in use and number them; ``forms`` are of single trees and of masses."""
-    from cityx.assets.trees import plant
-
-    code = (stand.species * 64 + variant) * 2 + stand.light
-    used, number = np.unique(code, return_inverse=True)
-    found = [
-        plant(SPECIES[value // 128], value // 2 % 64, forms[value % 2], season)
-        for value in used.tolist()
-    ]
-    return found, number.astype(np.int32)
-
-
-def _sizes(stand: _Stand, variant: IntArray) -> FloatArray:
-    """(n, 3) height, crown radius and clear stem of the plants as grown, metres."""
-    from cityx.assets.trees import size_of
-
-    used, number = np.unique(stand.species * 64 + variant, return_inverse=True)
-    table = [size_of(SPECIES[value // 64], value % 64) for value in used.tolist()]
-    return np.array(table, float).reshape(-1, 3)[number]
-
-
-def _scaled(
-    city: City, stand: _Stand, size: FloatArray, room: Room, street: BoolArray
-) -> NDArray[np.float32]:
-    """(n, 3) scale of every tree, by its mapped height or drawn, fitted into its room."""
-    from cityx.assets.trees.bushes import GROVE_EDGE
-
-    draw = uniform(city.seed, f"{ACTION}/size", stand.id)
-    known = np.isfinite(stand.height) & (stand.height > 0)
-    drawn = np.where(street, 0.90 + 0.25 * draw, 0.72 + 0.5 * draw)
-    up = np.where(known, np.clip(np.where(known, stand.height, 1.0) / size[:, 0], 0.35, 1.9), drawn)
-    wide = np.where(known, up**0.7, up) * (0.9 + 0.2 * uniform(city.seed, f"{ACTION}/w", stand.id))
-    up, wide = fitted(up, wide, size, room, fixed=known)
-    grove = stand.species == _INDEX["grove"]
-    up[grove] = 0.8 + 0.4 * draw[grove]
-    wide[grove] = np.clip(stand.height[grove] / GROVE_EDGE, 0.6, 1.8)
-    return np.column_stack([wide, wide, up]).astype(np.float32)
-
-
-def _rooted(city: City, stands: list[_Stand]) -> tuple[_Stand, Room]:
+def _rooted(city: City, stands: list[Stand]) -> tuple[Stand, Room]:
     """Return the trees that find room in the site, each once, and their room."""
-    stand = _join(stands)
+    stand = join_stands(stands)
     xmin, ymin, xmax, ymax = city.layout.extent
     x, y = stand.xy.T
-    stand = _rows(stand, (x >= xmin) & (x <= xmax) & (y >= ymin) & (y <= ymax))
+    stand = take_trees(stand, (x >= xmin) & (x <= xmax) & (y >= ymin) & (y <= ymax))
     xy, keep, room = room_of(city, stand.xy, stand.mapped, lamp_places(city))
     order = np.argsort(stand.id, kind="stable")
     order = order[keep[order]]
     order = order[np.unique(stand.id[order], return_index=True)[1]]
-    return _rows(replace(stand, xy=xy), order), _room_rows(room, order)
+    return take_trees(replace(stand, xy=xy), order), _room_rows(room, order)
 
 
 def _room_rows(room: Room, rows: Any) -> Room:
     return Room(room.facade[rows], room.road[rows], room.path[rows])
 
 
-def _counted(city: City, stands: list[_Stand], least: int, most: int) -> tuple[_Stand, Room]:
+def _counted(city: City, stands: list[Stand], least: int, most: int) -> tuple[Stand, Room]:
     """Return the trees with room, no fewer and no more than asked for.
 
     Raises
@@ -430,25 +319,25 @@ def _counted(city: City, stands: list[_Stand], least: int, most: int) -> tuple[_
     drawn = uniform(city.seed, f"{ACTION}/most", stand.id)
     tree = np.flatnonzero(_is_tree(stand))
     kept = np.sort(tree[np.argsort(drawn[tree], kind="stable")[:most]])
-    return _rows(stand, kept), _room_rows(room, kept)
+    return take_trees(stand, kept), _room_rows(room, kept)
 
 
-def _empty() -> _Stand:
-    return _stand(Points(np.zeros((0, 2)), np.zeros(0, np.uint64)), 0)
+def _empty() -> Stand:
+    return stand_of(Points(np.zeros((0, 2)), np.zeros(0, np.uint64)), 0)
 
 
-def _is_tree(stand: _Stand) -> BoolArray:
-    return ~np.isin(stand.species, [_INDEX[name] for name in BUSHES])
+def _is_tree(stand: Stand) -> BoolArray:
+    return ~np.isin(stand.species, [INDEX[name] for name in BUSHES])
 
 
-def _more(city: City, have: FloatArray, spacing: float) -> _Stand:
+def _more(city: City, have: FloatArray, spacing: float) -> Stand:
     """Return trees all over a site's open ground, clear of those there are."""
     site = np.array([shapely.box(*city.layout.extent)], object)
     points = poisson_in(site, spacing, seed=city.seed, purpose=f"{ACTION}/more",
                         bounds=city.layout.extent)  # fmt: skip
     clear = ~np.isfinite(distance_within(points.xy, shapely.points(have), spacing / 2))
     points = Points(points.xy[clear], points.id[clear])
-    return _stand(points, _draw(climate.PARK_MIX, city, points.id))
+    return stand_of(points, draw_species(climate.PARK_MIX, city, points.id))
 
 
 @action(
@@ -510,34 +399,9 @@ def trees(
     if not len(stand.id):
         return replace(city, stages_done=done)
 
-    now: str = season
-    if season == "auto":
-        snowed = city.environment.snow > SNOWED
-        now = "winter" if snowed else season_of(city.environment.day, city.frame)
-    many = int(np.count_nonzero(~stand.light)) > NEAR_LIMIT
-    single = "fine" if city.lod > 2 else "near" if city.lod > 1 else "light"
-    few = int(np.count_nonzero(stand.light)) <= NEAR_MASS
-    mass = "far" if city.lod < 2 else "near" if few else "light"
-    forms = ("light" if many else single, mass)
-    street = beside_street(room)
-    variant = _variants(stand, street)
-    prototypes, number = _prototypes(stand, variant, forms, now)
-    shade = uniform(city.seed, f"{ACTION}/tint", stand.id)[:, None]
-    warm = uniform(city.seed, f"{ACTION}/tint", stand.id, 1)[:, None]
-    tint = (0.80 + 0.40 * shade) * (1 + (warm - 0.5) * np.array([0.30, 0.08, -0.10]))
-    turn = np.zeros((len(stand.id), 3), np.float32)
-    turn[:, 2] = uniform(city.seed, f"{ACTION}/yaw", stand.id) * 2 * np.pi
-    z = city.terrain.height_at(stand.xy) + KERB_HEIGHT
-    z = np.fmax(z, earth_over(city.scene.meshes.get("structures"), stand.xy))
-    rows = Instances(
-        number,
-        stand.id,
-        np.zeros(len(stand.id), np.uint64),
-        np.column_stack([stand.xy, z]),
-        turn,
-        _scaled(city, stand, _sizes(stand, variant), room, street),
-        tint.astype(np.float32),
-    )
+    light = int(np.count_nonzero(stand.light))
+    forms = forms_of(city.lod, single=len(stand.id) - light, mass=light)
+    prototypes, rows = rows_of(city, stand, room, forms, season)
     scene = city.scene.with_instances("trees", prototypes, rows)
     planted = replace(city, scene=scene, stages_done=done)
     return with_pits(planted, rows) if city.lod > 1 else planted

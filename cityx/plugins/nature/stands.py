@@ -1,0 +1,195 @@
+"""Stands: trees with their places and species, and the rows of a layer that they become."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.city import City, Instances, Prototype
+from cityx.city.ground import KERB_HEIGHT
+from cityx.geometry.identity import choose, hash_ids, uniform
+from cityx.geometry.scatter import Points
+from cityx.plugins.nature.climate import band_of, season_of
+from cityx.plugins.nature.tree_room import Room, beside_street, fitted
+from cityx.plugins.road.embankments import earth_over
+
+STREAM = "nature/trees-v2"  # that every draw for a tree is keyed by, whoever plants it
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
+
+NEAR_LIMIT = 20_000  # trees with many leaves; beyond, all take the light form
+NEAR_MASS = 8_000  # trees of woods that one may walk among; larger woods take the light form
+SNOWED = 0.3  # snow cover from which deciduous trees are bare
+
+SPECIES = ("lime", "plane", "maple", "oak", "chestnut", "birch", "cherry", "ginkgo", "zelkova",
+           "camphor", "poplar", "willow", "jacaranda", "acacia", "olive", "pine", "spruce",
+           "cypress", "palm", "shrub", "boxwood", "grove")  # fmt: skip
+BUSHES = ("shrub", "boxwood")
+INDEX = {name: index for index, name in enumerate(SPECIES)}
+
+
+@dataclass(frozen=True)
+class Stand:
+    """Trees that share an origin; (n,) each. Heights of NaN are drawn later."""
+
+    xy: FloatArray
+    id: NDArray[np.uint64]
+    species: IntArray
+    height: FloatArray
+    mapped: BoolArray
+    light: BoolArray
+    line: NDArray[np.uint64]  # id of the row or street side by side with others, or 0
+    place: IntArray  # number along it
+
+
+_COLUMNS = ("xy", "id", "species", "height", "mapped", "light", "line", "place")
+
+
+def stand_of(
+    points: Points,
+    species: Any,
+    height: Any = np.nan,
+    *,
+    mapped: bool = False,
+    light: bool = False,
+    line: Any = 0,
+    place: Any = 0,
+) -> Stand:
+    """Make a stand; `species` to `place` hold for each tree or for all."""
+    count = len(points.id)
+    return Stand(points.xy.reshape(-1, 2), points.id, np.broadcast_to(species, (count,)),
+                  np.broadcast_to(np.asarray(height, float), (count,)), np.full(count, mapped),
+                  np.full(count, light), np.broadcast_to(np.asarray(line, np.uint64), (count,)),
+                  np.broadcast_to(np.asarray(place, np.int64), (count,)))  # fmt: skip
+
+
+def join_stands(stands: list[Stand]) -> Stand:
+    """Put stands one after the other."""
+    return Stand(*(np.concatenate([getattr(s, name) for s in stands]) for name in _COLUMNS))
+
+
+def take_trees(stand: Stand, keep: Any) -> Stand:
+    """Return some trees, by mask or by index."""
+    return Stand(*(getattr(stand, name)[keep] for name in _COLUMNS))
+
+
+def draw_species(
+    mixes: Mapping[str, Mapping[str, float]], city: City, ids: NDArray[np.uint64]
+) -> IntArray:
+    """Draw species by the weights of the place's climate."""
+    mix = mixes[band_of(city.frame)]
+    table = np.array([INDEX[name] for name in mix])
+    return table[choose(city.seed, "nature/species", ids, list(mix.values()))]
+
+
+def forms_of(lod: int, *, single: int, mass: int) -> tuple[str, str]:
+    """Return the forms of single trees and of those of masses, by how many there are of each."""
+    near = "fine" if lod > 2 else "near" if lod > 1 else "light"
+    far = "far" if lod < 2 else "near" if mass <= NEAR_MASS else "light"
+    return "light" if single > NEAR_LIMIT else near, far
+
+
+def rows_of(
+    city: City, stand: Stand, room: Room, forms: tuple[str, str], season: str = "auto"
+) -> tuple[list[Prototype], Instances]:
+    """Return trees as rows of a layer, with the prototypes that the rows count.
+
+    Parameters
+    ----------
+    city
+        Where they stand.
+    stand
+        The trees.
+    room
+        The room of each.
+    forms
+        As of `forms_of`.
+    season
+        As of `trees`.
+    """
+    now = season
+    if season == "auto":
+        snowed = city.environment.snow > SNOWED
+        now = "winter" if snowed else season_of(city.environment.day, city.frame)
+    street = beside_street(room)
+    variant = _variants(stand, street)
+    prototypes, number = _prototypes(stand, variant, forms, now)
+    shade = uniform(city.seed, f"{STREAM}/tint", stand.id)[:, None]
+    warm = uniform(city.seed, f"{STREAM}/tint", stand.id, 1)[:, None]
+    tint = (0.80 + 0.40 * shade) * (1 + (warm - 0.5) * np.array([0.30, 0.08, -0.10]))
+    turn = np.zeros((len(stand.id), 3), np.float32)
+    turn[:, 2] = uniform(city.seed, f"{STREAM}/yaw", stand.id) * 2 * np.pi
+    z = city.terrain.height_at(stand.xy) + KERB_HEIGHT
+    z = np.fmax(z, earth_over(city.scene.meshes.get("structures"), stand.xy))
+    return prototypes, Instances(
+        number,
+        stand.id,
+        np.zeros(len(stand.id), np.uint64),
+        np.column_stack([stand.xy, z]),
+        turn,
+        _scaled(city, stand, _sizes(stand, variant), room, street),
+        tint.astype(np.float32),
+    )
+
+
+def _variants(stand: Stand, street: BoolArray) -> IntArray:
+    """(n,) number of the individual each tree is; along a row no two neighbours are the same."""
+    from cityx.assets.trees import individuals
+
+    table = np.array([[individuals(name, street=side) for side in (False, True)]
+                      for name in SPECIES])  # fmt: skip
+    first, count = table[stand.species, street.astype(int)].T  # (n,) each
+    turn = (stand.id >> np.uint64(8)).astype(np.int64) & 0xFFFF
+    order = np.lexsort((stand.place, stand.line))
+    line = stand.line[order]
+    rank = np.arange(len(line)) - np.searchsorted(line, line)
+    start = (hash_ids(0, STREAM, line) >> np.uint64(48)).astype(np.int64)
+    turn[order] = np.where(line > 0, start + rank, turn[order])
+    return np.asarray(first + turn % count)
+
+
+def _prototypes(
+    stand: Stand, variant: IntArray, forms: tuple[str, str], season: str
+) -> tuple[list[Prototype], NDArray[np.int32]]:
+    """Make the prototypes in use and number them; ``forms`` are of single trees and of masses."""
+    from cityx.assets.trees import plant
+
+    code = (stand.species * 64 + variant) * 2 + stand.light
+    used, number = np.unique(code, return_inverse=True)
+    found = [
+        plant(SPECIES[value // 128], value // 2 % 64, forms[value % 2], season)
+        for value in used.tolist()
+    ]
+    return found, number.astype(np.int32)
+
+
+def _sizes(stand: Stand, variant: IntArray) -> FloatArray:
+    """(n, 3) height, crown radius and clear stem of the plants as grown, metres."""
+    from cityx.assets.trees import size_of
+
+    used, number = np.unique(stand.species * 64 + variant, return_inverse=True)
+    table = [size_of(SPECIES[value // 64], value % 64) for value in used.tolist()]
+    return np.array(table, float).reshape(-1, 3)[number]
+
+
+def _scaled(
+    city: City, stand: Stand, size: FloatArray, room: Room, street: BoolArray
+) -> NDArray[np.float32]:
+    """(n, 3) scale of every tree, by its mapped height or drawn, fitted into its room."""
+    from cityx.assets.trees.bushes import GROVE_EDGE
+
+    draw = uniform(city.seed, f"{STREAM}/size", stand.id)
+    known = np.isfinite(stand.height) & (stand.height > 0)
+    drawn = np.where(street, 0.90 + 0.25 * draw, 0.72 + 0.5 * draw)
+    up = np.where(known, np.clip(np.where(known, stand.height, 1.0) / size[:, 0], 0.35, 1.9), drawn)
+    wide = np.where(known, up**0.7, up) * (0.9 + 0.2 * uniform(city.seed, f"{STREAM}/w", stand.id))
+    up, wide = fitted(up, wide, size, room, fixed=known)
+    grove = stand.species == INDEX["grove"]
+    up[grove] = 0.8 + 0.4 * draw[grove]
+    wide[grove] = np.clip(stand.height[grove] / GROVE_EDGE, 0.6, 1.8)
+    return np.column_stack([wide, wide, up]).astype(np.float32)
