@@ -247,7 +247,7 @@ def pull(
     ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Show, change nothing.")] = False,
     removals: Annotated[
-        bool, typer.Option("--removals", help="More than a fifth of all objects may go.")
+        bool, typer.Option("--removals", help="More than a fifth of a layer may go.")
     ] = False,
 ) -> None:
     """Take what an artist moved, deleted, copied or recoloured in Blender into the city."""
@@ -261,7 +261,7 @@ def pull(
         typer.echo(line)
     if report is not None:
         _changed(report)
-    elif not found.calls:
+    elif found.empty:
         typer.echo("nothing changed")
 
 

@@ -10,17 +10,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cityx.agents.briefs import Request
 from cityx.agents.desk import HISTORY, STORE, Conflict, Desk
 from cityx.agents.edit import renew
 from cityx.agents.loop import Say, quiet
 from cityx.blender.client import run_module
+from cityx.city import City
 from cityx.errors import EngineError, InputError, UsageError
+from cityx.geometry.identity import id_text
 from cityx.protocol.gate import Call
 
 BLEND = "city.blend"
 TEXT = "pulled from city.blend"
-MOST_REMOVED = 0.2  # share of the objects of a city that may go without being asked for
+MOST_REMOVED = 0.2  # share of the objects of a layer that may go without being asked for
+FEW = 5  # objects of a layer that always may
 SHOWN = 12  # things named of each kind of change
 
 
@@ -50,17 +55,9 @@ class Pull:
     foreign: tuple[Mapping[str, str], ...] = ()
 
     @property
-    def calls(self) -> list[Call]:
-        """The actions that bring about the same: those alike in one call."""
-        copied = _grouped(self.copied, ("move", "turn", "factor"))
-        moved = _grouped(self.moved, ("move", "turn", "factor"))
-        painted = _grouped(self.painted, ("surface", "tint"))
-        calls = [Call("edit/copy_objects-v1", arguments) for arguments in copied]
-        if self.removed:
-            names = {"object_names": sorted(set(self.removed))}
-            calls.append(Call("edit/remove_objects-v1", names))
-        calls += [Call("edit/paint_objects-v1", arguments) for arguments in painted]
-        return [*calls, *(Call("edit/place_objects-v1", arguments) for arguments in moved)]
+    def empty(self) -> bool:
+        """Whether the city is as the file shows it, but for what cannot be taken."""
+        return not (self.moved or self.copied or self.removed or self.painted)
 
     def lines(self, most: int = SHOWN) -> list[str]:
         """Say in words what differs, some of each kind by name."""
@@ -72,6 +69,45 @@ class Pull:
         found += _named("not taken", list(self.untaken), most)
         own = [f"{item['name']} ({item['type']})" for item in self.foreign]
         return found + _named("your own, kept in the file alone", own, most)
+
+
+def calls_of(found: Pull, city: City) -> list[Call]:
+    """Return the actions that bring about what differs: objects to which the same happens at once.
+
+    What a building owns goes where the building goes; changes of its own are taken only of one
+    that stays.
+    """
+    owner = owners_of(city)
+    gone = set(found.removed)
+    carried = gone | {change["id"] for change in found.moved}
+    kept = [change for change in found.moved if owner.get(change["id"]) not in carried]
+    painted = [c for c in found.painted if gone.isdisjoint({c["id"], owner.get(c["id"], "")})]
+    poses = ("move", "turn", "factor")
+    calls = [Call("edit/copy_objects-v1", same) for same in _grouped(found.copied, poses)]
+    whole: list[str] = []
+    parts: list[str] = []
+    barriers = city.scene.meshes.get("barriers")
+    walls = set() if barriers is None else set(map(id_text, barriers.object_id.tolist()))
+    for name in sorted(gone):
+        if owner.get(name) in gone:
+            continue
+        (parts if name in owner or name in walls else whole).append(name)
+    for action, names in (("edit/remove_parts-v1", parts), ("edit/remove-v1", whole)):
+        if names:
+            calls.append(Call(action, {"objects": names}))
+    same = _grouped(painted, ("surface", "tint"))
+    calls += [Call("edit/paint_objects-v1", arguments) for arguments in same]
+    return [*calls, *(Call("edit/place_objects-v1", same) for same in _grouped(kept, poses))]
+
+
+def owners_of(city: City) -> dict[str, str]:
+    """Return the building that each part belongs to, by ids."""
+    found: dict[str, str] = {}
+    for rows in city.scene.instances.values():
+        mine = rows.owner > 0
+        ids, owners = rows.object_id[mine].tolist(), rows.owner[mine].tolist()
+        found |= zip(map(id_text, ids), map(id_text, owners), strict=True)
+    return found
 
 
 def _metres(move: Sequence[float]) -> str:
@@ -89,8 +125,8 @@ def _grouped(changes: Sequence[Mapping[str, Any]], keys: tuple[str, ...]) -> lis
     groups: dict[str, dict[str, Any]] = {}
     for change in changes:
         same = {key: change[key] for key in keys}
-        group = groups.setdefault(json.dumps(same), {**same, "object_names": []})
-        group["object_names"].append(change["id"])
+        group = groups.setdefault(json.dumps(same), {**same, "objects": []})
+        group["objects"].append(change["id"])
     return list(groups.values())
 
 
@@ -113,7 +149,7 @@ def pull(
     dry_run
         Whether only to look.
     removals
-        Whether more than a fifth of all objects may go.
+        Whether more than a fifth of a layer may go.
     say
         Called with one line of progress at a time.
 
@@ -142,7 +178,7 @@ def pull(
         say("reading city.blend")
         found = differences(folder, path, numbers)
         _bounded(found, desk, removals)
-        calls = found.calls
+        calls = calls_of(found, desk.city)
         if dry_run or not calls:
             return found, None
         done = desk.change(calls, text=TEXT, expected=revision)
@@ -203,12 +239,17 @@ def differences(folder: Path, path: Path, numbers: Sequence[int]) -> Pull:
 
 def _bounded(found: Pull, desk: Desk, removals: bool) -> None:
     """Ask before a large part of the city goes: a layer is easily deleted by mistake."""
+    gone = np.array([int(text, 16) for text in found.removed], np.uint64)
     scene = desk.city.scene
-    total = sum(batch.count for batch in scene.meshes.values())
-    total += sum(rows.count for rows in scene.instances.values() if not rows.owner.any())
-    gone = len(set(found.removed))
-    if gone > MOST_REMOVED * total and not removals:
+    held = {name: batch.object_id for name, batch in scene.meshes.items()}
+    held |= {name: rows.object_id for name, rows in scene.instances.items()}
+    large = []
+    for layer, ids in held.items():
+        lost = int(np.isin(ids, gone).sum())
+        if lost > max(FEW, MOST_REMOVED * len(ids)):
+            large.append(f"{lost} of {len(ids)} {layer.replace('_', ' ')}")
+    if large and not removals:
         raise UsageError(
-            f"{gone} of about {total} objects are gone from {BLEND}. If that is meant, pull with "
+            f"{' and '.join(large)} are gone from {BLEND}. If that is meant, pull with "
             "--removals; nothing was changed."
         )

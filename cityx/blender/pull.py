@@ -43,6 +43,7 @@ NEAR = 1e-3  # metres; float32 is exact to less within 8 km
 EQUAL = 1e-4  # of turns, in radians, and of factors
 SHADE = 2.5 / 255  # of a colour's channel; stored colours are bytes
 WHITE = (1.0, 1.0, 1.0)
+REMOVABLE = OBJECT_LAYERS | {"barriers"}  # land, streets and bridges are one piece each
 # What an artist sees of a city, and cannot lose: cameras and lights are tools, not objects.
 TOOLS = frozenset({"CAMERA", "LIGHT", "LIGHT_PROBE", "SPEAKER", "EMPTY"})
 
@@ -137,12 +138,22 @@ def _compare_shells(
         for place, item in enumerate(mine):
             rigid, scale = _parts(_world(item))
             rigid[:3, 3] -= foot[row]
-            found.pose(object_id, rigid, scale, copy=place > 0)
+            found.pose(object_id, _upright(rigid, item, found), scale, copy=place > 0)
         if mine:
             _compare_faces(batch, row, foot[row], mine[0], found)
     for items in held.values():
         names = ", ".join(item.name for item in items)
         found.untaken.append(f"{names}: an object of the layer {layer} without an id of it")
+
+
+def _upright(rigid: FloatArray, item: bpy.types.Object, found: Differences) -> FloatArray:
+    """Return a change without what of its turn is not about the vertical; that is told."""
+    angles = euler_of(rigid[None, :3, :3])[0]
+    if np.abs(angles[:2]).max() > EQUAL:
+        found.untaken.append(f"{item.name}: it leans; what is built turns about the vertical only")
+    level = rigid.copy()
+    level[:3, :3] = matrices([[0.0, 0.0, angles[2]]])[0]
+    return level
 
 
 def _compare_faces(
@@ -225,20 +236,28 @@ def _compare_tiles(
     for tile in tiles_of(layer, batch):
         item = by_name.get(tile.name)
         if item is None:
-            found.removed += map(id_text, np.unique(tile.face_id).tolist())
+            _gone(layer, np.unique(tile.face_id), found)
             continue
         rigid, scale = _parts(_world(item))
         rigid[:3, 3] -= tile.origin
         if np.abs(rigid - np.eye(4)).max() > NEAR or np.abs(scale - 1).max() > EQUAL:
             found.untaken.append(f"{item.name}: {layer} is one piece, which cannot be moved")
-        _compare_tile(tile, item, found)
+        _compare_tile(layer, tile, item, found)
 
 
-def _compare_tile(tile: Tile, item: bpy.types.Object, found: Differences) -> None:
+def _gone(layer: str, ids: NDArray[np.uint64], found: Differences) -> None:
+    """Add what is gone from a layer, if it can be."""
+    if layer in REMOVABLE:
+        found.removed += map(id_text, ids.tolist())
+    elif len(ids):
+        found.untaken.append(f"{len(ids)} surfaces of {layer} are gone, which cannot be removed")
+
+
+def _compare_tile(layer: str, tile: Tile, item: bpy.types.Object, found: Differences) -> None:
     """Find the things of a tile that are gone or were moved as a whole."""
     ids, held = tile.face_id, _ids(item.data, "id")
     kept = np.isin(ids, held if held is not None else ids)
-    found.removed += map(id_text, np.unique(ids[~kept]).tolist())
+    _gone(layer, np.unique(ids[~kept]), found)
     positions = _attribute(item.data, "position", 3)
     expected = (tile.batch.vertices[tile.vertices] - tile.origin).astype(np.float32)
     if positions is None or len(positions) != len(expected):

@@ -147,19 +147,6 @@ def _sorted(ids: UInt64Array, hashes: UInt64Array) -> tuple[UInt64Array, UInt64A
     return ids[order], hashes[order]
 
 
-def differing_ids(
-    old: tuple[UInt64Array, UInt64Array], new: tuple[UInt64Array, UInt64Array]
-) -> UInt64Array:
-    """Return the ids whose hashes, as of `hash_mesh`, are not the same in any order, sorted."""
-    ids = np.unique(np.concatenate([old[0], new[0]]))
-    sums = []
-    for owner, hashes in (old, new):
-        total = np.zeros(len(ids), np.uint64)
-        np.add.at(total, np.searchsorted(ids, owner), mix(hashes))
-        sums.append(total)
-    return np.asarray(ids[sums[0] != sums[1]])
-
-
 def scene_key(scene: Scene) -> str:
     """Return a key of a scene as it is stored, 32 hexadecimal digits: other bytes, another key.
 
@@ -176,6 +163,19 @@ def scene_key(scene: Scene) -> str:
             exact = isinstance(held, np.ndarray)
             hasher.update(np.ascontiguousarray(held).tobytes() if exact else repr(held).encode())
     return hasher.hexdigest()
+
+
+def differing_ids(
+    old: tuple[UInt64Array, UInt64Array], new: tuple[UInt64Array, UInt64Array]
+) -> UInt64Array:
+    """Return the ids whose hashes, as of `hash_mesh`, are not the same in any order, sorted."""
+    ids = np.unique(np.concatenate([old[0], new[0]]))
+    sums = []
+    for owner, hashes in (old, new):
+        total = np.zeros(len(ids), np.uint64)
+        np.add.at(total, np.searchsorted(ids, owner), mix(hashes))
+        sums.append(total)
+    return np.asarray(ids[sums[0] != sums[1]])
 
 
 def content_hash(city: City) -> ContentHash:

@@ -32,7 +32,7 @@ Vector = tuple[float, float, float]
 def copy_objects(
     city: City,
     *,
-    object_names: Annotated[tuple[str, ...], ObjectName()],
+    objects: Annotated[tuple[str, ...], ObjectName()],
     move: Annotated[Vector, Range(-1e6, 1e6)] = (0.0, 0.0, 0.0),
     turn: Annotated[Vector, Range(-7.0, 7.0)] = (0.0, 0.0, 0.0),
     factor: Annotated[Vector, Range(0.01, 100.0)] = (1.0, 1.0, 1.0),
@@ -46,7 +46,7 @@ def copy_objects(
     ----------
     city
         City that holds the objects.
-    object_names
+    objects
         the objects
     move
         metres to the east, to the north and up from the original
@@ -55,11 +55,11 @@ def copy_objects(
     factor
         factors of length, width and height
     """
-    ids = np.unique(find_objects(city, object_names))
+    ids = np.unique(find_objects(city, objects))
     fresh = _new_ids(city, ids)
     city = _copied(city, ids, fresh)
     names = tuple(map(id_text, fresh.tolist()))
-    return place_objects(city, object_names=names, move=move, turn=turn, factor=factor)
+    return place_objects(city, objects=names, move=move, turn=turn, factor=factor)
 
 
 def _new_ids(city: City, ids: UInt64Array) -> UInt64Array:

@@ -24,7 +24,7 @@ from cityx.protocol.objects import find_objects
 def paint_objects(
     city: City,
     *,
-    object_names: Annotated[tuple[str, ...], ObjectName()],
+    objects: Annotated[tuple[str, ...], ObjectName()],
     tint: Annotated[tuple[float, float, float], Range(0.0, 1.0)],
     surface: Annotated[str, Text()] = "",
 ) -> City:
@@ -34,14 +34,14 @@ def paint_objects(
     ----------
     city
         City that holds the objects.
-    object_names
+    objects
         the objects
     tint
         linear red, green and blue
     surface
         the material whose faces are painted, of objects with a mesh of their own; all without one
     """
-    ids = find_objects(city, object_names)
+    ids = find_objects(city, objects)
     color = np.asarray(tint, np.float32)
     scene, painted = city.scene, False
     for layer, batch in city.scene.meshes.items():

@@ -17,20 +17,21 @@ from cityx.city.scene import Instances
 from cityx.errors import ActionFailed
 from cityx.geometry.identity import id_text
 from cityx.geometry.turns import euler_of, matrices
+from cityx.plugins.edit.footing import moved_points
+from cityx.plugins.edit.lots import cleared
 from cityx.plugins.edit.scale_object import scale_object
 from cityx.protocol import ObjectName, Port, Range, action
 from cityx.protocol.objects import find_objects
 
 FloatArray = NDArray[np.float64]
 UPRIGHT = 1e-4  # radians that a shell may be tilted by, which the eye of no one sees
-TABLES = ("points",)  # of the layout that hold things by the id that they have in the scene
 Vector = tuple[float, float, float]
 
 
 @action(
     "edit/place_objects-v1",
     limits=[
-        "Objects may reach into their neighbours; nothing is pushed aside.",
+        "As by hand: objects may reach into their neighbours or stand in the air.",
         "Buildings are turned about the vertical only.",
     ],
     takes=(Port("object", "complex_geometry"),),
@@ -40,7 +41,7 @@ Vector = tuple[float, float, float]
 def place_objects(
     city: City,
     *,
-    object_names: Annotated[tuple[str, ...], ObjectName()],
+    objects: Annotated[tuple[str, ...], ObjectName()],
     move: Annotated[Vector, Range(-1e6, 1e6)] = (0.0, 0.0, 0.0),
     turn: Annotated[Vector, Range(-7.0, 7.0)] = (0.0, 0.0, 0.0),
     factor: Annotated[Vector, Range(0.01, 100.0)] = (1.0, 1.0, 1.0),
@@ -54,7 +55,7 @@ def place_objects(
     ----------
     city
         City that holds the objects.
-    object_names
+    objects
         the objects
     move
         metres to the east, to the north and up
@@ -63,7 +64,7 @@ def place_objects(
     factor
         factors of length, width and height
     """
-    ids = find_objects(city, object_names)
+    ids = find_objects(city, objects)
     shells = [i for i in ids.tolist() if _has_shell(city, i)]
     tilted = shells and max(abs(turn[0]), abs(turn[1])) > UPRIGHT
     if tilted:
@@ -95,15 +96,7 @@ def _rows_moved(
             moved = turned_rows(rows, mine, rows.position, move, turn)
             scale = np.where(mine[:, None], rows.scale * factor, rows.scale).astype(np.float32)
             scene = scene.with_instances(layer, scene.prototypes, replace(moved, scale=scale))
-    layout = city.layout
-    for name in TABLES:
-        table = getattr(layout, name)
-        mine = np.isin(table["id"].to_numpy(np.uint64), ids)
-        if mine.any():
-            shapes = table.geometry.to_numpy().copy()
-            shapes[mine] = shapely.transform(shapes[mine], lambda xy: xy + move[:2])
-            layout = replace(layout, **{name: table.set_geometry(shapes)})
-    return replace(city, scene=scene, layout=layout)
+    return moved_points(replace(city, scene=scene), ids, move[:2])
 
 
 def turned_rows(
@@ -134,7 +127,7 @@ def _shell_moved(city: City, wanted: np.uint64, move: FloatArray, yaw: float) ->
             moved = turned_rows(rows, own, pivot, move, turn)
             scene = scene.with_instances(layer, scene.prototypes, moved)
     layout = _moved_layout(city, wanted, pivot, move, yaw)
-    return replace(city, scene=scene, layout=layout)
+    return cleared(replace(city, scene=scene, layout=layout), np.array([wanted], np.uint64))
 
 
 def _moved_mesh(
