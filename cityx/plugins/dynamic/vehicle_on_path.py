@@ -119,7 +119,9 @@ def add_vehicles(
     ids = np.array(new_ids(city, ACTION, line.name, count), np.uint64)
     look = [looks[i] for i in choose(city.seed, f"{ACTION}/look", ids, shares).tolist()]
     begins = spread(city.seed, line, count, apart, ACTION) * way.length / line.line.length
-    cast = Cast(tuple(look), _paints(city, ids, look), begins, "ride", ACTION, line.name)
+    cast = Cast(
+        tuple(look), _paints(city, ids, look), begins, "ride", ACTION, line.name, line.roads
+    )
     going = paces(way, pace, sideways=SIDEWAYS, pull=PULL)
     return procession(city, way, going, cast, seconds)
 
