@@ -19,8 +19,8 @@ BoolArray = NDArray[np.bool_]
 BLOCK = 2  # cells along each side of what one node of the graph stands for
 COMFORT = 0.7  # metres of clearance from which a way is no longer better
 TIGHT = 1.5  # what a metre along a wall costs more than one in the open
-PASSING = 0.35  # metres of clearance with which two people pass each other, shoulders turned
-BOTTLENECK = 0.8  # metres from such a place to the middle of a narrow one that one waits at
+PASSING = 0.45  # metres of clearance with which two people pass each other, shoulders turned
+BOTTLENECK = 1.2  # metres from such a place to the middle of a narrow one that one waits at
 NARROW, SINGLE_FILE = (
     0.35,
     12.0,
