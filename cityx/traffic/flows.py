@@ -65,7 +65,7 @@ def between(
     pairs = sorted(((one, other) for one in starts for other in goals),
                    key=lambda pair: pair[0].off + pair[1].off)  # fmt: skip
     for one, other in pairs:
-        route = _route(net, one.way, other.way)
+        route = route_between(net, one.way, other.way)
         if route is not None:
             break
     else:
@@ -166,7 +166,8 @@ def _said(place: FloatArray) -> str:
     return f"({place[0]:.1f}, {place[1]:.1f})"
 
 
-def _route(net: Drivable, start: int, goal: int) -> list[int] | None:
+def route_between(net: Drivable, start: int, goal: int) -> list[int] | None:
+    """Return the quickest ways from one to another, both included; None when there are none."""
     from scipy.sparse.csgraph import dijkstra
 
     seconds, before = dijkstra(net.matrix(0, net.usable), indices=start,
@@ -188,7 +189,7 @@ def _onward(net: Drivable, start: int, own: int) -> list[int]:
     if not weight.any():
         weight = np.isfinite(seconds)
     goal = int(choose(net.city.seed, "traffic/onward", [np.uint64(own)], weight)[0])
-    return _route(net, start, goal) or [start]
+    return route_between(net, start, goal) or [start]
 
 
 def _slots(
