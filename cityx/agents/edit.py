@@ -184,6 +184,7 @@ def renew(
 
     files = {
         "blend": "city.blend", "glb": "city.glb", "usd": "city.usdc", "bodies": "city_bodies.npz",
+        "sumo": "city.sumocfg",
     }  # fmt: skip
     formats = [name for name, file in files.items() if (folder / file).exists()]
     if formats:

@@ -50,7 +50,7 @@ def make_views(
     watch: Stopwatch | None = None,
     say: Say,
 ) -> float:
-    """Write GLB, USD, bodies, .blend and pictures of a city.
+    """Write GLB, USD, bodies, the files of SUMO, .blend and pictures of a city.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def make_views(
     folder
         Where to write them.
     formats
-        "blend", "glb", "usd", "bodies".
+        "blend", "glb", "usd", "bodies", "sumo".
     store
         Folder of the stored city; ``city`` of the same folder when left out.
     views, size, samples
@@ -77,6 +77,8 @@ def make_views(
     from cityx.outputs.bodies import write_bodies
     from cityx.outputs.glb import write_glb
     from cityx.outputs.usd import write_usd
+    from cityx.plugins.dynamic.halts import halts_of
+    from cityx.traffic.files import write_sumo
 
     watch = watch or Stopwatch()
     folder.mkdir(parents=True, exist_ok=True)
@@ -92,6 +94,10 @@ def make_views(
         say("writing city_bodies.npz")
         with watch.step("bodies"):
             write_bodies(view_of(city), folder / "city_bodies.npz")
+    if "sumo" in formats:
+        say("writing city.net.xml")
+        with watch.step("sumo"):
+            write_sumo(city, halts_of(city), folder)
     if "blend" in formats or views:
         blend = folder / "city.blend" if "blend" in formats else None
         times, _ = blender_views(
