@@ -98,10 +98,10 @@ def _centroid_in(table: GeoDataFrame, box: shapely.Polygon) -> NDArray[np.bool_]
 def _clipped(table: GeoDataFrame, box: shapely.Polygon, dimension: int) -> GeoDataFrame:
     touched = table[shapely.intersects(table.geometry.to_numpy(), box)]
     shapes = touched.geometry.to_numpy()
-    inside = shapely.covered_by(shapes, box)
-    return pieces_of(
-        touched, np.where(inside, shapes, shapely.intersection(shapes, box)), dimension
-    )
+    crossing = ~shapely.covered_by(shapes, box)
+    shapes = shapes.copy()
+    shapes[crossing] = shapely.intersection(shapes[crossing], box)
+    return pieces_of(touched, shapes, dimension)
 
 
 def pieces_of(table: GeoDataFrame, shapes: NDArray[Any], dimension: int) -> GeoDataFrame:

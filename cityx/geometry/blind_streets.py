@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -45,6 +45,17 @@ class Net:
     links: IntArray
     street: IntArray
 
+    @cached_property
+    def lines(self) -> NDArray[Any]:
+        """(m,) links as lines."""
+        return np.asarray(shapely.linestrings(self.nodes[self.links]), object)
+
+    @cached_property
+    def middles(self) -> FloatArray:
+        """(m, 2) middles of the links."""
+        points = shapely.line_interpolate_point(self.lines, 0.5, normalized=True)
+        return np.asarray(shapely.get_coordinates(points))
+
 
 def with_blind_streets(
     net: Net,
@@ -84,9 +95,8 @@ def with_blind_streets(
     """
     if not len(net.links):
         return net, np.zeros(0, np.int64)
-    lines = shapely.linestrings(net.nodes[net.links])
     outline = _divided(sides, doors)
-    faces = np.asarray(shapely.get_parts(shapely.polygonize([*lines, *outline])))
+    faces = np.asarray(shapely.get_parts(shapely.polygonize([*net.lines, *outline])))
     box = np.round(shapely.bounds(faces), 3)
     faces = faces[np.lexsort(box.T)]
     ends: list[int] = []
@@ -117,7 +127,7 @@ def _divided(sides: NDArray[Any], doors: Sequence[FloatArray]) -> list[Any]:
         at = np.concatenate([own, shapely.line_locate_point(side, shapely.points(places))])
         order = np.argsort(at, kind="stable")
         every = np.concatenate([points, places])[order]
-        pieces += [shapely.LineString(pair) for pair in pairwise(every)]
+        pieces += shapely.linestrings(np.stack([every[:-1], every[1:]], axis=1)).tolist()
     return pieces
 
 
@@ -164,17 +174,17 @@ def _into(
         Whether it may end blindly; else it must lead to a street of the district across.
     """
     shapely.prepare([face, rim])
-    lines = shapely.linestrings(net.nodes[net.links])
-    middle = shapely.line_interpolate_point(lines, 0.5, normalized=True)
-    # Dead ends have the block on both sides, so they are no place to begin.
-    own = np.flatnonzero((shapely.distance(middle, rim) < ON) & (net.street[:, 0] >= 0))
+    lines = net.lines
+    own = _bounding(net, face, rim)
     if not len(own):
         return None
+    junctions = _junctions(net, face)
     row, foot, normal = _feet(net, face, own)
+    clear = shapely.distance(shapely.points(foot), junctions) >= FOOT
+    row, foot, normal = row[clear], foot[clear], normal[clear]
     ray = shapely.linestrings(np.stack([foot + normal, foot + FAR * normal], axis=1))
     reach = shapely.distance(shapely.points(foot), shapely.intersection(ray, rim))
     reach = np.nan_to_num(reach)
-    clear = shapely.distance(shapely.points(foot), _junctions(net, face)) >= FOOT
     if blind:
         size = np.minimum(reach - GAP, LENGTH[1])
         across = np.full(len(foot), -1)
@@ -183,19 +193,28 @@ def _into(
         size = reach
         across, fits = _crossed(net, lines, own, foot + size[:, None] * normal, normal)
         fits &= (size >= THROUGH[0]) & (size <= THROUGH[1])
-        fits &= shapely.distance(shapely.points(foot + size[:, None] * normal), _junctions(net, face)) >= FOOT  # fmt: skip  # noqa: E501
+        there = shapely.points(foot + size[:, None] * normal)
+        fits &= shapely.distance(there, junctions) >= FOOT
     tip = np.round(foot + size[:, None] * normal, 3)
     end = foot + np.maximum(size - (0.0 if blind else SIDE + 1.0), SIDE + 2.0)[:, None] * normal
     body = shapely.linestrings(np.stack([foot + (SIDE + 1.0) * normal, end], axis=1))
-    good = fits & clear & (shapely.distance(body, rim) >= SIDE)
+    good = fits & (shapely.distance(body, rim) >= SIDE)
     if blind:
         depth = shapely.distance(shapely.points(tip), rim)
         good &= depth >= GAP - 2.0
         worth = depth + 0.3 * size
     else:  # halves a block where both halves are alike
-        halves = shapely.distance(body, _junctions(net, face))
-        worth = halves
+        worth = shapely.distance(body, junctions)
     return _Offers(own[row], foot, tip, np.where(good, worth, -1.0), across).best()
+
+
+def _bounding(net: Net, face: Any, rim: Any) -> IntArray:
+    """Return the links on a block's outline that a street into it may begin on."""
+    low, high = np.array(face.bounds).reshape(2, 2) + np.array([[-ON], [ON]])
+    near = ((net.middles >= low) & (net.middles <= high)).all(axis=1)
+    # Dead ends have the block on both sides, so they are no place to begin.
+    rows = np.flatnonzero(near & (net.street[:, 0] >= 0))
+    return np.asarray(rows[shapely.distance(shapely.points(net.middles[rows]), rim) < ON])
 
 
 def _feet(net: Net, face: Any, own: IntArray) -> tuple[IntArray, FloatArray, FloatArray]:

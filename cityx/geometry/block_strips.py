@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from cityx.geometry.block_slices import Strip, slice_strips
 from cityx.geometry.block_splits import Pieces, joined_pieces
 from cityx.geometry.identity import UInt64Array
-from cityx.geometry.polygons import FloatArray, rings_of
+from cityx.geometry.polygons import FloatArray, IntArray, rings_of
 from cityx.geometry.seams import subtract
 
 CORNER = np.radians(35.0)  # a sharper bend ends a street
@@ -62,24 +62,12 @@ def strip_blocks(
         They cover the blocks; what lies too far inside, and now and then a corner, has no street.
     """
     reach = meeting_depth(blocks, depth)
-    rows: list[int] = []
-    strips: list[Strip] = []
-    rests: list[tuple[Any, int, int]] = []
-    for row, sides in enumerate(_sides(blocks)):
-        found, rest = _strips(blocks[row], sides, float(reach[row]))
-        strips += found
-        rows += [row] * len(found)
-        rests += [(shape, row, number) for number, shape in enumerate(rest)]
-    sliced = slice_strips(strips, np.array(rows, np.int64), ids, frontage, reach, seed=seed)
-    return joined_pieces([sliced, _rest_pieces(rests)])
-
-
-def _rest_pieces(rests: list[tuple[Any, int, int]]) -> Pieces:
-    shapes = np.empty(len(rests), object)
-    shapes[:] = [shape for shape, _, _ in rests]
-    block = np.array([row for _, row, _ in rests], np.int64)
-    code = np.array([number for _, _, number in rests], np.uint64)
-    return Pieces(shapes, block, code, np.full((len(rests), 2), np.nan))
+    strips, rows, rest = _strips(blocks, _sides(blocks), reach)
+    sliced = slice_strips(strips, rows, ids, frontage, reach, seed=seed)
+    shapes, block = _polygons(rest)
+    code = (np.arange(len(block)) - np.searchsorted(block, block)).astype(np.uint64)
+    left = Pieces(shapes, block, code, np.full((len(shapes), 2), np.nan))
+    return joined_pieces([sliced, left])
 
 
 def meeting_depth(blocks: NDArray[Any], depth: FloatArray) -> FloatArray:
@@ -128,36 +116,77 @@ def _breaks(turn: FloatArray) -> list[int]:
     return breaks
 
 
-def _strips(block: Any, sides: list[Side], depth: float) -> tuple[list[Strip], list[Any]]:
-    """Give each side of a block its land; the strips, and what none of them took."""
-    rest = block
-    strips: list[Strip] = []
-    for chain, begins, ends in sides:
-        line = shapely.linestrings(chain)
-        if line.length < SHORT:
-            continue
-        band = shapely.buffer(
-            _reaching(chain, begins, ends, depth), depth, cap_style="flat", join_style="mitre",
-            mitre_limit=2.0,
-        )  # fmt: skip
-        for piece in _polygons(shapely.intersection(rest, band)):
-            low, high = _span(piece, line)
-            if high - low > FRONTLESS:
-                strips.append(Strip(piece, chain, low, high, len(strips)))
-                rest = subtract(rest, piece)
-        if rest.is_empty:
-            break
-    return strips, _polygons(rest)
+def _strips(
+    blocks: NDArray[Any], sides: list[list[Side]], depth: FloatArray
+) -> tuple[list[Strip], IntArray, NDArray[Any]]:
+    """Give each side of each block its land, the longest sides first.
+
+    Returns
+    -------
+    strips, block
+        The strips, and the (s,) row of each one's block, rising.
+    rest
+        (n,) what none of them took.
+    """
+    rest = blocks.copy()
+    made: list[tuple[int, Strip]] = []
+    count = np.zeros(len(blocks), np.int64)
+    for rank in range(max(map(len, sides), default=0)):
+        empty = shapely.is_empty(rest)
+        rows = np.array(
+            [row for row, own in enumerate(sides) if rank < len(own) and not empty[row]], np.int64
+        )
+        turn = [sides[row][rank] for row in rows.tolist()]
+        lines = _lines_of([chain for chain, _, _ in turn])
+        long = shapely.length(lines) >= SHORT
+        rows, lines = rows[long], lines[long]
+        turn = [side for side, kept in zip(turn, long.tolist(), strict=True) if kept]
+        pieces, of = _polygons(shapely.intersection(rest[rows], _bands(turn, depth[rows])))
+        low, high = _spans(pieces, lines[of])
+        nth = np.arange(len(of)) - np.searchsorted(of, of)
+        for number in range(nth.max(initial=-1) + 1):
+            some = np.flatnonzero((nth == number) & (high - low > FRONTLESS))
+            block = rows[of[some]]
+            for k, row in zip(some.tolist(), block.tolist(), strict=True):
+                strip = Strip(
+                    pieces[k], turn[of[k]][0], float(low[k]), float(high[k]), int(count[row])
+                )
+                made.append((row, strip))
+            count[block] += 1
+            rest[block] = subtract(rest[block], pieces[some])
+    made.sort(key=lambda found: (found[0], found[1].number))
+    return [strip for _, strip in made], np.array([row for row, _ in made], np.int64), rest
 
 
-def _polygons(shape: Any) -> list[Any]:
-    """List the polygons of a shape that are more than rounding."""
-    parts = shapely.get_parts(shapely.get_parts(shape))
-    return [part for part in parts if part.geom_type == "Polygon" and part.area > DUST]
+def _lines_of(chains: list[FloatArray]) -> NDArray[Any]:
+    """Return chains of points as lines."""
+    lines = np.zeros(len(chains), object)
+    if chains:
+        of = np.repeat(np.arange(len(chains)), [len(chain) for chain in chains])
+        lines[:] = shapely.linestrings(np.concatenate(chains), indices=of)
+    return lines
 
 
-def _reaching(chain: FloatArray, begins: float, ends: float, depth: float) -> Any:
-    """Return a side as a line that runs on past its corners, but not into the block."""
+def _polygons(shapes: NDArray[Any]) -> tuple[NDArray[Any], IntArray]:
+    """Return the polygons of shapes that are more than rounding, and the row of each."""
+    parts, outer = shapely.get_parts(shapes, return_index=True)
+    parts, inner = shapely.get_parts(parts, return_index=True)
+    kept = (shapely.get_type_id(parts) == 3) & (shapely.area(parts) > DUST)
+    return parts[kept], outer[inner][kept]
+
+
+def _bands(sides: list[Side], depth: FloatArray) -> NDArray[Any]:
+    """Return the land within a depth of sides that run on past their corners."""
+    lines = _lines_of([
+        _reaching(*side, reach) for side, reach in zip(sides, depth.tolist(), strict=True)
+    ])  # fmt: skip
+    return np.asarray(
+        shapely.buffer(lines, depth, cap_style="flat", join_style="mitre", mitre_limit=2.0), object
+    )
+
+
+def _reaching(chain: FloatArray, begins: float, ends: float, depth: float) -> FloatArray:
+    """Return a side with points that it runs on to past its corners, but not into the block."""
     points = [chain]
     if begins > 0:
         way = chain[0] - chain[1]
@@ -165,7 +194,7 @@ def _reaching(chain: FloatArray, begins: float, ends: float, depth: float) -> An
     if ends > 0:
         way = chain[-1] - chain[-2]
         points.append((chain[-1] + way / np.hypot(*way) * _past(ends, depth))[None])
-    return shapely.linestrings(np.concatenate(points))
+    return np.concatenate(points)
 
 
 def _past(turn: float, depth: float) -> float:
@@ -173,9 +202,16 @@ def _past(turn: float, depth: float) -> float:
     return 3.0 * depth if turn > CORNER else depth * np.tan(turn / 2) * 1.01
 
 
-def _span(piece: Any, line: Any) -> tuple[float, float]:
-    """Return from where to where along a side a piece has the street."""
-    points = shapely.points(shapely.get_coordinates(piece))
-    near = points[shapely.dwithin(points, line, 1e-6)]
-    along = shapely.line_locate_point(line, near)
-    return (float(along.min()), float(along.max())) if len(along) else (0.0, 0.0)
+def _spans(pieces: NDArray[Any], lines: NDArray[Any]) -> tuple[FloatArray, FloatArray]:
+    """Return from where to where along its side each piece has the street, 0 where nowhere."""
+    at, of = shapely.get_coordinates(pieces, return_index=True)
+    points = shapely.points(at)
+    near = shapely.dwithin(points, lines[of], 1e-6)
+    of = of[near]
+    along = shapely.line_locate_point(lines[of], points[near])
+    low, high = np.full(len(pieces), np.inf), np.full(len(pieces), -np.inf)
+    np.minimum.at(low, of, along)
+    np.maximum.at(high, of, along)
+    none = ~np.isfinite(low)
+    low[none] = high[none] = 0.0
+    return low, high

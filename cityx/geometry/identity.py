@@ -21,6 +21,7 @@ UInt64Array = NDArray[np.uint64]
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
 _MIX_2 = np.uint64(0x94D049BB133111EB)
+_SHIFTS = tuple(np.uint64(bits) for bits in (30, 27, 31))
 # 53 bits fill the mantissa of a float64, so the quotient is uniform and exact.
 _MANTISSA = 53
 _ALL = 0xFFFFFFFFFFFFFFFF
@@ -42,11 +43,15 @@ def id_text(object_id: int) -> str:
 
 def mix(values: ArrayLike) -> UInt64Array:
     """Scramble 64-bit integers (splitmix64 finaliser), elementwise."""
-    with np.errstate(over="ignore"):
-        x = np.asarray(values, dtype=np.uint64) + _GOLDEN
-        x = (x ^ (x >> np.uint64(30))) * _MIX_1
-        x = (x ^ (x >> np.uint64(27))) * _MIX_2
-        return np.asarray(x ^ (x >> np.uint64(31)), dtype=np.uint64)
+    x = np.array(values, dtype=np.uint64)
+    # In place: arrays wrap around in silence, while the scalars that 0-d results become would warn.
+    x += _GOLDEN
+    x ^= x >> _SHIFTS[0]
+    x *= _MIX_1
+    x ^= x >> _SHIFTS[1]
+    x *= _MIX_2
+    x ^= x >> _SHIFTS[2]
+    return x
 
 
 def hash_ids(seed: int, purpose: str, ids: ArrayLike, k: ArrayLike = 0) -> UInt64Array:

@@ -7,6 +7,7 @@ numbers are exact to lattice indices of 10^8 and beyond.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -121,7 +122,17 @@ class Cell:
 
 
 def lattice_cell(lattice: Lattice, key: Key) -> Cell:
-    """Make one cell of a lattice.
+    """Make one cell of a lattice; see `lattice_cells`."""
+    return lattice_cells(lattice, [key])[0]
+
+
+def lattice_cells(lattice: Lattice, keys: Sequence[Key]) -> list[Cell]:
+    """Make cells of a lattice, each the same whatever others are made with it.
+
+    Parameters
+    ----------
+    keys
+        Lattice indices near each other: all that lie between them are looked at.
 
     References
     ----------
@@ -130,17 +141,28 @@ def lattice_cell(lattice: Lattice, key: Key) -> Cell:
     """
     from scipy.spatial import Delaunay
 
-    spread = np.arange(-RINGS, RINGS + 1)
-    keys = np.array(key) + np.stack(np.meshgrid(spread, spread, indexing="ij"), -1).reshape(-1, 2)
-    sites = lattice.sites(keys)
-    own = len(keys) // 2
-    mesh = Delaunay((sites - sites[own]) / PER_METRE)
-    # Rows of `keys` rise by lattice index, so sorted rows are the order of names.
+    if not keys:
+        return []
+    wanted = np.array(keys, np.int64).reshape(-1, 2)
+    low, high = wanted.min(axis=0) - RINGS, wanted.max(axis=0) + RINGS + 1
+    i, j = (np.arange(a, b) for a, b in zip(low.tolist(), high.tolist(), strict=True))
+    around = np.stack(np.meshgrid(i, j, indexing="ij"), -1).reshape(-1, 2)
+    sites = lattice.sites(around)
+    mesh = Delaunay((sites - sites[len(sites) // 2]) / PER_METRE)
+    # Rows of `around` rise by lattice index, so sorted rows are the order of names.
     triple = np.sort(mesh.simplices, axis=1)
-    place = _circumcentres(sites, triple)
+    raw = _circumcentres(sites, triple)
     first, second = _sides(mesh.neighbors)
+    place = raw.copy()
     into = _joined(place, triple, first, second, lattice.joined)
-    return _assembled(lattice, key, keys, sites[own], own, triple, place, into)
+    corners = _Corners(around, triple, raw, place, into)
+    rows = (wanted - low) @ np.array([len(j), 1])
+    order = np.argsort(triple.ravel(), kind="stable")
+    begin = np.searchsorted(triple.ravel()[order], [rows, rows + 1])
+    return [
+        corners.cell(own, sites[own], order[a:b] // 3)
+        for own, a, b in zip(rows.tolist(), *begin.tolist(), strict=True)
+    ]
 
 
 def _circumcentres(sites: IntArray, triple: IntArray) -> IntArray:
@@ -188,27 +210,47 @@ def _joined(
     return into
 
 
-def _assembled(
-    lattice: Lattice, key: Key, keys: IntArray, site: IntArray, own: int,
-    triple: IntArray, place: IntArray, into: IntArray,
-) -> Cell:  # fmt: skip
-    mine = np.flatnonzero((triple == own).any(axis=1))
-    raw = _circumcentres(lattice.sites(keys), triple[mine]) - site
-    mine = mine[np.argsort(np.arctan2(raw[:, 1], raw[:, 0]))]
-    ring, beyond = [], []
-    for here, there in zip(mine.tolist(), np.roll(mine, -1).tolist(), strict=True):
-        if into[here] == into[there]:
-            continue
-        shared = set(triple[here].tolist()) & set(triple[there].tolist()) - {own}
-        ring.append(int(into[here]))
-        beyond.append(_key(keys[min(shared)]))
-    corners = tuple((_key(keys[a]), _key(keys[b]), _key(keys[c])) for a, b, c in triple[ring])
-    return Cell(key, site, corners, place[ring], tuple(beyond))
+@dataclass(frozen=True)
+class _Corners:
+    """Where three cells meet, n places over k sites.
+
+    Attributes
+    ----------
+    keys
+        (k, 2) lattice indices.
+    triple
+        (n, 3) rows of keys, rising.
+    raw, place
+        (n, 2) before and after near ones were joined, whole millimetres.
+    into
+        (n,) the corner that each became.
+    """
+
+    keys: IntArray
+    triple: IntArray
+    raw: IntArray
+    place: IntArray
+    into: IntArray
+
+    def cell(self, own: int, site: IntArray, mine: IntArray) -> Cell:
+        """Return the cell of a row of keys, which has these corners."""
+        away = self.raw[mine] - site
+        mine = mine[np.argsort(np.arctan2(away[:, 1], away[:, 0]))]
+        ring, beyond = [], []
+        for here, there in zip(mine.tolist(), np.roll(mine, -1).tolist(), strict=True):
+            if self.into[here] == self.into[there]:
+                continue
+            shared = set(self.triple[here].tolist()) & set(self.triple[there].tolist()) - {own}
+            ring.append(int(self.into[here]))
+            beyond.append(_key(self.keys[min(shared)]))
+        names = self.keys[self.triple[ring]].tolist()  # (corner, 3, 2)
+        corners = tuple((_key(a), _key(b), _key(c)) for a, b, c in names)
+        return Cell(_key(self.keys[own]), site, corners, self.place[ring], tuple(beyond))
 
 
 def _whole(metres: FloatArray) -> IntArray:
     return np.asarray(np.rint(metres * PER_METRE).astype(np.int64))
 
 
-def _key(values: IntArray) -> Key:
+def _key(values: Sequence[int] | IntArray) -> Key:
     return int(values[0]), int(values[1])

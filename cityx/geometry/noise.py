@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 from cityx.geometry.identity import draw, hash_bits, hash_ids, uniform
 from cityx.geometry.polygons import FloatArray
 
+_CORNERS = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])[:, None]  # (4, 1, 2) of a cell
+
 
 def gradient_noise(seed: int, points: ArrayLike, *, octaves: int = 1) -> FloatArray:
     """Evaluate Perlin noise whose largest waves are one unit long.
@@ -43,15 +45,14 @@ def _layer(seed: int, points: FloatArray, octave: int) -> FloatArray:
     corner = np.floor(points).astype(np.int64)  # (n, 2)
     offset = points - corner
     fade = offset**3 * (offset * (offset * 6 - 15) + 10)
-    total = np.zeros(len(points))
-    for dx in (0, 1):
-        for dy in (0, 1):
-            cell = (corner + np.array([dx, dy])).astype(np.uint64)
-            ids = hash_ids(seed, "noise/cell", cell[:, 0], cell[:, 1])
-            angle = 2 * np.pi * uniform(seed, "noise/gradient", ids, octave)
-            slope = np.cos(angle) * (offset[:, 0] - dx) + np.sin(angle) * (offset[:, 1] - dy)
-            weight = np.abs(1 - dx - fade[:, 0]) * np.abs(1 - dy - fade[:, 1])
-            total += weight * slope
+    cell = (corner + _CORNERS).astype(np.uint64)  # (4, n, 2)
+    ids = hash_ids(seed, "noise/cell", cell[..., 0], cell[..., 1])
+    angle = 2 * np.pi * uniform(seed, "noise/gradient", ids, octave)
+    away = offset - _CORNERS
+    slope = np.cos(angle) * away[..., 0] + np.sin(angle) * away[..., 1]
+    part = np.abs(1 - _CORNERS - fade)
+    weighted = part[..., 0] * part[..., 1] * slope
+    total = weighted[0] + weighted[1] + weighted[2] + weighted[3]
     # Gradient noise of unit slopes stays within +-sqrt(1/2); scale to +-1.
     return np.asarray(np.sqrt(2.0) * total)
 

@@ -91,19 +91,21 @@ def inner_rectangles(
     shapely.prepare(polygons)
     inside = shapely.contains_xy(polygons[:, None], at[..., 0], at[..., 1])
     inside = inside.reshape(count, GRID, GRID)
+    masks = inside @ (1 << np.arange(GRID))  # (n, g), bits for columns
     best = np.zeros(count, np.int64)
     span = np.zeros((count, 4), np.int64)  # first and last row, first and last column
     for first in range(GRID):
-        free = np.ones((count, GRID), bool)
-        for last in range(first, GRID):
-            free &= inside[:, last]
-            end, length = _longest_run(free)
-            cells = length * (last - first + 1)
-            better = cells > best
-            best[better] = cells[better]
-            found = np.column_stack([np.full(count, first), np.full(count, last),
-                                     end - length + 1, end])  # fmt: skip
-            span[better] = found[better]
+        free = np.bitwise_and.accumulate(masks[:, first:], axis=1)
+        end, length = _longest_run(free)
+        cells = length * np.arange(1, GRID - first + 1)
+        most = cells.argmax(axis=1)
+        rows = np.flatnonzero(cells.max(axis=1) > best)
+        most = most[rows]
+        best[rows] = cells[rows, most]
+        last, right = first + most, end[rows, most]
+        span[rows] = np.column_stack(
+            [np.full(len(rows), first), last, right - length[rows, most] + 1, right]
+        )
     low = span[:, [0, 2]] / GRID - 0.5
     high = (span[:, [1, 3]] + 1) / GRID - 0.5
     middle, extent = (low + high) / 2 * size, (high - low) * size
@@ -111,13 +113,14 @@ def inner_rectangles(
     return centre + middle[:, :1] * axis + middle[:, 1:] * across, extent
 
 
-def _longest_run(free: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the end and the length of the longest run of True in every row."""
-    run = np.zeros(len(free), np.int64)
-    best, end = run.copy(), run.copy()
-    for column in range(free.shape[1]):
-        run = np.where(free[:, column], run + 1, 0)
-        longer = run > best
-        best = np.where(longer, run, best)
-        end = np.where(longer, column, end)
-    return end, best
+def _longest_run(masks: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the highest bit and the length of the lowest of the longest runs of set bits."""
+    length = np.zeros(masks.shape, np.int64)
+    ends = masks.copy()  # bits that a run of so many bits ends at
+    left = masks
+    while left.any():
+        length += left != 0
+        ends = np.where(left != 0, left, ends)
+        left = left & (left << 1)
+    lowest = ends & -ends
+    return np.frexp(np.maximum(lowest, 1).astype(float))[1].astype(np.int64) - 1, length

@@ -63,14 +63,8 @@ def grid(
     brick
         Whether every other row of cross streets is shifted by half, so that all ends are T.
     """
-    along, across = sizes
-    u0, u1, v0, v1 = _turned_box(box, origin, angle)
-    step = 2 if brick else 1  # nodes per crossing along a line
-    i = np.arange(math.floor(u0 / along * step) - 1, math.ceil(u1 / along * step) + 2)
-    j = np.arange(math.floor(v0 / across) - 1, math.ceil(v1 / across) + 2)
-    column, row = (part.ravel() for part in np.meshgrid(i, j, indexing="ij"))
-    nodes = _placed(origin, angle, column * (along / step), row * across)
-    number = np.arange(len(column)).reshape(len(i), len(j))
+    nodes, column, row = grid_nodes(box, origin, angle, sizes, brick=brick)
+    number = np.arange(len(column)).reshape(-1, row[-1] - row[0] + 1)
     first = np.stack([number[:-1].ravel(), number[1:].ravel()], axis=1)
     rising = np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()], axis=1)
     if brick:
@@ -82,6 +76,19 @@ def grid(
     other = np.where(family == 0, column[links[:, 0]], row[links[:, 0]])
     name = np.stack([2 * line + family, other], axis=1)
     return Pattern(nodes, links, np.stack([family, line], axis=1), name)
+
+
+def grid_nodes(
+    box: Box, origin: FloatArray, angle: float, sizes: tuple[float, float], *, brick: bool = False
+) -> tuple[FloatArray, IntArray, IntArray]:
+    """Return the crossings of a `grid`: (n, 2) places, (n,) columns and (n,) rows, both rising."""
+    along, across = sizes
+    u0, u1, v0, v1 = _turned_box(box, origin, angle)
+    step = 2 if brick else 1  # nodes per crossing along a line
+    i = np.arange(math.floor(u0 / along * step) - 1, math.ceil(u1 / along * step) + 2)
+    j = np.arange(math.floor(v0 / across) - 1, math.ceil(v1 / across) + 2)
+    column, row = (part.ravel() for part in np.meshgrid(i, j, indexing="ij"))
+    return _placed(origin, angle, column * (along / step), row * across), column, row
 
 
 def rings(box: Box, middle: FloatArray, angle: float, sizes: tuple[float, float]) -> Pattern:

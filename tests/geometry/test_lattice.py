@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cityx.geometry.lattice import PER_METRE, Lattice, lattice_cell
+from cityx.geometry.lattice import PER_METRE, Lattice, lattice_cell, lattice_cells
 
 FAR = st.integers(-(10**8), 10**8)
 
@@ -52,3 +52,15 @@ def test_every_point_within_reach_of_a_box_is_found():
     inside = ((sites >= 0.0) & (sites <= [900.0, 600.0])).all(axis=1)
     assert inside.sum() >= 5
     assert {tuple(key) for key in wide[inside].tolist()} <= {tuple(key) for key in keys.tolist()}
+
+
+@settings(max_examples=8, deadline=None, derandomize=True)
+@given(seed=st.integers(0, 2**40), i=FAR, j=FAR, jitter=st.sampled_from([0.08, 0.26, 0.35]))
+def test_cells_made_together_are_those_made_alone(seed, i, j, jitter):
+    lattice = Lattice(seed, 330.0, jitter, 0.4, joined=80.0)
+    keys = [(i + a, j + b) for a in (0, 1, 5) for b in (0, 2)]
+    for key, cell in zip(keys, lattice_cells(lattice, keys), strict=True):
+        alone = lattice_cell(lattice, key)
+        assert (cell.key, cell.corners, cell.beyond) == (key, alone.corners, alone.beyond)
+        assert (cell.site == alone.site).all()
+        assert (cell.places == alone.places).all()

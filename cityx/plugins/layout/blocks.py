@@ -134,10 +134,12 @@ def _between_streets(plane: Plane, district: District) -> NDArray[Any]:
     half = [half_width(side_tags(plane, rim.key, side)) for side in rim.sides]
     ends = rim.local(district.places)[district.links]
     lines += list(shapely.linestrings(ends))
-    half += [
+    streets, of = np.unique(district.street, axis=0, return_inverse=True)
+    own = [
         half_width(local_tags(plane, rim.key, sketch.zone, sketch.kind, family, line))
-        for family, line in district.street.tolist()
+        for family, line in streets.tolist()
     ]
+    half += [own[k] for k in of.ravel().tolist()]
     strips = shapely.buffer(np.array(lines, object), np.array(half), quad_segs=FILLET)
     rest = shapely.difference(rim.polygon(), shapely.union_all(strips))
     opened = shapely.buffer(shapely.buffer(rest, -THIN / 2, quad_segs=FILLET), THIN / 2, quad_segs=FILLET)  # fmt: skip  # noqa: E501

@@ -14,7 +14,7 @@ from cityx.geometry.blind_streets import Net, with_blind_streets
 from cityx.geometry.identity import choose, hash_bits, hash_ids, uniform
 from cityx.geometry.lattice import PER_METRE, Key
 from cityx.geometry.street_fit import Ways, fitted, settled
-from cityx.geometry.street_patterns import Pattern, curved, divided, grid, rings
+from cityx.geometry.street_patterns import Pattern, curved, divided, grid, grid_nodes, rings
 from cityx.plugins.layout.plane import Plane
 from cityx.plugins.layout.rims import Rim, Rims, Side
 
@@ -168,16 +168,15 @@ def _fitting(
     """Return the crossing from which most of a grid's crossings keep clear of the rim."""
     room = shapely.buffer(polygon, -clearance, join_style="mitre")
     shapely.prepare(room)
-    best, most = np.zeros(2), -1
     along = np.array([math.cos(angle), math.sin(angle)])
     across = np.array([-along[1], along[0]])
-    for u, v in SHIFTS.tolist():
-        origin = u * sizes[0] * along + v * sizes[1] * across
-        nodes = grid(polygon.bounds, origin, angle, sizes, brick=brick).nodes
-        count = int(shapely.contains_xy(room, nodes).sum())
-        if count > most:
-            best, most = origin, count
-    return best
+    box = polygon.bounds
+    shifts = SHIFTS * sizes
+    origins = shifts[:, :1] * along + shifts[:, 1:] * across
+    tried = [grid_nodes(box, origin, angle, sizes, brick=brick)[0] for origin in origins]
+    of = np.repeat(np.arange(len(tried)), [len(nodes) for nodes in tried])
+    inside = shapely.contains_xy(room, np.concatenate(tried))
+    return np.asarray(origins[np.bincount(of[inside], minlength=len(tried)).argmax()])
 
 
 def _direction(plane: Plane, rim: Rim) -> float:

@@ -8,6 +8,7 @@ millimetres.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -17,7 +18,15 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from cityx.geometry.identity import draw, hash_bits, hash_ids, uniform
-from cityx.geometry.lattice import PER_METRE, Cell, Corner, Key, Lattice, lattice_cell
+from cityx.geometry.lattice import (
+    PER_METRE,
+    Cell,
+    Corner,
+    Key,
+    Lattice,
+    lattice_cell,
+    lattice_cells,
+)
 from cityx.geometry.noise import gradient_noise
 
 IntArray = NDArray[np.int64]
@@ -133,6 +142,20 @@ class Plane:
         seed = hash_bits(self.seed, purpose, 1) >> 1
         return np.asarray(gradient_noise(seed, at, octaves=octaves) / SPREAD[octaves])
 
+    def survey(self, keys: Sequence[Key]) -> None:
+        """Work out cells, sides, densities and quarters of districts near each other at once."""
+        keys = [key for key in keys if key not in self._cells]
+        if not keys:
+            return
+        cells = lattice_cells(self.lattice, keys)
+        self._cells.update(zip(keys, cells, strict=True))
+        sites = np.stack([cell.site for cell in cells])
+        self._densities.update(zip(keys, self.density(sites).tolist(), strict=True))
+        quarters = [(i, j) for i, j in self.quarter(sites).tolist()]
+        self._quarters.update(zip(keys, quarters, strict=True))
+        pairs = {(a, b) for a in keys for b in self._cells[a].beyond if a < b}
+        self._bend(pair for pair in sorted(pairs) if pair[1] in self._cells)
+
     def cell(self, key: Key) -> Cell:
         """Return the cell of a district before its main roads are bent."""
         if key not in self._cells:
@@ -152,14 +175,27 @@ class Plane:
         """Return the side between two cells, (k, 2), the lower cell on its left."""
         a, b = min(a, b), max(a, b)
         if (a, b) not in self._edges:
-            cell = self.cell(a)
-            m = cell.beyond.index(b)
-            start, end = cell.places[m], cell.places[(m + 1) % len(cell.places)]
-            length = float(np.hypot(*((end - start) / PER_METRE)))
-            count = max(round(length / SAMPLE), 2) if BENT[self.plan.pattern] else 1
-            t = np.arange(count + 1)[:, None] / count
-            self._edges[a, b] = self.bent(start + np.rint((end - start) * t).astype(np.int64))
+            self._bend([(a, b)])
         return self._edges[a, b]
+
+    def _bend(self, pairs: Iterable[tuple[Key, Key]]) -> None:
+        """Bend the sides between cells that are not bent yet."""
+        pairs = [pair for pair in pairs if pair not in self._edges]
+        lines = [self._straight(a, b) for a, b in pairs]
+        if lines:
+            bent = self.bent(np.concatenate(lines))
+            edges = np.split(bent, np.cumsum([len(line) for line in lines])[:-1])
+            self._edges.update(zip(pairs, edges, strict=True))
+
+    def _straight(self, a: Key, b: Key) -> IntArray:
+        """Return points along the side of the lower of two cells before it is bent, (k, 2)."""
+        cell = self.cell(a)
+        m = cell.beyond.index(b)
+        start, end = cell.places[m], cell.places[(m + 1) % len(cell.places)]
+        length = float(np.hypot(*((end - start) / PER_METRE)))
+        count = max(round(length / SAMPLE), 2) if BENT[self.plan.pattern] else 1
+        t = np.arange(count + 1)[:, None] / count
+        return np.asarray(start + np.rint((end - start) * t).astype(np.int64))
 
     def corner(self, name: Corner) -> IntArray:
         """Return a corner of cells, (2,)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import takewhile
 from typing import Any
 
@@ -73,9 +74,13 @@ class Rim:
 
     def lines(self) -> NDArray[Any]:
         """(s,) the sides as lines in the district's own frame."""
-        held = np.empty(len(self.sides), object)
-        held[:] = [shapely.LineString(self.local(side.line)) for side in self.sides]
-        return held
+        return self._lines.copy()
+
+    @cached_property
+    def _lines(self) -> NDArray[Any]:
+        of = np.repeat(np.arange(len(self.sides)), [len(side.line) for side in self.sides])
+        points = np.concatenate([side.line for side in self.sides])
+        return np.asarray(shapely.linestrings(self.local(points), indices=of), object)
 
     def polygon(self) -> Any:
         """Return the outline in the district's own frame."""

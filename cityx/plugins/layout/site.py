@@ -75,7 +75,10 @@ def layout_of_site(window: Box, plan: Plan, seed: int, *, frame: Frame) -> Layou
     box = (window[0] - x, window[1] - y, window[2] - x, window[3] - y)
     dry = not plan.river and not plan.lakes and plan.coast == "none"
     whole = plan.pattern in WHOLE and dry
-    features = (_of_one_pattern if whole else features_of_window)(window, plan, seed)
+    if whole:
+        features = _of_one_pattern(window, plan, seed)
+    else:
+        features = features_of_window(window, plan, seed, halo=0.0)
     return cut_to(resolve(gather(features, box, Report()), frame, seed=seed), box)
 
 

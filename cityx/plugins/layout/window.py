@@ -7,7 +7,7 @@ same whatever window shows it. A building belongs to the window that its middle 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -128,16 +128,21 @@ def layout_of_window(window: Box, plan: Plan, seed: int, *, frame: Frame) -> Lay
     return resolve(features, frame, seed=seed)
 
 
-def features_of_window(window: Box, plan: Plan, seed: int) -> Tagged:
+def features_of_window(window: Box, plan: Plan, seed: int, *, halo: float = HALO) -> Tagged:
     """Return what lies in a window and around it, uncut, in the scene frame.
 
     Buildings are those of the window alone; roads and land reach beyond it.
+
+    Parameters
+    ----------
+    halo
+        Metres around the window in which nothing of roads and land may be missing.
     """
     plane = Plane(plan, seed)
     districts = Districts(plane)
     x, y = origin_of(window)
     found = Found(np.array([x, y], np.int64) * PER_METRE)
-    wide = (window[0] - HALO, window[1] - HALO, window[2] + HALO, window[3] + HALO)
+    wide = (window[0] - halo, window[1] - halo, window[2] + halo, window[3] + halo)
     keys = _touching(districts, wide)
     for a, b in sorted(_roads_of(districts, keys)):
         _add_main(found, districts, a, b)
@@ -220,7 +225,7 @@ def _placed(owner: Owner, place: dict[str, str]) -> Owner:
     """Say of a building how its surroundings are built, so that no window has to be measured."""
     if "building" not in owner.tags:
         return owner
-    return replace(owner, tags={**owner.tags, PLACE: place[str(owner.key[1])]})
+    return Owner(owner.key, {**owner.tags, PLACE: place[str(owner.key[1])]}, owner.more)
 
 
 def _touching(districts: Districts, box: Box) -> list[Key]:
@@ -228,6 +233,7 @@ def _touching(districts: Districts, box: Box) -> list[Key]:
     plane = districts.plane
     frame = shapely.box(*box)
     near = plane.lattice.keys_near(box, plane.plan.district)
+    plane.survey(plane.lattice.keys_near(box, 2 * plane.plan.district))  # with their neighbours
     return [key for key in near if frame.intersects(_outline(plane, key))]
 
 

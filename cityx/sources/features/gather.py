@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.sources.features.clipping import Box
+from cityx.sources.features.clipping import Box, IntArray
 from cityx.sources.features.kinds import (
     building_kind,
     land_kind,
@@ -26,6 +26,7 @@ from cityx.sources.features.tagged import (
     Tags,
     clipped_lines,
     clipped_polygons,
+    distinct,
     joined,
     number_pieces,
     polygons_of,
@@ -51,17 +52,17 @@ def gather(found: Tagged, box: Box, report: Report) -> Features:
     """
     flat = _flattened(found)
     point, line, polygon = (shapely.get_type_id(flat.shapes) == kind for kind in _TYPES)
-    tags = flat.tags()
-    built, land = (_meant(kind, tags, polygon) for kind in (building_kind, land_kind))
-    road, standing, flow = (_meant(kind, tags, line) for kind in (road_kind, line_kind, _flow))
-    thing = _meant(point_kind, tags, point)
+    tags, of = distinct(flat.tags())
+    built, land = (_meant(kind, tags, of, polygon) for kind in (building_kind, land_kind))
+    road, standing, flow = (_meant(kind, tags, of, line) for kind in (road_kind, line_kind, _flow))
+    thing = _meant(point_kind, tags, of, point)
     used = np.any([kind != "" for kind in (built, land, road, standing, flow, thing)], axis=0)
     report.count("features without a use", int((~used).sum()))
 
     outlines, parts = (_polygons(flat.take(built == word)) for word in ("building", "part"))
     shells, box = make_shells(outlines, parts, box, report)
     areas = clipped_polygons(_polygons(flat.take(land != "")), box)
-    kinds = np.array([land_kind(own) for own in areas.tags()], object)
+    kinds = _of_owners(flat.take(land != ""), land[land != ""])[areas.owner]
     water = areas.shapes[np.isin(kinds, sorted(WATER_KINDS))]
     rivers = waterways(flat.take(flow != ""), water, box)
     roads = clipped_lines(flat.take(road != ""), box)
@@ -94,10 +95,18 @@ def _flattened(found: Tagged) -> Tagged:
     return Tagged(shapes[order], owner[order], number_pieces(owner[order]), found.owners)
 
 
-def _meant(kind: Kind, tags: list[Tags], rows: NDArray[np.bool_]) -> NDArray[Any]:
+def _meant(kind: Kind, tags: list[Tags], of: IntArray, rows: NDArray[np.bool_]) -> NDArray[Any]:
     """Return what the tags of some rows mean, "" for the others."""
-    found = np.full(len(tags), "", object)
-    found[rows] = [kind(tags[row]) for row in np.flatnonzero(rows).tolist()]
+    word = np.full(len(tags), "", object)
+    some = np.unique(of[rows])
+    word[some] = [kind(tags[k]) for k in some.tolist()]
+    return np.where(rows, word[of], "").astype(object)
+
+
+def _of_owners(some: Tagged, words: NDArray[Any]) -> NDArray[Any]:
+    """Return the word of each owner by those of its shapes, "" where it has none of them."""
+    found = np.full(len(some.owners), "", object)
+    found[some.owner] = words
     return found
 
 

@@ -93,12 +93,14 @@ class Tagged:
 
     def columns(self) -> dict[str, Any]:
         """Return what every table of the layout keeps of its rows: id, source, name and tags."""
-        tags = self.tags()
+        tags, of = distinct(self.tags())
+        names = [own.get("name", "") for own in tags]
+        texts = [tags_text(own) for own in tags]
         return {
             "id": self.ids(),
             "source": self.sources(),
-            "name": [own.get("name", "") for own in tags],
-            "tags": [tags_text(own) for own in tags],
+            "name": [names[k] for k in of.tolist()],
+            "tags": [texts[k] for k in of.tolist()],
         }
 
 
@@ -211,6 +213,13 @@ def polygons_of(shapes: NDArray[Any], *, least: float = MIN_AREA) -> tuple[NDArr
         order = np.lexsort((box[:, 1], box[:, 0], -np.round(area, 3), row))
         pieces, row = pieces[order], row[order]
     return pieces, row.astype(np.int64)
+
+
+def distinct(tags: Sequence[Tags]) -> tuple[list[Tags], IntArray]:
+    """Return tags that differ, each once, and which of them each of n things has, (n,)."""
+    number: dict[tuple[tuple[str, str], ...], int] = {}
+    of = [number.setdefault(tuple(own.items()), len(number)) for own in tags]
+    return [dict(items) for items in number], np.array(of, np.int64)
 
 
 def tags_text(tags: Tags) -> str:

@@ -76,7 +76,13 @@ class Vertical:
 
 def read_vertical(tags: Sequence[Tags]) -> Vertical:
     """Read the tags of n things."""
-    rows = [_SILENT if _KEYS.isdisjoint(own) else _read(own) for own in tags]
+    known: dict[tuple[tuple[str, str], ...], tuple[Any, ...]] = {(): _SILENT}
+    rows = []
+    for own in tags:
+        said = tuple(item for item in own.items() if item[0] in _KEYS)
+        if said not in known:
+            known[said] = _read(own)
+        rows.append(known[said])
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(_SILENT)
     kinds = [float] * 8 + [np.int64, bool, np.int64, object, np.int64, object]
     arrays = [np.array(column, kind) for column, kind in zip(columns, kinds, strict=True)]

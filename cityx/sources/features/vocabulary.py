@@ -291,7 +291,7 @@ def closed_is_area(tags: Tags) -> bool:
         value = tags.get(key)
         if value and value not in AREA_ALWAYS and not (key == "barrier" and area_kind(tags)):
             return False
-    return not any(tags.get(key) == value for key, value in LINEAR_VALUES)
+    return LINEAR_VALUES.isdisjoint(tags.items())
 
 
 def is_underground(tags: Tags) -> bool:
