@@ -11,16 +11,17 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City, Instances, Prototype
-from cityx.city.ground import KERB_HEIGHT
 from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.clearance import distance_within
 from cityx.geometry.identity import choose, hash_ids, stable_id, uniform
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.scatter import Points, cell_ids, cells_of_polygons, poisson_in, thinned
+from cityx.geometry.standing import earth_over
 from cityx.plugins.layout.wishes import asked
 from cityx.plugins.nature import climate
 from cityx.plugins.nature.climate import band_of, season_of, species_of_tags
 from cityx.plugins.nature.furniture import lamp_places
+from cityx.plugins.nature.pieces import heights
 from cityx.plugins.nature.tree_pits import with_pits
 from cityx.plugins.nature.tree_room import (
     FACADE_CLEARANCE,
@@ -31,7 +32,6 @@ from cityx.plugins.nature.tree_room import (
     fitted,
     room_of,
 )
-from cityx.plugins.road.embankments import earth_over
 from cityx.plugins.road.kerbs import edge_lengths, join_places, places_along
 from cityx.protocol import Port, Range, action
 
@@ -527,7 +527,7 @@ def trees(
     tint = (0.80 + 0.40 * shade) * (1 + (warm - 0.5) * np.array([0.30, 0.08, -0.10]))
     turn = np.zeros((len(stand.id), 3), np.float32)
     turn[:, 2] = uniform(city.seed, f"{ACTION}/yaw", stand.id) * 2 * np.pi
-    z = city.terrain.height_at(stand.xy) + KERB_HEIGHT
+    z = heights(city, stand.xy)
     z = np.fmax(z, earth_over(city.scene.meshes.get("structures"), stand.xy))
     rows = Instances(
         number,

@@ -32,6 +32,7 @@ from cityx.geometry.polylines import (
     to_linestrings,
     values_along,
 )
+from cityx.geometry.standing import EARTH
 from cityx.geometry.structures import Bodies, beams, chains_of, rim_edges, slabs
 from cityx.plugins.road.carriageway import (
     FINE,
@@ -39,7 +40,7 @@ from cityx.plugins.road.carriageway import (
     STONE,
     plain_carriageways,
 )
-from cityx.plugins.road.embankments import EARTH, Obstacles, embankments
+from cityx.plugins.road.embankments import Obstacles, embankments
 from cityx.plugins.road.heights import WATER
 from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.landcover import TRACK_BED, rail_strips
