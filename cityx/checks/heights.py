@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.checks.check import Check
-from cityx.checks.standing import surfaces_at
 from cityx.city import City
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, values_along
+from cityx.geometry.standing import surfaces_at
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -15,7 +15,6 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.check import Check, named
-from cityx.checks.standing import surfaces_at
 from cityx.city import City
 from cityx.city.ground import ON_ROADWAY, ROADWAY
 from cityx.city.lanes import LaneGraph
@@ -23,7 +22,7 @@ from cityx.city.moments import Moments, moments_of
 from cityx.city.tracks import GAIT, MOVER, Tracks
 from cityx.city.walkable import walkable_of
 from cityx.geometry.polylines import Polylines, to_linestrings
-from cityx.geometry.standing import stand_on
+from cityx.geometry.standing import stand_on, surfaces_at
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -94,7 +94,8 @@ def _nodes(city: City) -> tuple[IntArray, IntArray]:
 def covered_junctions(city: City) -> IntArray:
     """Return the nodes over which cars would drive on something else than a roadway, (k,).
 
-    Junctions on bridges, ramps and in tunnels, which have no face of the ground, are left out.
+    Ramps and cuttings, for which the ground opens, carry what leads over them. Junctions on bridges
+    and in tunnels, which have no face of the ground, and aisles in buildings are left out.
     """
     graph, network, ground = city.lanes, city.network, city.ground
     if graph is None or network is None or ground is None:
@@ -106,8 +107,8 @@ def covered_junctions(city: City) -> IntArray:
     turn, along = every(shapely.length(to_linestrings(lines))[turns], SPACING)
     xy = locate(lines, turns[turn], along)[0]
     node = _nodes(city)[1][graph.connection[turns[turn], 0]]
-    kept = _within(city, xy) & ~_lifted(city)[node] & ~ground.on(xy, "void")
-    off = kept & ~ground.on(xy, *ROADWAY, *ON_ROADWAY)
+    kept = _within(city, xy) & ~_lifted(city)[node] & ~ground.on(xy, "building")
+    off = kept & ~ground.on(xy, *ROADWAY, *ON_ROADWAY, "void")
     total = np.bincount(node[kept], minlength=len(network.node_degree))
     missed = np.bincount(node[off], minlength=len(total))
     return np.flatnonzero((missed > BLOCKED * total) & (network.node_degree >= ARMS))

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.ground import SURFACES
 from cityx.city.mesh import NO_VERTEX, MeshBatch
-from cityx.geometry.clearance import TriangleCells, cells_of_triangles, triangle_at
+from cityx.geometry.clearance import TriangleCells, cells_of_triangles, triangle_at, triangles_at
 from cityx.geometry.identity import stable_id
 
 FloatArray = NDArray[np.float64]
@@ -18,6 +18,8 @@ NOWHERE = -1  # label beyond the ground, and under buildings, where the mesh is 
 # Surfaces people walk on, beside those that cars share.
 WALKED = ("sidewalk", "kerb", "plaza", "path", "courtyard", "trail", "furnishing")
 LAWNS = ("grass", "park", "meadow", "block")
+EARTH = "grass"  # material of slopes heaped against ramps
+FLAT = 1e-9  # square metres in plan; what covers less stands upright
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,59 @@ def stand_on(ground: MeshBatch | None, xy: ArrayLike) -> Footing:
     label[hit], under[hit] = labels[own], face
     z[hit] = heights_on(ground.vertices[ground.faces[face, :3]], spots[hit])
     return Footing(label, z, under)
+
+
+def surfaces_at(
+    batch: MeshBatch | None, xy: FloatArray, *, material: str = ""
+) -> tuple[NDArray[np.int64], FloatArray]:
+    """Find where vertical lines through (n, 2) places meet a mesh.
+
+    Parameters
+    ----------
+    batch
+        The mesh; none of it is met by no line.
+    xy
+        (n, 2) float, metres.
+    material
+        Of the faces that count; all when left out.
+
+    Returns
+    -------
+    place, height
+        (h,) int64 rows of ``xy``, and (h,) metres.
+    """
+    if batch is None or not len(xy):
+        return np.zeros(0, np.int64), np.zeros(0)
+    triangles, face = batch.triangles()
+    if material:
+        own = np.array(batch.materials, object)[batch.material] == material
+        triangles = triangles[own[face]]
+    corners = batch.vertices[triangles]
+    u, v = (corners[:, 1] - corners[:, 0])[:, :2], (corners[:, 2] - corners[:, 0])[:, :2]
+    corners = corners[np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) > FLAT]
+    if not len(corners):
+        return np.zeros(0, np.int64), np.zeros(0)
+    faces = cells_of_triangles(
+        corners[:, :, :2].reshape(-1, 2), np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3)
+    )
+    spot, hit = (np.concatenate(column) for column in zip(*triangles_at(xy, faces), strict=True))
+    return spot, heights_on(corners[hit], xy[spot])
+
+
+def earth_over(structures: MeshBatch | None, xy: FloatArray) -> FloatArray:
+    """Return (n,) heights of the slopes of earth at points, metres; NaN where there is none.
+
+    Parameters
+    ----------
+    structures
+        The mesh layer of that name.
+    xy
+        (n, 2) float, metres.
+    """
+    top = np.full(len(xy), np.nan)
+    spot, height = surfaces_at(structures, xy, material=EARTH)
+    np.fmax.at(top, spot, height)
+    return top
 
 
 def heights_on(corners: FloatArray, xy: FloatArray) -> FloatArray:

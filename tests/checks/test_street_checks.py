@@ -64,11 +64,27 @@ def test_a_junction_that_no_lane_leads_over_is_named(cross):
 
 
 def test_a_junction_paved_as_a_walk_is_named(cross):
-    surface = cross.ground
-    own = surface.labelled("junction", *ON_ROADWAY)
-    label = np.where(own, LABEL["sidewalk"], surface.face_label).astype(np.uint8)
-    paved = replace(cross, ground=replace(surface, face_label=label))
+    paved = relabelled(cross, "junction", "sidewalk")
     assert failing(check_streets(paved)) == {"junctions_covered": ("(0.0, 0.0)",)}
+
+
+def relabelled(city, name, other):
+    surface = city.ground
+    mine = surface.labelled(name, *ON_ROADWAY)
+    label = np.where(mine, LABEL[other], surface.face_label).astype(np.uint8)
+    return replace(city, ground=replace(surface, face_label=label))
+
+
+@pytest.mark.parametrize("other", ["void", "building"])
+def test_a_junction_on_a_ramp_or_in_a_building_is_left_to_other_checks(cross, other):
+    assert failing(check_streets(relabelled(cross, "junction", other))) == {}
+
+
+def test_what_stands_on_a_slope_of_earth_stands_on_the_ground(cross):
+    heap = one_mesh(5, [(10, 10, 1), (30, 10, 1), (30, 30, 1), (10, 30, 1)], [[0, 1, 2, 3]])
+    for material, named in (("grass", {}), ("concrete", {"things_off_ground": (id_text(8),)})):
+        scene = cross.scene.with_mesh("structures", replace(heap, materials=(material,)))
+        assert failing(check_standing(with_tree(replace(cross, scene=scene), 1.0))) == named
 
 
 def with_tree(city, z):

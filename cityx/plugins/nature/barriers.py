@@ -14,7 +14,7 @@ from cityx.city.ground import KERB_HEIGHT
 from cityx.city.mesh import concatenate, empty_batch
 from cityx.geometry.identity import uniform
 from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, pack
-from cityx.plugins.road.embankments import earth_over
+from cityx.geometry.standing import earth_over
 from cityx.protocol import Port, action
 
 ACTION = "nature/barriers-v1"

@@ -14,8 +14,7 @@ from cityx.city import City, Instances
 from cityx.city.ground import KERB_HEIGHT, ROADWAY, Ground
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.polylines import to_linestrings
-from cityx.geometry.standing import WALKED, stand_on
-from cityx.plugins.road.embankments import earth_over
+from cityx.geometry.standing import WALKED, earth_over, stand_on, surfaces_at
 from cityx.plugins.road.kerbs import edge_lines
 
 FloatArray = NDArray[np.float64]
@@ -81,8 +80,14 @@ def front(yaw: ArrayLike) -> FloatArray:
 
 
 def heights(city: City, xy: FloatArray) -> FloatArray:
-    """(n,) height of the ground under points; the terrain and a kerb where no ground is built."""
+    """(n,) height of what things stand on: the ground, or the ramp or cutting that it opens for.
+
+    Where neither is built, the terrain and a kerb.
+    """
     z = stand_on(city.scene.meshes.get("ground"), xy).z
+    opened = np.flatnonzero(np.isnan(z))
+    spot, height = surfaces_at(city.scene.meshes.get("decks"), xy[opened])
+    np.fmin.at(z, opened[spot], height)
     return np.asarray(np.where(np.isnan(z), city.terrain.height_at(xy) + KERB_HEIGHT, z))
 
 

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city import City, Instances, Prototype
-from cityx.city.ground import KERB_HEIGHT
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.scatter import Points
+from cityx.geometry.standing import earth_over
 from cityx.plugins.nature.climate import band_of, season_of
+from cityx.plugins.nature.pieces import heights
 from cityx.plugins.nature.tree_room import Room, beside_street, fitted
-from cityx.plugins.road.embankments import earth_over
 
 STREAM = "nature/trees-v2"  # that every draw for a tree is keyed by, whoever plants it
 FloatArray = NDArray[np.float64]
@@ -124,7 +124,7 @@ def rows_of(
     tint = (0.80 + 0.40 * shade) * (1 + (warm - 0.5) * np.array([0.30, 0.08, -0.10]))
     turn = np.zeros((len(stand.id), 3), np.float32)
     turn[:, 2] = uniform(city.seed, f"{STREAM}/yaw", stand.id) * 2 * np.pi
-    z = city.terrain.height_at(stand.xy) + KERB_HEIGHT
+    z = heights(city, stand.xy)
     z = np.fmax(z, earth_over(city.scene.meshes.get("structures"), stand.xy))
     return prototypes, Instances(
         number,

@@ -137,24 +137,24 @@ def _beside(ways: Ways) -> IntArray:
     facing = nearest_station(ways, way, ways.lines.points[station])
     above = ways.rank[way] > ways.rank[other]
     found = np.where(above, [way, other, facing, station], [other, way, station, facing])
-    apart = ~_parting(ways, way, station) & ~_joining(ways, found)
+    apart = ~parting(ways, way, station) & ~_joining(ways, found)
     upper, lower = found[:2]
     return np.concatenate([found, [ways.level[upper], ways.level[lower]]])[:, apart]
 
 
-def _parting(ways: Ways, way: IntArray, station: IntArray) -> BoolArray:
+def parting(ways: Ways, way: IntArray, station: IntArray) -> BoolArray:
     """(k,) whether a way shares an end with that of a station near: they are one surface there."""
     other = ways.owner[station]
     ends = np.concatenate([ways.lines.start[:-1], ways.lines.start[1:] - 1])
     place = ways.node[ends].reshape(2, -1)
     at = ways.lines.points[ends].reshape(2, -1, 2)
-    parting = np.zeros(len(way), bool)
+    found = np.zeros(len(way), bool)
     for mine in (0, 1):
         for theirs in (0, 1):
             meet = place[mine, way] == place[theirs, other]
             far = np.hypot(*(ways.lines.points[station] - at[mine, way]).T)
-            parting |= meet & (far < PARTING)
-    return parting
+            found |= meet & (far < PARTING)
+    return found
 
 
 def _joining(ways: Ways, found: IntArray) -> BoolArray:

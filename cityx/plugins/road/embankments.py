@@ -10,12 +10,9 @@ from numpy.typing import NDArray
 
 from cityx.city.ground import Ground
 from cityx.city.layout import Layout
-from cityx.city.mesh import MeshBatch
 from cityx.city.terrain import Terrain
-from cityx.geometry.clearance import cells_of_triangles, triangles_at
 from cityx.geometry.grading import SOIL
 from cityx.geometry.polylines import Polylines, segments
-from cityx.geometry.standing import heights_on
 from cityx.geometry.structures import Bodies, bank_directions, banks, chains_of
 
 FloatArray = NDArray[np.float64]
@@ -23,7 +20,6 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 
-EARTH = "grass"
 LEAST = 0.15  # metres of height; a lower edge is a kerb
 TOP = 0.10  # metres from the edge of the surface down to the soil beside it
 SUNK = 0.05  # metres that its foot lies below the ground
@@ -33,7 +29,6 @@ FROM_HOUSES = 1.0  # metres
 ROUNDS = 2  # of looking for a foot where the land falls away
 FARTHEST = 2.0  # times as far as on level land
 SHORTEST = 6.0  # metres along; a shorter slope stays a wall
-FLAT = 1e-9  # square metres in plan; what covers less stands upright
 
 
 class Obstacles:
@@ -124,30 +119,3 @@ def _long(deck: Ground, vertex: IntArray, start: IntArray) -> tuple[IntArray, In
     kept = length > SHORTEST
     size = np.diff(start)[kept]
     return vertex[kept[owner]], np.concatenate([[0], np.cumsum(size)]).astype(np.int64)
-
-
-def earth_over(structures: MeshBatch | None, xy: FloatArray) -> FloatArray:
-    """Return (n,) heights of the slopes of earth at points, metres; NaN where there is none.
-
-    Parameters
-    ----------
-    structures
-        The mesh layer of that name.
-    xy
-        (n, 2) float, metres.
-    """
-    top = np.full(len(xy), np.nan)
-    if structures is None or not len(xy):
-        return top
-    of_earth = np.array(structures.materials, object)[structures.material] == EARTH
-    triangles, face = structures.triangles()
-    triangles = triangles[of_earth[face]]
-    a, b, c = structures.vertices[triangles].transpose(1, 0, 2)
-    triangles = triangles[np.cross(b - a, c - a)[:, 2] > FLAT]
-    if not len(triangles):
-        return top
-    cells = cells_of_triangles(structures.vertices[:, :2], triangles)
-    for point, hit in triangles_at(xy, cells):
-        height = heights_on(structures.vertices[triangles[hit]], xy[point])
-        np.fmax.at(top, point, height)
-    return top

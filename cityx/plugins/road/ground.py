@@ -74,7 +74,8 @@ COARSE = 2.0  # metres by which land cover is simplified at detail level 0
         "Detail level 0 leaves out kerbs, and tracks through fields and woods.",
         "Land misses its heights by 0.2 m at most; on sites of many square kilometres by what the "
         "report says.",
-        "Underground ways are built as far as one sees into their mouths, if there is room.",
+        "Underground paths and tracks are built as far as one sees into their mouths, if there is "
+        "room.",
     ],
     requires=("layout", has_network()),
     takes=(Port("network", "line", role="road_network"),),

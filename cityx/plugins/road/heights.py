@@ -16,7 +16,7 @@ from cityx.geometry.grades import Slopes, evened, fall_to, graded, rise_to, slop
 from cityx.geometry.grading import grade_terrain
 from cityx.geometry.polylines import locate
 from cityx.plugins.road.contradictions import notes_on
-from cityx.plugins.road.crossings import PARTING, Crossings, find_crossings
+from cityx.plugins.road.crossings import PARTING, Crossings, find_crossings, parting
 from cityx.plugins.road.stations import EDGE, Ways, collect_ways, nearest_station, stations_around
 from cityx.protocol import Port, action, has_network
 
@@ -96,13 +96,13 @@ class _Steps:
     way: IntArray  # (k,)
 
 
-def _steps(ways: Ways) -> _Steps:
+def _steps(ways: Ways, crossing: Crossings) -> _Steps:
     """List the stations that follow each other, and those side by side on one surface."""
     owner = ways.owner
     first = np.flatnonzero(owner[1:] == owner[:-1])
     run = ways.along[first + 1] - ways.along[first]
     across, across_run = _across(ways)
-    meet, meet_run = _abutting(ways)
+    meet, meet_run = _overlapping(ways, crossing)
     return _Steps(
         ways.node[np.concatenate([np.column_stack([first, first + 1]), across, meet])],
         np.concatenate([run, across_run, meet_run]),
@@ -116,7 +116,7 @@ def _solved(
     layout: Layout, ways: Ways, crossing: Crossings, terrain: Terrain
 ) -> tuple[FloatArray, FloatArray, FloatArray, Terrain]:
     """Find the height of each node, that of the ground there, the difference; grade the terrain."""
-    steps, place = _steps(ways), ways.place
+    steps, place = _steps(ways, crossing), ways.place
     on_ground = np.zeros(ways.count, bool)
     on_ground[ways.node[(ways.level == 0)[ways.owner]]] = True
     soil = terrain.height_at(place)
@@ -196,31 +196,36 @@ def _across(ways: Ways) -> tuple[IntArray, FloatArray]:
     return np.column_stack([station, facing]), np.maximum(far, 0.5)
 
 
-def _abutting(ways: Ways) -> tuple[IntArray, FloatArray]:
-    """Pair ends of streets with the street on whose carriageway they lie without a shared node.
+def _overlapping(ways: Ways, crossing: Crossings) -> tuple[IntArray, FloatArray]:
+    """Pair stations of streets on the ground with those whose carriageway they lie on as well.
+
+    Streets of which one passes over the other are left out, and those that part there from a node
+    they share: `_across` knows how far they are one surface.
 
     Returns
     -------
     pairs, run
-        (k, 2) stations, the end first, and (k,) metres between them.
+        (k, 2) stations, and (k,) metres between them.
     """
-    lines = ways.lines
-    street = np.flatnonzero((ways.edge >= 0) & (ways.level == 0))
-    end = np.concatenate([lines.start[street], lines.start[street + 1] - 1])
-    spots = shapely.points(lines.points[end])
+    flat = (ways.edge >= 0) & (ways.level == 0)
+    street, station = np.flatnonzero(flat), np.flatnonzero(flat[ways.owner])
+    spots = shapely.points(ways.lines.points[station])
+    half = ways.half / 2
     way, spot = shapely.STRtree(spots).query(
-        ways.shapes[street], predicate="dwithin", distance=ways.half[street]
+        ways.shapes[street], predicate="dwithin", distance=ways.half[street] + half.max(initial=0)
     )
-    way, end = street[way], end[spot]
-    # Streets that share a node near the place meet there already.
-    key = np.unique(ways.owner * ways.count + ways.node)
-    joined = np.zeros(len(way), bool)
-    for foot in (lines.start[:-1], lines.start[1:] - 1):
-        joined |= np.isin(way * ways.count + ways.node[foot[ways.owner[end]]], key)
-    way, end = way[~joined], end[~joined]
-    facing = nearest_station(ways, way, lines.points[end])
-    run = np.hypot(*(lines.points[end] - lines.points[facing]).T)
-    return np.column_stack([end, facing]), np.maximum(run, 0.5)
+    way, station, spots = street[way], station[spot], spots[spot]
+    other = ways.owner[station]
+    near = shapely.distance(ways.shapes[way], spots) < ways.half[way] + half[other]
+    near &= (way != other) & ~parting(ways, way, station)
+    count = ways.lines.count
+    passing = np.concatenate([crossing.upper * count + crossing.lower,
+                              crossing.lower * count + crossing.upper])  # fmt: skip
+    near &= ~np.isin(way * count + other, passing)
+    way, station = way[near], station[near]
+    facing = nearest_station(ways, way, ways.lines.points[station])
+    run = np.hypot(*(ways.lines.points[station] - ways.lines.points[facing]).T)
+    return np.column_stack([station, facing]), np.maximum(run, 0.5)
 
 
 def _spanned(steps: _Steps, on_ground: BoolArray, base: FloatArray) -> FloatArray:

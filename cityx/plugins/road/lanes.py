@@ -142,7 +142,7 @@ def _connections(
 ) -> tuple[IntArray, IntArray, IntArray]:
     """Lanes that lead into one another: from, to and movement, (c,) each."""
     turns = _turns(network, lines)
-    keep = _allowed(layout, network, turns)
+    keep = _allowed(layout, network, turns, _passable(bands, turns))
     turns = _Turn(*(getattr(turns, name)[keep] for name in _Turn.__dataclass_fields__))
     movement = _movements(turns)
     pairs: list[tuple[int, int, int]] = []
@@ -182,6 +182,15 @@ def _turns(network: RoadNetwork, lines: Polylines) -> _Turn:
     return _Turn(node[row], edge[row], side[row], edge[other], side[other], np.round(angle, 6))
 
 
+def _passable(bands: Bands, turns: _Turn) -> NDArray[np.bool_]:
+    """(t,) whether a lane arrives by the one arm of a turn and another leaves by the other."""
+    rows = np.isin(bands.kind, [KIND[name] for name in TRAVELLED]) & (bands.direction != 0)
+    end = 2 * bands.edge[rows] + (bands.direction[rows] > 0)  # where the lane ends
+    arrives = np.isin(2 * turns.edge_in + turns.side_in, end)
+    leaves = np.isin(2 * turns.edge_out + turns.side_out, end ^ 1)
+    return np.asarray(arrives & leaves)
+
+
 def _movements(turns: _Turn) -> IntArray:
     """(t,) index into `MOVEMENTS` by the angle."""
     size = np.abs(turns.angle)
@@ -190,8 +199,14 @@ def _movements(turns: _Turn) -> IntArray:
     return np.asarray(np.where(turns.edge_in == turns.edge_out, REVERSE, found))
 
 
-def _allowed(layout: Layout, network: RoadNetwork, turns: _Turn) -> NDArray[np.bool_]:
-    """(t,) whether the turn restrictions of the map allow a turn."""
+def _allowed(
+    layout: Layout, network: RoadNetwork, turns: _Turn, passable: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """(t,) whether the turn restrictions of the map allow a turn.
+
+    Of what is allowed alone from one way onto several, each is; what names no turn that lanes could
+    make would close the street and is a drawing mistake.
+    """
     allowed = np.ones(len(turns.node), bool)
     rules = layout.restrictions
     if not len(rules) or not len(allowed):
@@ -204,16 +219,19 @@ def _allowed(layout: Layout, network: RoadNetwork, turns: _Turn) -> NDArray[np.b
     arriving = source[turns.edge_in, turns.side_in]
     leaving = source[turns.edge_out, turns.side_out]
     columns = (rules["from_source"], rules["to_source"], rules["only"])
+    alone: dict[tuple[int, str], list[str]] = {}
     for near, at, (begin, end, only) in zip(gap, node, zip(*columns, strict=True), strict=True):
         if near > 0.5:
             continue
-        here = (turns.node == at) & (arriving == begin)
-        named = here & (leaving == end)
         if only:
-            if named.any():  # a rule that would close the street is a drawing mistake
-                allowed[here & ~named] = False
+            alone.setdefault((int(at), begin), []).append(end)
         else:
-            allowed[named] = False
+            allowed[(turns.node == at) & (arriving == begin) & (leaving == end)] = False
+    for (at, begin), ends in alone.items():
+        here = (turns.node == at) & (arriving == begin)
+        named = here & np.isin(leaving, ends)
+        if (named & passable).any():
+            allowed[here & ~named] = False
     return allowed
 
 

@@ -14,8 +14,8 @@ from cityx.city.ground import LABEL
 from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
+from cityx.geometry.standing import earth_over
 from cityx.plugins.nature.street_rules import place_of
-from cityx.plugins.road.embankments import earth_over
 from cityx.plugins.road.kerbs import edge_lines, join_places, places_along
 from cityx.plugins.road.yards import BAY as YARD_BAY
 from cityx.plugins.road.yards import yard_patches

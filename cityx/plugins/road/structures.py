@@ -32,6 +32,7 @@ from cityx.geometry.polylines import (
     to_linestrings,
     values_along,
 )
+from cityx.geometry.standing import EARTH
 from cityx.geometry.structures import Bodies, beams, chains_of, rim_edges, slabs
 from cityx.plugins.road.carriageway import (
     FINE,
@@ -39,10 +40,10 @@ from cityx.plugins.road.carriageway import (
     STONE,
     plain_carriageways,
 )
-from cityx.plugins.road.embankments import EARTH, Obstacles, embankments
+from cityx.plugins.road.embankments import Obstacles, embankments
 from cityx.plugins.road.heights import WATER
 from cityx.plugins.road.kerbs import edge_lines
-from cityx.plugins.road.landcover import TRACK_BED, rail_strips
+from cityx.plugins.road.landcover import AREA_SURFACE, TRACK_BED, rail_strips
 from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.stations import (
     DECK,
@@ -76,6 +77,7 @@ PIER_SHIFTS = (0.0, 3.0, -3.0, 6.0, -6.0, 9.0, -9.0)  # metres along, clear of w
 PIER_THICK = 1.0  # metres along the deck
 PIER_WIDE = 0.45  # of the deck's width
 WALKED = (*ON_FOOT, "steps")
+AFLOAT = tuple(kind for kind in WATER if AREA_SURFACE[kind] == "water")  # a marsh is land
 UNDER = 1.5  # metres beside a carriageway that a deck over it spans too
 STORY = 3.5  # metres; a way lower by more passes under
 ISLAND = 150.0  # square metres; a larger hole in a deck stays open
@@ -83,6 +85,9 @@ PAST = 0.6  # metres past the end of a deck that its kerbs could reach
 SAME_PLACE = 0.06  # metres
 PASSES_OVER = 1.0  # metres of difference in height from which ways side by side have no one surface
 BLEND = 3.0  # metres beyond the edge of a way in which its height still counts
+AXIS = (
+    0.1  # of a metre beyond a way's edge, what a metre from its axis takes from its height's pull
+)
 # Metres by which a surface may miss its profile between two cuts: over the ten metres or more that
 # lie between them nobody feels it; at detail level 0, what nobody sees beside a prism.
 SLACK, PLAIN_SLACK = 0.04, 0.3
@@ -123,7 +128,8 @@ class _Tier:
     z: FloatArray  # (p,)
     road: IntArray  # (w,) row of the layout
     level: IntArray  # (w,)
-    reach: FloatArray  # (w,) half the width with kerbs and walks
+    half: FloatArray  # (w,) half the width of what is travelled
+    reach: FloatArray  # (w,) the same with kerbs and walks
     room: FloatArray  # (w,) metres free over it in a tunnel
 
 
@@ -156,7 +162,7 @@ def build_structures(
     others = heights.take(np.flatnonzero((heights.edge < 0) & detail))
     off, others = _with_room(layout, off, others, streets)
     whole = _tier_of(layout, off, others)
-    obstacles = Obstacles(layout, _waters(layout))
+    obstacles = Obstacles(layout, _areas(layout, WATER))
     surfaces, bodies, opening = [], [], [np.zeros(0, object)]
     for number, rows in enumerate(_groups(whole)):
         cars = rows[rows < off.edge_count]
@@ -200,6 +206,7 @@ def _tier_of(layout: Layout, sub: RoadNetwork, other: WayHeights) -> _Tier:
         np.concatenate([sub.z, other.z]),
         np.concatenate([sub.edge_road, other.road]).astype(np.int64),
         np.concatenate([way_levels(layout)[sub.edge_road], other.level.astype(np.int64)]),
+        np.concatenate([sub.half_width, half]),
         np.concatenate([sub.half_width + KERB_WIDTH + walk, half]),
         np.concatenate([_rooms(layout, sub.edge_road), _rooms(layout, other.road)]),
     )  # fmt: skip
@@ -301,7 +308,7 @@ def _touching(lines: Polylines, marked: BoolArray, shapes: Shapes) -> BoolArray:
 def _with_room(
     layout: Layout, sub: RoadNetwork, other: WayHeights, streets: Shapes
 ) -> tuple[RoadNetwork, WayHeights]:
-    """Keep what there is room for and, of what lies below, what is seen from a mouth.
+    """Keep what there is room for and, of paths and tracks below, what is seen from a mouth.
 
     Paths and tracks that are low above a carriageway or would open it up, and cuttings that would
     open up a house, are left out.
@@ -321,11 +328,10 @@ def _with_room(
         )
     keep[0] |= ~below[0]
     tree = shapely.STRtree(shapely.points(np.concatenate(mouths)))
-    for number, lines in enumerate((cars, ways)):
-        seen = np.zeros(lines.count, bool)
-        if lines.count and len(tree.geometries):
-            seen[tree.query(to_linestrings(lines), "dwithin", distance=MOUTH)[0]] = True
-        keep[number] &= seen | ~below[number]
+    seen = np.zeros(ways.count, bool)
+    if ways.count and len(tree.geometries):
+        seen[tree.query(to_linestrings(ways), "dwithin", distance=MOUTH)[0]] = True
+    keep[1] &= seen | ~below[1]
     return _edges(sub, np.flatnonzero(keep[0])), other.take(np.flatnonzero(keep[1]))
 
 
@@ -352,7 +358,7 @@ def _build_tier(
     solid = deck.face_label != LABEL["void"]
     lift = _of_faces(deck, z - soil)
     middle = _of_faces(deck, deck.vertices)
-    wet = _in_water(layout, middle)
+    wet = _in_areas(layout, middle, WATER)
     nearest = shapely.STRtree(to_linestrings(part.lines)).nearest
     way = nearest(shapely.points(middle))
     height = _of_faces(deck, z)
@@ -380,7 +386,7 @@ def _build_tier(
         deck, edges[~_at_seams(part, deck, edges)], z, terrain, obstacles, part.road
     )
     batches.append(body_batch(earth, f"embankments {number}", EARTH))
-    opened = filled & ~covered & ~wet
+    opened = filled & ~covered & ~_in_areas(layout, middle, AFLOAT)
     return surfaces, concatenate(batches), _outline(deck, opened)
 
 
@@ -407,10 +413,9 @@ def _open_wells(found: Regions, part: _Tier, network: RoadNetwork) -> Regions:
     lowest = np.minimum.reduceat(network.z, network.point_start[:-1])
     height = _surface_heights(part, shapely.get_coordinates(shapely.point_on_surface(polygons)))
     rows = lawn[np.unique(well[lowest[edge] < height[well] - STORY])]
-    label, priority = found.label.copy(), found.priority.copy()
-    label[rows] = LABEL["void"]
-    priority[rows] = SURFACES[LABEL["void"]].priority
-    return replace(found, label=label, priority=priority)
+    label = found.label.copy()
+    label[rows] = LABEL["void"]  # at a lawn's priority: carriageways that cross it stay
+    return replace(found, label=label)
 
 
 def _islands(found: list[Regions]) -> Regions:
@@ -518,7 +523,7 @@ def _passing_edges(part: _Tier, network: RoadNetwork) -> Shapes:
 
 
 def _surface_heights(part: _Tier, points: FloatArray) -> FloatArray:
-    """Heights at (n, 2) places: of the nearest way, blended where several are near."""
+    """Heights at (n, 2) places: of the way they lie on, blended where several are near."""
     shapes = to_linestrings(part.lines)
     spots = shapely.points(points)
     tree = shapely.STRtree(spots)
@@ -530,7 +535,8 @@ def _surface_heights(part: _Tier, points: FloatArray) -> FloatArray:
     along = shapely.line_locate_point(shapes[line], spots[spot])
     far = shapely.distance(shapes[line], spots[spot])
     height = values_along(part.lines, part.z, line, along)
-    pull = 1.0 / (0.1 + far) ** 4
+    beyond = np.maximum(far - part.half[line], 0.0)
+    pull = 1.0 / (0.1 + beyond + AXIS * far) ** 4
     total = np.bincount(spot, pull, minlength=len(points))
     return np.asarray(np.bincount(spot, pull * height, minlength=len(points)) / total)
 
@@ -542,16 +548,16 @@ def _of_faces(deck: Ground, values: FloatArray) -> FloatArray:
     return np.asarray(values[deck.triangles[first]].mean(axis=1))
 
 
-def _in_water(layout: Layout, points: FloatArray) -> BoolArray:
+def _in_areas(layout: Layout, points: FloatArray, kinds: tuple[str, ...]) -> BoolArray:
     found = np.zeros(len(points), bool)
-    tree = shapely.STRtree(_waters(layout))
+    tree = shapely.STRtree(_areas(layout, kinds))
     found[tree.query(shapely.points(points), predicate="intersects")[0]] = True
     return found
 
 
-def _waters(layout: Layout) -> Shapes:
-    wet = layout.areas["kind"].isin(WATER).to_numpy()
-    return np.asarray(layout.areas.geometry.to_numpy()[wet])
+def _areas(layout: Layout, kinds: tuple[str, ...]) -> Shapes:
+    rows = layout.areas["kind"].isin(kinds).to_numpy()
+    return np.asarray(layout.areas.geometry.to_numpy()[rows])
 
 
 def _outline(deck: Ground, chosen: BoolArray) -> Shapes:

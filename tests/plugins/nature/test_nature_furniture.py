@@ -3,7 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cityx.city import one_mesh
+from cityx.city.ground import KERB_HEIGHT
+from cityx.geometry.identity import stable_id
 from cityx.plugins.nature.furniture import furniture
+from cityx.plugins.nature.pieces import heights
 
 
 @pytest.fixture(scope="module")
@@ -49,6 +53,17 @@ def test_no_lamps_are_invented_where_the_map_has_them(crossroads):
     lit = replace(crossroads, layout=replace(crossroads.layout,
                   points=points.assign(kind="street_lamp")))  # fmt: skip
     assert len(named(furniture(lit), "street_lamp")[0]) <= len(points)
+
+
+def test_what_stands_beside_a_ramp_stands_on_its_walk(crossroads):
+    lawn = one_mesh(stable_id("ground", "grass"), [(-9, -9, 0.12), (0, -9, 0.12), (0, 9, 0.12)],
+                    [[0, 1, 2]])  # fmt: skip
+    ramp = [(0, -9, 2.6), (9, -9, 2.6), (9, 9, 2.6), (0, 9, 2.6)]
+    over = [(x, y, 9.0) for x, y, _ in ramp]
+    decks = one_mesh(5, [*ramp, *over], [[0, 1, 2, 3], [4, 5, 6, 7]])
+    scene = crossroads.scene.with_mesh("ground", lawn).with_mesh("decks", decks)
+    found = heights(replace(crossroads, scene=scene), np.array([(-2, -7), (5, 1), (50, 50.0)]))
+    assert found == pytest.approx([0.12, 2.6, KERB_HEIGHT])
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

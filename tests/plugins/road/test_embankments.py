@@ -3,7 +3,7 @@ import pytest
 
 from cityx.city.terrain import flat_terrain
 from cityx.geometry.solids import check_closed
-from cityx.plugins.road.embankments import earth_over
+from cityx.geometry.standing import earth_over
 from cityx.plugins.road.heights import way_heights
 from cityx.plugins.road.network import road_network
 from cityx.plugins.road.structures import build_structures

@@ -1,9 +1,14 @@
+from dataclasses import replace
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import shapely
 
 from cityx.checks.heights import check_heights
+from cityx.checks.streets import bare_places
 from cityx.city.ground import LABEL
+from cityx.city.layout import make_table
 from cityx.city.terrain import Terrain, flat_terrain
 from cityx.geometry.polylines import Polylines, values_along
 from cityx.geometry.solids import check_closed, volume
@@ -18,10 +23,13 @@ UNDER = ([(0, -400), (0, 400)], {})
 LONG = (-400, -400, 400, 400)
 
 
-def crossed(layout_of, middle=BRIDGE, half=60, **options):
-    over = [(-half, 0), (half, 0)]
+def crossed_streets(middle=BRIDGE, half=60):
     ends = [([(-390, 0), (-half, 0)], {}), ([(half, 0), (390, 0)], {})]
-    return layout_of([(over, middle | options), *ends, UNDER], extent=LONG)
+    return [([(-half, 0), (half, 0)], middle), *ends, UNDER]
+
+
+def crossed(layout_of, middle=BRIDGE, half=60, **options):
+    return layout_of(crossed_streets(middle | options, half), extent=LONG)
 
 
 def solved(layout, terrain=None):
@@ -142,6 +150,14 @@ def test_a_street_that_ends_on_another_without_a_node_meets_its_height(layout_of
     assert (np.abs(np.diff(z)) / np.abs(np.diff(y))).max() < 0.14
 
 
+def test_a_street_drawn_on_the_ramp_of_a_bridge_rises_with_it(layout_of):
+    beside = ([(-200, 3), (-26, 3), (-22, 60)], {"kind": "service"})
+    net = solved(layout_of([*crossed_streets(half=20), beside], extent=LONG))[0]
+    for x in (-150, -45, -30):
+        assert lift_at(net, x, 3) == pytest.approx(lift_at(net, x, 0), abs=0.5)
+    assert lift_at(net, -30, 3).max() > 1.5
+
+
 @pytest.mark.parametrize("middle", [BRIDGE, TUNNEL])
 def test_structures_are_closed_and_leave_the_streets_free(layout_of, city_of, middle):
     city = built(city_of, crossed(layout_of, middle), lod=2)
@@ -171,6 +187,49 @@ def test_the_ground_is_open_where_a_ramp_stands_and_closed_under_the_deck(layout
     assert foot.tolist() == [LABEL["void"]]
     assert LABEL["void"] not in under.tolist()
     assert "decks" in city.scene.meshes
+
+
+def test_a_ramp_opens_a_marsh_as_it_opens_any_land(layout_of, city_of):
+    layout = crossed(layout_of, half=20)
+    marsh = make_table("areas", [shapely.box(-390, -40, -22, 40)], id=[9], kind=["wetland"])
+    ground = built(city_of, replace(layout, areas=marsh), lod=2).ground
+    ramp = np.column_stack([np.arange(-55.0, -30.0, 5.0), np.full(5, 0.4)])
+    assert ground.on(ramp, "void").all()
+
+
+def test_a_median_over_a_street_leaves_the_bridges_beside_it_whole(layout_of, city_of):
+    options = {"oneway": True, "lanes": 1, "lanes_forward": 1, "name": "A", "width": 3.25}
+    streets = []
+    for y, there in ((8, 1), (-8, -1)):
+        line = [(-390, y), (-40, y), (40, y), (390, y)][::there]
+        kinds = ({}, BRIDGE, {})
+        streets += [(list(piece), options | kind)
+                    for piece, kind in zip(pairwise(line), kinds, strict=True)]  # fmt: skip
+    city = built(city_of, layout_of([*streets, UNDER], extent=LONG), lod=2)
+    assert not len(bare_places(city))
+
+
+def test_a_tunnel_without_a_mouth_carries_its_traffic_and_a_subway_ends_unseen(layout_of, city_of):
+    rails = {"kind": "subway", "width": 3.0, "sidewalk_left": 0.0, "sidewalk_right": 0.0}
+    streets = [([(-90, 30), (90, 30)], {}), ([(-90, 0), (90, 0)], TUNNEL),
+               ([(-90, -30), (90, -30)], rails | TUNNEL)]  # fmt: skip
+    city = built(city_of, layout_of(streets), lod=2)
+    deck = city.scene.meshes["decks"].vertices
+    assert deck[:, 2].max() < -4.0
+    assert deck[:, 1].min() > -15.0
+    assert not len(bare_places(city))
+
+
+def test_a_carriageway_keeps_its_height_beside_a_cutting(layout_of, city_of):
+    bare = {"sidewalk_left": 0.0, "sidewalk_right": 0.0}
+    wide, link = bare | {"width": 9.75}, bare | {"kind": "motorway_link", "width": 4.0}
+    along = pairwise([(-390, 0), (-60, 0), (0, 0), (390, 0)])
+    streets = [*((list(piece), wide) for piece in along),
+               ([(0, -390), (0, 0)], {}), ([(0, 0), (0, 390)], {}),
+               ([(-60, 0), (-35, 8.1), (-20, 8.1)], link), ([(-20, 8.1), (20, 8.1)], link | TUNNEL),
+               ([(20, 8.1), (390, 40)], link)]  # fmt: skip
+    city = built(city_of, layout_of(streets, extent=LONG), lod=2)
+    assert not len(bare_places(city))
 
 
 def subway(layout_of):

@@ -118,10 +118,11 @@ def test_an_arrow_means_the_exit_in_its_place_when_no_angle_fits(layout_of):
     assert ends == {left: {True}, right: {False}}
 
 
-def restricted(layout, begin, end, *, only):
+def restricted(layout, begin, *ends, only):
+    size = len(ends)
     rules = make_table(
-        "restrictions", np.array([shapely.Point(MIDDLE)], object), id=[1], source=["r"],
-        from_source=[begin], to_source=[end], only=[only],
+        "restrictions", np.array([shapely.Point(MIDDLE)] * size, object), id=np.arange(1, 1 + size),
+        source=["r"] * size, from_source=[begin] * size, to_source=list(ends), only=[only] * size,
     )  # fmt: skip
     return replace(layout, restrictions=rules)
 
@@ -148,6 +149,20 @@ def test_a_restriction_that_would_close_a_street_is_passed_over(layout_of):
                                    ([MIDDLE, NORTH], {})]), "w", "nowhere", only=True)  # fmt: skip
     graph, _ = graph_of(layout)
     assert goals(graph, lane_at(graph, (-50, -1.5))) == ["east", "north"]
+
+
+def test_what_two_restrictions_each_allow_alone_is_both_allowed(layout_of):
+    streets = [([WEST, MIDDLE], {"source": "w"}), ([MIDDLE, EAST], {"source": "e"}),
+               ([MIDDLE, NORTH], {"source": "n"}), ([MIDDLE, SOUTH], {"source": "s"})]  # fmt: skip
+    graph, _ = graph_of(restricted(layout_of(streets), "w", "n", "e", only=True))
+    assert goals(graph, lane_at(graph, (-50, -1.5))) == ["east", "north"]
+
+
+def test_a_restriction_to_a_street_against_its_traffic_is_passed_over(layout_of):
+    streets = [([WEST, MIDDLE], {"source": "w"}), ([MIDDLE, EAST], {"source": "e"}),
+               ([NORTH, MIDDLE], {"source": "n", "oneway": True, "lanes": 1})]  # fmt: skip
+    graph, _ = graph_of(restricted(layout_of(streets), "w", "n", only=True))
+    assert goals(graph, lane_at(graph, (-50, -1.5))) == ["east"]
 
 
 def test_at_a_dead_end_one_turns_round(layout_of):
