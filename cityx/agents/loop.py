@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
+from cityx.agents.changes import slots_of_edit
 from cityx.agents.evaluator import HARD, ROUNDS, Judged, judged, of_layout
-from cityx.agents.planning.planner import Situation
+from cityx.agents.planning.planner import OfflinePlanner, Situation
 from cityx.agents.planning.search import Fact
 from cityx.agents.planning.workflow import Item, Workflow
 from cityx.agents.pool import Message, Pool
+from cityx.agents.remedies import remedies
 from cityx.agents.roles import Executor, OfflineExecutor, Planner, attempt
 from cityx.agents.run import Run
 from cityx.city import City, Goal
@@ -125,6 +128,52 @@ class Loop:
             body = {"action": item.action, "item": place, "state": self.run.state}
             self.pool.say(Message("backend", "result", body, parent=self._told))
             place = self._onward(city, item, place)
+        return self._refined(city) if self.goals else city
+
+    def _refined(self, city: City) -> City:
+        """Change single objects while that brings about more of what is asked; return the best."""
+        # A killed run begins its refinement again: what was best is in no snapshot.
+        self.run.hold = True
+        best, least, state = city, math.inf, self.run.state
+        for round_ in range(ROUNDS + 1):
+            found = judged(city, (*self.goals, *city.goals))
+            body = {"of": "city", "missed": found.texts}
+            self.pool.say(Message("evaluator", "verdict", body, parent=self._told))
+            if found.weight >= least:
+                break
+            best, least, state = city, found.weight, self.run.state
+            items = self._remedied(city, found) if round_ < ROUNDS else []
+            if not items:
+                break
+            self.say(f"refining, {round_ + 1} of {ROUNDS}: {', '.join(found.texts)}")
+            city = self._changed(city, items)
+        self.run.state, self.run.hold = state, False
+        return best
+
+    def _remedied(self, city: City, found: Judged) -> list[Item]:
+        """Return the actions on single objects that bring about what is missed."""
+        planner = OfflinePlanner(self.planner.records.values())
+        return [
+            replace(item, why=f"missed: {goal.text}")
+            for goal, _ in found.missed
+            for edit, chosen in remedies(goal.predicate, city)
+            for item in planner.answers(slots_of_edit(edit, chosen, city))
+        ]
+
+    def _changed(self, city: City, items: list[Item]) -> City:
+        """Run actions on single objects; what cannot be done is passed over."""
+        self._plan = Workflow(tuple(items), rev=self._plan.rev + 1)
+        self._told = self.pool.say(Message("planner", "workflow", self._plan.to_json()))
+        for place, item in enumerate(items):
+            record = self.planner.records[item.action]
+            try:
+                city = attempt(self.executor, self.run.do, city, item, record, self.slots)
+            except (ActionRejected, ActionFailed) as error:
+                body = {"action": item.action, "error": str(error), "item": place}
+                self.pool.say(Message("backend", "reject", body, parent=self._told))
+                continue
+            body = {"action": item.action, "item": place, "state": self.run.state}
+            self.pool.say(Message("backend", "result", body, parent=self._told))
         return city
 
     def _reviews(self, place: int) -> bool:
@@ -135,7 +184,8 @@ class Loop:
     def _kept(self, city: City, place: int) -> _Kept:
         """Measure a layout and keep all that is needed to go on from it."""
         found = judged(city, of_layout((*self.goals, *city.goals)))
-        self.pool.say(Message("evaluator", "verdict", {"missed": found.texts}, parent=self._told))
+        body = {"of": "layout", "missed": found.texts}
+        self.pool.say(Message("evaluator", "verdict", body, parent=self._told))
         whole = replace(found, weight=found.weight + HARD * len(self.unmet))
         return _Kept(
             city, whole, self.run.state, self._plan, place, self._told, list(self._done),

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
-from cityx.agents.brief import Edit, Selector
+from cityx.agents.brief import Edit
 from cityx.checks.predicates.facts import Facts, constant
 from cityx.checks.predicates.parser import parse
 from cityx.checks.predicates.syntax import Call, Comparison, Name, Within
@@ -22,7 +23,7 @@ from cityx.checks.predicates.things import (
 )
 from cityx.checks.predicates.vocabulary import KINDS, NARROWING, split_arguments
 from cityx.city import City
-from cityx.geometry.identity import hash_ids, id_text
+from cityx.geometry.identity import hash_ids
 
 MEASURES = ("height", "floors")  # of buildings, that an edit can set
 LOOKS = ("style", "material", "color", "roof")  # of buildings, that an edit can give
@@ -31,10 +32,20 @@ MOVABLE = ("piece", "lamp", "vehicle", "pedestrian")  # families of which things
 _BELOW: Mapping[str, float] = MappingProxyType(
     {"min": 0.0, "p10": 0.1, "p50": 0.5, "p90": 0.9, "max": 1.0}
 )
-_NOTHING: tuple[Edit, ...] = ()
 
 
-def remedies(predicate: str, city: City) -> tuple[Edit, ...]:
+class Remedy(NamedTuple):
+    """A change that helps, and what it changes; None where it adds something."""
+
+    edit: Edit
+    chosen: Selection | None
+
+
+Remedies = tuple[Remedy, ...]
+_NOTHING: Remedies = ()
+
+
+def remedies(predicate: str, city: City) -> Remedies:
     """Return changes after which a city has what a predicate asks for.
 
     Parameters
@@ -46,7 +57,7 @@ def remedies(predicate: str, city: City) -> tuple[Edit, ...]:
 
     Returns
     -------
-    edits
+    remedies
         None where no change of single objects helps, as of the shape of a layout.
     """
     wanted = parse(predicate)
@@ -73,17 +84,15 @@ def _bounds(wanted: object) -> tuple[float, float]:
     return (value, value) if wanted.sign == "==" else (-math.inf, math.inf)
 
 
-def _on(chosen: Selection, ids: UInt64Array) -> Selector:
-    return Selector(chosen.layer.kind, ids=tuple(map(id_text, ids.tolist())))
-
-
-def _by_lot(ids: UInt64Array, city: City) -> UInt64Array:
-    """Return ids in an order of chance that is always the same."""
+def _by_lot(ids: UInt64Array, number: int, city: City) -> BoolArray:
+    """Choose some of all ids by chance that is always the same; (n,)."""
+    taken = np.zeros(len(ids), bool)
     order: IntArray = np.lexsort((ids, hash_ids(city.seed, "agents/remedy", ids)))
-    return ids[order]
+    taken[order[:number]] = True
+    return taken
 
 
-def _measure(call: Call, low: float, high: float, facts: Facts) -> tuple[Edit, ...]:
+def _measure(call: Call, low: float, high: float, facts: Facts) -> Remedies:
     """Set heights or floors of those that keep a statistic out of its bounds."""
     (group, attribute, function), _ = split_arguments(call)
     assert isinstance(attribute.head, Name)
@@ -95,9 +104,9 @@ def _measure(call: Call, low: float, high: float, facts: Facts) -> tuple[Edit, .
     value = chosen.layer.number(name)[chosen.rows]
     found = []
     for bound, missed in ((low, value < low), (high, value > high)):
-        moved = chosen.ids[_needed(value, missed, below, up=bound is low)]
-        if len(moved) and math.isfinite(bound):
-            found.append(Edit(f"set_{name}", _on(chosen, moved), ((name, bound),)))
+        moved = np.isin(np.arange(len(value)), _needed(value, missed, below, up=bound is low))
+        if moved.any() and math.isfinite(bound):
+            found.append(Remedy(Edit(f"set_{name}", None, ((name, bound),)), chosen.where(moved)))
     return tuple(found)
 
 
@@ -110,7 +119,7 @@ def _needed(value: FloatArray, missed: BoolArray, below: float, *, up: bool) -> 
     return np.asarray(nearest[: max(len(rows) - stay, 0)])
 
 
-def _share(call: Call, low: float, high: float, facts: Facts) -> tuple[Edit, ...]:
+def _share(call: Call, low: float, high: float, facts: Facts) -> Remedies:
     """Give more buildings the look of which too few have one."""
     del high
     (group, *_), _ = split_arguments(call)
@@ -118,7 +127,8 @@ def _share(call: Call, low: float, high: float, facts: Facts) -> tuple[Edit, ...
     if KINDS[chosen.layer.kind] != "building" or not math.isfinite(low):
         return _NOTHING
     lacking = math.ceil(low * len(has) - 1e-9) - int(has.sum())
-    changed = _on(chosen, _by_lot(chosen.ids[~has], facts.city)[: max(lacking, 0)])
+    others = chosen.where(~has)
+    changed = others.where(_by_lot(others.ids, max(lacking, 0), facts.city))
     found = []
     for asked in group.conditions:
         if not isinstance(asked, Comparison) or not isinstance(asked.left, Name):
@@ -129,11 +139,11 @@ def _share(call: Call, low: float, high: float, facts: Facts) -> tuple[Edit, ...
         if asked.sign != "=" or name not in (*LOOKS, *MEASURES):
             return _NOTHING
         value = asked.right.word if isinstance(asked.right, Name) else constant(asked.right)
-        found.append(Edit(f"set_{name}", changed, ((name, value),)))
+        found.append(Remedy(Edit(f"set_{name}", None, ((name, value),)), changed))
     return tuple(found) if lacking > 0 else _NOTHING
 
 
-def _number(call: Call, low: float, high: float, facts: Facts) -> tuple[Edit, ...]:
+def _number(call: Call, low: float, high: float, facts: Facts) -> Remedies:
     """Take away what there is too much of; plant trees where there are too few."""
     (group, *_), _ = split_arguments(call)
     chosen = facts.select(group)
@@ -141,14 +151,14 @@ def _number(call: Call, low: float, high: float, facts: Facts) -> tuple[Edit, ..
     if KINDS[kind] not in MOVABLE:
         return _NOTHING
     if chosen.count > high:
-        gone = _by_lot(chosen.ids, facts.city)[: chosen.count - math.floor(high)]
-        return (Edit("remove", _on(chosen, gone)),)
+        gone = _by_lot(chosen.ids, chosen.count - math.floor(high), facts.city)
+        return (Remedy(Edit("remove"), chosen.where(gone)),)
     if chosen.count < low and kind == "tree" and not group.conditions:
         more = math.ceil(low) - chosen.count
-        return (Edit("plant", None, (("nature", "tree"), ("count", more))),)
+        return (Remedy(Edit("plant", None, (("nature", "tree"), ("count", more))), None),)
     return _NOTHING
 
 
-_RULES: Mapping[str, Callable[[Call, float, float, Facts], tuple[Edit, ...]]] = MappingProxyType(
+_RULES: Mapping[str, Callable[[Call, float, float, Facts], Remedies]] = MappingProxyType(
     {"stat": _measure, "share": _share, "n": _number}
 )

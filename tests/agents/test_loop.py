@@ -113,7 +113,8 @@ def test_another_layout_is_tried_three_times_while_a_hard_goal_is_missed(tmp_pat
     towns = [dict(call.args) for call in run.calls if call.action == "layout/town-v1"]
     assert towns == [{}, {"variant": 1}, {"variant": 2}, {"variant": 3}]
     assert run.names.count("road/network-v1") == 1
-    verdicts = [message.body["missed"] for message in loop.pool.read("verdict")]
+    told = [message.body for message in loop.pool.read("verdict")]
+    verdicts = [body["missed"] for body in told if body["of"] == "layout"]
     assert len(verdicts) == 4
     assert verdicts[0][0].startswith("n(building) == 9 (there are 4")
     assert run.state.startswith("s0/layout/town-v1/background")
@@ -166,7 +167,8 @@ def test_a_layout_that_fails_a_check_loses_to_one_that_misses_goals(tmp_path):
     loop = loop_of(run, tmp_path, goals=goals)
     city = loop.carry_out(EMPTY)
     assert len(city.layout.buildings) == 2
-    verdicts = [message.body["missed"] for message in loop.pool.read("verdict")]
+    told = [message.body for message in loop.pool.read("verdict")]
+    verdicts = [body["missed"] for body in told if body["of"] == "layout"]
     assert [any("building_overlap" in text for text in missed) for missed in verdicts] == [
         True, False, True, True,
     ]  # fmt: skip
@@ -177,3 +179,46 @@ def test_goals_that_are_met_do_not_excuse_a_failed_check(tmp_path):
     city = loop_of(run, tmp_path, goals=(Goal("four", "n(building) == 4"),)).carry_out(EMPTY)
     assert judged(city, ()).failed == ()
     assert run.names.count("layout/town-v1") == 2
+
+
+class Painted(Played):
+    """A run in which heights that are set are those of another list, change after change."""
+
+    def __init__(self, heights):
+        super().__init__()
+        self.heights = heights
+
+    def do(self, city, call):
+        city = super().do(city, call)
+        if not call.action.startswith("edit/"):
+            return city
+        rounds = sum(name.startswith("edit/") for name in self.names)
+        buildings = city.layout.buildings.assign(height=self.heights[rounds - 1])
+        return replace(city, layout=replace(city.layout, buildings=buildings))
+
+
+TALL = Goal("tall", "stat(building, height, min) >= 500")
+
+
+def refined(heights, tmp_path, goals=(TALL,)):
+    run = Painted(heights)
+    loop = loop_of(run, tmp_path, goals=goals, kinds=("osm",))
+    return run, loop, loop.carry_out(EMPTY)
+
+
+def test_what_a_built_city_misses_is_brought_about_by_changes_of_objects(tmp_path):
+    run, loop, city = refined([500.0], tmp_path)
+    assert [name for name in run.names if name.startswith("edit/")] == ["edit/set_height-v1"]
+    assert city.layout.buildings["height"].min() == 500.0
+    assert loop.run.hold is False
+    *_, before, after = [m.body for m in loop.pool.read("verdict") if m.body["of"] == "city"]
+    assert len(before["missed"]) == 1
+    assert after["missed"] == []
+
+
+def test_a_city_is_refined_while_that_helps_and_the_best_is_kept(tmp_path):
+    low = Goal("low", "stat(building, height, max) <= 600", hard=False)
+    run, loop, city = refined([700.0, 900.0, 900.0], tmp_path, goals=(TALL, low))
+    assert city.layout.buildings["height"].min() == 700.0  # the hard goal is met, the other not
+    assert run.names[-1].startswith("edit/")
+    assert loop.run.state.count("edit/") == 1

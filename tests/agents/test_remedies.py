@@ -9,7 +9,6 @@ import shapely
 from cityx.agents.remedies import remedies
 from cityx.checks.predicates import measure
 from cityx.city import City, Frame, Layout, make_table
-from cityx.geometry.identity import id_text
 
 
 def town(heights, generators=None):
@@ -29,10 +28,10 @@ def town(heights, generators=None):
 def carried_out(city, edits):
     """The city with its heights set as edits say."""
     table = city.layout.buildings.copy()
-    for edit in edits:
+    for edit, chosen in edits:
         ((key, value),) = edit.change
         assert edit.verb == f"set_{key}"
-        named = table["id"].map(id_text).isin(edit.target.ids)
+        named = table["id"].isin(chosen.ids)
         table.loc[named, {"height": "height", "floors": "levels"}[key]] = value
     return replace(city, layout=replace(city.layout, buildings=table))
 
@@ -61,10 +60,10 @@ def test_heights_are_set_until_the_goal_is_met(predicate):
 
 def test_no_more_buildings_change_than_must():
     city = town(HEIGHTS)
-    (edit,) = remedies("stat(building, height, p90) >= 70", city)
-    assert edit.target.ids == (id_text(10),)  # of eleven; the highest is high enough
-    (edit,) = remedies("stat(building, height, max) <= 50", city)
-    assert set(edit.target.ids) == {id_text(10), id_text(11)}
+    ((_, chosen),) = remedies("stat(building, height, p90) >= 70", city)
+    assert chosen.ids.tolist() == [10]  # of eleven; the highest is high enough
+    ((_, chosen),) = remedies("stat(building, height, max) <= 50", city)
+    assert chosen.ids.tolist() == [10, 11]
 
 
 @pytest.mark.parametrize("predicate", [
@@ -80,14 +79,16 @@ def test_as_many_buildings_take_a_style_as_are_lacking_and_always_the_same():
     kinds = ["glass_tower"] * 3 + ["japanese_lowrise"] * 7
     city = town([20] * 10, kinds)
     asked = "share(building, style=modern) >= 0.6"
-    (edit,) = remedies(asked, city)
+    ((edit, chosen),) = remedies(asked, city)
     assert edit.verb == "set_style"
     assert edit.change == (("style", "modern"),)
-    assert 0 < len(edit.target.ids) <= 6
-    assert remedies(asked, city) == (edit,)
+    assert 0 < len(chosen.ids) <= 6
+    ((_, again),) = remedies(asked, city)
+    assert again.ids.tolist() == chosen.ids.tolist()
 
 
 def test_too_few_trees_are_planted():
-    (edit,) = remedies("n(tree) >= 60", town([5]))
+    ((edit, chosen),) = remedies("n(tree) >= 60", town([5]))
+    assert chosen is None
     assert edit.verb == "plant"
     assert dict(edit.change) == {"nature": "tree", "count": 60}
