@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cityx.agents.brief import Brief, read_note
-from cityx.agents.naming import names_of, renamed, with_ids
+from cityx.agents.naming import names_of
 from cityx.agents.options import BuildOptions, slots_of
 from cityx.agents.planning.asked import slots_of_brief
 from cityx.agents.roles import BriefMaker, OfflineBriefMaker
@@ -121,18 +121,15 @@ def read_request(
     if not options.text and not notes:
         return Request(Brief(), _checked(slots_of(options)))
     names = names_of(city) if city is not None else ()
-    text, meant = with_ids(options.text, names)
     brief = (maker or OfflineBriefMaker()).read(
-        text,
+        options.text,
         inputs=[(path.name, kind) for path, kind in items],
         base=base,
         options=_said(options),
+        names=names,
     )
-    brief = renamed(brief, options.text, meant)
     for path in notes:
-        said = _text_of(path)
-        text, meant = with_ids(said, names)
-        brief = brief.joined(renamed(read_note(text, base=base), said, meant))
+        brief = brief.joined(read_note(_text_of(path), base=base, names=names))
     if brief.conflicts or brief.questions:
         raise Clarify(brief)
     return Request(brief, _checked({**slots_of_brief(brief), **slots_of(options)}))

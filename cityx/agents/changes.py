@@ -15,6 +15,7 @@ from cityx.agents.brief.brief import Value
 from cityx.agents.brief.measurable import COLORS as NAMED
 from cityx.agents.briefs import Clarify
 from cityx.agents.contradictions import contradictions
+from cityx.agents.placing import protected, slots_of_places
 from cityx.agents.selecting import SIDES, Open, choose, chosen_by, region_of
 from cityx.checks.predicates.facts import Facts
 from cityx.checks.predicates.things import Selection
@@ -53,10 +54,11 @@ def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
         try:
             chosen = chosen_by(edit, city)
             meant.append((edit, chosen))
-            found.append((edit, slots_of_edit(edit, chosen, city)))
+            slots = slots_of_edit(edit, chosen, city)
+            found.append((edit, {**slots, **slots_of_places(edit, city)}))
         except Open as error:
             questions.append(error.question)
-    questions += contradictions(meant)
+    questions += [*contradictions(meant), *protected(brief, meant, city)]
     if questions:
         raise Clarify(replace(brief, questions=(*brief.questions, *questions)))
     return _joined(found)

@@ -37,6 +37,7 @@ class BriefMaker(Protocol):
         inputs: Sequence[tuple[str, str]] = (),
         base: bool = False,
         options: Mapping[str, Any] | None = None,
+        names: Iterable[str] = (),
     ) -> Brief:
         """Return the `Brief` of a text; arguments as of `cityx.agents.brief.read_brief`."""
 
@@ -111,9 +112,10 @@ class OfflineBriefMaker:
         inputs: Sequence[tuple[str, str]] = (),
         base: bool = False,
         options: Mapping[str, Any] | None = None,
+        names: Iterable[str] = (),
     ) -> Brief:
         """Return the brief of a text."""
-        return read_brief(text, inputs=inputs, base=base, options=options)
+        return read_brief(text, inputs=inputs, base=base, options=options, names=names)
 
 
 class OfflineExecutor:

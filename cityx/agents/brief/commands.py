@@ -6,10 +6,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from cityx.agents.brief.brief import Edit, Question, Selector, Span, Value
+from cityx.agents.brief.conflicts import reconcile
 from cityx.agents.brief.describe import describe
 from cityx.agents.brief.edits import Unclear, edits_of
 from cityx.agents.brief.grammar import Node, parse
 from cityx.agents.brief.here import Findings
+from cityx.agents.brief.idioms import changed_air, plain
 from cityx.agents.brief.scan import ENDS, Item
 from cityx.agents.brief.scopes import READ
 from cityx.agents.brief.selection import is_plural, targets_of
@@ -30,6 +32,7 @@ _OF_THE_CITY = {
     "building.color": "set_color", "roof.color": "set_roof", "roads.width": "set_width",
 }  # fmt: skip
 _PARTS_OF_BUILDINGS = ("facade", "roof", "window")  # "with red facades" says all with its colour
+_LOOKS = ("color", "material", "surface")
 _OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road")
 
 
@@ -62,7 +65,8 @@ def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
             continue
         before = items[at - 1] if at else None
         joined = before is not None and (before.is_mark(",") or before.get("rel") in ("and", "but"))
-        if joined and item.has("verb") and _is_command(items, at) and _has_object(clause):
+        begins = item.has("verb") and _is_command(items, at) and _has_object(clause)
+        if joined and (begins or (_is_told(clause) and _tells_again(items, at))):
             yield clause
             clause = []
         clause.append(item)
@@ -77,11 +81,26 @@ def _is_command(items: Sequence[Item], at: int) -> bool:
     return after is not None and (after.kind in ("function", "quantity", "id") or after.has("noun"))
 
 
+def _is_told(clause: Sequence[Item]) -> bool:
+    """Tell whether a clause has said of an object what becomes of it: "b20 in blue"."""
+    named = next((at for at, item in enumerate(clause) if item.kind == "id"), len(clause))
+    return any(item.has(*_LOOKS) for item in clause[named + 1 :])
+
+
+def _tells_again(items: Sequence[Item], at: int) -> bool:
+    """Tell whether an object and what becomes of it follow: ", | b21 in green"."""
+    after = items[at + 1 : at + 4]
+    said = next((item for item in after if item.has(*_LOOKS)), None)
+    linked = any(item.get("rel") in ("in", "be", "to") for item in after)
+    return items[at].kind == "id" and said is not None and linked
+
+
 def _has_object(clause: Sequence[Item]) -> bool:
     return any(item.kind == "id" or item.has("noun", "slot", "rel") for item in clause)
 
 
 def _read(commands: Commands, text: str, clause: list[Item]) -> None:
+    plain(clause)
     live = [item for item in clause if not item.state and item.kind != "mark"]
     if not live:
         _settle(commands, text, clause)
@@ -97,6 +116,10 @@ def _read(commands: Commands, text: str, clause: list[Item]) -> None:
     changed = _amounts_of_life(live)
     if changed:
         commands.edits += changed
+        return
+    commands.edits += changed_air(live, _span(live))
+    live = [item for item in live if not item.state]
+    if not live:
         return
     if _named(live) or _means_it(commands, live):
         edits = _parsed(commands, clause)
@@ -116,10 +139,13 @@ def _settle(commands: Commands, text: str, clause: Sequence[Item]) -> None:
 
 def _named(items: Iterable[Item]) -> bool:
     """Tell whether objects are named, rather than the city as a whole."""
-    return any(
+    items = list(items)
+    whole = any(item.noun == "everything" for item in items)
+    weather = any(item.get("slot").startswith("weather=") for item in items)
+    return (whole and not weather) or any(
         item.kind == "id" or (item.noun_class in _OBJECTS and not item.has("slot"))
         for item in items
-    ) or any(item.noun == "everything" for item in items)
+    )
 
 
 def _means_it(commands: Commands, items: Iterable[Item]) -> bool:
@@ -202,6 +228,7 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
     if live[0].has("verb"):
         live[0].state = READ  # "plant" is no factory here
     inner = describe(text, clause)
+    inner.slots = reconcile(inner.slots)
     if stops:  # "stop the rain"
         inner.slots = [
             replace(slot, value="clear") if slot.key == "weather" else slot for slot in inner.slots

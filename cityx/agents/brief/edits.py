@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from cityx.agents.brief.brief import Edit, Selector, Value
+from cityx.agents.brief.changing import SPECIES, SURFACE_OF
 from cityx.agents.brief.grammar import Node
 from cityx.agents.brief.scan import Item
 from cityx.agents.brief.selection import (
@@ -33,6 +34,7 @@ _FLAT = (
     "main_street", "road", "side_street", "river", "canal", "avenue", "ring_road", "sidewalk",
 )  # fmt: skip
 _LENGTHS = ("height", "width", "floors", "lanes", "length", "count")
+KMH = 3.6  # kilometres per hour, of a metre per second
 _NEW = {"type": "building.type", "element": "element", "plant": "nature"}
 
 
@@ -92,6 +94,15 @@ def _own_verb(verb: str, target: Selector) -> str:
     return verb.replace("height", "width") if target.kind in _FLAT else verb
 
 
+def _of_ground(edit: Edit) -> Edit:
+    """Return a change of a material as that of a surface, where it is one of a street."""
+    kind = edit.target.kind if edit.target is not None else ""
+    if edit.verb != "set_material" or kind not in _FLAT:
+        return edit
+    surface = SURFACE_OF.get(str(edit.change[0][1]))
+    return replace(edit, verb="set_surface", change=(("surface", surface),)) if surface else edit
+
+
 # -- what becomes of objects ---------------------------------------------------------------------
 
 
@@ -104,12 +115,13 @@ def _look(command: Node) -> list[Edit]:
     about = named.first("ATTR") if named is not None else None
     changes: dict[str, Pairs] = {}
     for change in command.own("change", "roofing"):
-        verb, pairs = _change(change.children[0], _attribute(about))
+        of_part = change.first("ATTR") if change.children[0].name in ("COLOR", "MATERIAL") else None
+        verb, pairs = _change(change.children[0], _attribute(of_part or about))
         changes.setdefault(verb, []).extend(pairs)
     if "replace" in changes:  # "into brick houses": the look is that of what is new
         changes = {"replace": [pair for pairs in changes.values() for pair in pairs]}
     return [
-        edit
+        _of_ground(edit)
         for verb, pairs in reversed(changes.items())
         for edit in _each(command, verb, tuple(dict.fromkeys(pairs)))
     ]
@@ -127,6 +139,9 @@ def _change(word: Node, about: str) -> tuple[str, Pairs]:
         what = named.get("attr") if named is not None else about
         return f"scale_{'width' if what == 'width' else 'height'}", [("factor", _factor(word))]
     item = _item(word)
+    own = _of_street(item)
+    if own is not None:
+        return own
     if about == "roof" and (item.text == "flat" or word.name in ("COLOR", "MATERIAL")):
         key = "roof.color" if word.name == "COLOR" else "roof"
         return "set_roof", [(key, item.get("color") or item.get("material") or "flat")]
@@ -145,6 +160,35 @@ def _change(word: Node, about: str) -> tuple[str, Pairs]:
     if quantity.relative:
         return f"raise_{measure}", [("by", _whole(_value(item) * quantity.relative))]
     return f"set_{measure}", list(_measured(measure, item))
+
+
+def _of_street(item: Item) -> tuple[str, Pairs] | None:
+    """Return what a word makes of a street: its surface, its direction, its speed, no cars."""
+    if item.has("surface"):
+        return "set_surface", [("surface", item.get("surface"))]
+    if item.has("direction"):
+        return "set_direction", [("direction", item.get("direction"))]
+    if item.get("slot") == "not=vehicle":
+        return "close", []
+    if item.quantity is not None and item.quantity.dimension == "speed":
+        return "set_speed", [("speed_kmh", _whole(_value(item) * KMH))]
+    return None
+
+
+def _pave(command: Node) -> list[Edit]:
+    """Read "put cobbles on every street"."""
+    surface = command.first("SURFACE")
+    assert surface is not None
+    return _each(command, "set_surface", [("surface", surface.get("surface"))])
+
+
+def _strip(command: Node) -> list[Edit]:
+    """Read "add a cycle lane to both sides of the main street" and "no parking on x1"."""
+    strip = command.first("STRIP")
+    assert strip is not None
+    key = "cycling" if strip.noun == "cycleway" else "parking"
+    sides = "none" if command.children[0].name in ("REMOVE", "CLOSE") else "both"
+    return _each(command, f"set_{key}", [(key, sides)])
 
 
 def _factor(node: Node) -> float | int:
@@ -189,6 +233,8 @@ def _resized(command: Node, amount: Node, about: str, *, grows: bool, by: bool) 
         part = share_of(item) if by else share_of(item) - 1
         factor = 1 + (part if grows or not by else -part)
         return _each(command, f"scale_{about}", [("factor", _whole(factor))])
+    if dimension == "speed" and not by:
+        return _each(command, "set_speed", [("speed_kmh", _whole(_value(item) * KMH))])
     about = dimension if dimension in ("floors", "lanes") else about
     if by:
         return _each(
@@ -298,6 +344,8 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
     if noun.noun_class in ("vehicle", "person"):
         return _agent(thing, noun, places)
     change: Pairs = [(key, noun.noun)] if (key := _NEW.get(noun.noun_class)) else []
+    size = thing.first("SIZE")
+    change += [("size", size.get("size"))] if size is not None else []
     count = thing.first("COUNT")
     change += [("count", _whole(_value(count)))] if count is not None else []
     change += _traits(thing)
@@ -343,10 +391,17 @@ def _amount(thing: Node) -> Pairs:
     return [("amount", word) for word in words if word]
 
 
+def _singular(plant: Item) -> str:
+    return plant.text.removesuffix("s").replace("cherrie", "cherry")
+
+
 def _plant(command: Node) -> list[Edit]:
     plants = command.branch("plants")
     assert plants is not None
     change: Pairs = [("nature", "tree")]
+    plant = plants.first("PLANT")
+    assert plant is not None
+    change += [("species", name) for name, words in SPECIES.items() if _singular(plant) in words]
     count, every = plants.first("COUNT"), plants.first("EVERY")
     change += [("count", int(_value(count)))] if count is not None else []
     change += _amount(plants)
@@ -360,5 +415,6 @@ _RULES: Mapping[str, Callable[[Node], list[Edit]]] = {
     "remove": _remove, "look": _look, "resize": _resize, "shift": _shift,
     "replace": _replace, "add": _add, "plant": _plant, "move": _move,
     "rotate": _rotate, "scale": _scale, "close": _close, "lights": _lights,
+    "pave": _pave, "strip": _strip,
     "copy": _copy, "fill": _fill,
 }  # fmt: skip

@@ -341,10 +341,17 @@ def _full(key: str) -> str:
     return f"building.{key}" if key in ("material", "color", "roof") else key
 
 
+def quoted(name: str) -> str:
+    """Return a name as predicates write it: in quotes where it is more than a word."""
+    plain = name.replace("_", "a").isalnum() and not name[:1].isdigit()
+    escaped = name.replace("\\", "\\\\").replace('"', '\\"')
+    return name if plain else f'"{escaped}"'
+
+
 def _chosen(target: Selector) -> Iterator[str]:
     """Return a target as choices of things; none where predicates cannot choose it."""
     if target.ids:
-        yield from target.ids
+        yield from map(quoted, target.ids)
         return
     kind = things(target.kind)
     conditions = [condition_of(text) for text in target.filters]

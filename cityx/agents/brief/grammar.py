@@ -16,21 +16,23 @@ if TYPE_CHECKING:
 # Terminals are kinds of items, see `cityx.agents.brief.terminals`; the value is the item's index.
 GRAMMAR = """
 start: remove | look | resize | shift | replace | add | plant | move | rotate | scale
-     | close | lights | copy | fill | topic
+     | close | lights | copy | fill | pave | strip | topic
 topic: targets
 remove: REMOVE targets | targets BE? REMOVE
-look: _paint (attr OF?)? targets (link* change)+ | targets (BE | IN) _paint? (link* change)+
+look: _paint (attr _at?)? targets (link* change)+ | targets (BE | IN) _paint? (link* change)+
     | _paint targets attr (link* change)+ | (ADD | MAKE) roofing link targets
 roofing: ROOF
 _paint: PAINT | CLAD | MAKE
 attr: ATTR
 change: COLOR | MATERIAL | STYLE | ROOF | FLOORS | LENGTH | LIMIT | LANES | factor | KIND
+    | SURFACE ROAD? | ONEWAY ROAD? | CARFREE ROAD? | SPEED | COLOR ATTR | MATERIAL ATTR
 factor: TIMES ATTR? | COUNT SIGN ATTR? | FACTOR COUNT | SHARE ATTR?
-resize: _resizing (attr OF?)? targets (way amount)? | _resizing targets attr (way amount)?
+resize: _resizing (attr _at?)? targets (way amount)? | _resizing targets attr (way amount)?
 shift: (ADD | REMOVE | RAISE | LOWER) amount link targets
 _resizing: DOUBLE | TRIPLE | QUADRUPLE | HALVE | RAISE | LOWER | WIDEN | NARROW
+_at: OF | ON | IN | REL
 way: TO | BY | WITH
-amount: LENGTH | FLOORS | SHARE | COUNT | LANES | factor | LIMIT
+amount: LENGTH | FLOORS | SHARE | COUNT | LANES | factor | LIMIT | SPEED
 replace: REPLACE targets link new | targets BE REPLACE link new
 new: trait* (KIND | THING | AGENT | PLANT | BUILDING) (link* trait)*
 trait: MATERIAL | COLOR | STYLE | ROOF | FLOORS | LENGTH | COUNT | LIMIT | ALL
@@ -38,9 +40,9 @@ fill: FILL targets WITH things
 add: (ADD | MAKE) things (place | destination | link* SPEED | MODE | AXIS | AND? COUNT? EVERY)*
 things: thing (AND thing)*
 thing: own* (AGENT | THING | KIND | BUILDING) (link* MODE | link* trait | link* SPEED | EVERY)*
-own: trait | SPEED | AMOUNT | MODE
+own: trait | SPEED | AMOUNT | MODE | SIZE
 plant: (PLANTS | ADD) plants (place | destination)*
-plants: (trait | AMOUNT | OF)* PLANT (link? EVERY)* (AND plants)?
+plants: (trait | AMOUNT | OF | SIZE)* PLANT (link? EVERY)* (AND plants)?
 move: MOVE targets (link? LENGTH | link? direction | place)+
 direction: SIDE
 rotate: ROTATE targets link? (ANGLE | COUNT) CLOCKWISE?
@@ -53,14 +55,18 @@ target: _named? ID (TO ID)? filter* | IT
     | mod* (BUILDING | KIND | THING | AGENT | PLANT | ROAD | WHOLE) filter*
 _named: BUILDING | KIND | THING | PLANT | ROAD
 mod: ALL | COUNT | SHARE | RANK | ORDINAL | REST | MATERIAL | COLOR | STYLE | ROOF | FLOORS
-   | OF | SIDE
+   | OF | SIDE | SIZE
 filter: (WITH | BE | OF)? LIMIT | WITH ROOF | (OF | WITH) MATERIAL | (WITH | OF) FLOORS | place
+      | FROM spot
 destination: TO spot
 place: where+ spot | where* SIDE (OF spot)?
 where: REL | IN | ON | BY
-spot: (ALL | COUNT | RANK | SIDE)* (BUILDING | KIND | THING | ROAD | PLANT | WHOLE | ID) beyond?
+spot: (ALL | COUNT | RANK | SIDE | SIZE)* _place_noun beyond?
+_place_noun: BUILDING | KIND | THING | ROAD | PLANT | WHOLE | ID
 beyond: REL spot | OF spot
-link: TO | IN | WITH | OF | BY | BE | ON
+link: TO | IN | WITH | OF | BY | BE | ON | FROM
+pave: (ADD | MAKE) SURFACE (_at | TO)+ targets | CLAD targets (WITH | IN) SURFACE
+strip: (ADD | MAKE | REMOVE | OPEN | CLOSE) ALL? STRIP (_at | TO | FROM)+ targets
 """
 
 

@@ -135,7 +135,7 @@ NOUNS: Book = {
     },
     "vehicle": {
         "vehicle": "vehicle, car, automobile, motor car, motor vehicle, traffic, motorcar, "
-        "motor traffic, motorized traffic, motorised traffic, "
+        "car parked, vehicle parked, motor traffic, motorized traffic, motorised traffic, "
         "parked car, auto, road traffic, car traffic",
         "bus": "bus, coach, double decker, city bus",
         "truck": "truck, lorry, hgv, pickup, semi truck, semi trailer, delivery truck",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from cityx.agents.brief import nouns, speech
+from cityx.agents.brief import changing, nouns, speech
 
 Book = Mapping[str, Mapping[str, str]]
 
@@ -150,7 +150,7 @@ SLOTS: Book = {
         "covered in snow, covered with snow, under snow, blanketed in snow, snow clad, "
         "snowflake, snowy weather, blanket of snow, snowscape, wintry, frosted, "
         "snow laden, snowbound, snow bound, snow topped, white christmas, wintery, "
-        "layer of snow, snow lies",
+        "layer of snow, snow lies, covered in white, blanketed in white",
     },
     "time": {
         "dawn": "dawn, daybreak, break of day, first light, crack of dawn, cockcrow, day break, "
@@ -163,13 +163,14 @@ SLOTS: Book = {
         "in the morning, forenoon, morning light, morning hours, a . m .",
         "noon": "noon, midday, mid day, high noon, noonday, noontime, lunchtime, lunch time, "
         "middle of the day, twelve o'clock, daytime, broad daylight, day time, by day, "
-        "during the day, full daylight, sun at its highest, noon sun, at its zenith",
+        "during the day, full daylight, sun high in the sky, high sun, sun overhead, "
+        "sun at its highest, noon sun, at its zenith",
         "afternoon": "afternoon, late afternoon, early afternoon, mid afternoon, "
         "afternoon light, tea time",
         "golden_hour": "golden hour, golden light, magic hour, golden evening light, "
         "low golden sun, warm low sun, golden hour light",
         "sunset": "sunset, sundown, sun go down, the sun go down, setting sun, sun sets, "
-        "as the sun sets, sun goes down, "
+        "as the sun sets, sun goes down, sun set, "
         "sun is setting, evening sun sets, sun going down, sinking sun",
         "dusk": "dusk, twilight, nightfall, blue hour, gloaming, after sunset, just after sunset, "
         "dimming light, getting dark, growing dark, night is falling, night falls, darkness falls, "
@@ -390,7 +391,8 @@ TABLES: Book = {
     "axis": speech.AXES, "use": speech.USES, "bound": speech.BOUNDS,
     "compared": speech.COMPARED, "attr": speech.ATTRIBUTES, "verb": speech.VERBS,
     "rank": speech.RANKS, "ordinal": speech.ORDINALS, "rel": speech.RELATIONS,
-    "mode": speech.MODES,
+    "mode": speech.MODES, "surface": changing.SURFACES, "direction": changing.DIRECTIONS,
+    "strip": changing.STRIPS, "degree": changing.DEGREES, "later": changing.LATER,
 }  # fmt: skip
 # The same where the kind says all.
 LISTS: Mapping[str, str] = {
@@ -407,7 +409,9 @@ _TITLES = {
     "side": "Sides", "axis": "Directions of main streets", "use": "Uses of buildings",
     "bound": "Bounds", "compared": "Comparisons", "attr": "What a number measures",
     "verb": "Commands", "rank": "Ranks", "ordinal": "Places in a rank",
-    "rel": "Relations", "mode": "What people do", "neg": "Denials",
+    "rel": "Relations", "mode": "What people do", "surface": "Surfaces of streets",
+    "direction": "Which way one drives", "strip": "What lies beside lanes",
+    "degree": "More and less of the weather", "later": "Later and earlier", "neg": "Denials",
     "after_neg": "Denials behind", "neither": "Neither asked for nor denied", "keep": "Protection",
     "unchanged": "Protection behind", "except": "Exceptions",
     "vague": "Wishes that need a question",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -24,6 +24,7 @@ def read_brief(
     inputs: Sequence[tuple[str, str]] = (),
     base: bool = False,
     options: Mapping[str, Any] | None = None,
+    names: Iterable[str] = (),
 ) -> Brief:
     """Read an instruction.
 
@@ -39,13 +40,15 @@ def read_brief(
     options
         Keys and values that hold whatever the text says, those of a command line; where the text
         says otherwise, that is a conflict.
+    names
+        What things of the city that is to be changed are called.
 
     Returns
     -------
     brief
         Slots, edits, goals, and the words that nobody understood. Every span lies inside the text.
     """
-    items, notes = scan(text)
+    items, notes = scan(text, names)
     items = join_measures(items)
     settle_scopes(items)
     edits: list[Edit] = []
@@ -78,7 +81,7 @@ def read_brief(
     )
 
 
-def read_note(text: str, *, base: bool = True) -> Brief:
+def read_note(text: str, *, base: bool = True, names: Iterable[str] = ()) -> Brief:
     """Read the wishes of a text file; what it orders beyond them is noted and ignored.
 
     Returns
@@ -87,7 +90,7 @@ def read_note(text: str, *, base: bool = True) -> Brief:
         Slots and edits of an allowed kind; its spans point into the file's text.
     """
     wishes, ignored = untrusted.split(text)
-    brief = read_brief(wishes, base=base)
+    brief = read_brief(wishes, base=base, names=names)
     edits: list[Edit] = []
     for edit, note in untrusted.allowed(brief.edits, text):
         if edit is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from cityx.agents.brief.brief import Note, Span
@@ -14,6 +14,7 @@ from cityx.agents.brief.words import Word, forms_of, words_of
 
 LONGEST_TEXT = 6000  # characters; what comes later is listed as unread, so that time stays short
 ENDS = ".;!?\n"
+LONGEST_NAME = 6  # words of the name of a thing
 _MORE = {"more": 1, "additional": 1, "extra": 1, "further": 1, "fewer": -1, "less": -1}
 
 
@@ -25,6 +26,7 @@ class Quantity:
     ----------
     dimension
         "length", "area", "speed", "floors", "lanes", "share", "angle", "temperature", "hour",
+        "duration" (hours),
         "count" for a plain number, "pair" for "600 x 400 m".
     low, high
         Bounds in SI units; both the same for an exact value, None where open.
@@ -108,13 +110,23 @@ class Item:
         return self.kind == "mark" and self.words[0] in marks
 
 
-def scan(text: str) -> tuple[list[Item], list[Note]]:
-    """Cut a text into items: longest phrases first, numbers with their units."""
-    words, notes = _mended(_with_lines(text[:LONGEST_TEXT]))
+def scan(text: str, names: Iterable[str] = ()) -> tuple[list[Item], list[Note]]:
+    """Cut a text into items: names first, then longest phrases, numbers with their units.
+
+    Parameters
+    ----------
+    text
+        The instruction.
+    names
+        What things of the city are called; a name of one word that the book knows is that word.
+    """
+    called = _by_words(names)
+    words = _with_lines(text[:LONGEST_TEXT])
+    words, notes = _mended(words, {word for key in called for word in key})
     items: list[Item] = []
     at = 0
     while at < len(words):
-        item, length = _next(words, at)
+        item, length = _called(words, at, called) or _next(words, at)
         items.append(item)
         at += length
     return items, notes
@@ -133,11 +145,33 @@ def _with_lines(text: str) -> list[Word]:
     return found
 
 
-def _mended(words: list[Word]) -> tuple[list[Word], list[Note]]:
-    """Mend misspelt words, with a note on each."""
+Names = Mapping[tuple[str, ...], str]  # the folded words of a name -> the name
+
+
+def _by_words(names: Iterable[str]) -> Names:
+    found: dict[tuple[str, ...], str] = {}
+    for name in names:
+        key = tuple(word.text for word in words_of(name))
+        if len(key) > 1 or (key and not known(key[0])):
+            found.setdefault(key, name)
+    return found
+
+
+def _called(words: Sequence[Word], at: int, names: Names) -> tuple[Item, int] | None:
+    """Return the longest name that begins at a word, as an id."""
+    for length in range(min(LONGEST_NAME, len(words) - at), 0, -1):
+        key = tuple(word.text for word in words[at : at + length])
+        if key in names:
+            item = _item(words, at, length, "id")
+            return replace(item, words=(names[key],)), length
+    return None
+
+
+def _mended(words: list[Word], names: Container[str]) -> tuple[list[Word], list[Note]]:
+    """Mend misspelt words, with a note on each; words of names stay as they are."""
     notes = []
     for index, word in enumerate(words):
-        better = mended(word.text) if word.kind == "word" else None
+        better = mended(word.text) if word.kind == "word" and word.text not in names else None
         if better is not None:
             words[index] = replace(word, text=better)
             said = f'"{word.text}" was read as "{better}".'

@@ -50,7 +50,8 @@ def kind_of(noun: Item) -> str:
 
 def is_plural(noun: Item) -> bool:
     """Tell whether a noun stands for several."""
-    last = noun.words[-1]
+    words = [word for word in noun.words if not word.endswith("ed")]  # "cars parked"
+    last = (words or noun.words)[-1]
     return (last.endswith("s") and last not in ("bus", "grass")) or last in (
         "people", "men", "women", "children",
     )  # fmt: skip
@@ -136,6 +137,9 @@ def _filtered(selector: Selector, node: Node) -> Selector:
     place = node.branch("place")
     if place is not None:
         return _placed(selector, _place(place))
+    spot = node.branch("spot")
+    if spot is not None:  # "the benches from the park"
+        return replace(selector, inside=_spot(spot))
     for item in node.leaves("LIMIT", "ROOF", "MATERIAL", "FLOORS"):
         selector = replace(selector, filters=(*selector.filters, *_conditions(item)))
     return selector

@@ -222,12 +222,14 @@ VERBS: Mapping[str, str] = {
     "destroy, take down, stop, must go, should go, has to go, have to go, vanish, "
     "disappear, shall go, ought to go, can go, end",
     "PAINT": "paint, recolor, color, repaint, dye, tint, coat, spray, colour in, spray paint",
-    "CLAD": "clad, cover with, face with, dress, resurface, reclad, wrap, face, cover",
+    "CLAD": "clad, cover with, face with, dress, resurface, reclad, wrap, face, cover, pave, "
+    "repave",
     "MAKE": "make, turn, set, change, convert, transform, let, have, give, switch, get, render, "
-    "adjust, alter, put on, modify, update, exchange weather, bring, go for, shift, fit",
+    "adjust, alter, put on, modify, update, exchange weather, bring, go for, fit, restyle, "
+    "redesign, redecorate, remodel, refurbish",
     "ADD": "add, put, place, insert, create, build, spawn, erect, install, generate, drop in, "
     "bring in, include, construct, introduce, position, throw in, send, set up, "
-    "stick, set down, lay out, dig",
+    "stick, set down, lay out, dig, lay",
     "PLANT": "plant, sow, grow, line, plant out",
     "REPLACE": "replace, swap, exchange, substitute, swap out, trade, switch out, replace all",
     "MOVE": "move, shift, relocate, push, slide, displace, drag, nudge, translate",
@@ -243,8 +245,9 @@ VERBS: Mapping[str, str] = {
     "LOWER": "lower, reduce, decrease, cut, shorten, diminish, cut down to, trim, bring down, "
     "lessen, cap, limit, shave, chop, knock, lop, trim down",
     "WIDEN": "widen, broaden, make wider",
-    "NARROW": "narrow down, make narrower, slim down",
-    "CLOSE": "close, close off, block off, shut, barricade, seal off, shut down, block",
+    "NARROW": "narrow, narrow down, make narrower, slim down",
+    "CLOSE": "close, close off, block off, shut, barricade, seal off, shut down, block, "
+    "pedestrianize",
     "OPEN": "open, reopen, unblock, open up",
     "FILL": "fill, populate, crowd, people with, stock",
     "UNDO": "undo, reset, revert, roll back, rollback, take back, reverse, step back, go back, "

@@ -23,8 +23,9 @@ _RELATIONS = {
     "rest": "REST", "it": "IT", "times": "SIGN", "twice": "TIMES", "thrice": "TIMES",
     "half as": "TIMES", "factor": "FACTOR", "clockwise": "CLOCKWISE",
     "counterclockwise": "CLOCKWISE", "every other": "SHARE", "every third": "SHARE",
-    "every fourth": "SHARE", "more": "AMOUNT", "from": "OF",
+    "every fourth": "SHARE", "more": "AMOUNT", "from": "FROM",
 }  # fmt: skip
+_STREETS = {"surface": "SURFACE", "direction": "ONEWAY", "strip": "STRIP"}
 _SHARES = {"every other": 1 / 2, "every third": 1 / 3, "every fourth": 1 / 4}
 _AFTER_BE = ("REMOVE", "REPLACE", "PAINT", "CLAD")  # "should be removed"
 _WHOLE = ("city", "everything", "landscape")
@@ -46,6 +47,8 @@ def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
             continue
         first = not found
         name = _verb(item, first and verb_first, found) or _name(item)
+        if item.has("material") and item.has("noun") and _is_stuff(items, index):
+            name = "MATERIAL"  # "clad in wood", which is no wood to walk in
         if not name and not first and item.get("verb") == "MAKE":
             name = "BE"  # "could b03 get a flat roof"
         if name == "ALL" and index + 1 < len(items) and _is_length(items[index + 1]):
@@ -61,6 +64,14 @@ def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
         if name:
             found.append((name, index))
     return found
+
+
+def _is_stuff(items: Sequence[Item], index: int) -> bool:
+    """Tell whether a word that is a material or a place is what something is made of."""
+    before = items[index - 1] if index else None
+    after = items[index + 1] if index + 1 < len(items) else None
+    last = after is None or not after.noun
+    return before is not None and before.get("rel") in ("in", "with", "to", "of") and last
 
 
 def share_of(item: Item) -> float:
@@ -88,7 +99,14 @@ def _name(item: Item) -> str:
         return "AND"
     if item.has("noun") and item.noun == "roof":
         return "ATTR"
+    for kind, name in _STREETS.items():
+        if item.has(kind):
+            return name
     slot = item.get("slot")
+    if slot == "not=vehicle":
+        return "CARFREE"
+    if item.noun == "cycleway":
+        return "STRIP"
     if item.has("noun") and not (slot and item.noun_class in ("road", "place")):
         name = "WHOLE" if item.noun in _WHOLE else _CLASSES.get(item.noun_class, "")
         if name:
@@ -100,7 +118,7 @@ def _name(item: Item) -> str:
         return "ROOF" if "roof=" in slot else "STYLE"
     if item.get("rel") in _RELATIONS:
         return _RELATIONS[item.get("rel")]
-    for kind in ("axis", "ordinal", "side", "mode", "attr", "amount"):
+    for kind in ("axis", "ordinal", "side", "mode", "attr", "amount", "size"):
         if item.has(kind):
             return kind.upper()
     return ""

@@ -34,6 +34,7 @@ _TABLE = {
     "angle": {1.0: "degree|deg|°"},
     "half_day": {0.0: "am|a . m .", 12.0: "pm|p . m ."},
     "hour": {1.0: "o ' clock|o'clock|oclock|h"},
+    "duration": {1.0: "hour|hr", 1 / 60: "minute|min", 24.0: "day"},
     "people": {1.0: "inhabitant|resident"},
 }  # fmt: skip
 

@@ -28,6 +28,7 @@ _BRITISH = (
     ("aluminium", "aluminum"), ("mediaeval", "medieval"), ("storey", "story"),
     ("plough", "plow"), ("parlour", "parlor"), ("cosy", "cozy"),
     ("stories", "story"), ("litre", "liter"), ("organis", "organiz"), ("modernis", "moderniz"),
+    ("pedestrianis", "pedestrianiz"),
 )  # fmt: skip
 _IRREGULAR = {
     "men": "man", "women": "woman", "people": "person", "children": "child", "feet": "foot",

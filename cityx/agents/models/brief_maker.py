@@ -113,9 +113,10 @@ class ModelBriefMaker:
         inputs: Sequence[tuple[str, str]] = (),
         base: bool = False,
         options: Mapping[str, Any] | None = None,
+        names: Iterable[str] = (),
     ) -> Brief:
         """Return the brief of a text; arguments as of `cityx.agents.brief.read_brief`."""
-        brief = self._offline.read(text, inputs=inputs, base=base, options=options)
+        brief = self._offline.read(text, inputs=inputs, base=base, options=options, names=names)
         if base or not text.strip():  # commands to change a city are read by rules alone
             return brief
         vocabulary = self._vocabulary or brief_vocabulary()

@@ -8,7 +8,7 @@ written with the name of the action it is for: "town.zone" is the parameter ``zo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from math import sqrt
 from types import MappingProxyType
 from typing import Any
@@ -221,6 +221,18 @@ def _air(found: dict[str, tuple[Any, ...]], town: dict[str, Any], wishes: Wishes
     for season in found.get("season", ()):
         if season in SEASONS:
             found |= {"sun.date": (SEASONS[str(season)][0],), "trees.season": (season,)}
+
+
+def air_slots(change: Iterable[tuple[str, Any]]) -> Found:
+    """Return the strength of the weather and the clock that a change of a city asks for."""
+    found: Found = {}
+    for key, value in change:
+        found[key] = (*found.get(key, ()), value)
+    clocks = tuple(CLOCKS.get(str(word), word) for word in found.get("time", ()))
+    said = dict(found)
+    _air(said, {}, {})
+    strength = {key: said[key] for key in ("weather.strength",) if key in said}
+    return {**strength, **({"time": clocks} if clocks else {})}
 
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (

@@ -381,7 +381,8 @@ def _argument_faults(wanted: str, group: Group, family: str) -> list[str]:
     if not isinstance(head, Name):
         return [f"{head} is no {wanted}."]
     if wanted == ATTRIBUTE:
-        known = [name for name, what in ATTRIBUTES[family or "building"].items() if what == NUMBER]
+        rows = [ATTRIBUTES[family]] if family else ATTRIBUTES.values()  # a name may be anything's
+        known = [name for row in rows for name, what in row.items() if what == NUMBER]
         if head.word not in [*known, "levels"]:
             return [f"{head} is no number that is measured of a {family or 'thing'}; one of "
                     f"{', '.join(known)}.{nearest(head.word, known)}"]  # fmt: skip

@@ -1,0 +1,100 @@
+"""Idioms: ways to put a command that are rewritten as plain ones before it is parsed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from cityx.agents.brief.brief import Edit, Span
+from cityx.agents.brief.scan import Item
+from cityx.agents.brief.scopes import NEGATED, READ
+
+_TAKEN = ("take", "tear", "knock", "pull", "cut", "chop", "rip", "throw")  # "take the bench out"
+_AWAY = ("out", "away", "off", "down", "out of")
+_THINGS = ("element", "plant", "vehicle", "person", "building", "type")
+# Word for weather -> what there can be more or less of.
+_AMOUNTS = {"cloudy": "clouds", "overcast": "clouds"}
+
+
+def plain(clause: Sequence[Item]) -> None:
+    """Rewrite the items of a command: verbs in two parts, and "no trees along the street"."""
+    live = [item for item in clause if item.kind != "mark"]
+    _join_verb(live)
+    _deny(live)
+
+
+def _join_verb(items: Sequence[Item]) -> None:
+    """Read "take all benches out of the park" as "remove all benches from the park"."""
+    first = next((item for item in items if item.senses), None)
+    if first is None or first.text not in _TAKEN or first.state:
+        return
+    named = False
+    for item, after in zip(items, [*items[1:], None], strict=True):
+        named |= bool(item.noun) or item.kind == "id"
+        if named and item.text in _AWAY and (after is None or after.get("rel") != "to"):
+            first.senses = (("verb", "REMOVE"),)
+            item.senses = (("rel", "from"),) if item.text.endswith("of") else ()
+            item.state = "" if item.senses else READ
+            return
+
+
+def _deny(items: Sequence[Item]) -> None:
+    """Read "no trees along the main street" as "remove the trees along the main street"."""
+    said = [item for item in items if item.has("neg") or item.state == NEGATED or _tells(item)]
+    if len(said) < 2 or not said[0].has("neg"):
+        return
+    denied = [item for item in said[1:] if item.state == NEGATED]
+    if not denied or not any(item.noun_class in _THINGS or item.has("strip") for item in denied):
+        return
+    said[0].senses, said[0].state = (("verb", "REMOVE"),), ""
+    for item in denied:
+        item.state = ""
+
+
+def _tells(item: Item) -> bool:
+    return item.kind in ("id", "quantity") or item.has("noun", "slot", "verb", "material", "color")
+
+
+def changed_air(items: Sequence[Item], span: Span) -> list[Edit]:
+    """Read "thicker fog" and "one hour later"; what says so counts as read."""
+    return [*_degrees(items, span), *_shifts(items, span)]
+
+
+def _degrees(items: Sequence[Item], span: Span) -> Iterator[Edit]:
+    """Read more or less of a kind of weather: "thicken the fog", "more rain"."""
+    for at, item in enumerate(items):
+        degree = item.get("degree") or _degree_of_amount(item)
+        beside = [*items[at + 1 : at + 3], *reversed(items[:at])] if degree else []
+        weather = next((one for one in beside if one.get("slot").startswith("weather=")), None)
+        if weather is None:
+            continue
+        kind = weather.get("slot").partition(" ")[0].partition("=")[2]
+        if kind == "clear":
+            continue
+        item.state = weather.state = READ
+        what = _AMOUNTS.get(kind, kind)
+        yield Edit(f"{degree}_weather", None, (("weather", what),), span)
+
+
+def _degree_of_amount(item: Item) -> str:
+    if item.get("rel") == "more" or item.text == "more":
+        return "more"
+    return "less" if item.text in ("less", "fewer") else ""
+
+
+def _shifts(items: Sequence[Item], span: Span) -> Iterator[Edit]:
+    """Read "three hours earlier" and "move the clock forward by two hours"."""
+    way = next((item for item in items if item.has("later")), None)
+    for item in items:
+        quantity = item.quantity
+        if way is None or quantity is None or quantity.dimension != "duration":
+            continue
+        hours = (quantity.exact or 0.0) * int(way.get("later"))
+        for one in items:
+            one.state = one.state or (READ if _of_clock(one) else "")
+        item.state = way.state = READ
+        yield Edit("shift_time", None, (("hours", round(hours, 4)),), span)
+
+
+def _of_clock(item: Item) -> bool:
+    clock = item.text in ("clock", "time", "same weather", "same", "weather", "now", "it", "by")
+    return clock or item.has("verb") or item.kind == "function"

@@ -1,0 +1,63 @@
+"""Placing: what an edit that adds or sets something says of places and of the air, as slots."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from cityx.agents.brief import Brief, Edit, Question, Selector
+from cityx.agents.brief.measurable import things
+from cityx.agents.planning.asked import air_slots
+from cityx.agents.selecting import Open, choose
+from cityx.checks.predicates.things import Selection
+from cityx.city import City
+from cityx.geometry.identity import id_text
+from cityx.protocol.serving import Slots
+
+# Words of a change that name a place -> the slot with the ids of what is meant.
+_PLACES = {"along": "beside", "around": "beside", "in": "within", "on": "within", "near": "within"}
+
+
+def slots_of_places(edit: Edit, city: City) -> Slots:
+    """Return where something is added, by the ids of streets and areas, and how strong the air is.
+
+    Raises
+    ------
+    Open
+        If there is no such place.
+    """
+    found: dict[str, tuple[Any, ...]] = {}
+    for key, value in edit.change:
+        slot = _PLACES.get(key)
+        if slot is None or edit.target is not None:
+            continue
+        word = str(value)
+        selector = Selector(kind=word) if things(word) else Selector(ids=(word,))
+        ids = tuple(id_text(int(one)) for one in _members(choose(selector, city)))
+        found[slot] = ((*found.get(slot, ((),))[0], *ids),)
+    return {**found, **air_slots(edit.change)}
+
+
+def _members(chosen: Selection) -> Any:
+    return chosen.layer.members(chosen.rows)
+
+
+def protected(
+    brief: Brief, meant: list[tuple[Edit, Selection | None]], city: City
+) -> Iterator[Question]:
+    """Ask where something is to stay as it is and to change: "remove all trees, keep every tree".
+
+    What is left alone of a larger group is no contradiction: the rest of the group changes.
+    """
+    for slot in brief.kept:
+        word = str(slot.value)
+        try:
+            kept = choose(Selector(kind=word) if things(word) else Selector(ids=(word,)), city)
+        except Open:
+            continue
+        for edit, chosen in meant:
+            if chosen is not None and set(chosen.ids.tolist()) <= set(kept.ids.tolist()):
+                yield Question(
+                    f'"{slot.text}" is to stay as it is, but {edit.verb.replace("_", " ")} would '
+                    f"change {chosen.examples()}; which of the two?"
+                )
