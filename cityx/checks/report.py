@@ -123,6 +123,7 @@ def make_report(
     brief: Mapping[str, Any] | None = None,
     timings_s: Mapping[str, float] | None = None,
     peak_rss_mb: float | None = None,
+    content: str = "",
 ) -> dict[str, Any]:
     """Make the report of a city; see the schema in the documentation.
 
@@ -136,6 +137,8 @@ def make_report(
         Seconds per step.
     peak_rss_mb
         Largest memory of any process of the build; measured for this process when left out.
+    content
+        Hash of the city, where it is known.
     """
     checks = run_checks(city)
     goals = _goals(city, brief or {})
@@ -144,7 +147,7 @@ def make_report(
         "name": city.name,
         "seed": city.seed,
         "lod": city.lod,
-        "hash": content_hash(city).total,
+        "hash": content or content_hash(city).total,
         "area_km2": round(city.layout.area_km2, 4),
         "frame": {
             "latitude": city.frame.latitude,
