@@ -108,7 +108,7 @@ class Buildings(TableLayer):
         if attribute == "color":
             return np.asarray(self.color_words == word)
         if attribute == "roof_color":
-            return np.asarray(nearest_word(self._mean_colors(walls=False)) == word)
+            return np.asarray(nearest_word(self._roof_colors) == word)
         if attribute == "roof_form":
             return np.asarray(self._flat == (word == "flat"))
         return super().has(attribute, word)
@@ -163,7 +163,7 @@ class Buildings(TableLayer):
     @cached_property
     def colors(self) -> FloatArray:
         """(n, 3) linear RGB of the walls, the mean over their area."""
-        return self._mean_colors(walls=True)
+        return self._mean_colors(self.faces.area * (self.faces.up < UPRIGHT))
 
     @cached_property
     def _flat(self) -> BoolArray:
@@ -173,16 +173,26 @@ class Buildings(TableLayer):
         level = faces.area * (faces.sky & (faces.up >= words.FLAT_ROOF))
         return np.asarray(np.bincount(faces.row, level, minlength=len(self.ids)) > roof / 2)
 
-    def _mean_colors(self, *, walls: bool) -> FloatArray:
-        """(n, 3) linear RGB of walls or roofs, the mean over their area."""
+    def _mean_colors(self, weight: FloatArray) -> FloatArray:
+        """(n, 3) linear RGB of faces, the mean by their weight."""
         faces = self.faces
-        weight = faces.area * ((faces.up < UPRIGHT) if walls else _roofing(faces))
         total = np.maximum(np.bincount(faces.row, weight, minlength=len(self.ids)), 1e-9)
         sums = [
             np.bincount(faces.row, weight * channel, minlength=len(self.ids))
             for channel in faces.color.T
         ]
         return np.asarray(np.column_stack(sums) / total[:, None])
+
+    @cached_property
+    def _roof_colors(self) -> FloatArray:
+        """(n, 3) linear RGB of what covers most of each roof; parapets and cornices apart."""
+        faces = self.faces
+        names, material = np.unique(faces.material, return_inverse=True)
+        area = faces.area * _roofing(faces)
+        key = faces.row * len(names) + material
+        total = np.bincount(key, area, minlength=len(self.ids) * len(names))
+        main = total.reshape(len(self.ids), -1).argmax(axis=1)
+        return self._mean_colors(area * (main[faces.row] == material))
 
     @cached_property
     def color_words(self) -> NDArray[Any]:
