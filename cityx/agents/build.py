@@ -208,6 +208,7 @@ def build(
 
 def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
     from cityx.checks.report import make_report
+    from cityx.city.content import HASHES, content_hash, write_hash
     from cityx.city.store import write_city
 
     staging = staging_of(out)
@@ -232,12 +233,15 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
             )
             say("checking")
             with watch.step("check"):
+                content = content_hash(city)
+                write_hash(content, staging / "city" / HASHES)
                 report = make_report(
                     city,
                     inputs=job.inputs.records,
                     brief=_brief(job),
                     timings_s=watch.wall,
                     peak_rss_mb=memory,
+                    content=content.total,
                 )
             report["cpu_s"] = {name: round(value, 3) for name, value in watch.cpu.items()}
             _look(job, report, staging / "renders", Pool(journal.database, number))

@@ -20,7 +20,7 @@ from cityx.agents.locks import locked
 from cityx.agents.pool import Message, Pool
 from cityx.agents.run import Run
 from cityx.city import City
-from cityx.city.content import content_hash
+from cityx.city.content import HASHES, content_hash, read_hash, write_hash
 from cityx.city.store import read_city, replace_folder, write_city
 from cityx.errors import CityxError, UsageError
 from cityx.protocol.gate import Budget, Call
@@ -253,9 +253,12 @@ class Desk:
         following = self.folder / NEXT
         shared = self.city if like == self._store else city
         write_city(city, following, like=(shared, like))
+        held = read_hash(like / HASHES)
+        content = content_hash(city, None if held is None else (shared, held))
+        write_hash(content, following / HASHES)
         self.journal.copy_to(following / JOURNAL)
         with Journal(following / JOURNAL) as told:
-            told.end_run(number, DONE, content_hash(city).total)
+            told.end_run(number, DONE, content.total)
         self.journal.close()
         try:
             self._store.rename(self.folder / OLD)

@@ -119,6 +119,7 @@ def make_report(
     brief: Mapping[str, Any] | None = None,
     timings_s: Mapping[str, float] | None = None,
     peak_rss_mb: float | None = None,
+    content: str = "",
 ) -> dict[str, Any]:
     """Make the report of a city; see the schema in the documentation.
 
@@ -132,6 +133,8 @@ def make_report(
         Seconds per step.
     peak_rss_mb
         Largest memory of any process of the build; measured for this process when left out.
+    content
+        Hash of the city, where it is known.
     """
     checks = run_checks(city)
     goals = _goals(city, brief or {})
@@ -140,7 +143,7 @@ def make_report(
         "name": city.name,
         "seed": city.seed,
         "lod": city.lod,
-        "hash": content_hash(city).total,
+        "hash": content or content_hash(city).total,
         "area_km2": round(city.layout.area_km2, 4),
         "frame": {
             "latitude": city.frame.latitude,

@@ -8,9 +8,12 @@ of objects does not count either.
 from __future__ import annotations
 
 import json
+import operator
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields
 from hashlib import blake2b
+from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +21,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.layout import SCHEMA
+from cityx.city.mesh import same_objects
 from cityx.geometry.identity import UInt64Array, id_text, mix
 
 if TYPE_CHECKING:
@@ -28,6 +32,7 @@ if TYPE_CHECKING:
     from cityx.city.scene import Instances
     from cityx.city.tracks import Tracks
 
+HASHES = "hashes.npz"  # file of a store: the hash of the city in it
 PER_METRE = 1e3  # coordinates count in millimetres
 PER_UNIT = 1e6  # other numbers in millionths
 
@@ -44,10 +49,16 @@ class ContentHash:
     layers
         Layer name (``layout/roads``, ``meshes/buildings``, ...) to its object ids and their hashes,
         both (n,) uint64, sorted by id.
+    parts
+        Hash of what holds no objects of its own, by name: "terrain", "ground".
+    prototypes
+        (p,) uint64, of the prototypes of the scene.
     """
 
     total: str
     layers: Mapping[str, tuple[UInt64Array, UInt64Array]]
+    parts: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    prototypes: UInt64Array = field(default_factory=lambda: np.zeros(0, np.uint64))
 
     def of_object(self, object_id: int) -> str:
         """Return the hash over every layer that holds the object, 16 hexadecimal digits."""
@@ -160,38 +171,158 @@ def differing_ids(
     return np.asarray(ids[sums[0] != sums[1]])
 
 
-def content_hash(city: City) -> ContentHash:
-    """Hash a city: the same for every build order, process and machine."""
-    layers: dict[str, tuple[UInt64Array, UInt64Array]] = {}
-    for name in SCHEMA:
-        layers[f"layout/{name}"] = hash_table(getattr(city.layout, name), name)
-    for layer, batch in city.scene.meshes.items():
-        layers[f"meshes/{layer}"] = hash_mesh(batch)
-    prototypes = np.array(
-        [
-            _digest(prototype.name.encode(), hash_mesh(prototype.mesh)[1].tobytes())
-            for prototype in city.scene.prototypes
-        ],
-        np.uint64,
-    )
-    for layer, rows in city.scene.instances.items():
-        layers[f"instances/{layer}"] = hash_instances(rows, prototypes)
-    if city.tracks is not None:
-        layers["tracks"] = hash_tracks(city.tracks)
-    terrain = city.terrain
+def content_hash(city: City, like: tuple[City, ContentHash] | None = None) -> ContentHash:
+    """Hash a city: the same for every build order, process and machine.
+
+    Parameters
+    ----------
+    city
+        The city.
+    like
+        Another city with its hash: what the two share is not hashed again.
+    """
+    prototypes = _hash_prototypes(city, like)
+    layers = {name: _hash_layer(name, value, prototypes, like)
+              for name, value in _layers(city).items()}  # fmt: skip
+    parts = {}
+    for name, value in _parts(city).items():
+        known = like is not None and name in like[1].parts and _parts(like[0])[name] is value
+        parts[name] = like[1].parts[name] if like is not None and known else _part(value)
     whole = blake2b(digest_size=32)
     whole.update(_quantised(city.layout.extent, PER_METRE))
-    whole.update(_quantised([*terrain.origin, terrain.cell, terrain.datum], PER_METRE))
-    whole.update(_quantised(terrain.heights, PER_METRE))
-    for value in (city.network, city.heights, city.lanes, city.ground):
-        for column in fields(value) if value is not None else ():
-            values = np.asarray(getattr(value, column.name))
-            exact = values.dtype.kind != "f"
-            whole.update(values.tobytes() if exact else _quantised(values, PER_METRE))
     whole.update(json.dumps(asdict(city.environment), sort_keys=True).encode())
+    for name in sorted(parts):
+        whole.update(f"{name} {parts[name]}".encode())
     for name in sorted(layers):
         ids, hashes = layers[name]
         whole.update(name.encode())
         whole.update(ids.tobytes())
         whole.update(hashes.tobytes())
-    return ContentHash(whole.hexdigest(), layers)
+    return ContentHash(whole.hexdigest(), layers, parts, prototypes)
+
+
+def _layers(city: City) -> dict[str, Any]:
+    """Return what holds objects, by layer."""
+    found: dict[str, Any] = {f"layout/{name}": getattr(city.layout, name) for name in SCHEMA}
+    found |= {f"meshes/{layer}": batch for layer, batch in city.scene.meshes.items()}
+    found |= {f"instances/{layer}": rows for layer, rows in city.scene.instances.items()}
+    return found if city.tracks is None else {**found, "tracks": city.tracks}
+
+
+def _hash_layer(
+    name: str,
+    value: Any,
+    prototypes: UInt64Array,
+    like: tuple[City, ContentHash] | None,
+) -> tuple[UInt64Array, UInt64Array]:
+    old = _layers(like[0]).get(name) if like is not None else None
+    same = like is not None and old is value
+    kind, _, own = name.partition("/")
+    if kind == "instances":
+        used = np.unique(value.prototype)
+        first = like[1].prototypes if like is not None else prototypes[:0]
+        same &= not len(used) or (
+            used[-1] < len(first) and np.array_equal(first[used], prototypes[used])
+        )
+        return like[1].layers[name] if like is not None and same else (
+            hash_instances(value, prototypes)
+        )  # fmt: skip
+    if like is not None and same:
+        return like[1].layers[name]
+    if kind == "layout":
+        if like is not None and old is not None:
+            return _hash_changed_rows(value, old, own, like[1].layers[name])
+        return hash_table(value, own)
+    if kind == "tracks":
+        return hash_tracks(value)
+    if like is not None and old is not None and name in like[1].layers:
+        return _hash_changed(value, old, like[1].layers[name])
+    return hash_mesh(value)
+
+
+def _hash_prototypes(city: City, like: tuple[City, ContentHash] | None) -> UInt64Array:
+    """Hash the names and meshes of prototypes, (p,)."""
+    known: dict[int, int] = {}
+    if like is not None and len(like[1].prototypes) == len(like[0].scene.prototypes):
+        hashes = like[1].prototypes.tolist()
+        known = {id(p): one for p, one in zip(like[0].scene.prototypes, hashes, strict=True)}
+    found = [
+        known[id(prototype)] if id(prototype) in known else
+        _digest(prototype.name.encode(), hash_mesh(prototype.mesh)[1].tobytes())
+        for prototype in city.scene.prototypes
+    ]  # fmt: skip
+    return np.array(found, np.uint64)
+
+
+def _hash_changed_rows(
+    table: GeoDataFrame, old: GeoDataFrame, name: str, held: tuple[UInt64Array, UInt64Array]
+) -> tuple[UInt64Array, UInt64Array]:
+    """Hash the rows of a table that another state of it has not just so; both sorted by id."""
+    ids, known = (each["id"].to_numpy(np.uint64) for each in (table, old))
+    if not len(known) or not np.array_equal(known, held[0]) or len(np.unique(known)) < len(known):
+        return hash_table(table, name)
+    at = np.minimum(np.searchsorted(known, ids), len(known) - 1)
+    same = known[at] == ids
+    shapes, others = table.geometry.to_numpy(), old.geometry.to_numpy()[at]
+    same &= np.fromiter(map(operator.is_, shapes, others), bool, len(ids))
+    for column in SCHEMA[name]:
+        own, other = table[column].to_numpy(), old[column].to_numpy()[at]
+        same &= (own == other) | ((own != own) & (other != other))  # NaN is NaN
+    fresh = hash_table(table.iloc[np.flatnonzero(~same)], name)
+    return _sorted(
+        np.concatenate([ids[same], fresh[0]]), np.concatenate([held[1][at[same]], fresh[1]])
+    )
+
+
+def _hash_changed(
+    batch: MeshBatch, old: MeshBatch, held: tuple[UInt64Array, UInt64Array]
+) -> tuple[UInt64Array, UInt64Array]:
+    """Hash the objects of a layer that another state of it has not just so."""
+    same = same_objects(batch, old)
+    fresh = batch.take(np.flatnonzero(~same))
+    ids, hashes = hash_mesh(fresh)
+    kept = np.isin(held[0], batch.object_id[same])
+    if np.count_nonzero(kept) != np.count_nonzero(same):  # ids that are not unique
+        return hash_mesh(batch)
+    return _sorted(np.concatenate([held[0][kept], ids]), np.concatenate([held[1][kept], hashes]))
+
+
+def _parts(city: City) -> dict[str, Any]:
+    """Return what holds no objects of its own, by name."""
+    held = {"terrain": city.terrain, "network": city.network, "heights": city.heights,
+            "lanes": city.lanes, "ground": city.ground}  # fmt: skip
+    return {name: value for name, value in held.items() if value is not None}
+
+
+def _part(value: Any) -> str:
+    """Hash the columns of a part, 32 hexadecimal digits."""
+    hasher = blake2b(digest_size=16)
+    for column in fields(value):
+        values = np.asarray(getattr(value, column.name))
+        exact = values.dtype.kind != "f"
+        hasher.update(values.tobytes() if exact else _quantised(values, PER_METRE))
+    return hasher.hexdigest()
+
+
+def write_hash(found: ContentHash, path: Path) -> None:
+    """Write a hash to a file (.npz), so that what changes later need not be hashed whole."""
+    arrays: dict[str, NDArray[Any]] = {"prototypes": found.prototypes}
+    for name, (ids, hashes) in found.layers.items():
+        arrays[f"ids {name}"], arrays[f"hashes {name}"] = ids, hashes
+    arrays["parts"] = np.array([f"{name} {value}" for name, value in found.parts.items()] or [""])
+    arrays["total"] = np.array([found.total])
+    np.savez(path, **{key.replace("/", "|"): value for key, value in arrays.items()})
+
+
+def read_hash(path: Path) -> ContentHash | None:
+    """Read a hash back; None where there is none."""
+    if not path.exists():
+        return None
+    with np.load(path) as held:
+        arrays = {name.replace("|", "/"): held[name] for name in held.files}
+    layers = {
+        name.removeprefix("ids "): (values, arrays[f"hashes {name.removeprefix('ids ')}"])
+        for name, values in arrays.items() if name.startswith("ids ")
+    }  # fmt: skip
+    parts = dict(text.split(" ") for text in arrays["parts"].tolist() if text)
+    return ContentHash(str(arrays["total"][0]), layers, parts, arrays["prototypes"])

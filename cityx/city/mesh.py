@@ -201,3 +201,57 @@ def concatenate(batches: Iterable[MeshBatch]) -> MeshBatch:
         np.concatenate([batch.uv for batch in parts]),
         np.concatenate([batch.tint for batch in parts]),
     )
+
+
+def same_objects(batch: MeshBatch, other: MeshBatch) -> NDArray[np.bool_]:
+    """(k,) whether each object of a batch is in another batch just so, of the same id.
+
+    Both are sorted by id. Runs of objects that follow each other in both are compared at once.
+    """
+    found = np.zeros(batch.count, bool)
+    if not batch.count or not other.count:
+        return found
+    at = np.minimum(np.searchsorted(other.object_id, batch.object_id), other.count - 1)
+    alike = other.object_id[at] == batch.object_id
+    for name in ("vertex_start", "face_start"):
+        sizes, others = np.diff(getattr(batch, name)), np.diff(getattr(other, name))
+        alike &= sizes == others[at]
+    rows = np.flatnonzero(alike)
+    breaks = np.flatnonzero((np.diff(rows) != 1) | (np.diff(at[rows]) != 1)) + 1
+    for run in np.split(rows, breaks):
+        if len(run):
+            found[run] = _equal_run(batch, other, run, int(at[run[0]]))
+    return found
+
+
+def _equal_run(
+    batch: MeshBatch, other: MeshBatch, run: NDArray[np.int64], first: int
+) -> NDArray[np.bool_]:
+    """(r,) whether objects of a run equal those of a run of another batch, of the same sizes."""
+    mine, theirs = slice(int(run[0]), int(run[-1]) + 1), slice(first, first + len(run))
+    points, corners = ((b.vertex_start, b.face_start) for b in (batch, other))
+    v, w = _span(points[0], mine), _span(corners[0], theirs)
+    f, g = _span(points[1], mine), _span(corners[1], theirs)
+    same = _all_of((batch.vertices[v] == other.vertices[w]).all(axis=1), points[0], mine)
+    shift = np.int32(v.start - w.start)
+    faces = other.faces[g]
+    moved = np.where(faces == NO_VERTEX, NO_VERTEX, faces + shift)
+    names = np.array([*batch.materials, ""])[batch.material[f]]
+    equal = (batch.faces[f] == moved).all(axis=1)
+    equal &= names == np.array([*other.materials, ""])[other.material[g]]
+    equal &= (batch.uv[f] == other.uv[g]).all(axis=(1, 2))
+    equal &= (batch.tint[f] == other.tint[g]).all(axis=1)
+    return same & _all_of(equal, points[1], mine)
+
+
+def _span(start: NDArray[np.int64], objects: slice) -> slice:
+    return slice(int(start[objects.start]), int(start[objects.stop]))
+
+
+def _all_of(
+    equal: NDArray[np.bool_], start: NDArray[np.int64], objects: slice
+) -> NDArray[np.bool_]:
+    """(r,) whether all rows of each object of a range are true."""
+    own = start[objects.start : objects.stop + 1] - start[objects.start]
+    wrong = np.concatenate([[0], np.cumsum(~equal)])
+    return np.asarray(wrong[own[1:]] == wrong[own[:-1]])

@@ -4,12 +4,14 @@ Layout of the folder: ``city.json`` (everything small), ``layout/*.parquet`` (Ge
 ``terrain.tif`` (GeoTIFF), ``surroundings.tif`` and ``survey.npz`` (what a height file says),
 ``network.npz``, ``heights.npz``, ``lanes.npz``, ``ground.npz``, ``tracks.npz``,
 ``meshes/*.npz``, ``instances/*.npz``,
-``prototypes.npz`` and ``objects.json`` (what each building is, for views that load no tables).
+``prototypes.npz`` (``prototypes-1.npz`` and so on hold those that changes added), ``hashes.npz``
+(`cityx.city.content`) and ``objects.json`` (what each building is, for views that load no tables).
 """
 
 from __future__ import annotations
 
 import json
+import operator
 import os
 import shutil
 from collections.abc import Callable, Mapping
@@ -40,7 +42,9 @@ from cityx.geometry.identity import id_text
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
-FORMAT = 4  # rises when an older program could not read the folder
+# Rises when an older program could not read the folder: 5 has prototypes in several files.
+FORMAT, IN_CHUNKS = 4, 5
+MOST_CHUNKS = 8  # files of prototypes, from which they are put together again
 
 
 @dataclass(frozen=True)
@@ -120,10 +124,9 @@ def write_city(city: City, folder: Path, *, like: tuple[City, Path] | None = Non
             _link(like[1] / name, temporary / name)
         else:
             file.write(temporary / name)
-    shared = concatenate(prototype.mesh for prototype in city.scene.prototypes)
-    _write_arrays(temporary / "prototypes.npz", _arrays(shared))
+    chunks = _write_prototypes(city, temporary, like)
     record = {
-        "format": FORMAT,
+        "format": FORMAT if len(chunks) == 1 else IN_CHUNKS,
         "name": city.name,
         "frame": asdict(city.frame),
         "projection": city.frame.projection,
@@ -146,11 +149,51 @@ def write_city(city: City, folder: Path, *, like: tuple[City, Path] | None = Non
         "goals": [asdict(goal) for goal in city.goals],
         "materials": {layer: mesh.materials for layer, mesh in city.scene.meshes.items()},
         "prototypes": [[p.name, p.kind, p.mesh.materials] for p in city.scene.prototypes],
-        "prototype_materials": shared.materials,
+        "prototype_materials": chunks[0][1],
+        "prototype_chunks": chunks,
     }  # fmt: skip
     (temporary / "city.json").write_text(json.dumps(record, indent=1))
     (temporary / "objects.json").write_text(json.dumps(_objects(city)))
     replace_folder(temporary, folder)
+
+
+def _write_prototypes(
+    city: City, folder: Path, like: tuple[City, Path] | None
+) -> list[tuple[int, tuple[str, ...]]]:
+    """Write the prototypes; files of those that another store has are linked.
+
+    Returns
+    -------
+    chunks
+        For each file how many it holds and the materials that its faces count.
+    """
+    prototypes = city.scene.prototypes
+    chunks: list[tuple[int, tuple[str, ...]]] = []
+    done = 0
+    if like is not None and (like[1] / "city.json").exists():
+        held = like[0].scene.prototypes
+        shared = len(held) <= len(prototypes) and all(map(operator.is_, held, prototypes))
+        older = _chunks(_record(like[1]))
+        if shared and len(older) < MOST_CHUNKS and sum(count for count, _ in older) == len(held):
+            chunks, done = list(older), len(held)
+            for number in range(len(older)):
+                _link(like[1] / _chunk_name(number), folder / _chunk_name(number))
+    if done < len(prototypes) or not chunks:
+        joined = concatenate(prototype.mesh for prototype in prototypes[done:])
+        _write_arrays(folder / _chunk_name(len(chunks)), _arrays(joined))
+        chunks.append((len(prototypes) - done, joined.materials))
+    return chunks
+
+
+def _chunk_name(number: int) -> str:
+    return f"prototypes-{number}.npz" if number else "prototypes.npz"
+
+
+def _chunks(record: Mapping[str, Any]) -> list[tuple[int, tuple[str, ...]]]:
+    """Return what the files of prototypes hold; of a store with one, all."""
+    whole = [(len(record["prototypes"]), record["prototype_materials"])]
+    found = record.get("prototype_chunks", whole)
+    return [(int(count), tuple(materials)) for count, materials in found]
 
 
 class _File(NamedTuple):
@@ -273,9 +316,10 @@ def _record(folder: Path) -> dict[str, Any]:
     if not path.is_file():
         raise InputError(f"{folder} holds no city: {path.name} is missing. Build one first.")
     record: dict[str, Any] = json.loads(path.read_text())
-    if record.get("format") != FORMAT:
+    if record.get("format") not in (FORMAT, IN_CHUNKS):
         raise InputError(
-            f"{path} has format {record.get('format')}, this program reads format {FORMAT}."
+            f"{path} has format {record.get('format')}, this program reads formats {FORMAT} and "
+            f"{IN_CHUNKS}."
         )
     return record
 
@@ -310,12 +354,15 @@ def _read_scene(folder: Path, record: Mapping[str, Any]) -> Scene:
         path.stem: _read_value(path, Instances)
         for path in sorted((folder / "instances").glob("*.npz"))
     }
-    with np.load(folder / "prototypes.npz") as arrays:
-        held = {name: arrays[name] for name in arrays.files}
-    shared = MeshBatch(**held, materials=tuple(record["prototype_materials"]))
+    meshes_of = []
+    for number, (count, names) in enumerate(_chunks(record)):
+        with np.load(folder / _chunk_name(number)) as arrays:
+            held = {name: arrays[name] for name in arrays.files}
+        shared = MeshBatch(**held, materials=names)
+        meshes_of += [shared.one(index) for index in range(count)]
     prototypes = tuple(
-        Prototype(name, kind, _own_materials(shared.one(index), tuple(materials)))
-        for index, (name, kind, materials) in enumerate(record["prototypes"])
+        Prototype(name, kind, _own_materials(mesh, tuple(materials)))
+        for mesh, (name, kind, materials) in zip(meshes_of, record["prototypes"], strict=True)
     )
     return Scene(MappingProxyType(meshes), prototypes, MappingProxyType(instances))
 
