@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -38,11 +38,15 @@ ASSETS = "building_assets"
 
 @dataclass(frozen=True)
 class Faces:
-    """Faces of buildings: row of the layer, area, vertical part of the normal, material, colour."""
+    """Faces of buildings: row of the layer, area, normal upwards, material, colour.
+
+    ``up`` is the size of the vertical part of the normal, ``sky`` whether it points upwards.
+    """
 
     row: IntArray
     area: FloatArray
     up: FloatArray
+    sky: BoolArray
     material: NDArray[np.str_]
     color: FloatArray
 
@@ -104,7 +108,7 @@ class Buildings(TableLayer):
         if attribute == "color":
             return np.asarray(self.color_words == word)
         if attribute == "roof_color":
-            return np.asarray(nearest_word(self._mean_colors(walls=False)) == word)
+            return np.asarray(nearest_word(self._roof_colors) == word)
         if attribute == "roof_form":
             return np.asarray(self._flat == (word == "flat"))
         return super().has(attribute, word)
@@ -150,7 +154,7 @@ class Buildings(TableLayer):
 
     def _mostly(self, materials: tuple[str, ...], *, walls: bool) -> BoolArray:
         faces = self.faces
-        wanted = (faces.up < UPRIGHT) if walls else (faces.up >= UPRIGHT)
+        wanted = (faces.up < UPRIGHT) if walls else _roofing(faces)
         total = np.bincount(faces.row, faces.area * wanted, minlength=len(self.ids))
         own = wanted & np.isin(faces.material, materials)
         part = np.bincount(faces.row, faces.area * own, minlength=len(self.ids))
@@ -159,20 +163,19 @@ class Buildings(TableLayer):
     @cached_property
     def colors(self) -> FloatArray:
         """(n, 3) linear RGB of the walls, the mean over their area."""
-        return self._mean_colors(walls=True)
+        return self._mean_colors(self.faces.area * (self.faces.up < UPRIGHT))
 
     @cached_property
     def _flat(self) -> BoolArray:
         """(n,) whether most of what faces up is flat."""
         faces = self.faces
-        roof = np.bincount(faces.row, faces.area * (faces.up >= UPRIGHT), minlength=len(self.ids))
-        level = faces.area * (faces.up >= words.FLAT_ROOF)
+        roof = np.bincount(faces.row, faces.area * _roofing(faces), minlength=len(self.ids))
+        level = faces.area * (faces.sky & (faces.up >= words.FLAT_ROOF))
         return np.asarray(np.bincount(faces.row, level, minlength=len(self.ids)) > roof / 2)
 
-    def _mean_colors(self, *, walls: bool) -> FloatArray:
-        """(n, 3) linear RGB of walls or roofs, the mean over their area."""
+    def _mean_colors(self, weight: FloatArray) -> FloatArray:
+        """(n, 3) linear RGB of faces, the mean by their weight."""
         faces = self.faces
-        weight = faces.area * ((faces.up < UPRIGHT) == walls)
         total = np.maximum(np.bincount(faces.row, weight, minlength=len(self.ids)), 1e-9)
         sums = [
             np.bincount(faces.row, weight * channel, minlength=len(self.ids))
@@ -181,9 +184,25 @@ class Buildings(TableLayer):
         return np.asarray(np.column_stack(sums) / total[:, None])
 
     @cached_property
+    def _roof_colors(self) -> FloatArray:
+        """(n, 3) linear RGB of what covers most of each roof; parapets and cornices apart."""
+        faces = self.faces
+        names, material = np.unique(faces.material, return_inverse=True)
+        area = faces.area * _roofing(faces)
+        key = faces.row * len(names) + material
+        total = np.bincount(key, area, minlength=len(self.ids) * len(names))
+        main = total.reshape(len(self.ids), -1).argmax(axis=1)
+        return self._mean_colors(area * (main[faces.row] == material))
+
+    @cached_property
     def color_words(self) -> NDArray[Any]:
         """(n,) word of each building's colour."""
         return nearest_word(self.colors)
+
+
+def _roofing(faces: Faces) -> BoolArray:
+    """(f,) which faces one sees from the air."""
+    return np.asarray(faces.sky & (faces.up >= UPRIGHT))
 
 
 def share_slack(area: FloatArray) -> float:
@@ -245,10 +264,10 @@ def _faces(city: City, ids: UInt64Array) -> Faces:
         one = _faces_of(mesh, np.full(mesh.count, rows.owner[at]), ids)
         tint = rows.tint[at].astype(float)
         scale = float(np.prod(rows.scale[at].astype(float))) ** (2 / 3)
-        found.append(Faces(one.row, one.area * scale, one.up, one.material, one.color * tint))
+        found.append(replace(one, area=one.area * scale, color=one.color * tint))
     if not found:
         raise CannotTell("no building is built yet")
-    names = ("row", "area", "up", "material", "color")
+    names = ("row", "area", "up", "sky", "material", "color")
     return Faces(*(np.concatenate([getattr(each, name) for each in found]) for name in names))
 
 
@@ -271,4 +290,6 @@ def _faces_of(batch: MeshBatch, owner: UInt64Array, ids: UInt64Array) -> Faces:
     takes = np.array([material.takes_tint for material in known] or [True])
     tint = np.where(takes[batch.material][:, None], batch.tint, 1.0)
     color = base[batch.material] * tint
-    return Faces(row[kept], area[kept], up[kept], roots[batch.material][kept], color[kept])
+    sky = vector[:, 2] > 0
+    return Faces(row[kept], area[kept], up[kept], sky[kept], roots[batch.material][kept],
+                 color[kept])  # fmt: skip
