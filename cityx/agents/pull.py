@@ -68,7 +68,7 @@ class Pull:
         found += _named("recoloured", [str(c["id"]) for c in self.painted], most)
         found += _named("not taken", list(self.untaken), most)
         own = [f"{item['name']} ({item['type']})" for item in self.foreign]
-        return found + _named("your own, kept in the file alone", own, most)
+        return found + _named("your own, kept in city.blend alone", own, most)
 
 
 def calls_of(found: Pull, city: City) -> list[Call]:
@@ -184,8 +184,13 @@ def pull(
         done = desk.change(calls, text=TEXT, expected=revision)
         # The artist's file goes where the state is kept that it shows: objects of their own are
         # in no other.
-        shutil.copyfile(path, folder / HISTORY / str(revision) / BLEND)
-        return found, renew(folder, desk.city, Request(), done, say)
+        kept = folder / HISTORY / str(revision) / BLEND
+        shutil.copyfile(path, kept)
+        report = renew(folder, desk.city, Request(), done, say)
+        if found.foreign and (folder / BLEND).exists():
+            say("carrying own objects over")
+            _carry(kept, folder / BLEND, [item["name"] for item in found.foreign])
+        return found, report
 
 
 def differences(folder: Path, path: Path, numbers: Sequence[int]) -> Pull:
@@ -235,6 +240,20 @@ def differences(folder: Path, path: Path, numbers: Sequence[int]) -> Pull:
         )
     del record["state"]
     return Pull(**{name: tuple(values) for name, values in record.items()})
+
+
+def _carry(source: Path, target: Path, names: Sequence[str]) -> None:
+    """Append an artist's own objects to the city made anew."""
+    job = {
+        "source": str(source.resolve()), "target": str(target.resolve()), "names": list(names),
+    }  # fmt: skip
+    with tempfile.TemporaryDirectory(prefix="cityx-carry-") as work:
+        code, log = run_module("cityx.blender.carry", job, Path(work))
+    if code:
+        raise EngineError(
+            f"The city was changed, but your own objects stayed in {source}. Blender's last "
+            f"words:\n{log}"
+        )
 
 
 def _bounded(found: Pull, desk: Desk, removals: bool) -> None:

@@ -119,6 +119,7 @@ def test_all_an_artist_does_is_one_revision_that_leaves_the_others_alone(folder)
     again, nothing = pull(folder)
     assert nothing is None
     assert again.empty
+    assert again.foreign == found.foreign  # carried over to the new file
     assert undo(folder)["hash"] == content_hash(before).total
 
 
