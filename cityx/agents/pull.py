@@ -63,7 +63,7 @@ class Pull:
         """Say in words what differs, some of each kind by name."""
         found = []
         for verb, changes in (("moved", self.moved), ("copied", self.copied)):
-            found += _named(verb, [f"{c['id']} by {_metres(c['move'])} m" for c in changes], most)
+            found += _named(verb, [f"{c['id']}{_pose_in_words(c)}" for c in changes], most)
         found += _named("removed", sorted(self.removed), most)
         found += _named("recoloured", [str(c["id"]) for c in self.painted], most)
         found += _named("not taken", list(self.untaken), most)
@@ -110,8 +110,14 @@ def owners_of(city: City) -> dict[str, str]:
     return found
 
 
-def _metres(move: Sequence[float]) -> str:
-    return ", ".join(f"{value:g}" for value in move)
+def _pose_in_words(change: Mapping[str, Any]) -> str:
+    """Say by how much something was moved, turned and scaled."""
+    words = ""
+    for key, same, said in (("move", 0.0, "by {} m"), ("turn", 0.0, "turned {} rad"),
+                            ("factor", 1.0, "scaled {}")):  # fmt: skip
+        if any(value != same for value in change[key]):
+            words += " " + said.format(", ".join(f"{value:g}" for value in change[key]))
+    return words
 
 
 def _named(verb: str, things: Sequence[str], most: int) -> list[str]:
