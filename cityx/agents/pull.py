@@ -63,12 +63,12 @@ class Pull:
         """Say in words what differs, some of each kind by name."""
         found = []
         for verb, changes in (("moved", self.moved), ("copied", self.copied)):
-            found += _named(verb, [f"{c['id']} by {_metres(c['move'])} m" for c in changes], most)
+            found += _named(verb, [f"{c['id']}{_pose_in_words(c)}" for c in changes], most)
         found += _named("removed", sorted(self.removed), most)
         found += _named("recoloured", [str(c["id"]) for c in self.painted], most)
         found += _named("not taken", list(self.untaken), most)
         own = [f"{item['name']} ({item['type']})" for item in self.foreign]
-        return found + _named("your own, kept in the file alone", own, most)
+        return found + _named("your own, kept in city.blend alone", own, most)
 
 
 def calls_of(found: Pull, city: City) -> list[Call]:
@@ -110,8 +110,14 @@ def owners_of(city: City) -> dict[str, str]:
     return found
 
 
-def _metres(move: Sequence[float]) -> str:
-    return ", ".join(f"{value:g}" for value in move)
+def _pose_in_words(change: Mapping[str, Any]) -> str:
+    """Say by how much something was moved, turned and scaled."""
+    words = ""
+    for key, same, said in (("move", 0.0, "by {} m"), ("turn", 0.0, "turned {} rad"),
+                            ("factor", 1.0, "scaled {}")):  # fmt: skip
+        if any(value != same for value in change[key]):
+            words += " " + said.format(", ".join(f"{value:g}" for value in change[key]))
+    return words
 
 
 def _named(verb: str, things: Sequence[str], most: int) -> list[str]:
@@ -184,8 +190,13 @@ def pull(
         done = desk.change(calls, text=TEXT, expected=revision)
         # The artist's file goes where the state is kept that it shows: objects of their own are
         # in no other.
-        shutil.copyfile(path, folder / HISTORY / str(revision) / BLEND)
-        return found, renew(folder, desk.city, Request(), done, say)
+        kept = folder / HISTORY / str(revision) / BLEND
+        shutil.copyfile(path, kept)
+        report = renew(folder, desk.city, Request(), done, say)
+        if found.foreign and (folder / BLEND).exists():
+            say("carrying own objects over")
+            _carry(kept, folder / BLEND, [item["name"] for item in found.foreign])
+        return found, report
 
 
 def differences(folder: Path, path: Path, numbers: Sequence[int]) -> Pull:
@@ -235,6 +246,20 @@ def differences(folder: Path, path: Path, numbers: Sequence[int]) -> Pull:
         )
     del record["state"]
     return Pull(**{name: tuple(values) for name, values in record.items()})
+
+
+def _carry(source: Path, target: Path, names: Sequence[str]) -> None:
+    """Append an artist's own objects to the city made anew."""
+    job = {
+        "source": str(source.resolve()), "target": str(target.resolve()), "names": list(names),
+    }  # fmt: skip
+    with tempfile.TemporaryDirectory(prefix="cityx-carry-") as work:
+        code, log = run_module("cityx.blender.carry", job, Path(work))
+    if code:
+        raise EngineError(
+            f"The city was changed, but your own objects stayed in {source}. Blender's last "
+            f"words:\n{log}"
+        )
 
 
 def _bounded(found: Pull, desk: Desk, removals: bool) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +44,7 @@ from cityx.geometry.solids import area_vectors, check_closed, volume, volumes_by
 
 MOST_PARTS = 6  # hulls of one thing
 AIR = 0.04  # share of a thing's hull that a part may hold beyond its pieces
-MOST_PIECES = 40  # of a thing that are told apart; smaller ones go with the nearest of these
+MOST_PIECES = 24  # of a thing that are told apart; smaller ones go with the nearest of these
 HOLLOW = 1.5  # hulls over the volume of a mesh from which it is taken for hollow, as a tunnel is
 FOOT = 0.5  # metres below the ground down to which things have their feet
 AFLOAT = 0.1  # metres above the ground up to which a thing stands on it all the same
@@ -77,10 +78,10 @@ def bodies_of(scene: Scene, tracks: Tracks | None = None, moment: float = 0.0) -
     tables = [mesh_bodies(name, batch) for name, batch in scene.meshes.items() if batch.count]
     used = [rows.prototype for rows in scene.instances.values()]
     numbers = np.unique(np.concatenate([np.zeros(0, np.int32), *used])).tolist()
-    shapes = {n: collider_of(scene.prototypes[n]) for n in numbers}
+    things = {number: thing_of(scene.prototypes[number]) for number in numbers}
     for rows in scene.instances.values():
         if rows.count:
-            tables.append(_instance_bodies(scene.prototypes, shapes, rows))
+            tables.append(_instance_bodies(things, rows))
     movers = _mover_bodies(tracks, moment)
     if movers.count or not tables:
         tables.append(movers)
@@ -88,6 +89,46 @@ def bodies_of(scene: Scene, tracks: Tracks | None = None, moment: float = 0.0) -
 
 
 # --- things that are placed -----------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Thing:
+    """The body of a prototype at scale 1.
+
+    Attributes
+    ----------
+    kind
+        Semantic class; see `class_of`.
+    motion
+        "fixed", "free" or "hinge".
+    collider
+        Convex parts in the prototype's frame; none if it has no shape.
+    mass
+        Kilograms; times the product of an instance's scale that of the instance.
+    friction, restitution
+        Of what it stands on.
+    """
+
+    kind: str
+    motion: str
+    collider: tuple[Solid, ...]
+    mass: float
+    friction: float
+    restitution: float
+
+    def to_json(self) -> dict[str, str | float]:
+        """Return it without the shape, for files that have a mesh of it."""
+        return {
+            "kind": self.kind, "motion": self.motion, "mass": round(self.mass, 3),
+            "friction": self.friction, "restitution": self.restitution,
+        }  # fmt: skip
+
+
+def thing_of(prototype: Prototype) -> Thing:
+    """Return the body of a prototype."""
+    collider = tuple(collider_of(prototype))
+    mass = mass_of(prototype, collider)
+    return Thing(class_of(prototype), motion_of(prototype), collider, mass, *_sole(prototype))
 
 
 def class_of(prototype: Prototype) -> str:
@@ -228,7 +269,7 @@ def touch_of(mesh: MeshBatch) -> tuple[float, float]:
     """Return friction and restitution of a mesh: of the material it shows most of."""
     if not len(mesh.faces):
         return substance("concrete").friction, substance("concrete").restitution
-    area = np.linalg.norm(area_vectors(mesh.vertices, mesh.faces), axis=1)
+    area = np.nan_to_num(np.linalg.norm(area_vectors(mesh.vertices, mesh.faces), axis=1))
     shown = np.bincount(mesh.material, area, minlength=len(mesh.materials))
     most = substance(mesh.materials[int(np.argmax(shown))])
     return most.friction, most.restitution
@@ -244,58 +285,73 @@ def _sole(prototype: Prototype) -> tuple[float, float]:
     return foot.friction, foot.restitution
 
 
-def _instance_bodies(
-    prototypes: Sequence[Prototype], shapes: dict[int, list[Solid]], rows: Instances
-) -> Bodies:
+def _instance_bodies(things: Mapping[int, Thing], rows: Instances) -> Bodies:
     """Return the bodies of one layer of instances; those without a shape have none."""
-    used, local = np.unique(rows.prototype, return_inverse=True)
-    full = np.array([bool(shapes[n]) for n in used.tolist()], bool)[local]
+    full = np.array([bool(things[n].collider) for n in rows.prototype.tolist()], bool)
     used, local = np.unique(rows.prototype[full], return_inverse=True)
-    own = [prototypes[n] for n in used.tolist()]
-    kinds = tuple(dict.fromkeys(map(class_of, own)))
-    touch = np.array([_sole(p) for p in own]).reshape(-1, 2)
+    own = [things[number] for number in used.tolist()]
+    kinds = tuple(dict.fromkeys(thing.kind for thing in own))
+    facts = np.array([(t.mass, t.friction, t.restitution) for t in own]).reshape(-1, 3)[local]
     scale = rows.scale[full].astype(float)
-    mass = np.array([mass_of(p, shapes[n]) for p, n in zip(own, used.tolist(), strict=True)])
     return Bodies(
         rows.object_id[full],
         rows.owner[full],
-        np.array([kinds.index(class_of(p)) for p in own], np.int16)[local],
+        np.array([kinds.index(thing.kind) for thing in own], np.int16)[local],
         kinds,
         local.astype(np.int32),
-        colliders_of([shapes[n] for n in used.tolist()]),
+        colliders_of([thing.collider for thing in own]),
         rows.position[full].astype(float),
         rows.rotation[full].astype(float),
         scale,
-        mass[local] * np.abs(scale.prod(axis=1)),
-        touch[local, 0],
-        touch[local, 1],
-        np.array([MOTION[motion_of(p)] for p in own], np.uint8)[local],
+        facts[:, 0] * np.abs(scale.prod(axis=1)),
+        facts[:, 1],
+        facts[:, 2],
+        np.array([MOTION[thing.motion] for thing in own], np.uint8)[local],
     )
 
 
 # --- meshes of their own, and what moves ----------------------------------------------------------
 
 
+def standing_fast(layer: str, batch: MeshBatch) -> list[dict[str, str | float]]:
+    """Return the body of each object of a layer of meshes without its shape, as `Thing.to_json`."""
+    weights = masses_of(layer, batch)
+    return [
+        Thing(kind_of(layer), "fixed", (), float(weights[row]), *touch_of(batch.one(row))).to_json()
+        for row in range(batch.count)
+    ]
+
+
+def kind_of(layer: str) -> str:
+    """Return the semantic class of the objects of a layer of meshes."""
+    return LAYER_KINDS.get(layer, layer.removesuffix("s"))
+
+
+def masses_of(layer: str, batch: MeshBatch) -> NDArray[np.float64]:
+    """Return the weight of each object of a layer of meshes, (k,) kilograms; 0 of open ones."""
+    building = kind_of(layer) == "building"
+    density = BUILDING_DENSITY if building else substance("concrete").density
+    return np.nan_to_num(np.where(check_closed(batch), density * volume(batch), 0.0))
+
+
 def mesh_bodies(layer: str, batch: MeshBatch) -> Bodies:
     """Return the bodies of a layer of meshes: closed ones as convex parts, ground as its faces."""
     rows = np.flatnonzero(np.diff(batch.face_start) > 0)
-    kind = LAYER_KINDS.get(layer, layer.removesuffix("s"))
     closed, size = check_closed(batch), volume(batch)
     shapes = [_parts(batch.one(row), size[row]) if closed[row] else [] for row in rows.tolist()]
-    density = BUILDING_DENSITY if kind == "building" else substance("concrete").density
     touch = np.array([touch_of(batch.one(row)) for row in rows.tolist()]).reshape(-1, 2)
     count = len(rows)
     return Bodies(
         batch.object_id[rows],
         np.zeros(count, np.uint64),
         np.zeros(count, np.int16),
-        (kind,),
+        (kind_of(layer),),
         np.arange(count, dtype=np.int32),
         colliders_of(shapes),
         np.zeros((count, 3)),
         np.zeros((count, 3)),
         np.ones((count, 3)),
-        np.where(closed[rows], density * size[rows], 0.0),
+        masses_of(layer, batch)[rows],
         touch[:, 0],
         touch[:, 1],
         np.full(count, MOTION["fixed"], np.uint8),

@@ -6,7 +6,7 @@ numbers of the metallic-roughness model, so that Blender, glTF and USD show the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -176,3 +176,13 @@ def srgb_to_linear(color: int) -> tuple[float, float, float]:
         for value in channels
     )
     return red, green, blue
+
+
+def linear_to_srgb(color: Sequence[float]) -> int:
+    """Return the nearest sRGB color, 0xRRGGBB, to linear RGB."""
+    number = 0
+    for value in color:
+        held = min(max(float(value), 0.0), 1.0)
+        curve = 12.92 * held if held <= 0.0031308 else 1.055 * held ** (1 / 2.4) - 0.055
+        number = number << 8 | round(255 * curve)
+    return number

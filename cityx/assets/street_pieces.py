@@ -263,13 +263,27 @@ def stone_bench() -> Shapes:
     ]
 
 
+def traffic_cone() -> Shapes:
+    """Cone of 0.75 m on a square foot, with two bands that shine back."""
+    orange: Color = (1.0, 0.16, 0.02)
+    bands = ((0.30, 0.118, 0.40, 0.097), (0.50, 0.076, 0.60, 0.055))
+    return [
+        box((-0.2, -0.2, 0.0), (0.2, 0.2, 0.04), "plastic", DARK),
+        cylinder((0.0, 0.0, 0.04), (0.0, 0.0, 0.75), 0.16, "plastic", orange, sides=12, top=0.025),
+        *(
+            cylinder((0, 0, low), (0, 0, high), wide, "sign", sides=12, top=narrow)
+            for low, wide, high, narrow in bands
+        ),
+    ]  # fmt: skip
+
+
 STREET_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {
         maker.__name__: maker
         for maker in (
             planter, planter_round, cafe_set, parasol, shop_board, kiosk, bicycle, wheelie_bins,
             sign_no_entry, sign_crossing, sign_name, utility_pole, grating, stone_bench,
-            guard_rail_post,
+            guard_rail_post, traffic_cone,
         )
     }
 )  # fmt: skip

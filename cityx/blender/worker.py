@@ -98,7 +98,7 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
     if job["blend"]:
         tell(0.1, "saving the scene")
         with clock.step("save"):
-            record["blend_mb"] = _save(Path(job["blend"]))
+            record["blend_mb"] = save(Path(job["blend"]))
         record["files"].append(job["blend"])
     for index, ((camera, request), item) in enumerate(zip(pictures, cameras, strict=True)):
         tell(0.15 + 0.85 * index / len(pictures), f"rendering {camera.name}")
@@ -145,7 +145,7 @@ def _environment(record: dict[str, Any] | None) -> Environment | None:
     return None if record is None else Environment(**record)
 
 
-def _save(path: Path) -> float:
+def save(path: Path) -> float:
     """Save the open file under a temporary name, then rename it; returns its size in MB."""
     import bpy
 

@@ -11,6 +11,7 @@ import shapely
 
 from cityx import __version__
 from cityx.assets.moving import mover_counts
+from cityx.checks.bodies import check_bodies
 from cityx.checks.bounds import check_bounds
 from cityx.checks.buildings import check_buildings
 from cityx.checks.check import Check, named
@@ -46,6 +47,7 @@ def run_checks(city: City) -> list[Check]:
         *check_ground(city),
         *check_furniture(city),
         *check_standing(city),
+        *check_bodies(city),
         *check_lanes(city),
         *check_heights(city),
         *check_streets(city),

@@ -30,7 +30,8 @@ class Hull:
     points
         (n, 3) float64, its corners, metres.
     planes
-        (f, 4) float64: unit normal outwards and offset; inside, normal . x + offset <= 0.
+        (f, 4) float64, one of each triangle of its skin: unit normal outwards and offset; inside,
+        normal . x + offset <= 0.
     volume
         Cubic metres.
     """
@@ -101,7 +102,7 @@ def hull_of(points: ArrayLike) -> Hull:
     """Return the convex hull of (n, 3) points; what is flat is given a thickness of `THIN`."""
     from scipy.spatial import ConvexHull, QhullError
 
-    held = np.unique(np.asarray(points, float).reshape(-1, 3), axis=0)
+    held = np.asarray(points, float).reshape(-1, 3)
     try:
         found = ConvexHull(held)
         if found.volume < THIN**3:
@@ -109,8 +110,7 @@ def hull_of(points: ArrayLike) -> Hull:
     except (QhullError, ValueError):
         held = _thickened(held)
         found = ConvexHull(held)
-    once = np.unique(np.round(found.equations, 9), axis=0, return_index=True)[1]
-    return Hull(held[np.sort(found.vertices)], found.equations[once], float(found.volume))
+    return Hull(held[np.sort(found.vertices)], found.equations, float(found.volume))
 
 
 def _thickened(points: FloatArray) -> FloatArray:

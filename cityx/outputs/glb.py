@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx import __version__
+from cityx.assets.bodies import standing_fast, thing_of
 from cityx.atomic import replaced
 from cityx.city.environment import Environment
 from cityx.city.mesh import MeshBatch
@@ -202,7 +203,8 @@ class _Writer:
             batch, ids, tiles = merged_by_tile(batch)
             labels = [_tile_label(name, tile) for tile in tiles.tolist()]
         else:
-            labels = [self._label(name, object_id) for object_id in batch.object_id.tolist()]
+            ids_and_bodies = zip(batch.object_id.tolist(), standing_fast(name, batch), strict=True)
+            labels = [self._label(name, object_id, body) for object_id, body in ids_and_bodies]
         origin = origins(batch)
         flat = flat_mesh(batch, origin)
         places = y_up(origin)
@@ -217,11 +219,16 @@ class _Writer:
             children.append(self.buffer.add("nodes", {**node, "extras": extras}))
         return self.buffer.add("nodes", {"name": name, "children": children})
 
-    def _label(self, layer: str, object_id: int) -> tuple[str, dict[str, Any]]:
+    def _label(
+        self, layer: str, object_id: int, body: Mapping[str, str | float]
+    ) -> tuple[str, dict[str, Any]]:
         text = id_text(object_id)
         known: Mapping[str, str] = self.view.objects.get(object_id, {})
-        extras = {"cityx_id": text, **{key: value for key, value in known.items() if value}}
-        return f"{layer.removesuffix('s')}_{text}", extras
+        extras: dict[str, Any] = {
+            "cityx_id": text,
+            **{key: value for key, value in known.items() if value},
+        }
+        return f"{layer.removesuffix('s')}_{text}", extras | {"body": body}
 
     def _primitives(
         self, flat: FlatMesh, materials: tuple[str, ...], ids: NDArray[np.uint64] | None = None
@@ -272,6 +279,7 @@ class _Writer:
             shape = self._shape(self.scene.prototypes[prototype])
             if shape is None:
                 continue
+            body = {"body": thing_of(self.scene.prototypes[prototype]).to_json()}
             members = np.flatnonzero(rows.prototype == prototype)
             self.instances += len(members)
             self.triangles_instanced += shape.triangles * len(members)
@@ -283,9 +291,11 @@ class _Writer:
                 mesh = self._mesh(title, shape, tint)
                 chosen = members[group == number]
                 if self.instancing:
-                    children.append(self._instanced(f"{title}_{number}", mesh, rows, chosen))
+                    node = self._instanced(f"{title}_{number}", mesh, rows, chosen)
+                    self.buffer.document["nodes"][node]["extras"] = body
+                    children.append(node)
                 else:
-                    children += self._single(title, mesh, rows, chosen)
+                    children += self._single(title, mesh, rows, chosen, body)
         if not children:
             return None
         return self.buffer.add("nodes", {"name": name, "children": children})
@@ -370,7 +380,12 @@ class _Writer:
         )
 
     def _single(
-        self, title: str, mesh: int, rows: Instances, chosen: NDArray[np.int64]
+        self,
+        title: str,
+        mesh: int,
+        rows: Instances,
+        chosen: NDArray[np.int64],
+        body: Mapping[str, Any],
     ) -> list[int]:
         places = np.round(y_up(finite(rows.position[chosen])), 4).tolist()
         turns = np.round(y_up_quaternions(rows.rotation[chosen]).astype(float), 7).tolist()
@@ -379,7 +394,7 @@ class _Writer:
         numbers = []
         for row, object_id in enumerate(rows.object_id[chosen].tolist()):
             text = id_text(object_id)
-            extras = {"cityx_id": text}
+            extras = {"cityx_id": text, **body}
             if owners[row]:
                 extras["owner"] = owners[row]
             node = {"name": f"{title}_{text}", "mesh": mesh, "translation": places[row]}

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pxr import Kind, Sdf, Usd, UsdGeom, Vt
 
 from cityx import __version__
+from cityx.assets.bodies import thing_of, touch_of
 from cityx.city.mesh import MeshBatch
 from cityx.city.rooms import lit_scene
 from cityx.city.scene import Instances, Prototype
@@ -30,6 +31,7 @@ from cityx.outputs.usd_mesh import (
     tint_steps,
     usd_faces,
 )
+from cityx.outputs.usd_physics import COLLIDES, UsdPhysics, schemas_of
 from cityx.outputs.usd_prims import (
     Types,
     add_attribute,
@@ -92,6 +94,7 @@ class UsdWriter:
         scope = add_prim(self.city, "Materials", "Scope")
         self.materials = UsdMaterials(scope, view.environment, textures, texture_size)
         add_sun(self.city, view.environment)
+        self.physics = UsdPhysics(self.city)
         self.shared = add_prim(self.city, "Prototypes", "Scope", specifier=Sdf.SpecifierClass)
 
     def mesh_layer(self, name: str, batch: MeshBatch) -> None:
@@ -117,21 +120,22 @@ class UsdWriter:
             if ids is None:
                 object_id = int(batch.object_id[number])
                 known = {"kind": kind, **self.view.objects.get(object_id, {})}
-                self._describe(mesh, {"id": id_text(object_id), **known})
+                self._describe(mesh, {"id": id_text(object_id), **known}, COLLIDES)
             else:
-                self._describe(mesh, {"kind": kind})
+                self._describe(mesh, {"kind": kind}, COLLIDES)
                 members = faces.order[slice(*batch.face_start[number : number + 2])]
                 owners = long_integers(ids[batch.faces[members, 0]])
                 add_attribute(mesh, "primvars:cityx:id", Types.Int64Array, owners, over="uniform")
             move_to(mesh, origin[number])
+            self.physics.fixed(mesh, touch_of(batch.one(number)))
             self._fill(mesh, batch, faces, number, looks[runs[number] : runs[number + 1]])
             self.meshes += 1
         self.triangles_unique += batch.triangle_count
         self.triangles_instanced += batch.triangle_count
 
-    def _describe(self, prim: Any, facts: dict[str, str]) -> None:
+    def _describe(self, prim: Any, facts: dict[str, str], schemas: tuple[str, ...]) -> None:
         """Apply the schemas, label the prim with its kind and keep what is known of it."""
-        apply_schemas(prim, *_SCHEMAS)
+        apply_schemas(prim, *_SCHEMAS, *schemas)
         label(prim, facts["kind"])
         for key, value in facts.items():
             if value:
@@ -252,7 +256,10 @@ class UsdWriter:
         faces = usd_faces(batch, np.zeros((batch.count, 3)))
         looks = _looks(faces, batch.materials)
         mesh = add_prim(self.shared, prototype.name, "Mesh")
-        self._describe(mesh, {"kind": prototype.kind})
+        thing = thing_of(prototype)
+        self._describe(mesh, {"kind": prototype.kind}, schemas_of(thing))
+        if thing.collider:
+            self.physics.thing(mesh, thing)
         holders = self._fill(mesh, batch, faces, 0, looks)
         self.triangles_unique += batch.triangle_count
         tinted = bool(takes_tint([material for material, _ in looks]).any())

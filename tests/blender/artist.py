@@ -119,6 +119,10 @@ def forget_ids(layer):
     mesh.attributes.remove(mesh.attributes["id_low"])
 
 
+def save_plain(path):
+    bpy.ops.wm.save_as_mainfile(filepath=path, compress=False, copy=True)
+
+
 def add_own(name):
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [], [(0, 1, 2)])

@@ -119,6 +119,7 @@ def test_all_an_artist_does_is_one_revision_that_leaves_the_others_alone(folder)
     again, nothing = pull(folder)
     assert nothing is None
     assert again.empty
+    assert again.foreign == found.foreign  # carried over to the new file
     assert undo(folder)["hash"] == content_hash(before).total
 
 
@@ -250,6 +251,11 @@ def test_files_of_others_are_refused(folder, tmp_path):
     broken.write_bytes(b"BLENDER-v405" + bytes(200))
     with pytest.raises(InputError, match="Blender cannot read it"):
         pull(folder, blend=broken)
+    act(folder, ["save_plain", str(tmp_path / "newer.blend")])
+    newer = tmp_path / "newer.blend"
+    newer.write_bytes(newer.read_bytes().replace(b"BLENDER-v405", b"BLENDER-v509", 1))
+    with pytest.raises(InputError, match="saved by Blender 5.9, of which 4.5 would lose parts"):
+        pull(folder, blend=newer)
     with Desk(folder) as desk:
         gone = keys_of(desk.city, "trees")
         desk.change([Call("edit/remove-v1", {"objects": gone})])

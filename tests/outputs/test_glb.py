@@ -6,6 +6,7 @@ from glb_scenes import box, read_glb, rows, small_city, view
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cityx.assets.furniture import furniture
 from cityx.assets.materials import MATERIALS
 from cityx.assets.textures import texture
 from cityx.city import Environment, Prototype, Scene, concatenate, one_mesh
@@ -35,6 +36,9 @@ def test_nodes_form_city_layer_object(tmp_path):
 def test_objects_carry_their_id_and_what_is_known_of_them(tmp_path):
     glb, _ = written(small_city(), tmp_path)
     (node,) = glb.nodes("building_0000000000000001")
+    body = node["extras"].pop("body")
+    assert body["motion"] == "fixed"
+    assert body["mass"] == 350.0 * 1000  # ten metres each way
     assert node["extras"] == {
         "cityx_id": "0000000000000001",
         "kind": "building",
@@ -42,6 +46,16 @@ def test_objects_carry_their_id_and_what_is_known_of_them(tmp_path):
         "source": "osm/way/1",
         "use": "civic",
     }
+
+
+@pytest.mark.parametrize("instancing", [True, False])
+def test_things_carry_their_bodies(tmp_path, instancing):
+    bench = furniture("bench")
+    scene = Scene().with_instances("street_furniture", [bench], rows([[0, 0, 0]]))
+    glb, _ = written(view(scene), tmp_path, instancing=instancing)
+    (body,) = (n["extras"]["body"] for n in glb.json["nodes"] if "body" in n.get("extras", {}))
+    assert (body["kind"], body["motion"]) == ("bench", "free")
+    assert 35 < body["mass"] < 80
 
 
 def test_frame_and_attribution_travel_with_the_file(tmp_path):

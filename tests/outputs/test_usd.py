@@ -14,6 +14,7 @@ from town import small_town
 
 from cityx.agents.build import build
 from cityx.agents.options import BuildOptions
+from cityx.assets.furniture import furniture
 from cityx.assets.materials import MATERIALS
 from cityx.assets.textures import texture
 from cityx.city import Environment, Prototype, Scene, concatenate
@@ -145,6 +146,30 @@ def test_a_town_has_the_instances_and_ids_of_its_scene(town):
         assert triangle_counts(stage, instancer) == [
             scene.prototypes[p].mesh.triangle_count for p in table.prototype.tolist()
         ]
+
+
+@needs_usd
+def test_things_that_can_be_pushed_are_rigid_bodies_and_walls_collide_by_their_faces(tmp_path):
+    from pxr import UsdPhysics, UsdShade
+
+    bench = furniture("bench")
+    scene = (
+        Scene().with_mesh("buildings", box(1)).with_instances("things", [bench], rows([[0, 0, 0]]))
+    )
+    stage, _ = written(view(scene), tmp_path)
+    assert faults(stage) == []
+    piece = stage.GetPrimAtPath("/City/things/Prototypes").GetChildren()[0]
+    assert piece.HasAPI(UsdPhysics.RigidBodyAPI)
+    assert 35 < UsdPhysics.MassAPI(piece).GetMassAttr().Get() < 80
+    (wall,) = layer_meshes(stage, "buildings")
+    assert not wall.HasAPI(UsdPhysics.RigidBodyAPI)
+    assert wall.HasAPI(UsdPhysics.CollisionAPI)
+    assert UsdPhysics.MeshCollisionAPI(wall).GetApproximationAttr().Get() == "none"
+    touch, _ = UsdShade.MaterialBindingAPI(wall).ComputeBoundMaterial("physics")
+    assert UsdPhysics.MaterialAPI(touch).GetDynamicFrictionAttr().Get() == pytest.approx(0.65)
+    assert (
+        UsdPhysics.Scene(stage.GetPrimAtPath("/City/Physics")).GetGravityMagnitudeAttr().Get() > 9
+    )
 
 
 def triangle_counts(stage, instancer):
@@ -392,7 +417,9 @@ def test_names_from_elsewhere_become_names_that_usd_allows(tmp_path):
     scene = Scene().with_mesh("my lamps", box(1, materials=("Material.001", "brick")))
     stage, _ = written(view(scene.with_instances("my lamps", models, table)), tmp_path)
     names = [prim.GetName() for prim in stage.GetDefaultPrim().GetAllChildren()]
-    assert names == ["Materials", "Sun", "Prototypes", "my_lamps", "my_lamps_2"]
+    assert names == [
+            "Materials", "Sun", "Physics", "Touch", "Prototypes", "my_lamps", "my_lamps_2",
+        ]  # fmt: skip
     lamps = [prim.GetName() for prim in stage.GetPrimAtPath("/City/Prototypes").GetAllChildren()]
     assert len(set(lamps)) == 3
     assert faults(stage) == []

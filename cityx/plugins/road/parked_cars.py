@@ -203,6 +203,22 @@ def _bodies(
     return np.where(unloading, van, body)
 
 
+def _apart(xy: FloatArray, yaw: FloatArray, body: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the rows of cars that stand in no other; of two that would, the first stays."""
+    from cityx.assets import vehicles
+
+    size = np.array([(b.width, b.length) for b in vehicles.BODIES.values()])[body] / 2
+    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])[None] * size[:, None]
+    c, s = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
+    x, y = corners[..., 0], corners[..., 1]
+    plans = shapely.polygons(np.stack([c * x - s * y, s * x + c * y], axis=2) + xy[:, None])
+    one, other = shapely.STRtree(plans).query(plans, predicate="intersects")
+    gone = np.zeros(len(xy), bool)
+    for first, second in sorted(zip(one[one < other], other[one < other], strict=True)):
+        gone[second] |= not gone[first]
+    return np.flatnonzero(~gone)
+
+
 def _stall_rows(depth: float) -> tuple[FloatArray, FloatArray]:
     """Middles of the rows of bays across a car park, and which way their cars face."""
     if depth < STALL_LENGTH:
@@ -271,6 +287,8 @@ def parked_cars(
     order = np.flatnonzero(keep)[np.argsort(ids[keep], kind="stable")]
     xy, ids, yaw = xy[order], ids[order], yaw[order]
     body = _bodies(city, xy, ids, tight[order])
+    alone = _apart(xy, yaw, body)
+    xy, ids, yaw, body = xy[alone], ids[alone], yaw[alone], body[alone]
     paint = choose(city.seed, f"{ACTION}/paint", ids, vehicles.PAINT_SHARES)
     position, rotation = _on_terrain(city, xy, yaw)
     rows = Instances(
