@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from cityx import __version__
+from cityx.assets.moving import mover_counts
 from cityx.checks.bounds import check_bounds
 from cityx.checks.buildings import check_buildings
 from cityx.checks.check import Check, named
@@ -20,6 +21,7 @@ from cityx.checks.heights import check_heights
 from cityx.checks.junctions import check_junctions
 from cityx.checks.lanes import check_lanes
 from cityx.checks.meshes import check_meshes, triangle_counts
+from cityx.checks.movement import check_movement
 from cityx.checks.predicates import measure_all
 from cityx.checks.predicates.buildings import is_built
 from cityx.checks.predicates.words import TIMES, WEATHERS
@@ -52,6 +54,7 @@ def run_checks(city: City) -> list[Check]:
         *check_junctions(city),
         *check_meshes(city),
         *check_bounds(city),
+        *check_movement(city),
         _failed(city),
         _vanished(city),
     ]
@@ -97,6 +100,7 @@ def counts(city: City) -> dict[str, float]:
     length = shapely.length(roads.geometry.to_numpy()).sum() / 1000 if len(roads) else 0.0
     rows = city.scene.instances
     network = city.network
+    moving = mover_counts(city.tracks, city.moment)
     junctions = 0 if network is None else int(np.count_nonzero(network.node_degree >= 3))
     return {
         "buildings": _built(city),
@@ -107,8 +111,8 @@ def counts(city: City) -> dict[str, float]:
         "windows": rows["windows"].count if "windows" in rows else 0,
         "instances": sum(table.count for table in rows.values()),
         "prototypes": len(city.scene.prototypes),
-        "vehicles": rows["vehicles"].count if "vehicles" in rows else 0,
-        "pedestrians": 0,
+        "vehicles": (rows["vehicles"].count if "vehicles" in rows else 0) + moving["vehicles"],
+        "pedestrians": moving["pedestrians"],
     }
 
 

@@ -26,8 +26,9 @@ from cityx.checks.predicates.buildings import Buildings
 from cityx.checks.predicates.changes import changed_ids, changed_parts, listed, named_elsewhere
 from cityx.checks.predicates.cleanliness import clean
 from cityx.checks.predicates.environment import air_number, times_of, weathers_of
-from cityx.checks.predicates.facts import SURFACES, Facts, Options, Reply, said
+from cityx.checks.predicates.facts import SURFACES, Facts, Options, Reply, constant, said
 from cityx.checks.predicates.finding import Measured
+from cityx.checks.predicates.pieces import Pieces
 from cityx.checks.predicates.rasters import height_correlation, open_area, overlap_of_layers
 from cityx.checks.predicates.relations import (
     around,
@@ -50,6 +51,7 @@ from cityx.checks.predicates.vocabulary import (
     split_arguments,
 )
 
+FOLLOWED = 0.5  # metres between the places at which somebody's way is looked at
 LINE_REACH = 25.0  # metres from a street within which trees stand along it
 PER = 1000.0  # metres of street that a density counts per
 
@@ -125,14 +127,16 @@ def _statistic(values: FloatArray, weight: FloatArray, name: str) -> float:
 
 def _density(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     """Count what moves per kilometre of street or walk."""
-    head = groups[0].head
-    kind = kind_named(head.word) if isinstance(head, Name) else ""
-    if KINDS.get(kind) in ("vehicle", "pedestrian"):
-        standing = len(facts.layer(kind).ids)
-        raise CannotTell(
-            f"the city has no {kind} that moves ({standing} stand in it), so there is no traffic"
-        )
     chosen = facts.select(groups[0])
+    kind = chosen.layer.kind
+    if isinstance(chosen.layer, Pieces) and KINDS.get(kind) in ("vehicle", "pedestrian"):
+        if not chosen.layer.moves.any():
+            standing = len(chosen.layer.ids)
+            raise CannotTell(
+                f"the city has no {kind} that moves ({standing} stand in it), "
+                "so there is no traffic"
+            )
+        chosen = chosen.where(chosen.layer.moves[chosen.rows])
     along = groups[1].head
     if isinstance(along, Name) and kind_named(along.word) in ("sidewalk", "carriageway"):
         region, length = facts.region(kind_named(along.word)), facts.layer("road").weights.sum()
@@ -191,8 +195,27 @@ def _color(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     )
 
 
-def _follows(_: Facts, groups: tuple[Group, ...], __: Options) -> Measured:
-    raise CannotTell(f"the city has no {groups[0]} that moves, so none follows {groups[1]}")
+def _follows(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measured:
+    """Tell whether all of some movers keep to a way, from their first sample to their last."""
+    tracks = facts.city.tracks
+    chosen = facts.select(groups[0])
+    rows = np.zeros(0, np.int64)
+    if tracks is not None:
+        rows = np.flatnonzero(np.isin(tracks.object_id, chosen.ids))
+    if tracks is None or not len(rows):
+        raise CannotTell(f"the city has no {groups[0]} that moves, so none follows {groups[1]}")
+    way = shapely.union_all(facts.select(groups[1]).shapes)
+    own = tracks.take(rows)
+    lines = shapely.linestrings(own.position[:, :2], indices=own.mover)
+    # Between two samples a mover goes straight: as far off as it gets is seen at short steps.
+    spots = shapely.points(shapely.get_coordinates(shapely.segmentize(lines, FOLLOWED)))
+    farthest = float(shapely.distance(spots, way).max())
+    allowed = constant(options["dev"]) if "dev" in options else LINE_REACH
+    return Measured(
+        farthest <= allowed,
+        f"{len(rows)} {groups[0]} keep within {farthest:.2f} m of {groups[1]}, "
+        f"{allowed:g} m are allowed",
+    )
 
 
 def _changed(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:

@@ -11,6 +11,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.movers import is_person, person_of
+from cityx.assets.moving import with_movers
 from cityx.assets.surface_states import material_named
 from cityx.checks.predicates import words
 from cityx.checks.predicates.things import (
@@ -21,10 +23,12 @@ from cityx.checks.predicates.things import (
     UInt64Array,
     column,
 )
-from cityx.checks.predicates.vocabulary import KINDS, MOVING, PIECES
-from cityx.city import Prototype
+from cityx.checks.predicates.vocabulary import KINDS, PIECES
+from cityx.city import Prototype, Scene
+from cityx.city.tracks import GAIT, poses_at
 
 LAMPS = ("street_lamp",)  # first words of the prototypes of street lamps
+_GAIT_OF = {"walk": GAIT["walk"], "run": GAIT["run"], "stand": GAIT["still"]}
 OPENINGS = ("window", "door", "shopfront")  # lit rooms are no lights
 PLANT, VEHICLE, PERSON = "tree", "vehicle", "person"  # kinds of prototypes
 
@@ -45,8 +49,24 @@ class Pieces(Layer):
     """The instances of one kind: of prototypes that are such things by name, kind or size."""
 
     @cached_property
+    def _scene(self) -> Scene:
+        """The scene with what moves."""
+        return with_movers(self.city).scene
+
+    @cached_property
+    def _poses(self) -> dict[int, tuple[float, int, str]]:
+        """Speed, gait and look of what moves, by id."""
+        tracks = self.city.tracks
+        if tracks is None:
+            return {}
+        poses = poses_at(tracks, self.city.moment)
+        columns = (tracks.object_id[poses.row], poses.speed, poses.gait, tracks.look[poses.row])
+        ids, speed, gait, look = (column.tolist() for column in columns)
+        return {key: row for key, *row in zip(ids, speed, gait, look, strict=True)}  # type: ignore[misc]
+
+    @cached_property
     def _rows(self) -> Rows:
-        scene = self.city.scene
+        scene = self._scene
         wanted = np.array([_is(p, self.kind) for p in scene.prototypes] or [False])
         found = [
             (rows, np.flatnonzero(wanted[rows.prototype])) for rows in scene.instances.values()
@@ -79,9 +99,9 @@ class Pieces(Layer):
 
     def _sizes(self, rows: Rows) -> FloatArray:
         """(n, 3) metres of the boxes around them, in their own directions."""
-        boxes = np.zeros((len(self.city.scene.prototypes) + 1, 3))
+        boxes = np.zeros((len(self._scene.prototypes) + 1, 3))
         for at in np.unique(rows.prototype).tolist():
-            boxes[at] = np.ptp(self.city.scene.prototypes[at].mesh.vertices, axis=0)
+            boxes[at] = np.ptp(self._scene.prototypes[at].mesh.vertices, axis=0)
         return np.asarray(boxes[rows.prototype] * rows.scale)
 
     @property
@@ -105,14 +125,14 @@ class Pieces(Layer):
         return {"source": np.where(ids[row] == self.ids, column(table, "source")[row], "")}
 
     def number(self, attribute: str) -> FloatArray:
-        """Return heights or lengths; speeds of what stands in the scene are not known."""
+        """Return heights, lengths or speeds; what never moves has no speed (NaN)."""
         size = self._sizes(self._rows)
         if attribute == "height":
             return np.asarray(size[:, 2])
         if attribute == "length":
             return np.asarray(size[:, :2].max(axis=1))
-        if attribute in MOVING:
-            self._moves(attribute)
+        if attribute == "speed":
+            return np.array([row[0] for row in self._moving(attribute)], float)
         return super().number(attribute)
 
     def has(self, attribute: str, word: str) -> BoolArray:
@@ -125,20 +145,31 @@ class Pieces(Layer):
             return np.asarray(self._neon == (word == "neon"))
         if len(self.ids) == 0:
             return np.zeros(0, bool)
-        if attribute in MOVING:
-            self._moves(attribute)
+        if attribute == "mode":
+            return np.array([row[1] == _GAIT_OF[word] for row in self._moving(attribute)], bool)
+        if attribute == "gender":
+            looks = [row[2] for row in self._moving(attribute)]
+            return np.array([is_person(x) and person_of(x).sex == word for x in looks], bool)
         return super().has(attribute, word)
 
-    def _moves(self, attribute: str) -> None:
-        raise CannotTell(
-            f"the city has no {self.kind} that moves, so none has a {attribute}; "
-            f"{len(self.ids)} stand in it"
-        )
+    @cached_property
+    def moves(self) -> BoolArray:
+        """(n,) whether each moves by itself."""
+        return np.array([key in self._poses for key in self.ids.tolist()], bool)
+
+    def _moving(self, attribute: str) -> list[tuple[float, int, str]]:
+        """Return speed, gait and look of each; NaN, -1 and "" of what only stands there."""
+        if not self.moves.any():
+            raise CannotTell(
+                f"the city has no {self.kind} that moves, so none has a {attribute}; "
+                f"{len(self.ids)} stand in it"
+            )
+        return [self._poses.get(key, (np.nan, -1, "")) for key in self.ids.tolist()]
 
     @cached_property
     def _neon(self) -> BoolArray:
         """(n,) whether a light is a coloured one on a building."""
-        colored = np.array([_glows(p, least=words.GLOW) for p in self.city.scene.prototypes], bool)
+        colored = np.array([_glows(p, least=words.GLOW) for p in self._scene.prototypes], bool)
         return np.asarray(colored[self._rows.prototype] & (self._rows.owner > 0), bool)
 
 

@@ -258,19 +258,19 @@ def _files(city: City, path: Path, count: int, apart: float) -> list[tuple[Path,
     first = min(count - count // 2, fits[0]) if len(lines) > 1 else count
     shares = [first, count - first] if count > first else [first]
     return [
-        (line, _begins(city, line, share, apart, number))
+        (line, spread(city.seed, line, share, apart, f"{ACTION}/{number}"))
         for number, (line, share) in enumerate(zip(lines, shares, strict=False))
     ]
 
 
-def _begins(city: City, line: Path, count: int, apart: float, number: int) -> FloatArray:
-    """(n,) metres along a line where people begin: nobody nearer than `apart`, unevenly spread."""
+def spread(seed: int, line: Path, count: int, apart: float, purpose: str) -> FloatArray:
+    """(n,) metres along a line where movers begin: none nearer than `apart`, unevenly spread."""
     if count == 1:
         return np.zeros(1)
     length = line.line.length if line.closed else line.line.length - apart
     free = max(length - count * apart, 0.0)
-    key = stable_id(ACTION, line.name, number)
-    gaps = uniform(city.seed, f"{ACTION}/gap", np.uint64(key), np.arange(count + 1)) + 0.2
+    key = np.uint64(stable_id(purpose, line.name))
+    gaps = uniform(seed, f"{purpose}/gap", key, np.arange(count + 1)) + 0.2
     gaps *= free / gaps.sum()
     return np.asarray(np.arange(count) * apart + np.cumsum(gaps)[:count])
 
