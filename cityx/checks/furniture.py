@@ -16,14 +16,13 @@ from cityx.checks.check import Check, named
 from cityx.city import City
 from cityx.city.ground import ROADWAY
 from cityx.city.mesh import ranges
+from cityx.city.outlines import placed_outlines
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.polylines import Polylines, line_strips
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-LAYERS = ("street_furniture", "street_pieces", "park_pieces", "shore_pieces")
 WALKS = ("sidewalk", "kerb", "plaza", "path", "courtyard", "trail", "furnishing")
-LOW, HIGH = 0.10, 2.0  # metres above the ground between which a thing is in somebody's way
 FREE = 1.2  # metres of walk that a wheelchair and a passer-by need
 LET_PASS = 2  # pieces of which a small map has few
 CROWDED = 0.05  # share of the things on walks that may leave less, as in corners of yards
@@ -34,7 +33,7 @@ WITHIN = 0.05  # metres a thing may reach over the edge of a lane before it coun
 
 def check_furniture(city: City) -> list[Check]:
     """Run both checks; none where nothing stands."""
-    outlines, xy, ids = placed_outlines(city)
+    outlines, xy, ids = placed_outlines(city.scene)
     if not len(outlines) or city.ground is None:
         return []
     rows, tight = crowding(city, outlines, xy)
@@ -50,39 +49,6 @@ def check_furniture(city: City) -> list[Check]:
               f"share of the pieces on walks that leave less than {FREE} m to pass, "
               f"{LET_PASS} let pass"),
     ]  # fmt: skip
-
-
-def placed_outlines(city: City) -> tuple[NDArray[Any], FloatArray, NDArray[np.uint64]]:
-    """(n,) outlines of furniture between ankle and head, (n, 2) where it stands, (n,) its ids."""
-    hulls: dict[int, Any] = {}
-    shapes, spots = [np.zeros(0, object)], [np.zeros((0, 2))]
-    ids = [np.zeros(0, np.uint64)]
-    for layer in LAYERS:
-        rows = city.scene.instances.get(layer)
-        if rows is None:
-            continue
-        for index in np.unique(rows.prototype).tolist():
-            if index not in hulls:
-                vertices = city.scene.prototypes[index].mesh.vertices
-                body = vertices[(vertices[:, 2] > LOW) & (vertices[:, 2] < HIGH)]
-                # A post has vertices at its ends alone.
-                tall = vertices[:, 2].max() > LOW
-                foot = vertices[vertices[:, 2] <= LOW]
-                solid = body if len(body) >= 3 else foot if tall else body
-                hulls[index] = shapely.convex_hull(shapely.multipoints(solid[:, :2]))
-            hull = shapely.get_coordinates(hulls[index])
-            if len(hull) < 4:
-                continue
-            of = rows.prototype == index
-            angle, size = rows.rotation[of, 2].astype(float), rows.scale[of].astype(float)
-            c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
-            x, y = (hull[:, k] * size[:, k : k + 1] for k in (0, 1))
-            at = rows.position[of][:, :2]
-            ring = np.stack([c * x - s * y, s * x + c * y], axis=2) + at[:, None]
-            shapes.append(shapely.polygons(ring))
-            spots.append(at)
-            ids.append(rows.object_id[of])
-    return np.concatenate(shapes), np.concatenate(spots), np.concatenate(ids)
 
 
 def in_lanes(city: City, outlines: NDArray[Any], xy: FloatArray) -> NDArray[np.bool_]:

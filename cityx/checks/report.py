@@ -21,6 +21,7 @@ from cityx.checks.heights import check_heights
 from cityx.checks.junctions import check_junctions
 from cityx.checks.lanes import check_lanes
 from cityx.checks.meshes import check_meshes, triangle_counts
+from cityx.checks.movement import check_movement
 from cityx.checks.predicates import measure_all
 from cityx.checks.predicates.buildings import is_built
 from cityx.checks.predicates.words import TIMES, WEATHERS
@@ -53,6 +54,7 @@ def run_checks(city: City) -> list[Check]:
         *check_junctions(city),
         *check_meshes(city),
         *check_bounds(city),
+        *check_movement(city),
         _failed(city),
         _vanished(city),
     ]

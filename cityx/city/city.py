@@ -13,6 +13,7 @@ from cityx.city.lanes import LaneGraph
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.scene import Scene
+from cityx.city.signals import Signals
 from cityx.city.terrain import Survey, Terrain, flat_terrain
 from cityx.city.tracks import Tracks
 
@@ -56,6 +57,8 @@ class City:
         The parts; None until the action that makes them has run.
     tracks
         Where vehicles and people are over time, None when nothing moves.
+    signals
+        What traffic lights show over time, None until traffic needs them.
     moment
         Seconds into the tracks that a picture shows.
     survey
@@ -84,6 +87,7 @@ class City:
     ground: Ground | None = None
     scene: Scene = field(default_factory=Scene)
     tracks: Tracks | None = None
+    signals: Signals | None = None
     moment: float = 0.0
     environment: Environment = field(default_factory=Environment)
     attribution: tuple[str, ...] = ()

@@ -170,7 +170,7 @@ def content_hash(city: City) -> ContentHash:
     whole.update(_quantised(city.layout.extent, PER_METRE))
     whole.update(_quantised([*terrain.origin, terrain.cell, terrain.datum], PER_METRE))
     whole.update(_quantised(terrain.heights, PER_METRE))
-    for value in (city.network, city.heights, city.lanes, city.ground):
+    for value in (city.network, city.heights, city.lanes, city.ground, city.signals):
         for column in fields(value) if value is not None else ():
             values = np.asarray(getattr(value, column.name))
             exact = values.dtype.kind != "f"

@@ -3,7 +3,7 @@
 Layout of the folder: ``city.json`` (everything small), ``layout/*.parquet`` (GeoParquet),
 ``terrain.tif`` (GeoTIFF), ``surroundings.tif`` and ``survey.npz`` (what a height file says),
 ``network.npz``, ``heights.npz``, ``lanes.npz``, ``ground.npz``, ``tracks.npz``,
-``meshes/*.npz``, ``instances/*.npz``,
+``signals.npz``, ``meshes/*.npz``, ``instances/*.npz``,
 ``prototypes.npz`` and ``objects.json`` (what each building is, for views that load no tables).
 """
 
@@ -32,6 +32,7 @@ from cityx.city.layout import SCHEMA, Layout, make_table
 from cityx.city.mesh import MeshBatch, concatenate
 from cityx.city.roads import RoadNetwork
 from cityx.city.scene import Instances, Prototype, Scene
+from cityx.city.signals import Signals
 from cityx.city.terrain import Survey, Terrain
 from cityx.city.tracks import Tracks
 from cityx.errors import InputError
@@ -63,6 +64,7 @@ class View:
     network: RoadNetwork | None
     terrain: Terrain
     tracks: Tracks | None
+    signals: Signals | None
     moment: float
     attribution: tuple[str, ...]
     objects: Mapping[int, Mapping[str, str]]
@@ -81,6 +83,7 @@ def view_of(city: City) -> View:
         city.network,
         city.terrain,
         city.tracks,
+        city.signals,
         city.moment,
         city.attribution,
         {int(key, 16): value for key, value in _objects(city).items()},
@@ -172,6 +175,7 @@ def _files(city: City) -> dict[str, _File]:
     values: dict[str, Any] = {
         "survey": city.survey, "network": city.network, "heights": city.heights,
         "lanes": city.lanes, "ground": city.ground, "tracks": city.tracks,
+        "signals": city.signals,
     }  # fmt: skip
     values |= {f"meshes/{layer}": batch for layer, batch in city.scene.meshes.items()}
     values |= {f"instances/{layer}": rows for layer, rows in city.scene.instances.items()}
@@ -226,6 +230,7 @@ def read_city(folder: Path) -> City:
         lanes=_read_value(folder / "lanes.npz", LaneGraph),
         ground=_read_value(folder / "ground.npz", Ground),
         tracks=_read_value(folder / "tracks.npz", Tracks),
+        signals=_read_value(folder / "signals.npz", Signals),
         moment=record.get("moment", 0.0),
         scene=_read_scene(folder, record),
         environment=Environment(**record["environment"]),
@@ -260,6 +265,7 @@ def read_view(folder: Path) -> View:
         _read_value(folder / "network.npz", RoadNetwork),
         _read_terrain(folder / "terrain.tif", record["terrain"]),
         _read_value(folder / "tracks.npz", Tracks),
+        _read_value(folder / "signals.npz", Signals),
         record.get("moment", 0.0),
         tuple(record["attribution"]),
         {int(key, 16): value for key, value in objects.items()},

@@ -10,6 +10,7 @@ from cityx.checks.check import Check
 from cityx.checks.furniture import check_furniture
 from cityx.checks.ground import check_ground
 from cityx.checks.meshes import check_meshes
+from cityx.checks.movement import check_movement
 from cityx.checks.predicates.finding import Finding
 from cityx.checks.shells import check_shells
 from cityx.checks.standing import check_standing
@@ -18,7 +19,7 @@ from cityx.city import City
 
 RUN: tuple[Callable[[City], Iterable[Check]], ...] = (
     check_buildings, check_shells, check_ground, check_furniture, check_standing, check_trees,
-    check_meshes, check_bounds,
+    check_meshes, check_bounds, check_movement,
 )  # fmt: skip
 # Rule of a clean city -> checks that decide it.
 RULES: Mapping[str, tuple[str, ...]] = {
@@ -26,6 +27,9 @@ RULES: Mapping[str, tuple[str, ...]] = {
     "no building stands on a road": ("building_on_road", "building_in_street"),
     "nothing floats or is buried": ("floating_building", "building_buried", "things_off_ground"),
     "nothing stands in a lane": ("trees_in_lanes", "furniture_in_lanes", "trees_misplaced"),
+    "nothing moves off its feasible area": (
+        "vehicles_off_lane", "pedestrians_off_walkable", "movers_in_buildings", "movers_off_ground",
+    ),
     "every number is finite": ("not_finite",),
     "everything lies within the site": ("outside_site",),
 }

@@ -72,6 +72,10 @@ class Grid:
         column = np.clip(cell[:, 0], 0, self.columns - 1)
         return np.asarray(raster[np.clip(cell[:, 1], 0, self.rows - 1), column])
 
+    def touched(self, shapes: NDArray[Any]) -> NDArray[np.bool_]:
+        """Return whether some of (n,) polygons in metres reaches into each pixel."""
+        return self._drawn([(shape, 1) for shape in shapes], all_touched=True) > 0
+
     def numbered(self, shapes: NDArray[Any]) -> NDArray[np.int32]:
         """Return the number from 1 of the shape that holds the middle of each pixel, 0 for none.
 
@@ -80,12 +84,15 @@ class Grid:
         shapes
             (n,) polygons in metres; of those that overlap the last one counts.
         """
+        return self._drawn([*zip(shapes, range(1, len(shapes) + 1), strict=True)])
+
+    def _drawn(self, pairs: list[Any], *, all_touched: bool = False) -> NDArray[np.int32]:
         from rasterio.features import rasterize
         from rasterio.transform import Affine
 
         size = self.rows, self.columns
-        if len(shapes) == 0:
+        if not pairs:
             return np.zeros(size, np.int32)
         place = Affine(self.pixel, 0.0, self.west, 0.0, -self.pixel, self.north)
-        pairs = zip(shapes, range(1, len(shapes) + 1), strict=True)
-        return np.asarray(rasterize(pairs, size, transform=place, dtype="int32"))
+        drawn = rasterize(pairs, size, transform=place, all_touched=all_touched, dtype="int32")
+        return np.asarray(drawn)

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 ACTION = "building/design-v1"
 STREET_REACH = 120.0  # metres; a street further away gives a building no front
 GROUND_SHARE = 0.97  # of a mapped footprint that a generator's ground floor must cover
+STRETCH = 0.001  # of a height that is said, by which what is built may miss it
 STEEPEST = 0.6  # of a building's height that a drawn roof may take
 LEAST_RISE = 0.8  # metres
 MIN_HEIGHT = 0.4  # metres of a volume
@@ -293,7 +294,8 @@ def _massed(
             message = f"{names[row]} kept its plain block: {error}"
             failures.append(Failure(int(ids[row]), ACTION, message))
             grown.append([])
-    grown = _sound(grown)
+    said = _said_heights(buildings, rows)
+    grown = [_as_high_as(masses, h) for masses, h in zip(_sound(grown), said, strict=True)]
     covered = _covered([plot.plan for plot in plots], grown)
     for row, part, found, whole in zip(
         rows.tolist(), part_rows.tolist(), grown, covered.tolist(), strict=True
@@ -334,6 +336,26 @@ def _massed(
     buildings = buildings.copy()
     buildings["height"] = height
     return replace(layout, parts=joined, buildings=buildings), tuple(failures)
+
+
+def _said_heights(buildings: GeoDataFrame, rows: IntArray) -> list[float]:
+    """Heights of buildings that the map or a wish says, nan where none does; (k,), metres."""
+    tags = buildings["tags"].to_numpy(str)[rows]
+    known = np.char.find(tags, '"height"') >= 0
+    said: list[float] = np.where(known, buildings["height"].to_numpy(float)[rows], np.nan).tolist()
+    return said
+
+
+def _as_high_as(masses: list[Mass], height: float) -> list[Mass]:
+    """Stretch the volumes of a building so that the highest ends at a height; nan leaves them."""
+    highest = max((mass.high for mass in masses), default=0.0)
+    factor = height / highest if highest > 0.0 else 1.0
+    if not abs(factor - 1.0) > STRETCH:
+        return masses
+    return [
+        replace(mass, low=mass.low * factor, high=mass.high * factor, rise=mass.rise * factor)
+        for mass in masses
+    ]
 
 
 def _storeys(fresh: Any) -> FloatArray:

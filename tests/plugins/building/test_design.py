@@ -1,3 +1,4 @@
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -5,6 +6,7 @@ import pytest
 import shapely
 
 from cityx.errors import ActionFailed
+from cityx.plugins.building.catalogue import generators
 from cityx.plugins.building.design import design
 from cityx.plugins.building.samples import sample_city, sheet_of
 from cityx.plugins.building.selection import designs_of_parts
@@ -81,3 +83,17 @@ def test_one_building_becomes_another_kind():
 def test_a_city_without_room_for_it_is_told_so():
     with pytest.raises(ActionFailed, match="Setback skyscraper"):
         setback_skyscraper(example_city(), share=0.0)
+
+
+@pytest.mark.parametrize("height", [11.0, 26.0])
+def test_buildings_are_as_high_as_the_map_says(height):
+    names = [name for name, kind in generators().items() if kind.mass]
+    city = sample_city(sheet_of(names, (1, 2)))
+    layout = city.layout
+    tags = json.dumps({"height": str(height)})
+    buildings = layout.buildings.assign(tags=tags, height=height)
+    parts = layout.parts.assign(top=height)
+    built = design(replace(city, layout=replace(layout, buildings=buildings, parts=parts)))
+    assert np.allclose(built.layout.buildings["height"], height, rtol=2e-3)
+    top = built.layout.parts.groupby("building")["top"].max()
+    assert np.allclose(top, height, rtol=2e-3)

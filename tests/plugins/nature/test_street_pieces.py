@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.checks.furniture import check_furniture, crowding, in_lanes, placed_outlines
+from cityx.checks.furniture import check_furniture, crowding, in_lanes
 from cityx.city import Frame, make_table
 from cityx.city.ground import KERB_WIDTH
 from cityx.city.scene import Instances
@@ -99,12 +99,12 @@ def test_the_checks_find_a_bench_in_a_lane_and_one_that_blocks_a_walk(avenue):
                  np.arange(1, 4, dtype=np.uint64), np.zeros(3))  # fmt: skip
     kiosk = pieces("kiosk", np.array([[70.0, 7.0]]), np.array([9], np.uint64), np.zeros(1))
     city = with_pieces(avenue, LAYER, join_pieces([put, kiosk]))
-    outlines, xy, _ = placed_outlines(city)
+    outlines, xy, _ = placed_outlines(city.scene)
     assert in_lanes(city, outlines, xy).tolist() == [True, False, False, False]
     roads = avenue.layout.roads.assign(sidewalk_left=3.2, sidewalk_right=3.2)
     narrow = ground(replace(avenue, layout=replace(avenue.layout, roads=roads)))
     city = with_pieces(narrow, LAYER, join_pieces([put, kiosk]))
-    outlines, xy, _ = placed_outlines(city)
+    outlines, xy, _ = placed_outlines(city.scene)
     rows, tight = crowding(city, outlines, xy)
     assert np.round(xy[rows[tight], 0]).tolist() == [70.0]
 

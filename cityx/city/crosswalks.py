@@ -1,0 +1,314 @@
+"""Crosswalks: where people cross roadways, with bars, along footways, or at corners without."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.ground import ROADWAY, Ground
+from cityx.city.layout import Layout
+from cityx.city.roads import RoadNetwork
+from cityx.geometry.identity import hash_ids
+from cityx.geometry.polylines import Polylines, arc_lengths, locate, to_linestrings
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+FOOTWAYS = (
+    "sidewalk", "furnishing", "ramp", "kerb", "kerb_dropped", "tactile", "tactile_pale", "plaza",
+    "path", "trail",
+)  # fmt: skip
+# Land beside a roadway that people walk on where there is no pavement.
+VERGES = ("block", "courtyard", "grass", "meadow", "park", "bare", "sand", "farmland", "wood")
+PATHS = ("footway", "path", "pedestrian", "cycleway", "steps")
+FAST = ("motorway", "trunk", "motorway_link", "trunk_link")  # crossed by bars and paths alone
+BAR = (0.35, 0.7)  # metres of the width of a bar of a zebra
+BAR_LENGTH = (2.0, 4.6)  # metres, along the road
+APART = 3.0  # metres along a street between two crosswalks
+CORNER = 1.5  # metres from a junction's mouth to the middle of a crosswalk without bars
+USUAL_DEPTH = 2.4  # metres along the road that such a one takes
+WIDEST_BARE = 12.0  # metres of roadway that are crossed without bars
+BEYOND = 5.0  # metres past the rim of the roadway that the other side is looked for
+STEP = 0.2  # metres between the places looked at
+INTO = 0.4  # metres that a crosswalk reaches into the walks it joins
+LONGEST = 18.0  # metres; a path that runs longer on a roadway shares it
+SIGNALS = ("traffic_signals",)
+SIGNAL_REACH = 25.0  # metres from a junction to the signals that rule it
+ON_GROUND = 0.05  # metres by which an edge of the ground may be off it
+
+
+@dataclass(frozen=True)
+class Crosswalks:
+    """Places where people cross, c of them.
+
+    Attributes
+    ----------
+    id
+        (c,) uint64, stable.
+    ends
+        (c, 2, 2) float64, metres: where the crosswalk begins and ends, on the walks it joins.
+    depth
+        (c,) float64, metres across the way that people go.
+    edge
+        (c,) int64, edge of the road network that is crossed, -1 where a path tells of it alone.
+    marked
+        (c,) bool, whether it has bars.
+    signalled
+        (c,) bool, whether signals rule it.
+    """
+
+    id: NDArray[np.uint64]
+    ends: FloatArray
+    depth: FloatArray
+    edge: IntArray
+    marked: BoolArray
+    signalled: BoolArray
+
+    @property
+    def count(self) -> int:
+        """Number of crosswalks."""
+        return len(self.depth)
+
+    @property
+    def length(self) -> FloatArray:
+        """(c,) metres from end to end."""
+        return np.asarray(np.hypot(*(self.ends[:, 1] - self.ends[:, 0]).T))
+
+    def regions(self) -> NDArray[Any]:
+        """(c,) polygons."""
+        ahead = (self.ends[:, 1] - self.ends[:, 0]) / np.maximum(self.length, 1e-9)[:, None]
+        side = np.column_stack([-ahead[:, 1], ahead[:, 0]]) * (self.depth / 2)[:, None]
+        a, b = self.ends[:, 0], self.ends[:, 1]
+        return np.asarray(
+            shapely.polygons(np.stack([a - side, b - side, b + side, a + side], axis=1)), object
+        )
+
+    def take(self, rows: BoolArray | IntArray) -> Crosswalks:
+        """Return some of them."""
+        return Crosswalks(**{name: getattr(self, name)[rows] for name in self.__annotations__})
+
+
+@dataclass(frozen=True)
+class _Candidates:
+    """Lines across edges along which the walks on both sides are looked for."""
+
+    edge: IntArray
+    along: FloatArray
+    depth: FloatArray
+    marked: BoolArray
+
+
+def crosswalks_of(ground: Ground, layout: Layout, network: RoadNetwork) -> Crosswalks:
+    """Find the crosswalks of a city on its finished ground.
+
+    Parameters
+    ----------
+    ground
+        The ground; bars of zebras are found among its faces.
+    layout
+        Paths that cross roadways, and signals.
+    network
+        The streets.
+
+    Returns
+    -------
+    crosswalks
+        Those with bars, those of paths, and at the mouths of quiet streets some without. Where two
+        would lie within `APART` metres the one with bars is kept.
+    """
+    parts = [_across(_candidates(ground, layout, network), ground, network)]
+    parts.append(_along_paths(ground, layout))
+    joined = Crosswalks(
+        *(np.concatenate([getattr(p, name) for p in parts]) for name in Crosswalks.__annotations__)
+    )
+    found = joined.take(_apart(joined))
+    middle = shapely.points(found.ends.mean(axis=1))
+    places = layout.points.geometry.to_numpy()[layout.points["kind"].isin(SIGNALS).to_numpy()]
+    ruled = np.zeros(found.count, bool)
+    if len(places):
+        tree = shapely.STRtree(places)
+        ruled[tree.query(middle, predicate="dwithin", distance=SIGNAL_REACH)[0]] = True
+    return Crosswalks(found.id, found.ends, found.depth, found.edge, found.marked,
+                      ruled & found.marked)  # fmt: skip
+
+
+def _candidates(ground: Ground, layout: Layout, network: RoadNetwork) -> _Candidates:
+    lines = Polylines(network.points, network.point_start)
+    level = _on_ground(network)
+    edge, along, depth = _zebras(ground, network, lines, level)
+    kind = layout.roads["kind"].to_numpy().astype(str)[network.edge_road]
+    quiet = ~np.isin(kind, FAST) & (2 * network.half_width <= WIDEST_BARE) & level
+    length = arc_lengths(lines)[1]
+    room = length - network.trim.sum(axis=1) > 2 * (CORNER + USUAL_DEPTH)
+    joint = network.node_degree[network.edge_nodes] >= 3
+    corner, end = np.nonzero(joint & (quiet & room)[:, None])
+    back = network.trim[corner, end] + CORNER
+    there = np.where(end == 0, back, length[corner] - back)
+    return _Candidates(
+        np.concatenate([edge, corner]),
+        np.concatenate([along, there]),
+        np.concatenate([depth, np.full(len(corner), USUAL_DEPTH)]),
+        np.arange(len(edge) + len(corner)) < len(edge),
+    )
+
+
+def _on_ground(network: RoadNetwork) -> BoolArray:
+    """(e,) whether an edge lies on the ground from end to end."""
+    if not network.edge_count:
+        return np.zeros(0, bool)
+    off = np.maximum.reduceat(np.abs(network.lift), network.point_start[:-1])
+    return np.asarray(off <= ON_GROUND)
+
+
+def _zebras(
+    ground: Ground, network: RoadNetwork, lines: Polylines, level: BoolArray
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Find crossings by their bars: edge, metres along it, and metres along the road."""
+    none = np.zeros(0, np.int64), np.zeros(0), np.zeros(0)
+    bars = _bars(ground)
+    edges = np.flatnonzero(level)
+    if not len(bars) or not len(edges):
+        return none
+    middle = bars.mean(axis=1)
+    side = np.diff(bars, axis=1)[:, :2]  # (b, 2, 2)
+    size = np.hypot(side[:, :, 0], side[:, :, 1])
+    longer = np.argmax(size, axis=1)
+    row = np.arange(len(bars))
+    shapes = to_linestrings(lines)[edges]
+    tree = shapely.STRtree(shapes)
+    spot, near = tree.query_nearest(shapely.points(middle), max_distance=25.0, all_matches=False)
+    edge = edges[near]
+    along = shapely.line_locate_point(shapes[near], shapely.points(middle[spot]))
+    ahead = side[row, longer][spot] / size[row, longer][spot][:, None]
+    within = shapely.distance(shapes[near], shapely.points(middle[spot]))
+    straight = np.abs((ahead * locate(lines, edge, along)[1]).sum(axis=1)) > 0.9
+    kept = straight & (within <= network.half_width[edge])
+    edge, along, depth = edge[kept], along[kept], size[row, longer][spot][kept]
+    order = np.lexsort((along, edge))
+    edge, along, depth = edge[order], along[order], depth[order]
+    group = np.cumsum(np.r_[True, (np.diff(edge) != 0) | (np.diff(along) > 1.0)][: len(edge)]) - 1
+    if not len(group):
+        return none
+    count = np.bincount(group)
+    several = count >= 2  # one bar alone is some other mark
+    at = np.bincount(group, along) / count
+    first = np.searchsorted(group, np.arange(len(count)))
+    return edge[first][several], at[several], (np.bincount(group, depth) / count)[several]
+
+
+def _bars(ground: Ground) -> FloatArray:
+    """(b, 4, 2) corners of the rectangles of paint that measure as bars of a zebra."""
+    of = ground.labelled("marking", "marking_yellow")[ground.triangle_face]
+    triangles, face = ground.triangles[of], ground.triangle_face[of]
+    if not len(triangles):
+        return np.zeros((0, 4, 2))
+    order = np.argsort(face, kind="stable")
+    number = np.unique(face[order], return_inverse=True)[1]
+    corners = ground.vertices[triangles[order]].reshape(-1, 2)
+    points = shapely.multipoints(corners, indices=np.repeat(number, 3))
+    boxes = shapely.oriented_envelope(points)
+    boxes = boxes[shapely.get_type_id(boxes) == shapely.GeometryType.POLYGON]
+    corners = shapely.get_coordinates(boxes).reshape(-1, 5, 2)[:, :4]
+    size = np.sort(np.hypot(*np.diff(corners, axis=1)[:, :2].transpose(2, 0, 1)), axis=1)
+    full = (size[:, 0] >= BAR[0]) & (size[:, 0] <= BAR[1])
+    full &= (size[:, 1] >= BAR_LENGTH[0]) & (size[:, 1] <= BAR_LENGTH[1])
+    return np.asarray(corners[full])
+
+
+def _across(found: _Candidates, ground: Ground, network: RoadNetwork) -> Crosswalks:
+    """Lead lines square to streets from walk to walk; those that meet none are left out."""
+    lines = Polylines(network.points, network.point_start)
+    middle, ahead = locate(lines, found.edge, found.along)
+    across = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    half = network.half_width[found.edge]
+    reach = float(half.max(initial=0.0)) + BEYOND
+    steps = np.arange(0.0, reach + STEP, STEP)
+    ends, met = [], np.ones(len(half), bool)
+    for side in (1.0, -1.0):
+        spots = middle[:, None] + side * steps[:, None] * across[:, None]  # (c, k, 2)
+        walk = ground.on(spots.reshape(-1, 2), *FOOTWAYS, *VERGES).reshape(len(half), -1)
+        road = ground.on(spots.reshape(-1, 2), *ROADWAY).reshape(len(half), -1)
+        # The far rim is where the walk begins for good: islands lie nearer than the rim.
+        walk &= (steps >= half[:, None] - 1.0) & (steps <= half[:, None] + BEYOND)
+        first = np.argmax(walk, axis=1)
+        before = np.arange(len(steps)) < first[:, None]
+        met &= walk.any(axis=1) & ((road | walk | ~before).mean(axis=1) > 0.9)
+        ends.append(middle + side * (steps[first] + INTO)[:, None] * across)
+    key = hash_ids(0, "crosswalk", network.edge_id[found.edge], np.rint(10 * found.along))
+    return Crosswalks(
+        key,
+        np.stack(ends, axis=1),
+        found.depth,
+        found.edge,
+        found.marked,
+        np.zeros(len(half), bool),
+    ).take(met)
+
+
+def _along_paths(ground: Ground, layout: Layout) -> Crosswalks:
+    """Return where footways lead over roadways."""
+    roads = layout.roads
+    level = ~roads["bridge"].to_numpy() & ~roads["tunnel"].to_numpy()
+    level &= (roads["layer"].to_numpy() == 0) & roads["kind"].isin(PATHS).to_numpy()
+    shapes, ids = roads.geometry.to_numpy()[level], roads["id"].to_numpy(np.uint64)[level]
+    faces = shapely.polygons(ground.vertices[ground.triangles_of(*ROADWAY)])
+    if not len(shapes) or not len(faces):
+        return no_crosswalks()
+    way, face = shapely.STRtree(faces).query(shapes, predicate="intersects")
+    if not len(way):
+        return no_crosswalks()
+    start = np.flatnonzero(np.r_[True, way[1:] != way[:-1]])
+    ends, keys = [np.zeros((0, 2, 2))], [np.zeros(0, np.uint64)]
+    for rows in np.split(np.arange(len(way)), start[1:]):
+        line = shapes[way[rows[0]]]
+        over = shapely.intersection(line, shapely.union_all(faces[face[rows]], grid_size=0.001))
+        parts = shapely.get_parts(shapely.line_merge(over))
+        parts = parts[shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING]
+        if not len(parts):
+            continue
+        points = shapely.get_coordinates(parts)
+        last = np.cumsum(shapely.get_num_coordinates(parts)) - 1
+        first = np.r_[0, last[:-1] + 1]
+        pair = np.stack([points[first], points[last]], axis=1)
+        length = np.hypot(*(pair[:, 1] - pair[:, 0]).T)
+        pair, length = pair[length > 2 * STEP], length[length > 2 * STEP]
+        into = (pair[:, 1] - pair[:, 0]) / length[:, None] * INTO
+        ends.append(np.stack([pair[:, 0] - into, pair[:, 1] + into], axis=1)[length < LONGEST])
+        keys.append(hash_ids(0, "crosswalk", ids[way[rows[0]]], np.rint(10 * pair[:, 0, 0]))[
+            length < LONGEST])  # fmt: skip
+    found = np.concatenate(ends)
+    if not len(found):
+        return no_crosswalks()
+    walked = ground.on(found.reshape(-1, 2), *FOOTWAYS, *VERGES).reshape(-1, 2).all(axis=1)
+    count = len(found)
+    return Crosswalks(
+        np.concatenate(keys), found, np.full(count, USUAL_DEPTH), np.full(count, -1, np.int64),
+        np.zeros(count, bool), np.zeros(count, bool),
+    ).take(walked)  # fmt: skip
+
+
+def no_crosswalks() -> Crosswalks:
+    """Return none."""
+    flags = np.zeros(0, bool)
+    return Crosswalks(np.zeros(0, np.uint64), np.zeros((0, 2, 2)), np.zeros(0),
+                      np.zeros(0, np.int64), flags, flags)  # fmt: skip
+
+
+def _apart(found: Crosswalks) -> BoolArray:
+    """(c,) those that lie apart from each other, those with bars before the others."""
+    middle = shapely.points(found.ends.mean(axis=1))
+    one, other = shapely.STRtree(middle).query(middle, predicate="dwithin", distance=APART)
+    rank = np.lexsort((found.id, ~found.marked))
+    place = np.empty(len(rank), np.int64)
+    place[rank] = np.arange(len(rank))
+    kept = np.ones(found.count, bool)
+    for row in rank.tolist():
+        if kept[row]:
+            near = other[one == row]
+            kept[near[place[near] > place[row]]] = False
+    return kept

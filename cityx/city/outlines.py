@@ -1,0 +1,65 @@
+"""Outlines of things that stand about, as far as they are in somebody's way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.scene import Scene
+
+FloatArray = NDArray[np.float64]
+FURNITURE = ("street_furniture", "street_pieces", "park_pieces", "shore_pieces")
+LOW, HIGH = 0.10, 2.0  # metres above the ground between which a thing is in somebody's way
+
+
+def placed_outlines(
+    scene: Scene, layers: Sequence[str] = FURNITURE
+) -> tuple[NDArray[Any], FloatArray, NDArray[np.uint64]]:
+    """Return what of things is in somebody's way.
+
+    Parameters
+    ----------
+    scene
+        Where they stand.
+    layers
+        Layers of instances that are looked at.
+
+    Returns
+    -------
+    outlines, places, ids
+        (n,) convex polygons round what of them lies between ankle and head, (n, 2) metres where
+        they stand, and (n,) uint64. What is lower or higher throughout is left out.
+    """
+    hulls: dict[int, Any] = {}
+    shapes, spots = [np.zeros(0, object)], [np.zeros((0, 2))]
+    ids = [np.zeros(0, np.uint64)]
+    for layer in layers:
+        rows = scene.instances.get(layer)
+        if rows is None:
+            continue
+        for index in np.unique(rows.prototype).tolist():
+            if index not in hulls:
+                vertices = scene.prototypes[index].mesh.vertices
+                body = vertices[(vertices[:, 2] > LOW) & (vertices[:, 2] < HIGH)]
+                # A post has vertices at its ends alone.
+                tall = vertices[:, 2].max() > LOW
+                foot = vertices[vertices[:, 2] <= LOW]
+                solid = body if len(body) >= 3 else foot if tall else body
+                hulls[index] = shapely.convex_hull(shapely.multipoints(solid[:, :2]))
+            hull = shapely.get_coordinates(hulls[index])
+            if len(hull) < 4:
+                continue
+            of = rows.prototype == index
+            angle, size = rows.rotation[of, 2].astype(float), rows.scale[of].astype(float)
+            c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
+            x, y = (hull[:, k] * size[:, k : k + 1] for k in (0, 1))
+            at = rows.position[of][:, :2]
+            ring = np.stack([c * x - s * y, s * x + c * y], axis=2) + at[:, None]
+            shapes.append(shapely.polygons(ring))
+            spots.append(at)
+            ids.append(rows.object_id[of])
+    return np.concatenate(shapes), np.concatenate(spots), np.concatenate(ids)

@@ -1,0 +1,261 @@
+"""Where people can walk: pavements, paths, plazas and crosswalks, without what stands in the way.
+
+The area is known twice: as polygons, and as a raster whose free cells lie wholly on it and at least
+half a body away from whatever is solid. A place in a free cell is therefore never off the area, nor
+in a wall; routes and crowds need to ask the raster alone.
+"""
+
+from __future__ import annotations
+
+import weakref
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+
+from cityx.city.city import City
+from cityx.city.crosswalks import FOOTWAYS, VERGES, Crosswalks, crosswalks_of
+from cityx.city.ground import ROADWAY, Ground
+from cityx.city.mesh import NO_VERTEX, MeshBatch
+from cityx.city.outlines import FURNITURE, placed_outlines
+from cityx.geometry.raster.grid import Grid
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+BODY = 0.23  # metres from the middle of a person to the shoulders (Fruin's ellipse: 0.46 m wide)
+CELL = 0.2  # metres of a cell of the raster
+VERGE = 1.8  # metres of land beside a roadway that people walk on where there is no pavement
+PAVED = 0.5  # metres from a pavement within which nobody walks on the land beside it
+MOST_CELLS = 150_000_000  # of a raster: 6 km2, some 2 GB while it is made
+SOLID = (*FURNITURE, "trees", "vehicles")  # layers of the scene that stand in the way
+WALLS = ("barriers", "structures")  # layers of meshes that do
+FARTHEST = 12.0  # metres of clearance that are told apart
+STRIP = 2000  # rows of the raster whose clearance is measured at once
+
+
+@dataclass(frozen=True)
+class Walkable:
+    """The walkable area of a city.
+
+    Attributes
+    ----------
+    areas
+        (a,) polygons, pavements and paths with the crosswalks that join them.
+    crosswalks
+        Where people cross.
+    grid
+        Where the cells of the rasters lie.
+    free
+        (rows, columns) bool, cells in which the middle of a person may be.
+    clearance
+        (rows, columns) float16, metres from a cell to the next that is not free, 12 at most.
+    crosswalk
+        (rows, columns) int16, number from 1 of the crosswalk on a roadway, 0 elsewhere.
+    verge
+        (rows, columns) bool, land beside a roadway, taken where nothing better leads on.
+    """
+
+    areas: NDArray[Any]
+    crosswalks: Crosswalks
+    grid: Grid
+    free: BoolArray
+    clearance: NDArray[np.float16]
+    crosswalk: NDArray[np.int16]
+    verge: BoolArray
+
+    @cached_property
+    def area(self) -> float:
+        """Square metres."""
+        return float(shapely.area(self.areas).sum())
+
+    @cached_property
+    def room(self) -> float:
+        """Square metres in which the middle of a person may be."""
+        return float(self.free.sum()) * CELL * CELL
+
+    def holds(self, xy: ArrayLike) -> BoolArray:
+        """Tell which of (n, 2) places are free."""
+        return np.asarray(self.at(self.free, xy))
+
+    def at(self, raster: NDArray[Any], xy: ArrayLike) -> NDArray[Any]:
+        """Return (n,) values of a raster at (n, 2) places, 0 beyond it."""
+        cell = np.floor(self.grid.to_pixels(xy)).astype(np.int64)
+        inside = (cell >= 0).all(axis=1)
+        inside &= (cell[:, 0] < self.grid.columns) & (cell[:, 1] < self.grid.rows)
+        cell = np.where(inside[:, None], cell, 0)
+        found = raster[cell[:, 1], cell[:, 0]]
+        return np.where(inside, found, np.zeros((), found.dtype))
+
+    def places(self, cell: NDArray[Any]) -> FloatArray:
+        """Return (n, 2) metres of the middles of (n, 2) cells, row and column."""
+        return self.grid.to_metres(np.asarray(cell)[:, ::-1] + 0.5)
+
+    @cached_property
+    def _free_cells(self) -> tuple[FloatArray, Any]:
+        from scipy.spatial import cKDTree
+
+        places = self.places(np.argwhere(self.free & (self.crosswalk == 0)))
+        return places, cKDTree(places) if len(places) else None
+
+    def snapped(self, xy: ArrayLike, most: float) -> tuple[FloatArray, BoolArray]:
+        """Move (n, 2) places to the nearest free ones off the roadway.
+
+        Parameters
+        ----------
+        xy
+            (n, 2) float, metres.
+        most
+            Metres beyond which a place is given up.
+
+        Returns
+        -------
+        moved, found
+            (n, 2) places, and (n,) whether there was one near enough; the others stay.
+        """
+        spots = np.asarray(xy, float).reshape(-1, 2)
+        places, tree = self._free_cells
+        if tree is None or not len(spots):
+            return spots.copy(), np.zeros(len(spots), bool)
+        far, row = tree.query(spots, distance_upper_bound=most)
+        found = np.isfinite(far)
+        moved = spots.copy()
+        kept = self.holds(spots) & (self.at(self.crosswalk, spots) == 0)
+        moved[found] = places[row[found]]
+        return np.where(kept[:, None], spots, moved), found | kept
+
+
+_LAST: list[tuple[tuple[weakref.ref[Any], ...], Walkable]] = []
+
+
+def walkable_of(city: City) -> Walkable:
+    """Return the walkable area of a city; that of the last one is remembered.
+
+    Parameters
+    ----------
+    city
+        City with ground and road network.
+
+    Raises
+    ------
+    ValueError
+        If the ground is not laid.
+    """
+    ground, network = city.ground, city.network
+    if ground is None or network is None:
+        raise ValueError("the ground is not laid yet")
+    scene = city.scene
+    parts: list[Any] = [ground, network]
+    parts += [scene.instances[name] for name in SOLID if name in scene.instances]
+    parts += [scene.meshes[name] for name in WALLS if name in scene.meshes]
+    if _LAST and _same(_LAST[0][0], parts):
+        return _LAST[0][1]
+    found = _made(city, ground)
+    _LAST[:] = [(tuple(map(weakref.ref, parts)), found)]
+    return found
+
+
+def _same(references: tuple[weakref.ref[Any], ...], parts: list[Any]) -> bool:
+    return len(references) == len(parts) and all(
+        reference() is part for reference, part in zip(references, parts, strict=True)
+    )
+
+
+def _made(city: City, ground: Ground) -> Walkable:
+    assert city.network is not None
+    crosswalks = crosswalks_of(ground, city.layout, city.network)
+    walks = _polygon(ground, FOOTWAYS)
+    road = _polygon(ground, ROADWAY)
+    verge = _verges(ground, road, walks)
+    over = shapely.intersection(crosswalks.regions(), road)
+    crosswalks, over = _used(crosswalks, over)
+    whole = shapely.union_all([walks, verge, *over], grid_size=0.001)
+    site = shapely.box(*city.layout.extent)
+    whole = shapely.intersection(whole, site)
+    grid = _grid_over(city.layout.extent)
+    rest = shapely.difference(shapely.buffer(site, 2 * CELL, join_style="mitre"), whole)
+    free = ~grid.touched(shapely.get_parts(rest)) & ~grid.touched(_solids(city, ground))
+    return Walkable(
+        shapely.get_parts(whole), crosswalks, grid, free, _clearance(free),
+        grid.numbered(over).astype(np.int16), grid.touched(shapely.get_parts(verge)),
+    )  # fmt: skip
+
+
+def _grid_over(extent: tuple[float, float, float, float]) -> Grid:
+    west, south, east, north = extent
+    # Cells lie on whole multiples, whatever the site.
+    west, north = CELL * np.floor(west / CELL), CELL * np.ceil(north / CELL)
+    rows, columns = int(np.ceil((north - south) / CELL)), int(np.ceil((east - west) / CELL))
+    if rows * columns > MOST_CELLS:
+        size = rows * columns * CELL * CELL / 1e6
+        most = MOST_CELLS * CELL * CELL / 1e6
+        raise ValueError(
+            f"a site of {size:.1f} km2 is too large to walk in; {most:.0f} km2 are not"
+        )
+    return Grid(rows, columns, CELL, float(west), float(north))
+
+
+def _polygon(ground: Ground, names: tuple[str, ...]) -> Any:
+    """Return what faces of some surfaces cover."""
+    triangles = ground.triangles_of(*names)
+    return shapely.coverage_union_all(shapely.polygons(ground.vertices[triangles]))
+
+
+def _verges(ground: Ground, road: Any, walks: Any) -> Any:
+    """Return the land along roadways, apart from where there is a pavement."""
+    triangles = ground.triangles_of(*VERGES)
+    land = shapely.polygons(ground.vertices[triangles])
+    strip = shapely.buffer(road, VERGE, quad_segs=2)
+    near = shapely.STRtree(land).query(road, predicate="dwithin", distance=VERGE)
+    found = shapely.union_all(shapely.intersection(land[np.sort(near)], strip), grid_size=0.001)
+    # A strip behind a pavement leads nowhere; where one ends they must still touch.
+    paved = shapely.buffer(shapely.buffer(walks, PAVED + VERGE, quad_segs=2), -VERGE, quad_segs=2)
+    return shapely.union_all([
+        shapely.difference(found, paved, grid_size=0.001),
+        shapely.intersection(found, shapely.difference(paved, shapely.buffer(paved, -2 * PAVED)),
+                             grid_size=0.001),
+    ])  # fmt: skip
+
+
+def _used(crosswalks: Crosswalks, over: NDArray[Any]) -> tuple[Crosswalks, NDArray[Any]]:
+    """Return the crosswalks that cross something, and what they cover of the roadway."""
+    kept = shapely.area(over) > 0.5
+    return crosswalks.take(kept), np.asarray(over[kept], object)
+
+
+def _solids(city: City, ground: Ground) -> NDArray[Any]:
+    """(k,) polygons within half a body of something solid."""
+    built = shapely.polygons(ground.vertices[ground.triangles_of("building", "void", "water")])
+    outlines = placed_outlines(city.scene, SOLID)[0]
+    walls = [_traces(city.scene.meshes[name]) for name in WALLS if name in city.scene.meshes]
+    return np.asarray(
+        shapely.buffer(np.concatenate([built, outlines, *walls]), BODY, quad_segs=3), object
+    )
+
+
+def _traces(batch: MeshBatch) -> NDArray[Any]:
+    """(f,) what the faces of walls cover seen from above."""
+    corners = batch.faces.copy()
+    triangle = corners[:, 3] == NO_VERTEX
+    corners[triangle, 3] = corners[triangle, 2]
+    flat = batch.vertices[corners][:, :, :2]
+    return np.asarray(shapely.convex_hull(shapely.multipoints(
+        flat.reshape(-1, 2), indices=np.repeat(np.arange(len(flat)), 4))), object)  # fmt: skip
+
+
+def _clearance(free: BoolArray) -> NDArray[np.float16]:
+    """Metres from each cell to the next that is not free, strip by strip."""
+    from scipy.ndimage import distance_transform_edt
+
+    found = np.zeros(free.shape, np.float16)
+    more = int(np.ceil(FARTHEST / CELL))
+    for begin in range(0, len(free), STRIP):
+        low, high = max(begin - more, 0), min(begin + STRIP + more, len(free))
+        part = distance_transform_edt(np.pad(free[low:high], ((0, 0), (1, 1))))[:, 1:-1] * CELL
+        end = min(begin + STRIP, len(free))
+        found[begin:end] = np.minimum(part[begin - low : end - low], FARTHEST)
+    return found

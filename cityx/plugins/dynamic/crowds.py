@@ -1,0 +1,131 @@
+"""Crowds put into a city: refused where they do not fit, walked, and kept as tracks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.city import City
+from cityx.city.moments import moments_of
+from cityx.city.tracks import MOVER, Tracks, join_tracks, no_tracks
+from cityx.city.walkable import Walkable, walkable_of
+from cityx.errors import ActionFailed
+from cityx.geometry.crowd import SQUEEZED
+from cityx.geometry.driving import keeps_left
+from cityx.plugins.dynamic.people_gates import gates_of
+from cityx.plugins.dynamic.people_tracks import tracks_of_people
+from cityx.plugins.dynamic.people_trips import Trips
+from cityx.plugins.dynamic.people_walk import STEP, walked
+
+FloatArray = NDArray[np.float64]
+
+CROWDED = 0.3  # people per free square metre up to which a crowd still walks (Fruin, level D)
+
+
+def area_of(city: City) -> Walkable:
+    """Return the walkable area of a city.
+
+    Raises
+    ------
+    ActionFailed
+        If nobody can walk in it.
+    """
+    try:
+        walkable = walkable_of(city)
+    except ValueError as error:
+        raise ActionFailed(f"Nobody can walk here: {error}.") from error
+    if not walkable.free.any():
+        raise ActionFailed(
+            "Nobody can walk here: there is no sidewalk, path, plaza or land beside a street."
+        )
+    return walkable
+
+
+def check_room(walkable: Walkable, count: int) -> None:
+    """Refuse more people than can still walk.
+
+    Raises
+    ------
+    ActionFailed
+        With how many fit.
+    """
+    most = int(CROWDED * walkable.room)
+    if count > most:
+        raise ActionFailed(
+            f"{count:,} people do not fit: of {walkable.area:,.0f} m2 of sidewalks, paths and "
+            f"plazas {walkable.room:,.0f} m2 are free, on which {most:,} can walk. "
+            f"Ask for {most:,} at most."
+        )
+
+
+def with_crowd(
+    city: City, walkable: Walkable, trips: Trips, duration: float, origin: str, held: Tracks
+) -> City:
+    """Let people walk among what moves already, and put their tracks into the city.
+
+    Parameters
+    ----------
+    city
+        The city.
+    walkable, trips
+        Where they walk.
+    duration
+        Seconds.
+    origin
+        Id of the action.
+    held
+        Tracks that stay; none of them gives way.
+    """
+    side = -1.0 if keeps_left(city.frame) else 1.0
+    walkers = held.take(held.kind == MOVER["pedestrian"])
+    steps = walked(
+        trips, walkable, gates_of(held, walkable, duration), _places_of(walkers, duration),
+        duration, side,
+    )  # fmt: skip
+    made = tracks_of_people(city, origin, trips.id, steps.trip, steps.time, steps.position)
+    made = made.take(~_met(made, walkers, duration))
+    joined = join_tracks([held, made])
+    return replace(
+        city, tracks=joined if joined.count else None, stages_done=city.stages_done | {"dynamic"}
+    )
+
+
+def without_people(city: City, origin: str | None = None) -> Tracks:
+    """Return the tracks of a city less those of people, all or of one action."""
+    held = city.tracks if city.tracks is not None else no_tracks()
+    gone = held.kind == MOVER["pedestrian"]
+    return held.take(~(gone if origin is None else gone & (held.origin == origin)))
+
+
+class _places_of:  # noqa: N801  a function with what it has looked up
+    """From a time to the places of people who walk on tracks."""
+
+    def __init__(self, walkers: Tracks, duration: float) -> None:
+        count = round(duration / STEP) + 1
+        found = moments_of(walkers, np.arange(count) * STEP)
+        order = np.argsort(found.number, kind="stable")
+        self.start = np.searchsorted(found.number[order], np.arange(count + 1))
+        self.xy = found.position[order, :2]
+
+    def __call__(self, now: float) -> FloatArray:
+        number = min(round(now / STEP), len(self.start) - 2)
+        return self.xy[self.start[number] : self.start[number + 1]]
+
+
+def _met(made: Tracks, walkers: Tracks, duration: float) -> NDArray[np.bool_]:
+    """(n,) who was walked into by somebody that does not give way."""
+    from scipy.spatial import cKDTree
+
+    met = np.zeros(made.count, bool)
+    if not walkers.count or not made.count:
+        return met
+    times = np.arange(round(duration / STEP) + 1) * STEP
+    one, other = moments_of(made, times), moments_of(walkers, times)
+    for number in range(len(times)):
+        mine, yours = one.number == number, other.number == number
+        if mine.any() and yours.any():
+            far, _ = cKDTree(other.position[yours, :2]).query(one.position[mine, :2])
+            met[one.mover[mine][far < SQUEEZED]] = True
+    return met

@@ -1,0 +1,1 @@
+"""Traffic by SUMO: the network as SUMO has it, its simulation, its files."""

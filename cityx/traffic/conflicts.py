@@ -1,0 +1,149 @@
+"""Who gives way to whom where ways across a junction meet, by their shapes.
+
+SUMO tells conflicts by the order of the arms round a junction. Where several junctions of the map
+are one here, or streets part at a small angle, that order does not say which ways cross.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.traffic.streets import Streets
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+HALF_BODY = 1.0  # metres from the middle of a vehicle to its side, with a little air
+STOREY = 2.5  # metres of height that part two streets
+GREEN, MINOR = "G", "g"
+
+
+@dataclass(frozen=True)
+class Conflicts:
+    """Pairs of links that cannot be used at once, k of them.
+
+    Attributes
+    ----------
+    first, second
+        (k,) int64, links; the second gives way to the first.
+    """
+
+    first: IntArray
+    second: IntArray
+
+
+def conflicts_of(streets: Streets) -> Conflicts:
+    """Find the links of each junction that meet on the ground."""
+    links, ways = streets.links, streets.ways
+    none = np.zeros(0, np.int64)
+    if not links:
+        return Conflicts(none, none)
+    source = np.array([link.source for link in links], np.int64)
+    target = np.array([link.target for link in links], np.int64)
+    junction = np.array([ways[way].target for way in source[:, 0].tolist()])
+    lines = np.array([shapely.LineString(link.shape) for link in links], object)
+    bodies = shapely.buffer(shapely.force_2d(lines), HALF_BODY, cap_style="flat")
+    one, other = shapely.STRtree(bodies).query(bodies, predicate="intersects")
+    kept = (one < other) & (junction[one] == junction[other])
+    kept &= (source[one] != source[other]).any(axis=1)
+    one, other = one[kept], other[kept]
+    # Lanes side by side of one street meet only where their ways cross.
+    beside = source[one, 0] == source[other, 0]
+    crossing = shapely.crosses(lines[one], lines[other])
+    kept = ~beside | crossing
+    one, other = one[kept], other[kept]
+    middle = np.array([link.shape[:, 2].mean() for link in links])
+    kept = np.abs(middle[one] - middle[other]) < STOREY
+    one, other = one[kept], other[kept]
+    # The street of the higher rank goes first, then who goes straighter; at last the order decides.
+    rank = np.array([ways[way].rank for way in source[:, 0].tolist()])
+    onto = np.array([ways[way].rank for way in target[:, 0].tolist()])
+    turn = np.round(np.array([_turn(link.shape) for link in links]), 3)
+    key = np.column_stack([-rank, -onto, turn, np.arange(len(links))])
+    order = np.empty(len(links), np.int64)
+    order[np.lexsort(key.T[::-1])] = np.arange(len(links))
+    swap = order[one] > order[other]
+    return Conflicts(np.where(swap, other, one), np.where(swap, one, other))
+
+
+def _turn(shape: FloatArray) -> float:
+    """Radians between the directions in which a line begins and ends."""
+    first, last = shape[1, :2] - shape[0, :2], shape[-1, :2] - shape[-2, :2]
+    cross = first[0] * last[1] - first[1] * last[0]
+    return abs(float(np.arctan2(cross, first @ last)))
+
+
+def settle(root: Any, conflicts: Conflicts, lane_of: dict[int, str]) -> None:
+    """Write conflicts that SUMO does not know into a network.
+
+    Parameters
+    ----------
+    root
+        Of the network's XML.
+    conflicts
+        The conflicts.
+    lane_of
+        Link to the name of the first of its lanes in the network.
+    """
+    junctions = {element.get("id"): element for element in root.iter("junction")}
+    controlled = {
+        (c.get("from"), c.get("fromLane"), c.get("to"), c.get("toLane")):
+        (c.get("tl"), int(c.get("linkIndex")))
+        for c in root.iter("connection") if c.get("tl") is not None
+    }  # fmt: skip
+    by_via = {c.get("via"): controlled.get(
+        (c.get("from"), c.get("fromLane"), c.get("to"), c.get("toLane")))
+        for c in root.iter("connection")}  # fmt: skip
+    plans = {element.get("id"): element for element in root.iter("tlLogic")}
+    for first, second in zip(conflicts.first.tolist(), conflicts.second.tolist(), strict=True):
+        if first not in lane_of or second not in lane_of:
+            continue
+        names = lane_of[first], lane_of[second]
+        junction, before = _index(names[0])
+        other, after = _index(names[1])
+        if junction != other:
+            continue
+        requests = junctions[junction].findall("request")
+        known = _bit(requests[before].get("foes"), after)
+        yields = _bit(requests[before].get("response"), after)
+        if not known:
+            for here, there in ((before, after), (after, before)):
+                _set_bit(requests[here], "foes", there)
+            _set_bit(requests[after], "response", before)
+        elif yields:
+            names = names[::-1]
+        _one_green(plans, by_via[names[0]], by_via[names[1]])
+
+
+def _one_green(
+    plans: dict[str, Any], first: tuple[str, int] | None, second: tuple[str, int] | None
+) -> None:
+    """Let the second of two signals give way where both would show green."""
+    if first is None or second is None or first[0] != second[0]:
+        return
+    for phase in plans[first[0]].findall("phase"):
+        state = phase.get("state")
+        if state[first[1]] == GREEN and state[second[1]] == GREEN:
+            phase.set("state", state[: second[1]] + MINOR + state[second[1] + 1 :])
+
+
+def _index(lane: str) -> tuple[str, int]:
+    """Return the junction of a lane across it, and its number there."""
+    junction, edge, place = lane[1:].rsplit("_", 2)
+    return junction, int(edge) + int(place)
+
+
+def _bit(bits: str, place: int) -> bool:
+    return bits[len(bits) - 1 - place] == "1"
+
+
+def _set_bit(request: Any, name: str, place: int) -> None:
+    bits = request.get(name)
+    at = len(bits) - 1 - place
+    request.set(name, f"{bits[:at]}1{bits[at + 1 :]}")

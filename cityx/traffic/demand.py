@@ -1,0 +1,374 @@
+"""Who drives where: trips between the borders of a site and what stands along its streets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.assets.palettes import GROUPS, groups_of
+from cityx.city.city import City
+from cityx.geometry.identity import choose, hash_ids, id_text, uniform
+from cityx.traffic.kinds import DRIVING, LARGE, shares_on
+from cityx.traffic.simulation import Group, Look, Trip
+from cityx.traffic.streets import Streets, Way
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+DENSITIES = ("none", "light", "medium", "heavy")
+# Class of road -> vehicles on a kilometre of street when traffic is light, medium and heavy. Heavy
+# is 8 to 9 on each of the four lanes of a main road: one every hundred metres, and queues besides.
+PER_KM: Mapping[str, tuple[float, float, float]] = MappingProxyType(
+    {
+        "motorway": (8.0, 22.0, 44.0), "trunk": (8.0, 20.0, 40.0), "primary": (7.0, 18.0, 34.0),
+        "secondary": (6.0, 14.0, 26.0), "tertiary": (4.5, 10.0, 18.0),
+        "unclassified": (2.5, 6.0, 11.0), "residential": (2.0, 5.0, 9.0),
+        "living_street": (1.0, 2.0, 4.0), "service": (0.5, 1.0, 1.5),
+    }
+)  # fmt: skip
+OTHER_ROADS = "residential"
+# Share of the busiest hour's traffic in each hour of a working day, usual counts of city streets.
+BY_HOUR = (0.12, 0.08, 0.06, 0.06, 0.10, 0.25, 0.55, 0.90, 1.00, 0.80, 0.72, 0.74, 0.78, 0.78, 0.80,
+           0.88, 0.98, 1.00, 0.90, 0.70, 0.52, 0.42, 0.32, 0.20)  # fmt: skip
+THROUGH = 0.6  # of the trips pass the site
+ALL_DAY_HOME = 0.4  # of the floor area of homes that trips start or end at in any hour
+HOMES = ("house", "flats")
+NEAR = 60.0  # metres from a building to the street that its trips start from
+BORDER = 12.0  # metres from the site's rectangle within which a street leaves it
+WIDE_ENOUGH = 2.9  # metres of a lane for lorries and buses
+SPARE = 1.6  # times the trips that are expected to be needed
+LEAST_TRIPS = 40  # per group of streets
+JITTER = 0.25  # of the time along a way by which drivers' minds differ
+VARIANTS = 3  # of those minds
+CORNER_S = 4.0  # seconds that a junction costs
+
+
+@dataclass(frozen=True)
+class Demand:
+    """What is sent into the streets.
+
+    Attributes
+    ----------
+    looks
+        Types of vehicles.
+    groups
+        Streets to be kept full, and the trips for it.
+    """
+
+    looks: tuple[Look, ...]
+    groups: tuple[Group, ...]
+
+
+def per_km_at(density: str, hour: float) -> dict[str, float]:
+    """Return vehicles per kilometre of each class of road.
+
+    Parameters
+    ----------
+    density
+        One of `DENSITIES`, or "usual" for what the hour brings.
+    hour
+        Of the day.
+    """
+    if density == "none":
+        return dict.fromkeys(PER_KM, 0.0)
+    if density == "usual":
+        share = float(np.interp(hour % 24.0, np.arange(25), [*BY_HOUR, BY_HOUR[0]]))
+        return {road: share * heavy * 0.8 for road, (_, _, heavy) in PER_KM.items()}
+    column = DENSITIES.index(density) - 1
+    return {road: values[column] for road, values in PER_KM.items()}
+
+
+def demand_of(
+    city: City, streets: Streets, looks: Mapping[str, tuple[tuple[Look, float], ...]], *,
+    per_km: Mapping[str, float], hour: float, seconds: float, purpose: str,
+) -> Demand:  # fmt: skip
+    """Draw the trips that keep the streets of a city as full as asked.
+
+    Parameters
+    ----------
+    city, streets
+        The city and its streets.
+    looks
+        Kind of vehicle to its looks and their shares.
+    per_km
+        Vehicles per kilometre of street by class of road.
+    hour
+        Of the day; in the morning trips start at homes, in the evening they end there.
+    seconds
+        How long the streets are to be kept full.
+    purpose
+        Key of all draws, the id of the action.
+
+    Returns
+    -------
+    demand
+        Trips in the order in which they are sent.
+    """
+    net = Drivable(city, streets)
+    every = tuple(look for choices in looks.values() for look, _ in choices)
+    groups = []
+    trips = _trips(city, net, looks, every, hour=hour, purpose=purpose,
+                   count=_needed(net, per_km, seconds))  # fmt: skip
+    for road in sorted({net.road(way) for way in streets.ways}):
+        own = [way.name for way in streets.ways if net.road(way) == road]
+        target = round(per_km.get(road, per_km[OTHER_ROADS]) * net.kilometres(road))
+        mine = tuple(trip for trip, on in trips if on == road)
+        if target and mine:
+            groups.append(Group(tuple(own), target, mine))
+    return Demand(every, tuple(groups))
+
+
+class Drivable:
+    """The streets as a graph of ways; a class for what is found once."""
+
+    def __init__(self, city: City, streets: Streets) -> None:
+        assert city.network is not None
+        self.city, self.streets = city, streets
+        kinds = city.layout.roads["kind"].to_numpy().astype(str)[city.network.edge_road]
+        self._road = np.char.replace(kinds, "_link", "")
+        self._class = np.where(np.isin(self._road, list(PER_KM)), self._road, OTHER_ROADS)
+        self.length = np.array([way.length for way in streets.ways])
+        self.usable = self._usable()
+
+    def road(self, way: Way) -> str:
+        """Return the class of road of a way, a key of `PER_KM`."""
+        return str(self._class[way.edge])
+
+    def kilometres(self, road: str) -> float:
+        """Return the length of the streets of a class, both directions as one."""
+        length = {way.edge: way.length for way in self.streets.ways if self.road(way) == road}
+        return sum(length.values()) / 1000.0
+
+    def _usable(self) -> BoolArray:
+        """(w,) whether cars drive along a way; a narrow one is driven in one direction alone."""
+        network = self.city.network
+        assert network is not None
+        row = network.edge_road[[way.edge for way in self.streets.ways]]
+        ids = self.city.layout.roads["id"].to_numpy(np.uint64)[row]
+        onward = uniform(self.city.seed, "traffic/narrow", ids) < 0.5
+        open_to_cars, narrow, back = (
+            np.array([test(way) for way in self.streets.ways], bool)
+            for test in (
+                lambda way: any(lane.kind == "drive" and not lane.closed for lane in way.lanes),
+                lambda way: any(lane.narrow for lane in way.lanes),
+                lambda way: way.name.startswith("-"),
+            )
+        )
+        return np.asarray(open_to_cars & (~narrow | (back != onward)))
+
+    @cached_property
+    def wide(self) -> BoolArray:
+        """(w,) whether lorries and buses use a way."""
+        wide = [
+            self.road(way) not in ("service", "living_street")
+            and any(
+                lane.kind == "drive" and not lane.closed and lane.width >= WIDE_ENOUGH
+                for lane in way.lanes
+            )
+            for way in self.streets.ways
+        ]
+        return np.asarray(self.usable & np.array(wide, bool))
+
+    @cached_property
+    def pairs(self) -> IntArray:
+        """(k, 2) ways that lead into each other for cars."""
+        found = {
+            (link.source[0], link.target[0])
+            for link in self.streets.links
+            if all(self._open(end) for end in (link.source, link.target))
+        }
+        pairs = np.array(sorted(found), np.int64).reshape(-1, 2)
+        return np.asarray(pairs[self.usable[pairs].all(axis=1)])
+
+    def _open(self, end: tuple[int, int]) -> bool:
+        lane = self.streets.ways[end[0]].lanes[end[1]]
+        return lane.kind == "drive" and not lane.closed
+
+    @cached_property
+    def seconds(self) -> FloatArray:
+        """(w,) time along each way."""
+        speed = [max(lane.speed for lane in way.lanes) for way in self.streets.ways]
+        return np.asarray(self.length / np.maximum(speed, 1.0) + CORNER_S)
+
+    def matrix(self, variant: int, open_ways: BoolArray) -> Any:
+        """Seconds from way to way, as one kind of driver sees them."""
+        from scipy.sparse import csr_array
+
+        pairs = self.pairs[open_ways[self.pairs].all(axis=1)]
+        keys = np.array([way.edge for way in self.streets.ways], np.uint64)
+        mind = 1.0 + JITTER * uniform(self.city.seed, "traffic/mind", keys, variant)
+        weight = (self.seconds * mind)[pairs[:, 1]]
+        size = len(self.streets.ways)
+        return csr_array((weight, (pairs[:, 0], pairs[:, 1])), shape=(size, size))
+
+    @cached_property
+    def entries(self) -> BoolArray:
+        """(w,) ways that nothing leads into: there one comes from beyond the site."""
+        return self.usable & ~np.isin(np.arange(len(self.usable)), self.pairs[:, 1])
+
+    @cached_property
+    def exits(self) -> BoolArray:
+        """(w,) ways that lead into nothing."""
+        return self.usable & ~np.isin(np.arange(len(self.usable)), self.pairs[:, 0])
+
+    def at_border(self, ways: BoolArray, end: int) -> BoolArray:
+        """(w,) which of some ways begin (0) or end (-1) where the site does."""
+        places = np.array([way.lanes[-1].shape[end, :2] for way in self.streets.ways])
+        xmin, ymin, xmax, ymax = self.city.layout.extent
+        inside = np.column_stack([places - (xmin, ymin), (xmax, ymax) - places]).min(axis=1)
+        return np.asarray(ways & (inside < BORDER))
+
+    @cached_property
+    def floors(self) -> FloatArray:
+        """(w, 2) square metres of homes and of all else whose traffic uses a way."""
+        parts = self.city.layout.parts
+        found = np.zeros((len(self.streets.ways), 2))
+        if not len(parts) or not self.usable.any():
+            return found
+        group = groups_of(self.city.layout, self.city.seed)
+        shapes = parts.geometry.to_numpy()
+        area = shapely.area(shapes) * np.maximum(parts["levels"].to_numpy(float), 1.0)
+        rows = np.flatnonzero(self.usable)
+        lines = [shapely.LineString(self.streets.ways[row].lanes[-1].shape[:, :2])
+                 for row in rows.tolist()]  # fmt: skip
+        part, line = shapely.STRtree(lines).query_nearest(shapes, max_distance=NEAR,
+                                                          all_matches=False)  # fmt: skip
+        at_work = ~np.isin(group[part], [GROUPS.index(word) for word in HOMES])
+        np.add.at(found, (rows[line], at_work.astype(int)), area[part])
+        return found
+
+
+def _needed(net: Drivable, per_km: Mapping[str, float], seconds: float) -> int:
+    """Trips that keep the streets full, by how long one stays in them."""
+    roads = sorted({net.road(way) for way in net.streets.ways})
+    target = sum(per_km.get(road, per_km[OTHER_ROADS]) * net.kilometres(road) for road in roads)
+    stay = max(30.0, 0.25 * float(net.seconds[net.usable].sum()))
+    stay = min(stay, 120.0)
+    return int(SPARE * target * (1.0 + seconds / stay)) + LEAST_TRIPS * len(roads)
+
+
+def _trips(
+    city: City, net: Drivable, looks: Mapping[str, tuple[tuple[Look, float], ...]],
+    every: tuple[Look, ...], *, hour: float, purpose: str, count: int,
+) -> list[tuple[Trip, str]]:  # fmt: skip
+    """Draw trips, each with the class of road that most of its way is on."""
+    number = np.arange(count).astype(np.uint64)
+    ids = hash_ids(city.seed, purpose, number)
+    ends = _ends(city, net, ids, hour)
+    kind = _kinds(city, net, ids)
+    found: list[tuple[Trip, str] | None] = [None] * count
+    for large in (False, True):
+        open_ways = net.wide if large else net.usable
+        rows = np.flatnonzero(np.isin(kind, [list(DRIVING).index(k) for k in LARGE]) == large)
+        for variant in range(VARIANTS):
+            own = rows[rows % VARIANTS == variant]
+            for row, route in _routed(city, net, open_ways, variant, own, ids, ends):
+                found[row] = _trip(city, net, looks, every, int(ids[row]), int(kind[row]), route)
+    return [trip for trip in found if trip is not None]
+
+
+@dataclass(frozen=True)
+class _Ends:
+    """Weights by which the ends of trips are drawn: (t,) which of two kinds each trip has."""
+
+    inner_start: BoolArray
+    inner_end: BoolArray
+    starts: tuple[FloatArray, FloatArray]  # (w,) beyond the site, within it
+    ends: tuple[FloatArray, FloatArray]
+
+
+def _ends(city: City, net: Drivable, ids: NDArray[np.uint64], hour: float) -> _Ends:
+    ways = net.streets.ways
+    lanes = [sum(lane.kind != "walk" for lane in way.lanes) for way in ways]
+    importance = np.array([PER_KM[net.road(way)][2] for way in ways]) * np.array(lanes, float)
+    border_in, border_out = net.at_border(net.entries, 0), net.at_border(net.exits, -1)
+    outer_start = importance * (border_in if border_in.any() else net.entries)
+    outer_end = importance * (border_out if border_out.any() else net.exits)
+    homes, work = net.floors.T
+    leaving = float(np.clip(1.0 - abs((hour - 7.5) / 3.0), 0.0, 1.0))
+    coming = float(np.clip(1.0 - abs((hour - 17.5) / 3.5), 0.0, 1.0))
+    inner_start = homes * (ALL_DAY_HOME + leaving) + work * (1.0 - ALL_DAY_HOME + coming)
+    inner_end = homes * (ALL_DAY_HOME + coming) + work * (1.0 - ALL_DAY_HOME + leaving)
+    if not inner_start.any():
+        inner_start = inner_end = net.length * net.usable
+    draw = uniform(city.seed, "traffic/ends", ids)
+    within = (1.0 - THROUGH) / 2
+    begins = (draw >= THROUGH) & (draw < THROUGH + within)
+    finishes = draw >= THROUGH + within
+    if not outer_start.any():
+        begins[:] = True
+    if not outer_end.any():
+        finishes[:] = True
+    starts = np.asarray(outer_start, float), np.asarray(inner_start, float)
+    goals = np.asarray(outer_end, float), np.asarray(inner_end, float)
+    return _Ends(begins, finishes, starts, goals)
+
+
+def _kinds(city: City, net: Drivable, ids: NDArray[np.uint64]) -> IntArray:
+    """(t,) index into `DRIVING`: the shares of the busiest class of road that there is."""
+    best = max((net.road(way) for way in net.streets.ways), key=lambda road: PER_KM[road][2])
+    return choose(city.seed, "traffic/kind", ids, shares_on(best))
+
+
+def _routed(
+    city: City, net: Drivable, open_ways: BoolArray, variant: int, rows: IntArray,
+    ids: NDArray[np.uint64], ends: _Ends,
+) -> list[tuple[int, tuple[int, ...]]]:  # fmt: skip
+    """Give trips the quickest ways between their ends; those without any are left out."""
+    from scipy.sparse.csgraph import dijkstra
+
+    origin = np.full(len(ids), -1, np.int64)
+    for inner in (False, True):
+        weight = ends.starts[int(inner)] * open_ways
+        chosen = rows[ends.inner_start[rows] == inner]
+        if weight.any() and len(chosen):
+            origin[chosen] = choose(city.seed, "traffic/origin", ids[chosen], weight)
+    rows = rows[origin[rows] >= 0]
+    starts = np.unique(origin[rows])
+    if not len(starts):
+        return []
+    matrix = net.matrix(variant, open_ways)
+    seconds, before = dijkstra(matrix, indices=starts, return_predecessors=True)
+    found = []
+    for place, start in enumerate(starts.tolist()):
+        for inner in (False, True):
+            own = rows[(origin[rows] == start) & (ends.inner_end[rows] == inner)]
+            weight = ends.ends[int(inner)] * open_ways * np.isfinite(seconds[place])
+            if not inner and weight.sum() > weight[start]:
+                weight[start] = 0.0
+            if not weight.any() or not len(own):
+                continue
+            goals = choose(city.seed, "traffic/goal", ids[own], weight)
+            for row, goal in zip(own.tolist(), goals.tolist(), strict=True):
+                route = [goal]
+                while route[-1] != start:
+                    route.append(int(before[place, route[-1]]))
+                found.append((row, tuple(route[::-1])))
+    return found
+
+
+def _trip(
+    city: City, net: Drivable, looks: Mapping[str, tuple[tuple[Look, float], ...]],
+    every: tuple[Look, ...], trip_id: int, kind: int, route: tuple[int, ...],
+) -> tuple[Trip, str]:  # fmt: skip
+    choices = looks[list(DRIVING)[kind]]
+    which = choose(city.seed, "traffic/look", [trip_id], [share for _, share in choices])[0]
+    ways = [net.streets.ways[way] for way in route]
+    roads: dict[str, float] = {}
+    for way in ways:
+        roads[net.road(way)] = roads.get(net.road(way), 0.0) + way.length
+    most = max(sorted(roads), key=lambda road: roads[road])
+    inside = [place for place, way in enumerate(ways) if net.road(way) == most]
+    entry = inside[int(uniform(city.seed, "traffic/entry", [trip_id])[0] * len(inside))]
+    rolling = bool(net.entries[route[0]])
+    names = tuple(way.name for way in ways)
+    trip = Trip(id_text(trip_id), every.index(choices[which][0]), names, entry, rolling)
+    return trip, most

@@ -1,0 +1,222 @@
+"""Poses of SUMO as tracks of the city: middles of bodies, on the street, with few samples."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.city import City
+from cityx.city.tracks import GAIT, Tracks
+from cityx.geometry.polylines import Polylines, bends, to_linestrings, values_along
+from cityx.traffic.network import Network
+from cityx.traffic.simulation import Poses
+from cityx.traffic.streets import Streets
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+SLACK = 0.005  # metres that samples left out may differ by; two neighbours add up to a centimetre
+TURNED = 0.01  # radians that count as much
+FASTER = 0.1  # metres per second that count as much
+SPREAD = 1e4  # by which time is drawn out, so that a slack across the line is one of the value
+
+
+@dataclass(frozen=True)
+class Mover:
+    """What is seen of a mover; as of `cityx.city.tracks.Tracks`."""
+
+    kind: int
+    look: str
+    size: tuple[float, float, float]
+    tint: FloatArray
+
+
+def recorded(
+    city: City, streets: Streets, network: Network, poses: Poses,
+    movers: Mapping[str, Mover], origin: str,
+) -> Tracks:  # fmt: skip
+    """Make tracks of the vehicles among poses.
+
+    Parameters
+    ----------
+    city
+        Where they drive.
+    streets, network
+        The streets and the network they were simulated on.
+    poses
+        Where they were.
+    movers
+        What is seen of each, by name.
+    origin
+        Id of the action that puts them there.
+    """
+    assert city.lanes is not None
+    known = np.array([name in movers for name in poses.name.tolist()], bool)
+    kept = known[poses.mover]
+    mover = poses.mover[kept]
+    rows, mover = np.unique(mover, return_inverse=True)
+    about = [movers[str(poses.name[row])] for row in rows.tolist()]
+    size = np.array([each.size for each in about], np.float32).reshape(-1, 3)
+    xy, heading = bodies(poses.xy[kept], poses.angle[kept], mover, size[:, 0].astype(float))
+    edge, place = _lanes(city, streets, network, poses, kept)
+    z = _heights(city, xy, mover, edge)
+    time, speed = poses.time[kept], poses.speed[kept]
+    position = np.column_stack([xy, z])
+    heading = _unwound(heading, mover)
+    few = thinned(mover, time, position, heading, speed)
+    start = np.searchsorted(mover[few], np.arange(len(rows) + 1)).astype(np.int64)
+    ids = np.array([int(name, 16) for name in poses.name[rows].tolist()], np.uint64)
+    tracks = Tracks(
+        ids,
+        np.array([each.kind for each in about], np.uint8),
+        np.array([each.look for each in about], dtype=str),
+        np.array([origin] * len(about), dtype=str),
+        np.array([each.tint for each in about], np.float32).reshape(-1, 3),
+        size,
+        start,
+        time[few],
+        np.round(position[few], 4),
+        np.round(heading[few], 5),
+        np.round(speed[few], 3).astype(np.float32),
+        np.full(int(few.sum()), GAIT["ride"], np.uint8),
+        place[few],
+    )
+    return tracks.take(np.argsort(ids))
+
+
+def bodies(
+    front: FloatArray, angle: FloatArray, mover: IntArray, length: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return where bodies are whose foremost points follow a path: their middles and headings.
+
+    A body is a chord of the path. In a bend its driver swings out, so that its middle leaves the
+    path to the inside no more than its ends do to the outside.
+
+    Parameters
+    ----------
+    front
+        (p, 2) float64, foremost points, ordered by mover and time.
+    angle
+        (p,) float64, headings where the path behind is not known yet.
+    mover
+        (p,) int64, ascending.
+    length
+        (m,) float64, metres, of each mover.
+    """
+    size = length[mover]
+    ahead = np.column_stack([np.cos(angle), np.sin(angle)])
+    straight = front - ahead * size[:, None] / 2
+    step = np.r_[0.0, np.hypot(*np.diff(front, axis=0).T)]
+    first = np.r_[True, np.diff(mover) != 0] if len(mover) else np.zeros(0, bool)
+    # Movers follow each other on one axis, farther apart than any of them is long.
+    step[first] = length.max(initial=0.0) + 1.0
+    gone = np.cumsum(step)
+    begin = np.repeat(gone[first], np.diff(np.r_[np.flatnonzero(first), len(gone)]))
+    known = gone - begin >= size
+    if not known.any():
+        return straight, angle
+    middle, back = (
+        np.column_stack([np.interp(gone - share * size, gone, front[:, axis]) for axis in (0, 1)])
+        for share in (0.5, 1.0)
+    )
+    chord = front - back
+    xy = np.where(known[:, None], ((front + back) / 2 + middle) / 2, straight)
+    return xy, np.where(known, np.arctan2(chord[:, 1], chord[:, 0]), angle)
+
+
+def thinned(
+    mover: IntArray, time: FloatArray, position: FloatArray, heading: FloatArray, speed: FloatArray
+) -> BoolArray:
+    """(p,) samples between which every mover goes straight, turns and quickens evenly."""
+    count = int(mover.max(initial=-1)) + 1
+    start = np.searchsorted(mover, np.arange(count + 1)).astype(np.int64)
+    lone = np.diff(start) < 2
+    axis = Polylines(np.column_stack([time * SPREAD, np.zeros(len(time))]), start)
+    if lone.any():  # a line has two points
+        kept = np.ones(len(time), bool)
+        many = ~lone[mover]
+        again = np.unique(mover[many], return_inverse=True)[1]
+        if many.any():
+            kept[many] = thinned(again, time[many], position[many], heading[many], speed[many])
+        return kept
+    values = np.column_stack([position, heading * (SLACK / TURNED), speed * (SLACK / FASTER)])
+    return bends(axis, values, SLACK)
+
+
+def _unwound(heading: FloatArray, mover: IntArray) -> FloatArray:
+    """Let headings run on beyond a full turn, each mover for itself."""
+    if not len(heading):
+        return heading
+    step = np.diff(heading)
+    turn = np.remainder(step + np.pi, 2 * np.pi) - np.pi
+    turn[np.diff(mover) != 0] = 0.0
+    gone = np.r_[0.0, np.cumsum(turn)]
+    first = np.r_[0, np.flatnonzero(np.diff(mover)) + 1]
+    base = heading[first] - gone[first]
+    return np.asarray(gone + np.repeat(base, np.diff(np.r_[first, len(heading)])))
+
+
+def _lanes(
+    city: City, streets: Streets, network: Network, poses: Poses, kept: BoolArray
+) -> tuple[IntArray, NDArray[np.uint64]]:
+    """(p, 2) edges behind and ahead, -1 for none, and (p,) ids of lanes, 0 across a junction."""
+    assert city.lanes is not None
+    behind = np.full(len(poses.lane_names), -1, np.int64)
+    ahead = behind.copy()
+    ids = np.zeros(len(behind), np.uint64)
+    for number, name in enumerate(poses.lane_names.tolist()):
+        if name in network.lanes:
+            way, index = network.lanes[name]
+            behind[number] = ahead[number] = streets.ways[way].edge
+            ids[number] = city.lanes.lane_id[streets.ways[way].lanes[index].row]
+        elif name in network.links:
+            link = streets.links[network.links[name]]
+            behind[number] = streets.ways[link.source[0]].edge
+            ahead[number] = streets.ways[link.target[0]].edge
+    lane = poses.lane[kept]
+    return np.column_stack([behind[lane], ahead[lane]]), ids[lane]
+
+
+def _heights(city: City, xy: FloatArray, mover: IntArray, edge: IntArray) -> FloatArray:
+    """(p,) heights of the street under places; off the ground those of the street they are on."""
+    network = city.network
+    assert network is not None
+    z = city.terrain.height_at(xy)
+    lines = Polylines(network.points, network.point_start)
+    owner = lines.line_of_point()
+    lifted = np.zeros(network.edge_count, bool)
+    lifted[owner[network.lift != 0.0]] = True
+    if not lifted.any() or not len(xy):
+        return z
+    # The middle of a vehicle may still be on the street that its front has left.
+    left = np.r_[-1, np.where(edge[1:, 0] != edge[:-1, 0], edge[:-1, 0], -1)]
+    left[np.r_[True, np.diff(mover) != 0]] = -1
+    shapes = to_linestrings(lines)
+    last = _carried(left, mover)
+    nearest = np.full(len(xy), np.inf)
+    spots = shapely.points(xy)
+    for candidate in (edge[:, 0], edge[:, 1], last):
+        rows = np.flatnonzero(candidate >= 0)
+        rows = rows[(lifted[candidate] | lifted[edge[:, 0]] | lifted[edge[:, 1]])[rows]]
+        own = candidate[rows]
+        off = shapely.distance(shapes[own], spots[rows])
+        along = shapely.line_locate_point(shapes[own], spots[rows])
+        height = values_along(lines, network.z, own, along)
+        up = values_along(lines, network.lift, own, along) != 0.0
+        better = off < nearest[rows] - 1e-9
+        nearest[rows[better]] = off[better]
+        z[rows[better]] = np.where(up, height, z[rows])[better]
+    return z
+
+
+def _carried(values: IntArray, mover: IntArray) -> IntArray:
+    """Carry the last value that is none of -1 on, within each mover."""
+    place = np.where(values >= 0, np.arange(len(values)), 0)
+    place = np.maximum.accumulate(place)
+    same = mover[place] == mover
+    return np.where(same, values[place], -1)

@@ -1,0 +1,620 @@
+"""Streets as a simulator of traffic needs them: one-way edges between junctions, and links.
+
+The lane graph has a lane from every junction to the next, however near. A vehicle that halts on a
+lane shorter than itself blocks what crosses behind it, so lanes shorter than a car belong to the
+junction here, and lanes end where one halts: before the zebra.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.ops import substring
+
+from cityx.city.section import KIND
+from cityx.geometry.chains import components
+from cityx.geometry.identity import id_text
+from cityx.geometry.polylines import (
+    Polylines,
+    arc_lengths,
+    locate,
+    miters,
+    pieces,
+    to_linestrings,
+    values_along,
+)
+
+if TYPE_CHECKING:
+    from cityx.city.city import City
+    from cityx.city.lanes import LaneGraph
+    from cityx.city.roads import RoadNetwork
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+SHORTEST = 5.0  # metres, a car: shorter lanes belong to the junction
+PASSING = 4.4  # metres of a lane for both ways on which two cars pass each other
+OVERLAP = 0.2  # metres from the side of a lane that no vehicle needs
+REACHED = 6.0  # metres from the end of a lane within which it lies on another for that end's sake
+LONGEST_SHARED = 80.0  # metres of lanes that become part of a junction since they share ground
+HALF_BODY = 0.95  # metres from the middle of a car to its side
+BRUSHED = 1.5  # square metres in which two bodies may touch before one of their lanes is closed
+STOREY = 2.5  # metres of height that part two streets
+LONGEST_CHAIN = 12  # short lanes that one way across a junction runs over at most
+BESIDE = 0.3  # metres between two lanes over which one still changes from one to the other
+
+
+@dataclass(frozen=True)
+class Halts:
+    """Where traffic halts before junctions, and what rules them.
+
+    Attributes
+    ----------
+    gap
+        (e, 2) float64, metres from where the lanes of an edge begin and end, at its start and its
+        end, to the line before which one halts there.
+    signals
+        (n,) bool, whether signals rule a node of the network.
+    rank
+        (e,) int64, the higher the more important; traffic from lower ranks gives way.
+    zebra
+        (e, 2) bool, whether people cross an edge near its start and its end.
+    zebra_at
+        (e, 2) float64, metres from that end to the middle of where they cross.
+    zebra_width
+        (e,) float64, metres along the street that they cross on.
+    """
+
+    gap: FloatArray
+    signals: BoolArray
+    rank: IntArray
+    zebra: BoolArray
+    zebra_at: FloatArray
+    zebra_width: FloatArray
+
+
+@dataclass(frozen=True)
+class Lane:
+    """A lane as the simulator has it.
+
+    Attributes
+    ----------
+    row
+        Of the lane graph.
+    kind
+        One of `cityx.city.section.BAND_KINDS`.
+    width
+        Metres.
+    speed
+        Metres per second.
+    shape
+        (k, 3) float64, its middle in the direction of travel.
+    narrow
+        Whether it is driven in both directions and two cars cannot pass each other on it.
+    closed
+        Whether nobody drives on it, since it lies on a lane of another street.
+    """
+
+    row: int
+    kind: str
+    width: float
+    speed: float
+    shape: FloatArray
+    narrow: bool
+    closed: bool = False
+
+    @property
+    def length(self) -> float:
+        """Metres."""
+        return float(np.linalg.norm(np.diff(self.shape, axis=0), axis=1).sum())
+
+
+@dataclass(frozen=True)
+class Way:
+    """One direction of an edge of the network.
+
+    Attributes
+    ----------
+    name
+        Id of the edge of the network, with a minus where it is driven against it.
+    edge
+        Row of the network.
+    source, target
+        Junctions it leads from and to.
+    rank
+        As of `Halts`.
+    lanes
+        From the kerb to the middle of the road; walks come first.
+    apart
+        For each lane but the last, whether something lies between it and the next.
+    """
+
+    name: str
+    edge: int
+    source: int
+    target: int
+    rank: int
+    lanes: tuple[Lane, ...]
+    apart: tuple[bool, ...]
+
+    @property
+    def length(self) -> float:
+        """Metres, the mean of its lanes."""
+        return float(np.mean([lane.length for lane in self.lanes]))
+
+
+@dataclass(frozen=True)
+class Link:
+    """A way across a junction from one lane to another.
+
+    Attributes
+    ----------
+    source, target
+        Way and lane on it.
+    shape
+        (k, 3) float64, from the end of the one lane to the start of the other.
+    """
+
+    source: tuple[int, int]
+    target: tuple[int, int]
+    shape: FloatArray
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """A place where people cross a street before a junction.
+
+    Attributes
+    ----------
+    edge, end
+        Of the network, and which end of it, 0 or 1.
+    junction
+        That it belongs to.
+    ways
+        Ways that are crossed.
+    width
+        Metres along the street.
+    shape
+        (2, 3) float64, from kerb to kerb, counter-clockwise round the junction.
+    """
+
+    edge: int
+    end: int
+    junction: int
+    ways: tuple[int, ...]
+    width: float
+    shape: FloatArray
+
+
+@dataclass(frozen=True)
+class Streets:
+    """What a simulator knows of the streets of a city.
+
+    Attributes
+    ----------
+    ways
+        The ways.
+    links
+        The links between their lanes.
+    crossings
+        Where people cross.
+    place
+        (j, 3) float64, the junctions.
+    signals
+        (j,) bool, whether signals rule them.
+    left_hand
+        Whether traffic keeps to the left.
+    """
+
+    ways: tuple[Way, ...]
+    links: tuple[Link, ...]
+    crossings: tuple[Crossing, ...]
+    place: FloatArray
+    signals: BoolArray
+    left_hand: bool
+
+
+def streets_of(city: City, halts: Halts) -> Streets:
+    """Gather the streets of a city that has lanes.
+
+    Parameters
+    ----------
+    city
+        City with a network and a lane graph; heights of streets are its network's.
+    halts
+        Where traffic halts.
+
+    Returns
+    -------
+    streets
+        In the order of the network's edges; the same city gives the same streets.
+    """
+    network, graph = city.network, city.lanes
+    assert network is not None
+    assert graph is not None
+    moving = np.asarray(graph.travelled & (graph.direction != 0))
+    heights = _Heights(city, network)
+    lines = _lane_lines(network, graph, halts.gap)
+    short, junction = _short_edges(network, graph, lines, moving)
+    gap = np.maximum(halts.gap, _shared_ground(network, graph, lines, moving & ~short[graph.edge],
+                                               junction, heights) + halts.gap)  # fmt: skip
+    lines = _lane_lines(network, graph, gap)
+    short, junction = _short_edges(network, graph, lines, moving)
+    open_lane = moving & ~short[graph.edge]
+    closed = _closed(graph, lines, open_lane, halts.rank, heights)
+    ways, place_of = _ways(network, graph, lines, open_lane, closed, junction, halts.rank, heights)
+    links = _links(graph, lines, open_lane, place_of, ways, moving)
+    crossings = _crossings(network, halts, ways, heights)
+    place, signals = _junctions(city, network, junction, halts)
+    left_hand = bool(network.left_hand.any())
+    return _unlooped(Streets(ways, links, crossings, place, signals, left_hand))
+
+
+def _junctions(
+    city: City, network: RoadNetwork, junction: IntArray, halts: Halts
+) -> tuple[FloatArray, BoolArray]:
+    """(j, 3) middles of junctions, and (j,) whether signals rule them."""
+    count = int(junction.max(initial=-1)) + 1
+    signals = np.zeros(count, bool)
+    signals[junction[halts.signals]] = True
+    spread = np.bincount(junction, minlength=count)
+    middle = np.column_stack(
+        [np.bincount(junction, network.node_position[:, axis], count) for axis in (0, 1)]
+    ) / np.maximum(spread, 1)[:, None]  # fmt: skip
+    place = np.column_stack([middle, city.terrain.height_at(middle)])
+    return np.round(place, 3), signals
+
+
+def _unlooped(streets: Streets) -> Streets:
+    """Divide ways that lead back to where they come from: no simulator knows such edges.
+
+    Nobody crosses them, for both their ends lie at one junction.
+    """
+    ways, links, place = list(streets.ways), list(streets.links), list(streets.place)
+    looped = {number for number, way in enumerate(streets.ways) if way.source == way.target}
+    crossings = tuple(each for each in streets.crossings if looped.isdisjoint(each.ways))
+    for number in sorted(looped):
+        way = ways[number]
+        halves = [_halves(lane.shape) for lane in way.lanes]
+        near = tuple(replace(lane, shape=a) for lane, (a, _) in zip(way.lanes, halves, strict=True))
+        far = tuple(replace(lane, shape=b) for lane, (_, b) in zip(way.lanes, halves, strict=True))
+        ways[number] = replace(way, target=len(place), lanes=near)
+        links = [replace(link, source=(len(ways), link.source[1]))
+                 if link.source[0] == number else link for link in links]  # fmt: skip
+        links += [Link((number, k), (len(ways), k), np.stack([lane.shape[0]] * 2))
+                  for k, lane in enumerate(far) if lane.kind != "walk"]  # fmt: skip
+        ways.append(replace(way, name=f"{way.name}#", source=len(place), lanes=far))
+        place.append(far[-1].shape[0])
+    signals = np.r_[streets.signals, np.zeros(len(place) - len(streets.place), bool)]
+    return replace(streets, ways=tuple(ways), links=tuple(links), crossings=crossings,
+                   place=np.array(place), signals=signals)  # fmt: skip
+
+
+def _halves(shape: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Divide a line in its middle."""
+    whole = shapely.LineString(shape)
+    parts = (substring(whole, *ends, normalized=True) for ends in ((0.0, 0.5), (0.5, 1.0)))
+    near, far = (np.round(shapely.get_coordinates(part, include_z=True), 3) for part in parts)
+    return near, far
+
+
+def _short_edges(
+    network: RoadNetwork, graph: LaneGraph, lines: Polylines, moving: BoolArray
+) -> tuple[BoolArray, IntArray]:
+    """(e,) edges that belong to junctions, and (n,) the junction of each node."""
+    longest = np.zeros(network.edge_count)
+    np.maximum.at(longest, graph.edge[moving], arc_lengths(lines)[1][moving])
+    short = longest < SHORTEST
+    junction = components(network.edge_nodes[short].astype(np.int64), len(network.node_position))
+    return short, np.unique(junction, return_inverse=True)[1]
+
+
+def _shared_ground(
+    network: RoadNetwork, graph: LaneGraph, lines: Polylines, chosen: BoolArray,
+    junction: IntArray, heights: _Heights,
+) -> FloatArray:  # fmt: skip
+    """(e, 2) metres from each end over which lanes lie on those of another edge that meets there.
+
+    Where streets part at a small angle their lanes share ground far beyond the junction.
+    """
+    rows = np.flatnonzero(chosen)
+    found = np.zeros((network.edge_count, 2))
+    middle = to_linestrings(lines)[rows]
+    half = np.maximum((graph.left - graph.right)[rows] / 2 - OVERLAP, OVERLAP)
+    strips = shapely.buffer(middle, half, cap_style="flat")
+    one, other = shapely.STRtree(strips).query(strips, predicate="intersects")
+    edge = graph.edge[rows]
+    apart = edge[one] != edge[other]
+    one, other = one[apart], other[apart]
+    ends = junction[network.edge_nodes]  # (e, 2)
+    for side in (0, 1):
+        meets = (ends[edge[one], side, None] == ends[edge[other]]).any(axis=1)
+        a, b = one[meets], other[meets]
+        ahead = (graph.direction[rows[a]] > 0) == (side == 0)
+        pieces_, owner = shapely.get_parts(
+            shapely.intersection(strips[a], strips[b]), return_index=True
+        )
+        points, piece = shapely.get_coordinates(pieces_, return_index=True)
+        if not len(points):
+            continue
+        along = shapely.line_locate_point(middle[a][owner[piece]], shapely.points(points))
+        length = shapely.length(middle[a])[owner[piece]]
+        away = np.where(ahead[owner[piece]], along, length - along)
+        near, far = np.full(len(pieces_), np.inf), np.zeros(len(pieces_))
+        np.minimum.at(near, piece, away)
+        np.maximum.at(far, piece, away)
+        size = shapely.length(middle[a])[owner]
+        level = _level(heights, edge.astype(np.int64), a[owner], b[owner], pieces_)
+        joined = (near < REACHED) & level
+        far = np.minimum(far, np.minimum(LONGEST_SHARED, size))
+        np.maximum.at(found[:, side], edge[a[owner[joined]]], far[joined])
+    return found
+
+
+def _closed(
+    graph: LaneGraph, lines: Polylines, chosen: BoolArray, rank: IntArray, heights: _Heights
+) -> BoolArray:
+    """(l,) lanes that are closed since they lie on one of another street, the lesser of the two.
+
+    Maps draw the sides of a street nearer to each other than their lanes are wide. The lane of the
+    side with more of them is closed, else that of the lower rank.
+    """
+    closed = np.zeros(graph.count, bool)
+    rows = np.flatnonzero(chosen)
+    middle = to_linestrings(lines)[rows]
+    bodies = shapely.buffer(middle, HALF_BODY, cap_style="flat")
+    one, other = shapely.STRtree(bodies).query(bodies, predicate="intersects")
+    edge = graph.edge[rows].astype(np.int64)
+    kept = (one < other) & (edge[one] != edge[other])
+    one, other = one[kept], other[kept]
+    ground = shapely.intersection(bodies[one], bodies[other])
+    kept = shapely.area(ground) > BRUSHED
+    kept[kept] &= _level(heights, edge, one[kept], other[kept], ground[kept])
+    side = edge * 2 + (graph.direction[rows] > 0)
+    lanes = np.bincount(side)
+    for a, b in zip(one[kept].tolist(), other[kept].tolist(), strict=True):
+        if closed[rows[[a, b]]].any():
+            continue
+        keys = [(lanes[side[each]], -rank[edge[each]], each) for each in (a, b)]
+        lesser = max(keys)[2]
+        closed[rows[lesser]] = True
+        lanes[side[lesser]] -= 1
+    return closed
+
+
+def _level(
+    heights: _Heights, edge: IntArray, one: IntArray, other: IntArray, shapes: NDArray[Any]
+) -> BoolArray:
+    """(k,) whether two edges lie at one height where their lanes meet."""
+    at = shapely.get_coordinates(shapely.centroid(shapes))
+    z = [heights.lifted(edge[side], at)[:, 2] for side in (one, other)]
+    return np.asarray(np.abs(z[0] - z[1]) < STOREY)
+
+
+def _lane_lines(network: RoadNetwork, graph: LaneGraph, gap: FloatArray) -> Polylines:
+    """Middles of lanes from where one has crossed to where one halts, in the direction of travel.
+
+    Where two cars pass each other on a lane for both ways, each keeps to its side of it.
+    """
+    lines = Polylines(graph.points, graph.point_start)
+    side = np.where(_shared(graph) & (graph.left - graph.right >= PASSING), 0.25, 0.0)
+    side *= np.where(network.left_hand[graph.edge], 1.0, -1.0) * (graph.left - graph.right)
+    owner = lines.line_of_point()
+    moved = Polylines(lines.points + miters(lines) * side[owner][:, None], lines.start)
+    length = arc_lengths(moved)[1]
+    ahead = graph.direction >= 0
+    begin = np.where(ahead, gap[graph.edge, 0], gap[graph.edge, 1])
+    end = np.where(ahead, gap[graph.edge, 1], gap[graph.edge, 0])
+    # Of a street too short for both its ends nothing is left, so that it belongs to the junction.
+    scale = np.minimum(1.0, length / np.maximum(begin + end, 1e-9))
+    whole = np.arange(graph.count)
+    return pieces(moved, whole, begin * scale, length - end * scale)
+
+
+def _shared(graph: LaneGraph) -> BoolArray:
+    """(l,) whether a lane is one of the two that lie in the same place."""
+    twin = np.zeros(graph.count, bool)
+    same = (graph.edge[1:] == graph.edge[:-1]) & (graph.direction[1:] != 0)
+    same &= np.isclose(graph.left[1:], graph.left[:-1])
+    twin[1:] |= same
+    twin[:-1] |= same
+    return twin
+
+
+class _Heights:
+    """Heights of carriageways, found by edge and place along it; a class for what is prepared."""
+
+    def __init__(self, city: City, network: RoadNetwork) -> None:
+        self.terrain = city.terrain
+        self.lines = Polylines(network.points, network.point_start)
+        self.network = network
+        self.shapes = to_linestrings(self.lines)
+
+    def lifted(self, edge: IntArray, points: FloatArray) -> FloatArray:
+        """(k, 3) places of edges at the height of the carriageway."""
+        along = shapely.line_locate_point(self.shapes[edge], shapely.points(points))
+        lift = values_along(self.lines, self.network.lift, edge, along)
+        own = values_along(self.lines, self.network.z, edge, along)
+        z = np.where(lift != 0.0, own, self.terrain.height_at(points))
+        return np.column_stack([points, np.round(z, 3)])
+
+
+def _ways(
+    network: RoadNetwork, graph: LaneGraph, lines: Polylines, open_lane: BoolArray,
+    closed: BoolArray, junction: IntArray, rank: IntArray, heights: _Heights,
+) -> tuple[tuple[Way, ...], dict[int, tuple[int, int]]]:  # fmt: skip
+    """Gather lanes to ways; also say which way and place on it each lane of the graph has."""
+    owner = lines.line_of_point()
+    spatial = heights.lifted(graph.edge[owner].astype(np.int64), lines.points)
+    shared = _shared(graph)
+    width = graph.left - graph.right
+    narrow = shared & (width < PASSING)
+    width = np.where(shared & ~narrow, width / 2, width)
+    walk = graph.kind == KIND["walk"]
+    names = np.array(list(KIND))
+    ways: list[Way] = []
+    place_of: dict[int, tuple[int, int]] = {}
+    first = np.searchsorted(graph.edge, np.arange(network.edge_count + 1))
+    with_lane = np.unique(graph.edge[open_lane])
+    for edge in with_lane.tolist():
+        rows = np.arange(first[edge], first[edge + 1])
+        for direction in (1, -1):
+            keeps_left = bool(network.left_hand[edge])
+            # The kerb is on the right of those who keep right, whichever way they go.
+            kerb_last = keeps_left == (direction < 0)
+            own = rows[open_lane[rows] & (graph.direction[rows] == direction)]
+            beside = rows[walk[rows] & ((graph.left[rows] <= 0) == kerb_last)]
+            ordered = np.concatenate([beside[:1], own[::-1] if kerb_last else own])
+            if not len(ordered):
+                continue
+            shapes = []
+            for row in ordered.tolist():
+                shape = spatial[lines.start[row] : lines.start[row + 1]]
+                shapes.append(shape[::-1] if walk[row] and direction < 0 else shape)
+            lanes = tuple(
+                Lane(row, str(names[graph.kind[row]]), float(width[row]),
+                     float(graph.speed[row]) / 3.6, shape, bool(narrow[row]),
+                     bool(closed[row]))
+                for row, shape in zip(ordered.tolist(), shapes, strict=True)
+            )  # fmt: skip
+            place_of |= {row: (len(ways), k) for k, row in enumerate(ordered.tolist())}
+            ends = network.edge_nodes[edge][:: 1 if direction > 0 else -1]
+            ways.append(
+                Way(("" if direction > 0 else "-") + id_text(int(network.edge_id[edge])), edge,
+                    int(junction[ends[0]]), int(junction[ends[1]]), int(rank[edge]), lanes,
+                    _apart(graph, ordered))
+            )  # fmt: skip
+    return tuple(ways), place_of
+
+
+def _apart(graph: LaneGraph, rows: IntArray) -> tuple[bool, ...]:
+    """Tell of neighbours whether something lies between them."""
+    near, far = rows[:-1], rows[1:]
+    gap = np.maximum(graph.right[near] - graph.left[far], graph.right[far] - graph.left[near])
+    return tuple((gap > BESIDE).tolist())
+
+
+def _links(
+    graph: LaneGraph, lines: Polylines, open_lane: BoolArray,
+    place_of: dict[int, tuple[int, int]], ways: tuple[Way, ...], moving: BoolArray,
+) -> tuple[Link, ...]:  # fmt: skip
+    """Lead each lane over the curves and the short lanes of its junction to the next lanes."""
+    onward: dict[int, list[tuple[int, int]]] = {}
+    for row, (lane, goal) in enumerate(graph.connection.tolist()):
+        onward.setdefault(lane, []).append((goal, row))
+    whole = Polylines(graph.points, graph.point_start)
+    curves = Polylines(graph.curve, graph.curve_start)
+    links = []
+    for lane in np.flatnonzero(open_lane).tolist():
+        found: dict[int, tuple[float, FloatArray]] = {}
+        tail = _after(whole, lines, lane)
+        todo: list[tuple[int, tuple[int, ...], list[FloatArray]]] = [(lane, (), [tail])]
+        while todo:
+            here, passed, parts = todo.pop()
+            for goal, row in onward.get(here, ()):
+                edges = {int(graph.edge[each]) for each in (lane, *passed)}
+                if int(graph.edge[goal]) in edges or not moving[goal]:
+                    continue  # nobody turns on the spot
+                way = [*parts, _line(curves, row)]
+                if open_lane[goal]:
+                    path = _joined([*way, _before(whole, lines, goal)])
+                    size = float(np.hypot(*np.diff(path, axis=0).T).sum())
+                    if goal not in found or size < found[goal][0]:
+                        found[goal] = (size, path)
+                elif len(passed) < LONGEST_CHAIN:
+                    todo.append((goal, (*passed, goal), [*way, _line(whole, goal)]))
+        for goal in sorted(found):
+            source, target = place_of[lane], place_of[goal]
+            ends = ways[source[0]].lanes[source[1]].shape, ways[target[0]].lanes[target[1]].shape
+            links.append(Link(source, target, _risen(found[goal][1], ends)))
+    return _merged(links)
+
+
+def _merged(links: list[Link]) -> tuple[Link, ...]:
+    """Let one lane of a way alone lead into each lane of the next: before, the others merge.
+
+    Nobody gives way within one stream of traffic, so two lanes that lead into one would run into
+    each other. The lane with the fewest other ways on keeps its own.
+    """
+    choices = np.unique([link.source for link in links], axis=0, return_counts=True)
+    others = dict(zip(map(tuple, choices[0].tolist()), choices[1].tolist(), strict=True))
+    best: dict[tuple[int, tuple[int, int]], Link] = {}
+    for link in links:
+        key = (link.source[0], link.target)
+        if key not in best or others[link.source] < others[best[key].source]:
+            if key in best:
+                others[best[key].source] -= 1
+            best[key] = link
+        else:
+            others[link.source] -= 1
+    kept = {id(link) for link in best.values()}
+    return tuple(link for link in links if id(link) in kept)
+
+
+def _crossings(
+    network: RoadNetwork, halts: Halts, ways: tuple[Way, ...], heights: _Heights
+) -> tuple[Crossing, ...]:
+    """Place where people cross before the junctions of ways."""
+    own: dict[int, list[int]] = {}
+    for number, way in enumerate(ways):
+        own.setdefault(way.edge, []).append(number)
+    found = []
+    length = arc_lengths(heights.lines)[1]
+    for edge, end in np.argwhere(halts.zebra).tolist():
+        if edge not in own:
+            continue  # the whole street lies within a junction
+        first = ways[own[edge][0]]
+        onward = not first.name.startswith("-")
+        junction = first.source if (end == 0) == onward else first.target
+        along = halts.zebra_at[edge, end] if end == 0 else length[edge] - halts.zebra_at[edge, end]
+        middle, ahead = locate(heights.lines, [edge], [along])
+        left = np.array([-ahead[0, 1], ahead[0, 0]]) * network.half_width[edge]
+        # Counter-clockwise about the junction one comes from the right of who looks away from it.
+        ends = np.stack([middle[0] - left, middle[0] + left])
+        shape = heights.lifted(np.full(2, edge), ends if end == 0 else ends[::-1])
+        found.append(Crossing(edge, end, junction, tuple(own[edge]),
+                              float(halts.zebra_width[edge]), np.round(shape, 3)))  # fmt: skip
+    return tuple(found)
+
+
+def _line(lines: Polylines, row: int) -> FloatArray:
+    return lines.points[lines.start[row] : lines.start[row + 1]]
+
+
+def _after(whole: Polylines, lines: Polylines, lane: int) -> FloatArray:
+    """Return what follows of a lane behind where one halts."""
+    shape, end = shapely.LineString(_line(whole, lane)), _line(lines, lane)[-1]
+    rest = substring(shape, shape.project(shapely.Point(end)), shape.length)
+    return np.concatenate([end[None], shapely.get_coordinates(rest)[1:]])
+
+
+def _before(whole: Polylines, lines: Polylines, lane: int) -> FloatArray:
+    """Return what precedes of a lane the place where it begins."""
+    shape, start = shapely.LineString(_line(whole, lane)), _line(lines, lane)[0]
+    rest = substring(shape, 0.0, shape.project(shapely.Point(start)))
+    return np.concatenate([shapely.get_coordinates(rest)[:-1], start[None]])
+
+
+def _joined(parts: list[FloatArray]) -> FloatArray:
+    """Join lines end to start; points that repeat are left out."""
+    points = np.concatenate(parts)
+    kept = np.r_[True, np.hypot(*np.diff(points, axis=0).T) > 1e-3]
+    kept[-1] = True
+    if kept.sum() < 2:  # two lanes that touch
+        return points[[0, -1]]
+    return np.asarray(points[kept])
+
+
+def _risen(path: FloatArray, ends: tuple[FloatArray, FloatArray]) -> FloatArray:
+    """Let a way across a junction rise evenly from the one lane to the other."""
+    along = np.r_[0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T))]
+    share = along / max(along[-1], 1e-9)
+    z = ends[0][-1, 2] + share * (ends[1][0, 2] - ends[0][-1, 2])
+    shape = np.column_stack([path, z])
+    shape[0], shape[-1] = ends[0][-1], ends[1][0]
+    return np.round(shape, 3)

@@ -1,0 +1,170 @@
+"""The process in which SUMO runs: it keeps the streets as full as asked, and writes who is where.
+
+SUMO keeps global state and may end its process, so nothing else happens here. Run as
+``python -m cityx.traffic.worker JOB``, a JSON file as `cityx.traffic.simulation` writes it.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections import deque
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+ATTRIBUTES = "id,x,y,angle,speed,pos,lane,edge"
+CONTROL = 1.0  # seconds between looks at how full the streets are
+AHEAD = 5  # vehicles that may wait to come in before no more are sent
+
+
+def _options(job: dict[str, Any]) -> list[str]:
+    return [
+        "sumo", "--net-file", job["net"], "--route-files", job["routes"],
+        "--step-length", str(job["step"]), "--seed", str(job["seed"]),
+        "--fcd-output", job["poses"], "--fcd-output.attributes", ATTRIBUTES,
+        "--device.fcd.begin", str(job["warm"]),
+        "--collision-output", job["collisions"], "--collision.action", "warn",
+        "--collision.check-junctions", "--collision.mingap-factor", "0",
+        "--intermodal-collision.action", "warn",
+        "--time-to-teleport", str(job["patience"]), "--time-to-teleport.remove",
+        "--ignore-junction-blocker", str(job["blocked"]),
+        "--lanechange.duration", "2", "--max-depart-delay", "30",
+        "--pedestrian.model", "striping", "--pedestrian.striping.jamtime", "60",
+        "--no-step-log", "--no-warnings", "--xml-validation", "never",
+        "--xml-validation.net", "never", "--xml-validation.routes", "never",
+        "--precision", "4", "--default.speeddev", "0.1",
+    ]  # fmt: skip
+
+
+class _Filling:
+    """Keeps groups of streets as full as asked; a class since it counts what it has sent."""
+
+    def __init__(self, sumo: Any, groups: list[dict[str, Any]]) -> None:
+        self.sumo = sumo
+        self.groups = groups
+        self.waiting = [deque(group["trips"]) for group in groups]
+        self.total = sum(int(group["target"]) for group in groups)
+
+    def first(self) -> None:
+        """Put vehicles where they would be had traffic gone on for long."""
+        for group, trips in zip(self.groups, self.waiting, strict=True):
+            for _ in range(min(int(group["target"]), len(trips))):
+                trip = trips.popleft()
+                self._send(trip, trip["route"][trip["entry"] :], position="random_free")
+
+    def renew(self, others: int) -> None:
+        """Send as many as are missing, from where vehicles come into the streets.
+
+        `others` of the vehicles there are not its own.
+        """
+        pending = len(self.sumo.simulation.getPendingVehicles())
+        # Those amid junctions are on none of the groups' streets.
+        room = self.total - (self.sumo.vehicle.getIDCount() - others) - pending
+        for group, trips in zip(self.groups, self.waiting, strict=True):
+            present = sum(map(self.sumo.edge.getLastStepVehicleNumber, group["edges"]))
+            missing = int(group["target"]) - present
+            for _ in range(min(missing, room, AHEAD - pending, len(trips))):
+                trip = trips.popleft()
+                self._send(trip, trip["route"], position="base")
+                pending += 1
+                room -= 1
+
+    def _send(self, trip: dict[str, Any], route: list[str], *, position: str) -> None:
+        name = trip["id"]
+        self.sumo.route.add(name, route)
+        self.sumo.vehicle.add(
+            name, name, typeID=trip["type"], departPos=position, departLane="best",
+            departSpeed="max" if position == "random_free" or trip["rolling"] else "0",
+        )  # fmt: skip
+
+
+class _Haunting:
+    """Moves what moves already; a class since it knows who is there."""
+
+    def __init__(self, sumo: Any, path: str) -> None:
+        self.sumo = sumo
+        self.held = np.load(path) if path else None
+        self.there: dict[int, bool] = {}  # row -> whether it is somebody on foot
+        if self.held is not None:
+            self.names = self.held["name"].tolist()
+            self.types = self.held["sumo_type"].tolist()
+            self.edges = self.held["edges"].tolist()
+            self.start = self.held["step_start"].tolist()
+            self.rows = list(zip(*(self.held[key].tolist() for key in
+                                   ("row", "x", "y", "angle", "edge")), strict=True))  # fmt: skip
+
+    @property
+    def vehicles(self) -> int:
+        """How many vehicles are there."""
+        return sum(not walks for walks in self.there.values())
+
+    def step(self, number: int) -> None:
+        """Put everybody where they are in a step."""
+        if self.held is None or number + 1 >= len(self.start):
+            return
+        now = self.rows[self.start[number] : self.start[number + 1]]
+        for row in set(self.there) - {each[0] for each in now}:
+            walks = self.there.pop(row)
+            (self.sumo.person if walks else self.sumo.vehicle).remove(self.names[row])
+        for row, x, y, angle, edge in now:
+            walks = not self.types[row]
+            name = self.names[row]
+            if row not in self.there:
+                self.there[row] = walks
+                self._add(name, walks, self.types[row], self.edges[edge] if walks else "")
+            if walks:
+                self.sumo.person.moveToXY(name, self.edges[edge], x, y, angle, 2)
+            else:
+                self.sumo.vehicle.moveToXY(name, "", -1, x, y, angle, 2)
+
+    def _add(self, name: str, walks: bool, kind: str, edge: str) -> None:
+        if walks:
+            self.sumo.person.add(name, edge, 0.0)
+            self.sumo.person.appendWaitingStage(name, 1e6)
+        else:
+            self.sumo.vehicle.add(name, "", typeID=kind)
+
+
+def run(job: dict[str, Any]) -> dict[str, Any]:
+    """Run a job; return what happened besides the poses."""
+    import libsumo
+
+    libsumo.start(_options(job))
+    haunting = _Haunting(libsumo, job["ghosts"])
+    teleported: dict[str, float] = {}
+    filling = _Filling(libsumo, job["groups"])
+    steps = round((job["warm"] + job["duration"]) / job["step"]) + 1
+    every = max(1, round(CONTROL / job["step"]))
+    filling.first()
+    for number in range(steps):
+        haunting.step(number)
+        libsumo.simulationStep()
+        if number % every == 0:
+            filling.renew(haunting.vehicles)
+        for name in libsumo.simulation.getStartingTeleportIDList():
+            teleported[name] = libsumo.simulation.getTime() - job["warm"]
+    halted = {
+        name: libsumo.vehicle.getWaitingTime(name)
+        for name in libsumo.vehicle.getIDList()
+        if libsumo.vehicle.getWaitingTime(name) >= job["stuck"]
+    }
+    version = libsumo.getVersion()[1]
+    libsumo.close()
+    return {
+        "teleported": teleported, "halted": halted, "version": version,
+        "left_over": [len(trips) for trips in filling.waiting],
+    }  # fmt: skip
+
+
+def main(path: str) -> int:
+    """Carry out the job of a file; its answer lies where the job says."""
+    job = json.loads(Path(path).read_text())
+    answer = run(job)
+    Path(job["answer"]).write_text(json.dumps(answer))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

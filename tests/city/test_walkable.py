@@ -1,0 +1,114 @@
+"""The walkable area: what is on it, what is taken out, and places moved into it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+from crossing_town import HOUSES, PLAZA, crossing_town, with_post
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cityx.city.crosswalks import FOOTWAYS, crosswalks_of
+from cityx.city.walkable import BODY, CELL, walkable_of
+
+
+@pytest.fixture(scope="module")
+def town():
+    return crossing_town()
+
+
+@pytest.fixture(scope="module")
+def area(town):
+    return walkable_of(town)
+
+
+def cells(area):
+    return area.places(np.argwhere(area.free))
+
+
+def test_every_free_cell_lies_wholly_on_walks_verges_or_crosswalks(area):
+    corners = [cells(area) + CELL / 2 * np.array(s) for s in ((1, 1), (1, -1), (-1, 1), (-1, -1))]
+    whole = shapely.buffer(shapely.union_all(area.areas), 1e-6)
+    shapely.prepare(whole)
+    assert all(shapely.intersects(whole, shapely.points(c)).all() for c in corners)
+
+
+def test_roadways_are_free_on_crosswalks_alone(town, area):
+    spots = cells(area)
+    road = town.ground.on(spots, "carriageway", "junction")
+    assert road.any()
+    assert (area.at(area.crosswalk, spots[road]) > 0).all()
+
+
+def test_half_a_body_is_kept_from_houses_and_posts(town):
+    posted = with_post(town, 20.0, 20.0)
+    area = walkable_of(posted)
+    spots = shapely.points(cells(area))
+    assert shapely.distance(spots, shapely.box(19.7, 19.7, 20.3, 20.3)).min() >= BODY
+    for house in HOUSES:
+        assert shapely.distance(spots, house).min() >= BODY
+    assert not area.holds([[20.0, 20.0]])[0]
+    assert walkable_of(town).holds([[20.0, 20.0]])[0]
+
+
+def test_clearance_grows_with_the_distance_from_the_rim(area):
+    spots = np.array([[23.0, 23.0], [23.0, 8.0]])
+    assert area.at(area.clearance, spots) == pytest.approx([12.0, 8.0 - 3.15 + 0.3], abs=5.0)
+    assert area.at(area.clearance, spots)[0] > area.at(area.clearance, spots)[1]
+
+
+def test_the_plaza_and_the_walks_are_one_area(area):
+    assert area.holds([[23.0, 23.0], [30.0, 4.4]]).all()
+    assert shapely.area(PLAZA) < area.area
+
+
+def test_each_arm_has_a_crosswalk_without_bars_or_with(town):
+    found = crosswalks_of(town.ground, town.layout, town.network)
+    assert found.count == 4
+    assert found.length == pytest.approx([6.0] * 4, abs=1.2)
+    ends = found.ends.reshape(-1, 2)
+    assert town.ground.on(ends, *FOOTWAYS).all()
+    assert len(np.unique(found.id)) == 4
+
+
+def test_crosswalks_stay_when_streets_are_listed_the_other_way(town):
+    turned = replace(town.layout, roads=town.layout.roads.iloc[::-1].reset_index(drop=True))
+    assert turned.roads["id"].tolist() == [2, 1]
+    found = crosswalks_of(town.ground, turned, town.network)
+    assert set(found.id) == set(crosswalks_of(town.ground, town.layout, town.network).id)
+
+
+def test_land_beside_a_street_without_pavement_is_walked_on():
+    bare = walkable_of(crossing_town(walks=0.0, plaza=False))
+    beside = np.array([[30.0, 4.0], [30.0, 8.0]])
+    assert bare.holds(beside).tolist() == [True, False]
+    assert bare.at(bare.verge, beside).tolist() == [True, False]
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.tuples(st.floats(-80, 80), st.floats(-80, 80)))
+def test_a_snapped_place_is_free_near_and_off_the_roadway(place):
+    area = walkable_of(_TOWN)
+    moved, found = area.snapped([place], 5.0)
+    if found[0]:
+        assert area.holds(moved)[0]
+        assert area.at(area.crosswalk, moved)[0] == 0
+        assert np.hypot(*(moved[0] - place)) <= 5.0
+        again, _ = area.snapped(moved, 5.0)
+        assert np.array_equal(again, moved)
+    else:
+        assert np.array_equal(moved[0], np.array(place, float))
+
+
+def test_the_area_is_made_once_for_one_ground(town):
+    assert walkable_of(town) is walkable_of(replace(town, name="other"))
+    assert walkable_of(with_post(town, 20.0, 20.0)) is not walkable_of(town)
+
+
+def test_nobody_walks_where_no_ground_is_laid(town):
+    with pytest.raises(ValueError, match="the ground is not laid yet"):
+        walkable_of(replace(town, ground=None))
+
+
+_TOWN = crossing_town()

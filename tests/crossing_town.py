@@ -1,0 +1,50 @@
+"""A crossroads with walks, a plaza and two houses, made by code: a small place to walk in."""
+
+from __future__ import annotations
+
+import shapely
+
+from cityx.city import City, Frame, Instances, Layout, make_table, one_mesh
+from cityx.city.scene import Prototype
+from cityx.plugins.road.ground import ground
+from cityx.plugins.road.lanes import lanes
+from cityx.plugins.road.network import network
+
+HALF = 70.0  # metres from the middle to the border
+ARMS = [[(-90, 0), (0, 0), (90, 0)], [(0, -90), (0, 0), (0, 90)]]
+PLAZA = shapely.box(6.0, 6.0, 40.0, 40.0)
+HOUSES = [shapely.box(-30, 8, -12, 20), shapely.box(-30, -20, -12, -8)]
+
+
+def crossing_town(*, latitude: float = 52.0, walks: float = 2.5, plaza: bool = True) -> City:
+    """Lay out the place; at latitude 52 and longitude 13 one keeps to the right."""
+    roads = make_table(
+        "roads", [shapely.LineString(arm) for arm in ARMS], id=[1, 2], kind=["residential"] * 2,
+        lanes=[2] * 2, lanes_forward=[1] * 2, lane_width=[3.0] * 2, width=[6.0] * 2,
+        sidewalk_left=[walks] * 2, sidewalk_right=[walks] * 2,
+    )  # fmt: skip
+    areas = make_table("areas", [PLAZA], id=[7], kind=["pedestrian"]) if plaza else None
+    houses = make_table("buildings", HOUSES, id=[11, 12], use=["apartments", "retail"])
+    tables = {"roads": roads, "buildings": houses} | ({"areas": areas} if plaza else {})
+    layout = Layout((-HALF, -HALF, HALF, HALF), **tables)
+    city = City("crossing", Frame(latitude, 13.0), layout, lod=2)
+    return ground(lanes(network(city)))
+
+
+def with_post(city: City, x: float, y: float, size: float = 0.6) -> City:
+    """Put a square post of 1 m height on the ground."""
+    import numpy as np
+
+    h = size / 2
+    corners = [(-h, -h), (h, -h), (h, h), (-h, h)]
+    vertices = [(a, b, z) for z in (0.0, 0.5, 1.0) for a, b in corners]
+    mesh = one_mesh(1, vertices, [[8, 9, 10, 11], [3, 2, 1, 0]])
+    rows = Instances(
+        np.zeros(1, np.int32), np.array([99], np.uint64), np.zeros(1, np.uint64),
+        np.array([[x, y, 0.12]]), np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32),
+        np.ones((1, 3), np.float32),
+    )  # fmt: skip
+    post = Prototype("post", "furniture", mesh)
+    from dataclasses import replace
+
+    return replace(city, scene=city.scene.with_instances("street_furniture", [post], rows))

@@ -1,0 +1,142 @@
+"""Traffic as an action: what it keeps, what it must never do."""
+
+import sys
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "traffic"))  # for `made_streets`
+from made_streets import CROSS, MIDDLE, REACH, city_of
+
+from cityx.city.content import content_hash
+from cityx.city.signals import GO, STATE, states_at
+from cityx.city.store import read_city, write_city
+from cityx.city.terrain import Terrain
+from cityx.city.tracks import MOVER, join_tracks, poses_at
+from cityx.plugins.dynamic.traffic import ACTION, traffic
+
+pytestmark = [
+    pytest.mark.sumo,
+    pytest.mark.skipif(
+        find_spec("libsumo") is None, reason='SUMO is not installed: pip install "cityx[traffic]"'
+    ),
+]
+BUSY = {"density": "heavy", "duration": 40.0, "hour": 8.0}
+
+
+@pytest.fixture(scope="module")
+def town():
+    return city_of(CROSS, signals=[MIDDLE], houses=[(20, 20, 60, 60), (-60, -60, -20, -20)])
+
+
+@pytest.fixture(scope="module")
+def busy(town):
+    return traffic(town, **BUSY)
+
+
+def test_the_same_seed_gives_the_same_tracks_byte_for_byte(town, busy):
+    again = traffic(town, **BUSY)
+    for name in ("object_id", "time", "position", "heading", "speed", "place", "tint"):
+        assert getattr(again.tracks, name).tobytes() == getattr(busy.tracks, name).tobytes()
+    assert content_hash(again).total == content_hash(busy).total
+    other = traffic(replace(town, seed=2), **BUSY)
+    assert set(other.tracks.object_id.tolist()).isdisjoint(busy.tracks.object_id.tolist())
+
+
+def test_streets_are_as_full_as_asked_from_the_beginning(busy, town):
+    for density, least, most in (("light", 1, 8), ("heavy", 16, 40)):
+        city = busy if density == "heavy" else traffic(town, density=density, duration=20.0)
+        km = shapely.length(town.layout.roads.geometry).sum() / 1000.0
+        for moment in (0.0, 10.0, 20.0):
+            assert least <= len(poses_at(city.tracks, moment).row) / km <= most
+    asked = traffic(town, per_km=12.0, duration=10.0)
+    assert 9 <= len(poses_at(asked.tracks, 0.0).row) / km <= 15
+    assert traffic(busy, density="none").tracks is None
+
+
+def test_middles_of_vehicles_stay_on_their_lanes(busy):
+    tracks, graph = busy.tracks, busy.lanes
+    row = {int(own): number for number, own in enumerate(graph.lane_id)}
+    on = np.flatnonzero(tracks.place != 0)
+    assert len(on) > 100
+    for sample in on.tolist():
+        lane = row[int(tracks.place[sample])]
+        line = shapely.LineString(graph.lane_points(lane))
+        off = line.distance(shapely.Point(tracks.position[sample, :2]))
+        assert off <= graph.left[lane] - graph.right[lane]
+
+
+def test_nobody_drives_through_another(busy):
+    tracks = busy.tracks
+    for moment in np.arange(0.0, 40.0, 0.5).tolist():
+        poses = poses_at(tracks, moment)
+        size = tracks.size[poses.row].astype(float) / 2 - 0.05
+        ahead = np.column_stack([np.cos(poses.heading), np.sin(poses.heading)])
+        left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+        u, v = ahead * size[:, :1], left * size[:, 1:2]
+        at = poses.position[:, :2]
+        boxes = shapely.polygons(np.stack([at - u - v, at + u - v, at + u + v, at - u + v], axis=1))
+        one, other = shapely.STRtree(boxes).query(boxes, predicate="intersects")
+        assert not (one != other).any(), moment
+
+
+def test_signals_never_let_those_go_who_cross(busy):
+    signals = busy.signals
+    heading = np.round(signals.heading / (np.pi / 2)).astype(int) % 2
+    vehicles = signals.lane != 0
+    assert vehicles.sum() == 12
+    for moment in np.arange(0.0, 180.0, 1.0).tolist():
+        go = np.isin(states_at(signals, moment), [STATE[word] for word in GO]) & vehicles
+        assert len(np.unique(heading[go])) <= 1
+
+
+def test_nobody_drives_over_a_red_line(busy):
+    tracks, signals = busy.tracks, busy.signals
+    red = STATE["red"]
+    for row in range(tracks.count):
+        part = slice(tracks.sample_start[row], tracks.sample_start[row + 1])
+        place, time = tracks.place[part], tracks.time[part]
+        left = np.flatnonzero((place[:-1] != 0) & (place[1:] != place[:-1]))
+        for at in left.tolist():
+            heads = np.flatnonzero(signals.lane == place[at])
+            crossed = np.array([states_at(signals, t)[heads] for t in (time[at], time[at + 1])])
+            if len(heads):
+                assert (crossed != red).any()
+
+
+def test_only_what_the_action_made_before_is_replaced(town, busy):
+    other = busy.tracks.take([0])
+    other = replace(other, object_id=np.array([5], np.uint64), origin=np.array(["test/other-v1"]))
+    held = replace(busy, tracks=join_tracks([busy.tracks, other]))
+    again = traffic(held, density="light", duration=10.0)
+    assert (again.tracks.origin == "test/other-v1").sum() == 1
+    before, after = content_hash(held), content_hash(again)
+    assert before.of_object(5) == after.of_object(5)
+    assert set(again.tracks.origin.tolist()) == {ACTION, "test/other-v1"}
+    assert before.layers["layout/roads"][1].tobytes() == after.layers["layout/roads"][1].tobytes()
+    del town
+
+
+def test_wheels_stand_on_the_street_of_a_hill():
+    nodes = np.linspace(-200.0, 200.0, 81)
+    heights = np.tile(6.0 * np.sin(nodes / 40.0), (81, 1))
+    hill = Terrain((-200.0, -200.0), 5.0, heights)
+    city = traffic(city_of(CROSS, terrain=hill), density="medium", duration=20.0)
+    tracks = city.tracks
+    assert np.ptp(tracks.position[:, 2]) > 3.0
+    for moment in (0.0, 7.3, 15.15):
+        at = poses_at(tracks, moment).position
+        assert np.allclose(at[:, 2], hill.height_at(at[:, :2]), atol=0.02)
+
+
+def test_tracks_and_signals_come_back_from_the_store(busy, tmp_path):
+    write_city(busy, tmp_path / "city")
+    back = read_city(tmp_path / "city")
+    assert content_hash(back).total == content_hash(busy).total
+    assert back.signals.time.tobytes() == busy.signals.time.tobytes()
+    assert np.isin(back.tracks.kind, [MOVER["car"], MOVER["van"]]).any()
+    assert np.abs(back.tracks.position[:, :2]).max() <= REACH + 1.0
