@@ -126,8 +126,8 @@ def check_movement(city: City) -> list[Check]:
 def off_lanes(scene: Scene) -> BoolArray:
     """(m,) vehicles whose middle is past the edge of their lane.
 
-    Who is in no lane must be on a way across a junction or in some lane; who never is in one, as
-    on a drawn curve, on a roadway.
+    Who is in no lane, or on the way from one to another, must be on a way across a junction or in
+    some lane; who never is in one, as on a drawn curve, on a roadway.
     """
     off = np.zeros(len(scene.at.mover), bool)
     graph, ground = scene.city.lanes, scene.city.ground
@@ -138,7 +138,10 @@ def off_lanes(scene: Scene) -> BoolArray:
     place = scene.at.place[driving]
     order = np.argsort(graph.lane_id)
     own = order[np.minimum(np.searchsorted(graph.lane_id[order], place), graph.count - 1)]
-    known = graph.lane_id[own] == place
+    known = (graph.lane_id[own] == place) & (place == scene.at.onto[driving])
+    # By its front a vehicle is in a lane before its middle is, and out of it as well.
+    along = shapely.line_locate_point(lanes[own], scene.points[driving])
+    known &= (along > 0) & (along < shapely.length(lanes[own]))
     far = shapely.distance(scene.points[driving[known]], lanes[own[known]])
     off[driving[known]] = far > half[own[known]] + BESIDE
     between = driving[~known]
