@@ -233,8 +233,8 @@ def _across(found: _Candidates, ground: Ground, network: RoadNetwork) -> Crosswa
     ends, met = [], np.ones(len(half), bool)
     for side in (1.0, -1.0):
         spots = middle[:, None] + side * steps[:, None] * across[:, None]  # (c, k, 2)
-        walk = ground.on(spots.reshape(-1, 2), *FOOTWAYS, *VERGES).reshape(len(half), -1)
-        road = ground.on(spots.reshape(-1, 2), *ROADWAY).reshape(len(half), -1)
+        walk = ground.on(spots.reshape(-1, 2), *FOOTWAYS, *VERGES).reshape(len(half), len(steps))
+        road = ground.on(spots.reshape(-1, 2), *ROADWAY).reshape(len(half), len(steps))
         # The far rim is where the walk begins for good: islands lie nearer than the rim.
         walk &= (steps >= half[:, None] - 1.0) & (steps <= half[:, None] + BEYOND)
         first = np.argmax(walk, axis=1)

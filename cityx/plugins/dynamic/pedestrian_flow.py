@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -12,11 +13,11 @@ from cityx.city.tracks import no_tracks
 from cityx.city.walkable import Walkable
 from cityx.city.walks import walk_graph, walks_between
 from cityx.errors import ActionFailed
-from cityx.geometry.identity import hash_ids, stable_id
+from cityx.geometry.identity import hash_ids, stable_id, uniform
 from cityx.geometry.polylines import Polylines
 from cityx.plugins.dynamic.crowds import area_of, check_room, with_crowd
-from cityx.plugins.dynamic.people_trips import Trips, drawn_trips, paces_of, ports_of
-from cityx.protocol import Points, Port, Range, Serves, action, has_ground, has_network
+from cityx.plugins.dynamic.people_trips import RUN, Trips, drawn_trips, paces_of, ports_of
+from cityx.protocol import Choice, Points, Port, Range, Serves, action, has_ground, has_network
 
 ACTION = "dynamic/pedestrian_flow-v1"
 FARTHEST = 1e6  # metres from the origin that a coordinate may be
@@ -33,8 +34,8 @@ NEAR = 15.0  # metres from a place that is asked for to the walk nearest to it
     takes=(Port("doors", "point", role="door", optional=True),),
     gives=(Port("pedestrians", "line", role="pedestrian_tracks"),),
     labels=("pedestrians", "people", "flow", "procession", "from", "to", "walk"),
-    serves=(Serves("pedestrian.count"),),
-    binds={"count": "pedestrian.count"},
+    serves=(Serves("edit=add_agent", "agent=pedestrian", "!path", "!gender"),),
+    binds={"count": "count", "gait": "mode", "speed": "speed"},
 )
 def pedestrian_flow(
     city: City,
@@ -43,6 +44,7 @@ def pedestrian_flow(
     places: Annotated[
         tuple[tuple[float, ...], ...] | None, Points(2, 50), Range(-FARTHEST, FARTHEST)
     ] = None,
+    gait: Annotated[str, Choice("walk", "run")] = "walk",
     speed: Annotated[float | None, Range(0.3, 6.0)] = None,
     duration: Annotated[float, Range(1.0, 3600.0)] = 60.0,
 ) -> City:
@@ -57,6 +59,8 @@ def pedestrian_flow(
     places
         Where they come from, what they pass, and where they go to, metres east and north of the
         origin; from doors and borders to others when left out.
+    gait
+        How all of them go.
     speed
         Metres per second of all of them; each has an own when left out.
     duration
@@ -73,8 +77,11 @@ def pedestrian_flow(
     else:
         trips = _between(city, walkable, np.array(places, float)[:, :2], count)
     if speed is not None:
-        trips = Trips(trips.id, trips.place, trips.walks, np.full(len(trips.id), speed),
-                      trips.begun)  # fmt: skip
+        trips = replace(trips, pace=np.full(len(trips.id), speed))
+    elif gait == "run":
+        low, high = RUN
+        share = uniform(city.seed, f"{ACTION}/run", trips.id)
+        trips = replace(trips, pace=low + (high - low) * share)
     return with_crowd(city, walkable, trips, duration, ACTION, held)
 
 

@@ -35,8 +35,8 @@ RAILWAYS = ("rail", "tram", "subway", "light_rail", "narrow_gauge")
     takes=(Port("doors", "point", role="door", optional=True),),
     gives=(Port("pedestrians", "line", role="pedestrian_tracks"),),
     labels=("pedestrians", "people", "crowd", "walkers", "sidewalk", "busy"),
-    serves=(Serves("pedestrians"), Serves("edit=set_pedestrians", "pedestrians")),
-    binds={"density": "pedestrians"},
+    serves=(Serves("pedestrians"), Serves("pedestrian.count", "!pedestrians")),
+    binds={"density": "pedestrians", "count": "pedestrian.count"},
 )
 def pedestrians(
     city: City,

@@ -6,18 +6,24 @@ import numpy as np
 import pytest
 from crossing_town import crossing_town
 
+from cityx.agents.briefs import read_request
+from cityx.agents.edit import slots_of_edit
+from cityx.agents.options import BuildOptions
+from cityx.agents.planning.planner import OfflinePlanner
 from cityx.checks.movement import check_movement
 from cityx.city.content import content_hash
 from cityx.city.crosswalks import crosswalks_of
 from cityx.city.moments import moments_of
 from cityx.city.signals import STATE, Signals
-from cityx.city.tracks import MOVER, Tracks, join_tracks
+from cityx.city.tracks import GAIT, MOVER, Tracks, join_tracks
 from cityx.city.walkable import walkable_of
 from cityx.errors import ActionFailed
 from cityx.plugins.dynamic.pedestrian_flow import pedestrian_flow
 from cityx.plugins.dynamic.pedestrians import ACTION, pedestrians
 from cityx.plugins.dynamic.people_gates import gates_of
 from cityx.plugins.dynamic.people_trips import DAYS, activity
+from cityx.protocol import Serves, registry
+from cityx.protocol.catalogue import known_records
 
 
 @pytest.fixture(scope="module")
@@ -176,3 +182,35 @@ def test_the_day_has_its_hours():
     assert activity("office", 8.5) > activity("office", 20.0)
     for kind in DAYS:
         assert activity(kind, 0.0) == pytest.approx(activity(kind, 24.0), abs=1.0)
+
+
+@pytest.mark.parametrize(
+    ("sentence", "action", "arguments"),
+    [
+        ("Make the pavements crowded.", "dynamic/pedestrians-v1", {"density": "heavy"}),
+        ("Fewer people.", "dynamic/pedestrians-v1", {"density": "light"}),
+        ("Add 30 pedestrians.", "dynamic/pedestrian_flow-v1", {"count": 30}),
+        ("Add a crowd of a million people.", "dynamic/pedestrian_flow-v1", {"count": 1_000_000}),
+    ],
+)
+def test_sentences_reach_the_actions(sentence, action, arguments):
+    request = read_request(BuildOptions(text=sentence), [], base=True)
+    planner = OfflinePlanner(known_records(registry(outside=False)))
+    (edit,) = request.brief.edits
+    assert [(i.action, i.args) for i in planner.answers(slots_of_edit(edit))] == [
+        (action, arguments)
+    ]
+
+
+def test_a_wish_that_must_not_be_asked_for_keeps_an_action_out():
+    wish = Serves("edit=add_agent", "!path")
+    assert wish.asked({"edit": ("add_agent",)})
+    assert not wish.asked({"edit": ("add_agent",), "path": ("park",)})
+
+
+def test_who_runs_is_seen_to_run(town):
+    running = pedestrian_flow(town, count=4, places=((10.0, 10.0), (35.0, 35.0)), gait="run",
+                              duration=15.0)  # fmt: skip
+    moving = running.tracks.speed > 1.0
+    assert np.median(running.tracks.speed[moving]) > 2.3
+    assert (running.tracks.gait[moving] == GAIT["run"]).mean() > 0.8
