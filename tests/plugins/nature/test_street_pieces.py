@@ -7,6 +7,7 @@ import shapely
 from cityx.checks.furniture import check_furniture, crowding, in_lanes
 from cityx.city import Frame, make_table
 from cityx.city.ground import KERB_WIDTH
+from cityx.city.outlines import placed_outlines
 from cityx.city.scene import Instances
 from cityx.geometry.standing import WALKED, stand_on
 from cityx.plugins.nature.furniture import furniture
