@@ -205,8 +205,11 @@ def _follows(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measu
     if tracks is None or not len(rows):
         raise CannotTell(f"the city has no {groups[0]} that moves, so none follows {groups[1]}")
     along = facts.select(groups[1])
-    reach = along.layer.beside[along.rows] if isinstance(along.layer, Roads) else 0.0
-    way = shapely.union_all(shapely.buffer(along.shapes, reach))
+    shapes = along.shapes
+    if isinstance(along.layer, Roads):
+        reach = along.layer.beside[along.rows]
+        shapes = np.where(reach > 0, shapely.buffer(shapes, reach), shapes)
+    way = shapely.union_all(shapes)
     own = tracks.take(rows)
     lines = shapely.linestrings(own.position[:, :2], indices=own.mover)
     # Between two samples a mover goes straight: as far off as it gets is seen at short steps.
