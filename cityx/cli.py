@@ -316,7 +316,7 @@ def render(
         float | None, typer.Option(min=0.0, help="Seconds into what moves, if it is shown so.")
     ] = None,
     frames: Annotated[
-        str | None, typer.Option(help="A picture per frame, FROM:TO, 25 a second.")
+        str | None, typer.Option(help="A picture per frame, FROM:TO[:STEP], 25 a second.")
     ] = None,
 ) -> None:
     """Render pictures of a built city, under another weather or at another time if asked for."""

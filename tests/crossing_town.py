@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import shapely
 
 from cityx.city import City, Frame, Instances, Layout, make_table, one_mesh
@@ -16,25 +19,28 @@ PLAZA = shapely.box(6.0, 6.0, 40.0, 40.0)
 HOUSES = [shapely.box(-30, 8, -12, 20), shapely.box(-30, -20, -12, -8)]
 
 
-def crossing_town(*, latitude: float = 52.0, walks: float = 2.5, plaza: bool = True) -> City:
-    """Lay out the place; at latitude 52 and longitude 13 one keeps to the right."""
+def crossing_town(*, longitude: float = 13.0, walks: float = 2.5, plaza: bool = True) -> City:
+    """Lay out the place; at longitude 13 one keeps to the right, at -1 to the left."""
     roads = make_table(
         "roads", [shapely.LineString(arm) for arm in ARMS], id=[1, 2], kind=["residential"] * 2,
         lanes=[2] * 2, lanes_forward=[1] * 2, lane_width=[3.0] * 2, width=[6.0] * 2,
         sidewalk_left=[walks] * 2, sidewalk_right=[walks] * 2,
     )  # fmt: skip
-    areas = make_table("areas", [PLAZA], id=[7], kind=["pedestrian"]) if plaza else None
     houses = make_table("buildings", HOUSES, id=[11, 12], use=["apartments", "retail"])
-    tables = {"roads": roads, "buildings": houses} | ({"areas": areas} if plaza else {})
+    parts = make_table(
+        "parts", HOUSES, id=[21, 22], building=[11, 12], base=[0.0] * 2, top=[9.0] * 2,
+        levels=[3] * 2, walls=[True] * 2,
+    )  # fmt: skip
+    tables = {"roads": roads, "buildings": houses, "parts": parts}
+    if plaza:
+        tables["areas"] = make_table("areas", [PLAZA], id=[7], kind=["pedestrian"])
     layout = Layout((-HALF, -HALF, HALF, HALF), **tables)
-    city = City("crossing", Frame(latitude, 13.0), layout, lod=2)
+    city = City("crossing", Frame(52.0, longitude), layout, lod=2)
     return ground(lanes(network(city)))
 
 
 def with_post(city: City, x: float, y: float, size: float = 0.6) -> City:
     """Put a square post of 1 m height on the ground."""
-    import numpy as np
-
     h = size / 2
     corners = [(-h, -h), (h, -h), (h, h), (-h, h)]
     vertices = [(a, b, z) for z in (0.0, 0.5, 1.0) for a, b in corners]
@@ -45,6 +51,4 @@ def with_post(city: City, x: float, y: float, size: float = 0.6) -> City:
         np.ones((1, 3), np.float32),
     )  # fmt: skip
     post = Prototype("post", "furniture", mesh)
-    from dataclasses import replace
-
     return replace(city, scene=city.scene.with_instances("street_furniture", [post], rows))

@@ -173,7 +173,8 @@ def render_views(
     moment
         Seconds into the tracks that are shown; the city's own when None.
     frames
-        "FROM:TO", a span of frames of which each becomes a picture, 25 a second; "" for none.
+        "FROM:TO" or "FROM:TO:STEP", a span of frames of which each becomes a picture, 25 a second;
+        "" for none.
 
     Raises
     ------
@@ -217,7 +218,7 @@ def render_views(
     return list(run_worker(job, timeout_s=TIMEOUT_S, progress=lambda _, text: say(text)).files)
 
 
-def _span(view: View, moment: float | None, frames: str) -> tuple[int, int] | None:
+def _span(view: View, moment: float | None, frames: str) -> tuple[int, int, int] | None:
     """Read a span of frames and refuse what lies outside the tracks.
 
     Raises
@@ -236,10 +237,10 @@ def _span(view: View, moment: float | None, frames: str) -> tuple[int, int] | No
         faults.append("--moment shows one moment and --frames a span; give one of them.")
     if moment is not None and duration and not 0 <= moment <= duration:
         faults.append(f"--moment {moment:g} is outside 0 to {duration:g} seconds of the tracks.")
-    read = re.fullmatch(r"(\d+):(\d+)", frames) if frames else None
+    read = re.fullmatch(r"(\d+):(\d+)(?::([1-9]\d*))?", frames) if frames else None
     if frames and read is None:
-        faults.append(f'--frames "{frames}" is no span of frames such as 0:100.')
-    span = (int(read[1]), int(read[2])) if read else None
+        faults.append(f'--frames "{frames}" is no span of frames such as 0:100 or 0:100:5.')
+    span = (int(read[1]), int(read[2]), int(read[3] or 1)) if read else None
     if span and not span[0] <= span[1]:
         faults.append(f"--frames {frames} ends before it begins.")
     if span and duration and span[1] > last:

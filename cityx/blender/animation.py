@@ -8,8 +8,9 @@ armatures and cycles are shared by all that look alike.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -113,6 +114,7 @@ class _Stage:
         self._meshes: dict[Any, bpy.types.Mesh] = {}
         self._rigs: dict[Any, bpy.types.Armature] = {}
         self._cycles: dict[Any, bpy.types.Action] = {}
+        self._turns: dict[Any, FloatArray] = {}
 
     def add(self, row: int) -> None:
         """Add one mover."""
@@ -183,14 +185,12 @@ class _Stage:
         for part, path, values in turning:
             _keys(_action_of(part), path, 0, way.frame, values)
         if model.seat is not None:
-            self._rider(name, look, model.seat, row, way, item)
+            self._rider(name, model.seat, row, way, item)
         for part in (item, *item.children_recursive):
             self._shown(part, way)
         return item
 
-    def _rider(
-        self, name: str, look: str, seat: Seat, row: int, way: _Way, parent: bpy.types.Object
-    ) -> None:
+    def _rider(self, name: str, seat: Seat, row: int, way: _Way, parent: bpy.types.Object) -> None:
         ids = self.tracks.object_id[[row]]
         who = Dressed(rider_look(int(rider_numbers(ids)[0])), (1.0, 1.0, 1.0))
         figure = who.figure(self.detail)
@@ -198,8 +198,10 @@ class _Stage:
         y, z = seat.place
         pelvis = figure.joints[NUMBER["pelvis"]]
         rig.location = (0.0, y - pelvis[1], z - pelvis[2])
-        poses = [ride(step / CYCLE, pedals=bool(seat.development)) for step in range(CYCLE + 1)]
-        cycle = self._cycle((look, "ride"), poses, [0.0] * len(poses))
+        pedals = bool(seat.development)
+        cycle = self._cycle(
+            ("ride", pedals), lambda phase: ride(phase, pedals=pedals), lambda _: 0.0
+        )
         turns = way.gone / seat.development if seat.development else np.zeros(len(way.gone))
         _strip(rig, cycle, way.frame, turns)
 
@@ -216,9 +218,7 @@ class _Stage:
             if last <= first:
                 continue
             gait = int(way.gait[first])
-            poses = [pose_of(gait, step / CYCLE) for step in range(CYCLE + 1)]
-            lifts = [lift_at(figure, gait, step / CYCLE) for step in range(CYCLE + 1)]
-            cycle = self._cycle((who, gait), poses, lifts)
+            cycle = self._cycle((who, gait), partial(pose_of, gait), partial(lift_at, figure, gait))
             at = slice(first, last + 1)
             phase = gait_phase(stride_of(figure, gait), way.gone[at], ids)
             _strip(rig, cycle, way.frame[at], phase, name=GAITS[gait])
@@ -247,18 +247,28 @@ class _Stage:
         return rig
 
     def _cycle(
-        self, key: Any, poses: Sequence[FloatArray], lifts: Sequence[float]
+        self,
+        gait: Any,
+        pose: Callable[[float], FloatArray],
+        lift: Callable[[float], float],
+        who: Dressed | None = None,
     ) -> bpy.types.Action:
-        """Return the action of a cycle of a gait."""
+        """Return the action of a cycle of a gait, made of its poses and somebody's lifts."""
+        key = (gait, who)
         if key not in self._cycles:
             action = bpy.data.actions.new(f"cycle_{len(self._cycles)}")
-            frames = np.arange(len(poses), dtype=float)
-            turns = _quaternions(np.stack([relative_turns(pose) for pose in poses]))  # (p, j, 4)
+            frames = np.arange(CYCLE + 1, dtype=float)
+            phases = (frames / CYCLE).tolist()
+            if gait not in self._turns:  # those of all people
+                stack = np.stack([relative_turns(pose(phase)) for phase in phases])
+                self._turns[gait] = _quaternions(stack)
+            turns = self._turns[gait]
             for number, joint in enumerate(JOINTS):
                 path = f'pose.bones["{joint}"].rotation_quaternion'
                 for index in range(4):
                     _keys(action, path, index, frames, turns[:, number, index])
-            _keys(action, 'pose.bones["pelvis"].location', 2, frames, np.array(lifts))
+            lifts = np.array([lift(phase) for phase in phases])
+            _keys(action, 'pose.bones["pelvis"].location', 2, frames, lifts)
             self._cycles[key] = action
         return self._cycles[key]
 

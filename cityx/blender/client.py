@@ -98,8 +98,8 @@ class BlenderJob:
     moment
         Seconds into the tracks that are shown instead of the city's own, or None.
     frames
-        First and last frame of a span that is rendered, `FRAME_RATE` a second; None renders the
-        moment.
+        First and last frame of a span that is rendered and the step from one to the next,
+        `FRAME_RATE` a second; None renders the moment.
     """
 
     store: Path
@@ -109,7 +109,7 @@ class BlenderJob:
     objects: bool | None = None
     gpu: bool = True
     moment: float | None = None
-    frames: tuple[int, int] | None = None
+    frames: tuple[int, int, int] | None = None
 
 
 @dataclass(frozen=True)

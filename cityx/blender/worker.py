@@ -126,9 +126,9 @@ def _pictures(
     if frames is None:
         render.render_picture(scene, camera, path)
         return [str(path)]
-    first, last = frames
+    first, last, step = frames
     made = []
-    for frame in range(first, last + 1):
+    for frame in range(first, last + 1, step):
         tell(0.15 + 0.85 * (frame - first) / (last + 1 - first), f"rendering frame {frame}")
         scene.frame_set(frame)
         made.append(str(frame_path(path, frame)))

@@ -15,6 +15,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.check import Check, named
+from cityx.checks.red_lights import red_runners
 from cityx.city import City
 from cityx.city.ground import ON_ROADWAY, ROADWAY
 from cityx.city.lanes import LaneGraph
@@ -92,7 +93,7 @@ def check_movement(city: City) -> list[Check]:
     off_lane, off_walk = off_lanes(scene), off_walks(scene)
     met, housed = overlapping(scene), in_buildings(scene)
     jumped, stuck = jumping(tracks), stuck_movers(tracks)
-    floating = off_ground(scene)
+    floating, red = off_ground(scene), red_runners(city)
     return [
         Check("vehicles_off_lane", float(off_lane.sum()), 0,
               f"moments, of {total:,}, at which the middle of a vehicle is past the edge of its "
@@ -109,6 +110,9 @@ def check_movement(city: City) -> list[Check]:
         Check("movers_off_ground", float(floating.sum()), 0,
               f"moments at which feet or wheels are over {OFF_GROUND} m above or below what they "
               "are on", ids=scene.ids(floating)),
+        Check("ran_red", float(red.sum()), 0,
+              "movers that pass a signal which has shown red for a second",
+              ids=named(tracks.object_id[red])),
         Check("movers_teleported", float(jumped.mean()), SHARE,
               "share of the movers that get on faster than they can",
               ids=named(tracks.object_id[jumped])),
@@ -121,8 +125,8 @@ def check_movement(city: City) -> list[Check]:
 def off_lanes(scene: Scene) -> BoolArray:
     """(m,) vehicles whose middle is past the edge of their lane.
 
-    Who is in no lane must be on a way across a junction or in some lane; who never is in one, as
-    on a drawn curve, on a roadway.
+    Who is in no lane, or on the way from one to another, must be on a way across a junction or in
+    some lane; who never is in one, as on a drawn curve, on a roadway.
     """
     off = np.zeros(len(scene.at.mover), bool)
     graph, ground = scene.city.lanes, scene.city.ground
@@ -133,7 +137,10 @@ def off_lanes(scene: Scene) -> BoolArray:
     place = scene.at.place[driving]
     order = np.argsort(graph.lane_id)
     own = order[np.minimum(np.searchsorted(graph.lane_id[order], place), graph.count - 1)]
-    known = graph.lane_id[own] == place
+    known = (graph.lane_id[own] == place) & (place == scene.at.onto[driving])
+    # By its front a vehicle is in a lane before its middle is, and out of it as well.
+    along = shapely.line_locate_point(lanes[own], scene.points[driving])
+    known &= (along > 0) & (along < shapely.length(lanes[own]))
     far = shapely.distance(scene.points[driving[known]], lanes[own[known]])
     off[driving[known]] = far > half[own[known]] + BESIDE
     between = driving[~known]

@@ -169,8 +169,8 @@ def scene_key(scene: Scene) -> str:
     tables += scene.instances.items()
     for name, value in tables:
         hasher.update(name.encode())
-        for field in fields(value):
-            held = getattr(value, field.name)
+        for column in fields(value):
+            held = getattr(value, column.name)
             exact = isinstance(held, np.ndarray)
             hasher.update(np.ascontiguousarray(held).tobytes() if exact else repr(held).encode())
     return hasher.hexdigest()

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cityx.city.ground import ROADWAY, Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
+from cityx.city.signals import Signals
 from cityx.geometry.identity import hash_ids
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, to_linestrings
 
@@ -39,6 +40,7 @@ INTO = 0.4  # metres that a crosswalk reaches into the walks it joins
 LONGEST = 18.0  # metres; a path that runs longer on a roadway shares it
 SIGNALS = ("traffic_signals",)
 SIGNAL_REACH = 25.0  # metres from a junction to the signals that rule it
+HEAD_REACH = 4.0  # metres from the middle of a crosswalk to that of what a head rules
 ON_GROUND = 0.05  # metres by which an edge of the ground may be off it
 
 
@@ -231,8 +233,8 @@ def _across(found: _Candidates, ground: Ground, network: RoadNetwork) -> Crosswa
     ends, met = [], np.ones(len(half), bool)
     for side in (1.0, -1.0):
         spots = middle[:, None] + side * steps[:, None] * across[:, None]  # (c, k, 2)
-        walk = ground.on(spots.reshape(-1, 2), *FOOTWAYS, *VERGES).reshape(len(half), -1)
-        road = ground.on(spots.reshape(-1, 2), *ROADWAY).reshape(len(half), -1)
+        walk = ground.on(spots.reshape(-1, 2), *FOOTWAYS, *VERGES).reshape(len(half), len(steps))
+        road = ground.on(spots.reshape(-1, 2), *ROADWAY).reshape(len(half), len(steps))
         # The far rim is where the walk begins for good: islands lie nearer than the rim.
         walk &= (steps >= half[:, None] - 1.0) & (steps <= half[:, None] + BEYOND)
         first = np.argmax(walk, axis=1)
@@ -312,3 +314,19 @@ def _apart(found: Crosswalks) -> BoolArray:
             near = other[one == row]
             kept[near[place[near] > place[row]]] = False
     return kept
+
+
+def heads_of(crosswalks: Crosswalks, signals: Signals | None) -> IntArray:
+    """Return (c,) the head of signals that rules each crosswalk for people, -1 for none."""
+    found = np.full(crosswalks.count, -1, np.int64)
+    if signals is None or not crosswalks.count:
+        return found
+    rows = np.flatnonzero(signals.crossing > 0)
+    if len(rows):
+        middle = shapely.points(crosswalks.ends.mean(axis=1))
+        heads = shapely.points(signals.position[rows, :2])
+        near = shapely.STRtree(heads).query_nearest(
+            middle, max_distance=HEAD_REACH, all_matches=False
+        )
+        found[near[0]] = rows[near[1]]
+    return found

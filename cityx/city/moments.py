@@ -30,8 +30,8 @@ class Moments:
         (m, 3) float64, metres.
     heading
         (m,) float64, radians counter-clockwise from east.
-    place
-        (m,) uint64, the lane that the last sample was on, 0 for none.
+    place, onto
+        (m,) uint64, the lanes that the last sample and the next were on, 0 for none.
     """
 
     mover: IntArray
@@ -40,6 +40,7 @@ class Moments:
     position: FloatArray
     heading: FloatArray
     place: NDArray[np.uint64]
+    onto: NDArray[np.uint64]
 
     def boxes(self, size: NDArray[np.float32], more: float = 0.0) -> NDArray[np.object_]:
         """Return (m,) outlines of movers seen from above.
@@ -93,4 +94,5 @@ def moments_of(tracks: Tracks, times: ArrayLike) -> Moments:
     return Moments(
         held[row], number, time, tracks.position[low] + share[:, None] * step,
         tracks.heading[low] + share * turn, tracks.place[low],
+        tracks.place[high],
     )  # fmt: skip

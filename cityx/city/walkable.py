@@ -82,14 +82,18 @@ class Walkable:
         """Tell which of (n, 2) places are free."""
         return np.asarray(self.at(self.free, xy))
 
+    def index(self, xy: ArrayLike) -> IntArray:
+        """Return (n,) places in the flat rasters of (n, 2) metres; on the empty rim beyond them."""
+        spots = np.asarray(xy, float).reshape(-1, 2)
+        rows, columns = self.free.shape
+        column = np.floor((spots[:, 0] - self.grid.west) * (1.0 / CELL))
+        row = np.floor((self.grid.north - spots[:, 1]) * (1.0 / CELL))
+        row, column = np.clip(row, 0, rows - 1), np.clip(column, 0, columns - 1)
+        return np.asarray(row * columns + column).astype(np.int64)
+
     def at(self, raster: NDArray[Any], xy: ArrayLike) -> NDArray[Any]:
         """Return (n,) values of a raster at (n, 2) places, 0 beyond it."""
-        cell = np.floor(self.grid.to_pixels(xy)).astype(np.int64)
-        inside = (cell >= 0).all(axis=1)
-        inside &= (cell[:, 0] < self.grid.columns) & (cell[:, 1] < self.grid.rows)
-        cell = np.where(inside[:, None], cell, 0)
-        found = raster[cell[:, 1], cell[:, 0]]
-        return np.where(inside, found, np.zeros((), found.dtype))
+        return np.asarray(raster.ravel()[self.index(xy)])
 
     def places(self, cell: NDArray[Any]) -> FloatArray:
         """Return (n, 2) metres of the middles of (n, 2) cells, row and column."""
@@ -179,10 +183,13 @@ def _made(city: City, ground: Ground) -> Walkable:
     grid = _grid_over(city.layout.extent)
     rest = shapely.difference(shapely.buffer(site, 2 * CELL, join_style="mitre"), whole)
     free = ~grid.touched(shapely.get_parts(rest)) & ~grid.touched(_solids(city, ground))
+    number = grid.numbered(over).astype(np.int16)
+    beside = grid.touched(shapely.get_parts(verge))
+    for raster in (free, number, beside):  # what lies beyond is looked up on the rim
+        raster[[0, -1]] = raster[:, [0, -1]] = 0
     return Walkable(
-        shapely.get_parts(whole), crosswalks, grid, free, _clearance(free),
-        grid.numbered(over).astype(np.int16), grid.touched(shapely.get_parts(verge)),
-    )  # fmt: skip
+        shapely.get_parts(whole), crosswalks, grid, free, _clearance(free), number, beside
+    )
 
 
 def _grid_over(extent: tuple[float, float, float, float]) -> Grid:
@@ -255,7 +262,7 @@ def _clearance(free: BoolArray) -> NDArray[np.float16]:
     more = int(np.ceil(FARTHEST / CELL))
     for begin in range(0, len(free), STRIP):
         low, high = max(begin - more, 0), min(begin + STRIP + more, len(free))
-        part = distance_transform_edt(np.pad(free[low:high], ((0, 0), (1, 1))))[:, 1:-1] * CELL
+        part = distance_transform_edt(free[low:high]) * CELL
         end = min(begin + STRIP, len(free))
         found[begin:end] = np.minimum(part[begin - low : end - low], FARTHEST)
     return found

@@ -18,7 +18,7 @@ class Serves:
     Attributes
     ----------
     slots
-        "key", or "key=value": what must be asked for, all of it.
+        "key", or "key=value": what must be asked for, all of it; "!key": what must not.
     args
         Arguments that answer it.
     """
@@ -37,7 +37,11 @@ class Serves:
     def asked(self, slots: Slots) -> bool:
         """Tell whether a brief asks for all of it."""
         for pattern in self.slots:
-            key, equals, value = pattern.partition("=")
+            key, equals, value = pattern.removeprefix("!").partition("=")
+            if pattern.startswith("!"):
+                if slots.get(key):
+                    return False
+                continue
             held = slots.get(key, ())
             if not held or (equals and value not in map(str, held)):
                 return False

@@ -112,3 +112,15 @@ def test_nobody_walks_where_no_ground_is_laid(town):
 
 
 _TOWN = crossing_town()
+
+
+def test_a_place_without_streets_has_no_crosswalks(town):
+    network = town.network
+    none = replace(
+        network, edge_nodes=network.edge_nodes[:0], edge_road=network.edge_road[:0],
+        edge_id=network.edge_id[:0], point_start=network.point_start[:1],
+        points=network.points[:0], half_width=network.half_width[:0], trim=network.trim[:0],
+        crossing=network.crossing[:0], left_hand=network.left_hand[:0], z=network.z[:0],
+        lift=network.lift[:0],
+    )  # fmt: skip
+    assert crosswalks_of(town.ground, town.layout, none).count == 0

@@ -9,9 +9,10 @@ from scipy.spatial.distance import pdist
 from cityx.geometry.crowd import APART, SQUEEZED, Crowd, stepped
 
 STEP = 0.1
+NOBODY = np.zeros((0, 2))
 
 
-def anywhere(rows, to):
+def anywhere(rows, _to):
     return np.ones(len(rows), bool)
 
 
@@ -23,11 +24,11 @@ def crowd(position, target, pace=1.4, apart=APART):
     )  # fmt: skip
 
 
-def run(position, target, steps, may=anywhere, others=np.zeros((0, 2)), **how):
+def run(position, target, steps, may=anywhere, **how):
     position = np.asarray(position, float)
     track = [position]
     for _ in range(steps):
-        track.append(stepped(crowd(track[-1], target, **how), others, STEP, may))
+        track.append(stepped(crowd(track[-1], target, **how), NOBODY, STEP, may))
     return np.stack(track)
 
 
@@ -51,7 +52,7 @@ def test_who_follows_keeps_a_gap_to_somebody_who_stands():
 
 
 def test_nobody_steps_where_nobody_may_be():
-    def left(rows, to):
+    def left(_rows, to):
         return to[:, 0] < 3.0
 
     track = run([(0.0, 0.0)], [(10.0, 0.0)], 60, may=left)

@@ -74,7 +74,7 @@ class Wanted:
     requires=("layout", has_ground()),
     takes=(Port("curve", "line", role="curve", optional=True),),
     labels=("pedestrian", "runner", "jogger", "person", "people", "crowd", "walking"),
-    serves=(Serves("edit=add_agent", "agent=pedestrian"),),
+    serves=(Serves("edit=add_agent", "agent=pedestrian", "path"),),
     binds={"path": "path", "walk_run": "mode", "count": "count", "gender": "gender",
            "speed": "speed"},
 )  # fmt: skip

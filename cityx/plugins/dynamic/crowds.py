@@ -80,10 +80,9 @@ def with_crowd(
     """
     side = -1.0 if keeps_left(city.frame) else 1.0
     walkers = held.take(held.kind == MOVER["pedestrian"])
-    steps = walked(
-        trips, walkable, gates_of(held, walkable, duration), _places_of(walkers, duration),
-        duration, side,
-    )  # fmt: skip
+    gates = gates_of(held, city.signals, walkable, duration)
+    others = _PlacesOf(walkers, duration)
+    steps = walked(trips, walkable, gates, others, duration, side)
     made = tracks_of_people(city, origin, trips.id, steps.trip, steps.time, steps.position)
     made = made.take(~_met(made, walkers, duration))
     joined = join_tracks([held, made])
@@ -99,7 +98,7 @@ def without_people(city: City, origin: str | None = None) -> Tracks:
     return held.take(~(gone if origin is None else gone & (held.origin == origin)))
 
 
-class _places_of:  # noqa: N801  a function with what it has looked up
+class _PlacesOf:
     """From a time to the places of people who walk on tracks."""
 
     def __init__(self, walkers: Tracks, duration: float) -> None:

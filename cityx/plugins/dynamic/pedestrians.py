@@ -35,8 +35,8 @@ RAILWAYS = ("rail", "tram", "subway", "light_rail", "narrow_gauge")
     takes=(Port("doors", "point", role="door", optional=True),),
     gives=(Port("pedestrians", "line", role="pedestrian_tracks"),),
     labels=("pedestrians", "people", "crowd", "walkers", "sidewalk", "busy"),
-    serves=(Serves("pedestrians"), Serves("edit=set_pedestrians", "pedestrians")),
-    binds={"density": "pedestrians"},
+    serves=(Serves("pedestrians"), Serves("pedestrian.count", "!pedestrians")),
+    binds={"density": "pedestrians", "count": "pedestrian.count"},
 )
 def pedestrians(
     city: City,
@@ -53,7 +53,8 @@ def pedestrians(
     city
         City with its ground.
     density
-        How busy the sidewalks are; "usual" is what the hour brings.
+        How busy the sidewalks are; "usual" is what the hour brings, "none" takes out everybody on
+        foot, whatever put them there.
     count
         People at a time, which goes before `density`.
     duration
@@ -63,7 +64,7 @@ def pedestrians(
         light.
     """
     hour = city.environment.hour if hour is None else hour
-    held = without_people(city, ACTION)
+    held = without_people(city, None if density == "none" and count is None else ACTION)
     wanted = _count(city, density, hour) if count is None else count
     city = replace(city, notes=tuple(n for n in city.notes if not n.startswith("pedestrians: ")))
     if not wanted:

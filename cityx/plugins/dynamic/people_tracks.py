@@ -21,6 +21,7 @@ LOOKS = 48  # different people in one city; each is a mesh
 SLACK = 0.01  # metres that a sample may lie off the line between its neighbours to be left out
 STILL, RUNNING = 0.12, 2.1  # metres per second: below one stands, above one runs
 SMOOTH = 5  # samples to each side over which direction and speed are evened out
+EVERY = 3  # samples from one height of the ground that is looked up to the next, some 0.4 m
 TIME_SCALE = 1e4  # metres per second in which time is drawn, so that only offsets count
 TURN_SLACK = 0.05  # radians that a heading may be off
 
@@ -70,7 +71,7 @@ def tracks_of_people(
     rows, walker = np.unique(walker, return_inverse=True)
     start = np.searchsorted(walker, np.arange(len(rows) + 1)).astype(np.int64)
     speed, heading = _motion(start, time, position)
-    place = np.column_stack([position, ground_height(city, position)])
+    place = np.column_stack([position, _heights(city, start, time, position, heading)])
     kept = _telling(start, time, place, heading)
     size = np.add.reduceat(kept, start[:-1]) if len(rows) else np.zeros(0, np.int64)
     gait = np.where(speed > RUNNING, GAIT["run"], GAIT["walk"])
@@ -84,6 +85,26 @@ def tracks_of_people(
         gait[kept].astype(np.uint8), np.zeros(int(kept.sum()), np.uint64),
     )  # fmt: skip
     return found.take(np.argsort(found.object_id))
+
+
+def _heights(
+    city: City, start: IntArray, time: FloatArray, position: FloatArray, heading: FloatArray
+) -> FloatArray:
+    """(s,) heights of the ground, looked up at some samples, and at all where they differ."""
+    count = len(time)
+    look = _telling(start, time, position, heading)
+    look |= np.arange(count) % EVERY == 0
+    place = np.arange(count)
+    # First and last of each walker are looked up, so that nothing is interpolated between two.
+    known = place[look]
+    height = ground_height(city, position[look])
+    low = np.searchsorted(known, place, side="right") - 1
+    high = np.minimum(low + (known[low] < place), len(known) - 1) if count else low
+    step = np.abs(height[high] - height[low]) > SLACK
+    more = np.flatnonzero(step & ~look)
+    found = np.interp(place, known, height)
+    found[more] = ground_height(city, position[more])
+    return np.asarray(found)
 
 
 def _motion(

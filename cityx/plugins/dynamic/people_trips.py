@@ -24,12 +24,12 @@ UInt64Array = NDArray[np.uint64]
 DOORSTEP = 6.0  # metres from a door to the walk that people step onto
 SPREAD = 1.5  # metres between two places where people come in over a border
 STOPS = ("bus_stop",)
-GOALS = 40  # places that people of one run go to; each costs a search of the whole area
+GOALS = 28  # places that people of one run go to; each costs a search of the whole area
 USUAL_WAY = 180.0  # metres; a way twice as long is e times rarer
 FARTHEST = 900.0  # metres of way, as walkers feel them, that nobody exceeds
 SHORTEST = 15.0  # metres
 TRIES = 6  # draws of a goal before somebody stays at home
-USUAL_TIME = 130.0  # seconds of a walk
+SHORT_TIME = 110.0  # seconds, less than of most walks
 MOST_WALKS = 400  # one after the other, of one place in the crowd
 SMALLEST = 60  # nodes of a piece of the walkable area that is worth a walk, some 10 m2
 # Paces on level ground of grown people, of children and of the old (Bohannon 1997), and of runners.
@@ -209,7 +209,7 @@ def drawn_trips(
     parts = []
     while (left > 0).any() and drawn.max(initial=0) < MOST_WALKS:
         # Several walks of each at once: every look at the area costs a search from each goal.
-        more = np.where(left > 0, np.ceil(left / USUAL_TIME), 0).astype(np.int64)
+        more = np.where(left > 0, np.ceil(left / SHORT_TIME) + 1, 0).astype(np.int64)
         place = np.repeat(np.arange(count), more)
         number = drawn[place] + np.arange(len(place)) - np.repeat(np.cumsum(more) - more, more)
         drawn += more

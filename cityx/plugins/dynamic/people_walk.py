@@ -148,7 +148,7 @@ class _Walk:
         lasts = np.concatenate([self.last, len(self.points) - 1 - self.first])
         self.at: IntArray = self.first.copy()  # point of the way that each is at
         self.position: FloatArray = self.points[self.first].copy()
-        self.side = np.full(count, side)
+        self.hand, self.side = side, np.full(count, side)
         self.keep = KEEP[0] + (KEEP[1] - KEEP[0]) * _share(trips)
         self.granted = np.full(count, 0)  # number of the crosswalk that each may be on
         self.stuck = np.zeros(count)
@@ -212,6 +212,7 @@ class _Walk:
         slow = (gone < SLOW * self.trips.pace[rows] * STEP) & ~waits
         self.stuck[rows] = np.where(slow, self.stuck[rows] + STEP,
                                     np.maximum(self.stuck[rows] - STEP, 0.0))  # fmt: skip
+        self.side[rows[self.stuck[rows] == 0.0]] = self.hand
         # Of two files that meet, those to the east and north go on and the others turn back.
         yields = (ahead @ GIVES_WAY > 0) | (self.stuck[rows] > 2 * PATIENCE)
         gives_up = rows[(self.stuck[rows] > PATIENCE) & yields & ~self.back[rows]]
@@ -223,7 +224,7 @@ class _Walk:
         self.stuck[gives_up] = 0.0
         turned = rows[self.stuck[rows] > 2 * PATIENCE]
         self.side[turned] *= -1
-        self.stuck[turned] = 0.0
+        self.stuck[turned] = PATIENCE
 
     def _enter(self, others: FloatArray) -> None:
         """Let the next of each place of the crowd begin, if nobody stands where its way begins."""
@@ -272,9 +273,9 @@ class _Walk:
         """(r, 2) places ahead that are in sight, on one's own side of the way where they can be."""
         at, last = self.at[rows], self.last[rows]
         ahead = np.minimum(at + AHEAD, last)
-        aside = np.minimum(self.keep[rows], self.room[ahead]) * self.side[rows]
+        aside = np.minimum(self.keep[rows], self.room[ahead]) * self.hand
         aside[ahead == last] = 0.0
-        found: FloatArray = self.points[at]
+        found: FloatArray = self.points[ahead]
         open_ = np.ones(len(rows), bool)
         for far, share in ((AHEAD, 1.0), (AHEAD, 0.5), (2, 0.0), (1, 0.0)):
             of = np.flatnonzero(open_)
@@ -294,10 +295,11 @@ class _Walk:
 
     def _may(self, rows: IntArray, to: FloatArray) -> BoolArray:
         """(k,) whether walkers may be at places."""
-        over = self.walkable.at(self.walkable.crosswalk, to)
+        index = self.walkable.index(to)
+        over = self.walkable.crosswalk.ravel()[index]
         here = self.walkable.at(self.walkable.crosswalk, self.position[rows])
         known = (over == 0) | (over == self.granted[rows]) | (over == here)
-        return np.asarray(self.walkable.holds(to) & known)
+        return np.asarray(self.walkable.free.ravel()[index] & known)
 
 
 def _share(trips: Trips) -> FloatArray:

@@ -18,7 +18,7 @@ from cityx.plugins.dynamic.paths import find_path
 from cityx.plugins.dynamic.processions import Cast, new_ids, procession
 from cityx.plugins.dynamic.walkways import drivable
 from cityx.plugins.road.curves import FARTHEST
-from cityx.protocol import Choice, Points, Port, Range, Serves, Way, action, has_ground
+from cityx.protocol import Choice, Points, Port, Range, Way, action, has_ground
 
 ACTION = "dynamic/vehicle_on_path-v1"
 FloatArray = NDArray[np.float64]
@@ -42,12 +42,9 @@ HEADWAY = 1.4  # seconds behind the one in front, on top of its length
     requires=("layout", has_ground()),
     takes=(Port("curve", "line", role="curve", optional=True),),
     labels=("car", "bus", "truck", "tram", "bicycle", "motorcycle", "drive", "traffic"),
-    serves=(
-        Serves("edit=add_agent", "agent=vehicle"),
-        *(Serves("edit=add_agent", f"agent={kind}", kind=kind) for kind in SPEEDS),
-    ),
+    # Sentences about streets are answered by `dynamic/vehicle_flow`, which heeds the rules there.
     binds={"path": "path", "count": "count", "speed": "speed"},
-)  # fmt: skip
+)
 def vehicle_on_path(
     city: City,
     *,

@@ -1,0 +1,216 @@
+"""Pedestrians: as many as asked, the same each time, on walks, in nobody, waiting for vehicles."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from crossing_town import crossing_town
+
+from cityx.agents.briefs import read_request
+from cityx.agents.edit import slots_of_edit
+from cityx.agents.options import BuildOptions
+from cityx.agents.planning.planner import OfflinePlanner
+from cityx.checks.movement import check_movement
+from cityx.city.content import content_hash
+from cityx.city.crosswalks import crosswalks_of
+from cityx.city.moments import moments_of
+from cityx.city.signals import STATE, Signals
+from cityx.city.tracks import GAIT, MOVER, Tracks, join_tracks
+from cityx.city.walkable import walkable_of
+from cityx.errors import ActionFailed
+from cityx.plugins.dynamic.pedestrian_flow import pedestrian_flow
+from cityx.plugins.dynamic.pedestrians import ACTION, pedestrians
+from cityx.plugins.dynamic.people_gates import gates_of
+from cityx.plugins.dynamic.people_trips import DAYS, activity
+from cityx.protocol import Serves, registry
+from cityx.protocol.catalogue import known_records
+
+
+@pytest.fixture(scope="module")
+def town():
+    return crossing_town()
+
+
+@pytest.fixture(scope="module")
+def busy(town):
+    return pedestrians(town, count=40, duration=30.0)
+
+
+def values(city):
+    return {check.name: check.value for check in check_movement(city)}
+
+
+def driver(seconds, y0, y1, speed=8.0):
+    """A car that drives along x = -1.5."""
+    time = np.array([0.0, seconds])
+    position = np.array([[-1.5, y0, 0.0], [-1.5, y1, 0.0]])
+    return Tracks(
+        np.array([5], np.uint64), np.array([MOVER["car"]], np.uint8), np.array(["car_sedan"]),
+        np.array(["test"]), np.ones((1, 3), np.float32), np.array([[4.5, 1.8, 1.5]], np.float32),
+        np.array([0, 2]), time, position, np.full(2, np.arctan2(y1 - y0, 0.0)),
+        np.full(2, speed, np.float32), np.zeros(2, np.uint8), np.zeros(2, np.uint64),
+    )  # fmt: skip
+
+
+def test_as_many_walk_as_were_asked_for(busy):
+    present = moments_of(busy.tracks, [0.0])
+    assert len(present.mover) == 40
+    assert (busy.tracks.kind == MOVER["pedestrian"]).all()
+    assert set(busy.tracks.origin) == {ACTION}
+
+
+def test_nothing_that_walks_breaks_a_rule(busy):
+    assert set(values(busy).values()) == {0.0}
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_others(town, busy):
+    again = pedestrians(town, count=40, duration=30.0)
+    assert content_hash(again).total == content_hash(busy).total
+    assert again.tracks.position.tobytes() == busy.tracks.position.tobytes()
+    other = pedestrians(replace(town, seed=1), count=40, duration=30.0)
+    assert other.tracks.position.tobytes() != busy.tracks.position.tobytes()
+
+
+def test_only_the_tracks_change(town, busy):
+    before, after = content_hash(town).layers, content_hash(busy).layers
+    changed = {name for name in after if name not in before or not all(
+        np.array_equal(a, b) for a, b in zip(before[name], after[name], strict=True))}  # fmt: skip
+    assert changed == {"tracks"}
+
+
+def test_most_walk_at_the_pace_of_people(busy):
+    speed = busy.tracks.speed[busy.tracks.speed > 0.5]
+    assert 1.1 < np.median(speed) < 1.6
+    assert speed.max() < 4.0
+
+
+def test_a_million_are_refused_with_how_many_fit(town):
+    with pytest.raises(ActionFailed) as refused:
+        pedestrians(town, count=1_000_000)
+    text = str(refused.value)
+    assert text.startswith("1,000,000 people do not fit: of ")
+    most = int(text.rsplit("Ask for ", 1)[1].split(" at most")[0].replace(",", ""))
+    assert 300 < most < 3000
+
+
+def test_none_takes_everybody_out_and_leaves_vehicles(town):
+    held = replace(
+        town,
+        tracks=join_tracks(
+            [driver(30.0, -60.0, 60.0), pedestrians(town, count=5, duration=10.0).tracks]
+        ),
+    )
+    left = pedestrians(held, density="none")
+    assert left.tracks.object_id.tolist() == [5]
+    assert pedestrians(replace(town, tracks=None), density="none").tracks is None
+
+
+def test_a_second_call_replaces_the_first(busy):
+    fewer = pedestrians(busy, count=7, duration=10.0)
+    assert len(moments_of(fewer.tracks, [0.0]).mover) == 7
+
+
+def test_people_wait_while_a_vehicle_is_on_the_crosswalk(town):
+    area = walkable_of(town)
+    middle = area.crosswalks.ends.mean(axis=1)
+    y = float(middle[np.abs(middle[:, 0]) < 1.0, 1].max())
+    car = driver(60.0, y - 6.0, y + 6.0)  # creeps over the northern crosswalk
+    held = replace(town, tracks=car)
+    gates = gates_of(car, None, area, 60.0)
+    assert gates.taken.any(axis=1).sum() == 1
+    found = pedestrian_flow(held, count=6, places=((-30.0, 4.4), (30.0, 4.4)), duration=60.0)
+    assert values(found)["movers_overlapping"] == 0
+    north = int(np.flatnonzero(gates.taken.any(axis=1))[0]) + 1
+    walks = found.tracks.take(found.tracks.kind == MOVER["pedestrian"])
+    at = moments_of(walks, np.arange(0, 60.0, 0.5))
+    over = area.at(area.crosswalk, at.position[:, :2])
+    shut = gates.taken[north - 1, np.minimum(at.number, gates.taken.shape[1] - 1)]
+    assert not ((over == north) & shut).any()
+
+
+def test_people_stop_at_red_and_go_at_green(town):
+    found = crosswalks_of(town.ground, town.layout, town.network)
+    heads = found.count
+    red_first = Signals(
+        np.arange(1, heads + 1, dtype=np.uint64), np.zeros(heads, np.uint64),
+        np.zeros(heads, np.uint64), found.id, np.column_stack([found.ends.mean(axis=1),
+        np.zeros(heads)]), np.zeros(heads), np.full(heads, 40.0),
+        np.arange(0, 2 * heads + 1, 2), np.tile([0.0, 20.0], heads),
+        np.tile([STATE["red"], STATE["green"]], heads).astype(np.uint8),
+    )  # fmt: skip
+    ruled = replace(town, signals=red_first)
+    walking = pedestrian_flow(ruled, count=8, places=((-30.0, 4.4), (30.0, 4.4)), duration=40.0)
+    assert values(walking)["ran_red"] == 0
+    area = walkable_of(town)
+    at = moments_of(walking.tracks, np.arange(0, 40.0, 0.5))
+    over = area.at(area.crosswalk, at.position[:, :2]) > 0
+    assert not over[at.time < 19.5].any()
+    assert over[at.time > 20.0].any()
+    free = pedestrian_flow(town, count=8, places=((-30.0, 4.4), (30.0, 4.4)), duration=40.0)
+    assert values(replace(free, signals=red_first))["ran_red"] > 0
+
+
+def test_a_flow_goes_from_place_to_place_and_adds_to_what_moves(busy):
+    places = ((10.0, 10.0), (35.0, 35.0))
+    more = pedestrian_flow(busy, count=5, places=places, speed=1.2, duration=30.0)
+    added = more.tracks.take(~np.isin(more.tracks.object_id, busy.tracks.object_id))
+    assert 1 <= added.count <= 5
+    assert np.isin(busy.tracks.object_id, more.tracks.object_id).all()
+    assert set(values(more).values()) == {0.0}
+    ends = added.position[added.sample_start[1:] - 1, :2]
+    assert np.hypot(*(ends - [35.0, 35.0]).T).min() < 25.0
+
+
+def test_a_flow_to_nowhere_names_every_place(town):
+    with pytest.raises(ActionFailed) as refused:
+        pedestrian_flow(town, places=((0.0, 0.0), (500.0, 500.0), (60.0, 60.0)))
+    assert "(500.0, 500.0) is more than 15 m from any sidewalk" in str(refused.value)
+    assert "(60.0, 60.0) is more than 15 m from any sidewalk" in str(refused.value)
+
+
+def test_people_keep_to_the_side_of_the_road_that_traffic_keeps_to(town):
+    offsets = []
+    for city in (town, crossing_town(longitude=-1.0)):
+        walkers = pedestrian_flow(city, count=1, places=((8.0, 23.0), (38.0, 23.0)), duration=20.0)
+        offsets.append(float(np.median(walkers.tracks.position[:, 1])) - 23.0)
+    assert offsets[0] < -0.1 < 0.1 < offsets[1]  # east is ahead, south to the right
+
+
+def test_the_day_has_its_hours():
+    assert activity("retail", 12.5) > 5 * activity("retail", 3.0)
+    assert activity("flats", 18.0) > activity("flats", 11.0)
+    assert activity("office", 8.5) > activity("office", 20.0)
+    for kind in DAYS:
+        assert activity(kind, 0.0) == pytest.approx(activity(kind, 24.0), abs=1.0)
+
+
+@pytest.mark.parametrize(
+    ("sentence", "action", "arguments"),
+    [
+        ("Make the pavements crowded.", "dynamic/pedestrians-v1", {"density": "heavy"}),
+        ("Fewer people.", "dynamic/pedestrians-v1", {"density": "light"}),
+        ("Add 30 pedestrians.", "dynamic/pedestrian_flow-v1", {"count": 30}),
+        ("Add a crowd of a million people.", "dynamic/pedestrian_flow-v1", {"count": 1_000_000}),
+    ],
+)
+def test_sentences_reach_the_actions(sentence, action, arguments):
+    request = read_request(BuildOptions(text=sentence), [], base=True)
+    planner = OfflinePlanner(known_records(registry(outside=False)))
+    (edit,) = request.brief.edits
+    assert [(i.action, i.args) for i in planner.answers(slots_of_edit(edit))] == [
+        (action, arguments)
+    ]
+
+
+def test_a_wish_that_must_not_be_asked_for_keeps_an_action_out():
+    wish = Serves("edit=add_agent", "!path")
+    assert wish.asked({"edit": ("add_agent",)})
+    assert not wish.asked({"edit": ("add_agent",), "path": ("park",)})
+
+
+def test_who_runs_is_seen_to_run(town):
+    running = pedestrian_flow(town, count=4, places=((10.0, 10.0), (35.0, 35.0)), gait="run",
+                              duration=15.0)  # fmt: skip
+    moving = running.tracks.speed > 1.0
+    assert np.median(running.tracks.speed[moving]) > 2.3
+    assert (running.tracks.gait[moving] == GAIT["run"]).mean() > 0.8
