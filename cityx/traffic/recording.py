@@ -10,8 +10,10 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.city import City
-from cityx.city.tracks import GAIT, Tracks
+from cityx.city.ground import KERB_HEIGHT
+from cityx.city.tracks import GAIT, MOVER, Tracks
 from cityx.geometry.polylines import Polylines, bends, to_linestrings, values_along
+from cityx.geometry.standing import stand_on
 from cityx.traffic.network import Network
 from cityx.traffic.simulation import Poses
 from cityx.traffic.streets import Streets
@@ -23,6 +25,7 @@ BoolArray = NDArray[np.bool_]
 SLACK = 0.005  # metres that samples left out may differ by; two neighbours add up to a centimetre
 TURNED = 0.01  # radians that count as much
 FASTER = 0.1  # metres per second that count as much
+STANDING, RUNS = 0.1, 2.2  # metres per second from which on somebody walks, and runs
 SPREAD = 1e4  # by which time is drawn out, so that a slack across the line is one of the value
 
 
@@ -40,7 +43,7 @@ def recorded(
     city: City, streets: Streets, network: Network, poses: Poses,
     movers: Mapping[str, Mover], origin: str,
 ) -> Tracks:  # fmt: skip
-    """Make tracks of the vehicles among poses.
+    """Make tracks of the movers among poses.
 
     Parameters
     ----------
@@ -62,9 +65,16 @@ def recorded(
     rows, mover = np.unique(mover, return_inverse=True)
     about = [movers[str(poses.name[row])] for row in rows.tolist()]
     size = np.array([each.size for each in about], np.float32).reshape(-1, 3)
-    xy, heading = bodies(poses.xy[kept], poses.angle[kept], mover, size[:, 0].astype(float))
+    on_foot = np.array([each.kind == MOVER["pedestrian"] for each in about], bool)
+    # Of people SUMO tells where their middle is, of vehicles where their foremost point is.
+    length = np.where(on_foot, 0.0, size[:, 0].astype(float))
+    xy, heading = bodies(poses.xy[kept], poses.angle[kept], mover, length)
     edge, place = _lanes(city, streets, network, poses, kept)
     z = _heights(city, xy, mover, edge)
+    walking = on_foot[mover]
+    footing = stand_on(city.scene.meshes.get("ground"), xy[walking]).z
+    z[walking] = np.where(np.isnan(footing), z[walking] + KERB_HEIGHT, footing)
+    place[walking] = 0
     time, speed = poses.time[kept], poses.speed[kept]
     position = np.column_stack([xy, z])
     heading = _unwound(heading, mover)
@@ -83,10 +93,16 @@ def recorded(
         np.round(position[few], 4),
         np.round(heading[few], 5),
         np.round(speed[few], 3).astype(np.float32),
-        np.full(int(few.sum()), GAIT["ride"], np.uint8),
+        _gaits(walking, speed)[few],
         place[few],
     )
     return tracks.take(np.argsort(ids))
+
+
+def _gaits(walking: BoolArray, speed: FloatArray) -> NDArray[np.uint8]:
+    on_foot = np.where(speed < STANDING, GAIT["still"], np.where(speed < RUNS, GAIT["walk"],
+                                                                 GAIT["run"]))  # fmt: skip
+    return np.where(walking, on_foot, GAIT["ride"]).astype(np.uint8)
 
 
 def bodies(

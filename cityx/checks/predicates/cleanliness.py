@@ -28,7 +28,10 @@ RULES: Mapping[str, tuple[str, ...]] = {
     "nothing floats or is buried": ("floating_building", "building_buried", "things_off_ground"),
     "nothing stands in a lane": ("trees_in_lanes", "furniture_in_lanes", "trees_misplaced"),
     "nothing moves off its feasible area": (
-        "vehicles_off_lane", "pedestrians_off_walkable", "movers_in_buildings", "movers_off_ground",
+        "vehicles_off_lane",
+        "pedestrians_off_walkable",
+        "movers_in_buildings",
+        "movers_off_ground",
     ),
     "every number is finite": ("not_finite",),
     "everything lies within the site": ("outside_site",),
