@@ -116,7 +116,9 @@ def build(
     window: Annotated[
         str | None, typer.Option(help="X,Y,W,H of the plane of towns, metres, without a map.")
     ] = None,
-    formats: Annotated[str, typer.Option(help="Comma-separated: blend, glb, usd.")] = "blend,glb",
+    formats: Annotated[
+        str, typer.Option(help="Comma-separated: blend, glb, usd, sumo.")
+    ] = "blend,glb",
     render: Annotated[bool, typer.Option("--render/--no-render", help="Make pictures.")] = True,
     samples: Annotated[int, typer.Option(min=1, max=65536, help="Samples per pixel.")] = 48,
     picture: Annotated[str, typer.Option(help="Size of the pictures, pixels.")] = "960x540",

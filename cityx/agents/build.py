@@ -40,6 +40,7 @@ from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.inputs import InputFiles
 from cityx.protocol.registry import Registry, registry
 from cityx.sources.intake import Inputs, sort_inputs
+from cityx.traffic.engine import require_sumo
 
 
 @dataclass(frozen=True)
@@ -193,6 +194,8 @@ def build(
     options = options or BuildOptions()
     if "usd" in options.formats:
         require_usd()
+    if "sumo" in options.formats:
+        require_sumo()
     out = result_folder(out)
     job = make_job(paths, options, say, left=staging_path(out) / JOURNAL)
     try:

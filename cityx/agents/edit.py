@@ -162,7 +162,7 @@ def renew(
     from cityx.checks.predicates import measure_all
     from cityx.checks.report import counts
 
-    files = {"blend": "city.blend", "glb": "city.glb", "usd": "city.usdc"}
+    files = {"blend": "city.blend", "glb": "city.glb", "usd": "city.usdc", "sumo": "city.sumocfg"}
     formats = [name for name, file in files.items() if (folder / file).exists()]
     if formats:
         staging = folder / ".views.partial"

@@ -8,7 +8,7 @@ from typing import Any
 
 from cityx.sources.intake import HowToRead
 
-FORMATS = ("blend", "glb", "usd")
+FORMATS = ("blend", "glb", "usd", "sumo")
 DEFAULT_FORMATS = ("blend", "glb")  # what needs no extra
 
 

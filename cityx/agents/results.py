@@ -11,6 +11,7 @@ from cityx.errors import UsageError
 
 PRODUCTS = (
     "city", "city.blend", "city.glb", "city.usdc", "city_textures", "renders",
+    "city.net.xml", "city.rou.xml", "city.sumocfg",
     "report.json", "report.html",
 )  # fmt: skip
 

@@ -44,7 +44,7 @@ def make_views(
     watch: Stopwatch | None = None,
     say: Say,
 ) -> float:
-    """Write GLB, USD, .blend and pictures of a city.
+    """Write GLB, USD, the files of SUMO, .blend and pictures of a city.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def make_views(
     folder
         Where to write them.
     formats
-        "blend", "glb", "usd".
+        "blend", "glb", "usd", "sumo".
     store
         Folder of the stored city; ``city`` of the same folder when left out.
     views, size, samples
@@ -70,6 +70,8 @@ def make_views(
     from cityx.city.store import view_of
     from cityx.outputs.glb import write_glb
     from cityx.outputs.usd import write_usd
+    from cityx.plugins.dynamic.halts import halts_of
+    from cityx.traffic.files import write_sumo
 
     watch = watch or Stopwatch()
     folder.mkdir(parents=True, exist_ok=True)
@@ -81,6 +83,10 @@ def make_views(
         say("writing city.usdc")
         with watch.step("usd"):
             write_usd(view_of(city), folder / "city.usdc")
+    if "sumo" in formats:
+        say("writing city.net.xml")
+        with watch.step("sumo"):
+            write_sumo(city, halts_of(city), folder)
     if "blend" in formats or views:
         blend = folder / "city.blend" if "blend" in formats else None
         times, _ = blender_views(

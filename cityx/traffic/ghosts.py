@@ -6,7 +6,6 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city.city import City
 from cityx.city.tracks import MOVER, MOVER_KINDS, Tracks, poses_at
 from cityx.geometry.identity import id_text
 from cityx.traffic.kinds import DRIVING
@@ -21,16 +20,13 @@ HELD = 5.0  # seconds before the tracks begin in which everything is already whe
 NEAR_CROSSING = 1.0  # metres from a crossing at which vehicles wait for who is about to walk
 
 
-def ghosts_of(
-    city: City, streets: Streets, network: Network, origin: str, run: Run
-) -> Ghosts | None:
-    """Return what moves in a city but for the movers of one action; None for nothing.
+def ghosts_of(tracks: Tracks | None, streets: Streets, network: Network, run: Run) -> Ghosts | None:
+    """Return movers as obstacles of a run; None for nothing.
 
     Of people those are kept who walk over crossings: nobody drives where the others walk.
     """
-    if city.tracks is None:
+    if tracks is None:
         return None
-    tracks = city.tracks.take(city.tracks.origin != origin)
     driven = np.isin(tracks.kind, [MOVER[kind] for kind in DRIVING])
     walks = tracks.kind == MOVER["pedestrian"]
     tracks = tracks.take(driven | walks)

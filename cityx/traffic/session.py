@@ -39,11 +39,12 @@ class Driven:
 
 
 def driven(
-    city: City, streets: Streets, run: Run, movers: Mapping[str, Mover], origin: str
-) -> Driven:
-    """Simulate a run on the streets of a city, among all that moves there already.
+    city: City, streets: Streets, run: Run, movers: Mapping[str, Mover], origin: str,
+    others: Tracks | None,
+) -> Driven:  # fmt: skip
+    """Simulate a run on the streets of a city, among what moves there already.
 
-    What other actions put there drives and walks as it did before: those of this run give way.
+    That drives and walks as it did before: those of this run give way.
 
     Parameters
     ----------
@@ -55,6 +56,8 @@ def driven(
         What is seen of those whose tracks are kept, by name.
     origin
         Id of the action that puts them there.
+    others
+        What moves there already, None for nothing.
 
     Raises
     ------
@@ -65,7 +68,7 @@ def driven(
     """
     with TemporaryDirectory(prefix="cityx-traffic-") as name:
         network = make_network(streets, city.frame, Path(name), said=street_names(city))
-        ghosts = ghosts_of(city, streets, network, origin, run)
+        ghosts = ghosts_of(others, streets, network, run)
         outcome = simulate(run, network, ghosts)
         signals = signals_of(city, streets, network, run.warm)
     tracks = recorded(city, streets, network, outcome.poses, movers, origin)

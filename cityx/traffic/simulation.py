@@ -23,10 +23,12 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 STEP = 0.1  # seconds
+WARM = 60.0  # seconds of traffic before the tracks begin, so that queues have formed
 PATIENCE = 120.0  # seconds that a vehicle waits before it is taken out, and counted
 STUCK = 60.0  # seconds without moving after which a vehicle counts as stuck
 BLOCKED = 15.0  # seconds after which those who block a junction are driven round
 SLOWEST = 0.5  # times real time on a busy machine; slower than this is a hang
+CLOSE = 0.5  # seconds between vehicles that keep a speed somebody asked for
 START_S = 120.0  # seconds that starting may take
 ROUTES, GHOSTS = "city.rou.xml", "ghosts.npz"
 
@@ -44,13 +46,16 @@ class Look:
     size
         Length, width and height, metres.
     speed
-        Metres per second that its drivers want whatever is allowed, None for what is allowed.
+        Metres per second that its drivers want, None for what is allowed.
+    allowed
+        Metres per second that are allowed where they want that speed.
     """
 
     name: str
     kind: str
     size: tuple[float, float, float]
     speed: float | None = None
+    allowed: float = 0.0
 
     @property
     def type_name(self) -> str:
@@ -76,6 +81,13 @@ class Trip:
         Whether it comes from beyond the site, rather than from a place at the kerb.
     depart
         Seconds since the tracks begin at which it sets out, None to be sent when one is missing.
+    lane, at
+        Lane of its first way, and metres along it, where it sets out; None for the best one and
+        its beginning.
+    until
+        Metres along its last way at which it has arrived, None for the end.
+    pace
+        Metres per second at which it begins, None for what is allowed or, at a kerb, nothing.
     """
 
     name: str
@@ -84,6 +96,10 @@ class Trip:
     entry: int = 0
     rolling: bool = True
     depart: float | None = None
+    lane: int | None = None
+    at: float | None = None
+    until: float | None = None
+    pace: float | None = None
 
 
 @dataclass(frozen=True)
@@ -219,7 +235,7 @@ class Run:
     groups: tuple[Group, ...] = ()
     trips: tuple[Trip, ...] = ()
     walkers: tuple[Walker, ...] = ()
-    warm: float = 60.0
+    warm: float = WARM
     duration: float = 60.0
     seed: int = 0
     step: float = field(default=STEP)
@@ -339,23 +355,39 @@ def routes_text(run: Run, types: Sequence[str] = ()) -> str:
     timed = []
     for trip in run.trips:
         at = run.warm + (trip.depart or 0.0)
-        head = tag("vehicle", id=trip.name, type=run.looks[trip.look].type_name,
-                   depart=f"{at:.1f}", departLane="best",
-                   departSpeed="max" if trip.rolling else "0")  # fmt: skip
-        route = tag("route", edges=" ".join(trip.route))
-        timed.append((at, trip.name, f"{head[:-2]}>{route}</vehicle>"))
+        timed.append((at, trip.name, _vehicle(trip, run.looks[trip.look], at)))
     for walker in run.walkers:
         timed.append((run.warm + walker.depart, walker.name, _person(walker, run.warm)))
     lines += [text for _, _, text in sorted(timed)]
     return "<routes>\n" + "\n".join(lines) + "\n</routes>\n"
 
 
+def _vehicle(trip: Trip, look: Look, at: float) -> str:
+    """Return a vehicle with its route as SUMO's XML."""
+    speed = "max" if trip.rolling else "0"
+    where = {} if trip.at is None else {"departPos": f"{trip.at:.3f}"}
+    if trip.until is not None:
+        where["arrivalPos"] = f"{trip.until:.3f}"
+    if trip.lane is not None:  # it is there, whatever the gaps
+        where["insertionChecks"] = "collision"
+    head = tag(
+        "vehicle", id=trip.name, type=look.type_name, depart=f"{at:.1f}",
+        departLane="best" if trip.lane is None else trip.lane,
+        departSpeed=speed if trip.pace is None else f"{trip.pace:.3f}", **where,
+    )  # fmt: skip
+    return f"{head[:-2]}>{tag('route', edges=' '.join(trip.route))}</vehicle>"
+
+
 def type_text(look: Look) -> str:
     """Return the type of a look as SUMO's XML."""
     drive = DRIVING[look.kind]
     length, width, height = look.size
-    wanted = {} if look.speed is None else {"speedFactor": "9", "speedDev": "0"}
-    top = drive.top if look.speed is None else look.speed
+    wanted, top = {}, drive.top
+    if look.speed is not None:
+        # In corners they drive faster than others by the same factor.
+        factor = look.speed / max(look.allowed, 1.0)
+        wanted = {"speedFactor": f"{factor:.4f}", "speedDev": "0", "tau": f"{CLOSE:g}"}
+        top = max(look.speed, drive.top)
     return tag(
         "vType", id=look.type_name, vClass=drive.sumo_class, length=f"{length:.3f}",
         width=f"{width:.3f}", height=f"{height:.3f}", accel=drive.accel, decel=drive.decel,
@@ -381,9 +413,11 @@ def _person(walker: Walker, warm: float) -> str:
 def _read_poses(path: Path, warm: float) -> Poses:
     """Read what SUMO wrote, ordered by mover and time."""
     import pyarrow as pa
+    import pyarrow.compute
     import pyarrow.parquet as pq
 
     table = pq.read_table(path)
+    table = table.filter(pa.compute.is_valid(table["vehicle_id"]))  # steps in which nobody is there
     columns = {name.removeprefix("vehicle_"): table[name] for name in table.column_names}
     ids = columns["id"].combine_chunks().dictionary_encode()
     lane = columns["lane"]

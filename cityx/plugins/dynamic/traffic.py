@@ -5,25 +5,26 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Annotated, Literal
 
+import numpy as np
+
 from cityx.city import City
-from cityx.city.tracks import Tracks, join_tracks, no_tracks
+from cityx.city.tracks import MOVER, Tracks, join_tracks, no_tracks
 from cityx.plugins.dynamic.halts import halts_of
 from cityx.plugins.dynamic.vehicles import looks_of_kinds, movers_of
 from cityx.plugins.road.lanes import lanes
 from cityx.protocol import Port, Range, action, has_network
 from cityx.traffic.demand import PER_KM, demand_of, per_km_at
+from cityx.traffic.kinds import DRIVING
 from cityx.traffic.session import driven
-from cityx.traffic.simulation import Outcome, Run
+from cityx.traffic.simulation import WARM, Outcome, Run
 from cityx.traffic.streets import streets_of
 
 ACTION = "dynamic/traffic-v1"
-WARM = 60.0  # seconds of traffic before the tracks begin, so that queues have formed
 
 
-def with_tracks(city: City, tracks: Tracks, origin: str) -> City:
-    """Put the tracks of an action into a city, in the place of those it made before."""
-    held = city.tracks if city.tracks is not None else no_tracks()
-    joined = join_tracks([held.take(held.origin != origin), tracks])
+def with_tracks(city: City, kept: Tracks, new: Tracks) -> City:
+    """Put new tracks into a city beside those that are kept."""
+    joined = join_tracks([kept, new])
     return replace(city, tracks=joined if joined.count else None,
                    stages_done=city.stages_done | {"dynamic"})  # fmt: skip
 
@@ -35,8 +36,14 @@ def told(outcome: Outcome) -> tuple[str, ...]:
         found.append(f"traffic: {len(outcome.teleported)} vehicles could not go on for two minutes "
                      "and were taken out")  # fmt: skip
     if outcome.halted:
-        found.append(f"traffic: {len(outcome.halted)} vehicles stood for a minute at the end")
+        found.append(f"traffic: {len(outcome.halted)} vehicles had not moved for two minutes at "
+                     "the end")  # fmt: skip
     return tuple(found)
+
+
+def held_tracks(city: City) -> Tracks:
+    """Return what moves in a city."""
+    return city.tracks if city.tracks is not None else no_tracks()
 
 
 @action(
@@ -68,7 +75,8 @@ def traffic(
     city
         City with a road network and lanes.
     density
-        How full the streets are; "usual" is what the hour brings.
+        How full the streets are; "usual" is what the hour brings, "none" takes every moving
+        vehicle away.
     per_km
         Vehicles per kilometre of all streets together, which goes before `density`; main roads get
         more and side streets fewer.
@@ -77,8 +85,13 @@ def traffic(
     hour
         Of the day, which decides where trips begin and end; None for that of the city's light.
     """
-    if density == "none" or per_km == 0.0:
-        return with_tracks(city, no_tracks(), ACTION)
+    held = held_tracks(city)
+    if per_km is None and density == "none":
+        vehicles = np.isin(held.kind, [MOVER[kind] for kind in DRIVING])
+        return with_tracks(city, held.take(~vehicles), no_tracks())
+    kept = held.take(held.origin != ACTION)
+    if per_km == 0.0:
+        return with_tracks(city, kept, no_tracks())
     hour = city.environment.hour if hour is None else hour
     city = city if city.lanes is not None else lanes(city)
     streets = streets_of(city, halts_of(city))
@@ -86,16 +99,13 @@ def traffic(
         city, streets, looks_of_kinds(), hour=hour, seconds=WARM + duration, purpose=ACTION,
         per_km=_per_km(city, density, per_km, hour),
     )  # fmt: skip
-    run = Run(demand.looks, demand.groups, warm=WARM, duration=duration, seed=city.seed)
+    run = Run(demand.looks, demand.groups, duration=duration, seed=city.seed)
     trips = tuple(trip for group in demand.groups for trip in group.trips)
-    found = driven(city, streets, run, movers_of(trips, demand.looks, city.seed), ACTION)
-    changed = with_tracks(city, found.tracks, ACTION)
-    notes = (*_without_own(city), *told(found.outcome))
-    return replace(changed, signals=found.signals, notes=notes)
-
-
-def _without_own(city: City) -> tuple[str, ...]:
-    return tuple(note for note in city.notes if not note.startswith("traffic: "))
+    movers = movers_of(trips, demand.looks, city.seed)
+    found = driven(city, streets, run, movers, ACTION, kept)
+    notes = tuple(note for note in city.notes if not note.startswith("traffic: "))
+    changed = with_tracks(city, kept, found.tracks)
+    return replace(changed, signals=found.signals, notes=(*notes, *told(found.outcome)))
 
 
 def _per_km(city: City, density: str, per_km: float | None, hour: float) -> dict[str, float]:

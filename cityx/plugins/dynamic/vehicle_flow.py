@@ -1,0 +1,185 @@
+"""Vehicles as somebody asks for them: so many of a kind, along streets or from place to place."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated, Literal
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.assets.movers import VEHICLE_LOOKS, size_of
+from cityx.checks.predicates.words import ROAD_CLASSES
+from cityx.city import City
+from cityx.city.tracks import Tracks, poses_at
+from cityx.errors import ActionFailed, nearest
+from cityx.geometry.chains import components
+from cityx.plugins.dynamic.halts import halts_of
+from cityx.plugins.dynamic.traffic import held_tracks, told, with_tracks
+from cityx.plugins.dynamic.vehicles import movers_of
+from cityx.plugins.road.lanes import lanes
+from cityx.plugins.road.marks import RANK
+from cityx.protocol import Port, Range, Serves, Text, action, has_network
+from cityx.traffic.demand import Drivable
+from cityx.traffic.flows import along as trips_along
+from cityx.traffic.flows import between, flow_ids
+from cityx.traffic.kinds import DRIVING
+from cityx.traffic.session import driven
+from cityx.traffic.simulation import Look, Run, Trip
+from cityx.traffic.streets import Streets, streets_of
+
+ACTION = "dynamic/vehicle_flow-v1"
+BRIDGES, MAIN_STREET = ("bridge", "bridges"), ("main_street", "main street", "main road")
+JOINED = 1.0  # metres between pieces of one bridge
+USUAL = 10  # vehicles of a flow that nobody counted
+
+
+@action(
+    ACTION,
+    limits=[
+        "What moves already keeps its way; the new vehicles give way to it.",
+        "Vehicles along streets leave the site by any way out once they have passed the streets.",
+    ],
+    requires=("layout", has_network()),
+    takes=(Port("lanes", "line", role="lane_graph", optional=True),),
+    gives=(Port("vehicles", "line", role="vehicle_tracks"),),
+    labels=("vehicles", "flow", "buses", "cars", "convoy"),
+    serves=(
+        *(Serves("edit=add_agent", f"agent={kind}", kind=kind) for kind in DRIVING),
+        Serves("edit=add_agent", "agent=vehicle"),
+        Serves("edit=add_traffic", "path"),
+        Serves("edit=add_traffic", "speed"),
+    ),
+    binds={"count": "count", "along": "path", "speed": "speed"},
+    needs=("libsumo",),
+)
+def vehicle_flow(
+    city: City,
+    *,
+    kind: Literal["car", "van", "truck", "bus", "motorcycle", "bicycle"] = "car",
+    count: Annotated[int | None, Range(1, 500)] = None,
+    along: Annotated[str, Text()] = "",
+    start: Annotated[tuple[float, float] | None, Range(-1e5, 1e5)] = None,
+    goal: Annotated[tuple[float, float] | None, Range(-1e5, 1e5)] = None,
+    speed: Annotated[float | None, Range(1.0, 70.0)] = None,
+    duration: Annotated[float, Range(1.0, 3600.0)] = 60.0,
+) -> City:
+    """Add vehicles of a kind along streets, or from one place to another.
+
+    The same call once more replaces what it made; any other is added to it.
+
+    Parameters
+    ----------
+    city
+        City with a road network and lanes.
+    kind
+        Of vehicle.
+    count
+        How many; None for as many as there is room for, ten at most.
+    along
+        Streets they are on when the tracks begin: "bridge", "main_street", a class of road such as
+        "primary", or the name of a street; "" for all streets, or for `start` and `goal`.
+    start, goal
+        (x, y), metres: where they set out one after the other, and where they arrive.
+    speed
+        Metres per second that they keep where they can, None for what is allowed.
+    duration
+        Seconds of the tracks.
+    """
+    if (start is None) != (goal is None) or (start is not None and along):
+        raise ActionFailed("Give both start and goal, or the streets along which vehicles drive.")
+    city = city if city.lanes is not None else lanes(city)
+    streets = streets_of(city, halts_of(city))
+    net = Drivable(city, streets)
+    look = _look(kind, speed)
+    ids = flow_ids(city.seed, f"{ACTION}/{kind}/{along}/{start}/{goal}/{speed}", count or USUAL)
+    held = held_tracks(city)
+    kept = held.take(~np.isin(held.object_id, ids))
+    if start is not None and goal is not None:
+        trips = between(net, ids, np.array(start), np.array(goal))
+    else:
+        groups = _edges(city, along)
+        look = replace(look, allowed=_allowed(streets, groups))
+        trips = trips_along(net, look, ids, groups, _bodies(kept), pace=speed,
+                            said=along or "the streets", exact=count is not None)  # fmt: skip
+    return _with_trips(city, streets, look, trips, kept, duration)
+
+
+def _with_trips(
+    city: City, streets: Streets, look: Look, trips: tuple[Trip, ...], kept: Tracks, duration: float
+) -> City:
+    run = Run((look,), trips=trips, duration=duration, seed=city.seed)
+    movers = movers_of(trips, (look,), city.seed)
+    found = driven(city, streets, run, movers, ACTION, kept)
+    changed = with_tracks(city, kept, found.tracks)
+    notes = (*city.notes, *told(found.outcome))
+    return replace(changed, signals=found.signals, notes=notes)
+
+
+def _look(kind: str, speed: float | None) -> Look:
+    name = VEHICLE_LOOKS[kind][0][0]
+    return Look(name, kind, size_of(name), speed, speed or 0.0)
+
+
+def _allowed(streets: Streets, groups: list[list[int]]) -> float:
+    """Greatest speed that is allowed on edges, metres per second."""
+    edges = {edge for group in groups for edge in group}
+    speeds = [lane.speed for way in streets.ways if way.edge in edges for lane in way.lanes]
+    return max(speeds, default=0.0)
+
+
+def _edges(city: City, along: str) -> list[list[int]]:
+    """Return the edges of the network that words mean; those of each bridge apart.
+
+    Raises
+    ------
+    ActionFailed
+        If they mean none; names what there is.
+    """
+    network, roads = city.network, city.layout.roads
+    assert network is not None
+    table = roads.iloc[network.edge_road]
+    kinds = table["kind"].to_numpy().astype(str)
+    names = table["name"].to_numpy().astype(str)
+    word = along.strip()
+    if not word:
+        chosen = np.ones(len(kinds), bool)
+    elif word.lower() in BRIDGES:
+        chosen = table["bridge"].to_numpy(bool)
+    elif word.lower() in MAIN_STREET:
+        best = next((rank for rank in RANK if (kinds == rank).any()), "")
+        chosen = kinds == best
+    elif word.lower() in ROAD_CLASSES:
+        chosen = np.isin(kinds, ROAD_CLASSES[word.lower()])
+    else:
+        chosen = (np.char.lower(names) == word.lower()) | (table["source"].to_numpy() == word)
+    rows = np.flatnonzero(chosen)
+    if not len(rows):
+        known = sorted({*names.tolist(), *kinds.tolist(), *BRIDGES[:1]} - {""})
+        hint = nearest(word, known) or f" There are {', '.join(known[:8])}."
+        raise ActionFailed(f'No street of the city is meant by "{along}".{hint}')
+    return _grouped(city, rows)
+
+
+def _grouped(city: City, rows: NDArray[np.int64]) -> list[list[int]]:
+    """Put edges together that hang together."""
+    network = city.network
+    assert network is not None
+    lines = np.array([shapely.LineString(network.edge_points(row)) for row in rows.tolist()])
+    pairs = np.column_stack(shapely.STRtree(lines).query(lines, "dwithin", JOINED))
+    label = components(pairs, len(rows))
+    return [rows[label == part].tolist() for part in np.unique(label).tolist()]
+
+
+def _bodies(tracks: Tracks) -> list[shapely.Geometry]:
+    """Return the ground that movers stand on when the tracks begin."""
+    poses = poses_at(tracks, 0.0)
+    if not len(poses.row):
+        return []
+    ahead = np.column_stack([np.cos(poses.heading), np.sin(poses.heading)])
+    left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    size = tracks.size[poses.row].astype(float) / 2
+    u, v, at = ahead * size[:, :1], left * size[:, 1:2], poses.position[:, :2]
+    corners = np.stack([at - u - v, at + u - v, at + u + v, at - u + v], axis=1)
+    return list(shapely.polygons(corners))

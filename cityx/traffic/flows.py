@@ -1,0 +1,239 @@
+"""Vehicles that somebody asked for one by one: from a place to a place, or along streets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.errors import ActionFailed
+from cityx.geometry.identity import choose, hash_ids, id_text
+from cityx.traffic.demand import Drivable
+from cityx.traffic.simulation import Look, Trip
+from cityx.traffic.streets import Lane
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+UInt64Array = NDArray[np.uint64]
+
+ACROSS = 10.0  # metres more to the other side of the street, when that one leads on
+REACH = 60.0  # metres from a place to the lane on which one sets out or arrives
+AIR = 2.0  # metres between vehicles that stand one behind the other
+HEADWAY = 3.0  # seconds between vehicles that set out from one place
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A place on a lane where a vehicle is when the tracks begin.
+
+    Attributes
+    ----------
+    way, lane
+        The way and the place of the lane on it.
+    at
+        Metres from the lane's start to the vehicle's foremost point.
+    """
+
+    way: int
+    lane: int
+    at: float
+
+
+def between(
+    net: Drivable, ids: UInt64Array, start: FloatArray, goal: FloatArray
+) -> tuple[Trip, ...]:
+    """Let vehicles set out from one place for another, one after the other.
+
+    Parameters
+    ----------
+    net
+        The streets.
+    ids
+        (n,) uint64 of the vehicles.
+    start, goal
+        (2,) float64, metres.
+
+    Raises
+    ------
+    ActionFailed
+        If no street is near, or no way leads from the one to the other; says where.
+    """
+    starts, goals = _near(net, start, "start"), _near(net, goal, "goal")
+    pairs = sorted(((one, other) for one in starts for other in goals),
+                   key=lambda pair: pair[0].off + pair[1].off)  # fmt: skip
+    for one, other in pairs:
+        route = route_between(net, one.way, other.way)
+        if route is not None:
+            break
+    else:
+        raise ActionFailed(
+            f"No way for cars leads from {_said(start)} to {_said(goal)}: one-way streets or gaps "
+            "between streets part them."
+        )
+    names = tuple(net.streets.ways[way].name for way in route)
+    return tuple(
+        Trip(id_text(int(own)), 0, names, rolling=False, depart=HEADWAY * number,
+             at=one.along, until=other.along)
+        for number, own in enumerate(ids.tolist())
+    )  # fmt: skip
+
+
+def along(
+    net: Drivable, look: Look, ids: UInt64Array, edges: Sequence[Sequence[int]],
+    taken: Sequence[shapely.Geometry], *, pace: float | None, said: str, exact: bool,
+) -> tuple[Trip, ...]:  # fmt: skip
+    """Spread vehicles evenly over the lanes of streets, under way when the tracks begin.
+
+    Parameters
+    ----------
+    net
+        The streets.
+    look
+        Type of vehicle.
+    ids
+        (n,) uint64 of the vehicles.
+    edges
+        Edges of the network, in groups such as bridges; each group gets its share.
+    taken
+        Ground on which something moves already.
+    pace
+        Metres per second at the beginning, None for what is allowed.
+    said
+        What the streets are called, for errors.
+    exact
+        Whether all must find room, rather than those for whom there is some.
+
+    Raises
+    ------
+    ActionFailed
+        If they do not fit; says how many do.
+    """
+    slots = [_slots(net, group, look.size[0], taken) for group in edges]
+    room = sum(map(len, slots))
+    if room < len(ids) and not exact:
+        ids = ids[:room]
+    if room < max(len(ids), 1):
+        raise ActionFailed(
+            f"{len(ids)} vehicles of {look.size[0]:g} m do not fit on {said}: there is room for "
+            f"{room}."
+        )
+    chosen = [_spread(own, count) for own, count in zip(slots, _shares(slots, len(ids)),
+                                                        strict=True)]  # fmt: skip
+    trips = []
+    for own, slot in zip(ids.tolist(), (slot for part in chosen for slot in part), strict=True):
+        route = _onward(net, slot.way, int(own))
+        names = tuple(net.streets.ways[way].name for way in route)
+        trips.append(Trip(id_text(int(own)), 0, names, depart=0.0, lane=slot.lane, at=slot.at,
+                          pace=pace))  # fmt: skip
+    return tuple(trips)
+
+
+def flow_ids(seed: int, purpose: str, count: int) -> UInt64Array:
+    """Return (n,) uint64 ids of the vehicles of a flow."""
+    return hash_ids(seed, purpose, np.arange(count))
+
+
+@dataclass(frozen=True)
+class _Near:
+    """A way near a place, metres from it, and metres along the way to where it is nearest."""
+
+    way: int
+    off: float
+    along: float
+
+
+def _near(net: Drivable, place: FloatArray, what: str) -> list[_Near]:
+    """Return the ways near a place, on either side of the street."""
+    rows = np.flatnonzero(net.usable)
+    lines = np.array([shapely.LineString(net.streets.ways[row].lanes[-1].shape[:, :2])
+                      for row in rows.tolist()], object)  # fmt: skip
+    spot = shapely.Point(place)
+    off = np.round(shapely.distance(lines, spot), 3) if len(lines) else np.array([np.inf])
+    if off.min() > REACH:
+        near = "" if not len(lines) else f" The nearest lies {off.min():.0f} m away."
+        raise ActionFailed(f"No street for cars lies within {REACH:g} m of the {what} "
+                           f"{_said(place)}.{near}")  # fmt: skip
+    return [
+        _Near(int(rows[row]), float(off[row]), float(shapely.line_locate_point(lines[row], spot)))
+        for row in np.flatnonzero(off <= min(off.min() + ACROSS, REACH)).tolist()
+    ]
+
+
+def _said(place: FloatArray) -> str:
+    return f"({place[0]:.1f}, {place[1]:.1f})"
+
+
+def route_between(net: Drivable, start: int, goal: int) -> list[int] | None:
+    """Return the quickest ways from one to another, both included; None when there are none."""
+    from scipy.sparse.csgraph import dijkstra
+
+    seconds, before = dijkstra(net.matrix(0, net.usable), indices=start,
+                               return_predecessors=True)  # fmt: skip
+    if not np.isfinite(seconds[goal]):
+        return None
+    route = [goal]
+    while route[-1] != start:
+        route.append(int(before[route[-1]]))
+    return route[::-1]
+
+
+def _onward(net: Drivable, start: int, own: int) -> list[int]:
+    """Return the way out of the site from a street, one of those there are."""
+    from scipy.sparse.csgraph import dijkstra
+
+    seconds = dijkstra(net.matrix(0, net.usable), indices=start)
+    weight = (net.at_border(net.exits, -1) | net.exits) & np.isfinite(seconds)
+    if not weight.any():
+        weight = np.isfinite(seconds)
+    goal = int(choose(net.city.seed, "traffic/onward", [np.uint64(own)], weight)[0])
+    return route_between(net, start, goal) or [start]
+
+
+def _slots(
+    net: Drivable, edges: Sequence[int], length: float, taken: Sequence[shapely.Geometry]
+) -> list[Slot]:
+    """Return the places on lanes of edges that are free for vehicles of a length."""
+    tree = shapely.STRtree(list(taken))
+    found = []
+    for number, way in enumerate(net.streets.ways):
+        if way.edge not in edges or not net.usable[number]:
+            continue
+        for index, lane in enumerate(way.lanes):
+            if lane.kind not in ("drive", "bus") or lane.closed:
+                continue
+            count = int((lane.length - AIR) // (length + AIR))
+            gap = lane.length / max(count, 1)
+            for place in range(count):
+                front = (place + 0.5) * gap + length / 2
+                body = _body(lane, front, length)
+                if not len(tree.query(body, predicate="intersects")):
+                    found.append(Slot(number, index, front))
+    return found
+
+
+def _body(lane: Lane, front: float, length: float) -> shapely.Geometry:
+    from shapely.ops import substring
+
+    line = shapely.LineString(lane.shape[:, :2])
+    return substring(line, max(front - length - AIR, 0.0), front + AIR).buffer(lane.width / 2)
+
+
+def _shares(slots: list[list[Slot]], count: int) -> list[int]:
+    """Divide vehicles among groups by their room; as many groups as can get one."""
+    room = np.array([len(own) for own in slots])
+    shares = np.minimum(room, 1) if count >= (room > 0).sum() else np.zeros(len(room), int)
+    while shares.sum() < count:
+        left = np.where(shares < room, (shares + 1) / np.maximum(room, 1), np.inf)
+        shares[int(np.argmin(left))] += 1
+    return [int(share) for share in shares]
+
+
+def _spread(slots: list[Slot], count: int) -> list[Slot]:
+    """Choose some of the places, evenly over all."""
+    if not count:
+        return []
+    step = (np.arange(count) + 0.5) * len(slots) / count
+    return [slots[place] for place in step.astype(int).tolist()]
