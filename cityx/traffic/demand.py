@@ -17,7 +17,7 @@ from cityx.city.city import City
 from cityx.geometry.identity import choose, hash_ids, id_text, uniform
 from cityx.traffic.kinds import DRIVING, LARGE, shares_on
 from cityx.traffic.simulation import Group, Look, Trip
-from cityx.traffic.streets import Streets, Way
+from cityx.traffic.streets import Lane, Streets, Way
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -169,10 +169,7 @@ class Drivable:
         """(w,) whether lorries and buses use a way."""
         wide = [
             self.road(way) not in ("service", "living_street")
-            and any(
-                lane.kind == "drive" and not lane.closed and lane.width >= WIDE_ENOUGH
-                for lane in way.lanes
-            )
+            and any(_for_large(lane) for lane in way.lanes)
             for way in self.streets.ways
         ]
         return np.asarray(self.usable & np.array(wide, bool))
@@ -244,6 +241,11 @@ class Drivable:
         at_work = ~np.isin(group[part], [GROUPS.index(word) for word in HOMES])
         np.add.at(found, (rows[line], at_work.astype(int)), area[part])
         return found
+
+
+def _for_large(lane: Lane) -> bool:
+    """Tell whether lorries and buses use a lane."""
+    return lane.kind == "drive" and lane.width >= WIDE_ENOUGH and not (lane.closed or lane.tight)
 
 
 def _needed(net: Drivable, per_km: Mapping[str, float], seconds: float) -> int:

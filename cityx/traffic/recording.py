@@ -10,8 +10,10 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.city import City
-from cityx.city.tracks import GAIT, Tracks
+from cityx.city.ground import KERB_HEIGHT, LABEL, ROADWAY
+from cityx.city.tracks import GAIT, MOVER, Tracks
 from cityx.geometry.polylines import Polylines, bends, to_linestrings, values_along
+from cityx.geometry.standing import stand_on
 from cityx.traffic.network import Network
 from cityx.traffic.simulation import Poses
 from cityx.traffic.streets import Streets
@@ -20,9 +22,12 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
+_ROADWAY = [LABEL[name] for name in ROADWAY]
 SLACK = 0.005  # metres that samples left out may differ by; two neighbours add up to a centimetre
 TURNED = 0.01  # radians that count as much
 FASTER = 0.1  # metres per second that count as much
+SAME = 1e-6  # metres
+STANDING, RUNS = 0.1, 2.2  # metres per second from which on somebody walks, and runs
 SPREAD = 1e4  # by which time is drawn out, so that a slack across the line is one of the value
 
 
@@ -40,7 +45,7 @@ def recorded(
     city: City, streets: Streets, network: Network, poses: Poses,
     movers: Mapping[str, Mover], origin: str,
 ) -> Tracks:  # fmt: skip
-    """Make tracks of the vehicles among poses.
+    """Make tracks of the movers among poses.
 
     Parameters
     ----------
@@ -62,9 +67,17 @@ def recorded(
     rows, mover = np.unique(mover, return_inverse=True)
     about = [movers[str(poses.name[row])] for row in rows.tolist()]
     size = np.array([each.size for each in about], np.float32).reshape(-1, 3)
-    xy, heading = bodies(poses.xy[kept], poses.angle[kept], mover, size[:, 0].astype(float))
+    on_foot = np.array([each.kind == MOVER["pedestrian"] for each in about], bool)
+    # Of people SUMO tells where their middle is, of vehicles where their foremost point is.
+    length = np.where(on_foot, 0.0, size[:, 0].astype(float))
+    xy, heading, middle = bodies(poses.xy[kept], poses.angle[kept], mover, length)
     edge, place = _lanes(city, streets, network, poses, kept)
+    place = place[middle]
     z = _heights(city, xy, mover, edge)
+    walking = on_foot[mover]
+    footing = stand_on(city.scene.meshes.get("ground"), xy[walking]).z
+    z[walking] = np.where(np.isnan(footing), z[walking] + KERB_HEIGHT, footing)
+    place[walking] = 0
     time, speed = poses.time[kept], poses.speed[kept]
     position = np.column_stack([xy, z])
     heading = _unwound(heading, mover)
@@ -83,16 +96,22 @@ def recorded(
         np.round(position[few], 4),
         np.round(heading[few], 5),
         np.round(speed[few], 3).astype(np.float32),
-        np.full(int(few.sum()), GAIT["ride"], np.uint8),
+        _gaits(walking, speed)[few],
         place[few],
     )
     return tracks.take(np.argsort(ids))
 
 
+def _gaits(walking: BoolArray, speed: FloatArray) -> NDArray[np.uint8]:
+    on_foot = np.where(speed < STANDING, GAIT["still"], np.where(speed < RUNS, GAIT["walk"],
+                                                                 GAIT["run"]))  # fmt: skip
+    return np.where(walking, on_foot, GAIT["ride"]).astype(np.uint8)
+
+
 def bodies(
     front: FloatArray, angle: FloatArray, mover: IntArray, length: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return where bodies are whose foremost points follow a path: their middles and headings.
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Return where bodies are whose foremost points follow a path.
 
     A body is a chord of the path. In a bend its driver swings out, so that its middle leaves the
     path to the inside no more than its ends do to the outside.
@@ -107,6 +126,13 @@ def bodies(
         (p,) int64, ascending.
     length
         (m,) float64, metres, of each mover.
+
+    Returns
+    -------
+    xy, heading
+        (p, 2) and (p,) float64, of their middles.
+    passed
+        (p,) int64, the pose in which the foremost point was where the middle is.
     """
     size = length[mover]
     ahead = np.column_stack([np.cos(angle), np.sin(angle)])
@@ -118,15 +144,16 @@ def bodies(
     gone = np.cumsum(step)
     begin = np.repeat(gone[first], np.diff(np.r_[np.flatnonzero(first), len(gone)]))
     known = gone - begin >= size
+    passed = np.searchsorted(gone, np.maximum(gone - size / 2, begin) - SAME)
     if not known.any():
-        return straight, angle
+        return straight, angle, passed
     middle, back = (
         np.column_stack([np.interp(gone - share * size, gone, front[:, axis]) for axis in (0, 1)])
         for share in (0.5, 1.0)
     )
     chord = front - back
     xy = np.where(known[:, None], ((front + back) / 2 + middle) / 2, straight)
-    return xy, np.where(known, np.arctan2(chord[:, 1], chord[:, 0]), angle)
+    return xy, np.where(known, np.arctan2(chord[:, 1], chord[:, 0]), angle), passed
 
 
 def thinned(
@@ -187,6 +214,9 @@ def _heights(city: City, xy: FloatArray, mover: IntArray, edge: IntArray) -> Flo
     network = city.network
     assert network is not None
     z = city.terrain.height_at(xy)
+    if not city.terrain.is_flat:  # the mesh of the ground is coarser than the terrain
+        footing = stand_on(city.scene.meshes.get("ground"), xy)
+        z = np.where(np.isin(footing.label, _ROADWAY), footing.z, z)
     lines = Polylines(network.points, network.point_start)
     owner = lines.line_of_point()
     lifted = np.zeros(network.edge_count, bool)

@@ -43,6 +43,8 @@ OVERLAP = 0.2  # metres from the side of a lane that no vehicle needs
 REACHED = 6.0  # metres from the end of a lane within which it lies on another for that end's sake
 LONGEST_SHARED = 80.0  # metres of lanes that become part of a junction since they share ground
 HALF_BODY = 0.95  # metres from the middle of a car to its side
+HALF_LARGE = 1.5  # metres from the middle of a bus in a bend to its side
+HEADROOM = 4.0  # metres under a building that traffic needs to pass below it
 BRUSHED = 1.5  # square metres in which two bodies may touch before one of their lanes is closed
 STOREY = 2.5  # metres of height that part two streets
 LONGEST_CHAIN = 12  # short lanes that one way across a junction runs over at most
@@ -97,7 +99,9 @@ class Lane:
     narrow
         Whether it is driven in both directions and two cars cannot pass each other on it.
     closed
-        Whether nobody drives on it, since it lies on a lane of another street.
+        Whether nobody drives on it, since it lies on a lane of another street or in a house.
+    tight
+        Whether walls leave no room for lorries and buses.
     """
 
     row: int
@@ -107,6 +111,7 @@ class Lane:
     shape: FloatArray
     narrow: bool
     closed: bool = False
+    tight: bool = False
 
     @property
     def length(self) -> float:
@@ -247,8 +252,14 @@ def streets_of(city: City, halts: Halts) -> Streets:
     short, junction = _short_edges(network, graph, lines, moving)
     open_lane = moving & ~short[graph.edge]
     closed = _closed(graph, lines, open_lane, halts.rank, heights)
-    ways, place_of = _ways(network, graph, lines, open_lane, closed, junction, halts.rank, heights)
-    links = _links(graph, lines, open_lane, place_of, ways, moving)
+    walls = _Walls(city)
+    middles = to_linestrings(lines)
+    closed |= open_lane & walls.near(middles, HALF_BODY)
+    tight = walls.near(middles, HALF_LARGE)
+    ways, place_of = _ways(
+        network, graph, lines, open_lane, closed, tight, junction, halts.rank, heights
+    )
+    links = walls.clear(_links(graph, lines, open_lane, place_of, ways, moving))
     crossings = _crossings(network, halts, ways, heights)
     place, signals = _junctions(city, network, junction, halts)
     left_hand = bool(network.left_hand.any())
@@ -426,6 +437,29 @@ def _shared(graph: LaneGraph) -> BoolArray:
     return twin
 
 
+class _Walls:
+    """Buildings that stand on the ground; a class for what is prepared."""
+
+    def __init__(self, city: City) -> None:
+        parts = city.layout.parts
+        low = parts["base"].to_numpy(float) < HEADROOM
+        low &= parts["walls"].to_numpy(bool)
+        self.tree = shapely.STRtree(parts.geometry.to_numpy()[low])
+
+    def near(self, lines: NDArray[Any], half: float) -> BoolArray:
+        """(n,) whether something so wide that follows a line would touch a wall."""
+        bodies = shapely.buffer(shapely.force_2d(lines), half, cap_style="flat")
+        near = np.zeros(len(lines), bool)
+        near[self.tree.query(bodies, predicate="intersects")[0]] = True
+        return near
+
+    def clear(self, links: tuple[Link, ...]) -> tuple[Link, ...]:
+        """Return the links on which a car touches no wall."""
+        lines = np.array([shapely.LineString(link.shape) for link in links], object)
+        near = self.near(lines, HALF_BODY).tolist()
+        return tuple(link for link, touching in zip(links, near, strict=True) if not touching)
+
+
 class _Heights:
     """Heights of carriageways, found by edge and place along it; a class for what is prepared."""
 
@@ -446,7 +480,7 @@ class _Heights:
 
 def _ways(
     network: RoadNetwork, graph: LaneGraph, lines: Polylines, open_lane: BoolArray,
-    closed: BoolArray, junction: IntArray, rank: IntArray, heights: _Heights,
+    closed: BoolArray, tight: BoolArray, junction: IntArray, rank: IntArray, heights: _Heights,
 ) -> tuple[tuple[Way, ...], dict[int, tuple[int, int]]]:  # fmt: skip
     """Gather lanes to ways; also say which way and place on it each lane of the graph has."""
     owner = lines.line_of_point()
@@ -479,7 +513,7 @@ def _ways(
             lanes = tuple(
                 Lane(row, str(names[graph.kind[row]]), float(width[row]),
                      float(graph.speed[row]) / 3.6, shape, bool(narrow[row]),
-                     bool(closed[row]))
+                     bool(closed[row]), bool(tight[row]))
                 for row, shape in zip(ordered.tolist(), shapes, strict=True)
             )  # fmt: skip
             place_of |= {row: (len(ways), k) for k, row in enumerate(ordered.tolist())}
