@@ -148,12 +148,16 @@ class Drivable:
         return sum(length.values()) / 1000.0
 
     def _usable(self) -> BoolArray:
-        """(w,) whether cars drive along a way; a narrow one is driven in one direction alone."""
+        """(w,) whether cars drive along a way; a narrow one is driven in one direction alone.
+
+        Passages through buildings are closed by their walls in every view.
+        """
         network = self.city.network
         assert network is not None
         row = network.edge_road[[way.edge for way in self.streets.ways]]
         ids = self.city.layout.roads["id"].to_numpy(np.uint64)[row]
         onward = uniform(self.city.seed, "traffic/narrow", ids) < 0.5
+        passage = self.city.layout.roads["passage"].to_numpy(bool)[row]
         open_to_cars, narrow, back = (
             np.array([test(way) for way in self.streets.ways], bool)
             for test in (
@@ -162,7 +166,7 @@ class Drivable:
                 lambda way: way.name.startswith("-"),
             )
         )
-        return np.asarray(open_to_cars & (~narrow | (back != onward)))
+        return np.asarray(open_to_cars & ~passage & (~narrow | (back != onward)))
 
     @cached_property
     def wide(self) -> BoolArray:

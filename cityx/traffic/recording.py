@@ -82,6 +82,7 @@ def recorded(
     position = np.column_stack([xy, z])
     heading = _unwound(heading, mover)
     few = thinned(mover, time, position, heading, speed)
+    few |= np.r_[True, place[1:] != place[:-1]] if len(place) else few
     start = np.searchsorted(mover[few], np.arange(len(rows) + 1)).astype(np.int64)
     ids = np.array([int(name, 16) for name in poses.name[rows].tolist()], np.uint64)
     tracks = Tracks(
