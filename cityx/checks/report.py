@@ -30,6 +30,7 @@ from cityx.checks.shells import check_shells
 from cityx.checks.standing import check_standing
 from cityx.checks.streets import check_streets
 from cityx.checks.terrain import check_terrain
+from cityx.checks.towns import check_towns
 from cityx.checks.trees import check_trees
 from cityx.city import City, Goal
 from cityx.city.content import content_hash
@@ -52,6 +53,7 @@ def run_checks(city: City) -> list[Check]:
         *check_heights(city),
         *check_streets(city),
         *check_terrain(city),
+        *check_towns(city.layout),
         *check_trees(city),
         *check_junctions(city),
         *check_meshes(city),

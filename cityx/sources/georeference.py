@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +17,65 @@ from cityx.geometry.raster.grid import Grid
 
 LARGEST = 60_000.0  # metres; a site is a city, no country
 EDGE = 17  # points on each side of a raster at which its place is computed
+
+
+@dataclass(frozen=True)
+class Said:
+    """What a raster's file, or one beside it, says of its place.
+
+    Attributes
+    ----------
+    crs, transform
+        Coordinate system and affine transform (a, b, c, d, e, f) from (column, row), or None.
+    doubt
+        What is missing for them to be of use, "" where nothing is.
+    """
+
+    crs: Any = None
+    transform: tuple[float, ...] | None = None
+    doubt: str = ""
+
+
+def georeference_of(path: Path) -> Said:
+    """Return the georeference of an image: its own, GDAL's .aux.xml, or a world file with .prj.
+
+    A transform without a coordinate system places nothing, and is a doubt.
+    """
+    import rasterio
+    from rasterio.errors import NotGeoreferencedWarning, RasterioError
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", NotGeoreferencedWarning)
+            with rasterio.open(path) as dataset:
+                crs, affine = dataset.crs, dataset.transform
+                files = [Path(name).name for name in dataset.files if Path(name) != path]
+    except RasterioError:  # an image that Pillow reads and GDAL does not has no georeference
+        return Said()
+    if affine.is_identity:
+        return Said()
+    crs = crs or _projection_beside(path)
+    if crs:
+        return Said(crs, tuple(affine)[:6])
+    where = " and ".join(files) or path.name
+    return Said(doubt=(
+        f"{where} says where the pixels lie but not in which coordinate system, so it is not used; "
+        f"give {path.stem}.prj or {path.name}.aux.xml with the system"
+    ))  # fmt: skip
+
+
+def _projection_beside(path: Path) -> Any:
+    """Return the coordinate system of a .prj file of the same name, or None."""
+    from rasterio.crs import CRS
+    from rasterio.errors import CRSError
+
+    beside = path.with_suffix(".prj")
+    if not beside.exists():
+        return None
+    try:
+        return CRS.from_wkt(beside.read_text(errors="replace"))
+    except CRSError as error:
+        raise InputError(f"{beside} is no coordinate system in WKT: {error}.") from error
 
 
 def laid_on_ground(

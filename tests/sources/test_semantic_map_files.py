@@ -1,5 +1,8 @@
 """What may be handed in as a semantic map, and what is said of files that are none."""
 
+import struct
+import zlib
+
 import numpy as np
 import pytest
 import rasterio
@@ -206,3 +209,66 @@ def test_presets_have_no_colour_twice():
     for legend in PRESETS.values():
         keys = [entry.key for entry in legend.entries]
         assert len(set(keys)) == len(keys), legend.name
+
+
+WORLD = "0.5\n0\n0\n-0.5\n500000.25\n5400000.75\n"  # centre of the first pixel, metres
+PAM = (
+    "<PAMDataset><SRS>EPSG:32633</SRS>"
+    "<GeoTransform>500000, 0.5, 0, 5400001, 0, -0.5</GeoTransform></PAMDataset>"
+)
+
+
+@pytest.mark.parametrize("beside", ["aux", "world"])
+def test_a_file_beside_an_image_says_place_and_scale(tmp_path, beside):
+    path = tmp_path / "town.png"
+    Image.fromarray(town()).save(path)
+    if beside == "aux":
+        (tmp_path / "town.png.aux.xml").write_text(PAM)
+    else:
+        (tmp_path / "town.pgw").write_text(WORLD)
+        (tmp_path / "town.prj").write_text(rasterio.CRS.from_epsg(32633).to_wkt())
+    city = read_semantic_map(path)
+    assert abs(city.frame.latitude - 48.7527) < 0.001
+    assert abs(city.frame.longitude - 15.0007) < 0.001
+    xmin, _, xmax, _ = city.layout.extent
+    assert abs(xmax - xmin - 100) < 1
+
+
+def test_a_world_file_without_a_coordinate_system_is_a_doubt(tmp_path):
+    Image.fromarray(town()).save(tmp_path / "town.png")
+    (tmp_path / "town.pgw").write_text(WORLD)
+    city = read_semantic_map(tmp_path / "town.png", pixel=0.5)
+    assert (
+        "semantic map: town.pgw says where the pixels lie but not in which coordinate system, so "
+        "it is not used; give town.prj or town.png.aux.xml with the system"
+    ) in city.notes
+
+
+def test_a_prj_that_is_none_is_refused(tmp_path):
+    Image.fromarray(town()).save(tmp_path / "town.png")
+    (tmp_path / "town.pgw").write_text(WORLD)
+    (tmp_path / "town.prj").write_text("somewhere")
+    assert "town.prj is no coordinate system in WKT" in refused(tmp_path / "town.png", pixel=0.5)
+
+
+def chunk(name, content):
+    body = name + content
+    return struct.pack(">I", len(content)) + body + struct.pack(">I", zlib.crc32(body))
+
+
+@pytest.mark.parametrize("kind", ["png", "tif"])
+def test_a_picture_of_900_megapixels_is_refused_with_the_limit(tmp_path, kind):
+    path = tmp_path / f"huge.{kind}"
+    if kind == "png":
+        head = chunk(b"IHDR", struct.pack(">IIBBBBB", 30_000, 30_000, 8, 2, 0, 0, 0))
+        path.write_bytes(b"\x89PNG\r\n\x1a\n" + head + chunk(b"IDAT", zlib.compress(bytes(99))))
+    else:
+        with rasterio.open(
+            path, "w", driver="GTiff", width=30_000, height=30_000, count=3, dtype="uint8",
+            tiled=True, sparse_ok=True, crs="EPSG:32633",
+            transform=Affine(0.5, 0, 5e5, 0, -0.5, 54e5),
+        ):  # fmt: skip
+            pass
+    text = refused(path)
+    assert "64,000,000" in text
+    assert "Cut it into tiles or make it coarser" in text

@@ -27,6 +27,9 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 SPUR = 2.0  # depths of its crossing that an end must reach out to be a street
+STUB = 0.8  # of its own depths that a shorter one, like a drive, must leave its street by
+STUB_EVEN = 0.75  # of its greatest depth that its median has; towards a corner the mask narrows
+LEAST_STUB = 2.0  # pixels of depth; what is narrower is a ragged border
 JOIN = 1.5  # depths at its two ends, on average, below which an edge lies within one crossing
 CLEAR = 1.2  # depths from a crossing at which the skeleton no longer bends towards it
 REACH = 3.0  # depths beyond that over which the direction of an arm is measured
@@ -158,7 +161,23 @@ def _spurs(lines: NDArray[Any], deep: FloatArray) -> BoolArray:
     room = np.where(
         loose.all(axis=1), at[ends].max(axis=1), np.where(loose, 0, at[ends]).max(axis=1)
     )
-    return np.asarray(one & (shapely.length(lines) < SPUR * room))
+    short = one & (shapely.length(lines) < SPUR * room)
+    for row in np.flatnonzero(short & ~loose.all(axis=1)).tolist():
+        points = shapely.get_coordinates(lines[row])
+        crossing = int(ends[row, int(loose[row, 0])])
+        short[row] = not _is_stub(points, _depth_at(deep, points), place[crossing], at[crossing])
+    return np.asarray(short)
+
+
+def _is_stub(points: FloatArray, own: FloatArray, crossing: FloatArray, room: float) -> bool:
+    """Tell whether a short end is a street: as wide to its end where it leaves the crossing."""
+    away = np.hypot(*(points - crossing).T)
+    outer = away > room
+    if not outer.any():
+        return False
+    half = float(np.median(own[outer]))
+    even = half >= max(STUB_EVEN * float(own[outer].max()), LEAST_STUB)
+    return even and float(away.max()) - room >= STUB * half
 
 
 def _straightened(lines: NDArray[Any], deep: FloatArray, tolerance: float) -> Centrelines:

@@ -95,13 +95,14 @@ def read_satellite(
     _check_shown(path, seen.what, chosen)
     found, frame = _placed(picture, seen, chosen, at)
     found = _without_shadows(found)
+    doubts = (f"satellite: {picture.doubt}",) if picture.doubt else ()
     return city_of(
         found,
         frame,
         source="satellite",
         name=name or place_name(path.name),
         seed=seed,
-        notes=(*notes, *seen.notes, _doubt(seen.what, picture, chosen)),
+        notes=(*notes, *seen.notes, *doubts, _doubt(seen.what, picture, chosen)),
         draw=_drawing(fidelity, seed),
     )
 

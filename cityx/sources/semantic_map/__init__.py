@@ -118,7 +118,8 @@ def read_class_map(
     picture = read_picture(path)
     chosen, notes = _legend(path, picture, legend, confirm=confirm)
     found, frame, more = _placed(picture, chosen, pixel, at)
-    return found, frame, (*notes, *more)
+    doubt = (f"semantic map: {picture.doubt}",) if picture.doubt else ()
+    return found, frame, (*notes, *more, *doubt)
 
 
 def _rows_note(found: ClassMap, fidelity: str) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.errors import InputError
+from cityx.sources.georeference import georeference_of
 
 IntArray = NDArray[np.int64]
 
@@ -39,6 +40,8 @@ class Picture:
         Whether colours of neighbours bled into each other (JPEG).
     crs, transform
         Coordinate system and affine transform (a, b, c, d, e, f) from (column, row) to it, or None.
+    doubt
+        What is wrong with a georeference that is not used, or "".
     """
 
     values: IntArray | None
@@ -47,6 +50,7 @@ class Picture:
     lossy: bool = False
     crs: Any = None
     transform: tuple[float, ...] | None = None
+    doubt: str = ""
 
     def distinct(self, *, by_value: bool) -> tuple[IntArray, IntArray]:
         """Return the (n,) distinct values, or colours 0xRRGGBB, and each pixel's index of them."""
@@ -107,9 +111,10 @@ def read_picture(path: Path, *, photograph: bool = False) -> Picture:
             head = file.read(4)
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror}.") from error
-    if head in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
-        return _read_tiff(path, photograph)
-    return _read_image(path, photograph)
+    tiff = head in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+    picture = (_read_tiff if tiff else _read_image)(path, photograph)
+    said = georeference_of(path)
+    return replace(picture, crs=said.crs, transform=said.transform, doubt=said.doubt)
 
 
 def _check_size(path: Path, columns: int, rows: int) -> None:
@@ -212,19 +217,17 @@ def _from_dataset(path: Path, dataset: Any, photograph: bool) -> Picture:
         dataset.dataset_mask() == 0
     )  # fmt: skip
     lossy = "jpeg" in str(dataset.compression).lower()
-    crs = dataset.crs
-    transform = tuple(dataset.transform)[:6] if crs else None
     if dataset.count in (1, 2):
         values, void = _whole(path, bands[0], void)
         palette = _palette(dataset)
         if palette is not None:
             colors = palette[np.clip(values, 0, len(palette) - 1)]
-            return Picture(None, colors, void, lossy, crs, transform)
-        return Picture(values, _grey(values, void, photograph), void, lossy, crs, transform)
+            return Picture(None, colors, void, lossy)
+        return Picture(values, _grey(values, void, photograph), void, lossy)
     colors = bands[:3]
     if colors.dtype != np.uint8:
         colors = _scaled(colors, void, photograph)
-    return Picture(None, np.moveaxis(colors, 0, 2), void, lossy, crs, transform)
+    return Picture(None, np.moveaxis(colors, 0, 2), void, lossy)
 
 
 def _whole(

@@ -86,3 +86,21 @@ def test_any_mask_gives_sound_lines_within_it(seed, grain, level):
     bounds = shapely.total_bounds(found.lines) if len(found.lines) else np.array([0, 0, 1, 1])
     assert (bounds[:2] > -8).all()
     assert (bounds[2:] < 78).all()
+
+
+def test_a_short_drive_is_a_street_and_a_ragged_border_is_none():
+    mask = np.zeros((120, 200), bool)
+    mask[50:66] = True  # a street of 16 pixels
+    mask[38:50, 97:103] = True  # a drive of 6 that leaves it by 12
+    ragged = mask.copy()
+    ragged[47:50, 40:60] = ragged[66:68, 130:140] = True  # bumps as flat as they are long
+    ragged[38:50, 97:103] = False
+    assert len(centrelines(mask, tolerance=1.0).lines) == 3
+    assert len(centrelines(ragged, tolerance=1.0).lines) == 1
+
+
+def test_a_street_that_ends_squarely_has_no_branches_into_its_corners():
+    mask = np.zeros((120, 200), bool)
+    mask[45:75, 20:180] = True
+    (line,) = centrelines(mask, tolerance=1.0).lines
+    assert abs(line.length - 160.0) < 12.0
