@@ -19,6 +19,9 @@ LIMITS = {"motorway": 0.06, "trunk": 0.07, "primary": 0.08, "secondary": 0.09, "
 USUAL_LIMIT = 0.12
 LINK_MORE = 0.02  # on ramps between roads, where one drives slowly
 SLACK = 0.005  # of a grade, which rounding and evening out take
+# Metres over which a grade is measured: the ground meets its profile to 2.5 cm at 95 % of stations,
+# which over the five metres between two of them is as much as the slack.
+RUN = 10.0
 EVERY = 2.0  # metres between the places that are looked at
 HEAD = 1.0  # metres above a carriageway at which nothing solid may stand
 CLEAR = 4.5  # metres of free height over a carriageway
@@ -54,14 +57,16 @@ def steep_share(city: City) -> float:
     if network is None or not network.edge_count:
         return 0.0
     lines = Polylines(network.points, network.point_start)
-    owner, along = lines.line_of_point(), arc_lengths(lines)[0]
-    first = np.flatnonzero(owner[1:] == owner[:-1])
-    run = along[first + 1] - along[first]
+    length = arc_lengths(lines)[1]
+    count = np.maximum((length / RUN).astype(int), 1)
+    edge = np.repeat(np.arange(lines.count), count)
+    run = (length / count)[edge]
+    number = np.arange(len(edge)) - np.searchsorted(edge, edge)
+    begin, end = (values_along(lines, network.z, edge, k * run) for k in (number, number + 1))
     kind = city.layout.roads["kind"].to_numpy().astype(str)[network.edge_road]
     limit = np.array([LIMITS.get(word.removesuffix("_link"), USUAL_LIMIT) for word in kind])
     limit += LINK_MORE * np.char.endswith(kind, "_link")
-    grade = np.abs(network.z[first + 1] - network.z[first]) / np.maximum(run, 0.01)
-    steep = grade > limit[owner[first]] + SLACK
+    steep = np.abs(end - begin) / np.maximum(run, 0.01) > limit[edge] + SLACK
     return float(run[steep].sum() / max(run.sum(), 1e-9))
 
 

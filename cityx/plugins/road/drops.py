@@ -24,6 +24,7 @@ RAMP = RAMP_SLOPE * (KERB_HEIGHT - DROPPED)  # metres
 RIBS = 0.6  # metres of tactile paving behind the kerb (ISO 23599)
 LEAST_WALK = 0.3  # metres left behind a ramp
 FLARE = 0.5  # metres by which the kerb may bend away from its street within a crossing
+END_STONES = SURFACES[LABEL["kerb_dropped"]].priority - 1  # over the kerb, under what is dropped
 FREE_SIDE = 0.2  # metres that a drop reaches beyond the bars at both ends
 
 
@@ -45,6 +46,7 @@ def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, yellow
         return Regions()
     table = street.layout.roads.iloc[street.network.edge_road[zebras.edge]]
     half = street.network.half_width[zebras.edge]
+    every = np.arange(len(half))
     ribs = "tactile" if yellow else "tactile_pale"
     parts = []
     for sign, column in ((1.0, "sidewalk_left"), (-1.0, "sidewalk_right")):
@@ -53,18 +55,19 @@ def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, yellow
         sloped = walk > RAMP + LEAST_WALK
         ribbed = walk > RIBS + RAMP + LEAST_WALK
         front = kerb + np.where(ribbed, RIBS, 0.0)
-        everywhere = np.ones(len(walk), bool)
-        for name, chosen, near, far in (
-            ("kerb_dropped", everywhere, half, kerb + FLARE),
-            (ribs, ribbed, kerb, front),
-            ("ramp", sloped, front, front + RAMP),
+        # The walk falls towards the crossing from three sides, and so do the kerb's end stones.
+        lowered = patches(street, zebras, every, sign * half, sign * (kerb + FLARE))
+        ends = patches(street, zebras, every, sign * half, sign * (kerb + FLARE), RAMP)
+        ribbon = patches(street, zebras, every, sign * kerb, sign * front)
+        slope = patches(street, zebras, every, sign * kerb, sign * (front + RAMP), RAMP)
+        slope = np.where(ribbed, shapely.difference(slope, ribbon), slope)
+        for name, rank, shapes in (
+            ("kerb_dropped", 0, along_rims(lowered, road, KERB_WIDTH)),
+            ("ramp", END_STONES, along_rims(ends[sloped], road, KERB_WIDTH)),
+            (ribs, 0, ribbon[ribbed]),
+            ("ramp", 0, slope[sloped]),
         ):
-            rows = np.flatnonzero(chosen)
-            shapes = patches(street, zebras, rows, sign * near[rows], sign * far[rows])
-            if name == "kerb_dropped":
-                shapes = along_rims(shapes, road, KERB_WIDTH)
-            label = LABEL[name]
-            parts.append(regions(shapes, label, SURFACES[label].priority))
+            parts.append(regions(shapes, LABEL[name], rank or SURFACES[LABEL[name]].priority))
     return join_regions(parts)
 
 
@@ -118,11 +121,15 @@ def along_rims(shapes: NDArray[Any], road: Carriageway, width: float) -> NDArray
 
 
 def patches(
-    street: Street, zebras: Zebras, rows: IntArray, near: FloatArray, far: FloatArray
-) -> NDArray[Any]:
-    """Return strips across crossings between two distances left of the centreline, (k,)."""
+    street: Street, zebras: Zebras, rows: IntArray, near: FloatArray, far: FloatArray,
+    past: float = 0.0,
+) -> NDArray[Any]:  # fmt: skip
+    """Return strips across crossings between two distances left of the centreline, (k,).
+
+    They reach ``past`` metres farther along the street than a dropped kerb.
+    """
     edge = zebras.edge[rows]
-    reach = zebras.depth[rows] / 2 + FREE_SIDE
+    reach = zebras.depth[rows] / 2 + FREE_SIDE + past
     corners = []
     for step, sides in ((-reach, (near, far)), (reach, (far, near))):
         at, ahead = locate(street.lines, edge, zebras.along[rows] + step)

@@ -14,9 +14,10 @@ from cityx.city.heights import WayHeights, no_heights
 from cityx.geometry.chains import components, interpolate
 from cityx.geometry.grades import Slopes, evened, fall_to, graded, rise_to, slopes_of
 from cityx.geometry.grading import grade_terrain
-from cityx.geometry.polylines import locate
+from cityx.geometry.polylines import locate, values_along
 from cityx.plugins.road.contradictions import notes_on
 from cityx.plugins.road.crossings import PARTING, Crossings, find_crossings, parting
+from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.stations import EDGE, Ways, collect_ways, nearest_station, stations_around
 from cityx.protocol import Port, action, has_network
 
@@ -39,7 +40,7 @@ ROUNDS = 4  # of evening the profile out
 KEPT = 0.6  # of the reach over and under other ways in which evening takes nothing
 GROUNDED = 0.03  # metres; nearer to the ground a way lies on it
 PASSES = 16  # attempts at all clearances
-SHORT = 0.05  # metres of clearance that nobody misses
+SHORT = 0.05  # metres of clearance, or of a bend, that nobody misses
 STEEPER = 80.0  # metres round a crossing without room within which ways may be steeper
 MORE = 1.15  # times the grade, at each attempt
 WALKS_UNDER = 2.0  # metres of free height; where less would be left, two ways meet instead
@@ -197,9 +198,9 @@ def _across(ways: Ways) -> tuple[IntArray, FloatArray]:
 
 
 def _overlapping(ways: Ways, crossing: Crossings) -> tuple[IntArray, FloatArray]:
-    """Pair stations of streets on the ground with those whose carriageway they lie on as well.
+    """Pair stations of streets and rails on the ground with ways whose width they lie in as well.
 
-    Streets of which one passes over the other are left out, and those that part there from a node
+    Ways of which one passes over the other are left out, and those that part there from a node
     they share: `_across` knows how far they are one surface.
 
     Returns
@@ -207,7 +208,7 @@ def _overlapping(ways: Ways, crossing: Crossings) -> tuple[IntArray, FloatArray]
     pairs, run
         (k, 2) stations, and (k,) metres between them.
     """
-    flat = (ways.edge >= 0) & (ways.level == 0)
+    flat = ~ways.light & (ways.level == 0)
     street, station = np.flatnonzero(flat), np.flatnonzero(flat[ways.owner])
     spots = shapely.points(ways.lines.points[station])
     half = ways.half / 2
@@ -462,10 +463,18 @@ def _off(ways: Ways, lift: FloatArray) -> BoolArray:
 def _with_heights(
     network: RoadNetwork, ways: Ways, terrain: Terrain, z: FloatArray, lift: FloatArray
 ) -> RoadNetwork:
-    """Return the network with heights, and stations on the edges that leave the ground."""
+    """Return the network with heights, and stations on edges that bend or leave the ground."""
     edge_of = ways.edge[ways.owner]
     moved = np.zeros(network.edge_count, bool)
-    moved[edge_of[_off(ways, lift) & (edge_of >= 0)]] = True
+    station = np.flatnonzero(edge_of >= 0)
+    straight = values_along(
+        edge_lines(network),
+        terrain.height_at(network.points),
+        edge_of[station],
+        ways.along[station],
+    )
+    bent = np.abs(z[ways.node[station]] - straight) > SHORT
+    moved[edge_of[station[bent | _off(ways, lift)[station]]]] = True
     old = np.repeat(np.arange(network.edge_count), np.diff(network.point_start))
     new = np.flatnonzero((edge_of >= 0) & moved[edge_of])
     rest = np.flatnonzero(~moved[old])

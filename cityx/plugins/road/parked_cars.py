@@ -284,6 +284,8 @@ def parked_cars(
     keep = (xy[:, 0] >= xmin) & (xy[:, 0] <= xmax) & (xy[:, 1] >= ymin) & (xy[:, 1] <= ymax)
     keep &= ~near_any(xy, city.layout.buildings.geometry.to_numpy(), 1.0)
     keep &= np.isnan(earth_over(city.scene.meshes.get("structures"), xy))
+    if city.ground is not None:  # it opens for ramps and cuttings
+        keep &= ~city.ground.on(xy, "void")
     order = np.flatnonzero(keep)[np.argsort(ids[keep], kind="stable")]
     xy, ids, yaw = xy[order], ids[order], yaw[order]
     body = _bodies(city, xy, ids, tight[order])

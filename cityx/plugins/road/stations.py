@@ -34,7 +34,7 @@ USUAL_GRADE = 0.12
 LINK_GRADE = 0.01  # more on ramps between roads
 ROUND_GRADE = 0.04  # of roundabouts: steeper ones tilt cars outwards (FHWA, NCHRP 672, 6.8.7)
 FOOT_GRADE = 0.12
-RAIL_GRADE = 0.035
+RAIL_GRADE, TRAM_GRADE = 0.035, 0.08
 # Free height over a way by what moves on it, metres, with a little more than the least required.
 OVER_CARS, OVER_RAILS, OVER_FEET = 4.8, 5.2, 2.7
 DECK = 0.8  # metres of structure under a deck that carries traffic
@@ -141,7 +141,8 @@ def collect_ways(layout: Layout, network: RoadNetwork, *, everywhere: bool) -> W
     link = np.char.endswith(kind, "_link")
     grade = np.array([GRADE.get(word.removesuffix("_link"), USUAL_GRADE) for word in kind])
     grade = np.where(link, grade + LINK_GRADE, grade)
-    grade = np.select([rails, feet & (kind != "steps")], [RAIL_GRADE, FOOT_GRADE], grade)
+    grade = np.select([kind == "tram", rails, feet & (kind != "steps")],
+                      [TRAM_GRADE, RAIL_GRADE, FOOT_GRADE], grade)  # fmt: skip
     ring = roads["roundabout"].to_numpy(bool)[road]
     grade = np.where(ring, np.minimum(grade, ROUND_GRADE), grade)
     half = np.maximum(roads["width"].to_numpy(float)[road], 1.5) / 2

@@ -136,6 +136,18 @@ def test_a_bridge_has_no_parked_cars(crossroads):
     assert len(kerbside(parked_cars(city))[0]) == 0
 
 
+def test_no_car_parks_where_the_ground_opens_for_a_ramp(crossroads):
+    built = ground(crossroads)
+    whole = parked_cars(built).scene.instances["vehicles"].position
+    west = built.ground.vertices[built.ground.triangles][:, :, 0].mean(axis=1) < 0
+    label = built.ground.face_label.copy()
+    label[built.ground.triangle_face[west]] = LABEL["void"]
+    opened = replace(built, ground=replace(built.ground, face_label=label))
+    left = parked_cars(opened).scene.instances["vehicles"].position
+    assert not opened.ground.on(left[:, :2], "void").any()
+    assert 0 < len(left) < len(whole)
+
+
 def test_occupancy_none_means_no_cars(crossroads):
     assert "vehicles" not in parked_cars(crossroads, occupancy=0.0, lots=0.0).scene.instances or (
         parked_cars(crossroads, occupancy=0.0, lots=0.0).scene.instances["vehicles"].count == 0

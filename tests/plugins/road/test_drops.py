@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
 
-from cityx.city.ground import DROPPED, KERB_HEIGHT, LABEL
+from cityx.city.ground import DROPPED, KERB_HEIGHT, KERB_WIDTH, LABEL
 from cityx.geometry.arrangement import face_areas
 from cityx.geometry.drape import ramp_heights
+from cityx.geometry.standing import stand_on
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.lanes import lanes
 from cityx.plugins.road.network import network
@@ -35,7 +36,10 @@ def test_every_crossing_has_a_dropped_kerb_on_both_sides(city):
     wanted = 2 * 2 * 0.15 * (4.4 + 3.4)
     assert area[LABEL["kerb_dropped"]] == pytest.approx(wanted, rel=0.05)
     assert area[LABEL["tactile_pale"]] == pytest.approx(2 * 2 * 0.6 * 4.4, rel=0.05)
-    assert area[LABEL["ramp"]] == pytest.approx(2 * 2 * 1.2 * (4.4 + 3.4), rel=0.05)
+    # A ramp goes round the ribs on three sides, and a stone of the kerb slopes at both ends.
+    wide = (4.4 + 2.4) * (0.6 + 1.2) - 4.4 * 0.6
+    narrow = (3.4 + 2.4) * 1.2
+    assert area[LABEL["ramp"]] == pytest.approx(2 * 2 * (wide + narrow + 4 * 1.2 * 0.15), rel=0.05)
 
 
 def test_a_ramp_rises_by_one_in_twelve_from_the_dropped_kerb_to_the_walk(city):
@@ -46,6 +50,16 @@ def test_a_ramp_rises_by_one_in_twelve_from_the_dropped_kerb_to_the_walk(city):
     low, high = own[rise[own] < 0.021], own[rise[own] > 0.119]
     gap = np.hypot(*(city.ground.vertices[high][:, None] - city.ground.vertices[low]).T).min(axis=0)
     assert gap.min() == pytest.approx(12 * (KERB_HEIGHT - DROPPED), abs=0.02)
+
+
+def test_walks_fall_to_a_crossing_along_the_kerb_without_a_step(city):
+    mesh = city.scene.meshes["ground"]
+    x = np.arange(9.0, 25.0, 0.05)
+    for y in (4.0 + KERB_WIDTH / 2, 4.0 + KERB_WIDTH + 0.3):
+        z = stand_on(mesh, np.column_stack([x, y + 0 * x])).z
+        assert z.min() == pytest.approx(DROPPED, abs=0.002)
+        assert z.max() == pytest.approx(KERB_HEIGHT, abs=0.002)
+        assert np.abs(np.diff(z)).max() < 0.05 / 12 + 0.002
 
 
 def test_the_ground_has_no_gap_where_kerbs_are_dropped(city):

@@ -138,13 +138,33 @@ def test_hill_streets_keep_their_grade_and_the_terrain_follows(layout_of):
     assert np.allclose(terrain.height_at(far), hill.height_at(far), atol=0.05)
 
 
+def test_a_street_over_a_hill_follows_it_between_the_nodes_of_the_map(layout_of):
+    crest = np.tile(20.0 - 20.0 * np.cos(np.arange(-450, 451, 10) / 143.0), (91, 1))
+    hill = Terrain((-450.0, -450.0), 10.0, crest)
+    net, _, terrain = solved(layout_of([([(-390, 0), (390, 0)], {})], extent=LONG), hill)
+    x = np.linspace(-380, 380, 77)
+    z = values_along(Polylines(net.points, net.point_start), net.z, np.zeros(77, int), x + 390)
+    assert np.abs(z - terrain.height_at(np.column_stack([x, 0 * x]))).max() < 0.1
+
+
+def test_a_tram_between_carriageways_lies_at_their_height(layout_of):
+    hill = Terrain((-450.0, -450.0), 10.0, np.tile(np.arange(91.0) * 0.6, (91, 1)))
+    side = {"oneway": True, "lanes": 1, "sidewalk_left": 0.0, "sidewalk_right": 0.0}
+    streets = [([(-390, y), (390, y)], side) for y in (-3.5, 3.5)]
+    tram = ([(-390, 0), (390, 0)], {"kind": "tram", "width": 2.6})
+    _, _, terrain = solved(layout_of([*streets, tram], extent=LONG), hill)
+    x = np.linspace(-300, 300, 61)
+    middle, beside = (terrain.height_at(np.column_stack([x, y + 0 * x])) for y in (0.0, 3.5))
+    assert np.abs(middle - beside).max() < 0.25
+
+
 def test_a_street_that_ends_on_another_without_a_node_meets_its_height(layout_of):
     hill = Terrain((-200.0, -200.0), 10.0, np.tile(np.arange(41.0)[:, None] * 3.0, (1, 41)))
     uphill = [(0, 1.0), *[(0, y) for y in range(5, 95, 5)]]
     layout = layout_of([([(-90, 0), (90, 0)], {}), (uphill, {})])
     net = solved(layout, hill)[0]
-    longest = int(np.diff(net.point_start).argmax())
-    rows = slice(*net.point_start[longest : longest + 2].tolist())
+    climbs = int(np.searchsorted(net.point_start, net.points[:, 1].argmax(), side="right")) - 1
+    rows = slice(*net.point_start[climbs : climbs + 2].tolist())
     z, y = net.z[rows], net.points[rows, 1]
     assert y.max() == 90
     assert (np.abs(np.diff(z)) / np.abs(np.diff(y))).max() < 0.14
@@ -168,6 +188,17 @@ def test_structures_are_closed_and_leave_the_streets_free(layout_of, city_of, mi
     checks = {check.name: check for check in check_heights(city)}
     assert {"grades_exceeded", "streets_blocked", "clearance_short"} <= set(checks)
     assert all(check.ok for check in checks.values())
+
+
+@pytest.mark.parametrize(("grade", "found"), [(0.12, False), (0.13, True)])
+def test_a_grade_is_measured_over_ten_metres_whatever_the_bumps(layout_of, city_of, grade, found):
+    line = [(x, 0) for x in range(-100, 101, 5)]
+    city = network(city_of(layout_of([(line, {})]), lod=2))
+    net = city.network
+    bumps = 0.05 * (np.arange(len(net.points)) % 2)
+    hilly = replace(net, z=grade * net.points[:, 0] + bumps)
+    checks = {check.name: check for check in check_heights(replace(city, network=hilly))}
+    assert checks["grades_exceeded"].ok is not found
 
 
 def test_a_wall_in_a_street_is_found(layout_of, city_of):
