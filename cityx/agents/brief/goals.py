@@ -100,7 +100,7 @@ WORDS: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
             "evening": ("env.time == evening",),
         },
         "traffic": {
-            "heavy": ("density(vehicle, road.class=primary) >= 25",),
+            "heavy": ("density(vehicle, road.class=main) >= 25",),
             "medium": ("density(vehicle, road) >= 4",),
             "light": ("density(vehicle, road) in [1, 8]",),
         },
