@@ -34,17 +34,31 @@ POINTS = 0.02  # of a share of the ground under buildings, by which it may be mi
 AGREES = 0.25  # metres between the height of the layout and that of the shell
 UPRIGHT = 0.2  # vertical part of a normal below which a face is a wall; a mansard is a roof
 ASSETS = "building_assets"
+TRIM = "trim"  # copings and gutters, which are no part of a roof
 
 
 @dataclass(frozen=True)
 class Faces:
-    """Faces of buildings: row of the layer, area, vertical part of the normal, material, colour."""
+    """Faces of buildings: row of the layer, area, vertical part of the normal, material, colour.
+
+    The normal points out; floors, which lie on the ground, are neither walls nor roofs.
+    """
 
     row: IntArray
     area: FloatArray
     up: FloatArray
     material: NDArray[np.str_]
     color: FloatArray
+
+    @property
+    def walls(self) -> BoolArray:
+        """Whether each face is part of a wall."""
+        return np.asarray(np.abs(self.up) < UPRIGHT)
+
+    @property
+    def roofs(self) -> BoolArray:
+        """Whether each face is part of a roof: its covering, not its copings."""
+        return np.asarray((self.up >= UPRIGHT) & (self.material != TRIM))
 
 
 @dataclass(frozen=True)
@@ -150,7 +164,7 @@ class Buildings(TableLayer):
 
     def _mostly(self, materials: tuple[str, ...], *, walls: bool) -> BoolArray:
         faces = self.faces
-        wanted = (faces.up < UPRIGHT) if walls else (faces.up >= UPRIGHT)
+        wanted = faces.walls if walls else faces.roofs
         total = np.bincount(faces.row, faces.area * wanted, minlength=len(self.ids))
         own = wanted & np.isin(faces.material, materials)
         part = np.bincount(faces.row, faces.area * own, minlength=len(self.ids))
@@ -165,14 +179,14 @@ class Buildings(TableLayer):
     def _flat(self) -> BoolArray:
         """(n,) whether most of what faces up is flat."""
         faces = self.faces
-        roof = np.bincount(faces.row, faces.area * (faces.up >= UPRIGHT), minlength=len(self.ids))
+        roof = np.bincount(faces.row, faces.area * faces.roofs, minlength=len(self.ids))
         level = faces.area * (faces.up >= words.FLAT_ROOF)
         return np.asarray(np.bincount(faces.row, level, minlength=len(self.ids)) > roof / 2)
 
     def _mean_colors(self, *, walls: bool) -> FloatArray:
         """(n, 3) linear RGB of walls or roofs, the mean over their area."""
         faces = self.faces
-        weight = faces.area * ((faces.up < UPRIGHT) == walls)
+        weight = faces.area * (faces.walls if walls else faces.roofs)
         total = np.maximum(np.bincount(faces.row, weight, minlength=len(self.ids)), 1e-9)
         sums = [
             np.bincount(faces.row, weight * channel, minlength=len(self.ids))
@@ -261,7 +275,7 @@ def _faces_of(batch: MeshBatch, owner: UInt64Array, ids: UInt64Array) -> Faces:
         np.bincount(face, part, minlength=len(batch.faces)) for part in normal.T
     ])  # fmt: skip
     area = np.linalg.norm(vector, axis=1)
-    up = np.abs(vector[:, 2]) / np.maximum(area, 1e-12)
+    up = vector[:, 2] / np.maximum(area, 1e-12)
     owners = owner[batch.face_object()]
     row = np.minimum(np.searchsorted(ids, owners), max(len(ids) - 1, 0))
     kept = (ids[row] == owners) if len(ids) else np.zeros(len(owners), bool)
