@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cityx.agents.brief import Edit, Question, Selector
 from cityx.agents.brief.goals import condition_of
 from cityx.agents.brief.measurable import things
+from cityx.checks.predicates import words
 from cityx.checks.predicates.facts import Facts
 from cityx.checks.predicates.parser import parse
 from cityx.checks.predicates.syntax import Call, Comparison
@@ -35,6 +36,7 @@ DIAGONAL = np.cos(np.radians(45.0))  # what lies more north than east or west is
 _LAST = re.compile(r"[/ ]")  # parts a source: "osm/way/12", "drawn/town.geojson/feature b01"
 SHOWN = 6  # candidates that a question lists
 MOST_BY_FILE = 0.2  # of the things of a kind, that a file may have removed or replaced
+MAIN_STREET = "main_street"
 TAKES_AWAY = ("remove", "replace")
 LOOKS = ("set_style", "set_material", "set_color", "set_roof")
 SIDES: Mapping[str, tuple[float, float]] = MappingProxyType(
@@ -95,8 +97,20 @@ def choose(selector: Selector, city: City) -> Selection:
         raise Open(f"It cannot be told which {said(selector)} is meant: {error}.") from error
     if not len(chosen.rows):
         raise Open(f"There is no {said(selector)} in the city.", _alternatives(selector, facts))
+    if selector.alone and selector.kind == MAIN_STREET:
+        chosen = _foremost(chosen)
     if selector.alone and chosen.count > 1:
         raise Open(f"Which {selector.kind or 'one'}? There are {chosen.count}.", listed(chosen))
+    return chosen
+
+
+def _foremost(chosen: Selection) -> Selection:
+    """Return the streets of the highest class among main streets: "the" main street is one."""
+    for word in words.MAIN:
+        if word in words.ROAD_CLASSES:
+            found = chosen.where(chosen.layer.has("class", word)[chosen.rows])
+            if len(found.rows):
+                return found
     return chosen
 
 

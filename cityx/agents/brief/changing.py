@@ -13,8 +13,6 @@ SURFACES: Mapping[str, str] = {
     "gravel": "gravel, gravelled, graveled, grit, crushed stone",
     "ground": "dirt, bare earth, unpaved",
 }
-# Material of walls -> the surface of a street that is called so.
-SURFACE_OF = {"concrete": "concrete", "brick": "bricks", "stone": "paving_stones"}
 DIRECTIONS: Mapping[str, str] = {
     "along": "one way, oneway, one way street, one way traffic, single direction, "
     "one direction only",

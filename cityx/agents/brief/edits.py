@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from cityx.agents.brief.brief import Edit, Selector, Value
-from cityx.agents.brief.changing import SPECIES, SURFACE_OF
+from cityx.agents.brief.changing import SPECIES
 from cityx.agents.brief.grammar import Node
 from cityx.agents.brief.scan import Item
 from cityx.agents.brief.selection import (
@@ -94,15 +94,6 @@ def _own_verb(verb: str, target: Selector) -> str:
     return verb.replace("height", "width") if target.kind in _FLAT else verb
 
 
-def _of_ground(edit: Edit) -> Edit:
-    """Return a change of a material as that of a surface, where it is one of a street."""
-    kind = edit.target.kind if edit.target is not None else ""
-    if edit.verb != "set_material" or kind not in _FLAT:
-        return edit
-    surface = SURFACE_OF.get(str(edit.change[0][1]))
-    return replace(edit, verb="set_surface", change=(("surface", surface),)) if surface else edit
-
-
 # -- what becomes of objects ---------------------------------------------------------------------
 
 
@@ -121,7 +112,7 @@ def _look(command: Node) -> list[Edit]:
     if "replace" in changes:  # "into brick houses": the look is that of what is new
         changes = {"replace": [pair for pairs in changes.values() for pair in pairs]}
     return [
-        _of_ground(edit)
+        edit
         for verb, pairs in reversed(changes.items())
         for edit in _each(command, verb, tuple(dict.fromkeys(pairs)))
     ]
@@ -348,6 +339,7 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
     change += [("size", size.get("size"))] if size is not None else []
     count = thing.first("COUNT")
     change += [("count", _whole(_value(count)))] if count is not None else []
+    change += _amount(thing) if count is None and noun.noun_class == "element" else []
     change += _traits(thing)
     every = thing.first("EVERY")
     change += [("spacing", _whole(_value(every)))] if every is not None else []

@@ -72,7 +72,7 @@ def _degrees(items: Sequence[Item], span: Span) -> Iterator[Edit]:
             continue
         item.state = weather.state = READ
         what = _AMOUNTS.get(kind, kind)
-        yield Edit(f"{degree}_weather", None, (("weather", what),), span)
+        yield Edit(f"{degree}_weather", None, (("air", what),), span)
 
 
 def _degree_of_amount(item: Item) -> str:

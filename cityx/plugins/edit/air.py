@@ -31,7 +31,7 @@ WET = 0.05  # of wetness per mm of rain per hour that is added, until all is wet
         Serves("edit=set_weather", "wetness=low", wetness=0.0),
         Serves("edit=set_weather", "snow.cover=high", snow_cover=0.85),
     ),
-    binds={"weather": "weather", "factor": "factor"},
+    binds={"weather": "air", "factor": "factor"},
     labels=("thicker fog", "heavier rain", "wet streets", "snow on the ground"),
 )
 def air(

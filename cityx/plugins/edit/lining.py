@@ -36,6 +36,7 @@ THINGS = {
     "bollard": ("bollard", 0.4, 2.0, 0.6), "planter": ("planter", 0.8, 12.0, 1.4),
     "bicycle_stand": ("bicycle_parking", 1.2, 60.0, 2.0),
 }  # fmt: skip
+AMOUNTS = {"few": 3, "some": 6, "many": 5000}  # "many" is a row without a gap
 MAST = "street_lamp_mast"  # a lamp of a main street
 LAYER = "street_furniture"
 LAMPS = "street_lamp"  # first words of the prototypes of lamps
@@ -56,9 +57,8 @@ STANDING = ("trees", "street_furniture", "street_pieces", "park_pieces")
     requires=("layout",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("furniture", "point", role="street_furniture"),),
-    serves=tuple(Serves("edit=add", f"element={word}", "beside", "spacing", thing=word)
-                 for word in THINGS),
-    binds={"along": "beside", "spacing": "spacing", "count": "count"},
+    serves=tuple(Serves("edit=add", f"element={word}", "beside", thing=word) for word in THINGS),
+    binds={"along": "beside", "spacing": "spacing", "count": "count", "amount": "amount"},
     labels=("street lamps", "benches", "bollards", "line the street"),
 )  # fmt: skip
 def line(
@@ -68,6 +68,7 @@ def line(
     along: Annotated[tuple[str, ...], ObjectName()],
     spacing: Annotated[float | None, Range(1.5, 500.0)] = None,
     count: Annotated[int | None, Range(1, 5000)] = None,
+    amount: Annotated[str | None, Choice(*AMOUNTS)] = None,
     sides: Annotated[str, Choice("left", "right", "both")] = "both",
 ) -> City:
     """Line ways with things that face them, at a regular spacing.
@@ -83,7 +84,9 @@ def line(
     spacing
         Metres between them on each side; usual for the thing when left out.
     count
-        How many at most.
+        How many, if there is room.
+    amount
+        The same in a word, where no count is given.
     sides
         Of the ways, as they are drawn.
     """
@@ -92,6 +95,8 @@ def line(
     ids = find_objects(city, along)
     lamps = thing == "streetlight"
     found, cleared = _placed(city, thing, ids, spacing, sides)
+    if count is None and amount is not None:
+        count = AMOUNTS[amount]
     if count is not None:
         found = found.take(np.sort(np.argsort(found.id, kind="stable")[:count]))
     if not len(found):

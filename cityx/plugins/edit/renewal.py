@@ -149,23 +149,18 @@ class _Layer:
 
     @cached_property
     def fresh(self) -> UInt64Array:
-        """Ids of what is exchanged: it comes out otherwise, near the change, and nobody moved it.
+        """Ids of what comes out otherwise and was not changed by hand."""
+        return np.setdiff1d(self.changed, self.touched)
 
-        Far from it a row of lamps is only centred anew between junctions, by centimetres. Parked
-        cars stand too close to each other for some of a row to stay.
+    def exchanged(self, rows: Instances) -> BoolArray:
+        """(n,) which rows make way for others, or take their place.
+
+        Far from a change a row of lamps is only centred anew between junctions, by centimetres, and
+        stays. Parked cars stand too close to each other for some of a row to stay.
         """
-        found = np.setdiff1d(self.changed, self.touched)
-        return found if self.name in CLOSE else found[np.isin(found, self._near)]
-
-    @cached_property
-    def _near(self) -> UInt64Array:
-        found = [np.zeros(0, np.uint64)]
-        for scene in (self.was, self.now):
-            rows = scene.instances.get(self.name)
-            if rows is not None:
-                x, y = rows.position[:, :2].T
-                found.append(rows.object_id[shapely.intersects_xy(self.region, x, y)])
-        return np.unique(np.concatenate(found))
+        fresh = np.isin(rows.object_id, self.fresh)
+        x, y = rows.position[:, :2].T
+        return fresh if self.name in CLOSE else fresh & shapely.intersects_xy(self.region, x, y)
 
 
 def _region(before: Layout, after: Layout) -> shapely.Geometry:
@@ -232,13 +227,14 @@ def _merged_layer(
     held, new = (each.instances.get(layer.name) for each in (scene, layer.now))
     kept = np.zeros(0, bool)
     if held is not None:
-        kept = ~np.isin(held.object_id, layer.fresh) & ~_in_the_way(held, layer, grounds)
+        kept = ~layer.exchanged(held) & ~_in_the_way(held, layer, grounds)
         if not kept.all():
             scene = scene.with_instances(layer.name, scene.prototypes, take_rows(held, kept))
     if new is None:
         return scene
-    chosen = take_rows(new, np.isin(new.object_id, layer.fresh))
+    chosen = take_rows(new, layer.exchanged(new))
     if held is not None:  # a row whose far part stays may come out with one more in between
+        chosen = take_rows(chosen, ~np.isin(chosen.object_id, held.object_id[kept]))
         stay = kept & np.isin(held.object_id, layer.changed)
         there = shapely.points(held.position[stay, :2])
         chosen = take_rows(chosen, ~near_any(chosen.position[:, :2], there, APART))

@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 LEAST_WALK = 1.0  # metres between kerb and facade that a wider carriageway leaves to a sidewalk
 LEAST_WIDTH = 2.4  # metres between the kerbs
+# Materials of walls that streets are paved with as well -> the surface.
+MATERIALS = {"concrete": "concrete", "brick": "bricks", "stone": "paving_stones"}
 FOOT = "pedestrian"  # kind of a street that is closed to cars
 PAVED = "paving_stones"
 CLOSED = "cityx:closed"  # tag that keeps what a closed street was, so that it can be opened again
@@ -79,6 +81,10 @@ class _Change:
         Serves("edit=raise_width", "family=road"),
         Serves("edit=set_lanes", "family=road"),
         Serves("edit=set_surface", "family=road"),
+        *(
+            Serves("edit=set_material", "family=road", f"material={word}", surface=surface)
+            for word, surface in MATERIALS.items()
+        ),
         Serves("edit=set_direction", "family=road"),
         Serves("edit=set_speed", "family=road"),
         Serves("edit=set_parking", "family=road"),
