@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 import shapely
 
-from cityx.agents.brief import Brief, Edit, Question, Selector
+from cityx.agents.brief import Brief, Edit, Question
 from cityx.agents.brief.brief import Value
 from cityx.agents.brief.measurable import COLORS as NAMED
 from cityx.agents.briefs import Clarify
 from cityx.agents.contradictions import contradictions
 from cityx.agents.placing import protected, slots_of_places
-from cityx.agents.selecting import SIDES, Open, choose, chosen_by, region_of
+from cityx.agents.selecting import SIDES, Open, chosen_by, region_of
 from cityx.checks.predicates.facts import Facts
 from cityx.checks.predicates.things import Selection
 from cityx.checks.predicates.vocabulary import KINDS
@@ -190,18 +190,3 @@ def _beside(
 def _half_width(chosen: Selection) -> float:
     bounds = shapely.bounds(chosen.shapes)
     return float(np.max(bounds[:, 2:] - bounds[:, :2]) / 2) if len(bounds) else 0.0
-
-
-def places_named(edit: Edit, city: City) -> Iterator[tuple[str, Selection]]:
-    """Yield the things that a change names as places: "near" what, "in" what.
-
-    Raises
-    ------
-    Open
-        If there is no such place.
-    """
-    for key, value in edit.change:
-        if key in ("near", "in", "on", "along", "around"):
-            word = str(value)
-            known = Selector(ids=(word,)) if any(c.isdigit() for c in word) else Selector(word)
-            yield key, choose(known, city)

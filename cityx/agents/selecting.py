@@ -297,16 +297,19 @@ def _within(word: str, chosen: Selection, facts: Facts) -> BoolArray:
 
 
 def _along(word: str, chosen: Selection, facts: Facts) -> BoolArray:
-    """Whether things line a street: no other is nearer to them, and it is near enough."""
+    """Whether things line a street: near enough, and no house stands between."""
     away = distance_to(word, chosen, facts)
-    flat = KINDS[chosen.layer.kind] in ("building", "land")
-    near = away <= (LINED if flat else ROADSIDE)
-    streets = facts.layer("road")
-    if not len(streets.ids) or _place(word, facts).layer.kind != "road":
+    houses = KINDS[chosen.layer.kind] == "building"
+    near = away <= (LINED if houses else ROADSIDE)
+    if not houses:
         return np.asarray(near, bool)
-    tree = shapely.STRtree(streets.grounds)
-    _, least = tree.query_nearest(chosen.shapes, return_distance=True, all_matches=False)
-    return np.asarray(near & (away <= least + 1e-6), bool)
+    rows = np.flatnonzero(near)
+    sight = shapely.shortest_line(chosen.shapes[rows], region_of(word, facts))
+    others = facts.layer("building")
+    look, house = shapely.STRtree(others.shapes).query(sight, predicate="intersects")
+    hidden = others.ids[house] != chosen.ids[rows[look]]
+    near[rows[look[hidden]]] = False
+    return np.asarray(near, bool)
 
 
 def _beside(selector: Selector, chosen: Selection, facts: Facts) -> BoolArray:

@@ -154,6 +154,8 @@ def _steps(values: Any) -> NDArray[np.int64]:
 
 
 def _sorted(ids: UInt64Array, hashes: UInt64Array) -> tuple[UInt64Array, UInt64Array]:
+    if (ids[1:] > ids[:-1]).all():
+        return ids, hashes
     order = np.lexsort((hashes, ids))
     return ids[order], hashes[order]
 

@@ -14,6 +14,8 @@ import json
 import operator
 import os
 import shutil
+import struct
+import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import partial
@@ -45,6 +47,10 @@ if TYPE_CHECKING:
 
 # Rises when an older program could not read the folder: 5 has prototypes in several files.
 FORMAT, IN_CHUNKS = 4, 5
+LOCAL_NAME = 26  # bytes from the start of an entry of an archive to the lengths of its name
+_HEADERS: Mapping[tuple[int, int], Callable[..., Any]] = {
+    (1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0,
+}  # fmt: skip
 MOST_CHUNKS = 8  # files of prototypes, from which they are put together again
 
 
@@ -346,15 +352,35 @@ def _write_value(value: Any, path: Path) -> None:
 def _read_value(path: Path, kind: Any) -> Any:
     if not path.exists():
         return None
-    with np.load(path) as arrays:
-        return kind(**{name: arrays[name] for name in arrays.files})
+    return kind(**_read_arrays(path))
+
+
+def _read_arrays(path: Path) -> dict[str, Any]:
+    """Read the arrays of a file of `_write_arrays`, each in one go.
+
+    `numpy.load` reads them in small pieces through the checksums of the archive, which takes three
+    times as long; whether a file is whole is told by the hash of the city.
+    """
+    found = {}
+    with zipfile.ZipFile(path) as archive, path.open("rb") as file:
+        for entry in archive.infolist():
+            file.seek(entry.header_offset + LOCAL_NAME)
+            name, extra = struct.unpack("<HH", file.read(4))
+            file.seek(name + extra, os.SEEK_CUR)
+            version = np.lib.format.read_magic(file)  # type: ignore[no-untyped-call]
+            read = _HEADERS[version]
+            shape, fortran, dtype = read(file)
+            if entry.compress_type != zipfile.ZIP_STORED or fortran or dtype.hasobject:
+                raise InputError(f"{path} holds {entry.filename} in a form of no store of CityX.")
+            values = np.fromfile(file, dtype, int(np.prod(shape, dtype=np.int64)))
+            found[entry.filename.removesuffix(".npy")] = values.reshape(shape)
+    return found
 
 
 def _read_scene(folder: Path, record: Mapping[str, Any]) -> Scene:
     meshes = {}
     for layer, names in record["materials"].items():
-        with np.load(folder / "meshes" / f"{layer}.npz") as arrays:
-            held = {name: arrays[name] for name in arrays.files}
+        held = _read_arrays(folder / "meshes" / f"{layer}.npz")
         meshes[layer] = MeshBatch(**held, materials=tuple(names))
     instances = {
         path.stem: _read_value(path, Instances)
@@ -362,9 +388,7 @@ def _read_scene(folder: Path, record: Mapping[str, Any]) -> Scene:
     }
     meshes_of = []
     for number, (count, names) in enumerate(_chunks(record)):
-        with np.load(folder / _chunk_name(number)) as arrays:
-            held = {name: arrays[name] for name in arrays.files}
-        shared = MeshBatch(**held, materials=names)
+        shared = MeshBatch(**_read_arrays(folder / _chunk_name(number)), materials=names)
         meshes_of += [shared.one(index) for index in range(count)]
     prototypes = tuple(
         Prototype(name, kind, _own_materials(mesh, tuple(materials)))
@@ -385,10 +409,17 @@ def _write_table(table: GeoDataFrame, frame: Frame, path: Path) -> None:
 
 
 def _read_table(path: Path, name: str) -> GeoDataFrame:
-    from geopandas import read_parquet
+    from geopandas import GeoDataFrame, read_parquet
 
     table = read_parquet(path)
-    columns = {key: table[key].to_numpy() for key in SCHEMA[name]}
+    schema = SCHEMA[name]
+    ids = table["id"].to_numpy()
+    if all(table[key].dtype == dtype for key, dtype in schema.items()) and (
+        (ids[1:] >= ids[:-1]).all()
+    ):
+        columns = {key: table[key].array for key in schema}
+        return GeoDataFrame(columns, geometry=table.geometry.to_numpy())
+    columns = {key: table[key].to_numpy() for key in schema}
     return make_table(name, table.geometry.to_numpy(), **columns)
 
 

@@ -23,7 +23,7 @@ from cityx.bench.runner import build_scene
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city.camera import Camera
 
-RENDERED = (640, 400)  # pixels
+RENDERED = (480, 300)  # pixels
 CELL = (376, 235)  # of one picture on the sheet
 GAP, TITLE = 6, 22
 PAIRS = 2  # in a row of the sheet
@@ -59,7 +59,7 @@ class Change:
 
 CHANGES = (
     Change("trees", "grid_s", "Plant a tree every 10 m along the main street.",
-           (-183.0, -100.0, 8.0), (86.0, -8.0, 62.0)),
+           (-187.0, -96.5, 2.4), (87.0, 3.0, 64.0)),
     Change("cycles", "grid_s", "Add a cycle lane to both sides of the main street.",
            (-50.0, -107.0, 13.0), (62.0, -24.0, 62.0)),
     Change("glass", "grid_s", "Make the three tallest buildings glass.",
@@ -69,7 +69,7 @@ CHANGES = (
     Change("pond", "park_s", "Dig a large pond in park1 and plant 12 trees in the park.",
            (-82.0, -92.0, 52.0), (42.0, -30.0, 56.0)),
     Change("storm", "grid_s", "Turn the scene into a thunderstorm at night.",
-           (-183.0, -100.0, 8.0), (72.0, -4.0, 66.0)),
+           (-50.0, -107.0, 13.0), (62.0, -24.0, 62.0)),
 )  # fmt: skip
 
 

@@ -1,5 +1,6 @@
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from cityx.agents.brief import Edit, Selector, read_brief
@@ -41,15 +42,18 @@ def test_ids_names_and_hexadecimal_ids_lead_to_the_same_object(scene):
     assert choose(Selector(ids=(source,)), city).ids.tolist() == [number]
 
 
-def test_along_a_street_is_where_no_other_street_is_nearer(scene):
+def test_along_a_street_is_where_no_house_stands_between(scene):
     city = scene("grid_s")
     found = choose(Selector("building", along="main_street"), city)
-    roads = found.layer.city.layout.roads
-    main = roads["kind"].isin(["primary", "secondary"])
-    for shape in found.shapes:
-        away = roads.geometry.distance(shape) - roads["width"] / 2
-        assert away[main].min() < away[~main].min() + 0.5
+    roads = city.layout.roads
+    main = roads[roads["kind"].isin(["primary", "secondary"])].geometry.union_all()
+    table = city.layout.buildings
+    lines = table.geometry.shortest_line(main)
+    between = [sum(table.geometry.intersects(line)) > 1 for line in lines]
+    chosen_rows = table["id"].isin(found.ids)
+    assert not np.any(np.array(between)[chosen_rows])
     assert 0 < found.count < 48
+    assert table.geometry.distance(main)[chosen_rows].max() < 45.0
 
 
 def test_things_in_a_park_lie_in_it_and_those_near_it_may_not(scene):

@@ -117,9 +117,10 @@ def _read(commands: Commands, text: str, clause: list[Item]) -> None:
     if changed:
         commands.edits += changed
         return
-    commands.edits += changed_air(live, _span(live))
+    air = changed_air(live, _span(live))
+    commands.edits += air
     live = [item for item in live if not item.state]
-    if not live:
+    if air and not any(item.kind == "id" or item.has("noun", "slot", "verb") for item in live):
         return
     if _named(live) or _means_it(commands, live):
         edits = _parsed(commands, clause)

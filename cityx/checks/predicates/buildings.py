@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -34,21 +34,31 @@ POINTS = 0.02  # of a share of the ground under buildings, by which it may be mi
 AGREES = 0.25  # metres between the height of the layout and that of the shell
 UPRIGHT = 0.2  # vertical part of a normal below which a face is a wall; a mansard is a roof
 ASSETS = "building_assets"
+TRIM = "trim"  # copings and gutters, which are no part of a roof
 
 
 @dataclass(frozen=True)
 class Faces:
-    """Faces of buildings: row of the layer, area, normal upwards, material, colour.
+    """Faces of buildings: row of the layer, area, vertical part of the normal, material, colour.
 
-    ``up`` is the size of the vertical part of the normal, ``sky`` whether it points upwards.
+    The normal points out; floors, which lie on the ground, are neither walls nor roofs.
     """
 
     row: IntArray
     area: FloatArray
     up: FloatArray
-    sky: BoolArray
     material: NDArray[np.str_]
     color: FloatArray
+
+    @property
+    def walls(self) -> BoolArray:
+        """Whether each face is part of a wall."""
+        return np.asarray(np.abs(self.up) < UPRIGHT)
+
+    @property
+    def roofs(self) -> BoolArray:
+        """Whether each face is part of a roof: its covering, not its copings."""
+        return np.asarray((self.up >= UPRIGHT) & (self.material != TRIM))
 
 
 @dataclass(frozen=True)
@@ -108,7 +118,7 @@ class Buildings(TableLayer):
         if attribute == "color":
             return np.asarray(self.color_words == word)
         if attribute == "roof_color":
-            return np.asarray(nearest_word(self._roof_colors) == word)
+            return np.asarray(nearest_word(self._mean_colors(walls=False)) == word)
         if attribute == "roof_form":
             return np.asarray(self._flat == (word == "flat"))
         return super().has(attribute, word)
@@ -154,7 +164,7 @@ class Buildings(TableLayer):
 
     def _mostly(self, materials: tuple[str, ...], *, walls: bool) -> BoolArray:
         faces = self.faces
-        wanted = (faces.up < UPRIGHT) if walls else _roofing(faces)
+        wanted = faces.walls if walls else faces.roofs
         total = np.bincount(faces.row, faces.area * wanted, minlength=len(self.ids))
         own = wanted & np.isin(faces.material, materials)
         part = np.bincount(faces.row, faces.area * own, minlength=len(self.ids))
@@ -163,19 +173,20 @@ class Buildings(TableLayer):
     @cached_property
     def colors(self) -> FloatArray:
         """(n, 3) linear RGB of the walls, the mean over their area."""
-        return self._mean_colors(self.faces.area * (self.faces.up < UPRIGHT))
+        return self._mean_colors(walls=True)
 
     @cached_property
     def _flat(self) -> BoolArray:
         """(n,) whether most of what faces up is flat."""
         faces = self.faces
-        roof = np.bincount(faces.row, faces.area * _roofing(faces), minlength=len(self.ids))
-        level = faces.area * (faces.sky & (faces.up >= words.FLAT_ROOF))
+        roof = np.bincount(faces.row, faces.area * faces.roofs, minlength=len(self.ids))
+        level = faces.area * (faces.up >= words.FLAT_ROOF)
         return np.asarray(np.bincount(faces.row, level, minlength=len(self.ids)) > roof / 2)
 
-    def _mean_colors(self, weight: FloatArray) -> FloatArray:
-        """(n, 3) linear RGB of faces, the mean by their weight."""
+    def _mean_colors(self, *, walls: bool) -> FloatArray:
+        """(n, 3) linear RGB of walls or roofs, the mean over their area."""
         faces = self.faces
+        weight = faces.area * (faces.walls if walls else faces.roofs)
         total = np.maximum(np.bincount(faces.row, weight, minlength=len(self.ids)), 1e-9)
         sums = [
             np.bincount(faces.row, weight * channel, minlength=len(self.ids))
@@ -184,25 +195,9 @@ class Buildings(TableLayer):
         return np.asarray(np.column_stack(sums) / total[:, None])
 
     @cached_property
-    def _roof_colors(self) -> FloatArray:
-        """(n, 3) linear RGB of what covers most of each roof; parapets and cornices apart."""
-        faces = self.faces
-        names, material = np.unique(faces.material, return_inverse=True)
-        area = faces.area * _roofing(faces)
-        key = faces.row * len(names) + material
-        total = np.bincount(key, area, minlength=len(self.ids) * len(names))
-        main = total.reshape(len(self.ids), -1).argmax(axis=1)
-        return self._mean_colors(area * (main[faces.row] == material))
-
-    @cached_property
     def color_words(self) -> NDArray[Any]:
         """(n,) word of each building's colour."""
         return nearest_word(self.colors)
-
-
-def _roofing(faces: Faces) -> BoolArray:
-    """(f,) which faces one sees from the air."""
-    return np.asarray(faces.sky & (faces.up >= UPRIGHT))
 
 
 def share_slack(area: FloatArray) -> float:
@@ -264,10 +259,10 @@ def _faces(city: City, ids: UInt64Array) -> Faces:
         one = _faces_of(mesh, np.full(mesh.count, rows.owner[at]), ids)
         tint = rows.tint[at].astype(float)
         scale = float(np.prod(rows.scale[at].astype(float))) ** (2 / 3)
-        found.append(replace(one, area=one.area * scale, color=one.color * tint))
+        found.append(Faces(one.row, one.area * scale, one.up, one.material, one.color * tint))
     if not found:
         raise CannotTell("no building is built yet")
-    names = ("row", "area", "up", "sky", "material", "color")
+    names = ("row", "area", "up", "material", "color")
     return Faces(*(np.concatenate([getattr(each, name) for each in found]) for name in names))
 
 
@@ -280,7 +275,7 @@ def _faces_of(batch: MeshBatch, owner: UInt64Array, ids: UInt64Array) -> Faces:
         np.bincount(face, part, minlength=len(batch.faces)) for part in normal.T
     ])  # fmt: skip
     area = np.linalg.norm(vector, axis=1)
-    up = np.abs(vector[:, 2]) / np.maximum(area, 1e-12)
+    up = vector[:, 2] / np.maximum(area, 1e-12)
     owners = owner[batch.face_object()]
     row = np.minimum(np.searchsorted(ids, owners), max(len(ids) - 1, 0))
     kept = (ids[row] == owners) if len(ids) else np.zeros(len(owners), bool)
@@ -290,6 +285,4 @@ def _faces_of(batch: MeshBatch, owner: UInt64Array, ids: UInt64Array) -> Faces:
     takes = np.array([material.takes_tint for material in known] or [True])
     tint = np.where(takes[batch.material][:, None], batch.tint, 1.0)
     color = base[batch.material] * tint
-    sky = vector[:, 2] > 0
-    return Faces(row[kept], area[kept], up[kept], sky[kept], roots[batch.material][kept],
-                 color[kept])  # fmt: skip
+    return Faces(row[kept], area[kept], up[kept], roots[batch.material][kept], color[kept])

@@ -17,9 +17,21 @@ SHELLS = "buildings"
 
 def without(scene: Scene, ids: NDArray[np.uint64]) -> Scene:
     """Take buildings and everything they own out of a scene."""
+    return without_owned(with_shells(scene, ids, None), ids)
+
+
+def with_shells(scene: Scene, ids: NDArray[np.uint64], fresh: MeshBatch | None) -> Scene:
+    """Put shells in the place of those of some buildings; None leaves them out."""
     batch = scene.meshes.get(SHELLS)
-    if batch is not None and np.isin(batch.object_id, ids).any():
-        scene = scene.with_mesh(SHELLS, spliced(batch, ids, None))
+    if batch is None:
+        return scene if fresh is None else scene.with_mesh(SHELLS, fresh)
+    if fresh is None and not np.isin(batch.object_id, ids).any():
+        return scene
+    return scene.with_mesh(SHELLS, spliced(batch, ids, fresh))
+
+
+def without_owned(scene: Scene, ids: NDArray[np.uint64]) -> Scene:
+    """Take what buildings own out of a scene; their shells stay."""
     for layer, rows in scene.instances.items():
         gone = np.isin(rows.owner, ids)
         if gone.any():

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-PAINT = "plaster"
+PAINT, FELT = "plaster", "bitumen"  # what walls and level roofs are of that have any colour
 LOOKS = ("roof:", "building:material", "building:colour", "building:color")  # tags of a look
 BOARDS = ("wood", "timber", "weatherboard")
 LOWEST, HIGHEST = 2.2, 1000.0  # metres of a building
@@ -184,6 +184,10 @@ def _finished(layout: Layout, wish: Wish) -> Layout:
         given["wall_color"] = -1  # brick is of the colour of bricks
     if wish.color is not None and wish.material is None:
         given["wall_material"] = _painted(parts["wall_material"].to_numpy(str), wish.color)
+    if wish.roof_color is not None and wish.roof_material is None:
+        level = parts["roof_shape"].to_numpy(str) == "flat"
+        said = parts["roof_material"].to_numpy(str)
+        given["roof_material"] = np.where(level, FELT, said).astype(object)
     return replace(layout, parts=_typed(parts.assign(**given), parts))
 
 

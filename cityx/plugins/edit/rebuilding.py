@@ -16,7 +16,13 @@ from cityx.city.scene import Scene
 from cityx.geometry.frontage import REACH
 from cityx.plugins.building.design import raised
 from cityx.plugins.building.fronts import QUARTER, trade_of
-from cityx.plugins.building.splicing import SHELLS, spliced, with_rows, without
+from cityx.plugins.building.splicing import (
+    SHELLS,
+    with_rows,
+    with_shells,
+    without,
+    without_owned,
+)
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -40,15 +46,14 @@ def rebuilt(city: City, ids: Ids) -> City:
     ids
         (k,) uint64 of buildings; those that are no longer in the layout are taken away.
     """
-    scene = without(city.scene, ids)
     failures = tuple(one for one in city.failures if np.uint64(one.object_id) not in ids)
     wanted = np.isin(city.layout.buildings["id"].to_numpy(np.uint64), ids)
     if not wanted.any():
-        return replace(city, scene=scene, failures=failures)
+        return replace(city, scene=without(city.scene, ids), failures=failures)
     made = _raised_alone(city, wanted)
     shells = made.scene.meshes[SHELLS]
     fresh = shells.take(np.flatnonzero(np.isin(shells.object_id, ids)))
-    scene = scene.with_mesh(SHELLS, spliced(scene.meshes.get(SHELLS, fresh), ids, fresh))
+    scene = without_owned(with_shells(city.scene, ids, fresh), ids)
     for layer, rows in made.scene.instances.items():
         mine = np.isin(rows.owner, ids)
         if mine.any():
