@@ -27,8 +27,8 @@ from cityx.protocol.gate import Call
 from cityx.protocol.run import run_step
 
 TIMEOUT = 3600.0  # seconds
-EVERY = 3  # frames from one picture of the animation to the next
-SPAN = 51  # frames: three strides of a runner
+EVERY = 4  # frames from one picture of the animation to the next
+SPAN = 48  # frames: three strides of a runner
 COLORS = 128  # of the animation, so that it stays small
 # The call of the paper, word for word.
 ALGORITHM_1 = {
@@ -42,7 +42,7 @@ CURVE01 = tuple(
 )
 FIRST = 384  # frame at which the runner is fourteen metres from the camera
 EYE = {
-    "street": ((89.5, -88.4, 2.3), 105.0, -4.5, 58.0, (1200, 720)),
+    "street": ((89.5, -88.4, 2.3), 105.0, -4.5, 58.0, (960, 576)),
     "algorithm1": ((48.5, 2.0, 1.5), 333.0, -3.0, 44.0, (400, 250)),
 }
 RUSH_HOUR = 17.0

@@ -118,6 +118,12 @@ def test_words_of_a_look_say_who_it_is():
     assert size_of("person_7")[2] == drawn_person(7).height
 
 
+def test_who_jogs_carries_nothing():
+    people = [person_of(person_look(number, jogs=True)) for number in range(40)]
+    assert {(who.bag, who.shoes) for who in people} == {("", "trainers")}
+    assert any(person_of(person_look(number)).bag for number in range(40))
+
+
 @pytest.mark.parametrize("style", STYLES)
 def test_styles_dress_people_each_in_its_way(style):
     tops = {person_of(person_look(n, style=style, age="adult")).top for n in range(40)}

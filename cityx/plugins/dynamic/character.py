@@ -285,7 +285,10 @@ def _looks(
         found[0] = wanted.number
     age = "adult" if wanted.gait == "run" or wanted.sex else ""
     return tuple(
-        person_look(number, age=age, sex=wanted.sex, style=style, fine=fine) for number in found
+        person_look(
+            number, age=age, sex=wanted.sex, style=style, jogs=wanted.gait == "run", fine=fine
+        )
+        for number in found
     )
 
 
