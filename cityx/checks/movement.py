@@ -234,7 +234,10 @@ def off_ground(scene: Scene) -> BoolArray:
             spot, height = surfaces_at(batch, position[left, :2])
             np.fmin.at(gap, left[spot], np.abs(position[left[spot], 2] - height))
     slack = np.where(scene.walks, OFF_GROUND, np.maximum(OFF_GROUND, 0.02 * long))
-    return np.asarray(gap > slack)
+    west, south, east, north = scene.city.layout.extent
+    x, y = position[:, 0], position[:, 1]
+    inside = (x > west) & (x < east) & (y > south) & (y < north)  # beyond there is no ground
+    return np.asarray((gap > slack) & inside)
 
 
 def jumping(tracks: Tracks) -> BoolArray:

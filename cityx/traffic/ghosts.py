@@ -35,9 +35,11 @@ def ghosts_of(tracks: Tracks | None, streets: Streets, network: Network, run: Ru
     walks = tracks.kind == MOVER["pedestrian"]
     looks = [_look(tracks, row) for row in range(tracks.count)]
     types = sorted({type_text(look) for look in looks if look is not None})
+    # Of crossings that the network has left out SUMO knows nothing.
+    held = sorted((number, edge) for edge, number in network.crossings.items())
+    crossings = [streets.crossings[number] for number, _ in held]
     areas = [shapely.LineString(crossing.shape[:, :2]).buffer(crossing.width / 2 + NEAR_CROSSING)
-             for crossing in streets.crossings]  # fmt: skip
-    names = {number: edge for edge, number in network.crossings.items()}
+             for crossing in crossings]  # fmt: skip
     tree = shapely.STRtree(areas)
     steps = round((run.warm + run.duration) / run.step) + 1
     first = round((run.warm - HELD) / run.step)
@@ -49,7 +51,7 @@ def ghosts_of(tracks: Tracks | None, streets: Streets, network: Network, run: Ru
             parts.append(found)
             start[step + 1] = start[step] + len(found)
     rows = np.concatenate([np.zeros((0, 5)), *parts])
-    edges = np.array([names.get(number, "") for number in range(len(areas))] or [""])
+    edges = np.array([edge for _, edge in held] or [""])
     return Ghosts(
         np.array([f"g{id_text(own)}" for own in tracks.object_id.tolist()]),
         np.array([look.type_name if look is not None else "" for look in looks]),

@@ -31,7 +31,10 @@ NEAR = 15.0  # metres from a place that is asked for to the walk nearest to it
         "They walk on the ground, not on bridges nor in tunnels.",
     ],
     requires=("layout", has_network(), has_ground()),
-    takes=(Port("doors", "point", role="door", optional=True),),
+    takes=(
+        Port("doors", "point", role="door", optional=True),
+        Port("traffic", "line", role="vehicle_tracks", optional=True),  # people wait for it
+    ),
     gives=(Port("pedestrians", "line", role="pedestrian_tracks"),),
     labels=("pedestrians", "people", "flow", "procession", "from", "to", "walk"),
     serves=(Serves("edit=add_agent", "agent=pedestrian", "!path", "!gender"),),

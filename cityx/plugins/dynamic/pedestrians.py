@@ -32,7 +32,10 @@ RAILWAYS = ("rail", "tram", "subway", "light_rail", "narrow_gauge")
         "They walk on the ground, not on bridges nor in tunnels.",
     ],
     requires=("layout", has_network(), has_ground()),
-    takes=(Port("doors", "point", role="door", optional=True),),
+    takes=(
+        Port("doors", "point", role="door", optional=True),
+        Port("traffic", "line", role="vehicle_tracks", optional=True),  # people wait for it
+    ),
     gives=(Port("pedestrians", "line", role="pedestrian_tracks"),),
     labels=("pedestrians", "people", "crowd", "walkers", "sidewalk", "busy"),
     serves=(Serves("pedestrians"), Serves("pedestrian.count", "!pedestrians")),
