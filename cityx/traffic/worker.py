@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 ATTRIBUTES = "id,x,y,angle,speed,pos,lane,edge"
+HISTORY = 10.0  # seconds before the tracks that poses go back, for the way each has come
 CONTROL = 1.0  # seconds between looks at how full the streets are
 AHEAD = 5  # vehicles that may wait to come in before no more are sent
 
@@ -24,7 +25,7 @@ def _options(job: dict[str, Any]) -> list[str]:
         "sumo", "--net-file", job["net"], "--route-files", job["routes"],
         "--step-length", str(job["step"]), "--seed", str(job["seed"]),
         "--fcd-output", job["poses"], "--fcd-output.attributes", ATTRIBUTES,
-        "--device.fcd.begin", str(job["warm"]),
+        "--device.fcd.begin", str(max(0.0, job["warm"] - HISTORY)),
         "--collision-output", job["collisions"], "--collision.action", "warn",
         "--collision.check-junctions", "--collision.mingap-factor", "0",
         "--intermodal-collision.action", "warn",
