@@ -16,6 +16,8 @@ import numpy as np
 
 ATTRIBUTES = "id,x,y,angle,speed,pos,lane,edge"
 HISTORY = 10.0  # seconds before the tracks that poses go back, for the way each has come
+REROUTED = "0.6"  # share of drivers who look for another way when theirs is jammed
+NOBODY = "custom1"  # a class that no vehicle has
 CONTROL = 1.0  # seconds between looks at how full the streets are
 AHEAD = 5  # vehicles that may wait to come in before no more are sent
 
@@ -31,6 +33,8 @@ def _options(job: dict[str, Any]) -> list[str]:
         "--intermodal-collision.action", "warn",
         "--time-to-teleport", str(job["patience"]), "--time-to-teleport.remove",
         "--ignore-junction-blocker", str(job["blocked"]),
+        "--device.rerouting.probability", REROUTED, "--device.rerouting.period", "30",
+        "--device.rerouting.adaptation-interval", "5",
         "--lanechange.duration", "2", "--max-depart-delay", "30",
         "--pedestrian.model", "striping", "--pedestrian.striping.jamtime", "60",
         "--no-step-log", "--no-warnings", "--xml-validation", "never",
@@ -133,6 +137,10 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
     import libsumo
 
     libsumo.start(_options(job))
+    for way in job["barred"]:
+        for index in range(libsumo.edge.getLaneNumber(way)):
+            if "pedestrian" not in libsumo.lane.getAllowed(f"{way}_{index}"):
+                libsumo.lane.setAllowed(f"{way}_{index}", [NOBODY])
     haunting = _Haunting(libsumo, job["ghosts"])
     teleported: dict[str, float] = {}
     filling = _Filling(libsumo, job["groups"])
