@@ -60,7 +60,9 @@ def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, yellow
         ends = patches(street, zebras, every, sign * half, sign * (kerb + FLARE), RAMP)
         ribbon = patches(street, zebras, every, sign * kerb, sign * front)
         slope = patches(street, zebras, every, sign * kerb, sign * (front + RAMP), RAMP)
-        slope = np.where(ribbed, shapely.difference(slope, ribbon), slope)
+        # Where a way bends, patches may cross themselves.
+        rest = shapely.difference(shapely.make_valid(slope), shapely.make_valid(ribbon))
+        slope = np.where(ribbed, rest, slope)
         for name, rank, shapes in (
             ("kerb_dropped", 0, along_rims(lowered, road, KERB_WIDTH)),
             ("ramp", END_STONES, along_rims(ends[sloped], road, KERB_WIDTH)),
