@@ -9,12 +9,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.standing import surfaces_at
 from cityx.city.city import City
 from cityx.city.ground import KERB_HEIGHT, LABEL, ROADWAY
 from cityx.city.tracks import GAIT, MOVER, Tracks
 from cityx.geometry.polylines import Polylines, bends, to_linestrings, values_along
-from cityx.geometry.standing import stand_on
+from cityx.geometry.standing import stand_on, surfaces_at
 from cityx.traffic.network import Network
 from cityx.traffic.simulation import Poses
 from cityx.traffic.streets import Streets
