@@ -286,6 +286,12 @@ def render(
     size: Annotated[str | None, typer.Option(help="Size in pixels, WxH.")] = None,
     time: Annotated[str | None, typer.Option(help="As of build; the city stays as it is.")] = None,
     weather: Annotated[str | None, typer.Option(help="As of build, or two: storm dusk.")] = None,
+    moment: Annotated[
+        float | None, typer.Option(min=0.0, help="Seconds into what moves, if it is shown so.")
+    ] = None,
+    frames: Annotated[
+        str | None, typer.Option(help="A picture per frame, FROM:TO[:STEP], 25 a second.")
+    ] = None,
 ) -> None:
     """Render pictures of a built city, under another weather or at another time if asked for."""
     from cityx.agents.views import render_views
@@ -298,6 +304,8 @@ def render(
             size=_pixels(size) if size else None,
             time=time or "",
             weather=weather or "",
+            moment=moment,
+            frames=frames or "",
             say=say,
         )
     for path in paths:

@@ -9,7 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cityx.agents.run import Stopwatch
-from cityx.blender.client import DEFAULT_SAMPLES, BlenderJob, RenderRequest, run_worker
+from cityx.blender.client import (
+    DEFAULT_SAMPLES,
+    FRAME_RATE,
+    BlenderJob,
+    RenderRequest,
+    run_worker,
+)
 from cityx.city.camera import Camera
 from cityx.city.store import View, read_view
 from cityx.errors import UsageError, nearest
@@ -140,6 +146,8 @@ def render_views(
     size: tuple[int, int] | None = None,
     time: str = "",
     weather: str = "",
+    moment: float | None = None,
+    frames: str = "",
     say: Say,
 ) -> list[Path]:
     """Render pictures of a built city into its folder ``renders``.
@@ -157,15 +165,22 @@ def render_views(
         Samples per pixel and (width, height); those of the file, else the defaults, when None.
     time, weather
         Instead of the city's own, as of `cityx.plugins.background.weather.lit_anew`; "" keeps them.
+    moment
+        Seconds into the tracks that are shown; the city's own when None.
+    frames
+        "FROM:TO" or "FROM:TO:STEP", a span of frames of which each becomes a picture, 25 a second;
+        "" for none.
 
     Raises
     ------
     UsageError
-        If `camera` is neither a view nor a file, or a word for time or weather is not known.
+        If `camera` is neither a view nor a file, a word for time or weather is not known, or
+        nothing moves at the moment or in the frames asked for.
     """
     from cityx.plugins.background.weather import lit_anew
 
     view = read_view(folder / "city")
+    span = _span(view, moment, frames)
     environment = lit_anew(
         view.environment, view.frame.latitude, view.frame.longitude, weather=weather, time=time
     )
@@ -192,5 +207,39 @@ def render_views(
         RenderRequest(item, renders / f"{item.name}{suffix}.png", samples or DEFAULT_SAMPLES)
         for item in cameras
     )
-    job = BlenderJob(folder / "city", renders=requests, environment=environment)
+    job = BlenderJob(
+        folder / "city", renders=requests, environment=environment, moment=moment, frames=span
+    )
     return list(run_worker(job, timeout_s=TIMEOUT_S, progress=lambda _, text: say(text)).files)
+
+
+def _span(view: View, moment: float | None, frames: str) -> tuple[int, int, int] | None:
+    """Read a span of frames and refuse what lies outside the tracks.
+
+    Raises
+    ------
+    UsageError
+        With every fault.
+    """
+    if moment is None and not frames:
+        return None
+    duration = view.tracks.duration if view.tracks is not None else 0.0
+    last = int(duration * FRAME_RATE)
+    faults = []
+    if not duration:
+        faults.append("Nothing moves in this city: it has no moment and no frames to show.")
+    if moment is not None and frames:
+        faults.append("--moment shows one moment and --frames a span; give one of them.")
+    if moment is not None and duration and not 0 <= moment <= duration:
+        faults.append(f"--moment {moment:g} is outside 0 to {duration:g} seconds of the tracks.")
+    read = re.fullmatch(r"(\d+):(\d+)(?::([1-9]\d*))?", frames) if frames else None
+    if frames and read is None:
+        faults.append(f'--frames "{frames}" is no span of frames such as 0:100 or 0:100:5.')
+    span = (int(read[1]), int(read[2]), int(read[3] or 1)) if read else None
+    if span and not span[0] <= span[1]:
+        faults.append(f"--frames {frames} ends before it begins.")
+    if span and duration and span[1] > last:
+        faults.append(f"--frames {frames} is outside 0 to {last}, the frames of the tracks.")
+    if faults:
+        raise UsageError(" ".join(faults))
+    return span

@@ -91,7 +91,7 @@ def hull(
          ((1, foot), (1, np.full(len(y), high)), (-1, np.full(len(y), high)), (-1, foot))],
         axis=1,
     )  # fmt: skip
-    return loft(rings, material, tint)
+    return loft(rings[:, ::-1], material, tint)
 
 
 def panes(

@@ -2,14 +2,15 @@
 
 A look of a vehicle is ``car_`` and a key of `vehicles.BODIES`, or a key of `LARGE` or
 `TWO_WHEELERS`. A look of a person is ``person_``, then any words of `AGES`, `SEXES` and `STYLES`,
-then a number: ``person_7``, ``person_male_sport_2``. ``_fine`` at the end asks for the fine form
+then ``jog`` for who carries nothing and wears trainers, then a number: ``person_7``,
+``person_male_sport_2``, ``person_male_casual_jog_2``. ``_fine`` at the end asks for the fine form
 whatever the level of detail of the city.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -38,7 +39,7 @@ FloatArray = NDArray[np.float64]
 Made = tuple[Prototype, Prototype]
 WHEEL = "wheel"  # kind of the prototypes of wheels
 RIDERS = 12  # people who are seen on two wheels
-_PERSON, _CAR, FINE_WORD = "person", "car", "fine"
+_PERSON, _CAR, FINE_WORD, JOG = "person", "car", "fine", "jog"
 _LARGE_KIND = {"bus": "bus", "truck": "truck", "tram": "tram"}
 _TWO_WHEELED_KIND = {"bicycle": "bicycle", "motorcycle": "motorcycle", "scooter": "motorcycle"}
 # Kind of mover -> (look, share) of those that are seen in a city, after registrations in Europe.
@@ -205,9 +206,9 @@ def _at(detail: int, made: Callable[[], Made]) -> Made:
 
 
 def person_look(number: int, *, age: str = "", sex: str = "", style: str = "",
-                fine: bool = False) -> str:  # fmt: skip
+                jogs: bool = False, fine: bool = False) -> str:  # fmt: skip
     """Return the look of a person."""
-    words = (_PERSON, age, sex, style, str(number), FINE_WORD if fine else "")
+    words = (_PERSON, age, sex, style, JOG * jogs, str(number), FINE_WORD * fine)
     return "_".join(filter(None, words))
 
 
@@ -228,13 +229,14 @@ def person_of(look: str) -> Person:
                 told[key] = word
         if word.isdecimal():
             number = int(word)
-        elif word not in told.values():
-            known = (*AGES, *SEXES, *STYLES)
+        elif word not in told.values() and word != JOG:
+            known = (*AGES, *SEXES, *STYLES, JOG)
             raise UsageError(f'No person looks like "{look}": {word}.{nearest(word, known)}')
     if not is_person(look) or number < 0:
         raise UsageError(f'"{look}" is no look of a person, such as person_7.')
     age, sex, style = (told.get(key, "") for key in ("age", "sex", "style"))
-    return drawn_person(number, age=age, sex=sex, style=style)
+    who = drawn_person(number, age=age, sex=sex, style=style)
+    return replace(who, bag="", shoes="trainers") if f"_{JOG}_" in look else who
 
 
 def figure_of(look: str, detail: int) -> Figure:

@@ -81,7 +81,7 @@ def body_of(person: Person) -> Body:
     return Body(unit, skull, female, person.build, child)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=256)  # a crowd is of some hundred people, of 0.1 MB each
 def figure(person: Person, *, detail: int = 2) -> Figure:
     """Make the figure of a person, standing with hanging arms.
 

@@ -28,16 +28,20 @@ _CYCLES = {GAIT["walk"]: walk, GAIT["run"]: run}
 _NAMES = {GAIT["walk"]: "walk", GAIT["run"]: "run"}
 
 
+@lru_cache(maxsize=1024)  # a crowd is in few poses
 def pose_of(gait: int, phase: float) -> FloatArray:
     """Return the (j, 3) rotations of joints of a gait of `GAITS`, phase 0 to 1 and around.
 
     Who stands still shifts the weight with the phase, who rides turns the pedals.
     """
     if gait in _CYCLES:
-        return _CYCLES[gait](phase)
-    if gait == GAIT["ride"]:
-        return ride(phase)
-    return stand(np.sin(2 * np.pi * phase))
+        pose = _CYCLES[gait](phase)
+    elif gait == GAIT["ride"]:
+        pose = ride(phase)
+    else:
+        pose = stand(np.sin(2 * np.pi * phase))
+    pose.setflags(write=False)  # it is shared
+    return pose
 
 
 def stride_of(figure: Figure, gait: int) -> float:
@@ -72,7 +76,7 @@ def lift_at(figure: Figure, gait: int, phase: float) -> float:
     if gait != GAIT["run"] or own < TOE_OFF:
         return _lift(figure, pose_of(gait, phase))
     share = (own - TOE_OFF) / (0.5 - TOE_OFF)
-    begin, end = (_lift(figure, run(at)) for at in (TOE_OFF, 0.5))
+    begin, end = (_lift(figure, pose_of(gait, at)) for at in (TOE_OFF, 0.5))
     return (1 - share) * begin + share * end + 4 * share * (1 - share) * FLIGHT
 
 

@@ -203,6 +203,19 @@ def joint_motions(joints: FloatArray, rotations: FloatArray) -> tuple[FloatArray
     return turn, shift
 
 
+def relative_turns(rotations: FloatArray) -> FloatArray:
+    """Return (j, 3, 3) turns of bones, each relative to its parent's.
+
+    Parameters
+    ----------
+    rotations
+        As of `joint_motions`; the lap and the grips turn as they do there.
+    """
+    turn, _ = joint_motions(np.zeros((len(JOINTS), 3)), rotations)
+    base = np.where((PARENT >= 0)[:, None, None], turn[PARENT], np.eye(3))
+    return np.asarray(base.transpose(0, 2, 1) @ turn)
+
+
 def bent(points: FloatArray, weights: Weights, turn: FloatArray, shift: FloatArray) -> FloatArray:
     """Move vertices, (n, 3), with the bones they are bound to (linear blend skinning)."""
     moved = np.einsum("nkij,nj->nki", turn[weights.joints], points) + shift[weights.joints]

@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.shapes import WHITE, Color, box, cylinder, loft, tube
-from cityx.city.mesh import MeshBatch
+from cityx.city.mesh import MeshBatch, one_mesh
 
 FloatArray = NDArray[np.float64]
 Shapes = list[MeshBatch]
+RING, SECTION = 24, 6  # corners around a tyre, and around its section
 DARK: Color = (0.03, 0.03, 0.032)
 
 
@@ -72,16 +73,19 @@ def wheel_of(model: TwoWheeler) -> Shapes:
     return found
 
 
-def _ring(radius: float, thickness: float, material: str, sides: int = 24) -> MeshBatch:
+def _ring(radius: float, thickness: float, material: str) -> MeshBatch:
     """Make a ring about x."""
-    angle = np.linspace(0.0, 2 * np.pi, sides + 1)
-    round_ = np.linspace(0.0, 2 * np.pi, 6, endpoint=False)
-    away = radius + thickness * np.cos(round_)  # (6,)
-    rings = np.stack(
-        [np.broadcast_to(thickness * np.sin(round_), (len(angle), 6)),
-         np.cos(angle)[:, None] * away, np.sin(angle)[:, None] * away], axis=-1,
-    )  # fmt: skip
-    return loft(rings[:, ::-1], material, caps=(False, False))
+    turn = np.linspace(0.0, 2 * np.pi, RING, endpoint=False)
+    round_ = np.linspace(0.0, 2 * np.pi, SECTION, endpoint=False)
+    away = radius + thickness * np.cos(round_)  # (SECTION,)
+    across = np.broadcast_to(thickness * np.sin(round_), (RING, SECTION))
+    points = np.stack([across, np.cos(turn)[:, None] * away, np.sin(turn)[:, None] * away], axis=-1)
+    number = np.arange(RING * SECTION).reshape(RING, SECTION)
+    ahead, beside = np.roll(number, -1, axis=0), np.roll(number, -1, axis=1)
+    both = np.roll(ahead, -1, axis=1)
+    faces = np.stack([number, ahead, both, beside], axis=-1).reshape(-1, 4)
+    uv = np.tile([[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.0, 0.1]], (len(faces), 1, 1))
+    return one_mesh(0, points.reshape(-1, 3), faces, materials=(material,), uv=uv)
 
 
 def _bicycle(model: TwoWheeler) -> Shapes:
@@ -184,7 +188,7 @@ def _swept(
     rings = np.array([
         [(w * np.cos(a), y, z + h * np.sin(a)) for a in angle[::-1]] for y, z, w, h in stations
     ])  # fmt: skip
-    return loft(rings[:, ::-1], material, tint)
+    return loft(rings, material, tint)
 
 
 TWO_WHEELERS: Mapping[str, TwoWheeler] = MappingProxyType(

@@ -27,6 +27,7 @@ from cityx.errors import EngineError, MissingDependency
 PROGRESS = "@cityx "
 LOG_LINES = 15  # of the engine's own words, shown when it fails
 DEFAULT_SAMPLES = 48
+FRAME_RATE = 25  # frames per second of what moves
 
 # Shared libraries that Blender needs and small systems lack: file name -> Debian, Fedora package.
 LIBRARIES: Mapping[str, tuple[str, str]] = {
@@ -94,6 +95,11 @@ class BlenderJob:
         Whether every building is an object; None decides by their number.
     gpu
         Whether a GPU is used when there is one.
+    moment
+        Seconds into the tracks that are shown instead of the city's own, or None.
+    frames
+        First and last frame of a span that is rendered and the step from one to the next,
+        `FRAME_RATE` a second; None renders the moment.
     """
 
     store: Path
@@ -102,6 +108,8 @@ class BlenderJob:
     environment: Environment | None = None
     objects: bool | None = None
     gpu: bool = True
+    moment: float | None = None
+    frames: tuple[int, int, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -218,6 +226,8 @@ def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
         "environment": _values(job.environment),
         "objects": job.objects,
         "gpu": job.gpu,
+        "moment": job.moment,
+        "frames": job.frames,
         "result": str(answer),
         "parent": os.getpid(),
     }

@@ -126,7 +126,7 @@ def _encoded(tint: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.column_stack([curve, np.ones(len(curve), np.float32)])
 
 
-class _Uploader:
+class MeshUploader:
     """Cuts meshes out of one batch and hands them to Blender.
 
     A class because the flattened arrays of the whole batch are shared by thousands of small meshes.
@@ -184,7 +184,7 @@ def _separate(
     library: MaterialLibrary,
 ) -> Iterator[bpy.types.Object]:
     """One object per thing, its origin at the middle of its foot, named by its id."""
-    upload = _Uploader(batch, library)
+    upload = MeshUploader(batch, library)
     filled = np.flatnonzero(np.diff(batch.vertex_start) > 0)
     begin = batch.vertex_start[:-1][filled]
     low = np.minimum.reduceat(batch.vertices, begin) if len(filled) else np.zeros((0, 3))
@@ -231,7 +231,7 @@ def _tiles(
     chosen = filled[order]
     whole = np.array_equal(chosen, np.arange(batch.count))
     sorted_batch = batch if whole else batch.take(chosen)
-    upload = _Uploader(sorted_batch, library, plain=plain)
+    upload = MeshUploader(sorted_batch, library, plain=plain)
     bounds = np.searchsorted(which[order], np.arange(len(cells) + 1))
     made = []
     for (i, j), first, last in zip(cells.tolist(), bounds[:-1], bounds[1:], strict=True):
@@ -333,7 +333,7 @@ def _prototype(prototype: Prototype, index: int, library: MaterialLibrary) -> bp
         variant = "sign"
     name = f"{index:04d}_{prototype.name}"
     mesh = prototype.mesh
-    upload = _Uploader(mesh, library, variant)
+    upload = MeshUploader(mesh, library, variant)
     made = upload.mesh(name, slice(0, len(mesh.vertices)), slice(0, len(mesh.faces)), 0.0)
     item = bpy.data.objects.new(name, made)
     item["kind"] = prototype.kind

@@ -23,6 +23,8 @@ from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 
 if TYPE_CHECKING:
+    import bpy
+
     from cityx.city.store import View
 
 PROGRESS = "@cityx "
@@ -62,9 +64,12 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
     """Make the scene, save it, render it; returns the record of what was made."""
     import bpy
 
+    from cityx.assets.moving import with_movers
     from cityx.blender import grass, render
     from cityx.blender import scene as scenes
+    from cityx.blender.animation import animate
     from cityx.blender.light import Lighting
+    from cityx.blender.materials import MaterialLibrary
     from cityx.blender.operators import call
 
     environment = _environment(job["environment"]) or view.environment
@@ -73,7 +78,14 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
     tell(0.02, "building the scene")
     with clock.step("setup"):
         call("wm.read_homefile", use_empty=True, use_factory_startup=True, load_ui=False)
-        scene = scenes.build_scene(view, objects=job["objects"])
+        if job["moment"] is not None:
+            view = replace(view, moment=job["moment"])
+        # Keyframes are for who opens the file, or plays a span of it; a picture needs a moment.
+        animated = bool(job["blend"] or job["frames"])
+        held = view if animated else with_movers(view)
+        scene = scenes.build_scene(held, objects=job["objects"])
+        if animated:
+            animate(scene, view, MaterialLibrary(textured=view.lod > 0))
         lighting = Lighting(scene, view)
         lighting.set(environment)
         cameras = [render.add_camera(scene, camera) for camera, _ in pictures]
@@ -96,9 +108,36 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
         with clock.step(f"render {camera.name}"):
             grass.sow(scene, replace(view, environment=wanted), camera)
             scene.cycles.samples = request["samples"]
-            render.render_picture(scene, item, Path(request["path"]))
-        record["files"].append(request["path"])
+            record["files"] += _pictures(scene, item, Path(request["path"]), job["frames"], tell)
     return record
+
+
+def _pictures(
+    scene: bpy.types.Scene,
+    camera: bpy.types.Object,
+    path: Path,
+    frames: list[int] | None,
+    tell: Callable[..., None],
+) -> list[str]:
+    """Render one picture, or one per frame with the frame's number in its name."""
+    from cityx.blender import render
+
+    if frames is None:
+        render.render_picture(scene, camera, path)
+        return [str(path)]
+    first, last, step = frames
+    made = []
+    for frame in range(first, last + 1, step):
+        tell(0.15 + 0.85 * (frame - first) / (last + 1 - first), f"rendering frame {frame}")
+        scene.frame_set(frame)
+        made.append(str(frame_path(path, frame)))
+        render.render_picture(scene, camera, Path(made[-1]))
+    return made
+
+
+def frame_path(path: Path, frame: int) -> Path:
+    """Return the name of the picture of a frame: ``street_0042.png``."""
+    return path.with_name(f"{path.stem}_{frame:04d}{path.suffix}")
 
 
 def _environment(record: dict[str, Any] | None) -> Environment | None:
@@ -149,11 +188,10 @@ def main(arguments: list[str]) -> int:
             import bpy
             import rasterio  # noqa: F401  the store reads terrain with it
 
-            from cityx.assets.moving import with_movers
             from cityx.blender import light, render, scene  # noqa: F401
             from cityx.city.store import read_view
         with clock.step("read"):
-            view = with_movers(read_view(Path(job["store"])))
+            view = read_view(Path(job["store"]))
         result = perform(job, view, clock, say)
         result["blender"] = bpy.app.version_string
     except ImportError as error:

@@ -132,7 +132,7 @@ def _divided(line: FloatArray, bend: FloatArray, spacing: float) -> tuple[FloatA
     share = (np.arange(len(row)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[row]
     found = line[row] + share[:, None] * (line[row + 1] - line[row])
     # Between two points of one arc the way bends as they do, elsewhere it is straight.
-    bent = np.where((share == 0) | (bend[row] == bend[row + 1]), bend[row], 0.0)
+    bent = np.where((share == 0) | np.isclose(bend[row], bend[row + 1]), bend[row], 0.0)
     return np.concatenate([found, line[-1:]]), np.append(bent, bend[-1])
 
 

@@ -18,12 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx import __version__
-from cityx.assets.moving import with_movers
 from cityx.atomic import replaced
 from cityx.city.environment import Environment
 from cityx.city.mesh import MeshBatch
 from cityx.city.rooms import lit_scene
-from cityx.city.scene import Instances
+from cityx.city.scene import Instances, Prototype
 from cityx.geometry.identity import id_text
 from cityx.outputs.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfBuffer
 from cityx.outputs.gltf_instances import id_words, tint_groups, y_up_quaternions
@@ -95,7 +94,6 @@ def write_glb(
         from cityx.city.store import view_of
 
         view = view_of(view)
-    view = with_movers(view)
     writer = _Writer(view, instancing, texture_size)
     layers = [
         *(writer.mesh_layer(name, batch) for name, batch in sorted(writer.scene.meshes.items())),
@@ -104,13 +102,15 @@ def write_glb(
             for name, rows in sorted(writer.scene.instances.items())
         ),
     ]
+    moving, bodies = writer.movers()
+    layers += moving
     root: dict[str, Any] = {"name": "city", "extras": _city_extras(view)}
     children = [layer for layer in layers if layer is not None]
     if children:
         root["children"] = children
     top = writer.buffer.add("nodes", root)
     sun = writer.sun(view.environment)
-    writer.buffer.add("scenes", {"name": view.name or "city", "nodes": [top, *sun]})
+    writer.buffer.add("scenes", {"name": view.name or "city", "nodes": [top, *sun, *bodies]})
     with replaced(path) as temporary, temporary.open("wb") as file:
         size = writer.buffer.write(file, _head(view, writer.extensions))
     counts = {name: len(items) for name, items in writer.buffer.document.items()}
@@ -177,8 +177,8 @@ class _Writer:
         self.buffer = GltfBuffer()
         self.materials = GltfMaterials(self.buffer, view.environment, texture_size)
         self.instances = self.triangles_unique = self.triangles_instanced = 0
-        self._shapes: dict[int, _Shape | None] = {}
-        self._painted: dict[tuple[int, bytes], int] = {}
+        self._shapes: dict[str, _Shape | None] = {}
+        self._painted: dict[tuple[str, bytes], int] = {}
         self._used: set[str] = set()
 
     @property
@@ -269,7 +269,7 @@ class _Writer:
         """Write one node per prototype and colour and return the layer's node."""
         children: list[int] = []
         for prototype in np.unique(rows.prototype).tolist():
-            shape = self._shape(prototype)
+            shape = self._shape(self.scene.prototypes[prototype])
             if shape is None:
                 continue
             members = np.flatnonzero(rows.prototype == prototype)
@@ -279,8 +279,8 @@ class _Writer:
             if shape.flat.takes_tint.any():
                 group, tints = tint_groups(rows.tint[members])
             for number, tint in enumerate(tints):
-                mesh = self._mesh(prototype, shape, tint)
                 title = self.scene.prototypes[prototype].name
+                mesh = self._mesh(title, shape, tint)
                 chosen = members[group == number]
                 if self.instancing:
                     children.append(self._instanced(f"{title}_{number}", mesh, rows, chosen))
@@ -290,9 +290,10 @@ class _Writer:
             return None
         return self.buffer.add("nodes", {"name": name, "children": children})
 
-    def _shape(self, number: int) -> _Shape | None:
-        if number not in self._shapes:
-            batch = self.scene.prototypes[number].mesh
+    def _shape(self, prototype: Prototype) -> _Shape | None:
+        name = prototype.name
+        if name not in self._shapes:
+            batch = prototype.mesh
             shape = None
             if len(batch.faces):
                 flat = flat_mesh(batch, np.zeros((batch.count, 3)))
@@ -300,10 +301,35 @@ class _Writer:
                 parts = [p for ps in self._primitives(plain, batch.materials).values() for p in ps]
                 shape = _Shape(parts, flat, batch.triangle_count)
                 self.triangles_unique += shape.triangles
-            self._shapes[number] = shape
-        return self._shapes[number]
+            self._shapes[name] = shape
+        return self._shapes[name]
 
-    def _mesh(self, number: int, shape: _Shape, tint: NDArray[np.float32]) -> int:
+    def painted(self, prototype: Prototype, tint: NDArray[np.float32]) -> int:
+        """Write a prototype that has faces in one colour and return its mesh."""
+        shape = self._shape(prototype)
+        assert shape is not None
+        self.triangles_instanced += shape.triangles
+        return self._mesh(prototype.name, shape, np.clip(tint, 0, 1))
+
+    def primitives(self, batch: MeshBatch) -> list[dict[str, Any]]:
+        """Write a mesh of one object and return its primitives."""
+        flat = flat_mesh(batch, np.zeros((1, 3)))
+        self.triangles_unique += batch.triangle_count
+        self.triangles_instanced += batch.triangle_count
+        return self._primitives(flat, batch.materials)[0]
+
+    def movers(self) -> tuple[list[int], list[int]]:
+        """Write what moves and return the nodes of its layers, and those beside ``city``."""
+        tracks = self.view.tracks
+        if tracks is None or not tracks.count:
+            return [], []
+        from cityx.outputs.gltf_animation import Animated, MoverWriter
+
+        out = Animated(self.buffer, self.painted, self.primitives, max(self.view.lod, 2))
+        movers = MoverWriter(out, tracks, self.view.moment)
+        return movers.layers(), movers.bodies
+
+    def _mesh(self, title: str, shape: _Shape, tint: NDArray[np.float32]) -> int:
         """Return the mesh of a prototype in one colour; only the colours are written anew."""
         flat = shape.flat
         color = (
@@ -311,7 +337,7 @@ class _Writer:
         )
         factor = np.where(flat.takes_tint[:, None], tint, np.float32(1))
         color = np.column_stack([np.round(color[:, :3] * factor), color[:, 3]]).astype(np.uint8)
-        key = (number, color.tobytes())
+        key = (title, color.tobytes())
         if key not in self._painted:
             parts = shape.primitives
             if (color < 255).any():
@@ -321,7 +347,6 @@ class _Writer:
                     {**part, "attributes": {**part["attributes"], "COLOR_0": paint}}
                     for part in parts
                 ]
-            title = self.scene.prototypes[number].name
             self._painted[key] = self.buffer.add("meshes", {"name": title, "primitives": parts})
         return self._painted[key]
 

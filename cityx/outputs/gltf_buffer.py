@@ -19,14 +19,15 @@ from numpy.typing import NDArray
 from cityx.errors import UsageError
 
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
-UBYTE, USHORT, UINT, FLOAT = 5121, 5123, 5125, 5126
+UBYTE, SHORT, USHORT, UINT, FLOAT = 5121, 5122, 5123, 5125, 5126
 _COMPONENT = {
     np.dtype(np.uint8): UBYTE,
+    np.dtype(np.int16): SHORT,
     np.dtype(np.uint16): USHORT,
     np.dtype(np.uint32): UINT,
     np.dtype(np.float32): FLOAT,
 }
-_KIND = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
+_KIND = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 _LARGEST = 2**32 - 1  # lengths in a GLB are 32-bit
 
 

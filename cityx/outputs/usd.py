@@ -4,7 +4,8 @@ A layer and files, not one USDZ: it is read in place and can be edited, layered 
 `usdzip` packs it.
 
 Prims: ``/City``, under it ``Materials``, ``Prototypes`` (abstract), one scope per layer of meshes
-with one mesh per object, and one point instancer per layer of instances.
+with one mesh per object, and one point instancer per layer of instances; those of what moves have
+time samples.
 """
 
 from __future__ import annotations
@@ -15,7 +16,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from cityx.assets.moving import with_movers
 from cityx.atomic import replaced
 from cityx.errors import EngineError, MissingExtra
 
@@ -83,19 +83,20 @@ def write_usd(view: Any, path: str | os.PathLike[str], *, texture_size: int = 51
         If the file cannot be written.
     """
     require_usd()
+    from cityx.outputs.usd_animation import moving_layers
     from cityx.outputs.usd_layer import UsdWriter
 
     if not hasattr(view, "objects"):
         from cityx.city.store import view_of
 
         view = view_of(view)
-    view = with_movers(view)
     path = Path(path)
     writer = UsdWriter(view, path.with_name(f"{path.stem}_textures"), texture_size)
     for name, batch in sorted(writer.scene.meshes.items()):
         writer.mesh_layer(name, batch)
     for name, rows in sorted(writer.scene.instances.items()):
         writer.instance_layer(name, rows)
+    moving_layers(writer)
     writer.author_extents()
     with replaced(path) as temporary:
         if not writer.layer.Export(str(temporary)):

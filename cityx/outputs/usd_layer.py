@@ -84,7 +84,7 @@ class UsdWriter:
         self.layer = Sdf.Layer.CreateAnonymous("city.usdc")
         self.meshes = self.prototypes = self.instances = 0
         self.triangles_unique = self.triangles_instanced = 0
-        self._shapes: dict[int, _Shape | None] = {}
+        self._shapes: dict[str, _Shape | None] = {}
         self._instancers: list[Any] = []
         _write_head(self.layer, view)
         self.city = add_prim(self.layer.pseudoRoot, "City", "Xform")
@@ -208,13 +208,14 @@ class UsdWriter:
 
     def instance_layer(self, name: str, rows: Instances) -> None:
         """Write a point instancer with a prototype for each shape and tint."""
-        shapes = {number: self._shape(number) for number in np.unique(rows.prototype).tolist()}
+        known = self.scene.prototypes
+        shapes = {n: self.shape(known[n]) for n in np.unique(rows.prototype).tolist()}
         kept = np.array([shapes[number] is not None for number in rows.prototype.tolist()], bool)
         if not kept.any():
             return
         instancer = add_prim(self.city, name, "PointInstancer")
         instancer.kind = Kind.Tokens.component
-        self._instancers.append(instancer.path)
+        self.note_instancer(instancer)
         scope = add_prim(instancer, "Prototypes", "Scope")
         plain = [number for number, shape in shapes.items() if shape and not shape.takes_tint]
         steps = tint_steps(rows.tint)
@@ -227,18 +228,23 @@ class UsdWriter:
             number = int(rows.prototype[row])
             shape = cast(_Shape, shapes[number])
             title = look_name(self.scene.prototypes[number].name, as_steps(steps[row]))
-            targets.append(self._variant(scope, title, shape, steps[row]).path)
+            targets.append(self.variant(scope, title, shape, steps[row]).path)
             self.triangles_instanced += shape.triangles * count
         self.instances += len(members)
         self.prototypes += len(targets)
         point_at(instancer, "prototypes", targets)
         _place(instancer, rows, members, variant)
 
-    def _shape(self, number: int) -> _Shape | None:
-        if number not in self._shapes:
-            prototype: Prototype = self.scene.prototypes[number]
-            self._shapes[number] = self._base(prototype) if len(prototype.mesh.faces) else None
-        return self._shapes[number]
+    def note_instancer(self, instancer: Any) -> None:
+        """Remember an instancer, whose extent is worked out when all is written."""
+        self._instancers.append(instancer.path)
+
+    def shape(self, prototype: Prototype) -> _Shape | None:
+        """Write the mesh of a prototype once; None where it has no faces."""
+        name = prototype.name
+        if name not in self._shapes:
+            self._shapes[name] = self._base(prototype) if len(prototype.mesh.faces) else None
+        return self._shapes[name]
 
     def _base(self, prototype: Prototype) -> _Shape:
         """Write the mesh of a prototype in the colours it has by itself."""
@@ -252,7 +258,7 @@ class UsdWriter:
         tinted = bool(takes_tint([material for material, _ in looks]).any())
         return _Shape(mesh.path, looks, holders, tinted, batch.triangle_count)
 
-    def _variant(self, scope: Any, title: str, shape: _Shape, tint: NDArray[np.int64]) -> Any:
+    def variant(self, scope: Any, title: str, shape: _Shape, tint: NDArray[np.int64]) -> Any:
         """Write a prototype in one tint: it refers to the shape and changes colours alone."""
         mesh = add_prim(scope, title, "Mesh")
         refer(mesh, shape.path)

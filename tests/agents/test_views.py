@@ -1,6 +1,9 @@
+import re
+from dataclasses import replace
 from math import tan
 
 import pytest
+from moving_city import CAR, moving
 
 from cityx.agents import views
 from cityx.blender.client import BlenderResult
@@ -69,3 +72,37 @@ def test_the_view_from_above_fills_a_picture_of_any_form(built):
     camera = jobs[0].renders[0].camera
     seen = 2 * camera.position[2] * tan(camera.hfov / 2)
     assert seen == pytest.approx(50.0)
+
+
+def test_a_moment_and_a_span_of_frames_reach_blender(built):
+    folder, city, jobs = built
+    write_city(replace(city, tracks=moving(CAR).tracks), folder / "city")
+    views.render_views(folder, "top", moment=2.5, say=print)
+    views.render_views(folder, "top", frames="0:100:5", say=print)
+    assert (jobs[0].moment, jobs[0].frames) == (2.5, None)
+    assert (jobs[1].moment, jobs[1].frames) == (None, (0, 100, 5))
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"moment": 11.0}, "--moment 11 is outside 0 to 10 seconds of the tracks."),
+        ({"frames": "0:300"}, "--frames 0:300 is outside 0 to 250, the frames of the tracks."),
+        ({"frames": "9:3"}, "--frames 9:3 ends before it begins."),
+        ({"frames": "all"}, '--frames "all" is no span of frames such as 0:100 or 0:100:5.'),
+        ({"frames": "0:1", "moment": 1.0}, "--moment shows one moment and --frames a span"),
+    ],
+)
+def test_a_moment_outside_the_tracks_is_refused(built, asked, said):
+    folder, city, jobs = built
+    write_city(replace(city, tracks=moving(CAR).tracks), folder / "city")
+    with pytest.raises(UsageError, match=re.escape(said)):
+        views.render_views(folder, "top", **asked, say=print)
+    assert not jobs
+
+
+def test_a_city_in_which_nothing_moves_has_no_moment(built):
+    folder, _, jobs = built
+    with pytest.raises(UsageError, match="Nothing moves in this city"):
+        views.render_views(folder, "top", moment=1.0, say=print)
+    assert not jobs

@@ -15,8 +15,8 @@ CUBE = np.array(
 SIDES = np.array(
     [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7], [4, 5, 6, 7], [3, 2, 1, 0]]
 )
-TYPES = {5121: np.uint8, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
-WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+TYPES = {5122: np.int16, 5121: np.uint8, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
+WIDTHS = {"MAT4": 16, "SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 
 
 def box(object_id, place=(0, 0, 0), size=(10, 10, 10), materials=("brick", "bitumen"), **options):

@@ -204,7 +204,12 @@ def _follows(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measu
         rows = np.flatnonzero(np.isin(tracks.object_id, chosen.ids))
     if tracks is None or not len(rows):
         raise CannotTell(f"the city has no {groups[0]} that moves, so none follows {groups[1]}")
-    way = shapely.union_all(facts.select(groups[1]).shapes)
+    along = facts.select(groups[1])
+    shapes = along.shapes
+    if isinstance(along.layer, Roads):
+        reach = along.layer.beside[along.rows]
+        shapes = np.where(reach > 0, shapely.buffer(shapes, reach), shapes)
+    way = shapely.union_all(shapes)
     own = tracks.take(rows)
     lines = shapely.linestrings(own.position[:, :2], indices=own.mover)
     # Between two samples a mover goes straight: as far off as it gets is seen at short steps.

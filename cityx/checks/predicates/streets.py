@@ -37,6 +37,7 @@ BENDS = np.cos(np.radians(50.0))  # of a street that goes on where two ways meet
 RUN = 3.0  # metres over which a slope is measured at least
 NARROWEST = 2.0  # metres of a bridge's deck
 BESIDE = 1.5  # metres between two decks that are one bridge
+VERGE = 2.0  # metres of kerb, furnishing and green between a carriageway and its walk
 HUB_SHARE = 0.25  # of the site's shorter side within which a square is the main one
 
 
@@ -53,6 +54,14 @@ class Roads(TableLayer):
     def weights(self) -> FloatArray:
         """(n,) metres: half of all streets by length, not by number of ways, is the median."""
         return np.asarray(shapely.length(self.shapes))
+
+    @cached_property
+    def beside(self) -> FloatArray:
+        """(n,) metres from the middle to where its walks end: who goes along it goes within."""
+        walks = [self._table[f"sidewalk_{side}"].to_numpy(float) for side in ("left", "right")]
+        half = np.nan_to_num(self.number("width")) / 2
+        beside = half + np.nan_to_num(np.maximum(*walks)) + VERGE
+        return np.where(np.isin(column(self._table, "kind"), words.PATHS), 0.0, beside)
 
     def number(self, attribute: str) -> FloatArray:
         """Return widths of carriageways, lanes, slopes, speeds or lengths."""

@@ -24,7 +24,6 @@ from cityx.city.sites import merged
 from cityx.errors import ActionFailed
 from cityx.geometry.courses import course, paces
 from cityx.geometry.identity import hash_ids, stable_id, uniform
-from cityx.plugins.convert.points import extent_of
 from cityx.plugins.dynamic.feasible import check_walk
 from cityx.plugins.dynamic.paths import Path, find_path
 from cityx.plugins.dynamic.processions import Cast, new_ids, procession
@@ -179,7 +178,7 @@ def add_characters(
             _looks(city, mine, wanted, style, fine=model_quality == "high_poly", first=not made),
             _tints(city, mine, drawn=random_color),
             begins * way.length / max(line.line.length, 1e-9),
-            GAITS[walk_run], ACTION, found.name,
+            GAITS[walk_run], ACTION, found.name, found.roads,
         )  # fmt: skip
         city, added = procession(city, way, going, cast, seconds)
         made += added
@@ -200,8 +199,8 @@ def with_curve(city: City, name: str, points: tuple[tuple[float, ...], ...]) -> 
     row = make_table(
         "lines", [line], id=[stable_id(CURVE, name)], source=[name], kind=[CURVE], tags=["{}"]
     )
-    drawn = Layout(extent_of(shapely.get_coordinates(line)), lines=row)
-    return replace(city, layout=merged(city.layout, drawn))
+    drawn = merged(city.layout, Layout(city.layout.extent, lines=row))
+    return replace(city, layout=drawn)
 
 
 def _wanted(category: str | None, walk_run: str, gender: str | None) -> Wanted:
@@ -286,7 +285,10 @@ def _looks(
         found[0] = wanted.number
     age = "adult" if wanted.gait == "run" or wanted.sex else ""
     return tuple(
-        person_look(number, age=age, sex=wanted.sex, style=style, fine=fine) for number in found
+        person_look(
+            number, age=age, sex=wanted.sex, style=style, jogs=wanted.gait == "run", fine=fine
+        )
+        for number in found
     )
 
 

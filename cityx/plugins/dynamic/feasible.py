@@ -16,34 +16,64 @@ from cityx.geometry.standing import NOWHERE, stand_on
 from cityx.plugins.convert.lines import BARRIERS
 
 FloatArray = NDArray[np.float64]
+DECK_REACH = 12.0  # metres from the middle of a way within which a place is on its deck
+LIFTED = 0.3  # metres above or below the ground from which a way has a height of its own
 STEP = 0.5  # metres between the places where a path is looked at
 WIDEST_CROSSING = 20.0  # metres of a carriageway that somebody crosses
 MOST_FAULTS = 5  # told one by one
 SOLID = tuple(kind for kind in BARRIERS if kind != "tree_row")
 # Surfaces nobody walks on. A carriageway is crossed, not walked along.
-NOT_WALKED = ("water", "railway", "rail", "void")
+NOT_WALKED = ("railway", "rail", "void")
 DRIVEN = (*ROADWAY, *ON_ROADWAY, "parking", "apron")
 NAMES = {"void": "a cutting", "rail": "a railway", "block": "land"}
 
 
-def ground_height(city: City, xy: FloatArray) -> FloatArray:
-    """Return (n,) heights of what is stood on at (n, 2) places; on bridges that of the deck."""
-    z = stand_on(city.scene.meshes.get("ground"), xy).z
-    open_ = np.isnan(z)
+def ground_height(city: City, xy: FloatArray, roads: tuple[int, ...] = ()) -> FloatArray:
+    """Return (n,) heights of what is stood on at (n, 2) places.
+
+    Parameters
+    ----------
+    city
+        The city.
+    xy
+        (n, 2) float, metres.
+    roads
+        Rows of ``Layout.roads`` that the places are on: where one of these is on a bridge or in a
+        cutting, the height is its own. Without, bridges count over water alone.
+    """
+    footing = stand_on(city.scene.meshes.get("ground"), xy)
+    ground = footing.z
+    unknown = np.isnan(ground)
+    ground = np.where(unknown, city.terrain.height_at(xy), ground)
+    deck, lift = _deck(city, xy, roads)
+    water = footing.label == LABEL["water"]
+    raised = (np.abs(lift) > LIFTED) if roads else np.zeros(len(xy), bool)
+    return np.where(~np.isnan(deck) & (unknown | water | raised), deck, ground)
+
+
+def _deck(city: City, xy: FloatArray, roads: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
+    """Return (n,) heights of the carriageways under places and how high they are above ground."""
+    height, lift = np.full(len(xy), np.nan), np.zeros(len(xy))
     network = city.network
-    if not open_.any() or network is None or not network.edge_count:
-        return np.where(open_, city.terrain.height_at(xy), z)
-    row = np.flatnonzero(open_)
-    points = shapely.points(network.points)
-    place, near = shapely.STRtree(points).query_nearest(
-        shapely.points(xy[row]), max_distance=DECK_REACH, all_matches=False
+    if network is None or not network.edge_count:
+        return height, lift
+    edges = np.arange(network.edge_count)
+    if roads:
+        edges = np.flatnonzero(np.isin(network.edge_road, roads))
+    lines = np.array([shapely.LineString(network.edge_points(edge)) for edge in edges], object)
+    spots = shapely.points(xy)
+    place, near = shapely.STRtree(lines).query_nearest(
+        spots, max_distance=DECK_REACH, all_matches=False
     )
-    z[row] = city.terrain.height_at(xy[row])
-    z[row[place]] = network.z[near]
-    return np.asarray(z)
-
-
-DECK_REACH = 25.0  # metres from the points of a way within which a place is on its deck
+    for at, number in zip(place.tolist(), near.tolist(), strict=True):
+        edge = edges[number]
+        points = slice(*network.point_start[edge : edge + 2].tolist())
+        step = np.hypot(*np.diff(network.points[points], axis=0).T)
+        along = np.concatenate([[0.0], np.cumsum(step)])
+        here = shapely.line_locate_point(lines[number], spots[at])
+        height[at] = np.interp(here, along, network.z[points])
+        lift[at] = np.interp(here, along, network.lift[points])
+    return height, lift
 
 
 def check_walk(city: City, line: Any, name: str) -> None:

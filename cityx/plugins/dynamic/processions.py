@@ -35,6 +35,8 @@ class Cast:
         Id of the action.
     name
         Of the path, for ids.
+    roads
+        Rows of ``Layout.roads`` of the path, () for a curve.
     """
 
     look: tuple[str, ...]
@@ -43,6 +45,7 @@ class Cast:
     gait: str
     origin: str
     name: str
+    roads: tuple[int, ...] = ()
 
 
 def new_ids(city: City, origin: str, name: str, count: int) -> list[int]:
@@ -81,8 +84,8 @@ def procession(
     city, ids
         The city with the tracks, and the ids of the movers in the order of the cast.
     """
-    height = ground_height(city, way.points)
-    moments = times(way, speed)
+    height = ground_height(city, way.points, cast.roads)
+    moments = times(way, speed) if speed.any() else way.along
     ids = new_ids(city, cast.origin, cast.name, len(cast.look))
     made = [
         _track(way, height, speed, moments, begin, seconds)

@@ -18,7 +18,7 @@ from cityx.plugins.dynamic.paths import find_path
 from cityx.plugins.dynamic.processions import Cast, new_ids, procession
 from cityx.plugins.dynamic.walkways import drivable
 from cityx.plugins.road.curves import FARTHEST
-from cityx.protocol import Choice, Points, Port, Range, Serves, Way, action, has_ground
+from cityx.protocol import Choice, Points, Port, Range, Way, action, has_ground
 
 ACTION = "dynamic/vehicle_on_path-v1"
 FloatArray = NDArray[np.float64]
@@ -42,11 +42,9 @@ HEADWAY = 1.4  # seconds behind the one in front, on top of its length
     requires=("layout", has_ground()),
     takes=(Port("curve", "line", role="curve", optional=True),),
     labels=("car", "bus", "truck", "tram", "bicycle", "motorcycle", "drive", "traffic"),
-    serves=tuple(
-        Serves("edit=add_agent", f"agent={kind}", kind=kind) for kind in SPEEDS
-    ) + (Serves("edit=add_agent", "agent=vehicle"),),
+    # Sentences about streets are answered by `dynamic/vehicle_flow`, which heeds the rules there.
     binds={"path": "path", "count": "count", "speed": "speed"},
-)  # fmt: skip
+)
 def vehicle_on_path(
     city: City,
     *,
@@ -118,7 +116,9 @@ def add_vehicles(
     ids = np.array(new_ids(city, ACTION, line.name, count), np.uint64)
     look = [looks[i] for i in choose(city.seed, f"{ACTION}/look", ids, shares).tolist()]
     begins = spread(city.seed, line, count, apart, ACTION) * way.length / line.line.length
-    cast = Cast(tuple(look), _paints(city, ids, look), begins, "ride", ACTION, line.name)
+    cast = Cast(
+        tuple(look), _paints(city, ids, look), begins, "ride", ACTION, line.name, line.roads
+    )
     going = paces(way, pace, sideways=SIDEWAYS, pull=PULL)
     return procession(city, way, going, cast, seconds)
 
