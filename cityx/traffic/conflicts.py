@@ -32,10 +32,13 @@ class Conflicts:
     ----------
     first, second
         (k,) int64, links; the second gives way to the first.
+    free
+        (l,) float64, metres along each link before it meets any other.
     """
 
     first: IntArray
     second: IntArray
+    free: FloatArray
 
 
 def conflicts_of(streets: Streets) -> Conflicts:
@@ -43,7 +46,7 @@ def conflicts_of(streets: Streets) -> Conflicts:
     links, ways = streets.links, streets.ways
     none = np.zeros(0, np.int64)
     if not links:
-        return Conflicts(none, none)
+        return Conflicts(none, none, np.zeros(0))
     source = np.array([link.source for link in links], np.int64)
     target = np.array([link.target for link in links], np.int64)
     junction = np.array([ways[way].target for way in source[:, 0].tolist()])
@@ -53,6 +56,9 @@ def conflicts_of(streets: Streets) -> Conflicts:
     kept = (one < other) & (junction[one] == junction[other])
     kept &= (source[one] != source[other]).any(axis=1)
     one, other = one[kept], other[kept]
+    free = _free(lines, bodies, one, other)
+    _, lane, share = np.unique(source, axis=0, return_inverse=True, return_counts=True)
+    free[share[lane.ravel()] > 1] = 0.0  # others of the lane would pass by who waits ahead of them
     # Lanes side by side of one street meet only where their ways cross.
     beside = source[one, 0] == source[other, 0]
     crossing = shapely.crosses(lines[one], lines[other])
@@ -69,7 +75,19 @@ def conflicts_of(streets: Streets) -> Conflicts:
     order = np.empty(len(links), np.int64)
     order[np.lexsort(key.T[::-1])] = np.arange(len(links))
     swap = order[one] > order[other]
-    return Conflicts(np.where(swap, other, one), np.where(swap, one, other))
+    return Conflicts(np.where(swap, other, one), np.where(swap, one, other), free)
+
+
+def _free(lines: NDArray[Any], bodies: NDArray[Any], one: IntArray, other: IntArray) -> FloatArray:
+    """(l,) metres along lines before their bodies touch those of the lines they meet."""
+    own, foe = np.concatenate([one, other]), np.concatenate([other, one])
+    points, pair = shapely.get_coordinates(
+        shapely.intersection(bodies[own], bodies[foe]), return_index=True
+    )
+    along = shapely.line_locate_point(lines[own[pair]], shapely.points(points))
+    free = shapely.length(lines)
+    np.minimum.at(free, own[pair], along)
+    return np.asarray(free)
 
 
 def _turn(shape: FloatArray) -> float:

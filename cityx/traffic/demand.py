@@ -44,6 +44,7 @@ HOMES = ("house", "flats")
 NEAR = 60.0  # metres from a building to the street that its trips start from
 BORDER = 12.0  # metres from the site's rectangle within which a street leaves it
 WIDE_ENOUGH = 2.9  # metres of a lane for lorries and buses
+MOST_PER_LANE = 16.0  # vehicles on a kilometre of lane; with more, signals no longer clear queues
 SPARE = 1.6  # times the trips that are expected to be needed
 LEAST_TRIPS = 40  # per group of streets
 JITTER = 0.25  # of the time along a way by which drivers' minds differ
@@ -61,10 +62,13 @@ class Demand:
         Types of vehicles.
     groups
         Streets to be kept full, and the trips for it.
+    barred
+        Names of ways that are not driven.
     """
 
     looks: tuple[Look, ...]
     groups: tuple[Group, ...]
+    barred: tuple[str, ...]
 
 
 def per_km_at(density: str, hour: float) -> dict[str, float]:
@@ -119,11 +123,12 @@ def demand_of(
                    count=_needed(net, per_km, seconds))  # fmt: skip
     for road in sorted({net.road(way) for way in streets.ways}):
         own = [way.name for way in streets.ways if net.road(way) == road]
-        target = round(per_km.get(road, per_km[OTHER_ROADS]) * net.kilometres(road))
+        asked = per_km.get(road, per_km[OTHER_ROADS]) * net.kilometres(road)
+        target = round(min(asked, MOST_PER_LANE * net.lane_kilometres(road)))
         mine = tuple(trip for trip, on in trips if on == road)
         if target and mine:
             groups.append(Group(tuple(own), target, mine))
-    return Demand(every, tuple(groups))
+    return Demand(every, tuple(groups), net.barred)
 
 
 class Drivable:
@@ -147,13 +152,25 @@ class Drivable:
         length = {way.edge: way.length for way in self.streets.ways if self.road(way) == road}
         return sum(length.values()) / 1000.0
 
+    def lane_kilometres(self, road: str) -> float:
+        """Return the length of all lanes that cars use on the streets of a class."""
+        ways = zip(self.streets.ways, self.usable.tolist(), strict=True)
+        return sum(
+            way.length * sum(lane.kind == "drive" and not lane.closed for lane in way.lanes)
+            for way, usable in ways if usable and self.road(way) == road
+        ) / 1000.0  # fmt: skip
+
     def _usable(self) -> BoolArray:
-        """(w,) whether cars drive along a way; a narrow one is driven in one direction alone."""
+        """(w,) whether cars drive along a way; a narrow one is driven in one direction alone.
+
+        Passages through buildings are closed by their walls in every view.
+        """
         network = self.city.network
         assert network is not None
         row = network.edge_road[[way.edge for way in self.streets.ways]]
         ids = self.city.layout.roads["id"].to_numpy(np.uint64)[row]
         onward = uniform(self.city.seed, "traffic/narrow", ids) < 0.5
+        passage = self.city.layout.roads["passage"].to_numpy(bool)[row]
         open_to_cars, narrow, back = (
             np.array([test(way) for way in self.streets.ways], bool)
             for test in (
@@ -162,7 +179,13 @@ class Drivable:
                 lambda way: way.name.startswith("-"),
             )
         )
-        return np.asarray(open_to_cars & (~narrow | (back != onward)))
+        return np.asarray(open_to_cars & ~passage & (~narrow | (back != onward)))
+
+    @property
+    def barred(self) -> tuple[str, ...]:
+        """Names of the ways that no car uses."""
+        ways = zip(self.streets.ways, self.usable.tolist(), strict=True)
+        return tuple(way.name for way, usable in ways if not usable)
 
     @cached_property
     def wide(self) -> BoolArray:

@@ -27,6 +27,7 @@ LEAST = 0.1  # metres that SUMO wants a lane to be long
 TIMEOUT_S = 600.0
 WAITING = 3.0  # metres that a vehicle which waits amid a junction leaves to others
 CYCLE = 60.0  # seconds after which signals begin anew; blocks of old towns hold no longer queues
+BUMPER = 0.5  # metres that who waits there keeps to the ways of others
 JOINED = 30.0  # metres between junctions under signals that change together
 _NAME = re.compile(r"'(-?[0-9a-f]{16})#?(?:_\d+)?'")
 
@@ -120,9 +121,10 @@ def _with_own_shapes(streets: Streets, file: Path) -> Network:
                 raise EngineError(f"netconvert left out lane {name}.")
             lanes[name] = (number, index)
             _set_shape(found[name], lane.shape, way.length)
-    links = _set_links(streets, root, found)
+    conflicts = conflicts_of(streets)
+    links = _set_links(streets, root, found, conflicts.free)
     first = {number: name for name, number in reversed(links.items())}
-    settle(root, conflicts_of(streets), first)
+    settle(root, conflicts, first)
     crossings = _set_crossings(streets, root)
     for element in root.iter("lane"):
         element.attrib.pop("customShape", None)
@@ -131,8 +133,13 @@ def _with_own_shapes(streets: Streets, file: Path) -> Network:
     return Network(file, lanes, links, crossings)
 
 
-def _set_links(streets: Streets, root: Any, found: dict[str, Any]) -> dict[str, int]:
-    """Set the shapes of lanes across junctions; also say which link each of them is."""
+def _set_links(
+    streets: Streets, root: Any, found: dict[str, Any], free: FloatArray
+) -> dict[str, int]:
+    """Set the shapes of lanes across junctions; also say which link each of them is.
+
+    Who waits amid a junction does so before it meets anybody's way, whatever netconvert thinks.
+    """
     keys = ("from", "fromLane", "to", "toLane")
     via = {tuple(c.get(key) for key in keys): c.get("via") for c in root.iter("connection")}
     after = {(c.get("from"), c.get("fromLane")): c.get("via")
@@ -148,6 +155,8 @@ def _set_links(streets: Streets, root: Any, found: dict[str, Any]) -> dict[str, 
             name = after.get(tuple(name.rsplit("_", 1)))
         sizes = [max(float(lane.get("length")), LEAST) for lane in chain]
         cuts = np.r_[0.0, np.cumsum(sizes)] / max(sum(sizes), LEAST)
+        size = max(float(np.linalg.norm(np.diff(link.shape, axis=0), axis=1).sum()), LEAST)
+        cuts[1:-1] = np.minimum(cuts[1:-1], max(free[number] - BUMPER, LEAST) / size)
         for lane, begin, end in zip(chain, cuts[:-1], cuts[1:], strict=True):
             shape = _part(link.shape, float(begin), float(end))
             _set_shape(lane, shape, float(np.linalg.norm(np.diff(shape, axis=0), axis=1).sum()))

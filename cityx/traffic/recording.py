@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.checks.standing import surfaces_at
 from cityx.city.city import City
 from cityx.city.ground import KERB_HEIGHT, LABEL, ROADWAY
 from cityx.city.tracks import GAIT, MOVER, Tracks
@@ -26,6 +27,7 @@ _ROADWAY = [LABEL[name] for name in ROADWAY]
 SLACK = 0.005  # metres that samples left out may differ by; two neighbours add up to a centimetre
 TURNED = 0.01  # radians that count as much
 FASTER = 0.1  # metres per second that count as much
+STOREY = 1.5  # metres within which a deck is the one a vehicle is on
 SAME = 1e-6  # metres
 STANDING, RUNS = 0.1, 2.2  # metres per second from which on somebody walks, and runs
 SPREAD = 1e4  # by which time is drawn out, so that a slack across the line is one of the value
@@ -61,7 +63,10 @@ def recorded(
         Id of the action that puts them there.
     """
     assert city.lanes is not None
+    # The way that movers have come before the tracks begin tells how they lie in bends.
+    begun = np.unique(poses.mover[poses.time >= 0.0])
     known = np.array([name in movers for name in poses.name.tolist()], bool)
+    known[np.setdiff1d(np.arange(len(known)), begun)] = False
     kept = known[poses.mover]
     mover = poses.mover[kept]
     rows, mover = np.unique(mover, return_inverse=True)
@@ -72,16 +77,19 @@ def recorded(
     length = np.where(on_foot, 0.0, size[:, 0].astype(float))
     xy, heading, middle = bodies(poses.xy[kept], poses.angle[kept], mover, length)
     edge, place = _lanes(city, streets, network, poses, kept)
-    place = place[middle]
+    now = poses.time[kept] >= 0.0
+    place, edge, xy, heading, mover = (values[now] for values in
+                                       (place[middle], edge, xy, heading, mover))  # fmt: skip
     z = _heights(city, xy, mover, edge)
     walking = on_foot[mover]
     footing = stand_on(city.scene.meshes.get("ground"), xy[walking]).z
     z[walking] = np.where(np.isnan(footing), z[walking] + KERB_HEIGHT, footing)
     place[walking] = 0
-    time, speed = poses.time[kept], poses.speed[kept]
+    time, speed = poses.time[kept][now], poses.speed[kept][now]
     position = np.column_stack([xy, z])
     heading = _unwound(heading, mover)
     few = thinned(mover, time, position, heading, speed)
+    few |= np.r_[True, place[1:] != place[:-1]] if len(place) else few
     start = np.searchsorted(mover[few], np.arange(len(rows) + 1)).astype(np.int64)
     ids = np.array([int(name, 16) for name in poses.name[rows].tolist()], np.uint64)
     tracks = Tracks(
@@ -241,7 +249,22 @@ def _heights(city: City, xy: FloatArray, mover: IntArray, edge: IntArray) -> Flo
         better = off < nearest[rows] - 1e-9
         nearest[rows[better]] = off[better]
         z[rows[better]] = np.where(up, height, z[rows])[better]
-    return z
+    return _on_decks(city, xy, z, np.flatnonzero(np.isfinite(nearest)))
+
+
+def _on_decks(city: City, xy: FloatArray, z: FloatArray, rows: IntArray) -> FloatArray:
+    """(p,) heights, of some places those of the deck that lies there at about that height."""
+    decks = city.scene.meshes.get("decks")
+    if decks is None or not len(rows):
+        return z
+    spot, height = surfaces_at(decks, xy[rows])
+    off = np.abs(height - z[rows[spot]])
+    order = np.lexsort((off, spot))
+    order = order[off[order] < STOREY]
+    first = order[np.r_[True, np.diff(spot[order]) != 0]] if len(order) else order
+    found = z.copy()
+    found[rows[spot[first]]] = height[first]
+    return found
 
 
 def _carried(values: IntArray, mover: IntArray) -> IntArray:

@@ -225,6 +225,8 @@ class Run:
         Vehicles that set out at a time of their own.
     walkers
         People.
+    barred
+        Names of ways that nobody turns into, whatever the jam ahead.
     warm, duration
         Seconds before the tracks begin, and of the tracks.
     seed
@@ -235,6 +237,7 @@ class Run:
     groups: tuple[Group, ...] = ()
     trips: tuple[Trip, ...] = ()
     walkers: tuple[Walker, ...] = ()
+    barred: tuple[str, ...] = ()
     warm: float = WARM
     duration: float = 60.0
     seed: int = 0
@@ -308,7 +311,8 @@ def simulate(run: Run, network: Network, ghosts: Ghosts | None = None) -> Outcom
     job: dict[str, Any] = {
         "net": str(network.file), **files, "warm": run.warm, "duration": run.duration,
         "step": run.step, "seed": run.seed % (1 << 31), "patience": PATIENCE, "stuck": STUCK,
-        "blocked": BLOCKED, "ghosts": str(folder / GHOSTS) if ghosts is not None else "",
+        "blocked": BLOCKED, "barred": run.barred,
+        "ghosts": str(folder / GHOSTS) if ghosts is not None else "",
         "groups": [
             {"edges": group.edges, "target": group.target,
              "trips": [_trip(trip, run.looks) for trip in group.trips]}

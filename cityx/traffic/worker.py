@@ -15,6 +15,9 @@ from typing import Any
 import numpy as np
 
 ATTRIBUTES = "id,x,y,angle,speed,pos,lane,edge"
+HISTORY = 10.0  # seconds before the tracks that poses go back, for the way each has come
+REROUTED = "0.6"  # share of drivers who look for another way when theirs is jammed
+NOBODY = "custom1"  # a class that no vehicle has
 CONTROL = 1.0  # seconds between looks at how full the streets are
 AHEAD = 5  # vehicles that may wait to come in before no more are sent
 
@@ -24,12 +27,14 @@ def _options(job: dict[str, Any]) -> list[str]:
         "sumo", "--net-file", job["net"], "--route-files", job["routes"],
         "--step-length", str(job["step"]), "--seed", str(job["seed"]),
         "--fcd-output", job["poses"], "--fcd-output.attributes", ATTRIBUTES,
-        "--device.fcd.begin", str(job["warm"]),
+        "--device.fcd.begin", str(max(0.0, job["warm"] - HISTORY)),
         "--collision-output", job["collisions"], "--collision.action", "warn",
         "--collision.check-junctions", "--collision.mingap-factor", "0",
         "--intermodal-collision.action", "warn",
         "--time-to-teleport", str(job["patience"]), "--time-to-teleport.remove",
         "--ignore-junction-blocker", str(job["blocked"]),
+        "--device.rerouting.probability", REROUTED, "--device.rerouting.period", "30",
+        "--device.rerouting.adaptation-interval", "5",
         "--lanechange.duration", "2", "--max-depart-delay", "30",
         "--pedestrian.model", "striping", "--pedestrian.striping.jamtime", "60",
         "--no-step-log", "--no-warnings", "--xml-validation", "never",
@@ -132,6 +137,10 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
     import libsumo
 
     libsumo.start(_options(job))
+    for way in job["barred"]:
+        for index in range(libsumo.edge.getLaneNumber(way)):
+            if "pedestrian" not in libsumo.lane.getAllowed(f"{way}_{index}"):
+                libsumo.lane.setAllowed(f"{way}_{index}", [NOBODY])
     haunting = _Haunting(libsumo, job["ghosts"])
     teleported: dict[str, float] = {}
     filling = _Filling(libsumo, job["groups"])

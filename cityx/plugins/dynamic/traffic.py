@@ -99,7 +99,7 @@ def traffic(
         city, streets, looks_of_kinds(), hour=hour, seconds=WARM + duration, purpose=ACTION,
         per_km=_per_km(city, density, per_km, hour),
     )  # fmt: skip
-    run = Run(demand.looks, demand.groups, duration=duration, seed=city.seed)
+    run = Run(demand.looks, demand.groups, barred=demand.barred, duration=duration, seed=city.seed)
     trips = tuple(trip for group in demand.groups for trip in group.trips)
     movers = movers_of(trips, demand.looks, city.seed)
     found = driven(city, streets, run, movers, ACTION, kept)

@@ -26,7 +26,7 @@ from cityx.traffic.flows import along as trips_along
 from cityx.traffic.flows import between, flow_ids
 from cityx.traffic.kinds import DRIVING
 from cityx.traffic.session import driven
-from cityx.traffic.simulation import Look, Run, Trip
+from cityx.traffic.simulation import Look, Run
 from cityx.traffic.streets import Streets, streets_of
 
 ACTION = "dynamic/vehicle_flow-v1"
@@ -103,14 +103,12 @@ def vehicle_flow(
         look = replace(look, allowed=_allowed(streets, groups))
         trips = trips_along(net, look, ids, groups, _bodies(kept), pace=speed,
                             said=along or "the streets", exact=count is not None)  # fmt: skip
-    return _with_trips(city, streets, look, trips, kept, duration)
+    run = Run((look,), trips=trips, barred=net.barred, duration=duration, seed=city.seed)
+    return _with_trips(city, streets, run, kept)
 
 
-def _with_trips(
-    city: City, streets: Streets, look: Look, trips: tuple[Trip, ...], kept: Tracks, duration: float
-) -> City:
-    run = Run((look,), trips=trips, duration=duration, seed=city.seed)
-    movers = movers_of(trips, (look,), city.seed)
+def _with_trips(city: City, streets: Streets, run: Run, kept: Tracks) -> City:
+    movers = movers_of(run.trips, run.looks, city.seed)
     found = driven(city, streets, run, movers, ACTION, kept)
     changed = with_tracks(city, kept, found.tracks)
     notes = (*city.notes, *told(found.outcome))
