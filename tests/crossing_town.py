@@ -28,8 +28,8 @@ def crossing_town(*, longitude: float = 13.0, walks: float = 2.5, plaza: bool = 
     )  # fmt: skip
     houses = make_table("buildings", HOUSES, id=[11, 12], use=["apartments", "retail"])
     parts = make_table(
-        "parts", HOUSES, id=[21, 22], building=[11, 12], base=[0.0] * 2, top=[9.0] * 2, levels=[3] * 2,
-        walls=[True] * 2,
+        "parts", HOUSES, id=[21, 22], building=[11, 12], base=[0.0] * 2, top=[9.0] * 2,
+        levels=[3] * 2, walls=[True] * 2,
     )  # fmt: skip
     tables = {"roads": roads, "buildings": houses, "parts": parts}
     if plaza:
