@@ -21,7 +21,7 @@ from cityx.city.ground import ON_ROADWAY, ROADWAY
 from cityx.city.lanes import LaneGraph
 from cityx.city.moments import Moments, moments_of
 from cityx.city.tracks import GAIT, MOVER, Tracks
-from cityx.city.walkable import walkable_of
+from cityx.city.walkable import walk_areas
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.geometry.standing import stand_on, surfaces_at
 
@@ -172,7 +172,7 @@ def off_walks(scene: Scene) -> BoolArray:
     walking = np.flatnonzero(scene.walks)
     if not len(walking) or scene.city.ground is None or scene.city.network is None:
         return off
-    area = shapely.buffer(walkable_of(scene.city).areas, OFF_WALK, quad_segs=2)
+    area = shapely.buffer(walk_areas(scene.city).areas, OFF_WALK, quad_segs=2)
     inside = shapely.STRtree(scene.points[walking]).query(area, predicate="intersects")[1]
     left = np.setdiff1d(np.arange(len(walking)), inside)
     parks = ("park", "grass", "meadow", "courtyard", "playground", "pitch", "sand")

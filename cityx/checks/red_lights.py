@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
@@ -10,7 +11,7 @@ from cityx.city.crosswalks import heads_of
 from cityx.city.moments import moments_of
 from cityx.city.signals import STATE, Signals, states_at
 from cityx.city.tracks import MOVER, Tracks
-from cityx.city.walkable import walkable_of
+from cityx.city.walkable import walk_areas
 
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
@@ -64,10 +65,14 @@ def _stepping(city: City, tracks: Tracks, signals: Signals) -> list[tuple[int, i
     foot = np.flatnonzero(tracks.kind == MOVER["pedestrian"])
     if city.ground is None or city.network is None or not len(foot):
         return []
-    area = walkable_of(city)
+    area = walk_areas(city)
     head = heads_of(area.crosswalks, signals)
     found = moments_of(tracks.take(foot), np.arange(0.0, tracks.duration + EVERY / 2, EVERY))
-    over = area.at(area.crosswalk, found.position[:, :2]).astype(np.int64)
+    over = np.zeros(len(found.mover), np.int64)
+    spot, crosswalk = shapely.STRtree(area.over).query(
+        shapely.points(found.position[:, :2]), predicate="intersects"
+    )
+    over[spot] = crosswalk + 1
     steps = np.flatnonzero(
         (over[1:] > 0) & (over[:-1] == 0) & (found.mover[1:] == found.mover[:-1])
     )

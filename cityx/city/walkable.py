@@ -169,27 +169,66 @@ def _same(references: tuple[weakref.ref[Any], ...], parts: list[Any]) -> bool:
     )
 
 
-def _made(city: City, ground: Ground) -> Walkable:
+@dataclass(frozen=True)
+class WalkAreas:
+    """The walkable area as polygons alone, for sites of any size.
+
+    Attributes
+    ----------
+    areas
+        (a,) polygons, with the crosswalks.
+    crosswalks
+        Where people cross.
+    over
+        (c,) what each crosswalk covers of the roadway.
+    verge
+        Land beside roadways that is part of it.
+    """
+
+    areas: NDArray[Any]
+    crosswalks: Crosswalks
+    over: NDArray[Any]
+    verge: Any
+
+
+_LAST_AREAS: list[tuple[tuple[weakref.ref[Any], ...], WalkAreas]] = []
+
+
+def walk_areas(city: City) -> WalkAreas:
+    """Return the walkable area of a city with ground and network; the last one is remembered."""
+    parts: list[Any] = [city.ground, city.network, city.layout]
+    if _LAST_AREAS and _same(_LAST_AREAS[0][0], parts):
+        return _LAST_AREAS[0][1]
+    found = _areas(city)
+    _LAST_AREAS[:] = [(tuple(map(weakref.ref, parts)), found)]
+    return found
+
+
+def _areas(city: City) -> WalkAreas:
     assert city.network is not None
-    crosswalks = crosswalks_of(ground, city.layout, city.network)
-    walks = _polygon(ground, FOOTWAYS)
-    road = _polygon(ground, ROADWAY)
-    verge = _verges(ground, road, walks)
-    over = shapely.intersection(crosswalks.regions(), road)
-    crosswalks, over = _used(crosswalks, over)
+    assert city.ground is not None
+    crosswalks = crosswalks_of(city.ground, city.layout, city.network)
+    walks, road = _polygon(city.ground, FOOTWAYS), _polygon(city.ground, ROADWAY)
+    verge = _verges(city.ground, road, walks)
+    crosswalks, over = _used(crosswalks, shapely.intersection(crosswalks.regions(), road))
     whole = shapely.union_all([walks, verge, *over], grid_size=0.001)
-    site = shapely.box(*city.layout.extent)
-    whole = shapely.intersection(whole, site)
+    whole = shapely.intersection(whole, shapely.box(*city.layout.extent))
+    parts = shapely.get_parts(whole)
+    parts = parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON]
+    return WalkAreas(parts, crosswalks, over, verge)
+
+
+def _made(city: City, ground: Ground) -> Walkable:
     grid = _grid_over(city.layout.extent)
-    rest = shapely.difference(shapely.buffer(site, 2 * CELL, join_style="mitre"), whole)
+    area = walk_areas(city)
+    site = shapely.buffer(shapely.box(*city.layout.extent), 2 * CELL, join_style="mitre")
+    rest = shapely.difference(site, shapely.multipolygons(area.areas))
     free = ~grid.touched(shapely.get_parts(rest)) & ~grid.touched(_solids(city, ground))
-    number = grid.numbered(over).astype(np.int16)
-    beside = grid.touched(shapely.get_parts(verge))
+    number = grid.numbered(area.over).astype(np.int16)
+    beside = grid.touched(shapely.get_parts(area.verge))
     for raster in (free, number, beside):  # what lies beyond is looked up on the rim
         raster[[0, -1]] = raster[:, [0, -1]] = 0
-    return Walkable(
-        shapely.get_parts(whole), crosswalks, grid, free, _clearance(free), number, beside
-    )
+    return Walkable(area.areas, area.crosswalks, grid, free, _clearance(free), number, beside)
 
 
 def _grid_over(extent: tuple[float, float, float, float]) -> Grid:
