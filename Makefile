@@ -60,9 +60,6 @@ $(READY): requirements.lock pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install -q --disable-pip-version-check --require-hashes -r requirements.lock
 	$(BIN)/python -m pip install -q --disable-pip-version-check --no-deps -e .
-	@# It runs on NumPy 1 but declares 2, and draws in a user interface that nothing here opens.
-	@$(BIN)/python -m pip install -q --disable-pip-version-check --no-deps jupedsim==1.4.2 || \
-	  echo "JuPedSim cannot be installed: nobody will cross plazas, the tests of it are skipped"
 	@touch $(READY)
 
 clean:
