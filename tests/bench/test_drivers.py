@@ -46,7 +46,7 @@ def test_nothing_meets_no_task_of_all(folder):
 
 def test_what_is_written_down_is_always_right(folder):
     samples = run(folder, "oracle")
-    assert {name for name, sample in samples.items() if not sample.scored} == {"P29"}
+    assert all(sample.scored for sample in samples.values())
     wrong = [(s.task, s.goals, s.faults) for s in samples.values() if s.scored and not s.right]
     assert wrong == []
 
@@ -57,11 +57,10 @@ def test_every_plan_is_for_a_task():
 
 def test_offline_asks_back_reports_and_names_what_is_not_served(folder):
     samples = run(folder, "offline", "P18", "P22", "P28", "P29", "P30")
-    assert [name for name, s in samples.items() if s.right] == ["P18", "P28", "P30"]
+    assert [name for name, s in samples.items() if s.right] == ["P18", "P28", "P29", "P30"]
     assert samples["P28"].reply["mentions"] == ["conflict:building"]
     assert samples["P30"].reply["kind"] == "clarify"
     assert samples["P22"].unsupported == ["edit=add_agent", "edit=add_traffic"]
-    assert samples["P29"].unsupported == ["edit=set_color"]
     assert samples["P29"].reply["kind"] == "partial"
     assert "ignored_untrusted_instruction" in samples["P29"].reply["mentions"]
     assert all(sample.planning_s < 1.0 for sample in samples.values())
