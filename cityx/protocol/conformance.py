@@ -251,7 +251,8 @@ def _run(record: Encapsulation, actions: Registry, city: City, data: dict[str, A
         raise _Skip(str(error)) from error
     except ActionFailed as error:
         # An edit that is asked for nothing refuses; one that crashes has another cause.
-        refused = record.stage == "edit" and isinstance(error.__cause__, UsageError)
+        said = isinstance(error.__cause__, UsageError | ActionFailed)
+        refused = record.stage == "edit" and said
         if record.stage != "layout" and not refused:
             raise
         raise _Skip(f"the example city has no room for it: {error}") from error

@@ -66,7 +66,7 @@ CHANGES = (
            (-260.0, -215.0, 120.0), (48.0, -24.0, 48.0)),
     Change("foot", "river_s", "Close the north street to cars.",
            (-72.0, 93.0, 9.0), (62.0, -16.0, 62.0)),
-    Change("pond", "park_s", "Dig a large pond in park1 and plant 12 trees in the park.",
+    Change("pond", "park_s", "Dig a pond in park1 and plant 12 trees in the park.",
            (-82.0, -92.0, 52.0), (42.0, -30.0, 56.0)),
     Change("storm", "grid_s", "Turn the scene into a thunderstorm at night.",
            (-50.0, -107.0, 13.0), (62.0, -24.0, 62.0)),
