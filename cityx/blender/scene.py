@@ -29,6 +29,19 @@ LEAF = "foliage"
 BARE = "Bare"  # name of the modifier that takes the leaves off a deciduous tree
 # Custom properties by which `cityx.blender.pull` knows what it reads.
 ID, LAYER, NAME, SCENE = "cityx_id", "cityx_layer", "cityx_name", "cityx_scene"
+HOW_TO_EDIT = """\
+This is a view of a city. What you change comes back to it by: cityx pull FOLDER
+
+Buildings are objects: move, turn (about the vertical), scale, copy (Shift D) or delete them; their
+windows follow when the city is made anew.
+Trees, cars, lamps, benches, windows and all else that repeats are points of one object per layer:
+in edit mode move (G), copy (Shift D) or delete (X) points. Select some and use Mesh > Set Attribute
+for "rotation" (radians), "scale" and "tint". The object of a layer moves all of it.
+Colours: the colour of an object (Object > Viewport Display), a material of your own with a plain
+base colour in one of its slots, or the attribute "tint" of its faces.
+Land and streets are changed by: cityx edit FOLDER "..."
+Objects of your own are named, kept and left alone.
+"""
 SIGNS = ("sign_", "shop_")  # names of prototypes whose signs shine at night begin so
 
 
@@ -94,6 +107,7 @@ def _link(collection: bpy.types.Collection, objects: Iterator[bpy.types.Object])
 
 def _describe(scene: bpy.types.Scene, view: View) -> None:
     scene.name = view.name or "City"
+    bpy.data.texts.new("How to edit").write(HOW_TO_EDIT)
     scene["cityx_name"] = view.name
     scene[SCENE] = scene_key(view.scene)
     scene["cityx_projection"] = view.frame.projection

@@ -57,7 +57,10 @@ def write_mjcf(
     """
     origin = np.array([(window[0] + window[2]) / 2, (window[1] + window[3]) / 2, 0.0])
     root = ElementTree.Element("mujoco", model="city")
-    ElementTree.SubElement(root, "option", timestep=str(STEP), gravity="0 0 -9.81")
+    # The same friction whichever way a thing is pushed, and hardly any creep.
+    ElementTree.SubElement(
+        root, "option", timestep=str(STEP), gravity="0 0 -9.81", cone="elliptic", impratio="10"
+    )
     ElementTree.SubElement(root, "size", memory=MEMORY)
     asset, world = (ElementTree.SubElement(root, name) for name in ("asset", "worldbody"))
     kept = take_bodies(bodies, _inside(bodies, window) & (bodies.motion != MOTION["driven"]))

@@ -14,6 +14,7 @@ from cityx.outputs.mjcf import write_mjcf
 
 SETTLE = 2.0  # seconds
 STILL = 0.05  # metres that a thing at rest may move meanwhile
+OFF = 0.05  # share of a push by which the engine's soft contacts may miss
 PUSH = 1.0  # metres per second squared that is left of a push after friction
 
 
@@ -115,4 +116,4 @@ def test_a_push_moves_a_thing_as_its_mass_and_friction_say(place, kind, tmp_path
         world.data.xfrc_applied[number, :3] = force
         world.step(0.2)
         gained = float((world.data.qvel[dof : dof + 3] - begin) @ along) / 0.2
-        assert gained == pytest.approx(max(left, 0.0), abs=0.25 * PUSH)
+        assert gained == pytest.approx(max(left, 0.0), abs=OFF * (slide + PUSH))
