@@ -28,7 +28,6 @@ TIMEOUT_S = 600.0
 WAITING = 3.0  # metres that a vehicle which waits amid a junction leaves to others
 CYCLE = 60.0  # seconds after which signals begin anew; blocks of old towns hold no longer queues
 BUMPER = 0.5  # metres that who waits there keeps to the ways of others
-JOINED = 30.0  # metres between junctions under signals that change together
 _NAME = re.compile(r"'(-?[0-9a-f]{16})#?(?:_\d+)?'")
 
 
@@ -83,7 +82,7 @@ def make_network(
     options = [
         *(word for pair in zip("nex", names, strict=True) for word in (f"-{pair[0]}", pair[1])),
         "--output-file", NET, "--offset.disable-normalization", "--precision", "3",
-        "--no-turnarounds", "--walkingareas", "--tls.join", "--tls.join-dist", f"{JOINED:g}",
+        "--no-turnarounds", "--walkingareas",
         "--tls.cycle.time", f"{CYCLE:g}",
         "--internal-junctions.vehicle-width", f"{WAITING:g}", "--xml-validation", "never",
         *(["--lefthand"] if streets.left_hand else []),

@@ -36,8 +36,7 @@ def told(outcome: Outcome) -> tuple[str, ...]:
         found.append(f"traffic: {len(outcome.teleported)} vehicles could not go on for two minutes "
                      "and were taken out")  # fmt: skip
     if outcome.halted:
-        found.append(f"traffic: {len(outcome.halted)} vehicles had not moved for two minutes at "
-                     "the end")  # fmt: skip
+        found.append(f"traffic: {len(outcome.halted)} vehicles stood for a minute at the end")
     return tuple(found)
 
 
