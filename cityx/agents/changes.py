@@ -65,7 +65,9 @@ def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
 
 
 def _joined(found: list[tuple[Edit, Slots]]) -> list[tuple[Edit, Slots]]:
-    """Give a material the colour that is asked of the same objects: "blue timber"."""
+    """Let parts of one command share what is said once: "12 buses and 40 mph traffic"."""
+    speeds = {(edit.span, slots.get("path")): slots["speed"] for edit, slots in found
+              if edit.verb == "add_traffic" and "speed" in slots}  # fmt: skip
     kept: list[tuple[Edit, Slots]] = []
     colors = {slots["objects"]: slots["rgb"] for edit, slots in found if edit.verb == "set_color"
               and "objects" in slots and "rgb" in slots}  # fmt: skip
@@ -76,6 +78,9 @@ def _joined(found: list[tuple[Edit, Slots]]) -> list[tuple[Edit, Slots]]:
             continue
         if edit.verb == "set_material" and own in colors:
             slots = {**slots, "rgb": colors[own]}
+        place = (edit.span, slots.get("path"))
+        if edit.verb == "add_agent" and place in speeds:
+            slots = {"speed": speeds[place], **slots}
         kept.append((edit, slots))
     return kept
 

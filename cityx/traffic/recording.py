@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.city.ground import KERB_HEIGHT, LABEL, ROADWAY
-from cityx.city.tracks import GAIT, MOVER, Tracks
+from cityx.city.tracks import GAIT, MOVER, Tracks, no_tracks
 from cityx.geometry.polylines import Polylines, bends, to_linestrings, values_along
 from cityx.geometry.standing import stand_on, surfaces_at
 from cityx.traffic.network import Network
@@ -68,6 +68,8 @@ def recorded(
     known[np.setdiff1d(np.arange(len(known)), begun)] = False
     kept = known[poses.mover]
     mover = poses.mover[kept]
+    if not len(mover):
+        return no_tracks()
     rows, mover = np.unique(mover, return_inverse=True)
     about = [movers[str(poses.name[row])] for row in rows.tolist()]
     size = np.array([each.size for each in about], np.float32).reshape(-1, 3)

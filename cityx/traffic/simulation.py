@@ -421,6 +421,10 @@ def _read_poses(path: Path, warm: float) -> Poses:
     import pyarrow.parquet as pq
 
     table = pq.read_table(path)
+    if "vehicle_id" not in table.column_names:  # nobody was ever there
+        none = np.zeros(0)
+        return Poses(np.zeros(0, str), none.astype(np.int64), none, np.zeros((0, 2)), none, none,
+                     none, none.astype(np.int64), np.zeros(0, str))  # fmt: skip
     table = table.filter(pa.compute.is_valid(table["vehicle_id"]))  # steps in which nobody is there
     columns = {name.removeprefix("vehicle_"): table[name] for name in table.column_names}
     ids = columns["id"].combine_chunks().dictionary_encode()
