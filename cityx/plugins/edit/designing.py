@@ -395,8 +395,9 @@ def _named(city: City, layout: Layout, wish: Wish, rows: IntArray) -> GeoDataFra
     elif wish.style is not None:
         names[rows] = _of_style(city, layout, wish.style, fits)[rows]
     else:
-        column = np.array([kinds.index(name) for name in names.tolist()])
-        lost = ~fits[np.arange(len(names)), column]
+        known = np.isin(names, kinds)  # where nothing is designed yet, none has been chosen
+        column = np.array([kinds.index(n) if k else 0 for n, k in zip(names, known, strict=True)])
+        lost = ~known | ~fits[np.arange(len(names)), column]
         lost &= fits.any(axis=1) & np.isin(np.arange(len(names)), rows)
         if lost.any():
             other = choose_generators(layout, city.seed, style=city.style, region=region)
