@@ -191,17 +191,17 @@ SCENES: Mapping[str, Scene] = MappingProxyType(
     {
         "grid_s": Scene(
             _GRID, _grid, "noon", "clear",
-            "ecf14cc686e50c05cbbf677cb8413fa2a0e396079314c9dd21ab90f582a6afee",
+            "0f1d97e241555028dc12bfa77315b734ac314002d7ec58243d125c98606ddcbb",
             (*_TREES_AS_DRAWN, *_NO_CARS),
         ),
         "river_s": Scene(
             _RIVER, _river, "noon", "overcast",
-            "501038174a6f80f85e088e572e2b498c7dc848c271a838c484f3811679ea159e",
+            "fb74410989e5786226206761e0e0b3c6a74f42a1c4f85fd762f6574fb3b22b91",
             _THIRTY_CARS,
         ),
         "park_s": Scene(
             _PARK, _park, "15:00", "clear",
-            "b1d87f7a16880acc78e7f0f8b55dfcd8eac46b2f38f31c0ea706accdcac7022d",
+            "f41807dcfdc5d17bd1dcd0ebdcf27498701c15965c732f1ad2436e6f94316503",
         ),
     }
 )  # fmt: skip

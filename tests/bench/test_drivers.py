@@ -55,12 +55,14 @@ def test_every_plan_is_for_a_task():
     assert set(Oracle()._plans) <= {task.id for task in read_tasks()}
 
 
-def test_offline_asks_back_reports_and_names_what_is_not_served(folder):
+@pytest.mark.sumo
+def test_offline_asks_back_reports_and_lets_buses_drive(folder):
+    pytest.importorskip("libsumo")
     samples = run(folder, "offline", "P18", "P22", "P28", "P29", "P30")
-    assert [name for name, s in samples.items() if s.right] == ["P18", "P28", "P29", "P30"]
+    assert [name for name, s in samples.items() if s.right] == [*samples]
     assert samples["P28"].reply["mentions"] == ["conflict:building"]
     assert samples["P30"].reply["kind"] == "clarify"
-    assert samples["P22"].unsupported == ["edit=add_agent", "edit=add_traffic"]
+    assert samples["P22"].unsupported == []
     assert samples["P29"].reply["kind"] == "partial"
     assert "ignored_untrusted_instruction" in samples["P29"].reply["mentions"]
     assert all(sample.planning_s < 1.0 for sample in samples.values())
@@ -186,7 +188,7 @@ def test_seeds_are_whole_numbers():
 
 
 def test_results_are_written_as_numbers_and_as_tables(folder, tmp_path):
-    samples = list(run(folder, "offline", "P18", "P22", "P28").values())
+    samples = list(run(folder, "offline", "P18", "P28").values())
     found = write_results(samples, "cityx bench agents", tmp_path)
     assert json.loads((tmp_path / "results.json").read_text()) == found
     assert found["rates"]["executed"] == {
@@ -195,4 +197,4 @@ def test_results_are_written_as_numbers_and_as_tables(folder, tmp_path):
     table = (tmp_path / "results.md").read_text()
     assert "| all | 2/2 = 100.00 % (34-100) |" in table
     assert "level of detail 1" in table
-    assert any("P22 (edit=add_agent" in line for line in summary(results_of(samples, "")))
+    assert any("2/2" in line for line in summary(results_of(samples, "")))

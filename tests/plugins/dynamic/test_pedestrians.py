@@ -7,7 +7,7 @@ import pytest
 from crossing_town import crossing_town
 
 from cityx.agents.briefs import read_request
-from cityx.agents.edit import slots_of_edit
+from cityx.agents.changes import slots_of_edit
 from cityx.agents.options import BuildOptions
 from cityx.agents.planning.planner import OfflinePlanner
 from cityx.checks.movement import check_movement
@@ -24,6 +24,7 @@ from cityx.plugins.dynamic.people_gates import gates_of
 from cityx.plugins.dynamic.people_trips import DAYS, activity
 from cityx.protocol import Serves, registry
 from cityx.protocol.catalogue import known_records
+from cityx.protocol.example_city import example_city
 
 
 @pytest.fixture(scope="module")
@@ -197,9 +198,8 @@ def test_sentences_reach_the_actions(sentence, action, arguments):
     request = read_request(BuildOptions(text=sentence), [], base=True)
     planner = OfflinePlanner(known_records(registry(outside=False)))
     (edit,) = request.brief.edits
-    assert [(i.action, i.args) for i in planner.answers(slots_of_edit(edit))] == [
-        (action, arguments)
-    ]
+    slots = slots_of_edit(edit, None, example_city())
+    assert [(i.action, i.args) for i in planner.answers(slots)] == [(action, arguments)]
 
 
 def test_a_wish_that_must_not_be_asked_for_keeps_an_action_out():
