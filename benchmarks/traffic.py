@@ -19,9 +19,8 @@ from resource import RUSAGE_CHILDREN, getrusage
 
 import numpy as np
 import shapely
+from places import PLACES, built
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
 from cityx.checks.movement import check_movement
 from cityx.city import City, Frame, Layout
 from cityx.city.layout import make_table
@@ -37,14 +36,6 @@ from cityx.traffic.network import make_network
 from cityx.traffic.simulation import Outcome, Run, Walker, simulate
 from cityx.traffic.streets import Way, streets_of
 
-MAPS = Path(__file__).resolve().parents[2] / "shared" / "data" / "osm"
-PLACES: dict[str, tuple[str, tuple[float, float] | None, float]] = {
-    "soho": ("london_soho.osm.gz", None, 500.0),
-    "ichigaya": ("tokyo_ichigaya.osm.gz", None, 500.0),
-    "berlin": ("berlin_moabit_utymap.osm.gz", None, 600.0),
-    "krems": ("krems.osm.gz", (48.4095, 15.6035), 700.0),
-    "east village": ("new_york_east_village.osm.gz", None, 600.0),
-}
 BLOCK, BLOCKS = 150.0, 9  # metres between streets of the grid, and blocks along a side
 CROWD = 500
 WALK_WAYS = 4  # streets that one person walks along
@@ -131,12 +122,7 @@ def speed(seconds: float) -> None:
 
 def place(name: str, kept: Path, minutes: float) -> None:
     """Print how traffic fares in a real place."""
-    file, at, size = PLACES[name]
-    folder = kept / name.replace(" ", "_")
-    if not folder.exists():
-        options = BuildOptions(lod=1, size=(size, size), at=at, formats=(), render=False)
-        build([MAPS / file], folder, options)
-    city = read_city(folder / "city")
+    city = read_city(built(name, kept, lod=1) / "city")
     outcomes: list[Outcome] = []
 
     def observed(*args: object) -> Outcome:

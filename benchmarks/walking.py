@@ -12,14 +12,12 @@ from __future__ import annotations
 import argparse
 import tempfile
 import time
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from places import PLACES, built
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
 from cityx.checks.movement import check_movement
 from cityx.city import City
 from cityx.city.store import read_city
@@ -27,23 +25,6 @@ from cityx.city.tracks import MOVER
 from cityx.city.walkable import walkable_of
 from cityx.plugins.dynamic import pedestrians as people
 from cityx.plugins.dynamic.traffic import traffic
-
-MAPS = Path(__file__).resolve().parents[2] / "shared" / "data" / "osm"
-PLACES: dict[str, tuple[str, tuple[float, float] | None, float]] = {
-    "soho": ("london_soho.osm.gz", None, 500.0),
-    "ichigaya": ("tokyo_ichigaya.osm.gz", None, 500.0),
-    "berlin": ("berlin_moabit_utymap.osm.gz", None, 600.0),
-    "krems": ("krems.osm.gz", (48.4095, 15.6035), 700.0),
-    "east village": ("new_york_east_village.osm.gz", None, 600.0),
-}
-
-
-def built(folder: Path) -> Iterator[tuple[str, Path]]:
-    """Build the extracts, one after the other."""
-    for name, (file, at, side) in PLACES.items():
-        options = BuildOptions(size=(side, side), at=at, formats=(), render=False)
-        build([MAPS / file], folder / name, options)
-        yield name, folder / name
 
 
 def row(name: str, city: City, minutes: float, density: str, *, among: bool) -> None:
@@ -82,7 +63,8 @@ def main() -> None:
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         given = ((folder.name, folder) for folder in args.folders)
-        for name, folder in given if args.folders else built(Path(scratch)):
+        places = ((name, built(name, Path(scratch), lod=2)) for name in PLACES)
+        for name, folder in given if args.folders else places:
             row(name, read_city(folder / "city"), args.minutes, args.density, among=args.traffic)
 
 

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from cityx.checks.check import Check, named
 from cityx.city import City
 from cityx.city.ground import ROADWAY
-from cityx.city.mesh import ranges
 from cityx.city.outlines import placed_outlines
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.polylines import Polylines, line_strips
+from cityx.geometry.ranges import ranges
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

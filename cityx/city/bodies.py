@@ -12,8 +12,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.city.mesh import ranges
 from cityx.geometry.convex import Box, Cylinder, Hull, Solid
+from cityx.geometry.ranges import ranges
 
 FORMS = ("box", "cylinder", "hull", "mesh")
 FORM = {name: number for number, name in enumerate(FORMS)}

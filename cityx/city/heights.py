@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.city.mesh import ranges
+from cityx.geometry.ranges import ranges
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cityx.geometry.ranges import ranges
+
 NO_VERTEX = -1  # fourth index of a triangle
 
 
@@ -127,16 +129,6 @@ def feet(batch: MeshBatch) -> NDArray[np.float64]:
         high = np.maximum.reduceat(batch.vertices, begin)
         found[filled] = np.round(np.column_stack([(low + high)[:, :2] / 2, low[:, 2]]), 3)
     return found
-
-
-def ranges(
-    start: NDArray[np.int64], objects: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Row numbers of the given objects, one after the other, and their new start offsets."""
-    length = np.diff(start)[objects]
-    new_start = np.concatenate([[0], np.cumsum(length)]).astype(np.int64)
-    rows = np.arange(new_start[-1]) + np.repeat(start[:-1][objects] - new_start[:-1], length)
-    return rows, new_start
 
 
 def one_mesh(

@@ -8,6 +8,8 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.geometry.ranges import ranges
+
 MOVER_KINDS = (
     "car", "van", "truck", "bus", "motorcycle", "bicycle", "tram", "pedestrian", "animal",
 )  # fmt: skip
@@ -86,10 +88,7 @@ class Tracks:
     def take(self, rows: NDArray[np.int64] | NDArray[np.bool_]) -> Tracks:
         """Return the tracks of some movers, in the order of `rows`."""
         rows = np.arange(self.count)[rows]
-        lengths = np.diff(self.sample_start)[rows]
-        start = np.concatenate([[0], np.cumsum(lengths)])
-        shift = np.repeat(self.sample_start[rows] - start[:-1], lengths)
-        samples = np.arange(start[-1]) + shift
+        samples, start = ranges(self.sample_start, rows)
         changed = {name: getattr(self, name)[rows] for name in _OF_MOVERS}
         changed |= {name: getattr(self, name)[samples] for name in _OF_SAMPLES}
         return replace(self, **changed, sample_start=start)

@@ -9,6 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
+from cityx.geometry.ranges import ranges
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -396,9 +398,7 @@ def polygons_of(rings: Rings, count: int) -> NDArray[Any]:
 def select_rings(rings: Rings, polygons: NDArray[np.bool_]) -> tuple[Rings, IntArray]:
     """Return the rings of the polygons marked in a mask, and the old number of each point."""
     ring = np.flatnonzero(polygons[rings.polygon])
-    size = np.diff(rings.start)[ring]
-    start = np.concatenate([[0], np.cumsum(size)]).astype(np.int64)
-    points = np.arange(start[-1]) + np.repeat(rings.start[:-1][ring] - start[:-1], size)
+    points, start = ranges(rings.start, ring)
     chosen = Rings(rings.points[points], start, rings.polygon[ring], rings.hole[ring])
     return chosen, points
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from cityx.geometry.bands import Chains, Holes, cut_bands
 from cityx.geometry.polygons import STRAIGHT, FloatArray, IntArray, Rings, polygons_of, triangulate
+from cityx.geometry.ranges import ranges
 from cityx.geometry.solids import NO_VERTEX, as_quads
 
 FRONT, SIDE, SILL, HEAD, BACK = range(5)  # kinds of new faces
@@ -71,9 +72,7 @@ class Niches:
 
     def take(self, rows: IntArray) -> Niches:
         """Return the given niches."""
-        size = np.diff(self.start)[rows]
-        start = np.concatenate([[0], np.cumsum(size)]).astype(np.int64)
-        points = np.arange(start[-1]) + np.repeat(self.start[:-1][rows] - start[:-1], size)
+        points, start = ranges(self.start, rows)
         return Niches(
             self.group[rows], self.place[rows], self.normal[rows], self.low[rows],
             self.depth[rows], start, self.rim[points],
@@ -142,9 +141,7 @@ class _Strips:
         return np.repeat(np.arange(self.count), np.diff(self.start))
 
     def take(self, rows: IntArray) -> _Strips:
-        size = np.diff(self.start)[rows]
-        start = np.concatenate([[0], np.cumsum(size)]).astype(np.int64)
-        pick = np.arange(start[-1]) + np.repeat(self.start[:-1][rows] - start[:-1], size)
+        pick, start = ranges(self.start, rows)
         return _Strips(
             self.face[pick], start, self.origin[rows], self.unit[rows], self.length[rows]
         )
@@ -508,10 +505,8 @@ def _triangles(
     size = np.diff(niches.start)
     back = np.repeat(niches.start[:-1] + niches.start[1:] - 1, size) - np.arange(len(rim))
     order = np.argsort(strip, kind="stable")
-    start = np.concatenate([[0], np.cumsum(size[order])]).astype(np.int64)
-    pick = back[
-        np.arange(start[-1]) + np.repeat(niches.start[:-1][order] - start[:-1], size[order])
-    ]
+    taken, start = ranges(niches.start, order)
+    pick = back[taken]
     rings = Rings(
         np.concatenate([outer.points, rim[pick]]),
         np.concatenate([outer.start, start[1:] + outer.start[-1]]),

@@ -16,6 +16,7 @@ from cityx.city.walkable import CELL, Walkable
 from cityx.city.walks import SPACING, WalkGraph, walk_graph, walks_between
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import Polylines, arc_lengths
+from cityx.geometry.ranges import ranges
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -296,8 +297,6 @@ def _walks(
 
 
 def _taken(lines: Polylines, rows: IntArray) -> Polylines:
-    from cityx.city.mesh import ranges
-
     index, start = ranges(lines.start, rows)
     return Polylines(lines.points[index], start)
 

@@ -1,0 +1,29 @@
+"""Ranges: rows of tables in which each thing has a run of rows, given by start offsets."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def ranges(
+    start: NDArray[np.int64], things: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the rows of some things, one after the other, and their new start offsets.
+
+    Parameters
+    ----------
+    start
+        (n + 1,) first row of each thing, and one past the last of all.
+    things
+        (k,) numbers of the things, in any order.
+
+    Returns
+    -------
+    rows, start
+        (r,) rows of the table, and (k + 1,) offsets into them.
+    """
+    length = np.diff(start)[things]
+    new_start = np.concatenate([[0], np.cumsum(length)]).astype(np.int64)
+    rows = np.arange(new_start[-1]) + np.repeat(start[:-1][things] - new_start[:-1], length)
+    return rows, new_start
