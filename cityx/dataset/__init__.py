@@ -1,0 +1,1 @@
+"""Ground truth without end: shots of a city, their channels, and the files that hold them."""
