@@ -183,7 +183,9 @@ def _sides(here: Here) -> None:
     """Read an axis, and a side with the element it places: one before it, or the next."""
     item = here.item
     if item.has("axis"):
-        here.found.add("roads.main.axis", item.get("axis"), item)
+        street = here.noun()
+        own = "motorway" if street is not None and street.noun == "motorway" else "main"
+        here.found.add(f"roads.{own}.axis", item.get("axis"), item)
     if not item.has("side") or item.text in _TURNED:
         return
     things = [
@@ -230,6 +232,8 @@ def _nouns(here: Here) -> None:
         here.found.add("agent", noun, item)
     elif noun == "ring_road":
         here.found.add("roads.rings", 1, item)
+    elif noun == "motorway":
+        here.found.add("roads.motorways", 1, item)
     elif group in ("building", "road", "place"):
         item.state = READ
 

@@ -69,6 +69,10 @@ WORDS: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
             ),
             "*": ("axis(road, class=primary) == {v}",),
         },
+        "roads.motorway.axis": {
+            "north_south": ("spans(road, class=motorway, dir=y) >= 0.95",),
+            "east_west": ("spans(road, class=motorway, dir=x) >= 0.95",),
+        },
         "nature.trees": {
             "many": ("n(tree) >= 60",),
             "some": ("n(tree) >= 10",),
@@ -134,6 +138,7 @@ NUMBERS: Mapping[str, str] = MappingProxyType(
         "roads.main.width": "stat(road, class=main, width, p50)",
         "roads.other.width": "stat(road, class=local, width, p50)",
         "roads.avenues": "n(road, class=avenue)", "roads.rings": "n(road, class=ring)",
+        "roads.motorways": "n(road, class=motorway)",
         "roads.speed": "stat(road, speed, p50)", "roads.main.count": "n(road, class=primary)",
         "roads.count": "n(road)", "nature.spacing": "spacing(tree, road)",
     }
@@ -141,13 +146,14 @@ NUMBERS: Mapping[str, str] = MappingProxyType(
 _LANES = {
     "roads.lanes": "share(road, lanes={v:g}) >= 0.9",
     "roads.main.lanes": "n(road, class=primary, lanes={v:g}) >= 1",
+    "roads.motorway.lanes": "n(road, class=motorway, lanes={half:g}) >= 1",
     "roads.other.lanes": "share(road, class=local, lanes={v:g}) == 1.0",
 }
 _SHARED = (
     "style", "building.type", "building.material", "building.color", "building.roof",
     "building.use",
 )  # fmt: skip
-_COUNTS = ("count", "avenues", "rings")
+_COUNTS = ("count", "avenues", "rings", "motorways")
 _FUNCTIONS = {"min": "min", "max": "max", "": "mean"}
 _MEASURES = ("width", "height", "floors", "area", "length", "speed")
 _WEATHERS = ("clear", "cloudy", "overcast", "rain", "storm", "fog", "haze", "snow")
@@ -241,7 +247,7 @@ def _measured(key: str, value: float, slots: Sequence[Slot]) -> Iterator[str]:
     end = key.rpartition(".")[2] if key.endswith((".min", ".max")) else ""
     base = key.removesuffix(f".{end}") if end else key
     if base in _LANES:
-        yield _LANES[base].format(v=value)
+        yield _LANES[base].format(v=value, half=(value + 1) // 2)
         return
     left = _left(base, end, slots)
     if left:

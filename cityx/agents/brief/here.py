@@ -13,7 +13,7 @@ BUILDINGS = ("building", "type")
 COUNTED = {"plant": "tree", "person": "pedestrian"}  # class of a noun -> what is counted
 ROADS = {
     "main_street": "roads.main", "avenue": "roads.main", "side_street": "roads.other",
-    "road": "roads", "ring_road": "roads.ring",
+    "road": "roads", "ring_road": "roads.ring", "motorway": "roads.motorway",
 }  # fmt: skip
 # Of these a singular is one thing in the city, and no type that most buildings have.
 LANDMARKS = (

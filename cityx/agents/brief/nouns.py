@@ -168,8 +168,11 @@ NOUNS: Book = {
         "primary road, arterial, arterial road, main thoroughfare, major road, principal road, "
         "high street, main boulevard, trunk road, highway, central avenue, main artery, "
         "primary street, artery, principal street, grand boulevard, central boulevard, "
-        "major street, main axis, motorway, freeway, expressway, central road, "
+        "major street, main axis, central road, "
         "major avenue, principal avenue, main highway, dual carriageway, parkway",
+        "motorway": "motorway, freeway, expressway, autobahn, interstate, elevated highway, "
+        "elevated road, elevated motorway, elevated expressway, urban motorway, city motorway, "
+        "flyover, tollway, turnpike, controlled-access highway",
         "avenue": "avenue, radial road, radial street, radial avenue, radial, spoke, axis, "
         "radial boulevard",
         "side_street": "side street, other street, local street, other road, side road, back "

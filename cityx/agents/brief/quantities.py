@@ -58,7 +58,7 @@ def _count_key(noun: Item) -> str:
         return f"{_key(noun)}.count"
     return {
         "avenue": "roads.avenues", "ring_road": "roads.rings", "road": "roads.count",
-        "main_street": "roads.main.count",
+        "main_street": "roads.main.count", "motorway": "roads.motorways",
     }.get(noun.noun, "")  # fmt: skip
 
 
@@ -92,7 +92,7 @@ def _lengths(here: Here) -> None:
         here.found.add_bounded("roads.slope", here.quantity, here.item)
     elif what == "spacing" or (every and not what):
         here.found.add("nature.spacing", _value(here.quantity), here.item)
-    elif what in ("side", "across") and (noun is None or noun.noun_class == "place"):
+    elif _is_extent(here, noun):
         _extent(here, "")
     elif what == "height" or (not what and (noun is None or noun.noun_class in BUILDINGS)):
         own = noun is not None and noun.noun_class in ("element", "plant")
@@ -102,6 +102,18 @@ def _lengths(here: Here) -> None:
         _extent(here, what)
     else:
         _width(here, noun)
+
+
+def _is_extent(here: Here, noun: Item | None) -> bool:
+    """Tell whether a length is the city's: "500 m across", "a town of | 600 m with a river"."""
+    if here.quantity.attribute in ("side", "across"):
+        return noun is None or noun.noun_class == "place"
+    if here.quantity.attribute or here.noun_behind() is not None:
+        return False
+    place = here.items[here.at - 2] if here.at > 1 else None
+    of = here.before is not None and here.before.get("rel") == "of"
+    one = place is not None and place.noun_class == "place" and not place.words[-1].endswith("s")
+    return of and one
 
 
 def _is_depth(here: Here) -> bool:

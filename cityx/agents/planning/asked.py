@@ -182,6 +182,13 @@ def _streets(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     }  # fmt: skip
     if given:
         _wish(wishes, "layout/boulevard-v1", **given)
+    if "roads.motorways" in found or any(key.startswith("roads.motorway.") for key in found):
+        motorway = {
+            name: found[f"roads.motorway.{name}"][0]
+            for name in ("lanes", "axis")
+            if f"roads.motorway.{name}" in found
+        }
+        _wish(wishes, "layout/motorway-v1", **motorway)
     spokes = {
         name: int(found[key][0])
         for name, key in (("avenues", "roads.avenues"), ("rings", "roads.rings"))

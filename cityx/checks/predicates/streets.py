@@ -42,6 +42,7 @@ WHEEL_PATH = 1.5  # metres from the middle of a way
 RUN = 3.0  # metres over which a slope is measured at least
 NARROWEST = 2.0  # metres of a bridge's deck
 BESIDE = 1.5  # metres between two decks that are one bridge
+MEDIAN = 30.0  # metres at most between the middles of two carriageways of one street
 VERGE = 2.0  # metres of kerb, furnishing and green between a carriageway and its walk
 HUB_SHARE = 0.25  # of the site's shorter side within which a square is the main one
 
@@ -140,7 +141,12 @@ class Roads(TableLayer):
             shaped = self.__dict__.get(f"_{word}")
             if shaped is not None and len(rows) and (shaped[rows] >= 0).all():
                 return np.asarray(shaped[rows])
-        return strokes(self.shapes[rows], column(self._table, "kind")[rows])
+        kind, name = (column(self._table, key)[rows] for key in ("kind", "name"))
+        lines = self.shapes[rows]
+        oneway = self._table["oneway"].to_numpy(bool)[rows]
+        street = strokes(lines, kind)
+        pairs = street[carriageways(lines, kind, name, oneway)]
+        return np.asarray(components(pairs, street.max(initial=-1) + 1)[street], np.int64)
 
     def _shaped(self, word: str) -> IntArray:
         return self._avenue if word == words.AVENUE else self._ring
@@ -227,6 +233,23 @@ def strokes(lines: NDArray[Any], kind: NDArray[Any]) -> IntArray:
             taken[[a[at], b[at]]] = True
             pairs.append((a[at] % count, b[at] % count))
     return np.asarray(components(np.array(pairs, np.int64).reshape(-1, 2), count), np.int64)
+
+
+def carriageways(
+    lines: NDArray[Any], kind: NDArray[Any], name: NDArray[Any], oneway: BoolArray
+) -> IntArray:
+    """Return (p, 2) pairs of ways that are the two carriageways of one street.
+
+    Both are one-way, of one name and class, side by side and lead opposite ways.
+    """
+    own = np.flatnonzero(oneway & (name != ""))
+    begin, end = (shapely.get_coordinates(shapely.get_point(lines[own], k)) for k in (0, -1))
+    way = (end - begin) / np.maximum(np.hypot(*(end - begin).T), 1e-9)[:, None]
+    a, b = shapely.STRtree(lines[own]).query(lines[own], predicate="dwithin", distance=MEDIAN)
+    opposite = np.einsum("ij,ij->i", way[a], way[b]) <= -BENDS
+    a, b = own[a], own[b]
+    same = (a < b) & (kind[a] == kind[b]) & (name[a] == name[b]) & opposite
+    return np.asarray(np.column_stack([a, b])[same], np.int64)
 
 
 def _ends_of(lines: NDArray[Any]) -> tuple[FloatArray, FloatArray]:

@@ -134,9 +134,9 @@ def plan_of(words: Iterable[tuple[str, str]]) -> list[tuple[str, dict[str, Any]]
 # Streets before the river that cuts them, land before what is counted on it, counts before bounds.
 ORDER = (
     "layout/coast-v1", "layout/ring_road-v1", "layout/boulevard-v1", "layout/river-v1",
-    "layout/central_park-v1", "layout/places-v1", "layout/green_share-v1", "layout/towers-v1",
-    "layout/use_share-v1", "layout/buildings_count-v1", "layout/building_limits-v1",
-    "layout/highest-v1", "layout/cover-v1",
+    "layout/motorway-v1", "layout/central_park-v1", "layout/places-v1", "layout/green_share-v1",
+    "layout/towers-v1", "layout/use_share-v1", "layout/buildings_count-v1",
+    "layout/building_limits-v1", "layout/highest-v1", "layout/cover-v1",
 )  # fmt: skip
 
 

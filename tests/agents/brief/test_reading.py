@@ -175,3 +175,20 @@ def test_reading_imports_no_heavy_library_and_opens_no_socket(monkeypatch):
     )
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert shown.stdout.strip() == "[]"
+
+
+def test_a_motorway_is_asked_for_with_its_lanes_and_where_it_leads():
+    brief = read_brief("An elevated freeway with six lanes runs east to west across a city.")
+    assert dict(brief.items()) == {
+        "roads.motorways": 1, "roads.motorway.lanes": 6, "roads.motorway.axis": "east_west",
+    }  # fmt: skip
+    assert {"n(road, class=motorway, lanes=3) >= 1", "n(road, class=motorway) == 1"} <= {
+        goal.predicate for goal in brief.goals
+    }
+
+
+def test_a_length_of_a_place_is_its_size_but_for_what_stands_behind_it():
+    town = read_brief("a town of 600 m with a motorway")
+    assert dict(town.items()) == {"size.x": 600, "size.y": 600, "roads.motorways": 1}
+    towers = read_brief("a city of 300 m skyscrapers")
+    assert dict(towers.items()) == {"building.height": 300, "building.type": "tower"}
