@@ -7,7 +7,10 @@ from typing import Annotated
 
 import typer
 
+from cityx.bench.survey.commands import survey
+
 bench = typer.Typer(help="Measure how often what is asked for comes about.", no_args_is_help=True)
+bench.add_typer(survey, name="survey")
 
 
 @bench.callback()
