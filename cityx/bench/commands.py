@@ -54,6 +54,41 @@ def agents(
 
 
 @bench.command()
+def inputs(
+    kinds: Annotated[
+        str, typer.Option(help="osm, semantic, height, text; comma-separated, all when left out.")
+    ] = "osm,semantic,height,text",
+    count: Annotated[int, typer.Option(min=1, max=1000, help="Inputs of each kind.")] = 50,
+    maps: Annotated[
+        Path | None, typer.Option(help="Folder of real .osm files that are taken first.")
+    ] = None,
+    driver: Annotated[str, typer.Option(help="As of `cityx bench agents`.")] = "offline",
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder of inputs and results.")] = Path(
+        "bench-inputs"
+    ),
+    lod: Annotated[int, typer.Option(min=0, max=3, help="Level of detail.")] = 1,
+    jobs: Annotated[int, typer.Option(min=1, max=64, help="Processes.")] = 1,
+) -> None:
+    """Build maps, semantic maps, height fields and words, and compare each city with its input."""
+    from cityx.bench.battery import write_battery
+    from cityx.bench.report import summary, write_results
+    from cityx.bench.runner import Bench, run_bench
+
+    chosen = [word.strip() for word in kinds.split(",") if word.strip()]
+    battery = write_battery(out / "files", kinds=chosen, count=count, maps=maps)
+    samples = run_bench(
+        Bench(battery.tasks, driver, out, lod=lod, jobs=jobs, inputs=battery.inputs),
+        lambda line: typer.echo(line, err=True),
+    )
+    command = f"cityx bench inputs --kinds {','.join(chosen)} --count {count} --lod {lod}"
+    command += f" --driver {driver}" if driver != "offline" else ""
+    command += " --maps FOLDER" if maps else ""
+    for line in summary(write_results(samples, command, out, title="Inputs")):
+        typer.echo(line)
+    typer.echo(str(out / "results.md"))
+
+
+@bench.command()
 def edits(
     held: Annotated[
         bool, typer.Option("--held", help="The set that nobody tunes the program to.")

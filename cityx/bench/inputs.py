@@ -8,7 +8,7 @@ either.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise, product
 from pathlib import Path
@@ -146,24 +146,58 @@ def _colors(values: list[int]) -> NDArray[np.uint8]:
 
 def write_osm(path: Path) -> None:
     """Write the town as a map."""
+    write_map(town(), SITE, path)
+
+
+def write_map(things: Iterable[Thing], site: Box, path: Path) -> None:
+    """Write things as a map in OpenStreetMap's XML, with the site as its bounds.
+
+    Points become nodes, lines and rings ways, and polygons with holes multipolygons.
+    """
     nodes: dict[tuple[float, float], int] = {}
+    tagged: dict[int, str] = {}
     ways: list[str] = []
-    for thing in town():
-        ring = thing.shape.exterior if thing.shape.geom_type == "Polygon" else thing.shape
-        points = [(round(x, 3), round(y, 3)) for x, y in ring.coords]
-        refs = "".join(f'<nd ref="{nodes.setdefault(p, len(nodes) + 1)}"/>' for p in points)
-        tags = "".join(f"<tag k={quoteattr(k)} v={quoteattr(v)}/>" for k, v in thing.tags.items())
+    relations: list[str] = []
+
+    def node_of(point: tuple[float, float]) -> int:
+        x, y = point
+        return nodes.setdefault((round(x, 3), round(y, 3)), len(nodes) + 1)
+
+    def way(line: Any, tags: str) -> int:
+        refs = "".join(f'<nd ref="{node_of(point)}"/>' for point in line.coords)
         ways.append(f'<way id="{len(ways) + 1}">{refs}{tags}</way>')
+        return len(ways)
+
+    for thing in things:
+        tags = "".join(f"<tag k={quoteattr(k)} v={quoteattr(v)}/>" for k, v in thing.tags.items())
+        for part in shapely.get_parts([thing.shape]):
+            if part.geom_type == "Point":
+                tagged[node_of(part.coords[0])] = tags
+            elif part.geom_type != "Polygon":
+                way(part, tags)
+            elif not part.interiors:
+                way(part.exterior, tags)
+            else:
+                members = [("outer", way(part.exterior, ""))]
+                members += [("inner", way(ring, "")) for ring in part.interiors]
+                refs = "".join(f'<member type="way" ref="{number}" role="{role}"/>'
+                               for role, number in members)  # fmt: skip
+                kind = '<tag k="type" v="multipolygon"/>'
+                relations.append(
+                    f'<relation id="{len(relations) + 1}">{refs}{kind}{tags}</relation>'
+                )
     places = FRAME.to_geographic(np.array(list(nodes)))
-    west, south, east, north = SITE
+    west, south, east, north = site
     low, high = FRAME.to_geographic(np.array([(west, south), (east, north)])).tolist()
     bounds = (f'<bounds minlat="{low[1]:.7f}" minlon="{low[0]:.7f}" maxlat="{high[1]:.7f}" '
               f'maxlon="{high[0]:.7f}"/>')  # fmt: skip
     spots = "".join(
-        f'<node id="{number}" lat="{latitude:.8f}" lon="{longitude:.8f}"/>'
+        f'<node id="{number}" lat="{latitude:.8f}" lon="{longitude:.8f}">'
+        f"{tagged.get(number, '')}</node>"
         for number, (longitude, latitude) in enumerate(places.tolist(), start=1)
     )
-    path.write_text(f'<osm version="0.6">{bounds}{spots}{"".join(ways)}</osm>', encoding="utf-8")
+    body = f"{bounds}{spots}{''.join(ways)}{''.join(relations)}"
+    path.write_text(f'<osm version="0.6">{body}</osm>', encoding="utf-8")
 
 
 def write_semantic(path: Path) -> None:

@@ -15,7 +15,7 @@ LEAST_DETAIL = 2  # level below which windows, lamps and cars are left out
 LONGEST = 110  # letters of evidence in a table
 
 
-def results_of(samples: Sequence[Sample], command: str) -> dict[str, Any]:
+def results_of(samples: Sequence[Sample], command: str, title: str = "Agents") -> dict[str, Any]:
     """Return all numbers of a set of samples.
 
     Parameters
@@ -24,9 +24,12 @@ def results_of(samples: Sequence[Sample], command: str) -> dict[str, Any]:
         Of one driver.
     command
         That made them.
+    title
+        What was measured.
     """
     left_out = [s for s in samples if not s.scored]
     return {
+        "title": title,
         "command": command,
         "driver": samples[0].driver if samples else "",
         "registry": samples[0].registry if samples else "",
@@ -34,7 +37,8 @@ def results_of(samples: Sequence[Sample], command: str) -> dict[str, Any]:
         "samples": len(samples),
         "rates": rates_of(samples).to_json(),
         "categories": {
-            name: rates_of(own).to_json() for name in CATEGORIES
+            name: rates_of(own).to_json()
+            for name in dict.fromkeys((*CATEGORIES, *(s.category for s in samples)))
             if (own := [s for s in samples if s.category == name])
         },
         "unsupported": {s.task: list(s.unsupported) for s in left_out},
@@ -65,9 +69,11 @@ def _causes(sample: Sample) -> Iterator[str]:
     yield from (f"not clean: {rule['evidence']}" for rule in sample.clean if not rule["met"])
 
 
-def write_results(samples: Sequence[Sample], command: str, folder: Path) -> dict[str, Any]:
+def write_results(
+    samples: Sequence[Sample], command: str, folder: Path, *, title: str = "Agents"
+) -> dict[str, Any]:
     """Write results.json and results.md into a folder and return the numbers."""
-    found = results_of(samples, command)
+    found = results_of(samples, command, title)
     with replaced(folder / "results.json") as temporary:
         temporary.write_text(json.dumps(found, indent=1, allow_nan=False), encoding="utf-8")
     with replaced(folder / "results.md") as temporary:
@@ -76,7 +82,7 @@ def write_results(samples: Sequence[Sample], command: str, folder: Path) -> dict
 
 
 def _lines(found: dict[str, Any], samples: Sequence[Sample]) -> Iterator[str]:
-    yield f"# Agents, driver {found['driver']}"
+    yield f"# {found['title']}, driver {found['driver']}"
     yield f"\n`{found['command']}`\n"
     yield (f"{found['samples']} proposals; {len(found['unsupported'])} ask for what no action "
            "serves and count as neither.")  # fmt: skip

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -46,6 +46,8 @@ class Bench:
         Level of detail of the cities that are built; base scenes have their own.
     jobs
         Processes.
+    inputs
+        Files by the names that tasks call them; those of `cityx.bench.inputs` when empty.
     """
 
     tasks: tuple[Task, ...]
@@ -54,6 +56,7 @@ class Bench:
     seeds: tuple[int, ...] = (0,)
     lod: int = 2
     jobs: int = 1
+    inputs: Mapping[str, Path] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,7 @@ class _Job:
     out: Path
     lod: int
     registry: str
+    inputs: Mapping[str, Path]
 
     @property
     def key(self) -> tuple[str, str, int, str, int, str]:
@@ -83,8 +87,9 @@ def run_bench(bench: Bench, say: Say) -> list[Sample]:
     driver_named(bench.driver)
     bench.out.mkdir(parents=True, exist_ok=True)
     code = registry_hash(registry())
+    inputs = dict(bench.inputs) or input_paths(bench.out / "inputs")
     wanted = [
-        _Job(task, seed, bench.driver, bench.out, bench.lod, code)
+        _Job(task, seed, bench.driver, bench.out, bench.lod, code, inputs)
         for seed in bench.seeds
         for task in bench.tasks
     ]
@@ -130,7 +135,7 @@ def _made(jobs: Sequence[_Job], workers: int) -> Iterator[Sample]:
 
 def _prepare(bench: Bench, jobs: Sequence[_Job], say: Say) -> None:
     """Write the inputs and build the base scenes that are needed, once for all."""
-    if any(job.task.inputs for job in jobs):
+    if not bench.inputs and any(job.task.inputs for job in jobs):
         write_inputs(bench.out / "inputs")
     for name in sorted({job.task.base for job in jobs} - {EMPTY}):
         folder = scene_folder(bench.out, name)
@@ -164,12 +169,11 @@ def _done(job: _Job) -> Sample:
     shutil.rmtree(folder, ignore_errors=True)
     if task.base != EMPTY:
         shutil.copytree(scene_folder(job.out, task.base), folder)
-    inputs = input_paths(job.out / "inputs")
-    place = Workplace.opened(task, folder, inputs, seed=job.seed, lod=job.lod)
+    place = Workplace.opened(task, folder, job.inputs, seed=job.seed, lod=job.lod)
     if task.setup:
         items = with_requests([], (), task.setup, registry())
         change(place, [item.call for item in items])
-        place = Workplace.opened(task, folder, inputs, seed=job.seed, lod=job.lod)
+        place = Workplace.opened(task, folder, job.inputs, seed=job.seed, lod=job.lod)
     try:
         return judged(place, driver_named(job.driver), job.driver, job.registry)
     finally:

@@ -45,6 +45,8 @@ class Task:
         Predicates over the final city; a clean city is asked for besides.
     note
         What a reader of the task should know.
+    group
+        Under which it is counted, where that is none of `CATEGORIES`.
     """
 
     id: str
@@ -55,10 +57,13 @@ class Task:
     slots: tuple[SlotPair, ...] = ()
     expect: tuple[str, ...] = ()
     note: str = field(default="", compare=False)
+    group: str = ""
 
     @property
     def category(self) -> str:
-        """One of `CATEGORIES`, told by what the task holds."""
+        """Its group, or one of `CATEGORIES`, told by what the task holds."""
+        if self.group:
+            return self.group
         if "reply(clarify)" in self.expect:
             return "clarify"
         if any(key in MOVING or value == "add_traffic" for key, value in self.slots):
@@ -75,7 +80,7 @@ class Task:
 
     def to_json(self) -> dict[str, Any]:
         """Return the task as a plain dictionary, less what it leaves out."""
-        usual = {"base": EMPTY, "note": ""}
+        usual = {"base": EMPTY, "note": "", "group": ""}
         return {key: value for key, value in asdict(self).items() if value != usual.get(key, ())}
 
 
@@ -209,7 +214,7 @@ def _task(record: Mapping[str, Any], faults: list[str]) -> Task:
     lists = {key: tuple(record.get(key, ())) for key in ("inputs", "setup", "expect")}
     slots = tuple(_slot(item) for item in record.get("slots", ()))
     return Task(name, record["text"], base=record.get("base", EMPTY), slots=slots,
-                note=record.get("note", ""), **lists)  # fmt: skip
+                note=record.get("note", ""), group=record.get("group", ""), **lists)  # fmt: skip
 
 
 def _slot(item: Any) -> SlotPair:
@@ -225,8 +230,8 @@ def _faults(record: Mapping[str, Any]) -> Iterator[str]:
     known = [column.name for column in fields(Task)]
     yield from (f'has no meaning for "{key}".{nearest(key, known)}' for key in record
                 if key not in known)  # fmt: skip
-    for key in ("id", "text", "base", "note"):
-        value = record.get(key, "" if key in ("base", "note") else None)
+    for key in ("id", "text", "base", "note", "group"):
+        value = record.get(key, "" if key in ("base", "note", "group") else None)
         if not isinstance(value, str) or (key in ("id", "text") and not value.strip()):
             yield f"its {key} is no text."
     for key in ("inputs", "setup", "expect"):
