@@ -89,6 +89,30 @@ def inputs(
 
 
 @bench.command()
+def quality(
+    cities: Annotated[
+        list[Path] | None, typer.Argument(help="Built cities; towns of ours when left out.")
+    ] = None,
+    maps: Annotated[
+        Path | None, typer.Option(help="Folder of the maps that cities were built of.")
+    ] = None,
+    towns: Annotated[int, typer.Option(min=1, max=100, help="Towns that are built.")] = 10,
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder of results.")] = Path(
+        "bench-quality"
+    ),
+) -> None:
+    """Measure what makes a city right, on every city: a table and a plot."""
+    from cityx.bench.quality import build_towns, quality_of, table_of, write_quality
+
+    say = lambda line: typer.echo(line, err=True)  # noqa: E731
+    folders = cities or build_towns(out / "towns", towns, say)
+    rows = {folder.name: quality_of(folder, maps) for folder in folders}
+    command = f"cityx bench quality{' CITY...' if cities else f' --towns {towns}'}"
+    write_quality(rows, command, out)
+    typer.echo(table_of(rows))
+
+
+@bench.command()
 def edits(
     held: Annotated[
         bool, typer.Option("--held", help="The set that nobody tunes the program to.")

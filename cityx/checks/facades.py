@@ -160,20 +160,36 @@ def identical_share(city: City, windows: Instances) -> float:
     """Return the share of pairs of neighbours that look the same."""
     from scipy.spatial import cKDTree
 
+    middle, own = _looks(city, windows)
+    if len(middle) < 2:
+        return 0.0
+    count = min(NEIGHBOURS + 1, len(middle))
+    distance, other = cKDTree(middle).query(middle, k=count)
+    same = (own[other[:, 1:]] == own[:, None]).all(axis=2)
+    near = distance[:, 1:] < NEAR
+    return float(same[near].mean()) if near.any() else 0.0
+
+
+def repeated_share(city: City, windows: Instances, reach: float) -> float:
+    """Return the share of houses that look like another one within `reach` metres."""
+    from scipy.spatial import cKDTree
+
+    middle, own = _looks(city, windows)
+    if not len(middle):
+        return 0.0
+    pairs = cKDTree(middle).query_pairs(reach, output_type="ndarray")
+    alike = pairs[(own[pairs[:, 0]] == own[pairs[:, 1]]).all(axis=1)]
+    return len(np.unique(alike)) / len(middle)
+
+
+def _looks(city: City, windows: Instances) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return (n, 2) middles of houses and (n, k) what tells how they look; sheds are left out."""
     buildings = city.layout.buildings
     ids = buildings["id"].to_numpy(np.uint64)
     shapes = buildings.geometry.to_numpy()
     large = shapely.area(shapes) > LEAST_HOUSE
-    if large.sum() < 2:
-        return 0.0
     looks = np.column_stack([*_facts(city, ids), *_finish(city, ids), _window_of(windows, ids)])
-    middle = shapely.get_coordinates(shapely.centroid(shapes[large]))
-    count = min(NEIGHBOURS + 1, len(middle))
-    distance, other = cKDTree(middle).query(middle, k=count)
-    own = looks[large]
-    same = (own[other[:, 1:]] == own[:, None]).all(axis=2)
-    near = distance[:, 1:] < NEAR
-    return float(same[near].mean()) if near.any() else 0.0
+    return shapely.get_coordinates(shapely.centroid(shapes[large])), looks[large]
 
 
 def _facts(city: City, ids: NDArray[np.uint64]) -> list[NDArray[np.float64]]:
