@@ -12,6 +12,9 @@ OUT ?= demo
 # Samples per pixel of its pictures; 128 and more for print.
 SAMPLES ?= 32
 
+# Maps that `make bench` builds: files, or a folder that holds those of docs/performance.md.
+MAPS ?= ../shared/data/osm
+
 export OMP_WAIT_POLICY = PASSIVE
 
 .PHONY: demo test core lint types format lock bench compare validator clean
@@ -42,7 +45,7 @@ lock: $(READY)
 	  --generate-hashes --no-emit-index-url --no-header --python-version 3.11 -q -o requirements.lock
 
 bench: $(READY)
-	$(BIN)/python benchmarks/build.py --write docs/performance.md
+	$(BIN)/cityx bench speed $(MAPS) --write docs/performance.md
 
 compare: $(READY)
 	$(BIN)/python examples/compare/main.py

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from cityx.bench.survey.commands import survey
+from cityx.errors import InputError
 
 bench = typer.Typer(help="Measure how often what is asked for comes about.", no_args_is_help=True)
 bench.add_typer(survey, name="survey")
@@ -36,13 +37,13 @@ def agents(
 ) -> None:
     """Let a driver solve tasks in words, measure each, and write rates with their counts."""
     from cityx.bench.report import summary, write_results
-    from cityx.bench.runner import Bench, run_bench, seeds_of
+    from cityx.bench.runner import Bench, numbers_of, run_bench
     from cityx.bench.tasks import PUBLIC, read_tasks
 
     names = [word.strip() for word in only.split(",") if word.strip()]
     chosen = read_tasks(tasks or PUBLIC, names)
     samples = run_bench(
-        Bench(chosen, driver, out, seeds_of(seeds), lod, jobs),
+        Bench(chosen, driver, out, numbers_of(seeds, "--seeds"), lod, jobs),
         lambda line: typer.echo(line, err=True),
     )
     command = f"cityx bench agents --driver {driver} --seeds {seeds} --lod {lod}"
@@ -110,6 +111,36 @@ def quality(
     command = f"cityx bench quality{' CITY...' if cities else f' --towns {towns}'}"
     write_quality(rows, command, out)
     typer.echo(table_of(rows))
+
+
+@bench.command()
+def speed(
+    maps: Annotated[list[Path] | None, typer.Argument(help="Maps, or one folder of maps.")] = None,
+    lod: Annotated[str, typer.Option(help="Levels of detail, comma-separated.")] = "0,2,3",
+    repeat: Annotated[int, typer.Option(min=1, max=99, help="Builds of each; medians.")] = 1,
+    workers: Annotated[int, typer.Option(min=1, max=64, help="Processes of a build.")] = 1,
+    peers: Annotated[str, typer.Option(help="osmnx, netconvert, installed; comma-separated.")] = "",
+    write: Annotated[
+        Path | None, typer.Option(help="Page that holds the table between its marks.")
+    ] = None,
+) -> None:
+    """Build maps and print seconds per stage, memory and triangles, beside what peers take."""
+    from cityx.bench.runner import numbers_of
+    from cityx.bench.speed import maps_in, measure_speed, peers_named, write_into
+
+    given = maps or []
+    found = maps_in(given[0]) if len(given) == 1 and given[0].is_dir() else given
+    missing = [str(path) for path in found if not path.is_file()]
+    if missing or not found:
+        raise InputError(f"no such map: {', '.join(missing) or 'none is named'}.")
+    others = peers_named(word.strip() for word in peers.split(",") if word.strip())
+    text = measure_speed(
+        found, numbers_of(lod, "--lod"), repeat=repeat, workers=workers, peers=others,
+        say=lambda line: typer.echo(line, err=True),
+    )  # fmt: skip
+    typer.echo(text)
+    if write is not None:
+        write_into(write, text)
 
 
 @bench.command()

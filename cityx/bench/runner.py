@@ -180,7 +180,7 @@ def _done(job: _Job) -> Sample:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def seeds_of(text: str) -> tuple[int, ...]:
+def numbers_of(text: str, option: str) -> tuple[int, ...]:
     """Read "0,1,2".
 
     Raises
@@ -191,4 +191,4 @@ def seeds_of(text: str) -> tuple[int, ...]:
     try:
         return tuple(int(word) for word in text.split(","))
     except ValueError:
-        raise UsageError(f'--seeds "{text}" is not of the form 0,1,2.') from None
+        raise UsageError(f'{option} "{text}" is not of the form 0,1,2.') from None

@@ -8,7 +8,7 @@ import pytest
 from cityx.bench.drivers import Oracle, driver_named, planner_choice
 from cityx.bench.outcome import CRASH, Workplace, fault_of, faults_of
 from cityx.bench.report import results_of, summary, write_results
-from cityx.bench.runner import LOG, Bench, build_scene, read_log, run_bench, seeds_of
+from cityx.bench.runner import LOG, Bench, build_scene, numbers_of, read_log, run_bench
 from cityx.bench.scoring import judged, rates_of
 from cityx.bench.tasks import Task, read_tasks
 from cityx.city.store import read_city
@@ -40,7 +40,7 @@ def test_nothing_and_chance_are_never_right(folder, driver):
 
 def test_nothing_meets_no_task_of_all(folder):
     samples = run(folder, "null", *(task.id for task in read_tasks()), lod=0)
-    assert len(samples) == 30
+    assert len(samples) == 50
     assert [name for name, sample in samples.items() if sample.right] == []
 
 
@@ -182,9 +182,9 @@ def test_models_are_handed_to_the_build():
 
 
 def test_seeds_are_whole_numbers():
-    assert seeds_of("0,3") == (0, 3)
+    assert numbers_of("0,3", "--seeds") == (0, 3)
     with pytest.raises(UsageError, match='"a" is not of the form'):
-        seeds_of("a")
+        numbers_of("a", "--seeds")
 
 
 def test_results_are_written_as_numbers_and_as_tables(folder, tmp_path):
