@@ -8,8 +8,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.trees.leaf_fall import SNOWED
 from cityx.dataset.shots import Shot, rays
 from cityx.dataset.stage import Stage
+from cityx.errors import UsageError
 from cityx.geometry.raycast import Hits
 
 FloatArray = NDArray[np.float64]
@@ -55,7 +57,21 @@ class Sight:
 
 
 def sight(stage: Stage, shot: Shot, *, threads: int | None = None) -> Sight:
-    """Cast the rays of a shot."""
+    """Cast the rays of a shot.
+
+    Raises
+    ------
+    UsageError
+        If the shot is under snow and the stage is not, or the other way round: their trees differ.
+    """
+    own = stage.view.environment
+    wanted = shot.environment or own
+    if (wanted.snow > SNOWED) != (own.snow > SNOWED):
+        raise UsageError(
+            f"Shot {shot.name} has a snow cover of {wanted.snow:g}, its stage one of {own.snow:g}: "
+            "trees have leaves in one of them alone. Make the stage of the city in the light of "
+            "the shot."
+        )
     directions = rays(shot.camera).reshape(-1, 3)
     eye = np.array(shot.camera.position)
     hits = stage.cast(eye + NEAR * directions, directions, threads=threads)

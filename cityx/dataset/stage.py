@@ -53,7 +53,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 MOVING = (TRAFFIC, PEOPLE)
 SPREAD = ("ground", "terrain")  # kinds of layers whose objects lie among each other: one mesh
-KEPT = 512  # meshes of movers whose trees are kept, of some 0.5 MB each
+KEPT = 256  # meshes of movers whose trees are kept, of some 0.2 MB each
 SKY_MATERIAL = "sky"
 
 

@@ -261,8 +261,8 @@ def _entry(
 
     ``nx`` is 0 where the ray enters through the lower face across x, else 3; likewise the others.
     """
-    near = max(0.0, (np.float64(box[row, at + nx]) - x) * ix)
-    far = min(best, (np.float64(box[row, at + 3 - nx]) - x) * ix)
+    near: Any = max(0.0, (np.float64(box[row, at + nx]) - x) * ix)
+    far: Any = min(best, (np.float64(box[row, at + 3 - nx]) - x) * ix)
     near = max(near, (np.float64(box[row, at + 1 + ny]) - y) * iy)
     far = min(far, (np.float64(box[row, at + 4 - ny]) - y) * iy)
     near = max(near, (np.float64(box[row, at + 2 + nz]) - z) * iz)

@@ -7,7 +7,6 @@ in the mesh's own frame, all arithmetic is float64: a hit is as exact as the ver
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
@@ -18,6 +17,7 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cityx.cores import core_count
 from cityx.errors import MissingExtra
 
 FloatArray = NDArray[np.float64]
@@ -157,14 +157,6 @@ def _kernels() -> ModuleType:
             f"Casting rays needs {error.name or 'numba'}: pip install 'cityx[dataset]'."
         ) from error
     return bvh
-
-
-def core_count() -> int:
-    """Cores that this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # macOS and Windows
-        return os.cpu_count() or 1
 
 
 def ray_scene(

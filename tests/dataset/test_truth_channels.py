@@ -188,3 +188,13 @@ def test_trees_stand_bare_under_snow():
     assert pixels["tree_lime_0_near", 0.8] < pixels["tree_lime_0_near", 0.0] / 3
     assert pixels["tree_lime_0_near", 0.8] > 0
     assert pixels["tree_pine_0_near", 0.8] == pixels["tree_pine_0_near", 0.0]
+
+
+def test_a_shot_under_snow_needs_a_stage_under_snow(stage):
+    from dataclasses import replace
+
+    from cityx.city.environment import Environment
+    from cityx.errors import UsageError
+
+    with pytest.raises(UsageError, match=r"snow cover of 0\.8, its stage one of 0: trees"):
+        truth(stage, replace(shot(), environment=Environment(snow=0.8)), ["depth"])
