@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import bpy
 
 from cityx.blender.operators import call
 from cityx.city.camera import Camera
+from cityx.cores import core_count
 
 MAX_BOUNCES = 4
 ADAPTIVE_THRESHOLD = 0.1  # noise that the denoiser removes without a trace
@@ -37,14 +37,6 @@ def add_camera(scene: bpy.types.Scene, camera: Camera) -> bpy.types.Object:
     held.objects.link(item)
     scene.camera = item
     return item
-
-
-def core_count() -> int:
-    """Cores this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # macOS and Windows
-        return os.cpu_count() or 1
 
 
 def set_up(scene: bpy.types.Scene, *, samples: int, gpu: bool = True) -> str:

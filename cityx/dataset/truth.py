@@ -1,0 +1,124 @@
+"""Truth: channels without noise, from one ray through the middle of each pixel.
+
+Depth, distance, normals and positions are computed in float64 and stored as float32. Points nearer
+than the clip of the pictures' camera are not seen, as in the pictures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.dataset.boxes import boxes_of
+from cityx.dataset.channels import CHANNELS, TRUTH, chosen
+from cityx.dataset.classes import SKY, THING
+from cityx.dataset.flow import flow_of, motion_of
+from cityx.dataset.record import Record, Segment
+from cityx.dataset.shots import Shot
+from cityx.dataset.sight import Sight, sight
+from cityx.dataset.stage import Stage
+from cityx.geometry.raycast import normals
+
+FloatArray = NDArray[np.float64]
+
+
+def truth(
+    stage: Stage,
+    shot: Shot,
+    channels: Iterable[str],
+    *,
+    after: Shot | None = None,
+    later: Stage | None = None,
+    boxes: bool = False,
+    threads: int | None = None,
+) -> Record:
+    """Make the channels of a shot that rays can tell.
+
+    Parameters
+    ----------
+    stage
+        The city at the moment of the shot.
+    shot
+        The shot.
+    channels
+        Names of channels or of sets of them; those of other makers are left out.
+    after
+        Next frame of the sequence; without one there is no flow and no motion.
+    later
+        The city at its moment; `stage` itself where nothing moves or when left out.
+    boxes
+        Whether boxes are wanted too.
+    threads
+        That share the work; what is found is the same for any number.
+    """
+    wanted = [channel.name for channel in chosen(channels) if channel.maker == TRUTH]
+    seen = sight(stage, shot, threads=threads)
+    size = (shot.camera.height, shot.camera.width)
+    made: dict[str, NDArray[Any]] = {}
+    segments: tuple[Segment, ...] = ()
+    motion = None
+    if after is not None and {"flow", "motion"} & set(wanted):
+        motion = motion_of(seen, stage if later is None else later)
+    values: NDArray[Any]
+    for name in wanted:
+        if name == "panoptic":
+            values, segments = _panoptic(seen)
+        elif name in _MAKERS:
+            values = _MAKERS[name](seen)
+        elif motion is None or after is None:
+            continue
+        else:
+            values = motion if name == "motion" else flow_of(seen, motion, after.camera)
+        channel = CHANNELS[name]
+        shape = size if channel.depth == 1 else (*size, channel.depth)
+        made[name] = values.astype(channel.dtype, copy=False).reshape(shape)
+    found = boxes_of(seen, threads=threads) if boxes else None
+    return Record(shot, made, segments, found)
+
+
+def _distance(seen: Sight) -> FloatArray:
+    return np.asarray(seen.hits.distance * np.linalg.norm(seen.directions, axis=1))
+
+
+def _semantic(seen: Sight) -> NDArray[np.uint8]:
+    return np.where(seen.met, seen.stage.semantic[seen.rows], SKY).astype(np.uint8)
+
+
+def _instance(seen: Sight) -> NDArray[np.uint64]:
+    return np.where(seen.met, seen.stage.object_id[seen.rows], np.uint64(0))
+
+
+def _panoptic(seen: Sight) -> tuple[NDArray[np.uint32], tuple[Segment, ...]]:
+    """Return the (p,) segments: one per thing, one per class of stuff, numbered from 1.
+
+    Stuff comes first by class, its object id is 0; things follow by the rows of the stage.
+    """
+    stage = seen.stage
+    semantic = _semantic(seen)
+    count = len(THING)
+    key = np.where(THING[semantic], count + stage.whole[seen.rows], semantic)  # (p,)
+    pixels = np.bincount(key)
+    present = np.flatnonzero(pixels)
+    number = np.zeros(len(pixels), np.uint32)
+    number[present] = np.arange(1, len(present) + 1)
+    segments = []
+    for at, found in enumerate(present.tolist(), start=1):
+        row = found - count
+        object_id = int(stage.object_id[row]) if row >= 0 else 0
+        held = int(stage.semantic[row]) if row >= 0 else found
+        segments.append(Segment(at, object_id, held, int(pixels[found])))
+    return number[key], tuple(segments)
+
+
+_MAKERS: Mapping[str, Callable[[Sight], NDArray[Any]]] = {
+    "depth": lambda seen: seen.hits.distance,
+    "distance": _distance,
+    "normal": lambda seen: normals(seen.stage.rays, seen.hits, seen.directions),
+    "position": lambda seen: seen.position,
+    "semantic": _semantic,
+    "instance": _instance,
+    "material": lambda seen: seen.stage.materials_at(seen.hits),
+}
