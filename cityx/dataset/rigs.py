@@ -170,7 +170,7 @@ def mounted(camera: Camera, rig: Sequence[Mount]) -> tuple[Camera, ...]:
         )
         pitch = min(max(camera.pitch + mount.pitch, -pi / 2), pi / 2)
         found.append(replace(
-            camera, name=mount.sensor, position=eye, heading=(camera.heading - mount.yaw) % (2 * pi),
-            pitch=pitch, hfov=camera.hfov if mount.hfov is None else mount.hfov,
+            camera, name=mount.sensor, position=eye,
+            heading=(camera.heading - mount.yaw) % (2 * pi), pitch=pitch, hfov=camera.hfov if mount.hfov is None else mount.hfov,
         ))  # fmt: skip
     return tuple(found)

@@ -77,7 +77,6 @@ def airways(air: Airspace) -> Airways:
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import connected_components
 
-    rows, columns = air.top.shape
     heights = air.low[2] + air.rise * np.arange(air.layers)
     free = heights[:, None, None] >= air.top[None]  # (layers, rows, columns)
     number = np.full(free.shape, -1, np.int64)

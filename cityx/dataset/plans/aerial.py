@@ -1,4 +1,4 @@
-"""The plan "aerial": what drones see, aslant and straight down, standing in the air or in flight."""
+"""The plan "aerial": what drones see, aslant and straight down, in one place or in flight."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import numpy as np
 from scipy.ndimage import maximum_filter
 
 from cityx.dataset.plans.motion import headings, smoothed
-from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Site, Source, Take, still
+from cityx.dataset.plans.site import Site
+from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Source, Take, still
 from cityx.errors import InputError
 from cityx.geometry.airways import Airspace, Airways, airway, airways, rounded
 from cityx.geometry.identity import draw, uniform
@@ -141,5 +142,7 @@ def _flight(
     heading = smoothed(headings(way[:, :2]), TURN_S * site.wishes.rate)
     share = draw(seed, "dataset/flight/pitch", number)
     pitch = np.radians(_SLANT[0] + (_SLANT[1] - _SLANT[0]) * (0.4 + 0.6 * share))
-    return Take(at(place), heading, np.full(len(time), pitch), moment + time, site.wishes.fov(FOV),
-                clearance=CLEAR)  # fmt: skip
+    return Take(
+        at(place), heading, np.full(len(time), pitch), moment + time, site.wishes.fov(FOV),
+        clearance=CLEAR, way=at(np.arange(0.0, place[-1], STEP)),
+    )  # fmt: skip
