@@ -96,7 +96,8 @@ def airspace_of(site: Site) -> Airspace:
 
 
 def _flights(site: Site) -> Source:
-    ways = airways(airspace_of(site))
+    air = airspace_of(site)
+    ways = airways(air.wider())
     if not len(ways.points):
         raise InputError(
             f"no air is free over {site.city.name} at {LOWEST:g} to {HIGHEST:g} m above the ground."
@@ -109,13 +110,21 @@ def _flights(site: Site) -> Source:
         wished = low + drawn * (high - low)
         moments = site.moments(numbers)
         rows = zip(numbers.tolist(), wished, moments.tolist(), strict=True)
-        return [_flight(site, ways, number, spot, moment, needed) for number, spot, moment in rows]
+        return [
+            _flight(site, air, ways, number, spot, moment, needed) for number, spot, moment in rows
+        ]
 
     return candidates
 
 
 def _flight(
-    site: Site, ways: Airways, number: int, wished: FloatArray, moment: float, needed: float
+    site: Site,
+    air: Airspace,
+    ways: Airways,
+    number: int,
+    wished: FloatArray,
+    moment: float,
+    needed: float,
 ) -> Take | Refusal:
     seed = site.wishes.seed
     origin = int(np.argmin(((ways.points - wished) ** 2).sum(axis=1)))
@@ -130,7 +139,7 @@ def _flight(
     goal = int(fit[int(draw(seed, "dataset/flight/goal", number) * len(fit))])
     corners = airway(ways, origin, goal)
     assert corners is not None
-    points = rounded(ways.air, corners, STEP, ROUNDS)
+    points = rounded(air, corners, STEP, ROUNDS)
     gone = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
     time = np.arange(site.wishes.length) / site.wishes.rate
     place = SPEED * time

@@ -161,7 +161,7 @@ def plan(
         raise UsageError(" ".join(faults))
     usual = 1 if custom else KINDS[name].length
     wishes = Wishes(seed, length or usual, rate, hfov, target, radius, height, size)
-    site = Site(city, wishes, stage)
+    site = Site(city, wishes, stage and (stage.still or stage))
     if custom:
         return _custom(site, Path(name), count, mounts, lights)
     return _drawn(site, name, count or 0, mounts, lights)
