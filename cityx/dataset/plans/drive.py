@@ -23,6 +23,8 @@ from cityx.geometry.polylines import Polylines, to_linestrings, values_along
 FOV = 70.0  # degrees
 EYE = 1.6  # metres above the lane: on the roof of a car
 CLEAR = 1.0  # metres round the eye: half the width of the car that carries it
+UNEVEN = 1.2  # metres by which the road may lie off the profile of its centreline
+SPRINGS = 1.0  # metres of road over which a car's springs even it out
 STEP = 0.5  # metres between the points of a way
 ROUND = 1.5  # metres over which its corners are rounded
 WHEELBASE = 2.7  # metres between the points whose direction is that of the car
@@ -108,7 +110,7 @@ def _take(
     climb = np.interp(place, steps, np.gradient(way.z, STEP))
     return Take(
         np.column_stack([spot, z + EYE]), headings(ahead - behind), np.arctan(climb), time,
-        wishes.fov(FOV), clearance=CLEAR,
+        wishes.fov(FOV), clearance=CLEAR, foot=EYE,
     )  # fmt: skip
 
 
@@ -139,7 +141,7 @@ def _way(
             own.append(edge)
             length += length_of(points)
         lane, turn = then, turn + 1
-    return _even(roads.network, parts, speed, own, along, needed)
+    return _even(site, roads.network, parts, speed, own, along, needed)
 
 
 def _limit(graph: LaneGraph, lane: int) -> float:
@@ -147,6 +149,7 @@ def _limit(graph: LaneGraph, lane: int) -> float:
 
 
 def _even(
+    site: Site,
     network: RoadNetwork, parts: list[FloatArray], speed: list[float], own: list[int],
     along: float, needed: float,
 ) -> _Way:  # fmt: skip
@@ -167,7 +170,16 @@ def _even(
     on = shapely.line_locate_point(shapes[edge[known]], shapely.points(spot[known]))
     z[known] = values_along(lines, network.z, edge[known], on)
     z = np.interp(place, place[known], z[known]) if len(known) else np.zeros(len(place))
-    return _Way(smoothed(spot, ROUND / STEP), np.array(speed)[of], smoothed(z, ROUND / STEP))
+    spot = smoothed(spot, ROUND / STEP)
+    return _Way(spot, np.array(speed)[of], smoothed(_settled(site, spot, z), SPRINGS / STEP))
+
+
+def _settled(site: Site, spot: FloatArray, z: FloatArray) -> FloatArray:
+    """(k,) heights of what lies under places at about some heights: the road as it is built."""
+    eyes = np.column_stack([spot, z + EYE])
+    down = np.broadcast_to([0.0, 0.0, -1.0], eyes.shape)
+    off = EYE - site.stage.cast(eyes, down).distance
+    return np.where(np.abs(off) < UNEVEN, z + off, z)
 
 
 def _driven(site: Site, way: _Way, limit: FloatArray, time: FloatArray) -> FloatArray:
