@@ -308,7 +308,8 @@ def _heights(number: int, folder: Path) -> Path:
     reach = 140.0 + 260.0 * _share(number, "reach")
     points = np.column_stack([x.ravel(), y.ravel()]) / reach
     hills = gradient_noise(2000 + number, points, octaves=3).reshape(x.shape)
-    relief = 4.0 + 36.0 * _share(number, "relief") ** 2
+    # Below ten metres what is graded for streets and houses outweighs the relief itself.
+    relief = 10.0 + 30.0 * _share(number, "relief") ** 2
     heights = 80.0 + 400.0 * _share(number, "level") + relief * hills
     if number % 5 == 0:
         step = relief / 6
@@ -362,7 +363,10 @@ def _text_task(number: int) -> Task:
     form = _FORMS[number // len(_STYLES) % len(_FORMS)]
     sky = _WEATHERS[weather]
     text = form.format(
-        style=style, weather=sky, Weather=sky[0].upper() + sky[1:], time=_TIMES[hour]
+        style=style.replace("_", " "),
+        weather=sky,
+        Weather=sky[0].upper() + sky[1:],
+        time=_TIMES[hour],
     )
     pairs = (("style", style), ("weather", weather), ("time", hour), ("size.x", 220.0),
              ("size.y", 220.0))  # fmt: skip
