@@ -80,6 +80,8 @@ class RenderRequest:
         Noise at which a pixel gets no more samples; None is that of pictures for people.
     denoise
         Whether the picture is what the denoiser made of the samples.
+    seed
+        Of the samples, so that pictures do not share their noise.
     """
 
     camera: Camera
@@ -90,6 +92,7 @@ class RenderRequest:
     passes: tuple[str, ...] = ()
     threshold: float | None = None
     denoise: bool = True
+    seed: int = 0
 
 
 @dataclass(frozen=True)
@@ -115,6 +118,9 @@ class BlenderJob:
     frames
         First and last frame of a span that is rendered and the step from one to the next,
         `FRAME_RATE` a second; None renders the moment.
+    ahead
+        Complete pictures that may lie there, not yet taken away, while the next is rendered; None
+        does not wait for anybody.
     """
 
     store: Path
@@ -125,6 +131,7 @@ class BlenderJob:
     gpu: bool = True
     moment: float | None = None
     frames: tuple[int, int, int] | None = None
+    ahead: int | None = None
 
 
 @dataclass(frozen=True)
@@ -282,6 +289,7 @@ def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
             "passes": r.passes,
             "threshold": r.threshold,
             "denoise": r.denoise,
+            "seed": r.seed,
         }
         for r in job.renders
     ]
@@ -295,6 +303,7 @@ def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
         "gpu": job.gpu,
         "moment": job.moment,
         "frames": job.frames,
+        "ahead": job.ahead,
         "result": str(answer),
         "parent": os.getpid(),
     }
@@ -385,21 +394,24 @@ def _converse(
     assert process.stdout is not None
     reader = threading.Thread(target=_follow, args=(process.stdout, log, words), daemon=True)
     reader.start()
-    limit = monotonic() + timeout_s
+    asked = monotonic()
+    limit = asked + timeout_s
     try:
         while True:
-            left = min(limit, words.last + silence_s) - monotonic()
-            if left <= 0:
+            # Silence counts while somebody listens: the process may wait for its reader.
+            left = min(limit, max(words.last, asked) + silence_s) - monotonic()
+            if left <= 0 and words.queue.empty():
                 fate = f"after {timeout_s:g} s" if monotonic() >= limit else (
                     f"when it had said nothing for {silence_s:g} s")  # fmt: skip
                 raise EngineError(f"Blender was stopped {fate}. Its last words:\n{log.text()}")
             try:
-                word = words.queue.get(timeout=None if left == inf else left)
+                word = words.queue.get(timeout=None if left == inf else max(left, 0.0))
             except Empty:  # it may have said other things meanwhile
                 continue
             if word is None:
                 break
             yield word
+            asked = monotonic()
         process.wait()  # its last words are said
     finally:
         _kill(process)

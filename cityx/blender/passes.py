@@ -6,10 +6,8 @@ all else, written first and under a temporary name.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import bpy
@@ -17,33 +15,11 @@ import bpy
 from cityx.blender.air import LAYERS
 from cityx.blender.operators import call
 from cityx.blender.render import aim
+from cityx.blender.sheets import NOISY, PASSES
 
 AO_REACH = 1000.0  # metres: whatever stands above a face takes its share of the sky
-NOISY = "Noisy Image"
 
 
-@dataclass(frozen=True)
-class Pass:
-    """Where a pass is found: switches of the view layer, name and parts in the file."""
-
-    layer: str
-    parts: str
-    switches: tuple[str, ...] = ()
-
-
-PASSES: Mapping[str, Pass] = MappingProxyType({
-    "rgb": Pass("Composite.Combined", "RGB"),
-    "diffuse": Pass("ViewLayer.DiffCol", "RGB", ("use_pass_diffuse_color",)),
-    "ao": Pass("ViewLayer.AO", "R", ("use_pass_ambient_occlusion",)),
-    "glossy_direct": Pass("ViewLayer.GlossDir", "RGB", ("use_pass_glossy_direct",)),
-    "glossy_indirect": Pass("ViewLayer.GlossInd", "RGB", ("use_pass_glossy_indirect",)),
-    "glossy_colour": Pass("ViewLayer.GlossCol", "RGB", ("use_pass_glossy_color",)),
-    # Always there; they tell the noise.
-    "noisy": Pass(f"ViewLayer.{NOISY}", "RGB"),
-    "clean": Pass("ViewLayer.Combined", "RGB"),
-    "surface": Pass("ViewLayer.Denoising Depth", "Z"),
-    "samples": Pass("ViewLayer.Debug Sample Count", "X"),
-})  # fmt: skip
 _SWITCHES = frozenset(name for each in PASSES.values() for name in each.switches)
 
 

@@ -89,7 +89,6 @@ def set_up(scene: bpy.types.Scene, *, samples: int, gpu: bool = True) -> str:
     cycles.caustics_reflective = cycles.caustics_refractive = False
     cycles.blur_glossy = 1.0
     cycles.sample_clamp_indirect = 8.0
-    cycles.seed = 0
     device = _gpu() if gpu else "CPU"
     cycles.device = "CPU" if device == "CPU" else "GPU"
     return device
@@ -121,9 +120,12 @@ def _gpu() -> str:
     return "CPU"
 
 
-def use_quality(scene: bpy.types.Scene, samples: int, threshold: float | None = None) -> None:
-    """Choose the most samples per pixel and the noise at which a pixel gets no more."""
+def use_quality(
+    scene: bpy.types.Scene, samples: int, threshold: float | None = None, seed: int = 0
+) -> None:
+    """Choose the most samples per pixel, the noise at which a pixel gets no more, and their seed."""
     cycles: Any = scene.cycles
+    cycles.seed = seed
     cycles.samples = samples
     cycles.adaptive_threshold = ADAPTIVE_THRESHOLD if threshold is None else threshold
 

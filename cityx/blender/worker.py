@@ -67,6 +67,14 @@ def peak_rss_mb() -> float:
     return round(peak / (1e6 if sys.platform == "darwin" else 1e3), 1)
 
 
+def resident_mb() -> float:
+    """Memory this process holds now, in MB; its peak where the system does not say."""
+    held = Path("/proc/self/statm")
+    if not held.exists():
+        return peak_rss_mb()
+    return round(int(held.read_text().split()[1]) * resource.getpagesize() / 1e6, 1)
+
+
 def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., None]) -> Any:
     """Make the scene, save it, render it; returns the record of what was made."""
     import bpy
@@ -115,21 +123,31 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
         share = 0.15 + 0.85 * index / len(pictures)
         tell(share, f"rendering {camera.name}")
         wanted = _environment(request["environment"]) or environment
+        _wait([Path(before["path"]) for _, before in pictures[:index]], job["ahead"])
         begun = time.perf_counter()
         with clock.step(f"light {camera.name}"):
             studio.show(wanted, camera, request["moment"])
         with clock.step(f"render {camera.name}"):
             path = Path(request["path"])
-            render.use_quality(scene, request["samples"], request["threshold"])
+            render.use_quality(
+                scene, request["samples"], request["threshold"], request["seed"]
+            )
             if request["passes"]:
                 facts = studio.passes(item, path, request["passes"], denoise=request["denoise"])
                 record["files"] += [str(path.with_suffix(".exr")), str(path)]
             else:
                 facts = {}
                 record["files"] += _pictures(scene, item, path, job["frames"], tell)
-        facts |= {"device": device, "seconds": round(time.perf_counter() - begun, 3)}
+        facts |= {"device": device, "seconds": round(time.perf_counter() - begun, 3),
+                  "memory_mb": resident_mb(), "blender": bpy.app.version_string}  # fmt: skip
         say_made(path, facts)
     return record
+
+
+def _wait(made: list[Path], ahead: int | None) -> None:
+    """Wait until no more than so many pictures lie there, so that no disk is filled."""
+    while ahead is not None and sum(path.exists() for path in made) > ahead:
+        time.sleep(0.05)
 
 
 def _pictures(
