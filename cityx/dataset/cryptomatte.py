@@ -100,9 +100,7 @@ def filter_offsets(side: int) -> NDArray[np.float64]:
     return np.column_stack([spots, spots[paired]])
 
 
-def ranked(
-    seen: NDArray[np.integer],
-) -> tuple[NDArray[np.integer], NDArray[np.float32]]:
+def ranked(seen: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
     """Rank what the rays of pixels meet by how many meet it.
 
     Parameters
@@ -145,7 +143,7 @@ def ranked(
 
 
 def matte(
-    number: NDArray[np.integer], share: NDArray[np.float32], names: Sequence[str]
+    number: NDArray[np.int64], share: NDArray[np.float32], names: Sequence[str]
 ) -> NDArray[np.float32]:
     """Return (..., 2 * RANKS) pairs of id and coverage, as layers of four hold them.
 

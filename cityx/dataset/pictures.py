@@ -8,7 +8,7 @@ nor the process shows in it.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -120,9 +120,12 @@ def chosen_quality(
         faults.append(f"a noise threshold of {threshold:g} is not possible, allowed is 0 to 1.")
     if faults:
         raise UsageError(" ".join(faults))
-    given = {"samples": samples, "threshold": threshold, "denoise": denoise}
+    found = QUALITIES[word]
     return replace(
-        QUALITIES[word], **{key: value for key, value in given.items() if value is not None}
+        found,
+        samples=found.samples if samples is None else samples,
+        threshold=found.threshold if threshold is None else threshold,
+        denoise=found.denoise if denoise is None else denoise,
     )
 
 
@@ -219,7 +222,7 @@ def _rendered(
     folder: Path,
     recycle: int,
     gpu: bool,
-) -> Iterator[tuple[Shot, Path, Mapping[str, Any]]]:
+) -> Generator[tuple[Shot, Path, Mapping[str, Any]], None, None]:
     """Render shots process after process, until one at which it ends twice."""
     left = list(shots)
     stumbled: Shot | None = None  # the shot at which a process ended
