@@ -8,7 +8,7 @@ nor the process shows in it.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -137,7 +137,7 @@ def pictures(
     *,
     recycle: int = RECYCLE,
     gpu: bool = True,
-) -> Iterator[Record]:
+) -> Generator[Record, None, None]:
     """Render shots of a stored city.
 
     Parameters
