@@ -239,6 +239,8 @@ def _rendered(
                     if isinstance(word, Made):
                         yield left.pop(0), word.path, word.facts
         except EngineError as error:
+            if not left:  # it ended badly after all was done
+                return
             started = 0 if begun else started + 1
             if started == TRIES:
                 raise
@@ -311,8 +313,8 @@ def noise_of(noisy: FloatArray, clean: FloatArray, surface: NDArray[np.bool_]) -
     """Return the usual relative standard deviation of a pixel before the denoiser.
 
     It is told by what the denoiser takes away: the median over pixels of their change by their
-    value, which fireflies and the edges that a denoiser bends do not move. It falls as one by the
-    root of the samples, and says nothing of what is left.
+    value, which fireflies and the edges that a denoiser bends do not move. It says nothing of what
+    is left; `benchmarks/noise.py` measures both against a picture of many samples.
 
     Parameters
     ----------

@@ -121,6 +121,13 @@ def test_processes_are_recycled(monkeypatch, tmp_path):
     assert log.read_text().split() == ["start", "eye_0", "eye_2", "start", "eye_4"]
 
 
+def test_a_process_that_fails_after_its_last_picture_has_done_its_work(monkeypatch, tmp_path):
+    log = scripted(monkeypatch, tmp_path, "import atexit; atexit.register(os._exit, 9)")
+    made = module._rendered(tmp_path, SHOTS[:1], ["rgb"], QUICK, tmp_path, 50, False)
+    assert [shot.name for shot, _, _ in made] == ["eye_0"]
+    assert log.read_text().split() == ["start", "eye_0"]
+
+
 def test_mattes_alone_need_no_blender(monkeypatch, store):
     monkeypatch.setattr(module, "work", None)
     (record,) = pictures(store, SHOTS[:1], ["crypto_object"], QUICK)
