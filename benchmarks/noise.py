@@ -5,7 +5,8 @@
 
 FOLDER is a built city. Noise is the median relative difference of a surface's pixel from a picture
 of many samples, times 1.4826: before the denoiser, after it, and as `noise_of` tells it from one
-picture alone. CPU seconds are those of the whole Blender process beyond its first, least picture.
+picture alone. The noise of the reference adds to the first two: it needs many more samples than
+what is measured. CPU seconds are those of the Blender process beyond a picture of one sample.
 """
 
 from __future__ import annotations

@@ -313,8 +313,9 @@ def noise_of(noisy: FloatArray, clean: FloatArray, surface: NDArray[np.bool_]) -
     """Return the usual relative standard deviation of a pixel before the denoiser.
 
     It is told by what the denoiser takes away: the median over pixels of their change by their
-    value, which fireflies and the edges that a denoiser bends do not move. It says nothing of what
-    is left; `benchmarks/noise.py` measures both against a picture of many samples.
+    value, which fireflies and the edges that a denoiser bends do not move. It tells less than there
+    is, by a sixth at 16 samples and more at many, since a denoiser keeps some noise as texture;
+    `benchmarks/noise.py` measures that and what is left.
 
     Parameters
     ----------
