@@ -20,6 +20,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import IO, Any
 
+from cityx.blender.compression import unfinished
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.errors import EngineError, MissingDependency
@@ -205,7 +206,8 @@ def run_worker(
 def _clean(job: BlenderJob) -> None:
     """Remove what an ended process left half written."""
     for path in (*filter(None, [job.blend]), *(request.path for request in job.renders)):
-        path.with_name(f".{path.stem}.partial{path.suffix}").unlink(missing_ok=True)
+        for left in unfinished(path):
+            left.unlink(missing_ok=True)
 
 
 def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
