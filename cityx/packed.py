@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, BinaryIO
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,8 +73,10 @@ def _entry(archive: zipfile.ZipFile, name: str) -> zipfile.ZipInfo:
     return entry
 
 
-def read_arrays(path: Path, *, mapped: bool = False) -> dict[str, NDArray[Any]]:
-    """Read arrays; whether a file of a store is whole is told by the hash of the city.
+def read_arrays(
+    path: Path, *, mapped: bool = False, checked: bool = False
+) -> dict[str, NDArray[Any]]:
+    """Read arrays.
 
     Parameters
     ----------
@@ -82,25 +85,41 @@ def read_arrays(path: Path, *, mapped: bool = False) -> dict[str, NDArray[Any]]:
     mapped
         Whether arrays may stay in the file until they are looked at. What is written to them does
         not reach it. Windows does not let go of such a file: there, they are read.
+    checked
+        Whether the checksums of the archive are compared. Whether a file of a store is whole is
+        told by the hash of the city.
 
     Raises
     ------
     InputError
-        If an array is compressed or holds Python objects.
+        If an array is compressed, holds Python objects or is not what was written.
     """
     found = {}
-    with zipfile.ZipFile(path) as archive, path.open("rb") as file:
-        held = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_COPY) if (
-            mapped and os.name == "posix") else None  # fmt: skip
+    with path.open("rb") as file, zipfile.ZipFile(file) as archive:
+        held = _content(file, mapped=mapped, checked=checked)
         for entry in archive.infolist():
             kind, shape = _found_header(file, entry, path)
             count = int(np.prod(shape, dtype=np.int64))
             name, begin = entry.filename.removesuffix(".npy"), file.tell()
+            if checked and held is not None:
+                end = begin + count * kind.itemsize
+                if crc32(memoryview(held)[end - entry.file_size : end]) != entry.CRC:
+                    raise InputError(f"{path} is damaged: {entry.filename} is not as written.")
             if held is not None and begin % kind.alignment == 0 and count:
                 found[name] = np.ndarray(shape, kind, held, begin)
             else:
                 found[name] = np.fromfile(file, kind, count).reshape(shape)
     return found
+
+
+def _content(file: BinaryIO, *, mapped: bool, checked: bool) -> mmap.mmap | bytearray | None:
+    """Return all bytes of a file, None where its arrays are to be read one by one."""
+    if checked:
+        file.seek(0)
+        return bytearray(file.read())
+    if mapped and os.name == "posix":
+        return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_COPY)
+    return None
 
 
 def _found_header(
