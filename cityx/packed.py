@@ -58,7 +58,8 @@ def write_arrays(path: Path, arrays: Mapping[str, NDArray[Any] | Sequence[NDArra
 
 def _header(kind: np.dtype[Any], shape: tuple[int, ...]) -> bytes:
     text = io.BytesIO()
-    record = {"descr": np.lib.format.dtype_to_descr(kind), "fortran_order": False, "shape": shape}
+    descr = np.lib.format.dtype_to_descr(kind)  # type: ignore[no-untyped-call]
+    record = {"descr": descr, "fortran_order": False, "shape": shape}
     np.lib.format.write_array_header_1_0(text, record)  # type: ignore[no-untyped-call]
     return text.getvalue()
 
@@ -94,7 +95,7 @@ def read_arrays(
     InputError
         If an array is compressed, holds Python objects or is not what was written.
     """
-    found = {}
+    found: dict[str, NDArray[Any]] = {}
     with path.open("rb") as file, zipfile.ZipFile(file) as archive:
         held = _content(file, mapped=mapped, checked=checked)
         for entry in archive.infolist():

@@ -176,7 +176,7 @@ def scene_key(scene: Scene) -> str:
         for column in fields(value):
             held = getattr(value, column.name)
             if isinstance(held, np.ndarray):
-                held = (held.dtype.str, held.shape, crc32(np.ascontiguousarray(held)))
+                held = (held.dtype.str, held.shape, crc32(np.ascontiguousarray(held).data))
             hasher.update(repr(held).encode())
     return hasher.hexdigest()
 

@@ -47,7 +47,8 @@ def test_what_is_made_quickly_is_not_kept(folder):
     assert files(folder) == []
 
 
-def test_other_code_makes_prototypes_anew(folder, monkeypatch):
+@pytest.mark.usefixtures("folder")
+def test_other_code_makes_prototypes_anew(monkeypatch):
     calls = []
 
     @kept.kept("crate", least=0)

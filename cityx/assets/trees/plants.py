@@ -116,8 +116,8 @@ def tree(species: str, variant: int = 0, form: str = "near", season: str = "summ
         Which individual: 0 to `PARK_FORMS` - 1 grown in the open, the next `STREET_FORMS` beside a
         street.
     form
-        "fine" (every leaf drawn), "near" (two leaves on every other twig), "light" (few, large cards), "far"
-        (a mass of under 60 triangles).
+        "fine" (every leaf drawn), "near" (two leaves on every other twig), "light" (few, large
+        cards), "far" (a mass of under 60 triangles).
     season
         "spring", "summer", "autumn" or "winter"; evergreens change little or not at all.
 
