@@ -39,7 +39,7 @@ def kept(group: str, *, least: int) -> Callable[[Maker], Maker]:
             if options.get("detail", 2) < least:
                 return make(*args, **options)
             asked = id_text(stable_id(group, repr((args, sorted(options.items())))))
-            key = f"prototypes-{_edition()}/{group}-{asked}"
+            key = f"prototypes-{edition()}/{group}-{asked}"
             return _unpacked(cached_arrays(key, lambda: _packed(make(*args, **options))))
 
         return made
@@ -66,8 +66,8 @@ def _unpacked(held: Arrays) -> Prototype:
 
 
 @cache
-def _edition() -> str:
-    """Hash of all code that makes prototypes, so that a kept one is never that of other code."""
+def edition() -> str:
+    """Return a hash of all code that makes prototypes: a kept one is never that of other code."""
     assets, kernels = Path(__file__).parent, Path(identity.__file__).parent
     sources = [*sorted(assets.rglob("*.py")), *sorted(kernels.glob("*.py"))]
     sources += [Path(str(mesh.__file__)), Path(str(scene.__file__))]

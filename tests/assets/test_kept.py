@@ -58,7 +58,7 @@ def test_other_code_makes_prototypes_anew(monkeypatch):
 
     crate("a"), crate("a")
     assert calls == ["a"]
-    monkeypatch.setattr(kept, "_edition", lambda: "another")
+    monkeypatch.setattr(kept, "edition", lambda: "another")
     crate("a")
     assert calls == ["a", "a"]
 
