@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from hashlib import blake2b
+from types import MappingProxyType
 
 import numpy as np
 
@@ -13,7 +14,9 @@ from cityx.cache import Arrays, cached_arrays
 from cityx.city.scene import Prototype
 from cityx.geometry.convex import Box, Cylinder, Hull, Solid
 
-KINDS = {kind.__name__: kind for kind in (Hull, Box, Cylinder)}
+KINDS: Mapping[str, Callable[..., Solid]] = MappingProxyType(
+    {kind.__name__: kind for kind in (Hull, Box, Cylinder)}
+)
 FEW = 64  # faces up to which a collider is found sooner than read
 
 
