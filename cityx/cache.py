@@ -11,10 +11,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from cityx.atomic import replaced
+from cityx.packed import read_arrays, write_arrays
 
 VARIABLE = "CITYX_CACHE"  # another folder, or empty for none
 Arrays = dict[str, NDArray[Any]]
@@ -50,12 +50,11 @@ def cached_arrays(key: str, make: Callable[[], Arrays]) -> Arrays:
         return make()
     path = folder / f"{key}.npz"
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as held:
-            return {name: held[name] for name in held.files}
-    except Exception:  # noqa: BLE001  (zipfile, zlib, NumPy and the system each have their own)
+        return read_arrays(path, checked=True)
+    except Exception:  # noqa: BLE001  (zipfile, NumPy and the system each have their own)
         arrays = make()
-    with suppress(OSError), replaced(path) as temporary, temporary.open("wb") as target:
-        np.savez_compressed(target, **arrays)
+    with suppress(OSError), replaced(path) as temporary:
+        write_arrays(temporary, arrays)
     return arrays
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.kept_colliders import kept_collider
 from cityx.assets.substances import (
     BUILDING_DENSITY,
     CLASSES,
@@ -156,6 +157,10 @@ def collider_of(prototype: Prototype) -> list[Solid]:
     What stands on the ground has its collider above it: posts and feet reach deeper, but there is
     nothing to push there.
     """
+    return kept_collider(prototype, _collider)
+
+
+def _collider(prototype: Prototype) -> list[Solid]:
     mesh = prototype.mesh
     vertices = mesh.vertices
     if not len(mesh.faces):

@@ -13,6 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from cityx.assets.furniture_parts import BLUE, BURIED, DARK, GREEN, RED, STONE, YELLOW, Shapes, post
+from cityx.assets.kept import kept
 from cityx.assets.park_pieces import PARK_MAKERS
 from cityx.assets.shapes import (
     Color,
@@ -457,6 +458,7 @@ MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
 
 
 @lru_cache(maxsize=256)
+@kept("furniture", least=FINE)
 def furniture(name: str, *, detail: int = 2) -> Prototype:
     """Make one piece of street furniture; `name` is a key of `MAKERS`.
 

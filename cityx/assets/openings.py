@@ -17,6 +17,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.kept import kept
 from cityx.assets.shapes import (
     WHITE,
     Color,
@@ -485,6 +486,7 @@ def set_back(shapes: Shapes) -> Shapes:
 
 
 @lru_cache(maxsize=512)
+@kept("window", least=FINE)
 def window(name: str, dressing: int = 0, *, detail: int = 2) -> Prototype:
     """Make a window prototype.
 
@@ -517,6 +519,7 @@ def window(name: str, dressing: int = 0, *, detail: int = 2) -> Prototype:
 
 
 @lru_cache(maxsize=32)
+@kept("door", least=FINE)
 def door(name: str, *, detail: int = 2) -> Prototype:
     """Make a door prototype; `name` is a key of `DOORS`, `detail` as of `window`."""
     if detail >= FINE:

@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from cityx.assets.kept import kept
 from cityx.assets.openings import FINE, GLASS, Shapes, pane, slab, surround
 from cityx.assets.shapes import Color, prototype
 from cityx.city.mesh import one_mesh
@@ -124,6 +125,7 @@ SHOPFRONTS: Mapping[str, Callable[[str], Shapes]] = MappingProxyType(
 
 
 @lru_cache(maxsize=32)
+@kept("shopfront", least=FINE)
 def shopfront(name: str, *, detail: int = 2) -> Prototype:
     """Make a shopfront prototype; `name` is a key of `SHOPFRONTS`, `detail` as of windows."""
     if detail >= FINE:
@@ -242,6 +244,7 @@ FITTINGS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
 
 
 @lru_cache(maxsize=32)
+@kept("fitting", least=FINE)
 def fitting(name: str, *, detail: int = 2) -> Prototype:
     """Make an awning or a sign; `name` is a key of `FITTINGS`, `detail` as of windows."""
     if detail >= FINE:

@@ -12,6 +12,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from cityx.assets.kept import kept
 from cityx.assets.openings import FINE, Shapes, arch, slab, surround
 from cityx.assets.shapes import box, cylinder, disc, loft, prism, prototype
 from cityx.city.mesh import MeshBatch
@@ -301,6 +302,7 @@ TRIMS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
 
 
 @lru_cache(maxsize=128)
+@kept("trim", least=FINE)
 def trim(name: str, *, detail: int = 2) -> Prototype:
     """Make a trim prototype; `name` is a key of `TRIMS`, `detail` as of windows."""
     if detail >= FINE:

@@ -10,6 +10,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.kept import kept
 from cityx.assets.materials import srgb_to_linear
 from cityx.assets.shapes import box, cylinder, fine_shapes, loft, moved, prototype
 from cityx.city.mesh import MeshBatch
@@ -266,6 +267,7 @@ def _fittings(body: Body) -> list[MeshBatch]:
 
 
 @lru_cache(maxsize=64)
+@kept("car", least=FINE)
 def car(body: str, *, detail: int = 2, wheels: bool = True) -> Prototype:
     """Make a car; `body` is a key of `BODIES`. The prototype's kind is "vehicle".
 

@@ -23,6 +23,7 @@ from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import IO, Any, NamedTuple
 
+from cityx.blender.compression import unfinished
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.errors import EngineError, MissingDependency
@@ -280,7 +281,8 @@ def _clean(job: BlenderJob) -> None:
     pictures = [request.path for request in job.renders]
     passes = [request.path.with_suffix(".exr") for request in job.renders if request.passes]
     for path in (*filter(None, [job.blend]), *pictures, *passes):
-        path.with_name(f".{path.stem}.partial{path.suffix}").unlink(missing_ok=True)
+        for left in unfinished(path):
+            left.unlink(missing_ok=True)
 
 
 def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:

@@ -184,18 +184,18 @@ def save(path: Path) -> float:
     """Save the open file under a temporary name, then rename it; returns its size in MB."""
     import bpy
 
+    from cityx.blender.compression import compress, unfinished
     from cityx.blender.operators import call
 
-    temporary = path.with_name(f".{path.stem}.partial{path.suffix}")
+    plain, temporary = unfinished(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     bpy.context.preferences.filepaths.save_version = 0
-    call(
-        "wm.save_as_mainfile",
-        filepath=str(temporary),
-        compress=True,
-        check_existing=False,
-        copy=True,
-    )
+    try:
+        call("wm.save_as_mainfile", filepath=str(plain), compress=False, check_existing=False,
+             copy=True)  # fmt: skip
+        compress(plain, temporary)
+    finally:
+        plain.unlink(missing_ok=True)
     temporary.replace(path)
     return round(path.stat().st_size / 1e6, 2)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -181,34 +182,47 @@ def empty_batch() -> MeshBatch:
 
 def concatenate(batches: Iterable[MeshBatch]) -> MeshBatch:
     """Join batches; objects keep their order, material names are merged."""
+    columns, names = joined_columns(batches)
+    if not columns:
+        return empty_batch()
+    joined = {name: np.concatenate(parts) for name, parts in columns.items()}
+    return MeshBatch(**joined, materials=names)
+
+
+def joined_columns(
+    batches: Iterable[MeshBatch],
+) -> tuple[dict[str, list[NDArray[Any]]], tuple[str, ...]]:
+    """Return the arrays of a batch that joins others, by name, in pieces that are not yet joined.
+
+    Returns
+    -------
+    columns
+        The pieces of each array of a `MeshBatch`; none without objects.
+    materials
+        The merged names.
+    """
     parts = [batch for batch in batches if batch.count]
     if not parts:
-        return empty_batch()
+        return {}, ()
     names = list(dict.fromkeys(name for batch in parts for name in batch.materials))
-    vertex_shift = np.cumsum([0] + [len(batch.vertices) for batch in parts])
-    face_shift = np.cumsum([0] + [len(batch.faces) for batch in parts])
-    faces, material = [], []
-    for batch, shift in zip(parts, vertex_shift, strict=False):
-        moved = batch.faces + np.int32(shift)
+    columns: dict[str, list[NDArray[Any]]] = {
+        "object_id": [batch.object_id for batch in parts],
+        "vertex_start": [np.zeros(1, np.int64)], "face_start": [np.zeros(1, np.int64)],
+        "vertices": [batch.vertices for batch in parts], "faces": [], "material": [],
+        "uv": [batch.uv for batch in parts], "tint": [batch.tint for batch in parts],
+    }  # fmt: skip
+    vertex_shift = face_shift = 0
+    for batch in parts:
+        columns["vertex_start"].append(batch.vertex_start[1:] + vertex_shift)
+        columns["face_start"].append(batch.face_start[1:] + face_shift)
+        moved = batch.faces + np.int32(vertex_shift)
         moved[batch.faces == NO_VERTEX] = NO_VERTEX
-        faces.append(moved)
+        columns["faces"].append(moved)
         table = np.array([names.index(name) for name in batch.materials], np.int16)
-        material.append(table[batch.material] if len(batch.material) else batch.material)
-    return MeshBatch(
-        np.concatenate([batch.object_id for batch in parts]),
-        np.concatenate(
-            [[0], *(b.vertex_start[1:] + s for b, s in zip(parts, vertex_shift, strict=False))]
-        ),
-        np.concatenate(
-            [[0], *(b.face_start[1:] + s for b, s in zip(parts, face_shift, strict=False))]
-        ),
-        np.concatenate([batch.vertices for batch in parts]),
-        np.concatenate(faces),
-        np.concatenate(material),
-        tuple(names),
-        np.concatenate([batch.uv for batch in parts]),
-        np.concatenate([batch.tint for batch in parts]),
-    )
+        columns["material"].append(table[batch.material] if len(batch.material) else batch.material)
+        vertex_shift += len(batch.vertices)
+        face_shift += len(batch.faces)
+    return columns, tuple(names)
 
 
 def same_objects(batch: MeshBatch, other: MeshBatch) -> NDArray[np.bool_]:

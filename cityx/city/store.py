@@ -14,8 +14,6 @@ import json
 import operator
 import os
 import shutil
-import struct
-import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import partial
@@ -33,7 +31,7 @@ from cityx.city.ground import Ground
 from cityx.city.heights import WayHeights
 from cityx.city.lanes import LaneGraph
 from cityx.city.layout import SCHEMA, Layout, make_table
-from cityx.city.mesh import MeshBatch, concatenate
+from cityx.city.mesh import MeshBatch, empty_batch, joined_columns
 from cityx.city.roads import RoadNetwork
 from cityx.city.scene import Instances, Prototype, Scene
 from cityx.city.signals import Signals
@@ -41,16 +39,13 @@ from cityx.city.terrain import Survey, Terrain
 from cityx.city.tracks import Tracks
 from cityx.errors import InputError
 from cityx.geometry.identity import id_text
+from cityx.packed import read_arrays, write_arrays
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
 # Rises when an older program could not read the folder: 5 has prototypes in several files.
 FORMAT, IN_CHUNKS = 4, 5
-LOCAL_NAME = 26  # bytes from the start of an entry of an archive to the lengths of its name
-_HEADERS: Mapping[tuple[int, int], Callable[..., Any]] = {
-    (1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0,
-}  # fmt: skip
 MOST_CHUNKS = 8  # files of prototypes, from which they are put together again
 
 
@@ -188,9 +183,9 @@ def _write_prototypes(
             for number in range(len(older)):
                 _link(like[1] / _chunk_name(number), folder / _chunk_name(number))
     if done < len(prototypes) or not chunks:
-        joined = concatenate(prototype.mesh for prototype in prototypes[done:])
-        _write_arrays(folder / _chunk_name(len(chunks)), _arrays(joined))
-        chunks.append((len(prototypes) - done, joined.materials))
+        columns, names = joined_columns(prototype.mesh for prototype in prototypes[done:])
+        write_arrays(folder / _chunk_name(len(chunks)), columns or _arrays(empty_batch()))
+        chunks.append((len(prototypes) - done, names))
     return chunks
 
 
@@ -311,7 +306,7 @@ def read_view(folder: Path) -> View:
         tuple(record["extent"]),
         record["seed"],
         record["lod"],
-        _read_scene(folder, record),
+        _read_scene(folder, record, mapped=True),
         Environment(**record["environment"]),
         _read_value(folder / "network.npz", RoadNetwork),
         _read_terrain(folder / "terrain.tif", record["terrain"]),
@@ -341,54 +336,29 @@ def _arrays(value: Any) -> dict[str, Any]:
     return {key: array for key, array in held.items() if isinstance(array, np.ndarray)}
 
 
-def _write_arrays(path: Path, arrays: Mapping[str, Any]) -> None:
-    np.savez(path, **arrays)
-
-
 def _write_value(value: Any, path: Path) -> None:
-    _write_arrays(path, _arrays(value))
+    write_arrays(path, _arrays(value))
 
 
-def _read_value(path: Path, kind: Any) -> Any:
+def _read_value(path: Path, kind: Any, *, mapped: bool = False) -> Any:
     if not path.exists():
         return None
-    return kind(**_read_arrays(path))
+    return kind(**read_arrays(path, mapped=mapped))
 
 
-def _read_arrays(path: Path) -> dict[str, Any]:
-    """Read the arrays of a file of `_write_arrays`, each in one go.
-
-    `numpy.load` reads them in small pieces through the checksums of the archive, which takes three
-    times as long; whether a file is whole is told by the hash of the city.
-    """
-    found = {}
-    with zipfile.ZipFile(path) as archive, path.open("rb") as file:
-        for entry in archive.infolist():
-            file.seek(entry.header_offset + LOCAL_NAME)
-            name, extra = struct.unpack("<HH", file.read(4))
-            file.seek(name + extra, os.SEEK_CUR)
-            version = np.lib.format.read_magic(file)  # type: ignore[no-untyped-call]
-            read = _HEADERS[version]
-            shape, fortran, dtype = read(file)
-            if entry.compress_type != zipfile.ZIP_STORED or fortran or dtype.hasobject:
-                raise InputError(f"{path} holds {entry.filename} in a form of no store of CityX.")
-            values = np.fromfile(file, dtype, int(np.prod(shape, dtype=np.int64)))
-            found[entry.filename.removesuffix(".npy")] = values.reshape(shape)
-    return found
-
-
-def _read_scene(folder: Path, record: Mapping[str, Any]) -> Scene:
+def _read_scene(folder: Path, record: Mapping[str, Any], *, mapped: bool = False) -> Scene:
     meshes = {}
     for layer, names in record["materials"].items():
-        held = _read_arrays(folder / "meshes" / f"{layer}.npz")
+        held = read_arrays(folder / "meshes" / f"{layer}.npz", mapped=mapped)
         meshes[layer] = MeshBatch(**held, materials=tuple(names))
     instances = {
-        path.stem: _read_value(path, Instances)
+        path.stem: _read_value(path, Instances, mapped=mapped)
         for path in sorted((folder / "instances").glob("*.npz"))
     }
     meshes_of = []
     for number, (count, names) in enumerate(_chunks(record)):
-        shared = MeshBatch(**_read_arrays(folder / _chunk_name(number)), materials=names)
+        held = read_arrays(folder / _chunk_name(number), mapped=mapped)
+        shared = MeshBatch(**held, materials=names)
         meshes_of += [shared.one(index) for index in range(count)]
     prototypes = tuple(
         Prototype(name, kind, _own_materials(mesh, tuple(materials)))

@@ -23,7 +23,7 @@ from cityx.geometry.block_slices import Strip, slice_strips
 from cityx.geometry.block_splits import Pieces, joined_pieces
 from cityx.geometry.identity import UInt64Array
 from cityx.geometry.polygons import FloatArray, IntArray, rings_of
-from cityx.geometry.seams import subtract
+from cityx.geometry.seams import common, subtract
 
 CORNER = np.radians(35.0)  # a sharper bend ends a street
 CURVE = np.radians(60.0)  # a street that has turned so far is another one
@@ -141,7 +141,7 @@ def _strips(
         long = shapely.length(lines) >= SHORT
         rows, lines = rows[long], lines[long]
         turn = [side for side, kept in zip(turn, long.tolist(), strict=True) if kept]
-        pieces, of = _polygons(shapely.intersection(rest[rows], _bands(turn, depth[rows])))
+        pieces, of = _polygons(common(rest[rows], _bands(turn, depth[rows])))
         low, high = _spans(pieces, lines[of])
         nth = np.arange(len(of)) - np.searchsorted(of, of)
         for number in range(nth.max(initial=-1) + 1):

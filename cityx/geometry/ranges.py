@@ -27,3 +27,18 @@ def ranges(
     new_start = np.concatenate([[0], np.cumsum(length)]).astype(np.int64)
     rows = np.arange(new_start[-1]) + np.repeat(start[:-1][things] - new_start[:-1], length)
     return rows, new_start
+
+
+def row_codes(keys: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return a number for each row of a table of whole numbers, (n, k), the same for equal rows.
+
+    Rows are numbered as they first appear, by hashing; `numpy.unique` sorts them, which takes ten
+    times as long.
+    """
+    import pandas as pd
+
+    code = np.zeros(len(keys), np.int64)
+    for column in keys.T:
+        number, found = pd.factorize(column)
+        code = pd.factorize(code * max(len(found), 1) + number)[0]
+    return np.asarray(code, np.int64)

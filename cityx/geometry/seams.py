@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,32 @@ FINE = 2.0**30  # steps per metre of what is cut; such places keep every bit up 
 RETURN = 4 * NEEDLE  # metres within which corners go back to where they were
 
 
-def subtract(shapes: Any, cut: Any) -> Any:
-    """Take a shape, or (n,) shapes, from others, without the needles that rounding leaves."""
-    rest = shapely.set_precision(shapely.difference(shapes, cut), NEEDLE)
+def common(shapes: NDArray[Any], others: NDArray[Any]) -> NDArray[Any]:
+    """Return what shapes, (n,), have in common with others, (n,)."""
+    return _cut(shapely.intersection, shapes, others)
+
+
+def _cut(operation: Callable[..., Any], shapes: NDArray[Any], others: NDArray[Any]) -> NDArray[Any]:
+    """Cut shapes by others, (n,) by (n,), those that GEOS refuses on the grid of `NEEDLE`."""
+    try:
+        return np.asarray(operation(shapes, others), object)
+    except shapely.errors.GEOSException:
+        pass  # one bad outline stops the whole array, so it is looked for
+    found = np.full(len(shapes), shapely.Polygon(), object)
+    for row, (shape, other) in enumerate(zip(shapes, others, strict=True)):
+        try:
+            found[row] = operation(shape, other)
+        except shapely.errors.GEOSException:
+            valid = shapely.make_valid([shape, other], method="structure", keep_collapsed=False)
+            found[row] = shapely.set_precision(operation(*valid, grid_size=NEEDLE), 0.0)
+    return found
+
+
+def subtract(shapes: NDArray[Any], cut: NDArray[Any]) -> NDArray[Any]:
+    """Take shapes, (n,), from others, without the needles that rounding leaves."""
+    rest = shapely.set_precision(_cut(shapely.difference, shapes, cut), NEEDLE)
     rest = shapely.set_precision(rest, 0.0)
-    return shapely.snap(shapely.snap(rest, cut, RETURN), shapes, RETURN)
+    return np.asarray(shapely.snap(shapely.snap(rest, cut, RETURN), shapes, RETURN), object)
 
 
 def unite(a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:

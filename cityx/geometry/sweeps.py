@@ -9,6 +9,7 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.geometry.polygons import FloatArray, IntArray, Rings, triangulate
+from cityx.geometry.ranges import row_codes
 from cityx.geometry.solids import NO_VERTEX, TRIM, Solids, as_quads, no_solids
 
 SHARPEST = np.radians(125.0)  # turn above which a mitre would be a spike; both pieces end square
@@ -112,8 +113,7 @@ def following_pieces(
     place = np.rint(np.concatenate([start, end]) / JOINT).astype(np.int64)
     level = np.rint(np.tile(z, 2) / LEVEL).astype(np.int64)
     keys = np.column_stack([np.tile(group, 2), level, place])
-    _, code = np.unique(keys, axis=0, return_inverse=True)
-    code = code.ravel()
+    code = row_codes(keys)
     begin, finish = code[:count], code[count:]
     number = np.bincount(begin, minlength=code.max() + 1)
     arriving = np.bincount(finish, minlength=code.max() + 1)

@@ -40,8 +40,8 @@ PATTERNS: Mapping[str, tuple[tuple[float, float, float, float], ...]] = MappingP
     }
 )  # fmt: skip
 FULLER = 1.22  # leaves cover less than the kite they stand in for
-FEW = 3  # leaves per card in the plainer form
-FEW_FULLER, FEW_SLIM = 1.60, 0.30  # they are larger, and never thinner than this
+FEW = 2  # leaves per card in the plainer form
+FEW_FULLER, FEW_SLIM = 1.96, 0.30  # they are larger, and never thinner than this
 
 
 @dataclass(frozen=True)
@@ -75,8 +75,7 @@ class Cards:
 
 
 def _unit(vectors: FloatArray) -> FloatArray:
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.asarray(vectors / np.maximum(length, 1e-6))
+    return np.asarray(vectors / np.maximum(shapes.lengths(vectors), 1e-6))
 
 
 def leaf_cards(skeleton: Skeleton, habit: Species, rng: np.random.Generator, count: int) -> Cards:
@@ -169,7 +168,7 @@ def few_leaves(
     *,
     size: float = 1.0,
 ) -> MeshBatch:
-    """Draw three flat leaves for each card, a quad each."""
+    """Draw two flat leaves for each card, a quad each."""
     centre, along, broad, shade = _spread(cards, np.array(PATTERNS[pattern])[:FEW], rng,
                                           size * FEW_FULLER, FEW_SLIM)  # fmt: skip
     waist = centre - 0.15 * along  # widest nearer to the stalk

@@ -28,7 +28,7 @@ FloatArray = NDArray[np.float64]
 FORMS = ("fine", "near", "light", "far")
 SPECIES = tuple(TREES)
 LIGHT_CARDS, LIGHT_CORE, FAR_CARDS = 900, 120, 14
-NEAR_CARDS = 0.75  # share of the cards that the near form draws, larger for it
+NEAR_CARDS = 0.5  # share of the cards that the near form draws, larger for it
 # Kites grow as they become fewer, a little less than the area asks: gaps close by themselves.
 LIGHT_SIZE = 0.85
 THINNEST = {"fine": 0.007, "near": 0.014, "light": 0.05}  # metres, limbs drawn under leaves
@@ -116,8 +116,8 @@ def tree(species: str, variant: int = 0, form: str = "near", season: str = "summ
         Which individual: 0 to `PARK_FORMS` - 1 grown in the open, the next `STREET_FORMS` beside a
         street.
     form
-        "fine" (every leaf drawn), "near" (three leaves per twig), "light" (few, large cards), "far"
-        (a mass of under 60 triangles).
+        "fine" (every leaf drawn), "near" (two leaves on every other twig), "light" (few, large
+        cards), "far" (a mass of under 60 triangles).
     season
         "spring", "summer", "autumn" or "winter"; evergreens change little or not at all.
 

@@ -16,6 +16,7 @@ from cityx.geometry import facades
 from cityx.geometry.facades import Openings, bays_of
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.ranges import row_codes
 from cityx.geometry.walls import WallTable
 from cityx.plugins.building.cornices import course_levels
 from cityx.plugins.building.facings import Facing
@@ -347,7 +348,7 @@ def corner_reach(walls: WallTable) -> tuple[FloatArray, FloatArray]:
     place = np.rint(np.stack([walls.start, walls.end], axis=1) * 1000).astype(np.int64)  # (w, 2, 2)
     part = np.repeat(walls.part.astype(np.int64)[:, None], 2, axis=1)
     key = np.stack([part, place[..., 0], place[..., 1]], axis=-1).reshape(-1, 3)
-    _, code = np.unique(key, axis=0, return_inverse=True)
+    code = row_codes(key)
     start_code, end_code = code.reshape(-1, 2).T
     order = np.argsort(start_code, kind="stable")
     at = np.minimum(np.searchsorted(start_code[order], end_code), max(walls.count - 1, 0))
