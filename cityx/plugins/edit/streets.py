@@ -60,10 +60,18 @@ class _Change:
     traffic: str | None
 
     @property
+    def of_paving(self) -> bool:
+        """Whether nothing but the surface changes."""
+        return self == replace(_UNCHANGED, surface=self.surface)
+
+    @property
     def of_section(self) -> bool:
         """Whether the cross-section changes."""
         values = (self.width, self.widen_by, self.lanes, self.direction, self.parking, self.cycling)
         return any(value is not None for value in values)
+
+
+_UNCHANGED = _Change(None, None, None, None, None, None, None, None, None)
 
 
 @action(
@@ -71,6 +79,7 @@ class _Change:
     limits=[
         "Kerbs move on both sides alike; houses and waters stay and bound the width.",
         "A street that is closed to cars becomes a paved way as wide as it was with its walks.",
+        "What stands beside a street stays where it is when the street is paved otherwise.",
         "Parking and cycle lanes are painted beside lanes that keep 2.75 m; else the kerbs move.",
     ],
     requires=("layout",),
@@ -160,7 +169,7 @@ def streets(
         raise UsageError("\n".join(faults))
     if changed.equals(table):
         raise UsageError(f"{', '.join(streets)}: nothing of this would change; it is so already.")
-    return renewed(city, replace(city.layout, roads=changed))
+    return renewed(city, replace(city.layout, roads=changed), paving=change.of_paving)
 
 
 def _called(row: Any) -> str:
