@@ -43,7 +43,7 @@ ONTO_ROADWAY = ("trees", "street_furniture", "street_pieces", "park_pieces")
 
 
 def renewed(
-    city: City, layout: Layout, actions: Registry | None = None, *, paving: bool = False
+    city: City, layout: Layout, actions: Registry | None = None, *, surface: bool = False
 ) -> City:
     """Return a city with another layout and with everything that follows from the difference.
 
@@ -55,8 +55,8 @@ def renewed(
         What it is to be laid out as; its site must be the same.
     actions
         The registry; that of all actions when left out.
-    paving
-        Whether streets are only paved otherwise: what stands beside them stays then.
+    surface
+        Whether only the surface of the ground changes: what stands on it stays then.
 
     Returns
     -------
@@ -82,7 +82,8 @@ def renewed(
     return replace(
         city, layout=layout, network=now.network, heights=now.heights, lanes=now.lanes,
         ground=now.ground, survey=now.survey, terrain=_regraded(city, was.terrain, now.terrain),
-        scene=_merged(city, was, now, LYING if paving else None), tracks=None if lost else city.tracks,
+        scene=_merged(city, was, now, LYING if surface else None),
+        tracks=None if lost else city.tracks,
         notes=tuple(dict.fromkeys((*city.notes, *now.notes, *notes))),
         failures=tuple(dict.fromkeys((*city.failures, *now.failures))),
     )  # fmt: skip
