@@ -53,7 +53,8 @@ def agents(
 @bench.command()
 def edits(
     held: Annotated[
-        bool, typer.Option("--held", help="The set that was run before the program was tuned to it.")
+        bool,
+        typer.Option("--held", help="The set that was run before the program was tuned to it."),
     ] = False,
     unseen: Annotated[
         bool, typer.Option("--unseen", help="The set that nobody tunes the program to.")

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 from cityx.agents.brief.brief import Edit, Span
-from cityx.agents.brief.scan import Item
+from cityx.agents.brief.scan import Item, Quantity
 from cityx.agents.brief.scopes import NEGATED, READ
 
 _TAKEN = ("take", "tear", "knock", "pull", "cut", "chop", "rip", "throw")  # "take the bench out"
 _CLEARED = ("clear", "strip", "empty", "rid", "free", "relieve", "cleanse")  # "the park of trees"
+_ONE_STOREY = ("one story", "single story")  # folded; of a city that is described, low houses
 _COPIES = ("copy", "duplicate", "replica", "clone", "twin")  # "a copy of the church"
 _AWAY = ("out", "away", "off", "down", "out of")
 _THINGS = ("element", "plant", "vehicle", "person", "building", "type")
@@ -24,6 +26,11 @@ def plain(clause: list[Item]) -> None:
     _deny(live)
     _clear(clause)
     _duplicate(clause)
+    for before, item in pairwise(live):
+        if before.has("side") and item.quantity is not None and item.quantity.dimension == "part":
+            item.state = READ  # "the western half of the city" is its west
+        if item.text in _ONE_STOREY:
+            item.quantity, item.senses = Quantity("floors", 1.0, 1.0), ()
 
 
 def _clear(clause: list[Item]) -> None:
