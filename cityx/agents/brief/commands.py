@@ -188,7 +188,8 @@ def _named(items: Iterable[Item]) -> bool:
     weather = any(item.get("slot").startswith("weather=") for item in items)
     swap = sum(item.has(*_LOOKS) for item in items) > 1 and items[0].get("verb") == "REPLACE"
     quarter = any(
-        item.has("side") and after.noun == "city" for item, after in pairwise(items)
+        item.has("side") and after.noun == "city"
+        for item, after in pairwise(item for item in items if item.kind != "function")
     ) or any(item.get("slot").startswith("district=") for item in items)
     told = any(item.has(*_LOOKS) or "style=" in item.get("slot") for item in items)
     return (

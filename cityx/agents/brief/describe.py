@@ -11,7 +11,7 @@ from cityx.agents.brief.scopes import KEPT, NEGATED, READ
 
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
-_AIR = ("season=", "time=", "weather=")
+_AIR = ("season=", "time=", "weather=", "wetness=")
 _NO_PLACE = ("city", "landscape", "center", "sky")
 _TURNED = ("right", "left", "top", "bottom")  # sides of a picture, not of a city
 # What stands behind a word about how much of it there is.

@@ -8,11 +8,12 @@ from itertools import pairwise
 from cityx.agents.brief.brief import Edit, Span
 from cityx.agents.brief.scan import Item, Quantity
 from cityx.agents.brief.scopes import NEGATED, READ
+from cityx.agents.brief.words import forms_of
 
 _TAKEN = ("take", "tear", "knock", "pull", "cut", "chop", "rip", "throw")  # "take the bench out"
 _CLEARED = ("clear", "strip", "empty", "rid", "free", "relieve", "cleanse")  # "the park of trees"
 _ONE_STOREY = ("one story", "single story")  # folded; of a city that is described, low houses
-_COPIES = ("copy", "duplicate", "replica", "clone", "twin")  # "a copy of the church"
+_COPIES = frozenset(("copy", "duplicate", "replica", "clone", "twin"))  # "a copy of the church"
 _AWAY = ("out", "away", "off", "down", "out of")
 _THINGS = ("element", "plant", "vehicle", "person", "building", "type")
 # Word for weather -> what there can be more or less of.
@@ -51,7 +52,8 @@ def _clear(clause: list[Item]) -> None:
 def _duplicate(clause: list[Item]) -> None:
     """Read "put a copy of the church beside it" as "copy the church beside it"."""
     for at, item in enumerate(clause[:-1]):
-        if item.words[-1] in _COPIES and clause[at + 1].get("rel") == "of" and not item.state:
+        twin = item.get("verb") == "COPY" or not _COPIES.isdisjoint(forms_of(item.words[-1]))
+        if twin and clause[at + 1].get("rel") == "of" and not item.state:
             for other in [*clause[:at], clause[at + 1]]:
                 other.state = other.state or READ
             said = next((one.quantity for one in clause[:at] if one.quantity is not None), None)

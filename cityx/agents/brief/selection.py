@@ -88,6 +88,8 @@ def _selector(target: Node) -> Selector:
             continue  # "buildings b01 to b05"
         elif child.name == "IT":
             selector = replace(selector, kind=IT)
+        elif child.name == "BUILDING" and child.item is None:  # "the tallest"
+            selector = replace(selector, kind="building", k=selector.k or (not selector.nth))
         elif child.name == "QUARTER" and child.item is not None:
             selector = replace(selector, kind="building", inside=_quarter(child.item))
         elif child.item is not None:

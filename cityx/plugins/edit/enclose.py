@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
+from cityx.city.ground import ROADWAY
 from cityx.city.layout import joined_tables, make_table
 from cityx.errors import UsageError
 from cityx.geometry.identity import hash_ids, id_text, stable_id
@@ -26,6 +27,8 @@ AROUND = 4.0  # metres from the walls of a house
 HOUSES = 0.9  # metres from other houses, so that one gets by
 TRUNKS = 0.6  # metres from trees, lamps and benches
 GATE, GATES = 2.5, 40.0  # metres that are left open of a ring, so often along it
+WIDE = 0.4  # metres from the middle of a hedge to its side
+PAVED = (*ROADWAY, "sidewalk", "kerb", "furnishing", "path", "trail", "parking", "apron")
 SHORTEST = 2.0  # metres of a piece that is worth building
 STANDING = ("trees", "park_pieces", "street_furniture", "street_pieces")
 Shapes = NDArray[Any]
@@ -120,8 +123,9 @@ def _interrupted(city: City, lines: Shapes, ids: NDArray[np.uint64]) -> Shapes:
     wet = areas["kind"].isin(("water", "sea", "river", "pool")).to_numpy()
     taken += [*areas.geometry.to_numpy()[wet]]
     if city.ground is not None:
-        paths = city.ground.triangles_of("path", "trail", "parking", "apron")
-        taken += [*shapely.polygons(city.ground.vertices[paths])]
+        paved = shapely.polygons(city.ground.vertices[city.ground.triangles_of(*PAVED)])
+        near = shapely.STRtree(lines).query(paved, predicate="dwithin", distance=WIDE)[0]
+        taken += [*shapely.buffer(paved[np.unique(near)], WIDE)]
     for layer in STANDING:
         rows = city.scene.instances.get(layer)
         if rows is not None:
