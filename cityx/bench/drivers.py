@@ -29,7 +29,7 @@ from cityx.geometry.identity import id_text
 from cityx.protocol.catalogue import known_records
 from cityx.protocol.gate import Call
 from cityx.protocol.registry import registry
-from cityx.sources.intake import HowToRead, sort_inputs
+from cityx.sources.intake import sort_inputs
 
 GOLD = Path(__file__).with_name("gold.json")
 NO_GOLD = "a gold plan"
@@ -247,8 +247,11 @@ class Oracle:
             return carried_out(place, outcome, lambda: change(place, calls))
         if "build" not in plan:
             return outcome
+        traced = [place.inputs[name] for name in plan.get("files", ())]  # by who sees a picture
         return carried_out(
-            place, outcome, lambda: build(place.files, place.folder, _gold(place, plan["build"]))
+            place,
+            outcome,
+            lambda: build(traced or place.files, place.folder, _gold(place, plan["build"])),
         )
 
 
@@ -267,8 +270,6 @@ def _gold(place: Workplace, said: Mapping[str, Any]) -> BuildOptions:
     given: dict[str, Any] = {
         key: tuple(value) if isinstance(value, list) else value for key, value in said.items()
     }
-    if "read" in given:
-        given["read"] = HowToRead(**given["read"])
     return replace(_options(place), **given)
 
 
