@@ -17,7 +17,7 @@ MAPS ?= ../shared/data/osm
 
 export OMP_WAIT_POLICY = PASSIVE
 
-.PHONY: demo test core lint types format lock bench compare validator clean
+.PHONY: demo test core lint types format records lock bench compare validator clean
 
 demo: $(READY)
 	$(BIN)/python examples/helsinki/main.py -o $(OUT) --style $(STYLE) --time $(TIME) --weather $(WEATHER) --samples $(SAMPLES) \
@@ -38,6 +38,10 @@ types: $(READY)
 
 format: $(READY)
 	$(BIN)/ruff check --fix . && $(BIN)/ruff format .
+
+# Renew the records that come with the package after a change of a plugin's signature or docstring.
+records: $(READY)
+	$(BIN)/python -c "from cityx.protocol.shipped import write_records; write_records()"
 
 # Renew the pins after a change of pyproject.toml.
 lock: $(READY)

@@ -38,6 +38,20 @@ app.add_typer(assets, name="assets")
 app.add_typer(bench, name="bench")
 
 
+# Who plays the roles of the agents.
+Planner = Annotated[
+    str, typer.Option(help="offline, or openai:MODEL, anthropic:MODEL, ollama:MODEL, ...")
+]
+BaseUrl = Annotated[
+    str, typer.Option("--base-url", help="Server of the model, for openai-chat:MODEL.")
+]
+Record = Annotated[str, typer.Option(help="File to add the model's decisions to.")]
+Replay = Annotated[str, typer.Option(help="File of decisions to play, asking nobody.")]
+BudgetTokens = Annotated[
+    int, typer.Option("--budget-tokens", min=0, help="Tokens that models may use.")
+]
+
+
 def _version(value: bool) -> None:
     if value:
         typer.echo(f"cityx {__version__}")
@@ -141,17 +155,11 @@ def build(
     place: Annotated[
         str, typer.Option(help="Place whose map is fetched: a name, or WEST,SOUTH,EAST,NORTH.")
     ] = "",
-    planner: Annotated[
-        str, typer.Option(help="offline, or openai:MODEL, anthropic:MODEL, ollama:MODEL, ...")
-    ] = "offline",
-    base_url: Annotated[
-        str, typer.Option("--base-url", help="Server of the model, for openai-chat:MODEL.")
-    ] = "",
-    record: Annotated[str, typer.Option(help="File to add the model's decisions to.")] = "",
-    replay: Annotated[str, typer.Option(help="File of decisions to play, asking nobody.")] = "",
-    budget_tokens: Annotated[
-        int, typer.Option("--budget-tokens", min=0, help="Tokens that models may use.")
-    ] = 400_000,
+    planner: Planner = "offline",
+    base_url: BaseUrl = "",
+    record: Record = "",
+    replay: Replay = "",
+    budget_tokens: BudgetTokens = 400_000,
     settings: Annotated[
         list[str] | None,
         typer.Option("--set", help="[ACTION.]NAME=VALUE of an action of the build; may repeat."),
@@ -209,12 +217,21 @@ def edit(
     folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
     text: Annotated[str, typer.Argument(help="What is to change, in words.")],
     files: Annotated[list[Path] | None, typer.Argument(help="Texts with more wishes.")] = None,
+    planner: Planner = "offline",
+    base_url: BaseUrl = "",
+    record: Record = "",
+    replay: Replay = "",
+    budget_tokens: BudgetTokens = 400_000,
 ) -> None:
     """Change a built city as a sentence says, whole or not at all."""
     from cityx.agents.edit import edit_city
+    from cityx.agents.options import PlannerChoice
 
+    choice = PlannerChoice(planner, base_url, record, replay, budget_tokens)
     with _progress() as say:
-        report = edit_city(folder, text, files=files or (), say=say)
+        report = edit_city(folder, text, files=files or (), say=say, choice=choice)
+    for note in report["notes_of_change"]:
+        typer.echo(f"note: {note}")
     _changed(report)
 
 
@@ -353,11 +370,24 @@ def serve(
         int | None, typer.Option(min=0, max=65535, help="Port of HTTP on this machine; 0 for any.")
     ] = None,
     profile: Annotated[str, typer.Option(help="core, or full: a tool for every action.")] = "core",
+    planner: Planner = "offline",
+    base_url: BaseUrl = "",
+    record: Record = "",
+    replay: Replay = "",
+    budget_tokens: BudgetTokens = 400_000,
 ) -> None:
     """Let language models and other programs use a city, by the Model Context Protocol."""
+    from cityx.agents.options import PlannerChoice
     from cityx.server.serve import serve as serve_city
 
-    serve_city(folder, port=http, profile=profile, say=lambda line: typer.echo(line, err=True))
+    choice = PlannerChoice(planner, base_url, record, replay, budget_tokens)
+    serve_city(
+        folder,
+        port=http,
+        profile=profile,
+        say=lambda line: typer.echo(line, err=True),
+        choice=choice,
+    )
 
 
 @plugins.command("list")

@@ -145,7 +145,7 @@ def make_job(
     inputs = sort_inputs(paths, options.read.kinds)
     actions = registry()
     files = [(item.path, item.kind) for item in inputs.all]
-    roles = _roles(options.choice, known_records(actions), left)
+    roles = roles_of(options.choice, known_records(actions), left)
     try:
         request = read_request(options, files, maker=roles.brief_maker)
     except BaseException:
@@ -154,7 +154,25 @@ def make_job(
     return Job(options, inputs, request, actions, roles)
 
 
-def _roles(choice: PlannerChoice, records: Iterable[Encapsulation], left: Path | None) -> Roles:
+def roles_of(
+    choice: PlannerChoice, records: Iterable[Encapsulation], left: Path | None = None
+) -> Roles:
+    """Return who plays the roles of a run.
+
+    Parameters
+    ----------
+    choice
+        Who is wanted.
+    records
+        Of the actions that may be planned.
+    left
+        Journal of a killed run of the same, whose decisions hold.
+
+    Raises
+    ------
+    InputError, UsageError, MissingExtra
+        As of `cityx.agents.models.roles_for`.
+    """
     recording = Recording(
         Path(choice.record) if choice.record else None,
         Path(choice.replay) if choice.replay else None,

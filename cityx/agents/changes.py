@@ -28,6 +28,8 @@ from cityx.protocol.serving import Slots
 Found = dict[str, tuple[Any, ...]]
 
 GAP = 4.0  # metres between something and what is put near it or beside it
+BESIDE = 60.0  # metres beyond its width within which a copy stands whose place is left open
+FARTHEST = 200.0  # metres that anything may end from where it is meant to
 SETTLE = 25.0  # metres around a place told in words within which room is looked for
 _COLOR_KEYS = ("color", "building.color", "roof.color")
 _RELATIONS: Mapping[str, str] = MappingProxyType({"in": "in", "on": "in", "near": "near"})
@@ -105,6 +107,8 @@ def slots_of_edit(edit: Edit, chosen: Selection | None, city: City) -> Slots:
     slots: Found = {}
     for key, value in edit.items():
         slots[key] = (*slots.get(key, ()), value)
+    if edit.verb == "raise_lanes":  # "by" is a width
+        slots["lanes.by"] = slots.pop("by")
     for key, value in edit.change:
         if key in _COLOR_KEYS:
             slots["rgb"] = (_rgb(str(value)),)
@@ -129,6 +133,9 @@ def _rgb(word: str) -> int:
 def _way(edit: Edit, chosen: Selection, city: City) -> Found:
     """Return how far things are moved: as said, or to a place that is named."""
     change = dict(edit.change)
+    if edit.verb == "copy" and not {"direction", "by", *_RELATIONS, "side"} & change.keys():
+        half = _half_width(chosen)
+        return {"offset": ((2 * half + GAP, 0.0),), "settle": (min(BESIDE + 2 * half, FARTHEST),)}
     towards = [str(value) for key, value in edit.change if key == "direction"]
     if towards and "by" in change:
         way = sum((np.array(SIDES[word]) for word in towards), np.zeros(2))

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from cityx.agents.brief import Edit
+from cityx.agents.brief.brief import Note
 from cityx.agents.briefs import Request, read_request
 from cityx.agents.changes import slots_of_edits
 from cityx.agents.desk import Desk, Revision
 from cityx.agents.loop import Say, quiet
-from cityx.agents.options import BuildOptions
+from cityx.agents.options import BuildOptions, PlannerChoice
 from cityx.agents.planning.planner import OfflinePlanner
 from cityx.agents.planning.workflow import Item
+from cityx.agents.pool import Pool
 from cityx.agents.results import write_report
 from cityx.city import City
 from cityx.errors import UsageError
@@ -22,6 +25,7 @@ from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.serving import Slots
 
 UNDO = "undo"
+OFFLINE = PlannerChoice()
 
 
 def edit_city(
@@ -32,6 +36,7 @@ def edit_city(
     say: Say = quiet,
     cancelled: Callable[[], bool] = lambda: False,
     expected: int | None = None,
+    choice: PlannerChoice = OFFLINE,
 ) -> dict[str, Any]:
     """Change a built city as a sentence says, whole or not at all, and return its report.
 
@@ -49,6 +54,8 @@ def edit_city(
         Asked after every action whether to stop; what was done is taken back then.
     expected
         Revision that the caller looked at, None for any.
+    choice
+        Who reads the sentence.
 
     Raises
     ------
@@ -58,7 +65,7 @@ def edit_city(
         If no action does what is asked; nothing is changed.
     """
     with Desk(folder) as desk:
-        request, items = planned(desk, text, files)
+        request, items = planned(desk, text, files, choice=choice)
         if items is None:
             revision = _undone(desk, request, expected)
         else:
@@ -69,8 +76,13 @@ def edit_city(
         return renew(folder, desk.city, request, revision, say)
 
 
-def planned(desk: Desk, text: str, files: Sequence[Path] = ()) -> tuple[Request, list[Item] | None]:
+def planned(
+    desk: Desk, text: str, files: Sequence[Path] = (), *, choice: PlannerChoice = OFFLINE
+) -> tuple[Request, list[Item] | None]:
     """Return what a sentence asks for and the actions for it; None for going back.
+
+    A model, where one is chosen, puts what the rules do not understand into words that they do.
+    Which actions serve a change is a table that the checks hold it to, so nobody else plans it.
 
     Raises
     ------
@@ -79,19 +91,22 @@ def planned(desk: Desk, text: str, files: Sequence[Path] = ()) -> tuple[Request,
     """
     from cityx.protocol.catalogue import known_records
 
-    request = read_request(BuildOptions(text=text), wishes_in(files), base=True, city=desk.city)
+    records = known_records(desk.actions)
+    request = _read(desk, text, files, choice, records)
     edits = request.brief.edits
     if any(edit.verb == UNDO for edit in edits):
         if len(edits) > 1:
             raise UsageError("Going back and a change are two things; ask for one at a time.")
         return request, None
-    planner = OfflinePlanner(known_records(desk.actions))
+    planner = OfflinePlanner(records)
     items: list[Item] = []
     faults = []
     for edit, slots in slots_of_edits(request.brief, desk.city):
         found = planner.answers(slots)
         items += found
-        said = f'"{text[slice(*edit.span)]}": ' if not files else ""  # spans are of one text
+        said = (
+            f'"{request.brief.text[slice(*edit.span)]}": ' if not files else ""
+        )  # spans are of one text
         if not found:
             faults.append(f"{said}no action does this ({_named(edit)}).")
         faults += [
@@ -103,6 +118,29 @@ def planned(desk: Desk, text: str, files: Sequence[Path] = ()) -> tuple[Request,
     if faults:
         raise UsageError("\n".join(faults))
     return request, items
+
+
+def _read(
+    desk: Desk,
+    text: str,
+    files: Sequence[Path],
+    choice: PlannerChoice,
+    records: Sequence[Encapsulation],
+) -> Request:
+    """Read a sentence, and write what a model decided of it to the journal of the city."""
+    options, wishes = BuildOptions(text=text), wishes_in(files)
+    if choice == OFFLINE:
+        return read_request(options, wishes, base=True, city=desk.city)
+    from cityx.agents.build import roles_of
+
+    roles = roles_of(choice, records)
+    try:
+        roles.attach(Pool(desk.journal.database, desk.revision))
+        request = read_request(options, wishes, base=True, city=desk.city, maker=roles.brief_maker)
+    finally:
+        roles.close()
+    notes = (*request.brief.notes, *(Note("model", text) for text in roles.notes))
+    return replace(request, brief=replace(request.brief, notes=notes))
 
 
 def untaken(record: Encapsulation, slots: Slots, item: Item) -> list[str]:
@@ -201,6 +239,7 @@ def renew(
     report |= {
         "hash": revision.content, "revision": revision.number, "counts": counts(city),
         "triangles": triangle_counts(city), "change": request.brief.to_json(),
+        "notes_of_change": list(request.notes),
         "goals_of_change": [
             {"goal": goal.text, "met": finding.met, "evidence": finding.evidence,
              "predicate": goal.predicate}

@@ -9,10 +9,10 @@ from typing import Any
 
 from cityx.agents.build import build
 from cityx.agents.desk import STORE, Cancelled, Desk
-from cityx.agents.edit import edit_city, planned
+from cityx.agents.edit import OFFLINE, edit_city, planned
 from cityx.agents.explain import explain, explained
 from cityx.agents.loop import Say
-from cityx.agents.options import BuildOptions
+from cityx.agents.options import BuildOptions, PlannerChoice
 
 QUICK = BuildOptions(formats=(), render=False)
 
@@ -22,7 +22,7 @@ def is_built(folder: Path) -> bool:
     return (folder / STORE / "city.json").exists()
 
 
-def plan_text(text: str, folder: Path) -> dict[str, Any]:
+def plan_text(text: str, folder: Path, choice: PlannerChoice = OFFLINE) -> dict[str, Any]:
     """Return what a text asks for and the actions that would bring it about; nothing is run.
 
     Parameters
@@ -31,6 +31,8 @@ def plan_text(text: str, folder: Path) -> dict[str, Any]:
         In words.
     folder
         Of a built city, or where one is to be built.
+    choice
+        Who reads the text; a city that is to be built is planned offline.
 
     Returns
     -------
@@ -47,7 +49,7 @@ def plan_text(text: str, folder: Path) -> dict[str, Any]:
     if not is_built(folder):
         return {**explain(text), "builds": True}
     with Desk(folder) as desk:
-        request, items = planned(desk, text)
+        request, items = planned(desk, text, choice=choice)
     return {**explained(request, items or ()), "builds": False}
 
 
@@ -65,7 +67,7 @@ def carry_out_text(
     cancelled
         Asked between actions whether the work is called off.
     options
-        Of a build.
+        Of a build; who reads and plans is that of a change too.
 
     Returns
     -------
@@ -87,8 +89,8 @@ def carry_out_text(
         say(line)
 
     if is_built(folder):
-        report = edit_city(folder, text, say=say, cancelled=cancelled)
-        goals, notes = report["goals_of_change"], []
+        report = edit_city(folder, text, say=say, cancelled=cancelled, choice=options.choice)
+        goals, notes = report["goals_of_change"], report["notes_of_change"]
     else:
         report = build([], folder, replace(options, text=text), say=heard)
         goals, notes = report["goals"], report["notes"]

@@ -125,8 +125,7 @@ class Loop:
             except (ActionRejected, ActionFailed) as error:
                 city, place = self._repaired(city, item, place, error)
                 continue
-            body = {"action": item.action, "item": place, "state": self.run.state}
-            self.pool.say(Message("backend", "result", body, parent=self._told))
+            self._tell_done(item, place)
             place = self._onward(city, item, place)
         return self._refined(city) if self.goals else city
 
@@ -169,12 +168,18 @@ class Loop:
             try:
                 city = attempt(self.executor, self.run.do, city, item, record, self.slots)
             except (ActionRejected, ActionFailed) as error:
-                body = {"action": item.action, "error": str(error), "item": place}
-                self.pool.say(Message("backend", "reject", body, parent=self._told))
+                self._tell_failed(item, place, error)
                 continue
-            body = {"action": item.action, "item": place, "state": self.run.state}
-            self.pool.say(Message("backend", "result", body, parent=self._told))
+            self._tell_done(item, place)
         return city
+
+    def _tell_done(self, item: Item, place: int) -> None:
+        body = {"action": item.action, "item": place, "state": self.run.state}
+        self.pool.say(Message("backend", "result", body, parent=self._told))
+
+    def _tell_failed(self, item: Item, place: int, error: Exception) -> None:
+        body = {"action": item.action, "error": str(error), "item": place}
+        self.pool.say(Message("backend", "reject", body, parent=self._told))
 
     def _reviews(self, place: int) -> bool:
         """Tell whether the layout is to be measured, and made again if it misses a goal."""
@@ -279,8 +284,7 @@ class Loop:
         ActionRejected, ActionFailed
             The error, if the city cannot be without it.
         """
-        body = {"action": item.action, "error": str(error), "item": place}
-        self.pool.say(Message("backend", "reject", body, parent=self._told))
+        self._tell_failed(item, place, error)
         if item.firm or len(self.unmet) >= MOST_FAILURES:
             raise error
         if item.wish:

@@ -104,19 +104,21 @@ def _measure(call: Call, low: float, high: float, facts: Facts) -> Remedies:
     value = chosen.layer.number(name)[chosen.rows]
     found = []
     for bound, missed in ((low, value < low), (high, value > high)):
-        moved = np.isin(np.arange(len(value)), _needed(value, missed, below, up=bound is low))
+        moved = _needed(value, missed, below, up=bound is low)
         if moved.any() and math.isfinite(bound):
             found.append(Remedy(Edit(f"set_{name}", None, ((name, bound),)), chosen.where(moved)))
     return tuple(found)
 
 
-def _needed(value: FloatArray, missed: BoolArray, below: float, *, up: bool) -> IntArray:
-    """Return the rows that must be moved so that no more than a part of all is left beyond."""
+def _needed(value: FloatArray, missed: BoolArray, below: float, *, up: bool) -> BoolArray:
+    """(n,) which must be moved so that no more than a part of all is left beyond."""
     rows = np.flatnonzero(missed)
     nearest = rows[np.argsort(-value[rows] if up else value[rows], kind="stable")]
     # What may stay: those under a high quantile when it rises, those over a low one when it falls.
     stay = math.floor((below if up else 1.0 - below) * (len(value) - 1))
-    return np.asarray(nearest[: max(len(rows) - stay, 0)])
+    moved = np.zeros(len(value), bool)
+    moved[nearest[: max(len(rows) - stay, 0)]] = True
+    return moved
 
 
 def _share(call: Call, low: float, high: float, facts: Facts) -> Remedies:

@@ -74,12 +74,13 @@ def place_of(
     """Return the position of an added action.
 
     What the workflow makes of a layout comes after every layout action; in the other stages, what
-    is added comes first, so that the workflow sees it.
+    is added comes first, so that the workflow sees it, unless it needs what its own stage makes.
     """
     own = actions[action].stage
     if own in NEUTRAL:
         return len(planned)
-    waits = stages_after(own) | ({own} if own != Stage.LAYOUT else set())
+    later = own == Stage.LAYOUT or own.value in actions[action].requires
+    waits = stages_after(own) | (set() if later else {own})
     stages = [actions[item.action].stage for item in planned]
     found = (index for index, stage in enumerate(stages) if stage in waits)
     return next(found, len(planned))

@@ -34,6 +34,13 @@ ROADSIDE = 8.0  # metres from it to trees, lamps and benches along a street
 MIDDLE = 0.15  # of the shorter side of the site, within which something is in its middle
 DIAGONAL = np.cos(np.radians(45.0))  # what lies more north than east or west is in the north
 _LAST = re.compile(r"[/ ]")  # parts a source: "osm/way/12", "drawn/town.geojson/feature b01"
+# Kind of quarter -> the use of its buildings, or how far it reaches from the middle of the site as
+# a share of the shorter side.
+QUARTER_USES: Mapping[str, str] = MappingProxyType(
+    {"industrial": "industrial", "residential": "residential", "commercial": "commercial"}
+)
+CENTRAL: Mapping[str, float] = MappingProxyType({"downtown": 0.25, "old_town": 0.25})
+BETWEEN = 15.0  # metres between the buildings of a quarter: half a street
 SHOWN = 6  # candidates that a question lists
 MOST_BY_FILE = 0.2  # of the things of a kind, that a file may have removed or replaced
 MAIN_STREET = "main_street"
@@ -291,9 +298,25 @@ def _within(word: str, chosen: Selection, facts: Facts) -> BoolArray:
         xmin, ymin, xmax, ymax = facts.city.layout.extent
         reach = MIDDLE * min(xmax - xmin, ymax - ymin)
         return distance_to(word, chosen, facts) <= reach
-    region = region_of(word, facts)
+    if word in QUARTER_USES:
+        region = _quarter(word, facts)
+    elif word in CENTRAL:
+        xmin, ymin, xmax, ymax = facts.city.layout.extent
+        reach = CENTRAL[word] * min(xmax - xmin, ymax - ymin)
+        return distance_to("center", chosen, facts) <= reach
+    else:
+        region = region_of(word, facts)
     shapely.prepare(region)
     return np.asarray(shapely.intersects(shapely.centroid(chosen.shapes), region), bool)
+
+
+def _quarter(word: str, facts: Facts) -> Any:
+    """Return the ground of a quarter: that of the buildings of its use, and between them."""
+    group = ", ".join(["building", f"use={QUARTER_USES[word]}"])
+    own = facts.select(group_of(group))
+    if not len(own.rows):
+        raise Open(f"There is no {word} quarter in the city: no building of such a use.")
+    return shapely.buffer(shapely.union_all(shapely.buffer(own.grounds, BETWEEN)), -BETWEEN)
 
 
 def _along(word: str, chosen: Selection, facts: Facts) -> BoolArray:

@@ -46,6 +46,7 @@ __all__ = [
     "REGIONS",
     "STYLES",
     "Finishes",
+    "building_groups",
     "family_of",
     "finishes_for",
     "groups_of",
@@ -178,6 +179,15 @@ def groups_of(layout: Layout, seed: int) -> NDArray[np.int64]:
     group = np.where(group < 0, guess, group)
     # A tall block tagged with the general word for commerce is an office over shops.
     return np.where((group == index_of("retail")) & (levels >= 4), index_of("office"), group)
+
+
+def building_groups(layout: Layout, seed: int) -> NDArray[np.int64]:
+    """Return the use group of every building, that of its first part: (n,) index into `GROUPS`."""
+    group = np.full(len(layout.buildings), GROUPS.index("flats"), np.int64)
+    owner, described = owner_rows(layout)
+    rows = np.flatnonzero(described)[::-1]
+    group[owner[rows]] = groups_of(layout, seed)[rows]
+    return group
 
 
 def owner_rows(layout: Layout) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:

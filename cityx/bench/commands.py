@@ -146,7 +146,11 @@ def speed(
 @bench.command()
 def edits(
     held: Annotated[
-        bool, typer.Option("--held", help="The set that nobody tunes the program to.")
+        bool,
+        typer.Option("--held", help="The set that was run before the program was tuned to it."),
+    ] = False,
+    unseen: Annotated[
+        bool, typer.Option("--unseen", help="The set that nobody tunes the program to.")
     ] = False,
     only: Annotated[str, typer.Option(help="Ids, comma-separated: asset01,style05.")] = "",
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder of scenes and results.")] = Path(
@@ -157,11 +161,10 @@ def edits(
     from cityx.bench.edits import run_edits, sentences, write_edits
 
     names = [word.strip() for word in only.split(",") if word.strip()]
-    chosen = sentences(held=held, only=names)
+    chosen = sentences(held=held, unseen=unseen, only=names)
     out.mkdir(parents=True, exist_ok=True)
     results = run_edits(chosen, out, lambda line: typer.echo(line, err=True))
-    command = (
-        "cityx bench edits" + (" --held" if held else "") + (f" --only {only}" if only else "")
-    )
+    command = "cityx bench edits" + (" --unseen" if unseen else " --held" if held else "")
+    command += f" --only {only}" if only else ""
     for line in write_edits(results, command, out):
         typer.echo(line)

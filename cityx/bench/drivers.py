@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from cityx.agents.brief import Brief
+from cityx.agents.brief import Brief, Selector
 from cityx.agents.briefs import Clarify, Request, read_request
 from cityx.agents.build import build
 from cityx.agents.changes import slots_of_edits
@@ -18,12 +18,14 @@ from cityx.agents.edit import edit_city
 from cityx.agents.options import BuildOptions, PlannerChoice
 from cityx.agents.planning.asked import slots_of_brief
 from cityx.agents.planning.planner import OfflinePlanner, Situation
+from cityx.agents.selecting import choose
 from cityx.bench.outcome import Outcome, Workplace, acted, fault_of
 from cityx.bench.random_driver import random_outcome
 from cityx.bench.tasks import MOVING, SlotPair
 from cityx.checks.predicates import Reply
 from cityx.city import City
 from cityx.errors import InputError, UsageError, nearest
+from cityx.geometry.identity import id_text
 from cityx.protocol.catalogue import known_records
 from cityx.protocol.gate import Call
 from cityx.protocol.registry import registry
@@ -241,13 +243,26 @@ class Oracle:
         reply = Reply(plan.get("reply", "done"), frozenset(plan.get("mentions", ())))
         outcome = Outcome(place.start, reply)
         if "calls" in plan:
-            calls = [Call(action, args) for action, args in plan["calls"]]
+            calls = [Call(action, _named(place, args)) for action, args in plan["calls"]]
             return carried_out(place, outcome, lambda: change(place, calls))
         if "build" not in plan:
             return outcome
+        traced = [place.inputs[name] for name in plan.get("files", ())]  # by who sees a picture
         return carried_out(
-            place, outcome, lambda: build(place.files, place.folder, _gold(place, plan["build"]))
+            place,
+            outcome,
+            lambda: build(traced or place.files, place.folder, _gold(place, plan["build"])),
         )
+
+
+def _named(place: Workplace, args: Mapping[str, Any]) -> dict[str, Any]:
+    """Return arguments of a plan with the ids of what it names by kind: {"every": "vehicle"}."""
+    return {
+        key: tuple(id_text(int(one)) for one in choose(Selector(value["every"]), place.start).ids)
+        if isinstance(value, dict)
+        else value
+        for key, value in args.items()
+    }
 
 
 def _gold(place: Workplace, said: Mapping[str, Any]) -> BuildOptions:

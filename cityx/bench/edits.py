@@ -1,8 +1,9 @@
 """The benchmark of edits: sentences that change base scenes, and sentences that must be refused.
 
 Of each class of the paper (assets, weather, style) there are twenty; twenty more name nothing, name
-several things, contradict themselves or ask for what cannot be. A second set is left alone while
-the program is made better, so that it tells what the first does not.
+several things, contradict themselves or ask for what cannot be. A second set was left alone until
+it had been run once, and tuned to by the classes of sentences that failed; a third was written and
+run after that, so that it tells what the others do not.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ from cityx.protocol.registry import registry
 
 EDITS = Path(__file__).with_name("edits.json")
 HELD_BACK = Path(__file__).with_name("edits_held.json")
-HELD = "held_"  # begins the ids of the second set
+UNSEEN = Path(__file__).with_name("edits_unseen.json")
+HELD = "held_"  # begins the ids of the second and the third set
 REFUSE = "refuse"
 CLASSES = ("asset", "weather", "style", REFUSE)
 Say = Callable[[str], None]
@@ -170,6 +172,8 @@ def write_edits(results: Sequence[Result], command: str, out: Path) -> list[str]
     return lines
 
 
-def sentences(*, held: bool, only: Sequence[str] = ()) -> tuple[Task, ...]:
-    """Return the sentences of the benchmark, or of the second set."""
-    return read_tasks(HELD_BACK if held else EDITS, only)
+def sentences(
+    *, held: bool = False, unseen: bool = False, only: Sequence[str] = ()
+) -> tuple[Task, ...]:
+    """Return the sentences of the benchmark, of the second set or of the third."""
+    return read_tasks(UNSEEN if unseen else HELD_BACK if held else EDITS, only)

@@ -201,7 +201,7 @@ def _hints(function: Callable[..., Any], action_id: str) -> dict[str, Any]:
             return typing.get_type_hints(function, localns=known, include_extras=True)
         except NameError as error:
             name = str(error.name)
-            if name in known or name in names or name not in _LATE_NAMES:
+            if name in known or name in names or name not in LATE_NAMES:
                 raise UsageError(
                     f"Action {action_id}: annotation {name} is unknown when the plugin runs; "
                     "import it outside TYPE_CHECKING."
@@ -211,7 +211,7 @@ def _hints(function: Callable[..., Any], action_id: str) -> dict[str, Any]:
 
 _VALUES = "cityx.protocol.values"
 # Names that a plugin may import for type checking alone.
-_LATE_NAMES = {
+LATE_NAMES = {
     "City": "cityx.city.city",
     "Layout": "cityx.city.layout",
     "MeshBatch": "cityx.city.mesh",
@@ -233,7 +233,7 @@ _LATE_NAMES = {
 def _late(name: str) -> Any:
     from importlib import import_module
 
-    module = import_module(_LATE_NAMES[name])
+    module = import_module(LATE_NAMES[name])
     return module if name == "np" else getattr(module, name)
 
 

@@ -1,4 +1,4 @@
-"""The records of all actions, kept between processes, so that planning imports no plugin."""
+"""The records of all actions, known without importing any plugin."""
 
 from __future__ import annotations
 
@@ -6,22 +6,20 @@ import json
 from functools import cache
 from hashlib import blake2b
 from importlib.metadata import version
-from pathlib import Path
 
 from cityx.cache import cached_json
 from cityx.errors import UsageError
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.registry import BUILTIN, Registry
-
-_PACKAGE = Path(__file__).parents[1]
+from cityx.protocol.shipped import PACKAGE, fresh_records
 
 
 @cache
 def code_digest() -> str:
     """Return a digest of the source of CityX, 32 hex digits: another one may make other cities."""
     hasher = blake2b(digest_size=16)
-    for path in sorted(_PACKAGE.rglob("*.py")):
-        hasher.update(str(path.relative_to(_PACKAGE)).encode())
+    for path in sorted(PACKAGE.rglob("*.py")):
+        hasher.update(str(path.relative_to(PACKAGE)).encode())
         hasher.update(path.read_bytes())
     return hasher.hexdigest()
 
@@ -41,14 +39,19 @@ def _version(package: str) -> str:
 
 
 def known_records(actions: Registry) -> tuple[Encapsulation, ...]:
-    """Return the records of all trusted actions, from an earlier process where they are the same.
+    """Return the records of all trusted actions, where they hold those that come with the package.
 
-    Records of other packages are read anew: their code may change without a new version.
+    Those of plugins that have changed are kept from an earlier process. Records of other packages
+    are read anew: their code may change without a new version.
     """
+    held = {r["id"]: r for records in fresh_records().values() for r in records}
     builtin = [name for name in actions if actions.entries[name].package == BUILTIN]
-    digest = blake2b(json.dumps([code_digest(), builtin]).encode(), digest_size=16).hexdigest()
-    held = cached_json(f"records-{digest}", lambda: [actions[name].to_json() for name in builtin])
-    found = [Encapsulation.from_json(record) for record in held]
+    changed = [name for name in builtin if name not in held]
+    if changed:
+        digest = blake2b(json.dumps([code_digest(), changed]).encode(), digest_size=16).hexdigest()
+        read = cached_json(f"records-{digest}", lambda: [actions[n].to_json() for n in changed])
+        held |= {record["id"]: record for record in read}
+    found = [Encapsulation.from_json(held[name]) for name in builtin]
     for name in actions:
         if actions.entries[name].package == BUILTIN or not actions.is_trusted(name):
             continue

@@ -1,30 +1,28 @@
 """The registry: every action by name, none imported before it is asked for.
 
-Built-in actions are found by reading the source of `cityx.plugins`, actions of other packages by
-their entry points in the group ``cityx.actions``; listing runs no plugin code at all.
+Built-in actions are known by `records.json` or found by reading the source of `cityx.plugins`,
+actions of other packages by their entry points in the group ``cityx.actions``; listing runs no
+plugin code at all.
 """
 
 from __future__ import annotations
 
 import ast
-import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cache
-from hashlib import blake2b
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any
 
-from cityx.cache import cached_json
 from cityx.errors import UsageError, nearest
 from cityx.protocol.actions import encapsulation_of
 from cityx.protocol.encapsulation import ID_PATTERN, Encapsulation
+from cityx.protocol.shipped import PACKAGE, fresh_records, module_of, plugin_files
 
 GROUP = "cityx.actions"
 BUILTIN = "cityx"
-_PLUGINS = Path(__file__).parents[1] / "plugins"
 
 
 @dataclass(frozen=True)
@@ -262,14 +260,18 @@ def _outside_entry(point: EntryPoint, package: str) -> Entry:
 
 @cache
 def _builtin_entries() -> tuple[Entry, ...]:
-    files = sorted(_PLUGINS.rglob("*.py"))
-    seen = [(str(path), path.stat().st_mtime_ns, path.stat().st_size) for path in files]
-    digest = blake2b(json.dumps(seen).encode(), digest_size=16).hexdigest()
-
-    def scanned() -> list[dict[str, str]]:
-        return [asdict(entry) for path in files for entry in scan(path, _PLUGINS.parents[1])]
-
-    return tuple(Entry(**record) for record in cached_json(f"actions-{digest}", scanned))
+    fresh = fresh_records()
+    found: list[Entry] = []
+    for path in plugin_files():
+        records = fresh.get(module_of(path))
+        if records is None:
+            found += scan(path, PACKAGE.parent)
+        else:
+            found += [
+                Entry(record["id"], record["run"], record["classname"], record["description"])
+                for record in records
+            ]
+    return tuple(found)
 
 
 def scan(path: Path, root: Path) -> Iterator[Entry]:
@@ -277,7 +279,7 @@ def scan(path: Path, root: Path) -> Iterator[Entry]:
     text = path.read_text(encoding="utf-8")
     if "@action" not in text:
         return
-    module = ".".join(path.relative_to(root).with_suffix("").parts)
+    module = module_of(path, root)
     try:
         tree = ast.parse(text)
     except SyntaxError as error:

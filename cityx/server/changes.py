@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import partial
 
 from cityx.agents import instructions
@@ -114,7 +115,11 @@ class Changes:
             owner.expect(arguments.get("expected_rev"))
             told = owner.lend(
                 lambda folder: instructions.carry_out_text(
-                    arguments["text"], folder, job.say, job.cancelled
+                    arguments["text"],
+                    folder,
+                    job.say,
+                    job.cancelled,
+                    replace(instructions.QUICK, choice=owner.choice),
                 )
             )
             message = str(told.get("message", "Done."))

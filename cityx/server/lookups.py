@@ -116,7 +116,7 @@ class Lookups:
 
     def _plan(self, arguments: Arguments) -> Job:
         def work(job: Job) -> Reply:
-            told = instructions.plan_text(arguments["text"], self.owner.folder)
+            told = instructions.plan_text(arguments["text"], self.owner.folder, self.owner.choice)
             return self.owner.ok(told, job_id=job.id)
 
         return self.owner.submit("plan", work)

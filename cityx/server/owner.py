@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 from cityx.agents.desk import STORE, Cancelled, Conflict, Desk, recover
 from cityx.agents.journal import JOURNAL
 from cityx.agents.locks import locked
+from cityx.agents.options import PlannerChoice
 from cityx.agents.results import result_folder
 from cityx.errors import CityxError
 from cityx.protocol.registry import Registry
@@ -43,6 +44,8 @@ class Owner:
         Of a built city, or where one is to be built.
     actions
         The registry.
+    choice
+        Who reads and plans what is asked for in words.
 
     Raises
     ------
@@ -50,9 +53,12 @@ class Owner:
         If the folder cannot be used.
     """
 
-    def __init__(self, folder: Path, actions: Registry) -> None:
+    def __init__(
+        self, folder: Path, actions: Registry, choice: PlannerChoice | None = None
+    ) -> None:
         self.folder = result_folder(folder)
         self.actions = actions
+        self.choice = choice or PlannerChoice()
         self.contents = Contents()
         self.jobs: OrderedDict[str, Job] = OrderedDict()
         self.listeners: list[Callable[[], None]] = []

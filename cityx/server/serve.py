@@ -14,6 +14,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cityx.agents.options import PlannerChoice
 from cityx.cache import kept_folder
 from cityx.errors import MissingExtra, UsageError
 
@@ -30,7 +31,14 @@ GRACE_S = 5  # for answers that are under way when the server ends
 Say = Callable[[str], None]
 
 
-def serve(folder: Path, *, port: int | None, profile: str, say: Say) -> None:
+def serve(
+    folder: Path,
+    *,
+    port: int | None,
+    profile: str,
+    say: Say,
+    choice: PlannerChoice | None = None,
+) -> None:
     """Serve a city until the client leaves or the process is stopped.
 
     Parameters
@@ -43,6 +51,8 @@ def serve(folder: Path, *, port: int | None, profile: str, say: Say) -> None:
         "core", or "full" for a tool of every action's own.
     say
         Called with what a user must know; never the standard output.
+    choice
+        Who reads and plans what clients ask for in words; rules when None.
 
     Raises
     ------
@@ -61,12 +71,22 @@ def serve(folder: Path, *, port: int | None, profile: str, say: Say) -> None:
     from cityx.server.app import CityServer
     from cityx.server.owner import Owner
 
-    with Owner(folder, registry()) as owner:
+    if choice is not None:
+        _check(choice)
+    with Owner(folder, registry(), choice) as owner:
         server = CityServer(owner, full=profile == "full").sdk_server()
         if port is None:
             anyio.run(_over_streams, server)
         else:
             _over_http(server, port, say)
+
+
+def _check(choice: PlannerChoice) -> None:
+    """Refuse a planner that cannot be had before any client comes."""
+    from cityx.agents.models import Recording, check_choice
+
+    record, replay = (Path(path) if path else None for path in (choice.record, choice.replay))
+    check_choice(choice.planner, choice.base_url, Recording(record, replay))
 
 
 async def _over_streams(server: Server[Any]) -> None:

@@ -80,3 +80,9 @@ def test_a_name_that_several_actions_have_must_be_qualified():
 )
 def test_texts_become_values_of_the_kind_wanted(name, text, value):
     assert ACTIONS["scale_object"].parameter(name).read(text) == value
+
+
+def test_what_needs_its_own_stage_comes_after_it():
+    calls = [*CALLS, ("building/design-v1", {}), ("building/shell-v1", {})]
+    found = [action for action, _ in planned(wishes=("building/neon_signs",), calls=calls)]
+    assert found.index("building/neon_signs-v1") > found.index("building/shell-v1")

@@ -12,7 +12,9 @@ def test_there_are_twenty_sentences_of_each_class_and_twenty_held_back():
     )
     held = sentences(held=True)
     assert len(held) == 20
-    assert not {task.text for task in held} & {task.text for task in tasks}
+    unseen = sentences(unseen=True)
+    assert len(unseen) == 20
+    assert len({task.text for task in (*tasks, *held, *unseen)}) == 120
 
 
 def test_every_change_is_held_against_all_else():

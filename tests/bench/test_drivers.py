@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from cityx.bench.drivers import Oracle, driver_named, planner_choice
+from cityx.bench.drivers import GOLD, Oracle, driver_named, planner_choice
 from cityx.bench.outcome import CRASH, Workplace, fault_of, faults_of
 from cityx.bench.report import results_of, summary, write_results
 from cityx.bench.runner import LOG, Bench, build_scene, numbers_of, read_log, run_bench
@@ -30,6 +30,15 @@ def folder(tmp_path_factory):
 def run(folder, driver, *only, lod=1, seeds=(0,)):
     bench = Bench(read_tasks(only=only or CHEAP), driver, folder, seeds, lod)
     return {sample.task: sample for sample in run_bench(bench, quiet)}
+
+
+def test_every_public_task_has_a_gold_plan():
+    assert set(json.loads(GOLD.read_text())) == {task.id for task in read_tasks()}
+
+
+def test_gold_plans_name_things_by_their_kind_too(folder):
+    samples = run(folder, "oracle", "P20", "P21")
+    assert {name: sample.right for name, sample in samples.items()} == {"P20": True, "P21": True}
 
 
 @pytest.mark.parametrize("driver", ["null", "random"])

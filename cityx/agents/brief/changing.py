@@ -31,7 +31,7 @@ DEGREES: Mapping[str, str] = {
 }
 LATER: Mapping[str, str] = {
     "1": "later, forward, forwards, ahead, into the future",
-    "-1": "earlier, backward, backwards, sooner, into the past",
+    "-1": "earlier, back, backward, backwards, sooner, into the past",
 }
 # Kind of tree -> nouns that name it.
 SPECIES: Mapping[str, tuple[str, ...]] = {

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 from cityx.agents.brief.brief import Edit, Question, Selector, Span, Value
 from cityx.agents.brief.conflicts import reconcile
 from cityx.agents.brief.describe import describe
-from cityx.agents.brief.edits import Unclear, edits_of
+from cityx.agents.brief.edits import Unclear, edits_of, own_verb
 from cityx.agents.brief.grammar import Node, parse
 from cityx.agents.brief.here import Findings
-from cityx.agents.brief.idioms import changed_air, plain
+from cityx.agents.brief.idioms import changed_air, complaint, plain
 from cityx.agents.brief.scan import ENDS, Item
 from cityx.agents.brief.scopes import READ
 from cityx.agents.brief.selection import is_plural, targets_of
@@ -38,12 +39,28 @@ _OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road")
 
 @dataclass
 class Commands:
-    """What the commands of an instruction came to."""
+    """What the commands of an instruction came to.
+
+    Attributes
+    ----------
+    edits, questions, found
+        What changes, what is to be asked, and what describes the city.
+    named
+        What "it" stands for.
+    about
+        What was said to be wrong with it: its "width" or its "height".
+    open
+        Complaints: their spans, and how many edits there were before.
+    parses
+        Attempts of the grammar.
+    """
 
     edits: list[Edit] = field(default_factory=list)
     questions: list[Question] = field(default_factory=list)
     found: Findings = field(default_factory=lambda: Findings(""))
     named: list[Selector] = field(default_factory=list)
+    about: str = ""
+    open: list[tuple[Span, int]] = field(default_factory=list)
     parses: int = 0
 
 
@@ -52,6 +69,10 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
     commands = Commands(found=Findings(text))
     for clause in commands_of(items):
         _read(commands, text, clause)
+    for span, edits in commands.open:
+        if len(commands.edits) == edits:
+            commands.questions.append(_how_much(text[slice(*span)]))
+            commands.edits.append(Edit("unspecified", span=span))
     return commands
 
 
@@ -113,6 +134,8 @@ def _read(commands: Commands, text: str, clause: list[Item]) -> None:
     if any(item.has("vague") for item in live) or (verb == "IMPROVE" and not _named(live)):
         _ask(commands, live)
         return
+    if _complained(commands, live):
+        return
     changed = _amounts_of_life(live)
     if changed:
         commands.edits += changed
@@ -131,6 +154,26 @@ def _read(commands: Commands, text: str, clause: list[Item]) -> None:
     _describe(commands, text, clause, live)
 
 
+def _complained(commands: Commands, items: list[Item]) -> bool:
+    """Read "the street is too narrow", of which the next command says what is done about it."""
+    found = complaint(items)
+    if found is None:
+        return False
+    end, about = found
+    command = parse(terminals_of(items[:end], verb_first=False), items[:end])
+    if command is None or command.name != "topic":
+        return False
+    commands.named, commands.about = targets_of(command), about
+    commands.open.append((_span(items), len(commands.edits)))
+    for item in items:
+        item.state = READ
+    return True
+
+
+def _how_much(words: str) -> Question:
+    return Question(f'By how much? "{words}" does not say it.')
+
+
 def _settle(commands: Commands, text: str, clause: Sequence[Item]) -> None:
     """Take what a command protects or denies."""
     inner = describe(text, [item for item in clause if item.state and item.state != READ])
@@ -143,9 +186,22 @@ def _named(items: Iterable[Item]) -> bool:
     items = list(items)
     whole = any(item.noun == "everything" for item in items)
     weather = any(item.get("slot").startswith("weather=") for item in items)
-    return (whole and not weather) or any(
-        item.kind == "id" or (item.noun_class in _OBJECTS and not item.has("slot"))
-        for item in items
+    swap = sum(item.has(*_LOOKS) for item in items) > 1 and items[0].get("verb") == "REPLACE"
+    quarter = any(
+        item.has("side") and after.noun == "city"
+        for item, after in pairwise(item for item in items if item.kind != "function")
+    ) or any(item.get("slot").startswith("district=") for item in items)
+    told = any(item.has(*_LOOKS) or "style=" in item.get("slot") for item in items)
+    return (
+        (whole and not weather)
+        or swap
+        or (quarter and told)
+        or any(
+            item.kind == "id"
+            or item.has("rank")
+            or (item.noun_class in _OBJECTS and not item.has("slot"))
+            for item in items
+        )
     )
 
 
@@ -179,23 +235,31 @@ def _ask(commands: Commands, items: Sequence[Item]) -> None:
     )
 
 
+_PLACED = ("along", "near", "around", "on", "in", "from")  # "more traffic on x1"
 _BUSY = {"more": "heavy", "many": "heavy", "few": "light", "RAISE": "heavy", "LOWER": "light"}
 
 
 def _amounts_of_life(items: Sequence[Item]) -> list[Edit]:
     """Read "more traffic and fewer people", which name no object that exists."""
     objects = [at for at, item in enumerate(items) if item.noun_class in _OBJECTS]
+    words = [item for item in items if item.kind != "function"]
     found = []
     start = 0
     for at in objects:
         how = _how_busy(items[start:at]) or _BUSY.get(items[0].get("verb"), "")
+        if not how and len(objects) == 1:  # "make the traffic heavy"
+            how = _how_busy(items[at + 1 :])
         start = at + 1
         crowd = items[at].noun == "pedestrian" and is_plural(items[at])
-        if not how or not (crowd or items[at].text == "traffic"):
+        cars = items[at].noun == "vehicle" and is_plural(items[at]) and not items[at].has("mode")
+        if not how or not (crowd or cars or items[at].text == "traffic"):
             return []
         key = "pedestrians" if crowd else "traffic"
         found.append(Edit(f"set_{key}", change=((key, how),), span=_span(items)))
-    if any(item.quantity is not None for item in items):
+    placed = any(item.kind == "id" for item in items) or any(
+        item.get("rel") in _PLACED and after.noun for item, after in pairwise(words)
+    )
+    if placed or any(item.quantity is not None for item in items):
         return []
     for item in items if found else ():
         item.state = READ
@@ -217,7 +281,10 @@ def _resolved(commands: Commands, edit: Edit) -> Iterator[Edit]:
         commands.named = [edit.target] if edit.target is not None else commands.named
         yield edit
     elif commands.named:
-        yield from (replace(edit, target=target) for target in commands.named)
+        verb = edit.verb.replace("height", commands.about or "height")
+        yield from (
+            replace(edit, target=target, verb=own_verb(verb, target)) for target in commands.named
+        )
     else:
         commands.questions.append(Question("Which object is meant? Name its kind or its id."))
         yield Edit("unspecified", span=edit.span)
@@ -291,7 +358,7 @@ def _made(commands: Commands, command: Node, span: Span) -> list[Edit]:
         return [known for edit in edits for known in _resolved(commands, edit)]
     except Unclear:
         words = commands.found.text[slice(*span)]
-        commands.questions.append(Question(f'By how much? "{words}" does not say it.'))
+        commands.questions.append(_how_much(words))
         return [Edit("unspecified", span=span)]
 
 

@@ -11,6 +11,7 @@ from cityx.agents.brief.scopes import KEPT, NEGATED, READ
 
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
+_AIR = ("season=", "time=", "weather=", "wetness=")
 _NO_PLACE = ("city", "landscape", "center", "sky")
 _TURNED = ("right", "left", "top", "bottom")  # sides of a picture, not of a city
 # What stands behind a word about how much of it there is.
@@ -245,15 +246,28 @@ def _of_roofs(here: Here, noun: Item | None) -> bool:
     return any(one.noun == "roof" for one in here.clause())
 
 
+def _of_the_air(here: Here) -> bool:
+    """Tell whether a colour is that of the day: "a grey and gloomy November afternoon"."""
+    for item in here.items[here.at + 1 :]:
+        if item.get("slot").startswith(_AIR):
+            return True
+        passes = item.kind in ("function", "unknown") or item.is_mark(",")
+        if not (passes or item.get("rel") == "and" or item.has("color", "strength", "size")):
+            return False
+    return False
+
+
 def _looks(here: Here) -> None:
     """Read materials and colours with what they are of."""
     material, color = here.item.get("material"), here.item.get("color")
     if not (material or color):
         return
     noun = here.noun_behind()
-    day = here.after is not None and here.after.get("slot").startswith(("season=", "time="))
-    if color == "grey" and day:
-        here.found.add("weather", "overcast", here.item)
+    if color and noun is None and _of_the_air(here):
+        if color == "grey":
+            here.found.add("weather", "overcast", here.item)
+        else:
+            here.found.leave(here.item, "colour of the light")
     elif color and _of_roofs(here, noun):
         here.found.add("roof.color", color, here.item)
     elif noun is not None and noun.noun_class not in (*BUILDINGS, "place"):

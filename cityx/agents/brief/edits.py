@@ -11,6 +11,7 @@ from cityx.agents.brief.changing import SPECIES
 from cityx.agents.brief.grammar import Node
 from cityx.agents.brief.scan import Item
 from cityx.agents.brief.selection import (
+    IT,
     MEASURES,
     Place,
     is_plural,
@@ -85,12 +86,13 @@ def _measured(name: str, item: Item) -> Iterator[tuple[str, Value]]:
 def _each(command: Node, verb: str, change: Sequence[tuple[str, Value]] = ()) -> list[Edit]:
     """Return one edit for every target; of a street, its height is its width."""
     return [
-        Edit(_own_verb(verb, one), None if one == Selector() else one, tuple(change))
+        Edit(own_verb(verb, one), None if one == Selector() else one, tuple(change))
         for one in targets_of(command)
     ]
 
 
-def _own_verb(verb: str, target: Selector) -> str:
+def own_verb(verb: str, target: Selector) -> str:
+    """Return what a change of height is of a target: of a street, its width."""
     return verb.replace("height", "width") if target.kind in _FLAT else verb
 
 
@@ -266,12 +268,17 @@ def _traits(new: Node) -> Pairs:
 
 
 def _move(command: Node) -> list[Edit]:
+    return _each(command, "move", _way(command))
+
+
+def _way(command: Node) -> Pairs:
+    """Read how far and where to something is moved."""
     change: Pairs = [("by", _whole(_value(_item(word)))) for word in command.own("LENGTH")]
     for word in command.own("direction"):
         change.append(("direction", next(word.leaves()).get("side")))
     for place in places_of(command.own("place")):
         change += [("direction", place.side)] if place.side and not place.spot else place.items()
-    return _each(command, "move", change)
+    return change
 
 
 def _rotate(command: Node) -> list[Edit]:
@@ -297,8 +304,24 @@ def _lights(command: Node) -> list[Edit]:
 
 
 def _copy(command: Node) -> list[Edit]:
-    places = places_of(command.own("place"))
-    return _each(command, "copy", [pair for place in places for pair in place.items()])
+    """Read "copy b03 to the west of b05"; what is copied counts for "beside it"."""
+    verb = command.children[0].item
+    count = int(verb.get("copies") or 1) if verb is not None else 1
+    change: Pairs = [("count", count)] if count > 1 else []
+    return _each(command, "copy", [*change, *(pair for pair in _way(command) if pair[1] != IT)])
+
+
+def _swap(command: Node) -> list[Edit]:
+    """Read "swap concrete for glass on the five tallest" as giving those a look of glass."""
+    old, new = list(command.leaves("MATERIAL", "COLOR", "STYLE", "SURFACE"))[:2]
+    key = next((name for name in ("surface", "material", "color") if new.has(name)), "style")
+    value = new.get(key) if key != "style" else new.get("slot").split()[0].partition("=")[2]
+    verb = f"set_{key}"
+    if command.branch("targets") is not None:
+        return _each(command, verb, [(key, value)])
+    kind, own = ("road", "surface") if key == "surface" else ("building", key)
+    was = old.get(own) if own != "style" else old.get("slot").split()[0].partition("=")[2]
+    return [Edit(verb, Selector(kind, filters=(f"{own}={was}",)), ((key, value),))]
 
 
 # -- what is new ---------------------------------------------------------------------------------
@@ -394,9 +417,9 @@ def _plant(command: Node) -> list[Edit]:
     plant = plants.first("PLANT")
     assert plant is not None
     change += [("species", name) for name, words in SPECIES.items() if _singular(plant) in words]
-    count, every = plants.first("COUNT"), plants.first("EVERY")
+    count, every = plants.first("COUNT"), command.first("EVERY")
     change += [("count", int(_value(count)))] if count is not None else []
-    change += _amount(plants)
+    change += _amount(plants) if every is None else []  # "some trees, one every 8 m"
     change += [("spacing", _whole(_value(every)))] if every is not None else []
     for place in places_of(_places(command)):
         change += place.items()
@@ -408,5 +431,5 @@ _RULES: Mapping[str, Callable[[Node], list[Edit]]] = {
     "replace": _replace, "add": _add, "plant": _plant, "move": _move,
     "rotate": _rotate, "scale": _scale, "close": _close, "lights": _lights,
     "pave": _pave, "strip": _strip,
-    "copy": _copy, "fill": _fill,
+    "copy": _copy, "fill": _fill, "swap": _swap,
 }  # fmt: skip

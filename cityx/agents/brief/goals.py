@@ -210,12 +210,19 @@ def goals_of(
     return tuple({goal.predicate: goal for goal in found}.values()), tuple(notes)
 
 
+def _placed(slots: Sequence[Slot]) -> bool:
+    """Tell whether a file or a kind of district decides what streets there are."""
+    return any(slot.key in ("source", "district") for slot in slots)
+
+
 def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]) -> Iterator[str]:
     if slot.key == "source":
         name = files.get(str(slot.value), "").lower()
         plain = bool(name) and set(name) <= _PLAIN_NAME
         yield from (one.format(v=name) for one in SOURCES.get(str(slot.value), ()) if plain)
     elif isinstance(slot.value, str):
+        if (slot.key, slot.value) == ("traffic", "heavy") and not _placed(slots):
+            yield "n(road, class=primary) >= 1"
         share = MOST if sum(one.key == slot.key for one in slots) == 1 else PART
         yield from _said(slot.key, slot.value, share)
     else:

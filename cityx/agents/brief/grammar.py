@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 # Terminals are kinds of items, see `cityx.agents.brief.terminals`; the value is the item's index.
 GRAMMAR = """
 start: remove | look | resize | shift | replace | add | plant | move | rotate | scale
-     | close | lights | copy | fill | pave | strip | topic
+     | close | lights | copy | fill | pave | strip | swap | topic
 topic: targets
 remove: REMOVE targets | targets BE? REMOVE
 look: _paint (attr _at?)? targets (link* change)+ | targets (BE | IN) _paint? (link* change)+
@@ -37,11 +37,12 @@ replace: REPLACE targets link new | targets BE REPLACE link new
 new: trait* (KIND | THING | AGENT | PLANT | BUILDING) (link* trait)*
 trait: MATERIAL | COLOR | STYLE | ROOF | FLOORS | LENGTH | COUNT | LIMIT | ALL
 fill: FILL targets WITH things
-add: (ADD | MAKE) things (place | destination | link* SPEED | MODE | AXIS | AND? COUNT? EVERY)*
+add: (ADD | MAKE | PLANTS) things (place | destination | _late)*
+_late: link* SPEED | MODE | AXIS | AND? COUNT? EVERY
 things: thing (AND thing)*
 thing: own* (AGENT | THING | KIND | BUILDING) (link* MODE | link* trait | link* SPEED | EVERY)*
 own: trait | SPEED | AMOUNT | MODE | SIZE
-plant: (PLANTS | ADD) plants (place | destination)*
+plant: (PLANTS | ADD | MAKE) plants (place | destination | _late)*
 plants: (trait | AMOUNT | OF | SIZE)* PLANT (link? EVERY)* (AND plants)?
 move: MOVE targets (link? LENGTH | link? direction | place)+
 direction: SIDE
@@ -49,10 +50,12 @@ rotate: ROTATE targets link? (ANGLE | COUNT) CLOCKWISE?
 scale: SCALE targets link? (factor | COUNT | SHARE)
 close: (CLOSE | OPEN) targets (link AGENT)?
 lights: (TURN_ON | TURN_OFF) targets
-copy: COPY targets place*
+copy: COPY targets (link? LENGTH | link? direction | link? place)*
+swap: REPLACE _look link _look (_at? targets)?
+_look: MATERIAL | COLOR | STYLE | SURFACE
 targets: target (AND target)*
 target: _named? ID (TO ID)? filter* | IT
-    | mod* (BUILDING | KIND | THING | AGENT | PLANT | ROAD | WHOLE) filter*
+    | mod* (BUILDING | KIND | THING | AGENT | PLANT | ROAD | WHOLE | QUARTER) filter*
 _named: BUILDING | KIND | THING | PLANT | ROAD
 mod: ALL | COUNT | SHARE | RANK | ORDINAL | REST | MATERIAL | COLOR | STYLE | ROOF | FLOORS
    | OF | SIDE | SIZE
@@ -62,7 +65,7 @@ destination: TO spot
 place: where+ spot | where* SIDE (OF spot)?
 where: REL | IN | ON | BY
 spot: (ALL | COUNT | RANK | SIDE | SIZE)* _place_noun beyond?
-_place_noun: BUILDING | KIND | THING | ROAD | PLANT | WHOLE | ID
+_place_noun: BUILDING | KIND | THING | ROAD | PLANT | WHOLE | QUARTER | ID | IT
 beyond: REL spot | OF spot
 link: TO | IN | WITH | OF | BY | BE | ON | FROM
 pave: (ADD | MAKE) SURFACE (_at | TO)+ targets | CLAD targets (WITH | IN) SURFACE
@@ -120,8 +123,9 @@ def parse(terminals: Sequence[tuple[str, int]], items: Sequence[Item]) -> Node |
     """Parse a command of terminals, each with the index of its item; None if it is none."""
     from lark.exceptions import LarkError
 
+    known = parser()
     try:
-        tree = parser().parse(terminals)
+        tree = known.parse(terminals)
     except LarkError:
         return None
     return _node(tree, items).children[0]

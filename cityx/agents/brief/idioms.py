@@ -3,23 +3,74 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 from cityx.agents.brief.brief import Edit, Span
-from cityx.agents.brief.scan import Item
+from cityx.agents.brief.scan import Item, Quantity
 from cityx.agents.brief.scopes import NEGATED, READ
+from cityx.agents.brief.words import forms_of
 
 _TAKEN = ("take", "tear", "knock", "pull", "cut", "chop", "rip", "throw")  # "take the bench out"
+_CLEARED = ("clear", "strip", "empty", "rid", "free", "relieve", "cleanse")  # "the park of trees"
+_ONE_STOREY = ("one story", "single story")  # folded; of a city that is described, low houses
+_COPIES = frozenset(("copy", "duplicate", "replica", "clone", "twin"))  # "a copy of the church"
 _AWAY = ("out", "away", "off", "down", "out of")
 _THINGS = ("element", "plant", "vehicle", "person", "building", "type")
 # Word for weather -> what there can be more or less of.
 _AMOUNTS = {"cloudy": "clouds", "overcast": "clouds"}
 
 
-def plain(clause: Sequence[Item]) -> None:
+def plain(clause: list[Item]) -> None:
     """Rewrite the items of a command: verbs in two parts, and "no trees along the street"."""
     live = [item for item in clause if item.kind != "mark"]
     _join_verb(live)
     _deny(live)
+    _clear(clause)
+    _duplicate(clause)
+    for before, item in pairwise(live):
+        if before.has("side") and item.quantity is not None and item.quantity.dimension == "part":
+            item.state = READ  # "the western half of the city" is its west
+        if item.text in _ONE_STOREY:
+            item.quantity, item.senses = Quantity("floors", 1.0, 1.0), ()
+
+
+def _clear(clause: list[Item]) -> None:
+    """Read "clear the park of trees" as "remove trees from the park"."""
+    first = next((k for k, one in enumerate(clause) if one.kind != "function"), len(clause))
+    of = next((at for at, item in enumerate(clause) if item.get("rel") == "of"), 0)
+    if of <= first or clause[first].words[0] not in _CLEARED or clause[first].state:
+        return
+    place, gone = clause[first + 1 : of], clause[of + 1 :]
+    named = any(item.noun_class in _THINGS for item in gone)
+    if not named or not any(item.noun or item.kind == "id" for item in place):
+        return
+    end = next((at for at, item in enumerate(gone) if item.kind == "mark"), len(gone))
+    clause[first].senses, clause[of].senses = (("verb", "REMOVE"),), (("rel", "from"),)
+    clause[first + 1 :] = [*gone[:end], clause[of], *place, *gone[end:]]
+
+
+def _duplicate(clause: list[Item]) -> None:
+    """Read "put a copy of the church beside it" as "copy the church beside it"."""
+    for at, item in enumerate(clause[:-1]):
+        twin = item.get("verb") == "COPY" or not _COPIES.isdisjoint(forms_of(item.words[-1]))
+        if twin and clause[at + 1].get("rel") == "of" and not item.state:
+            for other in [*clause[:at], clause[at + 1]]:
+                other.state = other.state or READ
+            said = next((one.quantity for one in clause[:at] if one.quantity is not None), None)
+            count = int(said.exact or 1) if said is not None else 1
+            item.senses = (("verb", "COPY"), ("copies", str(count)))
+            return
+
+
+def complaint(items: Sequence[Item]) -> tuple[int, str] | None:
+    """Read "the street is too narrow": where the subject ends, and what is wrong with it."""
+    for at, item in enumerate(items[1:-1], start=1):
+        after = items[at + 1]
+        said = next((kind for kind in ("width", "height") if after.has(kind)), "")
+        if item.text in ("too", "far too", "much too") and said:
+            be = next((k for k in range(at) if items[k].get("rel") == "be"), 0)
+            return (be, said) if be else None
+    return None
 
 
 def _join_verb(items: Sequence[Item]) -> None:

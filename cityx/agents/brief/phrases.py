@@ -173,7 +173,8 @@ SLOTS: Book = {
         "as the sun sets, sun goes down, sun set, "
         "sun is setting, evening sun sets, sun going down, sinking sun",
         "dusk": "dusk, twilight, nightfall, blue hour, gloaming, after sunset, just after sunset, "
-        "dimming light, getting dark, growing dark, night is falling, night falls, darkness falls, "
+        "dimming light, getting dark, got dark, gets dark, growing dark, night is falling, "
+        "night falls, darkness falls, "
         "dark is falling, light is fading, fading light, last light, day is ending, "
         "at the fall of night, evening twilight, crepuscule",
         "evening": "evening, late evening, early evening, in the evening, dinner time, "

@@ -15,6 +15,7 @@ from cityx.agents.brief.words import Word, forms_of, words_of
 LONGEST_TEXT = 6000  # characters; what comes later is listed as unread, so that time stays short
 ENDS = ".;!?\n"
 LONGEST_NAME = 6  # words of the name of a thing
+_AGAIN = ("another", "additional", "extra", "further")  # before a number
 _MORE = {"more": 1, "additional": 1, "extra": 1, "further": 1, "fewer": -1, "less": -1}
 
 
@@ -228,6 +229,9 @@ def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
     past = _past_the_hour(words, at)
     if past is not None:
         return past
+    again = _once_more(words, at)
+    if again is not None:
+        return again
     part, found = read_part(words, at), read_number(words, at)
     if part is not None and (found is None or word.text != "half"):  # but "half a dozen"
         return _part(words, at, *part)
@@ -244,6 +248,18 @@ def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
         return _clock(words, at, value, length)
     size = value * factor
     return Quantity(dimension, size, size, unit=factor, relative=more), length + extra
+
+
+def _once_more(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
+    """Read "another two metres" and "an extra storey", which are so much more."""
+    if words[at].text not in _AGAIN:
+        return None
+    value, length = read_number(words, at + 1) or (1.0, 0)
+    unit = read_unit(words, at + 1 + length) if at + 1 + length < len(words) else None
+    if unit is None or unit[0] not in ("length", "floors", "lanes"):
+        return None
+    size = value * unit[1]
+    return Quantity(unit[0], size, size, unit=unit[1], relative=1), 1 + length + unit[2]
 
 
 def _past_the_hour(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:

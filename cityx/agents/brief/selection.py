@@ -18,7 +18,8 @@ _THROUGH = ("path", "center", "road", "sidewalk", "green")  # "the path around t
 _ROADS = ("main_street", "road", "side_street", "avenue", "ring_road")
 _MOST_IDS = 500  # in one range
 _MANY = ("ALL", "COUNT", "SHARE", "RANK", "ORDINAL", "REST")  # what says how many are meant
-_SPOTS = ("BUILDING", "KIND", "THING", "ROAD", "PLANT", "WHOLE", "ID")
+_SPOTS = ("BUILDING", "KIND", "THING", "ROAD", "PLANT", "WHOLE", "QUARTER", "ID", "IT")
+IT = "it"  # kind of what was named last
 
 
 @dataclass(frozen=True)
@@ -86,12 +87,21 @@ def _selector(target: Node) -> Selector:
         elif child.name in ("TO", *_SPOTS) and target.own("ID"):
             continue  # "buildings b01 to b05"
         elif child.name == "IT":
-            selector = replace(selector, kind="it")
+            selector = replace(selector, kind=IT)
+        elif child.name == "BUILDING" and child.item is None:  # "the tallest"
+            selector = replace(selector, kind="building", k=selector.k or (not selector.nth))
+        elif child.name == "QUARTER" and child.item is not None:
+            selector = replace(selector, kind="building", inside=_quarter(child.item))
         elif child.item is not None:
             selector = _of_kind(selector, child.item)
             many = any(mod.own(*_MANY) for mod in target.own("mod"))
             selector = replace(selector, alone=_is_one(child.item) and not many)
     return selector
+
+
+def _quarter(item: Item) -> str:
+    """Return the kind of quarter that "the old town" names."""
+    return item.get("slot").split()[0].partition("=")[2]
 
 
 def _is_one(noun: Item) -> bool:
@@ -193,7 +203,12 @@ def _place(node: Node) -> Place:
 def _spot(spot: Node) -> str:
     """Return the object a place is about; of "the path around the park" it is the park."""
     item = spot.own(*_SPOTS)[0].item
-    assert item is not None
+    if item is None:
+        return "building"  # "near the tallest"
+    if item.get("rel") == IT:
+        return IT
+    if item.get("slot").startswith("district="):
+        return _quarter(item)
     beyond = spot.branch("beyond")
     inner = beyond.branch("spot") if beyond is not None else None
     if inner is not None and item.noun in _THROUGH:

@@ -252,7 +252,7 @@ VERBS: Mapping[str, str] = {
     "FILL": "fill, populate, crowd, people with, stock",
     "UNDO": "undo, reset, revert, roll back, rollback, take back, reverse, step back, go back, "
     "cancel",
-    "COPY": "copy, duplicate, clone, replicate",
+    "COPY": "copy, duplicate, clone, replicate, repeat, reproduce",
     "TURN_OFF": "turn off, switch off, put out, extinguish, turn out",
     "TURN_ON": "turn on, switch on, light up, illuminate",
     "IMPROVE": "improve, beautify, enhance, polish, fix, tweak, jazz up, spruce up, refine, "
@@ -307,6 +307,8 @@ RELATIONS: Mapping[str, str] = {
     "become, becomes, need to be, needs to be, has to be, have to be, can be, will be, to be, "
     "turned, should get, shall get, shall become, gets, should have, should look, shall have, "
     "must have, must become, should turn, want it to be, be made, should be made, should now be, "
+    "needs, need, could do with, could use, deserves, deserve, is short of, are short of, lacks, "
+    "is lacking, are lacking, is missing, are missing, calls for, is crying out for, "
     "should, shall, must, i want, i would like, would like, i'd like, want",
     "and": "and, &, plus, as well as, along with, then, and then, also, and also",
     "but": "but, however, yet, though, although, while, whereas",

@@ -28,6 +28,9 @@ _RELATIONS = {
 _STREETS = {"surface": "SURFACE", "direction": "ONEWAY", "strip": "STRIP"}
 _SHARES = {"every other": 1 / 2, "every third": 1 / 3, "every fourth": 1 / 4}
 _AFTER_BE = ("REMOVE", "REPLACE", "PAINT", "CLAD")  # "should be removed"
+# What stands between a rank and what is ranked, or is it.
+_BETWEEN = ("MATERIAL", "COLOR", "STYLE", "ROOF", "FLOORS", "OF", "SIDE", "SIZE", "RANK", "COUNT")
+_RANKED = ("BUILDING", "KIND", "THING", "AGENT", "PLANT", "ROAD", "WHOLE", "QUARTER")
 _WHOLE = ("city", "everything", "landscape")
 
 
@@ -63,7 +66,19 @@ def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
             continue
         if name:
             found.append((name, index))
-    return found
+    return _with_ranked(found)
+
+
+def _with_ranked(found: Sequence[Terminal]) -> list[Terminal]:
+    """Say that buildings are ranked where nothing is said: "the five tallest"."""
+    made: list[Terminal] = []
+    for at, terminal in enumerate(found):
+        made.append(terminal)
+        if terminal[0] == "RANK":
+            behind = (name for name, _ in found[at + 1 :] if name not in _BETWEEN)
+            if next(behind, "") not in _RANKED:
+                made.append(("BUILDING", -1))
+    return made
 
 
 def _is_stuff(items: Sequence[Item], index: int) -> bool:
@@ -103,6 +118,8 @@ def _name(item: Item) -> str:
         if item.has(kind):
             return name
     slot = item.get("slot")
+    if slot.startswith("district="):
+        return "QUARTER"
     if slot == "not=vehicle":
         return "CARFREE"
     if item.noun == "cycleway":

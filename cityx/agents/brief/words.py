@@ -12,6 +12,7 @@ _PIECE = re.compile(
     rf"""
     (?P<file>\w[\w-]*(?:\.osm)?\.(?:{FILES})\b)
   | (?P<clock>\b\d{{1,2}}:\d{{2}}\b)
+  | (?P<object>\b(?=\w*\d)[0-9a-f]{{16}}\b)
   | (?P<number>\d+(?:[.,]\d+)*)
   | (?P<word>k?m[²2](?!\w)|(?<=\d)x(?=\d))
   | (?P<id>[^\W\d_]{{1,16}}_?\d{{1,6}}(?!\w)|[^\W\d_]+(?:_[^\W_]+)+)
@@ -65,7 +66,7 @@ def words_of(text: str) -> list[Word]:
     found = []
     for match in _PIECE.finditer(text):
         kind = match.lastgroup or "other"
-        kind = {"name": "word", "other": "mark"}.get(kind, kind)
+        kind = {"name": "word", "other": "mark", "object": "id"}.get(kind, kind)
         folded = match.group() if kind == "mark" else fold(match.group())
         found.append(Word(folded, kind, match.start(), match.end()))
     return found

@@ -1,8 +1,9 @@
 """The brief maker: a model reads in an instruction what the rules did not understand.
 
 It names slots of the closed list, with values of the closed vocabulary, and quotes the words of
-the text that say so. What it cannot quote is not taken. Numbers, negations and edits stay as the
-rules read them; goals are made from the slots by our code.
+the text that say so. What it cannot quote is not taken. Numbers and negations stay as the rules
+read them; goals are made from the slots by our code. A change that the rules did not understand
+is put into plainer words (`cityx.agents.models.restating`).
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from cityx.agents.brief.phrases import SLOTS, TABLES
 from cityx.agents.brief.slots import KEYS, SINGLE
 from cityx.agents.models.asking import Answer, Channel, Question
 from cityx.agents.models.quoting import quoted
+from cityx.agents.models.restating import restated, understood
 from cityx.agents.roles import BriefMaker
 from cityx.errors import nearest
 
@@ -117,8 +119,13 @@ class ModelBriefMaker:
     ) -> Brief:
         """Return the brief of a text; arguments as of `cityx.agents.brief.read_brief`."""
         brief = self._offline.read(text, inputs=inputs, base=base, options=options, names=names)
-        if base or not text.strip():  # commands to change a city are read by rules alone
+        if not text.strip():
             return brief
+        if base:
+            return brief if understood(brief) or brief.conflicts else restated(
+                self._channel, brief,
+                lambda said: self._offline.read(said, base=True, options=options, names=names),
+            )  # fmt: skip
         vocabulary = self._vocabulary or brief_vocabulary()
         found = self.slots(text, vocabulary)
         slots, notes = settled(brief.slots, found, brief.negated, vocabulary.single)

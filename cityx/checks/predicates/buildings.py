@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.palette_tables import GROUPS
-from cityx.assets.palettes import groups_of, owner_rows
+from cityx.assets.palettes import building_groups, owner_rows
 from cityx.assets.surface_states import material_named
 from cityx.checks.predicates import words
 from cityx.checks.predicates.colors import nearest_word
@@ -138,7 +138,7 @@ class Buildings(TableLayer):
 
     @cached_property
     def _groups(self) -> IntArray:
-        return _groups(self.city)[self._kept]
+        return building_groups(self.city.layout, self.city.seed)[self._kept]
 
     def _typed(self, word: str, rows: IntArray) -> BoolArray:
         """Tell which rows of the layout measure what a type must."""
@@ -152,7 +152,7 @@ class Buildings(TableLayer):
             kept &= (value >= low) & (value <= high)
         if form.uses:
             wanted = [GROUPS.index(name) for name in form.uses]
-            kept &= np.isin(_groups(self.city)[rows], wanted)
+            kept &= np.isin(building_groups(self.city.layout, self.city.seed)[rows], wanted)
         return np.asarray(kept, bool)
 
     @cached_property
@@ -236,15 +236,6 @@ def _heights(city: City) -> FloatArray:
     differs = np.abs(shell - height[row[known]]) > AGREES
     height[row[known][differs]] = shell[differs]
     return height
-
-
-def _groups(city: City) -> IntArray:
-    """(n,) use group of every building of the layout: that of its first part."""
-    group = np.full(len(city.layout.buildings), GROUPS.index("flats"), np.int64)
-    owner, described = owner_rows(city.layout)
-    rows = np.flatnonzero(described)[::-1]
-    group[owner[rows]] = groups_of(city.layout, city.seed)[rows]
-    return group
 
 
 def _faces(city: City, ids: UInt64Array) -> Faces:

@@ -49,11 +49,13 @@ from cityx.checks.predicates.vocabulary import (
     THINGS,
     Group,
     kind_named,
+    known_words,
     split_arguments,
 )
 from cityx.checks.predicates.words import LANDS, ROUGHLY, WHOLE
 from cityx.city import City
 from cityx.city.ground import ROADWAY
+from cityx.errors import nearest
 
 LAYERS: Mapping[str, type[Layer]] = {
     "building": Buildings, "road": Roads, "bridge": Bridges, "land": Lands, "piece": Pieces,
@@ -236,6 +238,10 @@ class Facts:
         elif kind == PLACE:
             found = self._placed(chosen, word)
         else:
+            known = known_words(KINDS[layer.kind], attribute)
+            if known and word not in known:
+                hint = nearest(word, known)
+                raise CannotTell(f'"{word}" is no {attribute} of a {layer.kind}.{hint}')
             found = layer.has(attribute, word)[rows]
         return np.asarray(found if condition.sign != "!=" else ~found, bool)
 

@@ -18,10 +18,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.palettes import GROUPS, family_of, groups_of, owner_rows, region_of
+from cityx.assets.palettes import GROUPS, building_groups, family_of, owner_rows, region_of
 from cityx.assets.style_tables import ALWAYS, STYLE_WORDS, TABLE, Weights
 from cityx.geometry.identity import hash_ids, uniform
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.polygons import FloatArray
 from cityx.plugins.building.catalogue import generators
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def choose_generators(layout: Layout, seed: int, *, style: str = "", region: str
     family = family_of(style, region)
     if not len(buildings):
         return np.zeros(0, "U32")
-    group = _group_of_buildings(layout, seed)
+    group = building_groups(layout, seed)
     base = np.array([_row(family, word, names) for word in GROUPS])
     weight = base[group]
     weight = weight * _favoured(names, buildings["place"].to_numpy(str), PLACES)
@@ -204,15 +204,6 @@ def _favoured(names: Words, words: Words, table: Mapping[str, Weights]) -> Float
     known, index = np.unique(words, return_inverse=True)
     rows = [[table.get(word, {}).get(name, 1.0) for name in names.tolist()] for word in known]
     return np.asarray(np.array(rows)[index])
-
-
-def _group_of_buildings(layout: Layout, seed: int) -> IntArray:
-    """Use group of each building: that of its first part, (n,)."""
-    group = np.full(len(layout.buildings), GROUPS.index("flats"), np.int64)
-    owner, described = owner_rows(layout)
-    rows = np.flatnonzero(described)[::-1]
-    group[owner[rows]] = groups_of(layout, seed)[rows]
-    return group
 
 
 def _purposes(layout: Layout) -> Words:

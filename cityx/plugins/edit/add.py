@@ -28,8 +28,7 @@ WORDS: Mapping[str, str] = MappingProxyType(
     {
         "bench": "bench", "fountain": "fountain", "statue": "statue",
         "streetlight": "street_lamp_post", "traffic_light": "traffic_signal",
-        "billboard": "advertising_column", "flower": "planter", "hedge": "hedge_segment",
-        "fence": "fence_segment", "wall": "wall_segment", "bus": "bus",
+        "billboard": "advertising_column", "flower": "planter", "bus": "bus",
     }
 )  # fmt: skip
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.materials import MATERIALS, srgb_to_linear
-from cityx.assets.palettes import GROUPS, groups_of, owner_rows, region_of
+from cityx.assets.palettes import GROUPS, building_groups, owner_rows, region_of
 from cityx.city.city import City
 from cityx.city.layout import Layout, joined_tables
 from cityx.city.levels import ground_levels
@@ -413,10 +413,7 @@ def _of_style(city: City, layout: Layout, style: str, fits: NDArray[np.bool_]) -
     names = choose_generators(layout, city.seed, style=style, region=region).astype("U32")
     word = style.strip().lower().replace(" ", "_")
     kinds = np.array(list(generators()))
-    owner, described = owner_rows(layout)
-    group = np.full(len(layout.buildings), GROUPS.index("flats"), np.int64)
-    first = np.flatnonzero(described)[::-1]
-    group[owner[first]] = groups_of(layout, city.seed)[first]
+    group = building_groups(layout, city.seed)
     ids = layout.buildings["id"].to_numpy(np.uint64)
     for row, name in enumerate(names.tolist()):
         known = speaking_of(word).get(GROUPS[int(group[row])], frozenset())

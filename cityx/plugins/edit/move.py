@@ -37,7 +37,7 @@ def move(
     *,
     objects: Annotated[tuple[str, ...], ObjectName()],
     offset: Annotated[tuple[float, float], Range(-FURTHEST, FURTHEST)],
-    settle: Annotated[float, Range(0.0, 50.0)] = 0.0,
+    settle: Annotated[float, Range(0.0, 200.0)] = 0.0,
     anywhere: bool = False,
 ) -> City:
     """Move objects, everything they own with them.

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
@@ -19,6 +18,7 @@ from cityx.geometry.identity import id_text
 from cityx.geometry.turns import euler_of, matrices
 from cityx.plugins.edit.footing import moved_points
 from cityx.plugins.edit.lots import cleared
+from cityx.plugins.edit.outlines import redrawn, rows_of
 from cityx.plugins.edit.scale_object import scale_object
 from cityx.protocol import ObjectName, Port, Range, action
 from cityx.protocol.objects import find_objects
@@ -145,23 +145,16 @@ def _moved_layout(
 ) -> Layout:
     """Return the layout with the outlines and heights of a building at its new place."""
     layout = city.layout
-    whole = (layout.buildings["id"] == wanted).to_numpy()
-    part = (layout.parts["building"] == wanted).to_numpy()
+    ids = np.array([wanted], np.uint64)
+    whole, part = rows_of(layout, ids)
     if not whole.any():
         return layout
     about = matrices(np.array([[0.0, 0.0, yaw]]))[0, :2, :2]
-
-    def moved(xy: FloatArray) -> Any:
-        return pivot[:2] + (xy - pivot[:2]) @ about.T + move[:2]
-
     before = ground_levels(layout, city.terrain)[part]
-    buildings, parts = layout.buildings.copy(), layout.parts.copy()
-    for table, rows in ((buildings, whole), (parts, part)):
-        shapes = table.geometry.to_numpy().copy()
-        shapes[rows] = shapely.transform(shapes[rows], moved)
-        table.geometry = shapes
-    parts.loc[part, "roof_direction"] -= yaw
-    layout = replace(layout, buildings=buildings, parts=parts)
+    layout = redrawn(
+        layout, ids, lambda xy: pivot[:2] + (xy - pivot[:2]) @ about.T + move[:2], turn=yaw
+    )
+    buildings, parts = layout.buildings, layout.parts
     risen = before + move[2] - ground_levels(layout, city.terrain)[part]
     for column in ("base", "top"):
         height = parts.loc[part, column].to_numpy()

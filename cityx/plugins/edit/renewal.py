@@ -35,13 +35,16 @@ from cityx.protocol.stages import Stage
 BoolArray = NDArray[np.bool_]
 STAGES = (Stage.ROAD, Stage.NATURE)  # of what follows from streets and open ground
 ARRANGED = ("ground", "surroundings")  # meshes that are arranged anew as a whole
+LYING = ("street_covers",)  # layers of what lies in the surface of a street
 CLOSE = ("vehicles",)  # layers whose rows of things leave no room between them
 REACH = 10.0  # metres beyond kerbs and walks within which things follow a street that changes
 APART = 1.0  # metres
 ONTO_ROADWAY = ("trees", "street_furniture", "street_pieces", "park_pieces")
 
 
-def renewed(city: City, layout: Layout, actions: Registry | None = None) -> City:
+def renewed(
+    city: City, layout: Layout, actions: Registry | None = None, *, surface: bool = False
+) -> City:
     """Return a city with another layout and with everything that follows from the difference.
 
     Parameters
@@ -52,6 +55,8 @@ def renewed(city: City, layout: Layout, actions: Registry | None = None) -> City
         What it is to be laid out as; its site must be the same.
     actions
         The registry; that of all actions when left out.
+    surface
+        Whether only the surface of the ground changes: what stands on it stays then.
 
     Returns
     -------
@@ -77,7 +82,8 @@ def renewed(city: City, layout: Layout, actions: Registry | None = None) -> City
     return replace(
         city, layout=layout, network=now.network, heights=now.heights, lanes=now.lanes,
         ground=now.ground, survey=now.survey, terrain=_regraded(city, was.terrain, now.terrain),
-        scene=_merged(city, was, now), tracks=None if lost else city.tracks,
+        scene=_merged(city, was, now, LYING if surface else None),
+        tracks=None if lost else city.tracks,
         notes=tuple(dict.fromkeys((*city.notes, *now.notes, *notes))),
         failures=tuple(dict.fromkeys((*city.failures, *now.failures))),
     )  # fmt: skip
@@ -183,18 +189,22 @@ def _region(before: Layout, after: Layout) -> shapely.Geometry:
     return region
 
 
-def _merged(city: City, was: City, now: City) -> Scene:
-    """Put what depends on the change into the scene in the place of what there was of it."""
+def _merged(city: City, was: City, now: City, only: tuple[str, ...] | None) -> Scene:
+    """Put what depends on the change into the scene in the place of what there was of it.
+
+    Of layers of objects all are looked at, or those of some names `only`.
+    """
     scene = city.scene
     for layer in sorted({*was.scene.meshes, *now.scene.meshes}):
         old, new = was.scene.meshes.get(layer), now.scene.meshes.get(layer)
         held = scene.meshes.get(layer)
         if layer in ARRANGED and new is not None:
             scene = scene.with_mesh(layer, new)
-        elif old is not new:
+        elif old is not new and only is None:
             scene = _with_mesh(scene, layer, _merged_mesh(held, old, new))
     region = _region(was.layout, now.layout)
-    for layer in sorted({*scene.instances, *was.scene.instances, *now.scene.instances}):
+    layers = {*scene.instances, *was.scene.instances, *now.scene.instances}
+    for layer in sorted(layers if only is None else layers.intersection(only)):
         scene = _merged_layer(scene, _Layer(scene, was.scene, now.scene, layer, region),
                               (city.ground, now.ground))  # fmt: skip
     return scene

@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
-import shapely
 
 from cityx.city.city import City
 from cityx.city.layout import Layout
@@ -14,6 +13,7 @@ from cityx.city.levels import ground_levels
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Instances
 from cityx.errors import ActionFailed
+from cityx.plugins.edit.outlines import redrawn, rows_of
 from cityx.protocol import ObjectName, Port, Range, action
 from cityx.protocol.objects import find_object
 
@@ -104,19 +104,13 @@ def _scaled_layout(
 ) -> Layout:
     """Return the layout with the footprint and the heights that a scaled building has now."""
     layout = city.layout
-    whole = (layout.buildings["id"] == wanted).to_numpy()
-    part = (layout.parts["building"] == wanted).to_numpy()
+    ids = np.array([wanted], np.uint64)
+    whole, part = rows_of(layout, ids)
     if not whole.any() or not part.any():
         return layout
     old = ground_levels(layout, city.terrain)[part]
-    buildings, parts = layout.buildings.copy(), layout.parts.copy()
-    for table, rows in ((buildings, whole), (parts, part)):
-        shapes = table.geometry.to_numpy().copy()
-        shapes[rows] = shapely.transform(
-            shapes[rows], lambda xy: pivot[:2] + (xy - pivot[:2]) * factor[:2]
-        )
-        table.geometry = shapes
-    layout = replace(layout, buildings=buildings, parts=parts)
+    layout = redrawn(layout, ids, lambda xy: pivot[:2] + (xy - pivot[:2]) * factor[:2])
+    buildings, parts = layout.buildings, layout.parts
     level = ground_levels(layout, city.terrain)[part]
     for column in ("base", "top"):
         height = parts.loc[part, column].to_numpy()

@@ -8,6 +8,7 @@ import numpy as np
 
 from cityx.city.city import City
 from cityx.errors import ActionFailed
+from cityx.plugins.edit.amounts import changed_amounts
 from cityx.plugins.edit.designing import Wish, levels_of, redesigned
 from cityx.plugins.edit.targets import buildings_named
 from cityx.protocol import ObjectName, Port, Range, action
@@ -61,8 +62,8 @@ def set_floors(
     """
     ids = buildings_named(city, objects)
     now = levels_of(city, ids)
-    wanted = np.full(len(ids), floors) if floors is not None else np.round(now * factor) + by
-    wanted = np.clip(wanted, least, most) if (least, most) != (None, None) else wanted
+    whole = np.round(now * factor)
+    wanted = changed_amounts(whole, floors, factor=1.0, by=by, least=least, most=most)
     if (wanted < FEWEST).any() or (wanted > MOST).any():
         worst = wanted[np.argmax(np.abs(wanted))]
         raise ActionFailed(

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import numpy as np
-
 from cityx.city.city import City
+from cityx.plugins.edit.amounts import changed_amounts
 from cityx.plugins.edit.designing import Wish, heights_of, redesigned
 from cityx.plugins.edit.targets import buildings_named
 from cityx.protocol import ObjectName, Port, Range, action
@@ -62,6 +61,5 @@ def set_height(
     """
     ids = buildings_named(city, objects)
     now = heights_of(city, ids)
-    wanted = np.full(len(ids), height) if height is not None else now * factor + by
-    wanted = np.clip(wanted, least, most) if (least, most) != (None, None) else wanted
-    return redesigned(city, ids, Wish(height=np.asarray(wanted, float)))
+    wanted = changed_amounts(now, height, factor=factor, by=by, least=least, most=most)
+    return redesigned(city, ids, Wish(height=wanted))

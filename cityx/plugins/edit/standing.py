@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -15,10 +14,10 @@ from cityx.city.ground import ROADWAY
 from cityx.errors import ActionFailed
 from cityx.geometry.identity import id_text
 from cityx.plugins.edit.lots import cleared
+from cityx.plugins.edit.outlines import Reshape, redrawn, rows_of
 from cityx.plugins.edit.rebuilding import Ids, buildings_of, rebuilt
 
 FloatArray = NDArray[np.float64]
-Reshape = Callable[[FloatArray], FloatArray]
 
 BETWEEN = 2.0  # metres from a building that finds its own place to the next
 WALKS = ("sidewalk", "kerb", "furnishing", "water")  # what it leaves free besides roadways
@@ -49,24 +48,13 @@ def reshaped(
     ActionFailed
         If one would stand in another building, on a carriageway or beyond the site.
     """
-    layout = city.layout
-    own = np.isin(layout.buildings["id"].to_numpy(np.uint64), ids)
-    of_part = np.isin(layout.parts["building"].to_numpy(np.uint64), ids)
-    tables: dict[str, Any] = {}
-    for name, rows in (("buildings", own), ("parts", of_part)):
-        table = getattr(layout, name).copy()
-        shapes = table.geometry.to_numpy().copy()
-        shapes[rows] = shapely.transform(shapes[rows], moved)
-        table.geometry = shapes
-        tables[name] = table
-    parts, buildings = tables["parts"], tables["buildings"]
+    own, of_part = rows_of(city.layout, ids)
+    layout = redrawn(city.layout, ids, moved, turn=turn)
+    parts, buildings = layout.parts, layout.buildings
     for column in ("base", "top", "roof_height"):
         parts[column] = np.where(of_part, parts[column] * taller, parts[column])
-    parts["roof_direction"] = np.where(
-        of_part, (parts["roof_direction"] - turn) % (2 * np.pi), parts["roof_direction"]
-    )
     buildings["height"] = np.where(own, buildings["height"] * taller, buildings["height"])
-    made = replace(city, layout=replace(layout, buildings=buildings, parts=parts))
+    made = replace(city, layout=layout)
     _check_room(made, ids)
     return rebuilt(cleared(made, ids), ids)
 

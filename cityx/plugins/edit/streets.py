@@ -15,6 +15,7 @@ from cityx.city.section import carriageway_width, section_text
 from cityx.errors import UsageError
 from cityx.geometry.driving import keeps_left
 from cityx.plugins.edit.cross_sections import (
+    MOVING,
     Bands,
     bands_of_row,
     directed,
@@ -52,6 +53,7 @@ class _Change:
     width: float | None
     widen_by: float | None
     lanes: int | None
+    lanes_by: int | None
     direction: str | None
     speed_kmh: float | None
     surface: str | None
@@ -60,10 +62,19 @@ class _Change:
     traffic: str | None
 
     @property
+    def of_paving(self) -> bool:
+        """Whether nothing but the surface changes."""
+        return self == replace(_UNCHANGED, surface=self.surface)
+
+    @property
     def of_section(self) -> bool:
         """Whether the cross-section changes."""
-        values = (self.width, self.widen_by, self.lanes, self.direction, self.parking, self.cycling)
+        values = (self.width, self.widen_by, self.lanes, self.lanes_by, self.direction,
+                  self.parking, self.cycling)  # fmt: skip
         return any(value is not None for value in values)
+
+
+_UNCHANGED = _Change(None, None, None, None, None, None, None, None, None, None)
 
 
 @action(
@@ -71,6 +82,7 @@ class _Change:
     limits=[
         "Kerbs move on both sides alike; houses and waters stay and bound the width.",
         "A street that is closed to cars becomes a paved way as wide as it was with its walks.",
+        "What stands beside a street stays where it is when the street is paved otherwise.",
         "Parking and cycle lanes are painted beside lanes that keep 2.75 m; else the kerbs move.",
     ],
     requires=("layout",),
@@ -80,6 +92,7 @@ class _Change:
         Serves("edit=set_width", "family=road"),
         Serves("edit=raise_width", "family=road"),
         Serves("edit=set_lanes", "family=road"),
+        Serves("edit=raise_lanes", "family=road"),
         Serves("edit=set_surface", "family=road"),
         *(
             Serves("edit=set_material", "family=road", f"material={word}", surface=surface)
@@ -94,6 +107,7 @@ class _Change:
     ),
     binds={
         "streets": "objects", "width": "width", "widen_by": "by", "lanes": "lanes",
+        "lanes_by": "lanes.by",
         "direction": "direction", "speed_kmh": "speed_kmh", "surface": "surface",
         "parking": "parking", "cycling": "cycling",
     },
@@ -106,6 +120,7 @@ def streets(
     width: Annotated[float | None, Range(LEAST_WIDTH, WIDEST_STREET)] = None,
     widen_by: Annotated[float | None, Range(-WIDEST_STREET, WIDEST_STREET)] = None,
     lanes: Annotated[int | None, Range(1, 12)] = None,
+    lanes_by: Annotated[int | None, Range(-11, 11)] = None,
     direction: Annotated[str | None, Choice("both", "along", "against")] = None,
     speed_kmh: Annotated[float | None, Range(5.0, 130.0)] = None,
     surface: Annotated[str | None, Choice(*SURFACES)] = None,
@@ -127,6 +142,8 @@ def streets(
         Metres that are added to the width of each; negative to narrow it.
     lanes
         Lanes, both directions together, each as wide as now.
+    lanes_by
+        Lanes that are added to those of each; negative to take some away.
     direction
         Which way one drives, as seen along the street as it is drawn.
     speed_kmh
@@ -138,8 +155,8 @@ def streets(
     traffic
         Who may use it; "walkers" closes it to cars, "cars" opens it again.
     """
-    change = _Change(width, widen_by, lanes, direction, speed_kmh, surface, parking, cycling,
-                     traffic)  # fmt: skip
+    change = _Change(width, widen_by, lanes, lanes_by, direction, speed_kmh, surface, parking,
+                     cycling, traffic)  # fmt: skip
     table = city.layout.roads
     rows = np.flatnonzero(np.isin(table["id"].to_numpy(np.uint64), find_objects(city, streets)))
     _require_streets(table, rows, streets, change)
@@ -160,7 +177,7 @@ def streets(
         raise UsageError("\n".join(faults))
     if changed.equals(table):
         raise UsageError(f"{', '.join(streets)}: nothing of this would change; it is so already.")
-    return renewed(city, replace(city.layout, roads=changed))
+    return renewed(city, replace(city.layout, roads=changed), surface=change.of_paving)
 
 
 def _called(row: Any) -> str:
@@ -219,6 +236,11 @@ def _changed_row(row: Any, change: _Change, *, left_hand: bool) -> dict[str, Any
 def _changed_bands(bands: Bands, change: _Change, *, left_hand: bool) -> Bands:
     if change.lanes is not None:
         bands = with_lanes(bands, change.lanes, left_hand=left_hand)
+    if change.lanes_by is not None:
+        count = sum(band.kind in MOVING for band in bands) + change.lanes_by
+        if count < 1:
+            raise UsageError(f"it would have {count} lanes left; close it to cars instead.")
+        bands = with_lanes(bands, count, left_hand=left_hand)
     if change.direction is not None:
         bands = directed(bands, oneway=change.direction != "both", left_hand=left_hand)
     for kind, sides in (("parking", change.parking), ("cycle", change.cycling)):

@@ -45,6 +45,31 @@ def read(text, *names):
         ("Set the time to 6:30 in the morning.", "set_time", {}, {"time": "06:30"}),
         ("Give every building a red roof.", "set_roof", {"target": "building"},
          {"roof.color": "red"}),
+        ("Put a copy of b03 beside it.", "copy", {"target": "b03"}, {}),
+        ("Make three duplicates of b03.", "copy", {"target": "b03"}, {"count": 3}),
+        ("Copy b03 to the west of b05.", "copy", {"target": "b03"},
+         {"side": "west", "of": "b05"}),
+        ("Plant a hedge around the plaza.", "add", {}, {"element": "hedge", "around": "plaza"}),
+        ("Lay some turf around b03.", "add", {},
+         {"element": "lawn", "amount": "few", "around": "b03"}),
+        ("Make the traffic heavy.", "set_traffic", {}, {"traffic": "heavy"}),
+        ("Fewer cars.", "set_traffic", {}, {"traffic": "light"}),
+        ("Give the western half of the town a modern look.", "set_style", {"side": "west"},
+         {"style": "modern"}),
+        ("Make the old town brick.", "set_material", {"target": "building", "in": "old_town"},
+         {"material": "brick"}),
+        ("Paint all houses in the industrial area white.", "set_color",
+         {"target": "house", "in": "industrial"}, {"color": "white"}),
+        ("Empty the square of benches.", "remove", {"target": "bench", "in": "plaza"}, {}),
+        ("x1 is far too narrow, give it another 3 m.", "raise_width", {"target": "x1"},
+         {"by": 3}),
+        ("b03 is too tall. Lower it by 4 m.", "raise_height", {"target": "b03"}, {"by": -4}),
+        ("b03 could do with an extra storey.", "raise_floors", {"target": "b03"}, {"by": 1}),
+        ("Shorten b04 by one storey.", "raise_floors", {"target": "b04"}, {"by": -1}),
+        ("Exchange the plaster for brick on the two tallest.", "set_material",
+         {"target": "building", "rank": "tallest", "k": 2}, {"material": "brick"}),
+        ("Swap asphalt for gravel.", "set_surface",
+         {"target": "road", "filter": "surface=asphalt"}, {"surface": "gravel"}),
         ("Clad b14 in wood.", "set_material", {"target": "b14"}, {"material": "timber"}),
     ],
 )  # fmt: skip
@@ -70,3 +95,14 @@ def test_two_looks_in_one_sentence_are_two_changes():
 
 def test_a_cut_down_to_a_height_removes_nothing():
     assert [verb for verb, *_ in read("Cut b05 down to ten floors.")] == ["set_floors"]
+
+
+@pytest.mark.parametrize("text", ["x1 is too narrow.", "The main street is far too wide."])
+def test_a_complaint_without_an_amount_is_asked_about(text):
+    (question,) = read_brief(text, base=True, names=("x1",)).questions
+    assert question.text == f'By how much? "{text.rstrip(".")}" does not say it.'
+
+
+def test_a_colour_of_the_day_paints_no_building():
+    edits = read("A grey, wet and gloomy November afternoon.")
+    assert {verb for verb, *_ in edits} == {"set_weather"}

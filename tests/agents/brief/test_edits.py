@@ -21,6 +21,13 @@ def test_what_stands_before_the_noun_chooses_and_what_stands_behind_changes():
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("one", ["8715e0f75b7ad4b0", "b715e0f75b7ad4b0", "1234567890123456"])
+def test_an_object_may_be_named_by_its_id(one):
+    assert items(f"Add two storeys to {one}.") == [
+        ("edit", "raise_floors"), ("target", one), ("by", 2),
+    ]  # fmt: skip
+
+
 def test_two_commands_in_one_sentence():
     assert items("Double the height of b07 and delete b08.") == [
         ("edit", "scale_height"), ("target", "b07"), ("factor", 2), ("edit", "remove"),

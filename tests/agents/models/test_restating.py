@@ -1,0 +1,127 @@
+"""Changes that the rules do not understand, put by a model into words that they do."""
+
+import json
+import shutil
+import sqlite3
+
+import pytest
+from talk import OPEN, channel_of
+
+from cityx.agents.build import build
+from cityx.agents.edit import edit_city
+from cityx.agents.models.brief_maker import ModelBriefMaker
+from cityx.agents.models.recording import Decisions, NotRecorded
+from cityx.agents.options import BuildOptions, PlannerChoice
+from cityx.agents.roles import OfflineBriefMaker
+from cityx.city.store import read_city
+from cityx.errors import UsageError
+
+TEXT = "Send every last streetlamp to the scrapyard and bathe the place in drizzle."
+
+
+def read(*answers, text=TEXT, seen=None):
+    channel = channel_of(*answers, seen=seen)
+    brief = ModelBriefMaker(channel, OfflineBriefMaker()).read(text, base=True)
+    return [(edit.verb, edit.target.kind if edit.target else "") for edit in brief.edits], brief
+
+
+def commands(*said):
+    return {"commands": list(said)}
+
+
+def test_what_the_model_restates_is_read_by_the_rules():
+    edits, brief = read(commands("Remove all street lamps.", "Make it rain"))
+    assert edits == [("remove", "streetlight"), ("set_weather", "")]
+    assert brief.text == "Remove all street lamps. Make it rain."
+    assert brief.notes[-1].text == f"The model put it as: {brief.text}"
+
+
+def test_a_change_that_the_rules_understand_asks_no_model():
+    seen = []
+    edits, _ = read(commands("Remove b01."), text="Paint b07 red.", seen=seen)
+    assert edits == [("set_color", "")]
+    assert not seen
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ("Do what is right.", "is not understood"),
+        ("Remove b07.", "The text names no b07."),
+        ("Plant 40 trees in the park.", "The text says no 40."),
+        ("Make it nicer.", "is not understood"),
+    ],
+)
+def test_what_the_text_does_not_say_goes_back(wrong, said):
+    seen = []
+    edits, _ = read(commands(wrong), commands("Remove all street lamps."), seen=seen)
+    assert said in str(seen[1][0])
+    assert edits == [("remove", "streetlight")]
+
+
+@pytest.mark.parametrize("answer", [commands(), commands("import os"), "no JSON", {"code": "x"}])
+def test_without_an_answer_of_use_the_rules_hold(answer):
+    edits, brief = read(answer)
+    assert brief.edits == OfflineBriefMaker().read(TEXT, base=True).edits
+    assert brief.text == TEXT
+    assert ("remove", "streetlight") not in edits
+
+
+def test_what_is_protected_stays_protected():
+    said = "Off with the lamps' heads, and keep every tree as it is."
+    _, brief = read(commands("Remove all street lamps."), text=said)
+    assert "tree" in [slot.value for slot in brief.kept]
+
+
+@pytest.fixture(scope="module")
+def built(town_map, tmp_path_factory):
+    out = tmp_path_factory.mktemp("restated") / "town"
+    build([town_map], out, BuildOptions(formats=(), render=False, lod=1))
+    return out
+
+
+@pytest.fixture
+def town(built, tmp_path):
+    return shutil.copytree(built, tmp_path / "town")
+
+
+@pytest.fixture
+def recording(town, tmp_path, monkeypatch):
+    """A file with the decision of a scripted model on the change of a town."""
+    path = tmp_path / "decisions.jsonl"
+    decisions = Decisions(record=path)
+    said = commands("Set the time to dusk.", "Make it rain.")
+    channel = channel_of(said, decisions=decisions)
+    OPEN.remove(channel)  # the change closes it
+    monkeypatch.setattr("cityx.agents.models._channel", lambda *_: (decisions, channel))
+    choice = PlannerChoice("openai-chat:scripted", "http://127.0.0.1:9")
+    edit_city(shutil.copytree(town, tmp_path / "first"), WISH, choice=choice)
+    monkeypatch.undo()
+    return path
+
+
+WISH = "Let the gloaming come over us with a proper soaking."
+
+
+def test_a_recorded_change_is_played_without_any_model(town, recording):
+    choice = PlannerChoice(planner="replay", replay=str(recording))
+    report = edit_city(town, WISH, choice=choice)
+    assert report["change"]["text"] == "Set the time to dusk. Make it rain."
+    assert any("The model put it as" in note for note in report["notes_of_change"])
+    assert read_city(town / "city").environment.rain > 0
+
+
+def test_the_decision_is_kept_with_the_city(tmp_path, recording):
+    database = sqlite3.connect(tmp_path / "first" / "city" / "journal.sqlite")
+    ((model,),) = database.execute("SELECT model FROM decision").fetchall()
+    database.close()
+    assert model == "scripted"
+    assert recording.exists()
+
+
+def test_what_was_not_recorded_is_an_error_and_changes_nothing(town, recording):
+    before = json.loads((town / "report.json").read_text())["hash"]
+    choice = PlannerChoice(planner="replay", replay=str(recording))
+    with pytest.raises((NotRecorded, UsageError)):
+        edit_city(town, "Let the sandman come over us with a proper soaking.", choice=choice)
+    assert json.loads((town / "report.json").read_text())["hash"] == before
