@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from cityx.assets.trees.leaf_fall import SNOWED
 from cityx.blender.air import make_air
 from cityx.blender.falling import make_falling
 from cityx.blender.lamps import lamp_positions, place_lamps, shop_positions
@@ -21,7 +22,6 @@ from cityx.geometry.ground_wear import ground_wear
 # A camera that looks down from high up sees sunlit roofs and streets, where one between the houses
 # sees half of them in shade: it closes by so many stops.
 AERIAL_STOPS = 0.6
-SNOWED = 0.3  # snow cover from which deciduous trees are bare
 AERIAL_HEIGHT = (15.0, 60.0)  # metres above the ground over which it does so
 
 

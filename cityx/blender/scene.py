@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.trees.leaf_fall import LEAF, sheds
 from cityx.blender.materials import MaterialLibrary
 from cityx.city.content import scene_key
 from cityx.city.mesh import NO_VERTEX, MeshBatch, feet
@@ -25,7 +26,6 @@ TILE = 2000.0  # metres; a tile's own origin keeps float32 vertices exact to 0.1
 INSTANCER = "CityX Instances"  # node group that puts objects on points
 LOW_32 = np.uint64(0xFFFFFFFF)
 OBJECT_LAYERS = frozenset({"buildings"})  # layers whose things a user wants to pick one by one
-LEAF = "foliage"
 BARE = "Bare"  # name of the modifier that takes the leaves off a deciduous tree
 # Custom properties by which `cityx.blender.pull` knows what it reads.
 ID, LAYER, NAME, SCENE = "cityx_id", "cityx_layer", "cityx_name", "cityx_scene"
@@ -395,18 +395,11 @@ def _prototype(prototype: Prototype, index: int, library: MaterialLibrary) -> bp
     made = upload.mesh(name, slice(0, len(mesh.vertices)), slice(0, len(mesh.faces)), 0.0)
     item = bpy.data.objects.new(name, made)
     item["kind"] = prototype.kind
-    if prototype.kind == "tree" and LEAF in mesh.materials and not _evergreen(prototype.name):
+    if sheds(prototype.kind, prototype.name, mesh.materials):
         modifier = item.modifiers.new(BARE, "NODES")
         modifier.node_group = _leaf_fall(library.get(LEAF, variant))
         modifier.show_render = modifier.show_viewport = False  # `cityx.blender.light` switches it
     return item
-
-
-def _evergreen(name: str) -> bool:
-    """Whether the tree that a prototype is named after (``tree_lime_0_near``) keeps its leaves."""
-    from cityx.assets.trees.species import TREES
-
-    return any(TREES[word].evergreen for word in name.split("_") if word in TREES)
 
 
 def _leaf_fall(leaf: bpy.types.Material) -> bpy.types.NodeTree:

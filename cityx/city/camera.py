@@ -73,7 +73,7 @@ class Light:
         return replace(environment, **{k: v for k, v in given.items() if v is not None})
 
 
-class _Reader:
+class Reader:
     """Reads numbers out of JSON and gathers every fault; a class because the list grows."""
 
     def __init__(self) -> None:
@@ -143,14 +143,14 @@ def read_cameras(
         raise InputError(f"cannot read cameras from {path}: {error.strerror}.") from error
     except ValueError as error:
         raise InputError(f"{path} is not JSON: {error}.") from error
-    reader = _Reader()
+    reader = Reader()
     content = reader.record(content, "the file")
     size, light = _read_render(reader, content.get("render", {}))
     if reader.faults == [] and not {"places", "cameras"} & set(content):
         reader.faults.append('neither "places" nor "cameras" is given.')
     cameras = [
-        _read_camera(reader, record, name, f"cameras.{name}", frame, terrain, size)
-        for name, record in _named(reader, content.get("cameras", []), "cameras")
+        read_camera(reader, record, name, f"cameras.{name}", frame, terrain, size)
+        for name, record in named(reader, content.get("cameras", []), "cameras")
     ]
     inside = _Places(reader, frame, terrain, size, extent)
     cameras += inside.read(content.get("places", {}))
@@ -166,7 +166,7 @@ def read_cameras(
 class _Places:
     """The form that holds the views of several sites."""
 
-    reader: _Reader
+    reader: Reader
     frame: Frame
     terrain: Terrain
     size: tuple[int, int]
@@ -178,10 +178,10 @@ class _Places:
             where = f"places.{place}"
             views = self.reader.record(record, where).get("cameras", {})
             cameras = [
-                _read_camera(
+                read_camera(
                     self.reader, view, name, f"{where}.{name}", self.frame, self.terrain, self.size
                 )
-                for name, view in _named(self.reader, views, f"{where}.cameras")
+                for name, view in named(self.reader, views, f"{where}.cameras")
             ]
             found[place] = [camera for camera in cameras if self._inside(camera)]
         found = {place: cameras for place, cameras in found.items() if cameras}
@@ -200,7 +200,7 @@ class _Places:
         return xmin <= x <= xmax and ymin <= y <= ymax
 
 
-def _named(reader: _Reader, value: Any, where: str) -> list[tuple[str, dict[str, Any]]]:
+def named(reader: Reader, value: Any, where: str) -> list[tuple[str, dict[str, Any]]]:
     """Return cameras with their names, from a list or from an object by name."""
     if isinstance(value, dict):
         return [(name, reader.record(view, f"{where}.{name}")) for name, view in value.items()]
@@ -211,7 +211,7 @@ def _named(reader: _Reader, value: Any, where: str) -> list[tuple[str, dict[str,
     return [(str(view.get("name", f"camera{i}")), view) for i, view in enumerate(records)]
 
 
-def _read_render(reader: _Reader, value: Any) -> tuple[tuple[int, int], Light]:
+def _read_render(reader: Reader, value: Any) -> tuple[tuple[int, int], Light]:
     record = reader.record(value, "render")
 
     def read(key: str, low: float, high: float) -> float | None:
@@ -230,8 +230,8 @@ def _read_render(reader: _Reader, value: Any) -> tuple[tuple[int, int], Light]:
     return (int(width or DEFAULT_SIZE[0]), int(height or DEFAULT_SIZE[1])), light
 
 
-def _read_camera(
-    reader: _Reader,
+def read_camera(
+    reader: Reader,
     record: dict[str, Any],
     name: str,
     where: str,

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.trees.leaf_fall import SNOWED
 from cityx.city import City, Instances, Prototype
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.scatter import Points
@@ -24,7 +25,6 @@ IntArray = NDArray[np.int64]
 
 NEAR_LIMIT = 20_000  # trees with many leaves; beyond, all take the light form
 NEAR_MASS = 8_000  # trees of woods that one may walk among; larger woods take the light form
-SNOWED = 0.3  # snow cover from which deciduous trees are bare
 
 SPECIES = ("lime", "plane", "maple", "oak", "chestnut", "birch", "cherry", "ginkgo", "zelkova",
            "camphor", "poplar", "willow", "jacaranda", "acacia", "olive", "pine", "spruce",

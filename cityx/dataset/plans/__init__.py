@@ -1,0 +1,1 @@
+"""Plans: where the pictures of a dataset are taken, one module per kind."""
