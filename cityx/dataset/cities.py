@@ -19,6 +19,7 @@ from cityx.errors import CityxError, InputError
 
 if TYPE_CHECKING:
     from cityx.city.city import City
+    from cityx.city.store import View
     from cityx.dataset.stage import Stage
 
 Say = Callable[[str], None]
@@ -129,6 +130,7 @@ def write_city_files(site: Site, shots: Sequence[Shot], order: Order, files: Fil
         "name": name, "city": view.name, "seed": view.seed, "lod": view.lod,
         "extent": view.extent, "frame": asdict(view.frame), "projection": view.frame.projection,
         "attribution": list(view.attribution), "environment": asdict(view.environment),
+        "streets": _streets(view),
     })  # fmt: skip
     lines = [json.dumps(record, allow_nan=False) for record in objects_of(site.city, site.stage)]
     files.text(f"{folder}/objects.json", '{"objects": [\n' + ",\n".join(lines) + "\n]}\n")
@@ -137,6 +139,18 @@ def write_city_files(site: Site, shots: Sequence[Shot], order: Order, files: Fil
         if item.city is not None:
             item.city(view, name, files)
     files.text(f"{folder}/{SHOTS}", "".join(map(_line, shots)))  # the last: then all are there
+
+
+def _streets(view: View) -> list[list[float]]:
+    """Return the streets as lists of their width and the coordinates along them, decimetres."""
+    network = view.network
+    edges = network.edge_count if network is not None else 0
+    found = []
+    for edge in range(edges):
+        assert network is not None
+        points = network.edge_points(edge).round(1).ravel().tolist()
+        found.append([round(2 * float(network.half_width[edge]), 1), *points])
+    return found
 
 
 def _line(shot: Shot) -> str:

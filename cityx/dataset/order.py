@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from cityx.dataset.channels import CHANNELS, CYCLES, TRUTH, Channel, chosen
+from cityx.dataset.channels import CYCLES, Channel, chosen
 from cityx.dataset.writers import formats_named, libraries_of
 from cityx.errors import CityxError, InputError, MissingExtra, UsageError, nearest
 
@@ -59,7 +59,8 @@ class Order:
     Attributes
     ----------
     views
-        Shots of each city, or moments of its sequences.
+        Moments of each city, of which every camera of the rig takes a shot; None for all that a
+        file of shots holds.
     plan, rig
         Names, or JSON files.
     size
@@ -86,7 +87,7 @@ class Order:
         Words, width and depth in metres and level of detail of towns that are built.
     """
 
-    views: int = 100
+    views: int | None = 100
     plan: str = "street"
     rig: str = "mono"
     size: tuple[int, int] = (960, 540)
@@ -191,8 +192,13 @@ def check_words(order: Order, faults: Faults) -> None:
     shown = [item.name for item in formats if item.shows]
     if channels is not None and shown and "rgb" not in order.channels:
         faults.say(f"{', '.join(shown)} is made of pictures: add rgb to --channels.")
-    if order.views < 1:
+    if order.views is not None and order.views < 1:
         faults.say(f"--views {order.views} is no number of shots, 1 or more is needed.")
+    from cityx.dataset.plans.planning import KINDS
+
+    if order.plan not in KINDS and not Path(order.plan).is_file():
+        faults.say(f'there is no plan "{order.plan}": it is neither a file nor one of '
+                   f"{', '.join(KINDS)}.{nearest(order.plan, KINDS)}")  # fmt: skip
     if order.length is not None and order.length < 1:
         faults.say(f"--length {order.length} is no number of frames, 1 or more is needed.")
     if order.rate <= 0:
@@ -266,7 +272,7 @@ def _at(path: Path, faults: Faults) -> Source:
 
 
 def _named_apart(sources: list[Source]) -> tuple[Source, ...]:
-    """Number cities of the same name."""
+    """Give a number to cities of the same name."""
     counts: dict[str, int] = {}
     found = []
     for source in sources:
@@ -321,4 +327,3 @@ def differences(there: Mapping[str, Any], asked: Mapping[str, Any], at: str = ""
 def _short(value: Any) -> str:
     text = json.dumps(value)
     return text if len(text) <= 80 else f"{text[:77]}..."
-

@@ -20,6 +20,7 @@ from typing import Any, Protocol
 
 from cityx.atomic import replaced
 from cityx.dataset import manifest as kept
+from cityx.dataset.card import RUNS, card
 from cityx.dataset.channels import CYCLES
 from cityx.dataset.cities import (
     SHOTS,
@@ -47,7 +48,7 @@ from cityx.dataset.order import (
 from cityx.dataset.shots import Shot
 from cityx.dataset.taking import ASIDE, FULL, WORK, Failed, Job, Task, take
 from cityx.dataset.workers import Cluster, Died, Pool, require_dask, share_threads
-from cityx.dataset.writers import formats_named
+from cityx.dataset.writers import FORMATS, formats_named
 from cityx.dataset.writers.files import Files
 from cityx.dataset.writers.writer import Place, Whole
 from cityx.errors import InputError, UsageError
@@ -55,7 +56,6 @@ from cityx.errors import InputError, UsageError
 RENEW = 500  # shots after which a worker is replaced
 CHUNK, CHUNK_CYCLES = 16, 48  # shots that a worker is given; Blender begins anew with each chunk
 SHOWN = 24  # shots that the page shows
-RUNS = "runs.jsonl"
 Say = Callable[[str], None]
 
 
@@ -111,6 +111,8 @@ class Running:
         As the user gave it, for the card.
     hands
         Who does the work.
+    faults
+        What is known to be wrong already.
     """
 
     workers: int = 1
@@ -120,6 +122,7 @@ class Running:
     skip_failed: bool = False
     command: str = ""
     hands: Hands = field(default_factory=Hands)
+    faults: Faults = field(default_factory=Faults)
 
 
 @dataclass(frozen=True)
@@ -176,15 +179,17 @@ def make_dataset(
     DiskFull
         What is done stays done, and the same order goes on there.
     """
-    faults = Faults()
+    faults = running.faults
     check_words(order, faults)
     if running.cluster:
         faults.of(require_dask)
-    identity = faults.of(lambda: identity_of(order, sources)) if not faults.found else None
+    _check_rig(order, faults)
+    # What follows needs an order that can be understood.
+    identity = None if faults.found else faults.of(lambda: identity_of(order, sources))
     if identity is not None:
         _check_folder(out, identity, faults)
-    if identity is not None and not (out / kept.NAME).exists():
-        _check_room(order, sources, out, running, faults)
+        if not (out / kept.NAME).exists():
+            _check_room(order, sources, out, running, faults)
     faults.end()
     assert identity is not None
     if (out / kept.NAME).exists():
@@ -208,20 +213,28 @@ def _check_folder(out: Path, identity: Mapping[str, Any], faults: Faults) -> Non
         faults.say(f"{out} is not empty and holds no dataset; give another folder.")
 
 
-def _check_room(
-    order: Order, sources: Sequence[Source], out: Path, running: Running, faults: Faults
-) -> None:
+def _check_rig(order: Order, faults: Faults) -> None:
+    """Look for formats that do not know the cameras of the rig."""
     from cityx.dataset.rigs import rig_named
 
     rig = faults.of(lambda: rig_named(order.rig))
-    if rig is None:
+    if rig is None or not set(order.formats) <= set(FORMATS):
         return
     names = {mount.sensor for mount in rig}
     for item in formats_named(order.formats):
         if item.sensors is not None and not names <= item.sensors:
             faults.say(f"{item.name} knows the cameras {', '.join(sorted(item.sensors))}; the rig "
                        f"{order.rig} has {', '.join(sorted(names))}.")  # fmt: skip
-    need = order.bytes_of_a_shot() * order.views * len(rig) * len(sources)
+
+
+def _check_room(
+    order: Order, sources: Sequence[Source], out: Path, running: Running, faults: Faults
+) -> None:
+    """Compare what is needed with what there is; a file of shots says itself how many they are."""
+    from cityx.dataset.rigs import rig_named
+
+    shots = (order.views or 1) * len(rig_named(order.rig)) * len(sources)
+    need = order.bytes_of_a_shot() * shots
     here = next(path for path in (out.resolve(), *out.resolve().parents) if path.exists())
     free = shutil.disk_usage(here).free
     for room, what in ((free, "are free on the disk"), (running.budget, "may be used")):
@@ -271,7 +284,7 @@ def _full_disk() -> Iterator[None]:
 
 def _planned(
     order: Order, sources: Sequence[Source], out: Path, running: Running, progress: Progress
-) -> dict[str, tuple[Site, tuple[Shot, ...]]]:
+) -> dict[str, tuple[Site | None, tuple[Shot, ...]]]:
     """Plan the cities that are built already, before anything is written.
 
     Raises
@@ -279,15 +292,15 @@ def _planned(
     InputError, UsageError
         With what is wrong with any of them.
     """
-    found: dict[str, tuple[Site, tuple[Shot, ...]]] = {}
+    found: dict[str, tuple[Site | None, tuple[Shot, ...]]] = {}
     faults = Faults()
     for source in sources:
         if source.kind == FOLDER and not (out / "cities" / source.name / SHOTS).exists():
             progress.say(f"planning {source.name}")
             site = running.hands.open(source, store_of(source, out / WORK))
             shots = faults.of(partial(running.hands.plan, site, order))
-            if shots is not None and len(sources) == 1:
-                found[source.name] = (site, shots)
+            if shots is not None:  # of many cities the scenes would not fit the memory
+                found[source.name] = (site if len(sources) == 1 else None, shots)
     faults.end()
     return found
 
@@ -297,7 +310,7 @@ class _Run:
 
     def __init__(
         self, order: Order, sources: Sequence[Source], out: Path, running: Running,
-        progress: Progress, manifest: Manifest, planned: dict[str, tuple[Site, tuple[Shot, ...]]],
+        progress: Progress, manifest: Manifest, planned: dict[str, tuple[Site | None, tuple[Shot, ...]]],
     ) -> None:  # fmt: skip
         from cityx.dataset.classes import CLASSES
 
@@ -359,17 +372,18 @@ class _Run:
             if source.kind != FOLDER and not self._all_done(source, shots):
                 build_source(source, self.order, self.work, self.progress.say)
             return shots
-        if source.name in self.planned:
-            site, shots = self.planned.pop(source.name)
-        else:
+        hands = self.running.hands
+        site, shots = self.planned.pop(source.name, (None, ()))
+        if site is None:
             build_source(source, self.order, self.work, self.progress.say)
+            site = hands.open(source, self.stores[source.name])
+        if not shots:
             self.progress.say(f"planning {source.name}")
-            site = self.running.hands.open(source, self.stores[source.name])
-            shots = self.running.hands.plan(site, self.order)
+            shots = hands.plan(site, self.order)
         if not shots:
             raise InputError(f"the plan {self.order.plan} has no shot in {source.name}.")
         files = Files(self.out, self.out / ASIDE)
-        self.running.hands.tell(site, shots, self.order, files)
+        hands.tell(site, shots, self.order, files)
         self.manifest.add_files(files.written)
         self.size += sum(file.size for file in files.written)
         return shots
@@ -439,8 +453,7 @@ class _Run:
                 file.write(json.dumps(record) + "\n")
 
     def _finish(self) -> None:
-        from cityx.dataset.card import card
-        from cityx.dataset.page import page
+        from cityx.dataset.page import dataset_page
 
         files = Files(self.out, self.out / ASIDE)
         names = [source.name for source in self.sources]
@@ -454,7 +467,9 @@ class _Run:
              "train_id": c.train_id}
             for c in self.job.classes
         ])  # fmt: skip
-        files.text("index.html", page(self.out, self.order, self.manifest, self.job.classes))
+        files.text(
+            "index.html", dataset_page(self.out, self.order, self.manifest, self.job.classes)
+        )
         self.manifest.add_files(files.written)
         text = card(self.out, self.order, self.manifest, self.job.classes, self.running.command,
                     self.failed)  # fmt: skip
@@ -474,4 +489,3 @@ def shown_of(shots: int, city: int, cities: int) -> set[int]:
         return set()
     count = min(shots, max(1, SHOWN // cities))
     return {index * shots // count for index in range(count)}
-
