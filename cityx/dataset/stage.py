@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -123,6 +124,11 @@ class Stage:
     part: NDArray[np.int32]
     material: NDArray[np.uint16]
     still: Stage | None
+
+    @cached_property
+    def outlines(self) -> dict[int, FloatArray]:
+        """Points around meshes by first triangle, as far as somebody asked for them."""
+        return {}
 
     def cast(
         self, origins: ArrayLike, directions: ArrayLike, *, reach: ArrayLike = np.inf,

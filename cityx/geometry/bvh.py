@@ -15,7 +15,8 @@ S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT 2(1),
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import numpy as np
 from numba import njit
@@ -28,10 +29,16 @@ SCALE = 8  # of the code of a leaf; above LEAF
 EMPTY = -1  # code of a leaf without members
 OUTWARD = 4e-7  # relative growth of a box, above what float32 rounds away
 TINY = 1e-300  # instead of a direction of 0: its inverse is still finite
-_options: dict[str, Any] = {"nogil": True, "cache": True, "error_model": "numpy"}
+F = TypeVar("F", bound=Callable[..., Any])
 
 
-@njit(**_options)
+def _compiled(function: F) -> F:
+    """Compile a kernel when it is first called, or take it from the cache."""
+    made: F = njit(function, nogil=True, cache=True, error_model="numpy")
+    return made
+
+
+@_compiled
 def build(work: Any, order: Any, begin: int, end: int, box: Any, child: Any, used: int) -> Any:
     """Build the tree over members ``begin`` to ``end``.
 
@@ -160,13 +167,13 @@ def build(work: Any, order: Any, begin: int, end: int, box: Any, child: Any, use
     return root, used
 
 
-@njit(**_options)
-def _half_area(low: Any, high: Any) -> float:
+@_compiled
+def _half_area(low: Any, high: Any) -> Any:
     x, y, z = high[0] - low[0], high[1] - low[1], high[2] - low[2]
     return x * y + y * z + z * x
 
 
-@njit(**_options)
+@_compiled
 def grow(box: Any) -> None:
     """Grow (n, 6) or (n, 12) boxes by what float32 rounds away, so that no ray slips past."""
     for row in range(len(box)):
@@ -177,7 +184,7 @@ def grow(box: Any) -> None:
                 box[row, corner + a], box[row, corner + a + 3] = low - by, high + by
 
 
-@njit(**_options)
+@_compiled
 def build_all(corners: Any, first: Any, box: Any, child: Any, root: Any, order: Any) -> int:
     """Build a tree for each of m meshes.
 
@@ -219,7 +226,7 @@ def build_all(corners: Any, first: Any, box: Any, child: Any, root: Any, order: 
     return used
 
 
-@njit(**_options)
+@_compiled
 def bounds(corners: Any, first: Any, found: Any) -> None:
     """Write the (m, 6) lower and upper corners of m meshes; of an empty one inf and -inf."""
     for mesh in range(len(first) - 1):
@@ -232,7 +239,7 @@ def bounds(corners: Any, first: Any, found: Any) -> None:
                     found[mesh, k + 3] = max(found[mesh, k + 3], corners[i, c, k])
 
 
-@njit(**_options)
+@_compiled
 def _entry(box: Any, row: int, at: int, o: Any, inv: Any, best: float) -> float:
     """Return where a ray enters one of the boxes of a row, infinity if it misses or is later."""
     near, far = 0.0, best
@@ -244,7 +251,7 @@ def _entry(box: Any, row: int, at: int, o: Any, inv: Any, best: float) -> float:
     return near if near <= far else np.inf
 
 
-@njit(**_options)
+@_compiled
 def trace(
     mesh_root: Any, box: Any, child: Any, corners: Any, number: Any, texture: Any, uv: Any,
     mask_start: Any, mask_size: Any, mask_bits: Any,
@@ -411,7 +418,7 @@ def trace(
         triangle[ray] = best_triangle
 
 
-@njit(**_options)
+@_compiled
 def face_normals(
     first: Any, row: Any, corners: Any, mesh: Any, inverse: Any, shift: int,
     instance: Any, triangle: Any, directions: Any, found: Any,

@@ -328,6 +328,34 @@ def corners_at(
     return found
 
 
+def mesh_corners(scene: RayScene, instance: int) -> FloatArray:
+    """Return the (t, 3, 3) corners of the triangles of an instance, in the frame of its mesh."""
+    first = 0
+    for part in _parts(scene):
+        if instance < first + len(part.mesh):
+            mesh = part.mesh[instance - first]
+            own = slice(*part.shapes.first[mesh : mesh + 2].tolist())
+            return part.shapes.corners[own].astype(float)
+        first += len(part.mesh)
+    raise IndexError(f"there is no instance {instance}, there are {first}")
+
+
+def ways_at(
+    scene: RayScene, instance: NDArray[np.int64]
+) -> tuple[FloatArray, FloatArray, NDArray[np.int64]]:
+    """Return the (r, 3, 4) transforms of instances, their inverses, and (r,) how many triangles."""
+    ways, back = np.empty((len(instance), 3, 4)), np.empty((len(instance), 3, 4))
+    count = np.zeros(len(instance), np.int64)
+    first = 0
+    for part in _parts(scene):
+        own = np.flatnonzero((first <= instance) & (instance < first + len(part.mesh)))
+        which = instance[own] - first
+        ways[own], back[own] = part.transform[which], part.inverse[which]
+        count[own] = np.diff(part.shapes.first)[part.mesh[which]]
+        first += len(part.mesh)
+    return ways, back, count
+
+
 def normals(scene: RayScene, hits: Hits, directions: ArrayLike) -> FloatArray:
     """Return the (r, 3) unit normals of what rays met, towards where they came from; 0 of none."""
     bvh = _kernels()
