@@ -73,7 +73,7 @@ def plan_shots(site: Site, order: Order) -> tuple[Shot, ...]:
         site.city, order.plan, order.views, order.size, seed=order.seed, rig=order.rig,
         length=order.length, rate=order.rate, hfov=order.hfov, weathers=order.weather,
         times=order.time, target=order.target, stage=site.stage,
-    )  # fmt: skip
+    ).shots  # fmt: skip
 
 
 def store_of(source: Source, work: Path) -> Path:
@@ -102,8 +102,8 @@ def build_source(source: Source, order: Order, work: Path, say: Say) -> None:
         size=order.town_size if town else None, formats=(), render=False,
     )  # fmt: skip
     try:
-        build([] if source.path is None else [source.path], folder, options,
-              lambda line: say(f"{source.name}: {line}"))  # fmt: skip
+        paths = [] if source.path is None else [source.path]
+        build(paths, folder, options, say=lambda line: say(f"{source.name}: {line}"))
     except CityxError as error:
         raise InputError(f"the city {source.name} cannot be built: {error}") from error
 

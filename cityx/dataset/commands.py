@@ -145,7 +145,7 @@ class _Progress:
             self._console.print(line, markup=False, highlight=False)
 
     def shots(self, done: int, total: int, rate: float) -> None:
-        pace = f"{rate:.2g} a second, {_time((total - done) / max(rate, 1e-9))} left"
+        pace = f"{rate:.2g} a second, {_time((total - done) / rate)} left" if rate else ""
         if self._bar is not None:
             self._bar.update(self._task, description="shots", completed=done, total=total,
                              pace=pace)  # fmt: skip
@@ -183,7 +183,7 @@ def _told(summary: Summary, out: Path) -> None:
     if summary.faults:
         typer.echo(f"{len(summary.faults)} files are not as they were written; make the dataset "
                    "anew in another folder")  # fmt: skip
-    else:
+    elif (out / "index.html").is_file():
         typer.echo(str(out / "index.html"))
     if summary.failed or summary.faults:
         raise typer.Exit(FAILED)

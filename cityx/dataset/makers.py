@@ -7,9 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
-
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cityx.dataset.channels import CYCLES, TRUTH
 from cityx.dataset.order import Order
@@ -19,70 +17,104 @@ from cityx.dataset.shots import Shot
 if TYPE_CHECKING:
     from cityx.dataset.stage import Stage
 
-Pair = tuple[Shot, Shot | None]  # a shot, and the next of its sensor in its sequence
-Maker = Callable[[Sequence[Pair]], Iterator[Record]]
-# Opens a stored city; top level, so that it can be sent to other processes.
-Opener = Callable[[Path, Order], Maker]
 SECONDS = "seconds"  # among the facts of a record: maker to seconds; kept out of the files
 HELD = 2  # moments whose scene is kept: that of a shot and of the next of its sequence
 
 
-def open_city(store: Path, order: Order) -> Maker:
+class Wanted(NamedTuple):
+    """A shot that is to be taken.
+
+    Attributes
+    ----------
+    shot
+        The shot.
+    after
+        The next of its sensor in its sequence, or None.
+    sweep
+        Whether its camera carries the LiDAR.
+    """
+
+    shot: Shot
+    after: Shot | None = None
+    sweep: bool = False
+
+
+Maker = Callable[[Sequence[Wanted]], Iterator[Record]]
+# Opens a stored city with so many threads; top level, so that it can be sent to other processes.
+Opener = Callable[[Path, Order, int], Maker]
+
+
+def open_city(store: Path, order: Order, threads: int = 1) -> Maker:
     """Open a stored city for the ray caster, and for Blender when it has channels to make."""
-    return _CityMaker(store, order)
+    return _CityMaker(store, order, threads)
 
 
 class _CityMaker:
     """Keeps the scene from shot to shot, anew only what moves."""
 
-    def __init__(self, store: Path, order: Order) -> None:
+    def __init__(self, store: Path, order: Order, threads: int) -> None:
         from cityx.city.store import read_view
-        from cityx.dataset.stage import stage_of
 
-        self._store, self._order = store, order
+        self._store, self._order, self._threads = store, order, threads
         self._view = read_view(store)
-        self._still = stage_of(self._view, None)
-        self._stages: dict[float, Stage] = {}
+        self._still: dict[bool, Stage] = {}  # by whether it is a winter's day
+        self._stages: dict[tuple[float, bool], Stage] = {}
 
-    def __call__(self, pairs: Sequence[Pair]) -> Iterator[Record]:
+    def __call__(self, wanted: Sequence[Wanted]) -> Iterator[Record]:
         order = self._order
-        pictures = self._pictures([shot for shot, _ in pairs])
-        for shot, after in pairs:
+        pictures = self._pictures([item.shot for item in wanted]) if order.made_by(CYCLES) else None
+        for item in wanted:
             began = perf_counter()
-            record = self._truth(shot, after)
+            record = self._truth(item)
             seconds = {TRUTH: perf_counter() - began}
             facts: Mapping[str, Any] = record.facts
             channels = dict(record.channels)
-            if order.made_by(CYCLES):
+            if pictures is not None:
                 began = perf_counter()
-                made, said = next(pictures)
-                channels |= made
-                facts = {**facts, **said}
+                picture = next(pictures)
+                channels |= picture.channels
+                facts = {**facts, **picture.facts}
                 seconds[CYCLES] = perf_counter() - began
             yield replace(record, channels=MappingProxyType(channels),
                           facts=MappingProxyType({**facts, SECONDS: seconds}))  # fmt: skip
 
-    def _truth(self, shot: Shot, after: Shot | None) -> Record:
+    def _truth(self, item: Wanted) -> Record:
+        from cityx.dataset.lidar import lidar_named, sweep_of
         from cityx.dataset.truth import truth
 
-        order = self._order
+        order, shot, after = self._order, item.shot, item.after
         stage = self._stage(shot)
-        return truth(
-            stage, shot, order.made_by(TRUTH), after=after,
-            later=self._stage(after) if after is not None else None,
+        later = self._stage(after) if after is not None else None
+        record = truth(
+            stage, shot, order.made_by(TRUTH), after=after, later=later,
+            boxes=order.wants_boxes, threads=self._threads,
         )  # fmt: skip
+        if not item.sweep:
+            return record
+        lidar = lidar_named(order.lidar)
+        return replace(record, sweep=sweep_of(stage, shot, lidar, after=after,
+                                              threads=self._threads))  # fmt: skip
 
     def _stage(self, shot: Shot) -> Stage:
         """Return the scene at the moment of a shot, kept for the other cameras of the rig."""
+        from cityx.assets.trees.leaf_fall import SNOWED
         from cityx.dataset.stage import stage_of
 
-        if shot.moment not in self._stages:
+        light = shot.environment or self._view.environment
+        bare = light.snow > SNOWED
+        key = (shot.moment, bare)
+        if key not in self._stages:
             while len(self._stages) >= HELD:
                 self._stages.pop(next(iter(self._stages)))
-            self._stages[shot.moment] = stage_of(self._view, shot.moment, still=self._still)
-        return self._stages[shot.moment]
+            view = replace(self._view, environment=light)
+            made = stage_of(view, shot.moment, still=self._still.get(bare))
+            self._still[bare] = made.still or made
+            self._stages[key] = made
+        return self._stages[key]
 
-    def _pictures(
-        self, shots: Sequence[Shot]
-    ) -> Iterator[tuple[Mapping[str, NDArray[Any]], Mapping[str, Any]]]:
-        raise NotImplementedError
+    def _pictures(self, shots: Sequence[Shot]) -> Iterator[Record]:
+        from cityx.dataset.pictures import chosen_quality, pictures
+
+        order = self._order
+        quality = chosen_quality(order.quality, samples=order.samples)
+        return pictures(self._store, shots, order.made_by(CYCLES), quality)

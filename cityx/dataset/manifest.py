@@ -104,6 +104,11 @@ class Manifest:
         """Return the numbers of the shots that are done."""
         return {row[0] for row in self._database.execute("SELECT number FROM shot")}
 
+    def holds(self, path: str) -> bool:
+        """Tell whether a file that speaks of no single shot is complete."""
+        rows = self._database.execute("SELECT 1 FROM file WHERE path = ?", (path,))
+        return rows.fetchone() is not None
+
     def count(self, city: str) -> int:
         """Return how many shots of a city are done."""
         (count,) = self._database.execute(

@@ -17,6 +17,7 @@ from cityx.errors import CityxError, InputError, MissingExtra, UsageError, neare
 
 NAME = "dataset.json"
 SEED, FOLDER, MAP = "seed", "folder", "map"
+_FIRST = frozenset({"there", "no", "this", "about"})
 QUALITIES = ("draft", "standard", "paper")
 MOST_CITIES = 100_000
 _SEEDS = re.compile(r"\d+(-\d+)?(,\d+(-\d+)?)*")
@@ -178,7 +179,8 @@ class Faults:
 
 
 def _sentence(text: str) -> str:
-    return text[:1].upper() + text[1:]
+    # A path that a sentence begins with stays as it is.
+    return text[:1].upper() + text[1:] if text.split(" ", 1)[0] in _FIRST else text
 
 
 def check_words(order: Order, faults: Faults) -> None:
@@ -203,7 +205,15 @@ def check_words(order: Order, faults: Faults) -> None:
         faults.say(f"--length {order.length} is no number of frames, 1 or more is needed.")
     if order.rate <= 0:
         faults.say(f"--rate {order.rate:g} is no number of frames a second.")
-    if order.quality not in QUALITIES:
+    if order.lidar:
+        from cityx.dataset.lidar import lidar_named
+
+        faults.of(lambda: lidar_named(order.lidar))
+    if any(channel.maker == CYCLES for channel in channels or ()):
+        from cityx.dataset.pictures import chosen_quality
+
+        faults.of(lambda: chosen_quality(order.quality, samples=order.samples))
+    elif order.quality not in QUALITIES:
         near = nearest(order.quality, QUALITIES)
         faults.say(f'there is no quality "{order.quality}".{near} Known are: '
                    f"{', '.join(QUALITIES)}.")  # fmt: skip

@@ -154,8 +154,9 @@ def _map(
     for shot in shots:
         x, y = spot(shot.camera.position[0], shot.camera.position[1])
         dx, dy = reach * sin(shot.camera.heading), -reach * cos(shot.camera.heading)
-        lines.append(f'<line class="look" x1="{x:.1f}" y1="{y:.1f}" x2="{x + dx:.1f}" '
-                     f'y2="{y + dy:.1f}"/>')
+        lines.append(
+            f'<line class="look" x1="{x:.1f}" y1="{y:.1f}" x2="{x + dx:.1f}" y2="{y + dy:.1f}"/>'
+        )
         lines.append(f'<circle class="eye" cx="{x:.1f}" cy="{y:.1f}" r="2"/>')
     return (
         f'<figure><svg viewBox="0 0 {MAP_WIDTH} {height:.0f}" role="img" '

@@ -56,14 +56,14 @@ def depth_colours(depth: NDArray[np.float32]) -> Pixels:
     steps = np.arange(len(_VIRIDIS))
     found = np.stack([np.interp(spot, steps, _VIRIDIS[:, axis]) for axis in range(3)], axis=-1)
     found[~np.isfinite(depth)] = SKY
-    return np.rint(found).astype(np.uint8)
+    return np.asarray(np.rint(found), np.uint8)
 
 
 def normal_colours(normal: NDArray[np.float32]) -> Pixels:
     """Return normals as colours: east in red, north in green, up in blue."""
     found = np.rint((normal * 0.5 + 0.5) * 255)
     found[~normal.any(axis=-1)] = SKY
-    return found.astype(np.uint8)
+    return np.asarray(found, np.uint8)
 
 
 def class_colours(semantic: NDArray[np.uint8], classes: Sequence[Class]) -> Pixels:

@@ -7,6 +7,7 @@ there, and ends with the same bytes as one that nothing disturbed.
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import sqlite3
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,6 +17,7 @@ from functools import partial
 from itertools import islice
 from pathlib import Path
 from time import perf_counter
+from types import MappingProxyType
 from typing import Any, Protocol
 
 from cityx.atomic import replaced
@@ -33,7 +35,7 @@ from cityx.dataset.cities import (
     store_of,
     write_city_files,
 )
-from cityx.dataset.makers import Opener, open_city
+from cityx.dataset.makers import Opener, Wanted, open_city
 from cityx.dataset.manifest import DiskFull, Done, Manifest
 from cityx.dataset.order import (
     FOLDER,
@@ -55,6 +57,8 @@ from cityx.errors import InputError, UsageError
 
 RENEW = 500  # shots after which a worker is replaced
 CHUNK, CHUNK_CYCLES = 16, 48  # shots that a worker is given; Blender begins anew with each chunk
+# Which camera of a rig carries the LiDAR, of those there are: the one that looks ahead.
+LEADS: Mapping[str, int] = MappingProxyType({"left": 1, "mono": 2, "front": 3})
 SHOWN = 24  # shots that the page shows
 Say = Callable[[str], None]
 
@@ -152,6 +156,9 @@ class Summary:
     spent: Mapping[str, float]
     failed: Mapping[str, str] = field(default_factory=dict)
     faults: tuple[str, ...] = ()
+
+
+_Planned = tuple[Site | None, tuple[Shot, ...]]  # a city and its shots
 
 
 def make_dataset(
@@ -284,7 +291,7 @@ def _full_disk() -> Iterator[None]:
 
 def _planned(
     order: Order, sources: Sequence[Source], out: Path, running: Running, progress: Progress
-) -> dict[str, tuple[Site | None, tuple[Shot, ...]]]:
+) -> dict[str, _Planned]:
     """Plan the cities that are built already, before anything is written.
 
     Raises
@@ -292,7 +299,7 @@ def _planned(
     InputError, UsageError
         With what is wrong with any of them.
     """
-    found: dict[str, tuple[Site | None, tuple[Shot, ...]]] = {}
+    found: dict[str, _Planned] = {}
     faults = Faults()
     for source in sources:
         if source.kind == FOLDER and not (out / "cities" / source.name / SHOTS).exists():
@@ -310,7 +317,7 @@ class _Run:
 
     def __init__(
         self, order: Order, sources: Sequence[Source], out: Path, running: Running,
-        progress: Progress, manifest: Manifest, planned: dict[str, tuple[Site | None, tuple[Shot, ...]]],
+        progress: Progress, manifest: Manifest, planned: dict[str, _Planned],
     ) -> None:  # fmt: skip
         from cityx.dataset.classes import CLASSES
 
@@ -319,7 +326,8 @@ class _Run:
         self.planned = planned
         self.work = out / WORK
         self.stores = {source.name: store_of(source, self.work) for source in sources}
-        self.job = Job(out.resolve(), order, running.hands.shoot, self.stores, CLASSES)
+        threads = 1 if running.cluster else max(1, (os.cpu_count() or 1) // running.workers)
+        self.job = Job(out.resolve(), order, running.hands.shoot, self.stores, CLASSES, threads)
         self.done = manifest.numbers()
         self.size, self.largest = manifest.size(), 0
         self.made, self.total = 0, 0
@@ -355,7 +363,7 @@ class _Run:
     def _workers(self) -> Pool | Cluster:
         if self.running.cluster:
             return Cluster(take, self.job, self.running.cluster)
-        share_threads(self.running.workers)
+        share_threads(self.job.threads)
         return Pool(take, self.job, self.running.workers, renew=self.running.renew)
 
     def _so_far(self) -> str:
@@ -366,9 +374,9 @@ class _Run:
 
     def _shots(self, source: Source) -> tuple[Shot, ...]:
         """Return the shots of a city, planned now or by an earlier run, and see to its files."""
-        path = self.out / "cities" / source.name / SHOTS
-        if path.exists():
-            shots = read_shots(path)
+        path = f"cities/{source.name}/{SHOTS}"
+        if self.manifest.holds(path):
+            shots = read_shots(self.out / path)
             if source.kind != FOLDER and not self._all_done(source, shots):
                 build_source(source, self.order, self.work, self.progress.say)
             return shots
@@ -395,13 +403,18 @@ class _Run:
         self, source: Source, shots: Sequence[Shot], first: int, moment: int, index: int
     ) -> Iterator[Task]:
         following = {(s.sequence, s.sensor, s.frame): s for s in shots}
+        leads = {
+            (shot.sequence, shot.frame): shot.sensor
+            for shot in sorted(shots, key=lambda shot: LEADS.get(shot.sensor, 0))
+        }
         shown = shown_of(len(shots), index, len(self.sources))
         seen: dict[tuple[str, int], int] = {}
         for row, shot in enumerate(shots):
             number = seen.setdefault((shot.sequence, shot.frame), moment + len(seen))
             after = following.get((shot.sequence, shot.sensor, shot.frame + 1))
             place = Place(first + row, number, source.name)
-            yield Task(place, shot, after, row in shown)
+            sweep = bool(self.order.lidar) and leads[shot.sequence, shot.frame] == shot.sensor
+            yield Task(place, Wanted(shot, after, sweep), row in shown)
 
     def _take(self, workers: Pool | Cluster, tasks: Sequence[Task], total: int) -> None:
         left = [task for task in tasks if task.place.number not in self.done]
@@ -416,7 +429,7 @@ class _Run:
                 case Failed(full=True):
                     raise DiskFull("The disk is full.")
                 case Failed(task=task, cause=cause) | Died(item=task, cause=cause):
-                    self.failed[f"{task.place.city}/{task.shot.name}"] = cause
+                    self.failed[f"{task.place.city}/{task.wanted.shot.name}"] = cause
             rate = (self.made - made) / max(self.seconds - before, 1e-9)
             self.progress.shots(len(self.done), total, rate)
 
@@ -467,18 +480,17 @@ class _Run:
              "train_id": c.train_id}
             for c in self.job.classes
         ])  # fmt: skip
-        files.text(
-            "index.html", dataset_page(self.out, self.order, self.manifest, self.job.classes)
-        )
+        shown = dataset_page(self.out, self.order, self.manifest, self.job.classes)
+        files.text("index.html", shown)
         self.manifest.add_files(files.written)
         text = card(self.out, self.order, self.manifest, self.job.classes, self.running.command,
                     self.failed)  # fmt: skip
         with replaced(self.out / "README.md", aside=self.out / ASIDE) as temporary:
             temporary.write_text(text)
         self.size = self.manifest.size()
+        listed = "".join(self.manifest.lines())
         with replaced(self.out / kept.NAME, aside=self.out / ASIDE) as temporary:
-            with temporary.open("w", encoding="utf-8") as file:
-                file.writelines(self.manifest.lines())
+            temporary.write_text(listed)
         shutil.rmtree(self.work, ignore_errors=True)
 
 

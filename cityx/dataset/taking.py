@@ -12,11 +12,10 @@ from time import perf_counter
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from cityx.dataset.makers import SECONDS, Maker, Opener, Pair
+from cityx.dataset.makers import SECONDS, Maker, Opener, Wanted
 from cityx.dataset.manifest import Done
 from cityx.dataset.order import Order
 from cityx.dataset.record import Record
-from cityx.dataset.shots import Shot
 from cityx.dataset.statistics import counted
 from cityx.dataset.writers import formats_named
 from cityx.dataset.writers.files import Files
@@ -40,15 +39,14 @@ class Task:
     ----------
     place
         Where it stands in the dataset.
-    shot, after
-        It, and the next of its sensor in its sequence.
+    wanted
+        It, and what is to be made of it.
     shown
         Whether the page shows it.
     """
 
     place: Place
-    shot: Shot
-    after: Shot | None
+    wanted: Wanted
     shown: bool = False
 
 
@@ -68,6 +66,8 @@ class Job:
         City name to the folder of its store.
     classes
         Every class.
+    threads
+        That a worker may use.
     """
 
     folder: Path
@@ -75,6 +75,7 @@ class Job:
     opener: Opener
     stores: Mapping[str, Path]
     classes: Sequence[Class]
+    threads: int = 1
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,7 @@ def take(job: Job, chunk: Sequence[Task]) -> Iterator[Done | Failed]:
     while left:
         task = left[0]
         try:
-            records = _maker(job, task.place.city)([_pair(task) for task in left])
+            records = _maker(job, task.place.city)([task.wanted for task in left])
             while left:
                 task = left[0]
                 yield _taken(job, task, records)
@@ -125,15 +126,11 @@ def take(job: Job, chunk: Sequence[Task]) -> Iterator[Done | Failed]:
             left.pop(0)
 
 
-def _pair(task: Task) -> Pair:
-    return task.shot, task.after
-
-
 def _maker(job: Job, city: str) -> Maker:
     key = f"{job.folder}\0{city}"
     if key not in _open:
         _open.clear()  # before the next is opened, which needs the room
-        _open[key] = job.opener(job.stores[city], job.order)
+        _open[key] = job.opener(job.stores[city], job.order, job.threads)
     return _open[key]
 
 
@@ -153,7 +150,9 @@ def _taken(job: Job, task: Task, records: Iterator[Record]) -> Done:
 
         write_panels(record, task.place, job.classes, files)
     seconds["files"] = perf_counter() - began
-    return Done(task.place, task.shot.name, tuple(files.written), parts, counted(record), seconds)
+    return Done(
+        task.place, task.wanted.shot.name, tuple(files.written), parts, counted(record), seconds
+    )
 
 
 def _is_full(error: Exception, folder: Path) -> bool:

@@ -7,6 +7,7 @@ import signal
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from importlib import import_module
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
@@ -150,9 +151,8 @@ def _follow_parent() -> None:
         os._exit(1)
 
 
-def share_threads(count: int) -> None:
-    """Divide the processor between processes; must come before libraries that count threads."""
-    threads = max(1, (os.cpu_count() or 1) // count)
+def share_threads(threads: int) -> None:
+    """Let processes that are started from now on have so many threads each."""
     for name in THREADS:
         os.environ[name] = str(threads)
 
@@ -168,32 +168,30 @@ class Cluster:
 
     def __init__(self, work: Work, job: Any, address: str) -> None:
         require_dask()
-        from distributed import Client, LocalCluster
-
+        dask: Any = import_module("distributed")  # without types
         self._work, self._job = work, job
-        self._cluster = None
+        self._cluster: Any = None
         try:
             if address.startswith("local:"):
-                self._cluster = LocalCluster(
+                self._cluster = dask.LocalCluster(
                     n_workers=int(address.removeprefix("local:")), threads_per_worker=1,
                     dashboard_address=None,
                 )  # fmt: skip
-            self._client = Client(self._cluster or address, timeout=20)
+            self._client = dask.Client(self._cluster or address, timeout=20)
         except (OSError, TimeoutError) as error:
             raise EngineError(f"no scheduler of dask answers at {address}: {error}.") from error
 
     def run(self, chunks: Sequence[Sequence[Any]]) -> Iterator[Any]:
         """Yield results as chunks end; dask itself tries those of lost workers again."""
-        from distributed import KilledWorker, as_completed
-
+        dask: Any = import_module("distributed")
         futures = {
             self._client.submit(_do, self._work, self._job, chunk, pure=False): chunk
             for chunk in chunks if len(chunk)
         }  # fmt: skip
-        for future in as_completed(list(futures)):
+        for future in dask.as_completed(list(futures)):
             try:
                 yield from future.result()
-            except KilledWorker as error:
+            except dask.KilledWorker as error:
                 for item in futures[future]:
                     yield Died(item, f"its worker was lost again and again ({error})")
             future.release()

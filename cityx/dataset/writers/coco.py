@@ -32,7 +32,7 @@ def _shot(record: Record, place: Place, classes: Sequence[Class], files: Files) 
     found = sorted(record.segments, key=lambda segment: segment.number)
     numbers = np.array([segment.number for segment in found], np.int64)
     # Ids of a picture count from 1: 0 is "no segment" in COCO, of which there is none here.
-    ranks = np.searchsorted(numbers, panoptic).astype(np.uint32) + 1
+    ranks = (np.searchsorted(numbers, panoptic) + 1).astype(np.uint32)
     files.picture(f"coco/panoptic/{name}", id_colours(ranks))
     segments = []
     instances = []
@@ -55,7 +55,8 @@ def _shot(record: Record, place: Place, classes: Sequence[Class], files: Files) 
 
 def id_colours(ids: NDArray[np.uint32]) -> NDArray[np.uint8]:
     """Return numbers of up to 24 bits as colours: red + 256 green + 65536 blue."""
-    return np.stack([ids & 255, (ids >> 8) & 255, (ids >> 16) & 255], axis=-1).astype(np.uint8)
+    layers = [ids & 255, (ids >> 8) & 255, (ids >> 16) & 255]
+    return np.asarray(np.stack(layers, axis=-1), np.uint8)
 
 
 def box_of(mask: NDArray[np.bool_]) -> list[int]:

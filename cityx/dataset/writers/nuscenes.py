@@ -113,7 +113,7 @@ class _Sample:
 
     @cached_property
     def time(self) -> int:
-        return round(self.cameras[0].part["moment"] * 1e6)
+        return round(float(self.cameras[0].part["moment"]) * 1_000_000)
 
     @cached_property
     def ego(self) -> Matrix:
@@ -245,7 +245,7 @@ def _annotation_rows(whole: Whole) -> Iterator[Row]:
                 {
                     "token": token("annotation", sample.token, box["id"]),
                     "sample_token": sample.token, "instance_token": instance,
-                    "visibility_token": next((t for t, _, m in VISIBILITY if box["seen"] <= m), "4"),
+                    "visibility_token": _visible(box["seen"]),
                     "attribute_tokens": [], "translation": box["centre"],
                     "size": [box["size"][1], box["size"][0], box["size"][2]],
                     "rotation": quaternion(turned(box["heading"])),
@@ -253,6 +253,10 @@ def _annotation_rows(whole: Whole) -> Iterator[Row]:
                 }
                 for sample, box in rows
             ])  # fmt: skip
+
+
+def _visible(share: float) -> str:
+    return next((key for key, _, most in VISIBILITY if share <= most), VISIBILITY[-1][0])
 
 
 def _annotated(scene: _Scene) -> dict[str, list[tuple[_Sample, Row]]]:
@@ -279,7 +283,7 @@ def _category_rows(whole: Whole) -> Iterator[Row]:
         if held.thing:
             name = CATEGORIES.get(held.name, f"cityx.{held.name}")
             yield {"token": token("category", held.number), "name": name,
-                   "description": f"class {held.number}, {held.name}", "index": held.number}  # fmt: skip
+                   "description": f"class {held.name} of CityX", "index": held.number}  # fmt: skip
 
 
 def _channel_rows(whole: Whole) -> Iterator[Row]:

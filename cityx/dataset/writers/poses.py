@@ -11,8 +11,6 @@ from cityx.dataset.shots import axes
 Matrix = NDArray[np.float64]
 # From a camera with x right, y down, z ahead to one with x right, y up, z backwards.
 OPENGL = np.diag([1.0, -1.0, -1.0])
-# Columns are the axes of a body (x ahead, y left, z up) in a camera's (x right, y down, z ahead).
-BODY_IN_CAMERA = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
 
 
 def camera_to_world(camera: Camera) -> Matrix:
@@ -21,8 +19,10 @@ def camera_to_world(camera: Camera) -> Matrix:
 
 
 def lidar_to_world(camera: Camera) -> Matrix:
-    """Return the (4, 4) pose of the LiDAR at a camera's eye, level: x ahead, y left, z up."""
-    return pose(turned(np.pi / 2 - camera.heading), camera.position)
+    """Return the (4, 4) pose of the LiDAR of a camera, at its eye: x ahead, y left, z up."""
+    from cityx.dataset.lidar import sensor_axes
+
+    return pose(sensor_axes(camera).T, camera.position)
 
 
 def pose(rotation: Matrix, position: NDArray[np.float64] | tuple[float, float, float]) -> Matrix:

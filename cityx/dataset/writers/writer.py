@@ -119,7 +119,7 @@ def picture_of(record: Record) -> NDArray[np.uint8]:
     light = np.clip(linear.astype(np.float64) * 2.0**exposure, 0.0, 1.0)
     # IEC 61966-2-1
     bent = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    return np.rint(bent * 255).astype(np.uint8)
+    return np.asarray(np.rint(bent * 255), np.uint8)
 
 
 def by_city(kept: Iterable[Kept]) -> Iterator[tuple[str, list[Kept]]]:
