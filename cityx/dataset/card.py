@@ -121,8 +121,7 @@ def _channels(order: Order) -> str:
 def _licences(cities: Sequence[Mapping[str, Any]]) -> str:
     texts = list(dict.fromkeys(text for city in cities for text in city["attribution"]))
     lines = [f"- {text}" for text in texts]
-    lines.append("- Geometry, textures and pictures are made by CityX; nobody else has rights in "
-                 "what no line above names.")  # fmt: skip
+    lines.append("- What CityX adds (geometry, textures, pictures) is nobody else's.")
     said = "The notices must stay with what is published from it." if texts else ""
     return "## Licences\n\n" + "\n".join(lines) + "\n" + (f"\n{said}\n" if said else "")
 
