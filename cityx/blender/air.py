@@ -11,6 +11,7 @@ from cityx.city.environment import Environment
 
 Tree = Any
 Socket = Any
+LAYERS = "Layers"  # name of the node of the compositor that gives what was rendered
 
 
 def make_air(
@@ -43,6 +44,7 @@ def make_air(
     tree = scene.node_tree
     tree.nodes.clear()
     layers = tree.nodes.new("CompositorNodeRLayers")
+    layers.name = LAYERS
     sink = tree.nodes.new("CompositorNodeComposite")
     mist = layers.outputs["Mist"]
     depth: Socket = _math(

@@ -15,10 +15,13 @@ import sys
 import tempfile
 import threading
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import asdict, dataclass, field
+from math import inf
 from pathlib import Path
-from typing import IO, Any
+from queue import Empty, SimpleQueue
+from time import monotonic
+from typing import IO, Any, NamedTuple
 
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
@@ -69,12 +72,27 @@ class RenderRequest:
         Samples per pixel, at most; fewer where the picture is clean earlier.
     environment
         Light and weather of this picture instead of the job's, or None.
+    moment
+        Seconds into the tracks that this picture shows instead of the job's, or None.
+    passes
+        Names of `cityx.blender.passes` that are written, as an .exr file beside the .png.
+    threshold
+        Noise at which a pixel gets no more samples; None is that of pictures for people.
+    denoise
+        Whether the picture is what the denoiser made of the samples.
+    seed
+        Of the samples, so that pictures do not share their noise.
     """
 
     camera: Camera
     path: Path
     samples: int = DEFAULT_SAMPLES
     environment: Environment | None = None
+    moment: float | None = None
+    passes: tuple[str, ...] = ()
+    threshold: float | None = None
+    denoise: bool = True
+    seed: int = 0
 
 
 @dataclass(frozen=True)
@@ -100,6 +118,9 @@ class BlenderJob:
     frames
         First and last frame of a span that is rendered and the step from one to the next,
         `FRAME_RATE` a second; None renders the moment.
+    ahead
+        Complete pictures that may lie there, not yet taken away, while the next is rendered; None
+        does not wait for anybody.
     """
 
     store: Path
@@ -110,6 +131,7 @@ class BlenderJob:
     gpu: bool = True
     moment: float | None = None
     frames: tuple[int, int, int] | None = None
+    ahead: int | None = None
 
 
 @dataclass(frozen=True)
@@ -140,6 +162,20 @@ class BlenderResult:
     objects: int
     version: str
     blend_mb: float = 0.0
+
+
+class Progress(NamedTuple):
+    """The share done, 0 to 1, and a few words."""
+
+    share: float
+    text: str
+
+
+class Made(NamedTuple):
+    """A picture that is complete: its .png, and what is known of it (`cityx.blender.passes`)."""
+
+    path: Path
+    facts: Mapping[str, Any]
 
 
 @dataclass
@@ -176,11 +212,43 @@ def run_worker(
     EngineError
         If the process failed, crashed or took too long.
     """
+    talk = work(job, timeout_s=timeout_s)
+    while True:
+        try:
+            word = next(talk)
+        except StopIteration as end:
+            result: BlenderResult = end.value
+            return result
+        if progress is not None and isinstance(word, Progress):
+            progress(*word)
+
+
+def work(
+    job: BlenderJob, *, timeout_s: float = inf, silence_s: float = inf
+) -> Generator[Progress | Made, None, BlenderResult]:
+    """Run a job in a Blender process and pass on what it says while it says it.
+
+    The process ends with the generator, whether that is exhausted, closed or thrown away.
+
+    Parameters
+    ----------
+    job
+        What to do.
+    timeout_s
+        Seconds after which the process is killed.
+    silence_s
+        Seconds without a word after which it is killed.
+
+    Raises
+    ------
+    MissingDependency, EngineError
+        As `run_worker`.
+    """
     with tempfile.TemporaryDirectory(prefix="cityx-blender-") as folder:
         request, answer = Path(folder) / "job.json", Path(folder) / "result.json"
         request.write_text(json.dumps(_record(job, answer)))
         try:
-            code, log = _run(request, timeout_s, progress)
+            code, log = yield from _converse(request, timeout_s=timeout_s, silence_s=silence_s)
         finally:
             _clean(job)
         result = json.loads(answer.read_text()) if answer.exists() else {}
@@ -204,7 +272,9 @@ def run_worker(
 
 def _clean(job: BlenderJob) -> None:
     """Remove what an ended process left half written."""
-    for path in (*filter(None, [job.blend]), *(request.path for request in job.renders)):
+    pictures = [request.path for request in job.renders]
+    passes = [request.path.with_suffix(".exr") for request in job.renders if request.passes]
+    for path in (*filter(None, [job.blend]), *pictures, *passes):
         path.with_name(f".{path.stem}.partial{path.suffix}").unlink(missing_ok=True)
 
 
@@ -215,6 +285,11 @@ def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
             "path": str(r.path.resolve()),
             "samples": int(r.samples),
             "environment": _values(r.environment),
+            "moment": r.moment,
+            "passes": r.passes,
+            "threshold": r.threshold,
+            "denoise": r.denoise,
+            "seed": r.seed,
         }
         for r in job.renders
     ]
@@ -228,6 +303,7 @@ def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
         "gpu": job.gpu,
         "moment": job.moment,
         "frames": job.frames,
+        "ahead": job.ahead,
         "result": str(answer),
         "parent": os.getpid(),
     }
@@ -280,12 +356,28 @@ def run_module(
 
 
 def _run(
-    request: Path,
-    timeout_s: float,
-    progress: Callable[[float, str], None] | None,
-    module: str = "cityx.blender.worker",
+    request: Path, timeout_s: float, progress: Callable[[float, str], None] | None, module: str
 ) -> tuple[int, _Log]:
     """Start the process, follow its words, return its exit code and last lines."""
+    talk = _converse(request, timeout_s=timeout_s, module=module)
+    while True:
+        try:
+            word = next(talk)
+        except StopIteration as end:
+            code, log = end.value
+            return code, log
+        if progress is not None and isinstance(word, Progress):
+            progress(*word)
+
+
+def _converse(
+    request: Path,
+    *,
+    timeout_s: float,
+    silence_s: float = inf,
+    module: str = "cityx.blender.worker",
+) -> Generator[Progress | Made, None, tuple[int, _Log]]:
+    """Start the process, yield what it reports, return its exit code and last lines."""
     # Idle threads that spin would take the cores from the ones that work.
     environment = {**os.environ, "OMP_WAIT_POLICY": "PASSIVE", "PYTHONUNBUFFERED": "1"}
     process = subprocess.Popen(
@@ -298,21 +390,42 @@ def _run(
         env=environment,
         start_new_session=True,
     )
-    log = _Log()
+    log, words = _Log(), _Words()
     assert process.stdout is not None
-    reader = threading.Thread(target=_follow, args=(process.stdout, log, progress), daemon=True)
+    reader = threading.Thread(target=_follow, args=(process.stdout, log, words), daemon=True)
     reader.start()
+    asked = monotonic()
+    limit = asked + timeout_s
     try:
-        process.wait(timeout_s)
-    except subprocess.TimeoutExpired as error:
-        raise EngineError(
-            f"Blender was stopped after {timeout_s:g} s. Its last words:\n{log.text()}"
-        ) from error
+        while True:
+            # Silence counts while somebody listens: the process may wait for its reader.
+            left = min(limit, max(words.last, asked) + silence_s) - monotonic()
+            if left <= 0 and words.queue.empty():
+                fate = f"after {timeout_s:g} s" if monotonic() >= limit else (
+                    f"when it had said nothing for {silence_s:g} s")  # fmt: skip
+                raise EngineError(f"Blender was stopped {fate}. Its last words:\n{log.text()}")
+            try:
+                word = words.queue.get(timeout=None if left == inf else max(left, 0.0))
+            except Empty:  # it may have said other things meanwhile
+                continue
+            if word is None:
+                break
+            yield word
+            asked = monotonic()
+        process.wait()  # its last words are said
     finally:
         _kill(process)
         reader.join(5.0)
         process.stdout.close()
     return process.returncode, log
+
+
+@dataclass
+class _Words:
+    """What a process reports, None at its end; mutable because a thread fills it."""
+
+    queue: SimpleQueue[Progress | Made | None] = field(default_factory=SimpleQueue)
+    last: float = field(default_factory=monotonic)  # when it said anything
 
 
 def _kill(process: subprocess.Popen[str]) -> None:
@@ -325,15 +438,21 @@ def _kill(process: subprocess.Popen[str]) -> None:
         process.wait()
 
 
-def _follow(stream: IO[str], log: _Log, progress: Callable[[float, str], None] | None) -> None:
-    """Pass progress on and keep the rest."""
-    for line in stream:
-        if not line.startswith(PROGRESS):
-            if line.strip():
+def _follow(stream: IO[str], log: _Log, words: _Words) -> None:
+    """Pass reports on and keep the rest."""
+    try:
+        for line in stream:
+            words.last = monotonic()
+            if line.startswith(PROGRESS):
+                report = json.loads(line.removeprefix(PROGRESS))
+                if isinstance(report, dict):
+                    words.queue.put(Made(Path(report["made"]), report["facts"]))
+                else:
+                    words.queue.put(Progress(*report))
+            elif line.strip():
                 log.lines.append(line.rstrip())
-        elif progress is not None:
-            share, text = json.loads(line.removeprefix(PROGRESS))
-            progress(share, text)
+    finally:
+        words.queue.put(None)
 
 
 def explain_missing(message: str) -> str:

@@ -8,7 +8,7 @@ import bpy
 
 from cityx.assets.grass import CLUMPS, grass_clump
 from cityx.blender.materials import MaterialLibrary
-from cityx.blender.scene import add_layer
+from cityx.blender.scene import add_layer, remove_layer
 from cityx.city.camera import Camera
 from cityx.plugins.render.lawns import grass_rows
 
@@ -19,20 +19,12 @@ LAYER = "grass"
 SNOWED = 0.35  # snow from which lawns are covered
 
 
-def sow(scene: bpy.types.Scene, view: View, camera: Camera) -> int:
+def sow(scene: bpy.types.Scene, view: View, camera: Camera, library: MaterialLibrary) -> int:
     """Put grass before a camera in place of what stood before another; returns how many clumps."""
-    for item in [o for o in bpy.data.objects if o.name.split(".")[0] == LAYER]:
-        bpy.data.meshes.remove(item.data)
-    for held in [c for c in bpy.data.collections if c.name.split(".")[0].endswith(LAYER)]:
-        for item in list(held.objects):
-            bpy.data.meshes.remove(item.data)
-        bpy.data.collections.remove(held)
-    for held in [c for c in bpy.data.collections if c.name.split(".")[0] == LAYER.capitalize()]:
-        bpy.data.collections.remove(held)
+    remove_layer(LAYER)
     if view.lod < 2 or view.environment.snow > SNOWED:
         return 0
     rows = grass_rows(view, camera)
     if rows.count:
-        library = MaterialLibrary(textured=True)
         add_layer(scene, LAYER, [grass_clump(name) for name in CLUMPS], rows, view.seed, library)
     return rows.count

@@ -67,7 +67,8 @@ def set_up(scene: bpy.types.Scene, *, samples: int, gpu: bool = True) -> str:
     scene.render.engine = "CYCLES"
     scene.render.threads_mode = "FIXED"
     scene.render.threads = min(core_count(), 1024)
-    scene.render.use_persistent_data = False  # with it, later samples were silently left out
+    # With it a picture depends on those before it, and no time is saved: light changes everything.
+    scene.render.use_persistent_data = False
     scene.render.image_settings.file_format = "PNG"
     scene.render.image_settings.color_mode = "RGB"
     scene.render.image_settings.compression = 15
@@ -88,7 +89,6 @@ def set_up(scene: bpy.types.Scene, *, samples: int, gpu: bool = True) -> str:
     cycles.caustics_reflective = cycles.caustics_refractive = False
     cycles.blur_glossy = 1.0
     cycles.sample_clamp_indirect = 8.0
-    cycles.seed = 0
     device = _gpu() if gpu else "CPU"
     cycles.device = "CPU" if device == "CPU" else "GPU"
     return device
@@ -120,12 +120,27 @@ def _gpu() -> str:
     return "CPU"
 
 
-def render_picture(scene: bpy.types.Scene, camera: bpy.types.Object, path: Path) -> None:
-    """Render one picture to a PNG file that appears when it is complete."""
+def use_quality(
+    scene: bpy.types.Scene, samples: int, threshold: float | None = None, seed: int = 0
+) -> None:
+    """Choose the most samples per pixel, the noise at which a pixel gets no more, and their seed."""
+    cycles: Any = scene.cycles
+    cycles.seed = seed
+    cycles.samples = samples
+    cycles.adaptive_threshold = ADAPTIVE_THRESHOLD if threshold is None else threshold
+
+
+def aim(scene: bpy.types.Scene, camera: bpy.types.Object) -> None:
+    """Look through a camera, in pictures of its size."""
     scene.camera = camera
     scene.render.resolution_x = int(camera["width"])
     scene.render.resolution_y = int(camera["height"])
     scene.render.resolution_percentage = 100
+
+
+def render_picture(scene: bpy.types.Scene, camera: bpy.types.Object, path: Path) -> None:
+    """Render one picture to a PNG file that appears when it is complete."""
+    aim(scene, camera)
     temporary = path.with_name(f".{path.stem}.partial{path.suffix}")
     path.parent.mkdir(parents=True, exist_ok=True)
     scene.render.filepath = str(temporary)

@@ -50,7 +50,9 @@ def title(layer: str) -> str:
     return layer.replace("_", " ").capitalize()
 
 
-def build_scene(view: View, *, objects: bool | None = None) -> bpy.types.Scene:
+def build_scene(
+    view: View, *, objects: bool | None = None, library: MaterialLibrary | None = None
+) -> bpy.types.Scene:
     """Fill the empty main file with the city.
 
     Parameters
@@ -61,6 +63,8 @@ def build_scene(view: View, *, objects: bool | None = None) -> bpy.types.Scene:
         Whether each building becomes an object of its own; by default up to 20,000 buildings at
         level of detail 1 and above. Otherwise buildings are merged per tile and the faces carry
         the ids (integer attributes ``id_low`` and ``id_high``).
+    library
+        Gives the materials, also to what is added later; by default one of its own.
 
     Returns
     -------
@@ -68,7 +72,7 @@ def build_scene(view: View, *, objects: bool | None = None) -> bpy.types.Scene:
         The scene, without cameras and light.
     """
     scene = bpy.context.scene
-    library = MaterialLibrary(textured=view.lod > 0)
+    library = library or MaterialLibrary(textured=view.lod > 0)
     for layer, batch in view.scene.meshes.items():
         if not batch.count:
             continue
@@ -328,7 +332,7 @@ def _instance_layers(view: View, library: MaterialLibrary, scene: bpy.types.Scen
     shared: dict[int, bpy.types.Object] = {}
     for layer, rows in layers.items():
         used, local = np.unique(rows.prototype, return_inverse=True)
-        sources = _collection(f"Prototypes {layer}", store)
+        sources = _collection(_sources_of(layer), store)
         for index in used.tolist():
             if index not in shared:
                 shared[index] = _prototype(held.prototypes[index], index, library)
@@ -360,12 +364,27 @@ def add_layer(
     library
         Gives the materials.
     """
-    sources = bpy.data.collections.new(f"Prototypes {layer}")
+    sources = bpy.data.collections.new(_sources_of(layer))
     for index, prototype in enumerate(prototypes):
         sources.objects.link(_prototype(prototype, index, library))
     collection = _collection(title(layer), scene.collection)
     points = _points(seed, prototypes, {}, layer, rows, rows.prototype)
     return _placed(layer, points, sources, collection)
+
+
+def remove_layer(layer: str) -> None:
+    """Remove a layer that `add_layer` added, if there is one; materials stay."""
+    sources = bpy.data.collections.get(_sources_of(layer))
+    points = bpy.data.objects.get(layer)
+    for item in [*(sources.objects if sources else ()), *([points] if points else ())]:
+        bpy.data.meshes.remove(item.data)  # and the object with it
+    for held in (sources, bpy.data.collections.get(title(layer))):
+        if held is not None:
+            bpy.data.collections.remove(held)
+
+
+def _sources_of(layer: str) -> str:
+    return f"Prototypes {layer}"
 
 
 def _placed(

@@ -37,6 +37,13 @@ def say(share: float, text: str) -> None:
     sys.stdout.flush()
 
 
+def say_made(path: Path, facts: dict[str, Any]) -> None:
+    """Report a complete picture to the caller."""
+    report = {"made": str(path), "facts": facts}
+    sys.stdout.write(f"{PROGRESS}{json.dumps(report)}\n")
+    sys.stdout.flush()
+
+
 class Clock:
     """Wall and CPU seconds of the steps; a class because it accumulates."""
 
@@ -60,17 +67,26 @@ def peak_rss_mb() -> float:
     return round(peak / (1e6 if sys.platform == "darwin" else 1e3), 1)
 
 
+def resident_mb() -> float:
+    """Memory this process holds now, in MB; its peak where the system does not say."""
+    held = Path("/proc/self/statm")
+    if not held.exists():
+        return peak_rss_mb()
+    return round(int(held.read_text().split()[1]) * resource.getpagesize() / 1e6, 1)
+
+
 def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., None]) -> Any:
     """Make the scene, save it, render it; returns the record of what was made."""
     import bpy
 
     from cityx.assets.moving import with_movers
-    from cityx.blender import grass, render
+    from cityx.blender import render
     from cityx.blender import scene as scenes
     from cityx.blender.animation import animate
     from cityx.blender.light import Lighting
     from cityx.blender.materials import MaterialLibrary
     from cityx.blender.operators import call
+    from cityx.blender.studio import Studio
 
     environment = _environment(job["environment"]) or view.environment
     pictures = [(Camera(**{**r["camera"], "position": tuple(r["camera"]["position"])}), r)
@@ -82,8 +98,10 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
             view = replace(view, moment=job["moment"])
         # Keyframes are for who opens the file, or plays a span of it; a picture needs a moment.
         animated = bool(job["blend"] or job["frames"])
-        held = view if animated else with_movers(view)
-        scene = scenes.build_scene(held, objects=job["objects"])
+        staged = any(request["moment"] is not None for _, request in pictures)
+        held = view if animated or staged else with_movers(view)
+        library = MaterialLibrary(textured=view.lod > 0)
+        scene = scenes.build_scene(held, objects=job["objects"], library=library)
         if animated:
             animate(scene, view, MaterialLibrary(textured=view.lod > 0))
         lighting = Lighting(scene, view)
@@ -100,17 +118,36 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
         with clock.step("save"):
             record["blend_mb"] = save(Path(job["blend"]))
         record["files"].append(job["blend"])
+    studio = Studio(scene, view, lighting, library, staged=staged)
     for index, ((camera, request), item) in enumerate(zip(pictures, cameras, strict=True)):
-        tell(0.15 + 0.85 * index / len(pictures), f"rendering {camera.name}")
+        share = 0.15 + 0.85 * index / len(pictures)
+        tell(share, f"rendering {camera.name}")
         wanted = _environment(request["environment"]) or environment
+        _wait([Path(before["path"]) for _, before in pictures[:index]], job["ahead"])
+        begun = time.perf_counter()
         with clock.step(f"light {camera.name}"):
-            lighting.set(wanted)
-            lighting.set_for(wanted, camera)
+            studio.show(wanted, camera, request["moment"])
         with clock.step(f"render {camera.name}"):
-            grass.sow(scene, replace(view, environment=wanted), camera)
-            scene.cycles.samples = request["samples"]
-            record["files"] += _pictures(scene, item, Path(request["path"]), job["frames"], tell)
+            path = Path(request["path"])
+            render.use_quality(
+                scene, request["samples"], request["threshold"], request["seed"]
+            )
+            if request["passes"]:
+                facts = studio.passes(item, path, request["passes"], denoise=request["denoise"])
+                record["files"] += [str(path.with_suffix(".exr")), str(path)]
+            else:
+                facts = {}
+                record["files"] += _pictures(scene, item, path, job["frames"], tell)
+        facts |= {"device": device, "seconds": round(time.perf_counter() - begun, 3),
+                  "memory_mb": resident_mb(), "blender": bpy.app.version_string}  # fmt: skip
+        say_made(path, facts)
     return record
+
+
+def _wait(made: list[Path], ahead: int | None) -> None:
+    """Wait until no more than so many pictures lie there, so that no disk is filled."""
+    while ahead is not None and sum(path.exists() for path in made) > ahead:
+        time.sleep(0.05)
 
 
 def _pictures(

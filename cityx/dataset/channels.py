@@ -43,6 +43,8 @@ class Channel:
 _TABLE = (
     Channel("rgb", CYCLES, "float32", 3, "",
             "Linear colour, before exposure and view transform."),
+    Channel("picture", CYCLES, "uint8", 3, "",
+            "Colour as a screen shows it, exposed and through the view transform; sRGB."),
     Channel("depth", TRUTH, "float32", 1, "m",
             "Along the view axis; infinite in the sky."),
     Channel("distance", TRUTH, "float32", 1, "m",

@@ -1,0 +1,313 @@
+"""Pictures: the channels that Cycles makes, shot by shot, from Blender processes of their own.
+
+A process keeps the scene and changes what differs from shot to shot: eye, moment, light. After so
+many shots a fresh one takes over. Each picture depends on its own shot alone, so neither the order
+nor the process shows in it.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from cityx.blender.client import BlenderJob, Made, Progress, RenderRequest, work
+from cityx.blender.sheets import PASSES
+from cityx.city.store import read_view
+from cityx.dataset.channels import CHANNELS, CYCLES
+from cityx.dataset.mattes import MATTES, Mattes
+from cityx.dataset.record import Record
+from cityx.dataset.shots import Shot
+from cityx.errors import EngineError, MissingExtra, UsageError, nearest
+from cityx.geometry.identity import stable_id
+
+FloatArray = NDArray[np.float32]
+RECYCLE = 50  # shots from one Blender process
+AHEAD = 2  # pictures rendered before they are asked for: they lie on the disk
+SILENCE_S = 3600.0  # without a word; Cycles speaks between samples
+TRIES = 2  # of a shot
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
+SPREAD = 1.4826  # from the median of absolute deviations to a standard deviation
+RGB, PICTURE = "rgb", "picture"
+
+
+@dataclass(frozen=True)
+class Quality:
+    """How good pictures are.
+
+    Attributes
+    ----------
+    name
+        As in ``--quality``.
+    samples
+        Per pixel, at most.
+    threshold
+        Noise at which a pixel gets no more of them.
+    denoise
+        Whether the colour is the denoiser's.
+    rays
+        Along each side of a pixel, for the mattes.
+    size
+        Pixels of a picture where nothing else is asked for.
+    """
+
+    name: str
+    samples: int
+    threshold: float
+    denoise: bool
+    rays: int
+    size: tuple[int, int]
+
+
+QUALITIES: Mapping[str, Quality] = MappingProxyType({
+    quality.name: quality
+    for quality in (
+        Quality("draft", 16, 0.1, denoise=True, rays=3, size=(640, 360)),
+        Quality("standard", 128, 0.03, denoise=True, rays=4, size=(960, 540)),
+        # The paper's 10,000 samples are a most, the threshold is what ends a pixel.
+        Quality("paper", 10_000, 0.01, denoise=False, rays=8, size=(1920, 1080)),
+    )
+})  # fmt: skip
+
+
+def chosen_quality(
+    word: str,
+    *,
+    samples: int | None = None,
+    threshold: float | None = None,
+    denoise: bool | None = None,
+) -> Quality:
+    """Return the quality of a word, with what is given beside it.
+
+    Raises
+    ------
+    UsageError
+        Naming everything that is not allowed.
+    """
+    faults = []
+    if word not in QUALITIES:
+        faults.append(
+            f'there is no quality "{word}".{nearest(word, QUALITIES)} '
+            f"Known are: {', '.join(QUALITIES)}."
+        )
+    if samples is not None and not 1 <= samples <= 65_536:
+        faults.append(f"{samples} samples are not possible, allowed are 1 to 65536.")
+    if threshold is not None and not 0 <= threshold <= 1:
+        faults.append(f"a noise threshold of {threshold:g} is not possible, allowed is 0 to 1.")
+    if faults:
+        raise UsageError(" ".join(faults))
+    given = {"samples": samples, "threshold": threshold, "denoise": denoise}
+    return replace(
+        QUALITIES[word], **{key: value for key, value in given.items() if value is not None}
+    )
+
+
+def pictures(
+    store: Path,
+    shots: Iterable[Shot],
+    channels: Iterable[str],
+    quality: Quality = QUALITIES["standard"],
+    *,
+    recycle: int = RECYCLE,
+    gpu: bool = True,
+) -> Iterator[Record]:
+    """Render shots of a stored city.
+
+    Parameters
+    ----------
+    store
+        Folder of the stored city.
+    shots
+        Of that city; their names are unique.
+    channels
+        Names of channels; those that Cycles does not make are left to others. With "rgb" comes
+        "picture", the same as people see it.
+    quality
+        Samples, noise and size of the mattes.
+    recycle
+        Shots after which a Blender process makes room for a fresh one.
+    gpu
+        Whether a GPU is used when there is one. Its noise is not that of a CPU.
+
+    Yields
+    ------
+    record
+        Shot, channels and facts, in the order of the shots. Facts are "quality", "samples" (at
+        most), "samples_used" (the mean), "threshold", "denoised", "noise" (`noise_of`),
+        "exposure" (stops between "rgb" and "picture"), "view_transform", "device", "blender",
+        "manifests" (of mattes, by channel), and "seconds" and "memory_mb" of the Blender process,
+        which alone differ from run to run.
+
+    Raises
+    ------
+    InputError
+        If there is no city.
+    MissingDependency
+        If Blender, one of its libraries or OpenEXR is absent.
+    EngineError
+        At the end, naming the shots at which Blender failed twice.
+    """
+    wanted = [name for name in CHANNELS if name in set(channels)]
+    drawn = [name for name in wanted if CHANNELS[name].maker == CYCLES and name not in MATTES]
+    named = [name for name in wanted if name in MATTES]
+    todo = tuple(shots)
+    if not (todo and (drawn or named)):
+        return
+    mattes = Mattes(read_view(store), named, quality.rays)
+    if not drawn:
+        for shot in todo:
+            layers, manifests = mattes.of(shot)
+            yield Record(shot, layers, facts=MappingProxyType({"manifests": manifests}))
+        return
+    import_openexr()
+    with (
+        tempfile.TemporaryDirectory(prefix="cityx-pictures-") as folder,
+        closing(_rendered(store, todo, drawn, quality, Path(folder), recycle, gpu)) as made,
+    ):
+        for shot, path, facts in made:
+            layers, manifests = mattes.of(shot)
+            sheets = path.with_suffix(".exr")
+            values, noise = _read(sheets, path, drawn, quality.samples)
+            sheets.unlink()
+            path.unlink()
+            known = {**_facts(quality), **noise, **facts, "manifests": manifests}
+            yield Record(
+                shot, MappingProxyType({**values, **layers}), facts=MappingProxyType(known)
+            )
+
+
+def _facts(quality: Quality) -> dict[str, Any]:
+    return {
+        "quality": quality.name,
+        "samples": quality.samples,
+        "threshold": quality.threshold,
+        "denoised": quality.denoise,
+    }
+
+
+def _rendered(
+    store: Path,
+    shots: Sequence[Shot],
+    names: Sequence[str],
+    quality: Quality,
+    folder: Path,
+    recycle: int,
+    gpu: bool,
+) -> Iterator[tuple[Shot, Path, Mapping[str, Any]]]:
+    """Render shots process after process; one at which it ends twice is named at the end."""
+    left = list(shots)
+    failed: dict[str, str] = {}
+    stumbled: set[str] = set()  # names of shots at which a process ended
+    started = 0  # processes in a row that ended before their first shot
+    while left:
+        batch = left[:recycle]
+        requests = tuple(_request(shot, names, quality, folder) for shot in batch)
+        job = BlenderJob(store, renders=requests, gpu=gpu, ahead=AHEAD)
+        begun = False
+        try:
+            with closing(work(job, silence_s=SILENCE_S)) as talk:
+                for word in talk:
+                    begun |= isinstance(word, Progress) and word.text.startswith(BEGINS)
+                    if isinstance(word, Made):
+                        yield left.pop(0), word.path, word.facts
+        except EngineError as error:
+            started = 0 if begun else started + 1
+            if started == TRIES:
+                raise
+            if not begun:
+                continue
+            if left[0].name in stumbled:
+                failed[left.pop(0).name] = str(error)
+            else:
+                stumbled.add(left[0].name)
+    if failed:
+        words = " ".join(f"{name}: {why}" for name, why in failed.items())
+        raise EngineError(
+            f"Blender ended {TRIES} times at each of {len(failed)} of {len(shots)} shots, "
+            f"which have no picture. {words}"
+        )
+
+
+BEGINS = "rendering "  # how a process says that it is at a picture
+
+
+def _request(shot: Shot, names: Sequence[str], quality: Quality, folder: Path) -> RenderRequest:
+    return RenderRequest(
+        replace(shot.camera, name=shot.name),
+        folder / f"{shot.name}.png",
+        quality.samples,
+        shot.environment,
+        shot.moment,
+        tuple(names),
+        quality.threshold,
+        quality.denoise,
+        stable_id("picture", shot.name) & 0x7FFFFFFF,
+    )
+
+
+def import_openexr() -> Any:
+    """Return the module that reads what Blender writes.
+
+    Raises
+    ------
+    MissingExtra
+        If it is not installed.
+    """
+    try:
+        import OpenEXR
+    except ImportError as error:
+        raise MissingExtra(
+            'Pictures as numbers need OpenEXR. Install it with: pip install "cityx[dataset]"'
+        ) from error
+    return OpenEXR
+
+
+def _read(
+    sheets: Path, picture: Path, names: Sequence[str], samples: int
+) -> tuple[dict[str, NDArray[Any]], dict[str, float]]:
+    """Read the channels of a picture, and what its samples tell about its noise."""
+    held = import_openexr().File(str(sheets), separate_channels=True).channels()
+
+    def layer(name: str) -> FloatArray:
+        sheet = PASSES[name]
+        parts = [held[f"{sheet.layer}.{part}"].pixels for part in sheet.parts]
+        return np.asarray(parts[0] if len(parts) == 1 else np.stack(parts, axis=-1), np.float32)
+
+    values: dict[str, NDArray[Any]] = {name: layer(name) for name in names}
+    if RGB in values:
+        with Image.open(picture) as seen:
+            values[PICTURE] = np.asarray(seen.convert("RGB"), np.uint8)
+    facts = {
+        "noise": noise_of(layer("noisy"), layer("clean"), layer("surface") > 0),
+        "samples_used": round(float(layer("samples").mean()) * samples, 2),
+    }
+    return values, facts
+
+
+def noise_of(noisy: FloatArray, clean: FloatArray, surface: NDArray[np.bool_]) -> float:
+    """Return the usual relative standard deviation of a pixel before the denoiser.
+
+    It is told by what the denoiser takes away: the median over pixels of their change by their
+    value, which fireflies and the edges that a denoiser bends do not move. It falls as one by the
+    root of the samples, and says nothing of what is left.
+
+    Parameters
+    ----------
+    noisy, clean
+        (h, w, 3) linear colour before and after the denoiser.
+    surface
+        (h, w) pixels that count: the sky has no noise.
+    """
+    if not surface.any():
+        return 0.0
+    value, gone = clean[surface] @ LUMINANCE, (noisy - clean)[surface] @ LUMINANCE
+    share = np.abs(gone) / np.maximum(value, 1e-6)
+    return round(float(SPREAD * np.median(share)), 5)
