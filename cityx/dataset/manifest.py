@@ -85,7 +85,7 @@ class Manifest:
 
     def add(self, done: Done) -> None:
         """Note a shot whose files are complete; that is on the disk when this returns."""
-        size = sum(file.size for file in done.files)
+        size = sum(file.size for file in done.files if not file.path.startswith("."))
         row = (
             done.place.number, done.place.moment, done.place.city, done.name,
             json.dumps([asdict(file) for file in done.files]), json.dumps(dict(done.parts)),
@@ -135,11 +135,16 @@ class Manifest:
 
         return read
 
-    def statistics(self) -> Iterator[tuple[str, str, dict[str, Any]]]:
-        """Yield city, name and statistics of the shots in their order."""
-        rows = self._database.execute("SELECT city, name, statistics FROM shot ORDER BY number")
-        for city, name, statistics in rows:
-            yield city, name, json.loads(statistics)
+    def statistics(self) -> Iterator[tuple[str, dict[str, Any]]]:
+        """Yield city and statistics of the shots in their order."""
+        rows = self._database.execute("SELECT city, statistics FROM shot ORDER BY number")
+        for city, statistics in rows:
+            yield city, json.loads(statistics)
+
+    def names(self) -> dict[int, str]:
+        """Return what the shots are called, with their city, by their numbers."""
+        rows = self._database.execute("SELECT number, city, name FROM shot")
+        return {number: f"{city} · {name}" for number, city, name in rows}
 
     def lines(self) -> Iterator[str]:
         """Yield the lines of the finished manifest: shots in their order, then other files."""

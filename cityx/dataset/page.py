@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from cityx.dataset.cities import SHOTS, read_shots
 from cityx.dataset.manifest import Manifest
 from cityx.dataset.order import Order
-from cityx.dataset.panels import FOLDER
+from cityx.dataset.panels import FOLDER, MEANING
 from cityx.dataset.shots import Shot
 from cityx.dataset.statistics import DEPTHS, VISIBLE, Totals, totals
 from cityx.web_page import bars, number, page, section, text, tiles
@@ -24,19 +24,18 @@ if TYPE_CHECKING:
 MOST_MAPS = 6  # cities whose map is shown
 MAP_WIDTH = 640  # units of a map
 ARROW = 0.018  # of the map's width, how long the line is that shows where a shot looks
-_ORDER = ("rgb", "depth", "normal", "semantic", "instance", "panoptic")
+_ORDER = ("rgb", "depth", "normal", "semantic", "instance", "panoptic", "boxes", "lidar")
 _STYLE = """
 .mosaic { display: grid; gap: 1.1rem; }
-.shot { display: grid; gap: .25rem; margin: 0;
-  grid-template-columns: repeat(auto-fit, minmax(min(11rem, 100%), 1fr)); }
-.shot figcaption { grid-column: 1 / -1; }
-.shot img { image-rendering: auto; border-radius: .15rem; }
+.shot { display: flex; flex-wrap: wrap; gap: .25rem; margin: 0; }
+.shot figcaption { flex-basis: 100%; }
+.shot img { flex: 1 1 9rem; min-width: 0; max-width: 20rem; border-radius: .15rem; }
 figure:first-child { grid-column: auto; }
 .names { color: var(--soft); font-size: .85rem; margin: 0 0 .3rem; }
 .swatch { display: inline-block; width: .8em; height: .8em; border-radius: .15em;
   margin-right: .4em; vertical-align: -.05em; }
 .maps { display: grid; gap: 1rem;
-  grid-template-columns: repeat(auto-fit, minmax(min(26rem, 100%), 1fr)); }
+  grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 34rem)); }
 svg { display: block; width: 100%; height: auto; background: var(--card); border-radius: .3rem; }
 .street { stroke: var(--line); fill: none; stroke-linejoin: round; stroke-linecap: round; }
 .look { stroke: var(--bar); stroke-linecap: round; } .eye { fill: var(--bar); }
@@ -95,7 +94,7 @@ def _numbers(order: Order, found: Totals) -> dict[str, int]:
 
 def _mosaic(out: Path, manifest: Manifest) -> str:
     """Lay out the panels of the shots that are shown, a row each."""
-    names = {row: f"{city} · {name}" for row, (city, name, _) in enumerate(manifest.statistics())}
+    names = manifest.names()
     paths = sorted((out / FOLDER).glob("*.*"))
     rows = []
     shown: list[str] = []
@@ -110,7 +109,8 @@ def _mosaic(out: Path, manifest: Manifest) -> str:
         rows.append(f'<figure class="shot">{pictures}{caption}</figure>')
     if not rows:
         return ""
-    said = f'<p class="names">{", ".join(map(text, shown))}</p>'
+    told = ", ".join(f"{name} ({MEANING[name]})" if name in MEANING else name for name in shown)
+    said = f'<p class="names">{text(told)}</p>'
     return section("Samples", f'{said}<div class="mosaic">\n{chr(10).join(rows)}\n</div>')
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.dataset.record import Record
+from cityx.dataset.record import Record, Sweep
 from cityx.dataset.writers.files import Files
 from cityx.dataset.writers.writer import Place, picture_of
 from cityx.geometry.identity import hash_ids
@@ -26,7 +26,14 @@ _VIRIDIS = np.array([
     (53, 183, 121), (110, 206, 88), (181, 222, 43), (253, 231, 37),
 ], float)  # fmt: skip
 SKY = (222, 232, 240)
+BOX_ALPHA = 0.45  # of the picture under the frames of boxes
+AROUND = 60.0  # metres about a LiDAR that its panel shows
 FOLDER = ".work/panels"
+MEANING = {
+    "depth": f"{NEAREST:g} m violet to {FARTHEST:g} m yellow, sky pale",
+    "normal": "east red, north green, up blue",
+    "lidar": f"from above, {AROUND:g} m around, by class",
+}
 
 
 def panels(record: Record, classes: Sequence[Class]) -> dict[str, Pixels]:
@@ -45,6 +52,38 @@ def panels(record: Record, classes: Sequence[Class]) -> dict[str, Pixels]:
         found["instance"] = id_colours(channels["instance"])
     elif "panoptic" in channels:
         found["panoptic"] = id_colours(channels["panoptic"].astype(np.uint64))
+    if record.boxes is not None:
+        found["boxes"] = _boxes(record, classes, found)
+    if record.sweep is not None:
+        found["lidar"] = _sweep(record.sweep, classes, record.shot.camera.height)
+    return found
+
+
+def _boxes(record: Record, classes: Sequence[Class], made: Mapping[str, Pixels]) -> Pixels:
+    """Return the picture, or its normals, faded under the frames of the visible boxes."""
+    from PIL import Image, ImageDraw
+
+    boxes, camera = record.boxes, record.shot.camera
+    assert boxes is not None
+    under = made.get("rgb", made.get("normal"))
+    if under is None:
+        under = np.full((camera.height, camera.width, 3), SKY, np.uint8)
+    faded = Image.fromarray(np.asarray(255 - (255 - under) * BOX_ALPHA, np.uint8))
+    pen = ImageDraw.Draw(faded)
+    width = max(1, round(camera.width / WIDTH))
+    for row in range(boxes.count):
+        color = classes[int(boxes.semantic[row])].color
+        pen.rectangle([*boxes.seen[row, :2], *(boxes.seen[row, 2:] - 1)], None, color, width)
+    return np.asarray(faded)
+
+
+def _sweep(sweep: Sweep, classes: Sequence[Class], size: int) -> Pixels:
+    """Return the points of a sweep from above, ahead upwards, in the colours of their classes."""
+    found = np.full((size, size, 3), 255, np.uint8)
+    spots = (size * (0.5 - sweep.points[:, 1::-1] / (2 * AROUND))).astype(int)  # across, down
+    inside = ((spots >= 0) & (spots < size)).all(axis=1)
+    table = np.array([held.color for held in classes], np.uint8)
+    found[spots[inside, 1], spots[inside, 0]] = table[sweep.semantic[inside]]
     return found
 
 
@@ -91,7 +130,7 @@ def id_colours(ids: NDArray[np.uint64]) -> Pixels:
 def write_panels(record: Record, place: Place, classes: Sequence[Class], files: Files) -> None:
     """Write the panels of a shot that the page shows, small."""
     for name, pixels in panels(record, classes).items():
-        smooth = name in ("rgb", "depth", "normal")
+        smooth = name in ("rgb", "depth", "normal", "boxes")
         files.data(f"{FOLDER}/{place.number:09d}.{name}", _small(pixels, smooth))
 
 

@@ -86,9 +86,9 @@ class Totals:
             self.lights[statistics["light"]] += 1
 
 
-def totals(statistics: Iterable[tuple[str, str, Mapping[str, Any]]]) -> Totals:
-    """Sum the statistics of shots, given as city, name and what `counted` returned."""
+def totals(statistics: Iterable[tuple[str, Mapping[str, Any]]]) -> Totals:
+    """Sum the statistics of shots, given as city and what `counted` returned."""
     found = Totals()
-    for city, _, values in statistics:
+    for city, values in statistics:
         found.add(city, values)
     return found

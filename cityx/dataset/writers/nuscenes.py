@@ -139,8 +139,8 @@ class _Sample:
         mounted = inverse(self.ego) @ np.array(matrix)
         sensor: Row = {
             "sensor_token": token("sensor", channel),
-            "translation": np.round(mounted[:3, 3], 6).tolist(),
-            "rotation": np.round(quaternion(mounted[:3, :3]), 9).tolist(),
+            "translation": (np.round(mounted[:3, 3], 6) + 0.0).tolist(),
+            "rotation": (np.round(quaternion(mounted[:3, :3]), 9) + 0.0).tolist(),
             "camera_intrinsic": k,
         }  # fmt: skip
         sensor = {"token": token("calibrated", json.dumps(sensor)), **sensor}
