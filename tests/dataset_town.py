@@ -10,7 +10,7 @@ from cityx.city import Instances, concatenate, one_mesh
 from cityx.city.camera import Camera
 from cityx.city.scene import Prototype
 
-EYE = Camera("eye", (-14.0, -1.5, 1.7), np.pi / 2, 0.0, width=48, height=32)
+EYE = Camera("eye", (-36.0, -1.5, 1.7), np.pi / 2, 0.0, width=48, height=32)
 HOUSES = ((11, (-30.0, 8.0), (-12.0, 20.0)), (12, (-30.0, -20.0), (-12.0, -8.0)),
           (13, (14.0, -20.0), (30.0, -8.0)))  # fmt: skip
 SIDES = np.array([(0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (4, 5, 6, 7)])

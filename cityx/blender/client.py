@@ -32,6 +32,11 @@ LOG_LINES = 15  # of the engine's own words, shown when it fails
 DEFAULT_SAMPLES = 48
 FRAME_RATE = 25  # frames per second of what moves
 
+# Of the process. Idle threads that spin would take the cores from the ones that work; colour
+# transforms that are kept for each exposure ever used would take 2.7 MB a picture.
+SETTINGS: Mapping[str, str] = {
+    "OMP_WAIT_POLICY": "PASSIVE", "PYTHONUNBUFFERED": "1", "OCIO_DISABLE_PROCESSOR_CACHES": "1",
+}  # fmt: skip
 # Shared libraries that Blender needs and small systems lack: file name -> Debian, Fedora package.
 LIBRARIES: Mapping[str, tuple[str, str]] = {
     "libX11": ("libx11-6", "libX11"),
@@ -378,8 +383,7 @@ def _converse(
     module: str = "cityx.blender.worker",
 ) -> Generator[Progress | Made, None, tuple[int, _Log]]:
     """Start the process, yield what it reports, return its exit code and last lines."""
-    # Idle threads that spin would take the cores from the ones that work.
-    environment = {**os.environ, "OMP_WAIT_POLICY": "PASSIVE", "PYTHONUNBUFFERED": "1"}
+    environment = {**os.environ, **SETTINGS}
     process = subprocess.Popen(
         [sys.executable, "-m", module, str(request)],
         stdin=subprocess.DEVNULL,

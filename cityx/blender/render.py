@@ -123,7 +123,7 @@ def _gpu() -> str:
 def use_quality(
     scene: bpy.types.Scene, samples: int, threshold: float | None = None, seed: int = 0
 ) -> None:
-    """Choose the most samples per pixel, the noise at which a pixel gets no more, and their seed."""
+    """Choose the most samples per pixel, the noise that ends a pixel, and their seed."""
     cycles: Any = scene.cycles
     cycles.seed = seed
     cycles.samples = samples

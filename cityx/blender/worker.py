@@ -129,9 +129,7 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
             studio.show(wanted, camera, request["moment"])
         with clock.step(f"render {camera.name}"):
             path = Path(request["path"])
-            render.use_quality(
-                scene, request["samples"], request["threshold"], request["seed"]
-            )
+            render.use_quality(scene, request["samples"], request["threshold"], request["seed"])
             if request["passes"]:
                 facts = studio.passes(item, path, request["passes"], denoise=request["denoise"])
                 record["files"] += [str(path.with_suffix(".exr")), str(path)]

@@ -163,7 +163,7 @@ def solids_of(
     around = np.isin(of_point, built)
     if len(built):
         number = np.searchsorted(built, of_point[around])
-        plans = shapely.convex_hull(shapely.multipoints(held.points[around, :2], indices=number))
+        plans = shapely.convex_hull(shapely.linestrings(held.points[around, :2], indices=number))
         heading[built] = np.nan_to_num(rectangles_of(plans).angle)
     cos, sin = np.cos(heading), np.sin(heading)
     x, y, z = held.points.T

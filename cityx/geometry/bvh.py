@@ -33,8 +33,16 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def _compiled(function: F) -> F:
-    """Compile a kernel when it is first called, or take it from the cache."""
-    made: F = njit(function, nogil=True, cache=True, error_model="numpy")
+    """Compile a kernel when it is first called, or take it from the cache.
+
+    The cache lies beside this file, else in the user's cache folder; where neither can be written
+    every process compiles anew.
+    """
+    made: F
+    try:
+        made = njit(function, nogil=True, cache=True, error_model="numpy")
+    except RuntimeError:  # numba found no folder to write to
+        made = njit(function, nogil=True, error_model="numpy")
     return made
 
 

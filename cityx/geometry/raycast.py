@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import cache
 from types import ModuleType
@@ -21,6 +22,7 @@ from cityx.errors import MissingExtra
 
 FloatArray = NDArray[np.float64]
 BLOCK = 8192  # rays that a thread casts at a time
+FLAT = 1e-18  # volume of what was of volume 1 below which an instance is flattened
 
 
 @dataclass(frozen=True)
@@ -257,10 +259,16 @@ def together(parts: Sequence[Shapes]) -> Shapes:
 
 def placed(shapes: Shapes, mesh: ArrayLike, transform: ArrayLike) -> RayScene:
     """Return a scene of instances of meshes that have their trees; see `ray_scene`."""
-    bvh = _kernels()
-    which = np.asarray(mesh, np.int32).reshape(-1)
     ways = np.asarray(transform, float).reshape(-1, 3, 4)
-    inverse, seen = _inverse(ways)
+    return _treed(shapes, np.asarray(mesh, np.int32).reshape(-1), ways, _inverse(ways))
+
+
+def _treed(
+    shapes: Shapes, which: NDArray[np.int32], ways: FloatArray, inverse: FloatArray
+) -> RayScene:
+    """Build the tree over instances; those whose way back is nothing are not seen."""
+    bvh = _kernels()
+    seen = inverse[:, :, :3].any(axis=(1, 2))
     seen &= shapes.bounds[which, 0] <= shapes.bounds[which, 3]
     low, high = shapes.bounds[which, :3].astype(float), shapes.bounds[which, 3:].astype(float)
     low, high = np.where(seen[:, None], low, 0.0), np.where(seen[:, None], high, 0.0)
@@ -279,14 +287,14 @@ def placed(shapes: Shapes, mesh: ArrayLike, transform: ArrayLike) -> RayScene:
     )
 
 
-def _inverse(ways: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Return (n, 3, 4) ways back, and which there are: not of what is flattened."""
+def _inverse(ways: FloatArray) -> FloatArray:
+    """Return (n, 3, 4) ways back; nothing for what is flattened."""
     linear = ways[:, :, :3]
-    seen = np.abs(np.linalg.det(linear)) > 1e-18
+    seen = np.abs(np.linalg.det(linear)) > FLAT
     back = np.zeros(ways.shape)
     back[seen, :, :3] = np.linalg.inv(linear[seen])
     back[:, :, 3] = -np.einsum("nij,nj->ni", back[:, :, :3], ways[:, :, 3])
-    return back, seen
+    return back
 
 
 def joined(scene: RayScene, *others: RayScene) -> RayScene:
@@ -305,7 +313,9 @@ def subset(scene: RayScene, instances: ArrayLike) -> RayScene:
         own = rows[(first <= rows) & (rows < first + len(part.mesh))] - first
         first += len(part.mesh)
         if len(own):
-            parts.append(placed(part.shapes, part.mesh[own], part.transform[own]))
+            parts.append(
+                _treed(part.shapes, part.mesh[own], part.transform[own], part.inverse[own])
+            )
     if not parts:
         return placed(scene.shapes, np.zeros(0, np.int32), np.zeros((0, 3, 4)))
     return joined(*parts)
@@ -408,12 +418,13 @@ def cast(
     u, v = np.zeros(count, np.float32), np.zeros(count, np.float32)
     back = np.zeros(count, bool)
     workers = min(threads or core_count(), max(1, -(-count // BLOCK)))
+    blocks = range(0, count, BLOCK)
     shift = 0
-    with ThreadPoolExecutor(workers) as pool:
+    with ThreadPoolExecutor(workers) if workers > 1 else nullcontext() as pool:
         for part in _parts(scene):
-            s = part.shapes
 
-            def task(low: int, part: RayScene = part, s: Shapes = s, shift: int = shift) -> None:
+            def task(low: int, part: RayScene = part, shift: int = shift) -> None:
+                s = part.shapes
                 bvh.trace(
                     s.root, s.box, s.child, s.corners, s.number, s.mask, s.uv, s.mask_start,
                     s.mask_size, s.mask_bits, part.root, part.box, part.child, part.order,
@@ -421,7 +432,7 @@ def cast(
                     distance, instance, triangle, u, v, back,
                 )  # fmt: skip
 
-            list(pool.map(task, range(0, count, BLOCK)))
+            list(map(task, blocks) if pool is None else pool.map(task, blocks))
             shift += len(part.mesh)
     missed = instance < 0
     distance[missed] = np.inf
