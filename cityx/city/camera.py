@@ -83,6 +83,7 @@ class Reader:
         self, record: dict[str, Any], key: str, where: str, low: float, high: float,
         default: float | None = None,
     ) -> float:  # fmt: skip
+        """Return a number of a record, `low` where it is none; what is wrong is gathered."""
         value = record.get(key, default)
         if value is None:
             near = nearest(key, record)
@@ -96,6 +97,7 @@ class Reader:
         return float(value)
 
     def record(self, value: Any, where: str) -> dict[str, Any]:
+        """Return a value that must be an object, an empty one where it is none."""
         if isinstance(value, dict):
             return value
         self.faults.append(f"{where} is {type(value).__name__}, an object is needed.")
@@ -239,6 +241,19 @@ def read_camera(
     terrain: Terrain,
     size: tuple[int, int],
 ) -> Camera:
+    """Read one camera; see `read_cameras` for what it holds.
+
+    Parameters
+    ----------
+    reader
+        Gathers what is wrong.
+    record, name, where
+        The camera, its name, and where in the file it is.
+    frame, terrain
+        Of the city.
+    size
+        Of its picture where it gives none.
+    """
     before = len(reader.faults)
     x = y = z = 0.0
     if "position" in record:

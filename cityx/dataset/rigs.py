@@ -169,8 +169,9 @@ def mounted(camera: Camera, rig: Sequence[Mount]) -> tuple[Camera, ...]:
             float(z + up),
         )
         pitch = min(max(camera.pitch + mount.pitch, -pi / 2), pi / 2)
-        found.append(replace(
-            camera, name=mount.sensor, position=eye, heading=(camera.heading - mount.yaw) % (2 * pi),
-            pitch=pitch, hfov=camera.hfov if mount.hfov is None else mount.hfov,
-        ))  # fmt: skip
+        hfov = camera.hfov if mount.hfov is None else mount.hfov
+        found.append(
+            replace(camera, name=mount.sensor, position=eye, pitch=pitch, hfov=hfov,
+                    heading=(camera.heading - mount.yaw) % (2 * pi))
+        )  # fmt: skip
     return tuple(found)

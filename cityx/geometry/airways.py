@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,12 @@ class Airspace:
     rise: float
     top: FloatArray
     layers: int
+
+    def wider(self) -> Airspace:
+        """Return the air that is one cell farther from everything."""
+        from scipy.ndimage import maximum_filter
+
+        return replace(self, top=maximum_filter(self.top, size=3, mode="nearest"))
 
     def free(self, points: FloatArray) -> NDArray[np.bool_]:
         """Tell which of (n, 3) points lie in free air over the site."""
@@ -77,7 +83,6 @@ def airways(air: Airspace) -> Airways:
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import connected_components
 
-    rows, columns = air.top.shape
     heights = air.low[2] + air.rise * np.arange(air.layers)
     free = heights[:, None, None] >= air.top[None]  # (layers, rows, columns)
     number = np.full(free.shape, -1, np.int64)
@@ -91,7 +96,12 @@ def airways(air: Airspace) -> Airways:
         on = ((to >= 0) & (to < free.shape)).all(axis=1)
         here = np.flatnonzero(on)
         there = number[tuple(to[here].T)]
-        here, there = here[there >= 0], there[there >= 0]
+        # Nothing in the cells between may rise above the lower end.
+        y, x = np.minimum(row, row + j)[here], np.minimum(column, column + i)[here]
+        between = np.max([air.top[y + v, x + u] for v in range(abs(j) + 1)
+                          for u in range(abs(i) + 1)], axis=0)  # fmt: skip
+        kept = (there >= 0) & (points[here, 2] >= between)
+        here, there = here[kept], there[kept]
         one.append(here)
         other.append(there)
         metres = np.hypot(np.hypot(i, j) * air.cell, CLIMB * k * air.rise)
@@ -132,25 +142,27 @@ def airway(ways: Airways, origin: int, goal: int) -> FloatArray | None:
 
 
 def rounded(air: Airspace, corners: FloatArray, step: float, rounds: int) -> FloatArray:
-    """Space the points of a way evenly and round its corners where the air is free.
+    """Space the points of a way evenly and round its corners as far as the air is free.
 
     Parameters
     ----------
     air
-        The airspace.
+        The airspace; ways that were found in its `wider` form have room for round corners.
     corners
         (k, 3) float64, metres, with free air between them.
     step
         Metres between the points.
     rounds
-        Of averaging each point with its neighbours.
+        Of averaging each point with its neighbours; fewer where that leads through something.
     """
     gone = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))]
     place = np.linspace(0.0, gone[-1], int(np.ceil(gone[-1] / step)) + 1)
-    points = np.column_stack([np.interp(place, gone, column) for column in corners.T])
-    for _ in range(rounds):
-        smooth = points.copy()
-        smooth[1:-1] = (points[:-2] + 2 * points[1:-1] + points[2:]) / 4
-        fits = air.free(smooth)
-        points = np.where(fits[:, None], smooth, points)
-    return points
+    sharp = np.column_stack([np.interp(place, gone, column) for column in corners.T])
+    while rounds:
+        points = sharp.copy()
+        for _ in range(rounds):
+            points[1:-1] = (points[:-2] + 2 * points[1:-1] + points[2:]) / 4
+        if air.free(points).all():
+            return points
+        rounds //= 2
+    return sharp

@@ -1,4 +1,4 @@
-"""The plan "aerial": what drones see, aslant and straight down, standing in the air or in flight."""
+"""The plan "aerial": what drones see, aslant and straight down, in one place or in flight."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import numpy as np
 from scipy.ndimage import maximum_filter
 
 from cityx.dataset.plans.motion import headings, smoothed
-from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Site, Source, Take, still
+from cityx.dataset.plans.site import Site
+from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Source, Take, still
 from cityx.errors import InputError
 from cityx.geometry.airways import Airspace, Airways, airway, airways, rounded
 from cityx.geometry.identity import draw, uniform
@@ -95,7 +96,8 @@ def airspace_of(site: Site) -> Airspace:
 
 
 def _flights(site: Site) -> Source:
-    ways = airways(airspace_of(site))
+    air = airspace_of(site)
+    ways = airways(air.wider())
     if not len(ways.points):
         raise InputError(
             f"no air is free over {site.city.name} at {LOWEST:g} to {HIGHEST:g} m above the ground."
@@ -108,13 +110,21 @@ def _flights(site: Site) -> Source:
         wished = low + drawn * (high - low)
         moments = site.moments(numbers)
         rows = zip(numbers.tolist(), wished, moments.tolist(), strict=True)
-        return [_flight(site, ways, number, spot, moment, needed) for number, spot, moment in rows]
+        return [
+            _flight(site, air, ways, number, spot, moment, needed) for number, spot, moment in rows
+        ]
 
     return candidates
 
 
 def _flight(
-    site: Site, ways: Airways, number: int, wished: FloatArray, moment: float, needed: float
+    site: Site,
+    air: Airspace,
+    ways: Airways,
+    number: int,
+    wished: FloatArray,
+    moment: float,
+    needed: float,
 ) -> Take | Refusal:
     seed = site.wishes.seed
     origin = int(np.argmin(((ways.points - wished) ** 2).sum(axis=1)))
@@ -129,7 +139,7 @@ def _flight(
     goal = int(fit[int(draw(seed, "dataset/flight/goal", number) * len(fit))])
     corners = airway(ways, origin, goal)
     assert corners is not None
-    points = rounded(ways.air, corners, STEP, ROUNDS)
+    points = rounded(air, corners, STEP, ROUNDS)
     gone = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
     time = np.arange(site.wishes.length) / site.wishes.rate
     place = SPEED * time
@@ -141,5 +151,7 @@ def _flight(
     heading = smoothed(headings(way[:, :2]), TURN_S * site.wishes.rate)
     share = draw(seed, "dataset/flight/pitch", number)
     pitch = np.radians(_SLANT[0] + (_SLANT[1] - _SLANT[0]) * (0.4 + 0.6 * share))
-    return Take(at(place), heading, np.full(len(time), pitch), moment + time, site.wishes.fov(FOV),
-                clearance=CLEAR)  # fmt: skip
+    return Take(
+        at(place), heading, np.full(len(time), pitch), moment + time, site.wishes.fov(FOV),
+        clearance=CLEAR, way=at(np.arange(0.0, place[-1], STEP)),
+    )  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -12,8 +13,9 @@ from cityx.city.moments import moments_of
 from cityx.city.roads import RoadNetwork
 from cityx.city.routes import cars
 from cityx.dataset.plans.motion import along_line, headings, length_of, smoothed, speeds
+from cityx.dataset.plans.site import Site
 from cityx.dataset.plans.streets import stations
-from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Site, Source, Take
+from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Source, Take
 from cityx.errors import InputError
 from cityx.geometry.identity import draw
 from cityx.geometry.polylines import Polylines, to_linestrings, values_along
@@ -226,4 +228,4 @@ def _ahead(site: Site, way: _Way, time: FloatArray) -> list[FloatArray]:
     rows = np.column_stack([along - half[near, 0], np.maximum(speed, 0.0)])
     order = np.argsort(there.number[near], kind="stable")
     start = np.searchsorted(there.number[near][order], np.arange(len(time) + 1))
-    return [rows[order[a:b]] for a, b in zip(start[:-1], start[1:], strict=True)]
+    return [rows[order[a:b]] for a, b in pairwise(start.tolist())]

@@ -41,7 +41,7 @@ def smoothed(values: FloatArray, spread: float) -> FloatArray:
 
 
 def headings(way: FloatArray) -> FloatArray:
-    """Return (f,) headings of (f, 2) directions, clockwise from north, without a full turn between."""
+    """Return (f,) headings of (f, 2) directions, clockwise from north, without a jump between."""
     return np.unwrap(np.arctan2(way[:, 0], way[:, 1]))
 
 

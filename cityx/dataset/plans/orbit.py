@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cityx.city.mesh import MeshBatch
-from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Site, Source, Take
+from cityx.dataset.plans.site import Site
+from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Source, Take
 from cityx.errors import UsageError, nearest
 from cityx.geometry.identity import id_text, uniform
 

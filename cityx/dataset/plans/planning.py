@@ -18,8 +18,9 @@ from cityx.dataset.plans.aerial import aerial
 from cityx.dataset.plans.custom import read_plan
 from cityx.dataset.plans.drive import drive
 from cityx.dataset.plans.orbit import orbit
+from cityx.dataset.plans.site import Site, Wishes
 from cityx.dataset.plans.street import street
-from cityx.dataset.plans.takes import Refusal, Site, Source, Take, Wishes
+from cityx.dataset.plans.takes import Refusal, Source, Take
 from cityx.dataset.plans.views import judged
 from cityx.dataset.plans.walk import walk
 from cityx.dataset.rigs import Rig, mounted, rig_named
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 
 MOST_STILLS, MOST_SEQUENCES, LONGEST = 10**6, 10**4, 10**4  # that names can count
 BLOCK = 64, 4  # candidates that are looked at together, of stills and of sequences
-HOPE = 400, 60  # candidates in a row, of stills and of sequences, after which a plan is given up
+HOPE = 400, 120  # candidates in a row, of stills and of sequences, after which a plan is given up
 
 
 @dataclass(frozen=True)
@@ -160,7 +161,7 @@ def plan(
         raise UsageError(" ".join(faults))
     usual = 1 if custom else KINDS[name].length
     wishes = Wishes(seed, length or usual, rate, hfov, target, radius, height, size)
-    site = Site(city, stage or still_stage(city), wishes)
+    site = Site(city, wishes, stage and (stage.still or stage))
     if custom:
         return _custom(site, Path(name), count, mounts, lights)
     return _drawn(site, name, count or 0, mounts, lights)
@@ -169,14 +170,6 @@ def plan(
 def is_file(name: str) -> bool:
     """Tell whether the name of a plan is that of a file."""
     return name not in KINDS and (name.endswith(".json") or Path(name).is_file())
-
-
-def still_stage(city: City) -> Stage:
-    """Return the scene of a city without what moves."""
-    from cityx.city.store import view_of
-    from cityx.dataset.stage import stage_of
-
-    return stage_of(view_of(replace(city, tracks=None)))
 
 
 @contextmanager

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cityx.city.crosswalks import FOOTWAYS
-from cityx.city.ground import SURFACES
+from cityx.city.ground import LABEL, ROADWAY, SURFACES
+from cityx.dataset.plans.site import Site
 from cityx.dataset.plans.streets import stations, street_lines
-from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Site, Source, Take, still
+from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Source, Take, still
 from cityx.errors import InputError
 from cityx.geometry.identity import uniform
 from cityx.geometry.polylines import locate
@@ -17,6 +19,7 @@ FOV = 70.0  # degrees
 LOWEST, HIGHEST = 1.4, 1.9  # metres of eyes above the pavement
 KERB_SHARE = 0.25  # of the eyes that stand at the kerb, as if about to cross
 AT_KERB, DEEPEST = 0.3, 2.4  # metres from the edge of the carriageway outwards
+EDGE = 0.5  # metres from the edge of a carriageway inwards, where there is no pavement
 ALONG, OBLIQUE = 0.6, 0.2  # shares of the views along the street and aslant; the others cross it
 _ALONG, _OBLIQUE, _ACROSS = (
     (-6.0, 12.0),
@@ -24,7 +27,8 @@ _ALONG, _OBLIQUE, _ACROSS = (
     (65.0, 105.0),
 )  # degrees to the street's side
 _LEVEL, _FACADE = (-4.0, 5.0), (0.0, 10.0)  # degrees of pitch, along the street and across
-WALKED = tuple(i for i, surface in enumerate(SURFACES) if surface.name in (*FOOTWAYS, "kerb"))
+WALKED = [LABEL[name] for name in (*FOOTWAYS, "kerb")]
+DRIVEN = [LABEL[name] for name in ROADWAY]
 
 
 def street(site: Site) -> Source:
@@ -52,17 +56,26 @@ def street(site: Site) -> Source:
         normal = np.where(left[:, None], 1, -1) * np.column_stack([-way[:, 1], way[:, 0]])
         kerb = drawn[:, 1] < KERB_SHARE
         deep = np.where(kerb, AT_KERB * drawn[:, 2], AT_KERB + (DEEPEST - AT_KERB) * drawn[:, 2])
-        eye = spot + normal * (network.half_width[line] + deep)[:, None]
-        footing = stand_on(city.scene.meshes.get("ground"), eye)
+        half = network.half_width[line]
+        eye = spot + normal * (half + deep)[:, None]
+        ground = city.scene.meshes.get("ground")
+        footing = stand_on(ground, eye)
+        # Along a street without pavements one walks on its edge.
+        bare = ~np.isin(footing.label, WALKED)
+        eye = np.where(bare[:, None], spot + normal * (half - EDGE)[:, None], eye)
+        footing = stand_on(ground, eye)
+        walked = np.isin(footing.label, np.r_[WALKED, DRIVEN])
         heading, pitch = _looks(way, left, drawn)
         height = LOWEST + (HIGHEST - LOWEST) * drawn[:, 6]
         moment = site.moments(numbers)
         found: list[Take | Refusal] = []
         for row in range(len(numbers)):
-            if footing.label[row] not in WALKED:
+            if not walked[row]:
                 label = footing.label[row]
                 under = SURFACES[label].name if label >= 0 else "no ground"
-                found.append(Refusal("no pavement", f"{under} at {eye[row].round(1).tolist()}"))
+                found.append(
+                    Refusal("nothing to stand on", f"{under} at {eye[row].round(1).tolist()}")
+                )
                 continue
             place = np.append(eye[row], footing.z[row] + height[row])
             found.append(still(place, heading[row], pitch[row], moment[row], site.wishes.fov(FOV)))
@@ -76,7 +89,7 @@ def _draws(site: Site, numbers: IntArray, count: int) -> FloatArray:
 
 
 def _looks(
-    way: FloatArray, left: np.ndarray[tuple[int], np.dtype[np.bool_]], drawn: FloatArray
+    way: FloatArray, left: NDArray[np.bool_], drawn: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return headings and pitches, radians, of eyes at one side of streets."""
     forth = drawn[:, 3] < 0.5
@@ -86,7 +99,7 @@ def _looks(
     kind, turn = drawn[:, 4], drawn[:, 5]
 
     def between(span: tuple[float, float], share: FloatArray) -> FloatArray:
-        return np.radians(span[0] + (span[1] - span[0]) * share)
+        return np.asarray(np.radians(span[0] + (span[1] - span[0]) * share))
 
     ahead, aslant = kind < ALONG, kind < ALONG + OBLIQUE
     angle = np.where(ahead, between(_ALONG, turn),

@@ -4,25 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
-from math import radians
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.camera import Camera
-from cityx.geometry.identity import id_text
-from cityx.geometry.spread import spread
-
-if TYPE_CHECKING:
-    from cityx.city.city import City
-    from cityx.dataset.stage import Stage
-    from cityx.geometry.raycast import Hits
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-GROUND = ("ground", "surroundings")  # layers of meshes
 
 
 @dataclass(frozen=True)
@@ -45,6 +34,8 @@ class Take:
         (k, 3) float64, points of what must be seen, if anything, and the id of what they lie in.
     clearance
         Metres that must be free round the eye; 0 takes the usual.
+    way
+        (w, 3) float64, places between the poses that must be as free as they.
     """
 
     position: FloatArray
@@ -55,6 +46,7 @@ class Take:
     target: FloatArray | None = None
     target_id: int = 0
     clearance: float = 0.0
+    way: FloatArray | None = None
 
     @property
     def count(self) -> int:
@@ -82,86 +74,6 @@ class Refusal:
 
     reason: str
     detail: str
-
-
-@dataclass(frozen=True)
-class Wishes:
-    """What a plan is asked for, besides its kind.
-
-    Attributes
-    ----------
-    seed
-        Of all that is drawn.
-    length
-        Frames of a sequence.
-    rate
-        Frames per second.
-    hfov
-        Horizontal field of view, radians; None is that of the kind.
-    target
-        What an orbit goes round: "tallest", "middle", the name or the id of a building.
-    radius, height
-        Of an orbit, metres, height above the ground; None follows from the target.
-    size
-        Of the pictures, pixels.
-    """
-
-    seed: int
-    length: int
-    rate: float
-    hfov: float | None = None
-    target: str = "tallest"
-    radius: float | None = None
-    height: float | None = None
-    size: tuple[int, int] = (960, 540)
-
-    @property
-    def seconds(self) -> float:
-        """From the first frame of a sequence to its last."""
-        return (self.length - 1) / self.rate
-
-    def fov(self, degrees: float) -> float:
-        """Return the field of view asked for, or that of the kind in degrees; radians."""
-        return radians(degrees) if self.hfov is None else self.hfov
-
-
-@dataclass(frozen=True)
-class Site:
-    """The city that is planned in, and its scene without what moves."""
-
-    city: City
-    stage: Stage
-    wishes: Wishes
-
-    @cached_property
-    def ground_ids(self) -> NDArray[np.uint64]:
-        """Ids of what the ground is made of, land beyond the site included."""
-        meshes = self.city.scene.meshes
-        held = [meshes[name].object_id for name in GROUND if name in meshes]
-        return np.concatenate([np.zeros(0, np.uint64), *held])
-
-    def objects_at(self, hits: Hits) -> NDArray[np.uint64]:
-        """Return the (r,) ids of the objects that rays met, 0 for the sky."""
-        row = self.stage.rows(hits)
-        return np.where(row >= 0, self.stage.object_id[np.maximum(row, 0)], np.uint64(0))
-
-    def named(self, object_id: int) -> str:
-        """Return the class and the id of an object, for people."""
-        from cityx.dataset.classes import CLASSES
-
-        row = np.flatnonzero(self.stage.object_id == np.uint64(object_id))
-        name = CLASSES[int(self.stage.semantic[row[0]])].name if len(row) else "object"
-        return f"{name} {id_text(object_id)}"
-
-    def draws(self, purpose: str, numbers: IntArray, dimensions: int) -> FloatArray:
-        """Return (n, dimensions) numbers in [0, 1) that fill the cube evenly."""
-        return spread(self.wishes.seed, f"dataset/{purpose}", numbers, dimensions)
-
-    def moments(self, numbers: IntArray) -> FloatArray:
-        """Return (n,) seconds at which takes begin, spread over the tracks."""
-        tracks = self.city.tracks
-        free = max((tracks.duration if tracks else 0.0) - self.wishes.seconds, 0.0)
-        return np.asarray(np.round(free * self.draws("moment", numbers, 1)[:, 0], 3))
 
 
 # Makes the takes of candidate numbers, or says why one cannot be; each depends on its number alone.

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from cityx.city.camera import Camera
 from cityx.city.moments import moments_of
 from cityx.city.tracks import Tracks
-from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Site, Take
+from cityx.dataset.plans.site import Site
+from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Take
 from cityx.dataset.rigs import Mount, mounted
 from cityx.dataset.shots import axes
 from cityx.geometry.identity import id_text
@@ -25,13 +26,16 @@ CLEAR = 0.5  # metres round an eye that must be free
 AROUND = 256  # directions in which that is looked for: 0.1 m apart at 0.5 m
 PICTURE = (24, 16)  # rays across and down a picture that tell what it shows
 INSIDE = 0.4  # share of the directions that meet something from behind inside a closed mesh
-NEAR, TOO_NEAR = 2.5, 0.3  # metres, and the share of a picture that may be nearer
-WALL, WALLED = 6.0, 0.75  # metres, and the share of a picture within them that is a stare
-SKY = 0.85  # share of a picture that may be sky
-VOID, BELOW = 0.25, -0.03  # share that may look past the border of the map; slope of such a ray
+NEAR, TOO_NEAR = 2.5, 0.25  # metres, and the share of a picture that may be of things nearer
+WALL, WALLED = 5.0, 0.55  # metres, and the share of a picture within them that is a stare
+VOID, LEVEL_VOID = 0.2, 0.1  # shares of pictures from above, and of level ones, beyond the map
+LEVEL = np.radians(-12.0)  # pitch from which a view is level
+BELOW = -0.03  # slope of rays that should meet land
+SKY = 0.75  # share of a picture that may be sky, with what lies beyond the map
 ODD = 0.2  # share of the frames of a sequence whose picture may be dull
 SEEN, MOSTLY = 0.3, 0.75  # share of a target that is seen, and of the frames in which it is
 REACH = 12.0  # metres within which what moves is looked at
+PARALLEL = 1e-12  # slope below which a ray counts as along the sides of a box
 CHUNK = 400_000  # rays cast at once: some 100 MB
 
 
@@ -68,19 +72,19 @@ def judged(
     if not takes:
         return []
     frame, poses, moment = _poses(site, takes)
+    ways = [np.zeros((0, 3)) if take.way is None else take.way for take in takes]
     eyes = np.array([c.position for pose in poses for c in mounted(pose, rig)])
-    pose_of_eye = np.repeat(np.arange(len(poses)), len(rig))
-    clear = np.array([take.clearance or CLEAR for take in takes])[frame]
+    whole = np.concatenate([eyes, *ways])
+    take_of = np.repeat(np.arange(len(takes)), [len(way) for way in ways])
+    take_of = np.concatenate([np.repeat(frame, len(rig)), take_of])
+    clear = np.array([take.clearance or CLEAR for take in takes])[take_of]
+    movers = _near(site.city.tracks, eyes, np.repeat(moment, len(rig)))
+    blocked = _blocked(site, whole, clear, movers, composed=composed)
     found: list[Refusal | None] = [None] * len(takes)
-
-    def refuse(pose: int, reason: str, detail: str) -> None:
-        take = int(frame[pose])
-        if found[take] is None:
-            found[take] = Refusal(reason, f"{detail} at {_at(poses[pose].position)}")
-
-    movers = _near(site.city.tracks, eyes, moment[pose_of_eye])
-    for eye, what in _blocked(site, eyes, clear[pose_of_eye], movers, composed=composed).items():
-        refuse(int(pose_of_eye[eye]), *what)
+    for eye in sorted(blocked, reverse=True):  # the first of a take is told
+        reason, detail = blocked[eye]
+        place = _at(tuple(whole[eye].tolist()))
+        found[int(take_of[eye])] = Refusal(reason, f"{detail} at {place}")
     if composed:
         _compositions(site, takes, poses, frame, moment, found)
     return found
@@ -94,8 +98,8 @@ def _poses(site: Site, takes: Sequence[Take]) -> tuple[IntArray, list[Camera], F
     return frame, poses, np.concatenate([take.moment for take in takes])
 
 
-def _at(position: tuple[float, float, float]) -> str:
-    return "({:.1f}, {:.1f}, {:.1f})".format(*position)
+def _at(position: tuple[float, ...]) -> str:
+    return "(" + ", ".join(f"{value:.1f}" for value in position) + ")"
 
 
 def _all_round() -> FloatArray:
@@ -192,21 +196,23 @@ def _near(tracks: Tracks | None, eyes: FloatArray, moment: FloatArray) -> _Mover
                    there.heading[row[near]], half[near])  # fmt: skip
 
 
-def _local(movers: _Movers, points: FloatArray) -> FloatArray:
-    """(p, 3) points, or vectors if movers lie at 0, along the sides of movers' boxes."""
-    sine, cosine = np.sin(movers.heading), np.cos(movers.heading)
-    x, y, z = points.T
-    return np.column_stack([cosine * x + sine * y, cosine * y - sine * x, z])
+def _along(heading: FloatArray, vectors: FloatArray) -> FloatArray:
+    """(..., 3) vectors in the frames of movers: ahead, to the left and up."""
+    sine, cosine = np.sin(heading), np.cos(heading)
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    return np.stack([cosine * x + sine * y, cosine * y - sine * x, z], axis=-1)
 
 
-def _middles(movers: _Movers) -> FloatArray:
-    return movers.position + np.array([0.0, 0.0, 1.0]) * movers.half[:, 2:]
+def _to_middles(movers: _Movers, eyes: FloatArray) -> FloatArray:
+    """(p, 3) eyes as seen from the middles of movers' boxes."""
+    middle = movers.position + np.array([0.0, 0.0, 1.0]) * movers.half
+    return _along(movers.heading, eyes[movers.eye] - middle)
 
 
 def _gaps(eyes: FloatArray, movers: _Movers) -> FloatArray:
     """(p,) metres from eyes to the boxes of movers; 0 inside."""
-    local = _local(movers, eyes[movers.eye] - _middles(movers))
-    return np.linalg.norm(np.maximum(np.abs(local) - movers.half, 0.0), axis=1)
+    beyond = np.maximum(np.abs(_to_middles(movers, eyes)) - movers.half, 0.0)
+    return np.asarray(np.linalg.norm(beyond, axis=1))
 
 
 def _picture_rays(camera: Camera) -> FloatArray:
@@ -222,55 +228,84 @@ def _picture_rays(camera: Camera) -> FloatArray:
 
 
 def _compositions(
-    site: Site, takes: Sequence[Take], poses: Sequence[Camera], frame: IntArray,
-    moment: FloatArray, found: list[Refusal | None],
-) -> None:  # fmt: skip
+    site: Site,
+    takes: Sequence[Take],
+    poses: Sequence[Camera],
+    frame: IntArray,
+    moment: FloatArray,
+    found: list[Refusal | None],
+) -> None:
     """Refuse takes that look at nothing: too many frames before a wall, of sky, off the map."""
     rows = [pose for pose in range(len(poses)) if found[int(frame[pose])] is None]
     if not rows:
         return
     eyes = np.array([poses[row].position for row in rows])
     way = np.array([_picture_rays(poses[row]) for row in rows])  # (n, k, 3)
-    distance = np.concatenate([np.asarray(h.distance, float) for h in _cast(site.stage, eyes, way)])
-    distance = distance.reshape(way.shape[:2])
-    movers = _near(site.city.tracks, eyes, moment[rows])
-    for pair in range(len(movers.eye)):
-        eye = int(movers.eye[pair])
-        np.minimum(distance[eye], _through(movers, pair, eyes[eye], way[eye]), out=distance[eye])
+    distance, standing = _seen(site, eyes, way, moment[rows])
     nothing = ~np.isfinite(distance)
-    shares: dict[str, tuple[FloatArray, float, str]] = {
-        "too near to something": ((distance < NEAR).mean(axis=1), TOO_NEAR,
-                                  f"of the picture nearer than {NEAR:g} m"),
-        "before a wall": ((distance < WALL).mean(axis=1), WALLED,
-                          f"of the picture nearer than {WALL:g} m"),
-        "nothing but sky": (nothing.mean(axis=1), SKY, "of the picture sky"),
-        "off the map": ((nothing & (way[:, :, 2] < BELOW)).mean(axis=1), VOID,
-                        "of the picture beyond the border of the map"),
-    }  # fmt: skip
+    spot = eyes[:, None, :2] + np.where(nothing, 0.0, distance)[..., None] * way[..., :2]
+    west, south, east, north = site.city.layout.extent
+    away = (spot < (west, south)).any(axis=2) | (spot > (east, north)).any(axis=2)
+    off = np.where(nothing, way[..., 2] < BELOW, away & ~standing)
+    near, wall = standing & (distance < NEAR), standing & (distance < WALL)
+    pitch = np.array([poses[row].pitch for row in rows])
+    void = np.where(pitch > LEVEL, LEVEL_VOID, VOID)
+    shares = (
+        (
+            "too near to something",
+            near,
+            np.array(TOO_NEAR),
+            f"of the picture nearer than {NEAR:g} m",
+        ),
+        ("before a wall", wall, np.array(WALLED), f"of the picture nearer than {WALL:g} m"),
+        ("off the map", off, void, "of the picture beyond the border of the map"),
+        (
+            "nothing but sky",
+            nothing | off,
+            np.array(SKY),
+            "of the picture sky and land beyond the map",
+        ),
+    )
     own = frame[rows]
     for take in sorted(set(own.tolist())):
         mine = np.flatnonzero(own == take)
-        for reason, (share, most, words) in shares.items():
-            if found[take] is None and (share[mine] > most).mean() > (ODD if len(mine) > 1 else 0):
-                worst = mine[int(np.argmax(share[mine]))]
-                found[take] = Refusal(
-                    reason, f"{share[worst]:.0%} {words} at {_at(poses[rows[worst]].position)}"
-                )
+        for reason, marked, most, words in shares:
+            share = marked[mine].mean(axis=1)
+            if takes[take].target is not None and marked is not near:
+                continue  # it shows what it goes round, and that must be seen
+            dull = share > np.broadcast_to(most, own.shape)[mine]
+            if found[take] is None and dull.mean() > (ODD if len(mine) > 1 else 0):
+                worst = int(np.argmax(share))
+                place = _at(poses[rows[mine[worst]]].position)
+                found[take] = Refusal(reason, f"{share[worst]:.0%} {words} at {place}")
         if found[take] is None and takes[take].target is not None:
             found[take] = _unseen(site, takes[take])
 
 
-def _through(movers: _Movers, pair: int, eye: FloatArray, way: FloatArray) -> FloatArray:
-    """(k,) metres along rays from an eye to the box of a mover; infinite where they miss it."""
-    one = _Movers(*(column[[pair]] for column in vars(movers).values()))
-    start = _local(one, (eye - _middles(one)))[0]
-    turned = _local(
-        _Movers(one.eye, one.mover, one.position, np.repeat(one.heading, len(way)), one.half), way
-    )
-    with np.errstate(divide="ignore", invalid="ignore"):
-        a, b = (-one.half[0] - start) / turned, (one.half[0] - start) / turned
-    enter = np.nanmax(np.minimum(a, b), axis=1)
-    leave = np.nanmin(np.maximum(a, b), axis=1)
+def _seen(
+    site: Site, eyes: FloatArray, way: FloatArray, moment: FloatArray
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return (n, k) metres along rays to what they meet, and whether that stands on the ground."""
+    hits = _cast(site.stage, eyes, way)
+    distance = np.concatenate([part.distance for part in hits]).reshape(way.shape[:2])
+    met = np.concatenate([site.objects_at(part) for part in hits]).reshape(way.shape[:2])
+    standing = (met != 0) & ~np.isin(met, site.ground_ids)
+    movers = _near(site.city.tracks, eyes, moment)
+    start = _to_middles(movers, eyes)
+    for pair, eye in enumerate(movers.eye.tolist()):
+        turned = _along(movers.heading[pair], way[eye])
+        reach = _to_box(start[pair], turned, movers.half[pair])
+        standing[eye] |= reach < distance[eye]
+        distance[eye] = np.minimum(distance[eye], reach)
+    return distance, standing
+
+
+def _to_box(start: FloatArray, way: FloatArray, half: FloatArray) -> FloatArray:
+    """(k,) lengths of rays from a point to a box about 0; infinite where they miss it."""
+    level = np.where(np.abs(way) < PARALLEL, PARALLEL, way)
+    one, other = (-half - start) / level, (half - start) / level
+    enter = np.minimum(one, other).max(axis=1)
+    leave = np.maximum(one, other).min(axis=1)
     return np.where((enter <= leave) & (leave > 0), np.maximum(enter, 0.0), np.inf)
 
 

@@ -7,7 +7,8 @@ import numpy as np
 from cityx.city.walkable import Walkable, walkable_of
 from cityx.city.walks import WalkGraph, walk_graph, walks_between
 from cityx.dataset.plans.motion import along_line, headings, length_of, smoothed
-from cityx.dataset.plans.takes import IntArray, Refusal, Site, Source, Take
+from cityx.dataset.plans.site import Site
+from cityx.dataset.plans.takes import IntArray, Refusal, Source, Take
 from cityx.errors import InputError
 from cityx.geometry.identity import draw
 from cityx.geometry.spread import nearby_order
@@ -18,6 +19,7 @@ SPEED = 1.4  # metres per second, the usual one of adults
 LOWEST, HIGHEST = 1.4, 1.9  # metres of eyes above the pavement
 AHEAD = 3.0  # metres ahead of the feet to which one looks
 TURN_S = 0.6  # seconds over which a turn of the head is spread, and a step onto a kerb
+NARROW = 0.4  # metres of clearance below which all pavements count the same
 GOAL = 40.0  # metres, at least, from the beginning to where somebody walks
 FARTHER = 1.5  # times as far that goals are looked for
 DETOUR = 4.0  # times the beeline beyond which no way is looked for, as walkers feel it
@@ -41,11 +43,15 @@ def walk(site: Site) -> Source:
     if not len(graph.places):
         raise InputError(f"nobody can walk in {city.name}: it has no pavements, paths or plazas.")
     order = nearby_order(graph.places)
+    # A node of a wide place stands for less of a way than one of a narrow pavement.
+    room = walkable.at(walkable.clearance, graph.places[order]).astype(float)
+    weight = np.cumsum(1.0 / np.maximum(room, NARROW))
     needed = SPEED * site.wishes.seconds + AHEAD
 
     def candidates(numbers: IntArray) -> list[Take | Refusal]:
         share = site.draws("walk", numbers, 1)[:, 0]
-        origins = order[(share * len(order)).astype(np.int64)]
+        row = np.searchsorted(weight, share * weight[-1], side="right")
+        origins = order[np.minimum(row, len(order) - 1)]
         moments = site.moments(numbers)
         return [
             _take(site, walkable, graph, origin, number, moment, needed)
