@@ -13,6 +13,7 @@ from cityx.dataset.channels import CYCLES, TRUTH
 from cityx.dataset.order import Order
 from cityx.dataset.record import Record
 from cityx.dataset.shots import Shot
+from cityx.errors import EngineError
 
 if TYPE_CHECKING:
     from cityx.dataset.stage import Stage
@@ -65,6 +66,7 @@ class _CityMaker:
         pictures = self._pictures([item.shot for item in wanted]) if order.made_by(CYCLES) else None
         for item in wanted:
             began = perf_counter()
+            shot_name = item.shot.name
             record = self._truth(item)
             seconds = {TRUTH: perf_counter() - began}
             facts: Mapping[str, Any] = record.facts
@@ -72,6 +74,8 @@ class _CityMaker:
             if pictures is not None:
                 began = perf_counter()
                 picture = next(pictures)
+                if picture.shot.name != shot_name:
+                    raise EngineError(f"Blender ended again and again at {shot_name}.")
                 channels |= picture.channels
                 facts = {**facts, **picture.facts}
                 seconds[CYCLES] = perf_counter() - began

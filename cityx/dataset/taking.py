@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 WORK = ".work"  # folder of a dataset for what is gone when it is finished
 ASIDE = f"{WORK}/partial"
 FULL = frozenset({ENOSPC, EDQUOT, EFBIG})
+# Facts that differ from run to run, which files hold none of.
+VARYING = frozenset({SECONDS, "memory_mb"})
 NOTHING_LEFT = 1 << 20  # bytes; a library that cannot write for lack of them says so in its own way
 
 
@@ -110,20 +112,22 @@ def take(job: Job, chunk: Sequence[Task]) -> Iterator[Done | Failed]:
     chunk
         Shots of one city.
     """
-    left = list(chunk)
-    while left:
-        task = left[0]
+    records: Iterator[Record] | None = None
+    for row, task in enumerate(chunk):
+        making = True
         try:
-            records = _maker(job, task.place.city)([task.wanted for task in left])
-            while left:
-                task = left[0]
-                yield _taken(job, task, records)
-                left.pop(0)
+            if records is None:  # at the beginning, and after a shot that cannot be made
+                maker = _maker(job, task.place.city)
+                records = maker([other.wanted for other in chunk[row:]])
+            record = next(records)
+            making = False
+            done: Done | Failed = _written(job, task, record)
         except Exception as error:  # noqa: BLE001  whatever one shot brings up, the others go on
             full = _is_full(error, job.folder)
             _log(job, task, full)
-            yield Failed(task, _sentence(error), full)
-            left.pop(0)
+            done = Failed(task, _sentence(error), full)
+            records = None if making else records
+        yield done
 
 
 def _maker(job: Job, city: str) -> Maker:
@@ -134,12 +138,11 @@ def _maker(job: Job, city: str) -> Maker:
     return _open[key]
 
 
-def _taken(job: Job, task: Task, records: Iterator[Record]) -> Done:
-    record = next(records)
+def _written(job: Job, task: Task, record: Record) -> Done:
     began = perf_counter()
-    facts = dict(record.facts)
-    seconds = dict(facts.pop(SECONDS, {}))
-    record = replace(record, facts=MappingProxyType(facts))
+    seconds = dict(record.facts.get(SECONDS, {}))
+    kept = {key: value for key, value in record.facts.items() if key not in VARYING}
+    record = replace(record, facts=MappingProxyType(kept))
     files = Files(job.folder, job.folder / ASIDE)
     parts = {
         item.name: item.shot(record, task.place, job.classes, files)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city.camera import Camera
 from cityx.dataset.channels import CHANNELS
+from cityx.dataset.cryptomatte import header
 from cityx.dataset.record import Boxes, Record, Sweep
 from cityx.dataset.shots import Shot, intrinsics
 from cityx.dataset.writers.exr import write_exr
@@ -23,12 +24,17 @@ if TYPE_CHECKING:
     from cityx.dataset.classes import Class
 
 
+MANIFESTS = "manifests"  # among the facts of a record: matte to its names
+
+
 def _shot(record: Record, place: Place, classes: Sequence[Class], files: Files) -> Part:
     del classes
     stem = f"raw/{place.city}/{record.shot.name}"
     arrays = {name: record.channels[name] for name in CHANNELS if name in record.channels}
     if arrays:
-        notes = {key: str(value) for key, value in record.facts.items() if "cryptomatte" in key}
+        notes: dict[str, str] = {}
+        for name, names in record.facts.get(MANIFESTS, {}).items():
+            notes |= header(name, names)
         with files.file(f"{stem}.exr") as path:
             write_exr(path, arrays, notes)
     if "rgb" in record.channels:
@@ -48,7 +54,7 @@ def description(record: Record, place: Place) -> dict[str, Any]:
         "city": place.city,
         **describe_shot(shot),
         "environment": environment,
-        "facts": {key: value for key, value in record.facts.items() if "cryptomatte" not in key},
+        "facts": {key: value for key, value in record.facts.items() if key != MANIFESTS},
         "segments": [
             {"number": s.number, "id": id_text(s.object_id), "class": s.semantic,
              "pixels": s.pixels}
