@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from math import radians
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
 
 FAILED = 1
 QUIET_S = 10.0  # between lines of progress where no terminal shows a bar
-PAPER_SIZE = (1920, 1080)
-SIZE = (960, 540)
 
 
 def dataset(
@@ -76,6 +75,7 @@ def dataset(
 ) -> None:
     """Take pictures of cities with ground truth for every pixel; a killed run goes on."""
     from cityx.dataset.order import Faults, Order, sources_of
+    from cityx.dataset.pictures import QUALITIES
     from cityx.dataset.run import Running, make_dataset
 
     faults = Faults()
@@ -84,14 +84,14 @@ def dataset(
     metres = faults.of(lambda: _pair(town_size, "--town-size", "400x400", 50, 20000))
     if disk_budget is not None and disk_budget <= 0:
         faults.say(f"--disk-budget {disk_budget:g} is no room for a dataset.")
-    usual = PAPER_SIZE if quality == "paper" else SIZE
+    usual = QUALITIES[quality if quality in QUALITIES else "standard"].size
     width, height = (round(value) for value in given or usual)
     order = Order(
         views=views if views is not None or Path(plan).is_file() else 100,
         plan=plan, rig=rig, size=(width, height), channels=_words(channels),
         formats=_words(formats), quality=quality, samples=samples, lidar=lidar, boxes=boxes,
         weather=_words(weather), time=_words(time), seed=seed, length=length, rate=rate,
-        hfov=None if fov is None else fov * 3.141592653589793 / 180, target=target, town=town,
+        hfov=None if fov is None else radians(fov), target=target, town=town,
         town_size=metres or (400.0, 400.0), lod=lod,
     )  # fmt: skip
     running = Running(

@@ -6,11 +6,13 @@ import json
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from cityx.city.environment import Environment
 from cityx.dataset.channels import CYCLES, Channel, chosen
 from cityx.dataset.writers import formats_named, libraries_of
 from cityx.errors import CityxError, InputError, MissingExtra, UsageError, nearest
@@ -18,7 +20,6 @@ from cityx.errors import CityxError, InputError, MissingExtra, UsageError, neare
 NAME = "dataset.json"
 SEED, FOLDER, MAP = "seed", "folder", "map"
 _FIRST = frozenset({"there", "no", "this", "about"})
-QUALITIES = ("draft", "standard", "paper")
 MOST_CITIES = 100_000
 _SEEDS = re.compile(r"\d+(-\d+)?(,\d+(-\d+)?)*")
 _PLAIN = re.compile(r"[^\w-]+")
@@ -175,7 +176,8 @@ class Faults:
         if len(self.found) == 1:
             raise self.found[0]
         if self.found:
-            raise UsageError(" ".join(_sentence(str(error)) for error in self.found))
+            told = dict.fromkeys(_sentence(str(error)) for error in self.found)
+            raise UsageError(" ".join(told))
 
 
 def _sentence(text: str) -> str:
@@ -196,7 +198,9 @@ def check_words(order: Order, faults: Faults) -> None:
         faults.say(f"{', '.join(shown)} is made of pictures: add rgb to --channels.")
     if order.views is not None and order.views < 1:
         faults.say(f"--views {order.views} is no number of shots, 1 or more is needed.")
+    from cityx.dataset.pictures import chosen_quality
     from cityx.dataset.plans.planning import KINDS
+    from cityx.plugins.background.weather import lit_anew
 
     if order.plan not in KINDS and not Path(order.plan).is_file():
         faults.say(f'there is no plan "{order.plan}": it is neither a file nor one of '
@@ -209,14 +213,10 @@ def check_words(order: Order, faults: Faults) -> None:
         from cityx.dataset.lidar import lidar_named
 
         faults.of(lambda: lidar_named(order.lidar))
-    if any(channel.maker == CYCLES for channel in channels or ()):
-        from cityx.dataset.pictures import chosen_quality
-
-        faults.of(lambda: chosen_quality(order.quality, samples=order.samples))
-    elif order.quality not in QUALITIES:
-        near = nearest(order.quality, QUALITIES)
-        faults.say(f'there is no quality "{order.quality}".{near} Known are: '
-                   f"{', '.join(QUALITIES)}.")  # fmt: skip
+    faults.of(lambda: chosen_quality(order.quality, samples=order.samples))
+    for weather in order.weather or ("",):
+        for time in order.time or ("",):
+            faults.of(partial(lit_anew, Environment(), 0.0, 0.0, weather=weather, time=time))
     _check_libraries(order, channels or (), faults)
 
 

@@ -11,7 +11,7 @@ import os
 import shutil
 import sqlite3
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import islice
@@ -49,7 +49,7 @@ from cityx.dataset.order import (
 )
 from cityx.dataset.shots import Shot
 from cityx.dataset.taking import ASIDE, FULL, WORK, Failed, Job, Task, take
-from cityx.dataset.workers import Cluster, Died, Pool, require_dask, share_threads
+from cityx.dataset.workers import Cluster, Died, Pool, check_cluster, share_threads
 from cityx.dataset.writers import FORMATS, formats_named
 from cityx.dataset.writers.files import Files
 from cityx.dataset.writers.writer import Place, Whole
@@ -189,7 +189,7 @@ def make_dataset(
     faults = running.faults
     check_words(order, faults)
     if running.cluster:
-        faults.of(require_dask)
+        faults.of(lambda: check_cluster(running.cluster))
     _check_rig(order, faults)
     # What follows needs an order that can be understood.
     identity = None if faults.found else faults.of(lambda: identity_of(order, sources))
@@ -346,7 +346,7 @@ class _Run:
                     shots = self._shots(source)
                     tasks = list(self._tasks(source, shots, first, moment, index))
                     first += len(tasks)
-                    moment = tasks[-1].place.moment + 1
+                    moment = max(task.place.moment for task in tasks) + 1
                     rest = (len(self.sources) - index - 1) * len(tasks)
                     self._take(workers, tasks, first + rest)
                     if source.kind != FOLDER:
@@ -462,7 +462,8 @@ class _Run:
                 "spent": {key: round(value, 1) for key, value in self.spent.items()},
                 "size": list(self.order.size), "channels": [c.name for c in self.order.wanted],
             }  # fmt: skip
-            with (self.out / RUNS).open("a", encoding="utf-8") as file:
+            # A full disk is told of already, and has no room for this.
+            with suppress(OSError), (self.out / RUNS).open("a", encoding="utf-8") as file:
                 file.write(json.dumps(record) + "\n")
 
     def _finish(self) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from errno import EDQUOT, EFBIG, ENOSPC
 from pathlib import Path
@@ -172,5 +173,6 @@ def _log(job: Job, task: Task, full: bool) -> None:
     if full:
         return
     folder = job.folder / WORK / "failed"
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / f"{task.place.number}.txt").write_text(traceback.format_exc())
+    with suppress(OSError):  # what cannot be written is told all the same
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / f"{task.place.number}.txt").write_text(traceback.format_exc())

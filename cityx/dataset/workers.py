@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
@@ -14,7 +15,7 @@ from multiprocessing.context import SpawnProcess
 from threading import Thread
 from typing import Any
 
-from cityx.errors import EngineError, MissingExtra
+from cityx.errors import EngineError, MissingExtra, UsageError
 
 ATTEMPTS = 2  # at a shot at which a worker died, before it is given up
 THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
@@ -167,7 +168,7 @@ class Cluster:
     """
 
     def __init__(self, work: Work, job: Any, address: str) -> None:
-        require_dask()
+        check_cluster(address)
         dask: Any = import_module("distributed")  # without types
         self._work, self._job = work, job
         self._cluster: Any = None
@@ -207,14 +208,19 @@ def _do(work: Work, job: Any, chunk: Sequence[Any]) -> list[Any]:
     return list(work(job, chunk))
 
 
-def require_dask() -> None:
-    """Tell what to install where dask is missing.
+def check_cluster(address: str) -> None:
+    """Tell what is wrong with an address, or what to install where dask is missing.
 
     Raises
     ------
-    MissingExtra
+    UsageError, MissingExtra
     """
     from importlib.util import find_spec
 
+    if not re.fullmatch(r"local:[1-9]\d{0,3}|(\w+://)?[\w.\-\[\]:]+:\d{1,5}", address):
+        raise UsageError(
+            f'--cluster "{address}" is neither the address of a scheduler, tcp://host:8786, nor '
+            "local:N."
+        )
     if find_spec("distributed") is None:
         raise MissingExtra('--cluster needs dask: pip install "cityx[cluster]"')

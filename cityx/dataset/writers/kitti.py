@@ -32,9 +32,8 @@ if TYPE_CHECKING:
 TRAINING = "kitti/training"
 # Our classes that have a type of KITTI's; what else moves is Misc, what stands has no label.
 TYPES = {
-    "car": "Car", "taxi": "Car", "van": "Van", "truck": "Truck", "bus": "Misc", "tram": "Tram",
-    "train": "Tram", "person": "Pedestrian", "pedestrian": "Pedestrian", "rider": "Cyclist",
-    "cyclist": "Cyclist", "bicycle": "Misc", "motorcycle": "Misc", "scooter": "Misc",
+    "car": "Car", "truck": "Truck", "bus": "Misc", "tram": "Tram", "pedestrian": "Pedestrian",
+    "rider": "Cyclist", "bicycle": "Misc", "motorcycle": "Misc", "vehicle": "Misc",
 }  # fmt: skip
 CLEAR, PARTLY = 0.9, 0.5  # visibility from which an object is "fully visible", "partly occluded"
 MIDDLE = 0.5  # KITTI counts from the middle of the first pixel, CityX from its corner
@@ -96,7 +95,9 @@ def _finish(whole: Whole, files: Files) -> None:
     names = []
     for moment, items in groupby(whole.parts(), lambda kept: kept.place.moment):
         cameras = {kept.part["sensor"]: kept for kept in items}
-        left = next(kept for sensor, kept in cameras.items() if sensor != "right")
+        left = next((kept for sensor, kept in cameras.items() if sensor != "right"), None)
+        if left is None:  # it could not be taken
+            continue
         text = calibration(left, cameras.get("right"))
         files.text(f"{TRAINING}/calib/{moment:06d}.txt", text)
         names.append(f"{moment:06d} {left.place.city} {left.name}\n")

@@ -46,10 +46,10 @@ TABLES = "nuscenes/v1.0-cityx"
 Row = dict[str, Any]
 # nuScenes' name of a class of ours; others keep their own below "cityx".
 CATEGORIES = {
-    "car": "vehicle.car", "taxi": "vehicle.car", "van": "vehicle.car", "truck": "vehicle.truck",
-    "bus": "vehicle.bus.rigid", "bicycle": "vehicle.bicycle", "motorcycle": "vehicle.motorcycle",
-    "person": "human.pedestrian.adult", "pedestrian": "human.pedestrian.adult",
-    "traffic_cone": "movable_object.trafficcone", "bicycle_rack": "static_object.bicycle_rack",
+    "car": "vehicle.car", "truck": "vehicle.truck", "bus": "vehicle.bus.rigid",
+    "bicycle": "vehicle.bicycle", "motorcycle": "vehicle.motorcycle",
+    "pedestrian": "human.pedestrian.adult", "traffic_cone": "movable_object.trafficcone",
+    "bicycle_parking": "static_object.bicycle_rack",
 }  # fmt: skip
 VISIBILITY = (("1", "v0-40", 0.4), ("2", "v40-60", 0.6), ("3", "v60-80", 0.8), ("4", "v80-100", 1))
 FRONT = ("front", "mono", "left")  # the camera that says where ahead is, the first there is
