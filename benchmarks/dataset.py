@@ -97,8 +97,9 @@ def main() -> None:
             made = taken(store, order, shots, given.threads)
             of_blender = bool(order.made_by(CYCLES))  # a process of its own
             rate = 1 / made.clock if of_blender else given.threads / max(made.used, 1e-9)
-            print(f"| {plan} | {name} | {made.clock:.3f} | {'' if of_blender else f'{made.used:.3f}'}"
-                  f" | {rate:.2g} | {made.written:.3f} |", flush=True)  # fmt: skip
+            used = "" if of_blender else f"{made.used:.3f}"
+            print(f"| {plan} | {name} | {made.clock:.3f} | {used} | {rate:.2g} | "
+                  f"{made.written:.3f} |", flush=True)  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -243,7 +243,8 @@ def _check_room(
     shots = (order.views or 1) * len(rig_named(order.rig)) * len(sources)
     need = order.bytes_of_a_shot() * shots
     here = next(path for path in (out.resolve(), *out.resolve().parents) if path.exists())
-    free = shutil.disk_usage(here).free
+    there = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
+    free = shutil.disk_usage(here).free + there  # of a run that goes on, a part is there
     for room, what in ((free, "are free on the disk"), (running.budget, "may be used")):
         if room is not None and need > room:
             faults.say(f"about {_gb(need)} are needed and {_gb(room)} {what}; ask for fewer or "
@@ -331,7 +332,6 @@ class _Run:
         self.done = manifest.numbers()
         self.size, self.largest = manifest.size(), 0
         self.made, self.total = 0, 0
-        self.began = 0.0
         self.seconds = 0.0
         self.spent: dict[str, float] = {}
         self.failed: dict[str, str] = {}
@@ -418,11 +418,9 @@ class _Run:
 
     def _take(self, workers: Pool | Cluster, tasks: Sequence[Task], total: int) -> None:
         left = [task for task in tasks if task.place.number not in self.done]
-        self.began = perf_counter()
-        made = self.made
-        before = self.seconds
+        began, before = perf_counter(), self.seconds
         for result in workers.run(list(self._chunks(left))):
-            self.seconds = before + perf_counter() - self.began
+            self.seconds = before + perf_counter() - began
             match result:
                 case Done():
                     self._add(result)
@@ -430,7 +428,7 @@ class _Run:
                     raise DiskFull("The disk is full.")
                 case Failed(task=task, cause=cause) | Died(item=task, cause=cause):
                     self.failed[f"{task.place.city}/{task.wanted.shot.name}"] = cause
-            rate = (self.made - made) / max(self.seconds - before, 1e-9)
+            rate = self.made / max(self.seconds, 1e-9)
             self.progress.shots(len(self.done), total, rate)
 
     def _chunks(self, tasks: Sequence[Task]) -> Iterator[list[Task]]:

@@ -119,6 +119,22 @@ def test_a_town_becomes_a_dataset_whose_ids_link_to_objects(monkeypatch, capsys,
     assert len(json.loads((out / "classes.json").read_text())) == len(CLASSES)
 
 
+@pytest.mark.slow
+def test_towns_of_seeds_become_one_dataset(tmp_path):
+    command = [sys.executable, "-m", "cityx.cli", "dataset", "--cities", "3-4", "--town-size",
+               "100x100", "--lod", "0", "--views", "1", "--size", "32x24", "--channels",
+               "semantic", "-o", tmp_path / "out"]  # fmt: skip
+    first = subprocess.run(command, capture_output=True, text=True)
+    assert first.returncode == 0, first.stderr
+    cities = [path.parent.name for path in sorted((tmp_path / "out").glob("cities/*/city.json"))]
+    assert cities == ["town_000003", "town_000004"]
+    hashes = {(tmp_path / "out" / "cities" / c / "objects.json").read_text() for c in cities}
+    assert len(hashes) == 2
+    again = subprocess.run(command, capture_output=True, text=True)
+    assert again.returncode == 0, again.stderr
+    assert "its files are checked" in again.stderr
+
+
 MEMORY = """
 import sys, psutil
 from dataclasses import replace
