@@ -24,8 +24,9 @@ from numba import njit
 BINS = 16
 DEEP = 96  # entries of a stack, and so the height of a tree
 HALVED = 48  # deep from which members are cut to equal halves, which ends within 48 more
-LEAF = 4  # members of a leaf, at most
-SCALE = 8  # of the code of a leaf; above LEAF
+FACES = 4  # triangles of a leaf, at most
+ONE = 1  # instances of a leaf: to enter one in vain costs more than to look at its box
+SCALE = 8  # of the code of a leaf; above FACES
 EMPTY = -1  # code of a leaf without members
 OUTWARD = 4e-7  # relative growth of a box, above what float32 rounds away
 TINY = 1e-300  # instead of a direction of 0: its inverse is still finite
@@ -47,7 +48,9 @@ def _compiled(function: F) -> F:
 
 
 @_compiled
-def build(work: Any, order: Any, begin: int, end: int, box: Any, child: Any, used: int) -> Any:
+def build(
+    work: Any, order: Any, begin: int, end: int, most: int, box: Any, child: Any, used: int
+) -> Any:  # fmt: skip
     """Build the tree over members ``begin`` to ``end``.
 
     Parameters
@@ -58,6 +61,8 @@ def build(work: Any, order: Any, begin: int, end: int, box: Any, child: Any, use
         (n,) number of each member; put in the order of the leaves.
     begin, end
         Range of members.
+    most
+        Members of a leaf, at most.
     box, child
         Nodes; rows from `used` on are written.
     used
@@ -68,7 +73,7 @@ def build(work: Any, order: Any, begin: int, end: int, box: Any, child: Any, use
     root, used
         Code of the root, which may be a leaf, and rows in use.
     """
-    if end - begin <= LEAF:
+    if end - begin <= most:
         return -1 - (begin * SCALE + (end - begin)), used
     todo = np.empty((DEEP, 4), np.int64)
     count = np.empty((3, BINS), np.int64)
@@ -158,7 +163,7 @@ def build(work: Any, order: Any, begin: int, end: int, box: Any, child: Any, use
             for k in range(3):
                 box[node, 6 * side + k] = first_low[k]
                 box[node, 6 * side + 3 + k] = first_high[k]
-            if stop - start <= LEAF:
+            if stop - start <= most:
                 child[node, side] = -1 - (start * SCALE + (stop - start))
             else:
                 child[node, side] = used
@@ -226,7 +231,7 @@ def build_all(corners: Any, first: Any, box: Any, child: Any, root: Any, order: 
         begin, end = first[mesh], first[mesh + 1]
         for i in range(begin, end):
             order[i] = i - begin
-        root[mesh], used = build(work, order, begin, end, box, child, used)
+        root[mesh], used = build(work, order, begin, end, FACES, box, child, used)
         if end > begin:
             held = corners[begin:end].copy()
             for i in range(begin, end):
@@ -248,15 +253,26 @@ def bounds(corners: Any, first: Any, found: Any) -> None:
 
 
 @_compiled
-def _entry(box: Any, row: int, at: int, o: Any, inv: Any, best: float) -> float:
-    """Return where a ray enters one of the boxes of a row, infinity if it misses or is later."""
-    near, far = 0.0, best
-    for k in range(3):
-        t0 = (np.float64(box[row, at + k]) - o[k]) * inv[k]
-        t1 = (np.float64(box[row, at + 3 + k]) - o[k]) * inv[k]
-        near = max(near, min(t0, t1))
-        far = min(far, max(t0, t1))
+def _entry(
+    box: Any, row: int, at: int, x: float, y: float, z: float, ix: float, iy: float, iz: float,
+    nx: int, ny: int, nz: int, best: float,
+) -> Any:  # fmt: skip
+    """Return where a ray enters one of the boxes of a row, infinity if it misses or is later.
+
+    ``nx`` is 0 where the ray enters through the lower face across x, else 3; likewise the others.
+    """
+    near = max(0.0, (np.float64(box[row, at + nx]) - x) * ix)
+    far = min(best, (np.float64(box[row, at + 3 - nx]) - x) * ix)
+    near = max(near, (np.float64(box[row, at + 1 + ny]) - y) * iy)
+    far = min(far, (np.float64(box[row, at + 4 - ny]) - y) * iy)
+    near = max(near, (np.float64(box[row, at + 2 + nz]) - z) * iz)
+    far = min(far, (np.float64(box[row, at + 5 - nz]) - z) * iz)
     return near if near <= far else np.inf
+
+
+@_compiled
+def _inverse(value: float) -> Any:
+    return 1.0 / (value if value != 0.0 else TINY)
 
 
 @_compiled
@@ -296,14 +312,13 @@ def trace(
     """
     stack, stack_near = np.empty(DEEP, np.int64), np.empty(DEEP)
     deep, deep_near = np.empty(DEEP, np.int64), np.empty(DEEP)
-    o, d, inv = np.empty(3), np.empty(3), np.empty(3)
-    p, q, inw = np.empty(3), np.empty(3), np.empty(3)
     for ray in range(begin, end):
         best = distance[ray]
         best_instance, best_triangle = instance[ray], np.int64(triangle[ray])
-        for k in range(3):
-            o[k], d[k] = origins[ray, k], directions[ray, k]
-            inv[k] = 1.0 / (d[k] if d[k] != 0.0 else TINY)
+        ox, oy, oz = origins[ray, 0], origins[ray, 1], origins[ray, 2]
+        dx, dy, dz = directions[ray, 0], directions[ray, 1], directions[ray, 2]
+        ix, iy, iz = _inverse(dx), _inverse(dy), _inverse(dz)
+        nx, ny, nz = 3 * int(ix < 0.0), 3 * int(iy < 0.0), 3 * int(iz < 0.0)
         stack[0], stack_near[0] = top_root, 0.0
         waiting = 1
         while waiting:
@@ -312,8 +327,8 @@ def trace(
             if stack_near[waiting] > best:
                 continue
             while node >= 0:
-                one = _entry(top_box, node, 0, o, inv, best)
-                two = _entry(top_box, node, 6, o, inv, best)
+                one = _entry(top_box, node, 0, ox, oy, oz, ix, iy, iz, nx, ny, nz, best)
+                two = _entry(top_box, node, 6, ox, oy, oz, ix, iy, iz, nx, ny, nz, best)
                 if one == np.inf and two == np.inf:
                     node = EMPTY
                 elif two == np.inf:
@@ -329,32 +344,27 @@ def trace(
             code = -1 - node
             for member in range(code // SCALE, code // SCALE + code % SCALE):
                 thing = order[member]
-                for k in range(3):
-                    p[k] = (
-                        inverse[thing, k, 0] * o[0]
-                        + inverse[thing, k, 1] * o[1]
-                        + inverse[thing, k, 2] * o[2]
-                        + inverse[thing, k, 3]
-                    )
-                    q[k] = (
-                        inverse[thing, k, 0] * d[0]
-                        + inverse[thing, k, 1] * d[1]
-                        + inverse[thing, k, 2] * d[2]
-                    )
-                    inw[k] = 1.0 / (q[k] if q[k] != 0.0 else TINY)
+                way = inverse[thing]
+                px = way[0, 0] * ox + way[0, 1] * oy + way[0, 2] * oz + way[0, 3]
+                py = way[1, 0] * ox + way[1, 1] * oy + way[1, 2] * oz + way[1, 3]
+                pz = way[2, 0] * ox + way[2, 1] * oy + way[2, 2] * oz + way[2, 3]
+                qx = way[0, 0] * dx + way[0, 1] * dy + way[0, 2] * dz
+                qy = way[1, 0] * dx + way[1, 1] * dy + way[1, 2] * dz
+                qz = way[2, 0] * dx + way[2, 1] * dy + way[2, 2] * dz
+                jx, jy, jz = _inverse(qx), _inverse(qy), _inverse(qz)
+                mx, my, mz = 3 * int(jx < 0.0), 3 * int(jy < 0.0), 3 * int(jz < 0.0)
                 # Axes so that the ray runs along the last, in its positive sense.
-                kz = 0
-                if abs(q[1]) > abs(q[kz]):
-                    kz = 1
-                if abs(q[2]) > abs(q[kz]):
-                    kz = 2
-                kx = (kz + 1) % 3
-                ky = (kx + 1) % 3
-                if q[kz] < 0.0:
-                    kx, ky = ky, kx
-                if q[kz] == 0.0:
-                    continue
-                sx, sy, sz = q[kx] / q[kz], q[ky] / q[kz], 1.0 / q[kz]
+                if abs(qx) >= abs(qy) and abs(qx) >= abs(qz):
+                    kx, ky, kz = 1, 2, 0
+                    p0, p1, p2, sx, sy, sz = py, pz, px, qy * jx, qz * jx, jx
+                elif abs(qy) >= abs(qz):
+                    kx, ky, kz = 2, 0, 1
+                    p0, p1, p2, sx, sy, sz = pz, px, py, qz * jy, qx * jy, jy
+                else:
+                    kx, ky, kz = 0, 1, 2
+                    p0, p1, p2, sx, sy, sz = px, py, pz, qx * jz, qy * jz, jz
+                if sz < 0.0:
+                    kx, ky, p0, p1, sx, sy = ky, kx, p1, p0, sy, sx
                 deep[0], deep_near[0] = mesh_root[mesh[thing]], 0.0
                 below = 1
                 while below:
@@ -363,8 +373,8 @@ def trace(
                     if deep_near[below] > best:
                         continue
                     while node >= 0:
-                        one = _entry(box, node, 0, p, inw, best)
-                        two = _entry(box, node, 6, p, inw, best)
+                        one = _entry(box, node, 0, px, py, pz, jx, jy, jz, mx, my, mz, best)
+                        two = _entry(box, node, 6, px, py, pz, jx, jy, jz, mx, my, mz, best)
                         if one == np.inf and two == np.inf:
                             node = EMPTY
                         elif two == np.inf:
@@ -379,15 +389,15 @@ def trace(
                             node = child[node, 1 - later]
                     leaf = -1 - node
                     for i in range(leaf // SCALE, leaf // SCALE + leaf % SCALE):
-                        az = np.float64(corners[i, 0, kz]) - p[kz]
-                        ax = np.float64(corners[i, 0, kx]) - p[kx] - sx * az
-                        ay = np.float64(corners[i, 0, ky]) - p[ky] - sy * az
-                        bz = np.float64(corners[i, 1, kz]) - p[kz]
-                        bx = np.float64(corners[i, 1, kx]) - p[kx] - sx * bz
-                        by = np.float64(corners[i, 1, ky]) - p[ky] - sy * bz
-                        cz = np.float64(corners[i, 2, kz]) - p[kz]
-                        cx = np.float64(corners[i, 2, kx]) - p[kx] - sx * cz
-                        cy = np.float64(corners[i, 2, ky]) - p[ky] - sy * cz
+                        az = np.float64(corners[i, 0, kz]) - p2
+                        ax = np.float64(corners[i, 0, kx]) - p0 - sx * az
+                        ay = np.float64(corners[i, 0, ky]) - p1 - sy * az
+                        bz = np.float64(corners[i, 1, kz]) - p2
+                        bx = np.float64(corners[i, 1, kx]) - p0 - sx * bz
+                        by = np.float64(corners[i, 1, ky]) - p1 - sy * bz
+                        cz = np.float64(corners[i, 2, kz]) - p2
+                        cx = np.float64(corners[i, 2, kx]) - p0 - sx * cz
+                        cy = np.float64(corners[i, 2, ky]) - p1 - sy * cz
                         u = cx * by - cy * bx
                         v = ax * cy - ay * cx
                         w = bx * ay - by * ax

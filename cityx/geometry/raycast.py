@@ -281,7 +281,7 @@ def _treed(
     bvh.grow(work)
     box = np.empty((len(order) + 1, 12), np.float32)
     child = np.empty((len(order) + 1, 2), np.int64)
-    root, used = bvh.build(work, order, 0, len(order), box, child, 0)
+    root, used = bvh.build(work, order, 0, len(order), bvh.ONE, box, child, 0)
     return RayScene(
         shapes, which, ways, inverse, int(root), box[:used].copy(), child[:used].copy(), order
     )
