@@ -25,9 +25,9 @@ class Airspace:
         (3,) float64, metres, of the lattice's first point.
     cell, rise
         Metres between points, level and upwards.
-    top
-        (rows, columns) float64, metres: the lowest free height over each cell, margin included;
-        row 0 is south.
+    top, ceiling
+        (rows, columns) float64, metres: the lowest free height over each cell, margin included,
+        and the highest that may be flown at; row 0 is south.
     layers
         How many heights there are.
     """
@@ -36,6 +36,7 @@ class Airspace:
     cell: float
     rise: float
     top: FloatArray
+    ceiling: FloatArray
     layers: int
 
     def wider(self) -> Airspace:
@@ -50,7 +51,8 @@ class Airspace:
         cell = np.floor((points[:, :2] - self.low[:2]) / self.cell + 0.5).astype(np.int64)
         on = (cell >= 0).all(axis=1) & (cell < (columns, rows)).all(axis=1)
         x, y = np.clip(cell, 0, (columns - 1, rows - 1)).T
-        return np.asarray(on & (points[:, 2] >= self.top[y, x]))
+        level = points[:, 2]
+        return np.asarray(on & (level >= self.top[y, x]) & (level <= self.ceiling[y, x]))
 
     def straight(self, a: FloatArray, b: FloatArray) -> bool:
         """Tell whether the air is free all along from one point to another."""
@@ -84,7 +86,8 @@ def airways(air: Airspace) -> Airways:
     from scipy.sparse.csgraph import connected_components
 
     heights = air.low[2] + air.rise * np.arange(air.layers)
-    free = heights[:, None, None] >= air.top[None]  # (layers, rows, columns)
+    level = heights[:, None, None]
+    free = (level >= air.top) & (level <= air.ceiling)  # (layers, rows, columns)
     number = np.full(free.shape, -1, np.int64)
     number[free] = np.arange(int(free.sum()))
     layer, row, column = np.nonzero(free)
@@ -96,11 +99,12 @@ def airways(air: Airspace) -> Airways:
         on = ((to >= 0) & (to < free.shape)).all(axis=1)
         here = np.flatnonzero(on)
         there = number[tuple(to[here].T)]
-        # Nothing in the cells between may rise above the lower end.
+        # In the cells between nothing may rise above the lower end, and the upper one be allowed.
         y, x = np.minimum(row, row + j)[here], np.minimum(column, column + i)[here]
-        between = np.max([air.top[y + v, x + u] for v in range(abs(j) + 1)
-                          for u in range(abs(i) + 1)], axis=0)  # fmt: skip
-        kept = (there >= 0) & (points[here, 2] >= between)
+        cells = [(y + v, x + u) for v in range(abs(j) + 1) for u in range(abs(i) + 1)]
+        kept = there >= 0
+        for cell in cells:
+            kept &= (points[here, 2] >= air.top[cell]) & (points[there, 2] <= air.ceiling[cell])
         here, there = here[kept], there[kept]
         one.append(here)
         other.append(there)

@@ -4,6 +4,7 @@ import sys
 from hashlib import sha256
 from pathlib import Path
 
+import pytest
 from planned_town import planned
 
 TESTS = Path(__file__).parents[1]
@@ -21,6 +22,7 @@ def digest(names):
     return sha256(repr([made[name] for name in WORDS]).encode()).hexdigest()
 
 
+@pytest.mark.slow  # another process reads its libraries again
 def test_plans_are_the_same_in_any_order_and_process():
     here = digest(WORDS)
     assert digest(reversed(WORDS)) == here

@@ -73,6 +73,20 @@ def test_every_eye_of_a_rig_must_be_free():
     assert verdict(eye, 1.9, city=city, rig="surround").reason == "too near to something"
 
 
+def test_eyes_are_as_high_above_what_they_stand_on_as_they_should_be():
+    site = Site(replace(town(), tracks=None), Wishes(0, 1, 10.0, size=(160, 120)), stage())
+    roof = still(np.array([-21.0, 14.0, 10.6]), 0.0, 0.0, 0.0, 1.2, foot=1.6)
+    air = still(np.array([-20.0, 4.3, 3.0]), 1.6, 0.0, 0.0, 1.2, foot=1.6)
+    feet = still(np.array([-20.0, 4.3, 1.72]), 1.6, 0.0, 0.0, 1.2, foot=1.6)
+    low = still(np.array([-21.0, 14.0, 10.6]), 0.0, 0.0, 0.0, 1.2, foot=3.0)
+    found = judged(site, [roof, air, feet, low], RIGS["mono"], composed=False)
+    assert found[0] is None  # as high above the roof as it should be
+    assert found[1].reason == "not on the ground"
+    assert found[1].detail.startswith("2.88 m above sidewalk ")
+    assert found[2] is None
+    assert found[3].reason == "not on the ground"
+
+
 def test_a_flight_must_be_free_between_its_poses():
     eyes = np.array([[-50.0, 14.0, 5.0], [5.0, 14.0, 5.0]])  # with the house between them
     way = np.column_stack([np.arange(-50.0, 5.0), np.full(55, 14.0), np.full(55, 5.0)])

@@ -4,8 +4,9 @@ import pytest
 from cityx.geometry.airways import Airspace, airway, airways, rounded
 
 
-def over(top):
-    return Airspace(np.array([0.0, 0.0, 40.0]), 5.0, 10.0, np.asarray(top, float), 6)
+def over(top, ceiling=95.0):
+    top = np.asarray(top, float)
+    return Airspace(np.array([0.0, 0.0, 40.0]), 5.0, 10.0, top, np.full_like(top, ceiling), 6)
 
 
 def walled(height):
@@ -58,6 +59,14 @@ def test_what_is_cut_off_is_not_reached():
     top[:, 10] = 200.0
     ways = airways(over(top))
     assert airway(ways, point(ways, (0, 0, 40)), point(ways, (95, 0, 40))) is None
+
+
+def test_nothing_flies_above_the_ceiling():
+    air = over(walled(80.0).top, ceiling=75.0)
+    ways = airways(air)
+    assert ways.points[:, 2].max() <= 75.0
+    corners = airway(ways, point(ways, (10, 0, 40)), point(ways, (90, 0, 40)))
+    assert corners[:, 1].max() == pytest.approx(90.0)  # round the wall that it may not cross
 
 
 def test_beyond_the_site_no_air_is_free():

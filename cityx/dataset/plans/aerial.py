@@ -52,11 +52,12 @@ def _stills(site: Site) -> Source:
         height = LOWEST + (HIGHEST - LOWEST) * drawn[:, 2]
         down = more[:, 0] < NADIR
         slant = np.radians(_SLANT[0] + (_SLANT[1] - _SLANT[0]) * more[:, 1])
-        pitch = np.where(down, -np.pi / 2, slant)
         heading = 2 * np.pi * more[:, 2]
-        level = np.where(down, 0.0, height / np.tan(-pitch))
+        level = np.where(down, 0.0, height / np.tan(-slant))
         eye = target - level[:, None] * np.column_stack([np.sin(heading), np.cos(heading)])
-        z = site.city.terrain.height_at(target) + height
+        z = site.city.terrain.height_at(eye) + height
+        drop = z - site.city.terrain.height_at(target)  # hillsides turn the view
+        pitch = np.where(down, -np.pi / 2, -np.arctan2(drop, level))
         moment = site.moments(numbers)
         found: list[Take | Refusal] = []
         for row in range(len(numbers)):
@@ -92,7 +93,9 @@ def airspace_of(site: Site) -> Airspace:
     ).reshape(rows, columns)  # fmt: skip
     layers = int((HIGHEST - LOWEST + np.ptp(site.city.terrain.heights)) // RISE) + 1
     lowest = np.maximum(height + MARGIN, floor + LOWEST)
-    return Airspace(np.array([xmin, ymin, ground + LOWEST]), cell, RISE, lowest, layers)
+    return Airspace(
+        np.array([xmin, ymin, ground + LOWEST]), cell, RISE, lowest, floor + HIGHEST, layers
+    )
 
 
 def _flights(site: Site) -> Source:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from cityx.city.lanes import MOVEMENTS, LaneGraph
 from cityx.city.moments import moments_of
 from cityx.city.roads import RoadNetwork
-from cityx.city.routes import cars
+from cityx.city.routes import cars, lane_lengths
 from cityx.dataset.plans.motion import along_line, headings, length_of, smoothed, speeds
 from cityx.dataset.plans.site import Site
 from cityx.dataset.plans.streets import stations
@@ -23,6 +25,8 @@ from cityx.geometry.polylines import Polylines, to_linestrings, values_along
 FOV = 70.0  # degrees
 EYE = 1.6  # metres above the lane: on the roof of a car
 CLEAR = 1.0  # metres round the eye: half the width of the car that carries it
+UNEVEN = 1.2  # metres by which the road may lie off the profile of its centreline
+SPRINGS = 1.0  # metres of road over which a car's springs even it out
 STEP = 0.5  # metres between the points of a way
 ROUND = 1.5  # metres over which its corners are rounded
 WHEELBASE = 2.7  # metres between the points whose direction is that of the car
@@ -48,9 +52,10 @@ def drive(site: Site) -> Source:
     if graph is None or network is None or not cars(graph).any():
         raise InputError(f"nobody can drive in {city.name}: it has no lanes for cars.")
     lines = Polylines(graph.points, graph.point_start)
-    length = np.array([length_of(graph.lane_points(lane)) for lane in range(graph.count)])
+    length = lane_lengths(graph)
     places = stations(lines, np.flatnonzero(cars(graph) & (length > STEP)))
-    roads = _Roads(graph, network, *_next_lanes(graph))
+    edges = Polylines(network.points, network.point_start)
+    roads = _Roads(graph, network, to_linestrings(edges), *_next_lanes(graph))
 
     def candidates(numbers: IntArray) -> list[Take | Refusal]:
         lane, along = places.at(site.draws("drive", numbers, 1)[:, 0])
@@ -63,10 +68,11 @@ def drive(site: Site) -> Source:
 
 @dataclass(frozen=True)
 class _Roads:
-    """The lane graph, and the connections that cars may take, ordered by their first lane."""
+    """The lane graph, the lines of its edges, and the connections for cars by their first lane."""
 
     graph: LaneGraph
     network: RoadNetwork
+    edges: NDArray[Any]
     connection: IntArray
     start: IntArray
 
@@ -108,7 +114,7 @@ def _take(
     climb = np.interp(place, steps, np.gradient(way.z, STEP))
     return Take(
         np.column_stack([spot, z + EYE]), headings(ahead - behind), np.arctan(climb), time,
-        wishes.fov(FOV), clearance=CLEAR,
+        wishes.fov(FOV), clearance=CLEAR, foot=EYE,
     )  # fmt: skip
 
 
@@ -139,7 +145,7 @@ def _way(
             own.append(edge)
             length += length_of(points)
         lane, turn = then, turn + 1
-    return _even(roads.network, parts, speed, own, along, needed)
+    return _even(site, roads, parts, speed, own, along, needed)
 
 
 def _limit(graph: LaneGraph, lane: int) -> float:
@@ -147,7 +153,7 @@ def _limit(graph: LaneGraph, lane: int) -> float:
 
 
 def _even(
-    network: RoadNetwork, parts: list[FloatArray], speed: list[float], own: list[int],
+    site: Site, roads: _Roads, parts: list[FloatArray], speed: list[float], own: list[int],
     along: float, needed: float,
 ) -> _Way:  # fmt: skip
     """Put the parts of a way together, smooth, with even steps."""
@@ -160,14 +166,22 @@ def _even(
     spot = along_line(points, place)
     of = part[np.clip(np.searchsorted(gone, place, side="right") - 1, 0, len(part) - 1)]
     z = np.full(len(place), np.nan)
-    lines = Polylines(network.points, network.point_start)
+    lines = Polylines(roads.network.points, roads.network.point_start)
     edge = np.array(own)[of]
     known = np.flatnonzero(edge >= 0)
-    shapes = to_linestrings(lines)
-    on = shapely.line_locate_point(shapes[edge[known]], shapely.points(spot[known]))
-    z[known] = values_along(lines, network.z, edge[known], on)
+    on = shapely.line_locate_point(roads.edges[edge[known]], shapely.points(spot[known]))
+    z[known] = values_along(lines, roads.network.z, edge[known], on)
     z = np.interp(place, place[known], z[known]) if len(known) else np.zeros(len(place))
-    return _Way(smoothed(spot, ROUND / STEP), np.array(speed)[of], smoothed(z, ROUND / STEP))
+    spot = smoothed(spot, ROUND / STEP)
+    return _Way(spot, np.array(speed)[of], smoothed(_settled(site, spot, z), SPRINGS / STEP))
+
+
+def _settled(site: Site, spot: FloatArray, z: FloatArray) -> FloatArray:
+    """(k,) heights of what lies under places at about some heights: the road as it is built."""
+    eyes = np.column_stack([spot, z + EYE])
+    down = np.broadcast_to([0.0, 0.0, -1.0], eyes.shape)
+    off = EYE - site.stage.cast(eyes, down).distance
+    return np.where(np.abs(off) < UNEVEN, z + off, z)
 
 
 def _driven(site: Site, way: _Way, limit: FloatArray, time: FloatArray) -> FloatArray:

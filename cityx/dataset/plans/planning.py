@@ -246,8 +246,8 @@ def _drawn(
     refused: Counter[str] = Counter()
     examples: dict[str, str] = {}
     takes: list[Take] = []
-    tried, since = 0, 0
-    while sum(take.count for take in takes) < count and since < hope:
+    tried = since = found = 0
+    while found < count and since < hope:
         candidates = source(np.arange(tried, tried + block))
         rows = [row for row, item in enumerate(candidates) if isinstance(item, Take)]
         verdicts: list[Take | Refusal] = list(candidates)
@@ -255,17 +255,17 @@ def _drawn(
         for row, refusal in zip(rows, legal, strict=True):
             verdicts[row] = refusal or candidates[row]
         for verdict in verdicts:
-            if sum(take.count for take in takes) >= count:
+            if found >= count:
                 break
             tried += 1
             if isinstance(verdict, Take):
                 takes.append(verdict)
+                found += verdict.count
                 since = 0
                 continue
             since += 1
             refused[verdict.reason] += 1
             examples.setdefault(verdict.reason, verdict.detail)
-    found = sum(take.count for take in takes)
     if found < count:
         raise InputError(_hopeless(site, name, count, found, tried, refused, examples))
     shots = _shots(name, takes, count, rig, lights, wishes)

@@ -78,7 +78,10 @@ def street(site: Site) -> Source:
                 )
                 continue
             place = np.append(eye[row], footing.z[row] + height[row])
-            found.append(still(place, heading[row], pitch[row], moment[row], site.wishes.fov(FOV)))
+            found.append(
+                still(place, heading[row], pitch[row], moment[row], site.wishes.fov(FOV),
+                      foot=float(height[row]))
+            )  # fmt: skip
         return found
 
     return candidates

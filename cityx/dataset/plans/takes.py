@@ -34,6 +34,8 @@ class Take:
         (k, 3) float64, points of what must be seen, if anything, and the id of what they lie in.
     clearance
         Metres that must be free round the eye; 0 takes the usual.
+    foot
+        Metres that the eye is above what it stands on; 0 where it hangs in the air.
     way
         (w, 3) float64, places between the poses that must be as free as they.
     """
@@ -46,6 +48,7 @@ class Take:
     target: FloatArray | None = None
     target_id: int = 0
     clearance: float = 0.0
+    foot: float = 0.0
     way: FloatArray | None = None
 
     @property
@@ -82,8 +85,8 @@ Source = Callable[[IntArray], list[Take | Refusal]]
 
 def still(
     eye: FloatArray, heading: float, pitch: float, moment: float, hfov: float,
-    clearance: float = 0.0,
+    *, clearance: float = 0.0, foot: float = 0.0,
 ) -> Take:  # fmt: skip
     """Return a take of one pose."""
     return Take(eye.reshape(1, 3), np.array([heading]), np.array([pitch]), np.array([moment]), hfov,
-                clearance=clearance)  # fmt: skip
+                clearance=clearance, foot=foot)  # fmt: skip

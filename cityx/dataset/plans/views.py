@@ -23,12 +23,14 @@ if TYPE_CHECKING:
     from cityx.geometry.raycast import Hits
 
 CLEAR = 0.5  # metres round an eye that must be free
+STUMBLE = 0.35  # metres by which feet may be off the ground, as on stairs
 AROUND = 256  # directions in which that is looked for: 0.1 m apart at 0.5 m
 PICTURE = (24, 16)  # rays across and down a picture that tell what it shows
 INSIDE = 0.4  # share of the directions that meet something from behind inside a closed mesh
 NEAR, TOO_NEAR = 2.5, 0.25  # metres, and the share of a picture that may be of things nearer
 WALL, WALLED = 5.0, 0.55  # metres, and the share of a picture within them that is a stare
 VOID, LEVEL_VOID = 0.2, 0.1  # shares of pictures from above, and of level ones, beyond the map
+KNOWN_VOID = 0.4  # the same where a height file tells what the land beyond looks like
 LEVEL = np.radians(-12.0)  # pitch from which a view is level
 BELOW = -0.03  # slope of rays that should meet land
 SKY = 0.75  # share of a picture that may be sky, with what lies beyond the map
@@ -85,9 +87,30 @@ def judged(
         reason, detail = blocked[eye]
         place = _at(tuple(whole[eye].tolist()))
         found[int(take_of[eye])] = Refusal(reason, f"{detail} at {place}")
+    _stand(site, takes, poses, frame, found)
     if composed:
         _compositions(site, takes, poses, frame, moment, found)
     return found
+
+
+def _stand(
+    site: Site, takes: Sequence[Take], poses: Sequence[Camera], frame: IntArray,
+    found: list[Refusal | None],
+) -> None:  # fmt: skip
+    """Refuse takes whose eyes are not as high as they should be: on a bench, beside a bridge."""
+    foot = np.array([take.foot for take in takes])[frame]
+    rows = np.flatnonzero(foot > 0)
+    if not len(rows):
+        return
+    eyes = np.array([poses[row].position for row in rows.tolist()])
+    hits = site.stage.cast(eyes, np.broadcast_to([0.0, 0.0, -1.0], eyes.shape))
+    objects = site.objects_at(hits)
+    for at in np.flatnonzero(np.abs(hits.distance - foot[rows]) > STUMBLE)[::-1].tolist():
+        take = int(frame[rows[at]])
+        if found[take] is None:
+            what = site.named(int(objects[at])) if objects[at] else "the ground"
+            found[take] = Refusal("not on the ground", f"{hits.distance[at]:.2f} m above {what} "
+                                  f"at {_at(poses[rows[at]].position)}")  # fmt: skip
 
 
 def _poses(site: Site, takes: Sequence[Take]) -> tuple[IntArray, list[Camera], FloatArray]:
@@ -250,6 +273,8 @@ def _compositions(
     near, wall = standing & (distance < NEAR), standing & (distance < WALL)
     pitch = np.array([poses[row].pitch for row in rows])
     void = np.where(pitch > LEVEL, LEVEL_VOID, VOID)
+    if site.city.survey is not None:
+        void = np.full(len(rows), KNOWN_VOID)
     shares = (
         (
             "too near to something",

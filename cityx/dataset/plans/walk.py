@@ -85,8 +85,9 @@ def _take(
     heading = headings(along_line(walks.points, place + AHEAD) - spot)
     z = ground_height(site.city, spot)
     position = np.column_stack([spot, smoothed(z, TURN_S / 2 * rate) + eye_height])
-    return Take(position, smoothed(heading, TURN_S * rate), np.full(length, DOWN), moment + time,
-                site.wishes.fov(FOV))  # fmt: skip
+    pitch = np.full(length, DOWN)
+    return Take(position, smoothed(heading, TURN_S * rate), pitch, moment + time,
+                site.wishes.fov(FOV), foot=eye_height)  # fmt: skip
 
 
 def _goal(graph: WalkGraph, origin: int, far: float, share: float) -> int | None:
