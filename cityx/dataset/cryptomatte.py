@@ -22,8 +22,11 @@ from numpy.typing import NDArray
 
 RANKS = 6  # things a pixel names at most, two to a layer
 LAYERS = 3
-FILTER_WIDTH = 1.5  # pixels, of the Blackman-Harris filter that Cycles draws its samples from
+# Pixels across the Blackman-Harris filter that Cycles draws its samples from: its setting of 1.5
+# counts half of it.
+FILTER_WIDTH = 3.0
 TERMS = (0.35875, -0.48829, 0.14128, -0.01168)  # of that filter, cosines of 0, 1, 2, 3 turns
+GOLDEN = (5**0.5 - 1) / 2
 _FINE = 4096  # steps in which the filter is integrated
 _MASK = 0xFFFFFFFF
 HASH, CONVERSION = "MurmurHash3_32", "uint32_to_float32"
@@ -84,21 +87,20 @@ def header(layer: str, names: Mapping[str, str]) -> dict[str, str]:
 def filter_offsets(side: int) -> NDArray[np.float64]:
     """(side * side, 2) offsets from the middle of a pixel, in pixels, of equal weight.
 
-    They are the middles of equal shares of the filter along both axes, so that the mean over them
-    is what the mean over many samples of the picture tends to.
+    Along each axis they are the middles of as many equal shares of the filter as there are rays, so
+    that an edge is placed to one ray even where it runs along a row; the golden ratio pairs them.
     """
     x = (np.arange(_FINE + 1) / _FINE - 0.5) * FILTER_WIDTH
     turn = 2 * np.pi * (x / FILTER_WIDTH + 0.5)
     value = sum(term * np.cos(number * turn) for number, term in enumerate(TERMS))
     share = np.concatenate([[0.0], np.cumsum((value[1:] + value[:-1]) / 2)])
-    spots = np.interp((np.arange(side) + 0.5) / side, share / share[-1], x)
-    down, right = np.meshgrid(spots, spots, indexing="ij")
-    return np.column_stack([right.ravel(), down.ravel()])
+    number = np.arange(side * side)
+    spots = np.interp((number + 0.5) / len(number), share / share[-1], x)
+    paired = np.argsort(np.argsort(number * GOLDEN % 1.0))
+    return np.column_stack([spots, spots[paired]])
 
 
-def ranked(
-    seen: NDArray[np.integer],
-) -> tuple[NDArray[np.integer], NDArray[np.float32]]:
+def ranked(seen: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
     """Rank what the rays of pixels meet by how many meet it.
 
     Parameters
@@ -141,7 +143,7 @@ def ranked(
 
 
 def matte(
-    number: NDArray[np.integer], share: NDArray[np.float32], names: Sequence[str]
+    number: NDArray[np.int64], share: NDArray[np.float32], names: Sequence[str]
 ) -> NDArray[np.float32]:
     """Return (..., 2 * RANKS) pairs of id and coverage, as layers of four hold them.
 

@@ -8,7 +8,7 @@ nor the process shows in it.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,7 +22,7 @@ from PIL import Image
 from cityx.blender.client import BlenderJob, Made, Progress, RenderRequest, work
 from cityx.blender.sheets import PASSES
 from cityx.city.store import read_view
-from cityx.dataset.channels import CHANNELS, CYCLES
+from cityx.dataset.channels import CHANNELS
 from cityx.dataset.mattes import MATTES, Mattes
 from cityx.dataset.record import Record
 from cityx.dataset.shots import Shot
@@ -37,6 +37,22 @@ TRIES = 2  # of a shot
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 SPREAD = 1.4826  # from the median of absolute deviations to a standard deviation
 RGB, PICTURE = "rgb", "picture"
+
+
+class PictureFailed(EngineError):
+    """Blender ended twice at the same shot.
+
+    Parameters
+    ----------
+    shot
+        The shot, without which the others can be rendered.
+    why
+        What was said at its end.
+    """
+
+    def __init__(self, shot: Shot, why: str) -> None:
+        super().__init__(f"Blender ended {TRIES} times at the shot {shot.name}: {why}")
+        self.shot = shot
 
 
 @dataclass(frozen=True)
@@ -104,9 +120,12 @@ def chosen_quality(
         faults.append(f"a noise threshold of {threshold:g} is not possible, allowed is 0 to 1.")
     if faults:
         raise UsageError(" ".join(faults))
-    given = {"samples": samples, "threshold": threshold, "denoise": denoise}
+    found = QUALITIES[word]
     return replace(
-        QUALITIES[word], **{key: value for key, value in given.items() if value is not None}
+        found,
+        samples=found.samples if samples is None else samples,
+        threshold=found.threshold if threshold is None else threshold,
+        denoise=found.denoise if denoise is None else denoise,
     )
 
 
@@ -118,7 +137,7 @@ def pictures(
     *,
     recycle: int = RECYCLE,
     gpu: bool = True,
-) -> Iterator[Record]:
+) -> Generator[Record, None, None]:
     """Render shots of a stored city.
 
     Parameters
@@ -152,11 +171,13 @@ def pictures(
         If there is no city.
     MissingDependency
         If Blender, one of its libraries or OpenEXR is absent.
+    PictureFailed
+        If Blender ended twice at a shot; those before it were given, those after it were not.
     EngineError
-        At the end, naming the shots at which Blender failed twice.
+        If Blender cannot begin.
     """
     wanted = [name for name in CHANNELS if name in set(channels)]
-    drawn = [name for name in wanted if CHANNELS[name].maker == CYCLES and name not in MATTES]
+    drawn = [name for name in wanted if name in PASSES or name == PICTURE]
     named = [name for name in wanted if name in MATTES]
     todo = tuple(shots)
     if not (todo and (drawn or named)):
@@ -201,11 +222,10 @@ def _rendered(
     folder: Path,
     recycle: int,
     gpu: bool,
-) -> Iterator[tuple[Shot, Path, Mapping[str, Any]]]:
-    """Render shots process after process; one at which it ends twice is named at the end."""
+) -> Generator[tuple[Shot, Path, Mapping[str, Any]], None, None]:
+    """Render shots process after process, until one at which it ends twice."""
     left = list(shots)
-    failed: dict[str, str] = {}
-    stumbled: set[str] = set()  # names of shots at which a process ended
+    stumbled: Shot | None = None  # the shot at which a process ended
     started = 0  # processes in a row that ended before their first shot
     while left:
         batch = left[:recycle]
@@ -224,16 +244,9 @@ def _rendered(
                 raise
             if not begun:
                 continue
-            if left[0].name in stumbled:
-                failed[left.pop(0).name] = str(error)
-            else:
-                stumbled.add(left[0].name)
-    if failed:
-        words = " ".join(f"{name}: {why}" for name, why in failed.items())
-        raise EngineError(
-            f"Blender ended {TRIES} times at each of {len(failed)} of {len(shots)} shots, "
-            f"which have no picture. {words}"
-        )
+            if left[0] is stumbled:
+                raise PictureFailed(stumbled, str(error)) from error
+            stumbled = left[0]
 
 
 BEGINS = "rendering "  # how a process says that it is at a picture
@@ -246,7 +259,7 @@ def _request(shot: Shot, names: Sequence[str], quality: Quality, folder: Path) -
         quality.samples,
         shot.environment,
         shot.moment,
-        tuple(names),
+        tuple(name for name in names if name in PASSES) or (RGB,),
         quality.threshold,
         quality.denoise,
         stable_id("picture", shot.name) & 0x7FFFFFFF,
@@ -281,8 +294,10 @@ def _read(
         parts = [held[f"{sheet.layer}.{part}"].pixels for part in sheet.parts]
         return np.asarray(parts[0] if len(parts) == 1 else np.stack(parts, axis=-1), np.float32)
 
-    values: dict[str, NDArray[Any]] = {name: layer(name) for name in names}
-    if RGB in values:
+    values: dict[str, NDArray[Any]] = {name: layer(name) for name in names if name != PICTURE}
+    if "ao" in values:  # drops before the eye may add a little to the light behind them
+        values["ao"] = np.clip(values["ao"], 0.0, 1.0)
+    if {RGB, PICTURE} & set(names):
         with Image.open(picture) as seen:
             values[PICTURE] = np.asarray(seen.convert("RGB"), np.uint8)
     facts = {

@@ -66,8 +66,8 @@ def base_scene(name: str, folder: Path) -> City:
     return read_city(folder / "city")
 
 
-def street(out: Path, work: Path, samples: int) -> Path:
-    """Let traffic and people fill a street for a minute and render a moment of it."""
+def peopled(work: Path) -> Path:
+    """Let traffic and people fill a street for a minute; returns the folder of the city."""
     folder = work / "street"
     city = base_scene("grid_s", folder)
     for action, args in (
@@ -76,6 +76,12 @@ def street(out: Path, work: Path, samples: int) -> Path:
     ):
         city = run_step(city, Call(action, args), registry())
     write_city(city, folder / "city")
+    return folder
+
+
+def street(out: Path, work: Path, samples: int) -> Path:
+    """Render a moment of the street."""
+    folder = peopled(work)
     request = RenderRequest(camera("street"), out / "traffic.png", samples)
     job = BlenderJob(folder / "city", renders=(request,), moment=MOMENT)
     run_worker(job, timeout_s=TIMEOUT, progress=lambda _, text: print(text))

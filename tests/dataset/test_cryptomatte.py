@@ -48,9 +48,10 @@ def test_every_name_is_a_number_that_is_neither_denormal_nor_infinite():
 
 
 def test_rays_spread_like_the_filter_of_blackman_and_harris():
-    spots = filter_offsets(64).reshape(64, 64, 2)
-    x = spots[0, :, 0]
-    assert np.allclose(spots[:, 0, 1], x)
+    spots = filter_offsets(16)
+    x = np.sort(spots[:, 0])
+    assert np.array_equal(np.sort(spots[:, 1]), x)
+    assert abs(np.corrcoef(spots.T)[0, 1]) < 0.05
     assert np.allclose(x, -x[::-1])
     assert np.abs(x).max() < FILTER_WIDTH / 2
     # Its standard deviation is 0.1318 of its width: integral of x^2 w over that of w.

@@ -16,7 +16,7 @@ from cityx.city import Environment
 from cityx.city.store import read_view, write_city
 from cityx.dataset import pictures as module
 from cityx.dataset.cryptomatte import coverage_of, filter_offsets
-from cityx.dataset.pictures import QUALITIES, chosen_quality, noise_of, pictures
+from cityx.dataset.pictures import QUALITIES, PictureFailed, chosen_quality, noise_of, pictures
 from cityx.dataset.shots import Shot
 from cityx.errors import EngineError, UsageError
 from cityx.geometry.identity import id_text
@@ -94,16 +94,16 @@ json.dump(result | {{'blender': '4.5'}}, open(job['result'], 'w'))
     return tmp_path / "log"
 
 
-def test_a_shot_that_ends_blender_twice_is_left_out_and_named(monkeypatch, tmp_path):
+def test_a_shot_that_ends_blender_is_tried_once_more_and_then_named(monkeypatch, tmp_path):
     log = scripted(monkeypatch, tmp_path, "")
     names = []
-    with pytest.raises(EngineError, match=r"2 times at each of 1 of 5 shots.* eye_3: .*signal 6"):  # noqa: PT012
+    with pytest.raises(PictureFailed, match=r"2 times at the shot eye_3: .*signal 6") as failed:  # noqa: PT012
         for shot, _, _ in module._rendered(tmp_path, SHOTS, ["rgb"], QUICK, tmp_path, 50, False):
             names.append(shot.name)
-    assert names == ["eye_0", "eye_1", "eye_2", "eye_4"]
+    assert failed.value.shot is SHOTS[3]
+    assert names == ["eye_0", "eye_1", "eye_2"]
     assert log.read_text().split() == [
         "start", "eye_0", "eye_1", "start", "eye_1", "eye_2", "eye_3", "start", "eye_3",
-        "start", "eye_4",
     ]  # fmt: skip
 
 
@@ -161,7 +161,7 @@ def test_channels_have_the_shapes_and_ranges_of_the_table(forwards):
         shown = record.channels
         assert np.isfinite(shown["rgb"]).all()
         assert shown["rgb"].min() >= 0
-        assert 0 <= shown["ao"].min() <= shown["ao"].max() <= 1.001
+        assert 0 <= shown["ao"].min() <= shown["ao"].max() <= 1
         assert 0 <= shown["diffuse"].min() <= shown["diffuse"].max() <= 1.5
     assert {r.channels["picture"].tobytes() for r in forwards.values()}.__len__() == len(SHOTS)
 
@@ -192,8 +192,8 @@ def test_noise_falls_with_samples_within_one_process(store, tmp_path):
     )
     assert [n["samples_used"] for n in noise] == [4, 64, 4]
     assert np.array_equal(values[0]["rgb"], values[2]["rgb"])
-    # A quarter by the root of sixteen.
-    assert 0.15 < noise[1]["noise"] / noise[0]["noise"] < 0.4
+    # A quarter by the root of sixteen; of few samples the denoiser takes more away.
+    assert 0.03 < noise[1]["noise"] / noise[0]["noise"] < 0.4
 
 
 @pytest.mark.blender
@@ -287,8 +287,8 @@ def test_the_matte_covers_pixels_as_that_of_cycles_does(store, cycles):
         part = (wanted > 0.02) & (wanted < 0.98)
         assert part.sum() > 20
         # 256 samples leave a standard error of up to 0.03.
-        assert np.abs(ours - wanted).max() < 0.12
-        assert np.abs(ours - wanted)[part].mean() < 0.025
+        assert np.abs(ours - wanted).max() < 0.1
+        assert np.abs(ours - wanted)[part].mean() < 0.02
     assert id_text(13) in manifests["crypto_object"]  # windows are of their house
     assert id_text(21) not in manifests["crypto_object"]
 
