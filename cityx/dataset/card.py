@@ -115,7 +115,10 @@ def _channels(order: Order) -> str:
         return ""
     rows = ((c.name, c.dtype, c.depth, c.unit, c.meaning) for c in order.wanted)
     head = ("channel", "type", "values", "unit", "meaning")
-    return "## Channels\n\n" + _table(head, rows)
+    said = ""
+    if {"flow", "motion"} & {channel.name for channel in order.wanted}:
+        said = "\nFlow and motion are there where a sequence goes on.\n"
+    return "## Channels\n\n" + _table(head, rows) + said
 
 
 def _licences(cities: Sequence[Mapping[str, Any]]) -> str:
