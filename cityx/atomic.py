@@ -10,7 +10,7 @@ from uuid import uuid4
 
 
 @contextmanager
-def replaced(path: str | os.PathLike[str]) -> Iterator[Path]:
+def replaced(path: str | os.PathLike[str], *, aside: Path | None = None) -> Iterator[Path]:
     """Give a temporary name beside `path`; rename it to `path` when the block ends well.
 
     A reader sees the old file or the new one, never half of one, also when the process is killed
@@ -21,6 +21,9 @@ def replaced(path: str | os.PathLike[str]) -> Iterator[Path]:
     path
         The file to make; its folder is made if missing. The temporary name keeps the suffix, for
         writers that choose their format by it.
+    aside
+        Folder on the same disk for the temporary name, so that whoever takes over from a killed
+        process finds all that is half written in one place; beside `path` when None.
 
     Examples
     --------
@@ -30,6 +33,8 @@ def replaced(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)
     temporary = target.with_name(f".{target.stem}.{uuid4().hex[:12]}{target.suffix}")
+    if aside is not None:
+        temporary = aside / temporary.name
     try:
         yield temporary
         with temporary.open("rb") as file:

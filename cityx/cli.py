@@ -15,6 +15,7 @@ import typer
 from cityx import __version__
 from cityx.assets.library.commands import assets
 from cityx.bench.commands import bench
+from cityx.dataset.commands import dataset
 from cityx.errors import CityxError, UsageError
 
 # Two threaded libraries on few cores spin against each other unless they sleep while they wait.
@@ -36,6 +37,7 @@ plugins = typer.Typer(help="List, show, check and make plugins.", no_args_is_hel
 app.add_typer(plugins, name="plugins")
 app.add_typer(assets, name="assets")
 app.add_typer(bench, name="bench")
+app.command()(dataset)
 
 
 # Who plays the roles of the agents.
