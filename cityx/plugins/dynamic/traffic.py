@@ -15,9 +15,9 @@ from cityx.plugins.road.lanes import lanes
 from cityx.protocol import Port, Range, action, has_network
 from cityx.traffic.demand import PER_KM, demand_of, per_km_at
 from cityx.traffic.kinds import DRIVING
+from cityx.traffic.laying import streets_of
 from cityx.traffic.session import driven
 from cityx.traffic.simulation import WARM, Outcome, Run
-from cityx.traffic.streets import streets_of
 
 ACTION = "dynamic/traffic-v1"
 
