@@ -395,7 +395,8 @@ def type_text(look: Look) -> str:
     return tag(
         "vType", id=look.type_name, vClass=drive.sumo_class, length=f"{length:.3f}",
         width=f"{width:.3f}", height=f"{height:.3f}", accel=drive.accel, decel=drive.decel,
-        maxSpeed=f"{top:g}", minGap=drive.gap, sigma="0.3", **wanted,
+        maxSpeed=f"{top:g}", minGap=drive.gap, sigma="0.3",
+        lcStrategic="10", lcSpeedGain="0", lcKeepRight="0", lcCooperative="0", **wanted,
     )  # fmt: skip
 
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 import json
 import sys
 from collections import deque
+from heapq import heappop, heappush
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +18,15 @@ import numpy as np
 
 ATTRIBUTES = "id,x,y,angle,speed,pos,lane,edge"
 HISTORY = 10.0  # seconds before the tracks that poses go back, for the way each has come
-REROUTED = "0.6"  # share of drivers who look for another way when theirs is jammed
 NOBODY = "custom1"  # a class that no vehicle has
 CONTROL = 1.0  # seconds between looks at how full the streets are
 AHEAD = 5  # vehicles that may wait to come in before no more are sent
+DRIVER = "passenger"  # a class that all lanes for cars are open to
+CORNER = 40.0  # metres that a junction is worth to who looks for another way
+LOOK = 0.5  # seconds between looks at who is in which lane
+LATEST = 25.0  # metres before its end at which nobody leaves a lane for another any more
+PACE = 4.0  # metres per second of those who change lanes; slower they would slide aside
+FREE, HELD = 1621, 512  # modes of changing lanes: as drivers like, and not at all
 
 
 def _options(job: dict[str, Any]) -> list[str]:
@@ -33,9 +40,7 @@ def _options(job: dict[str, Any]) -> list[str]:
         "--intermodal-collision.action", "warn",
         "--time-to-teleport", str(job["patience"]), "--time-to-teleport.remove",
         "--ignore-junction-blocker", str(job["blocked"]),
-        "--device.rerouting.probability", REROUTED, "--device.rerouting.period", "30",
-        "--device.rerouting.adaptation-interval", "5",
-        "--lanechange.duration", "2", "--max-depart-delay", "30",
+        "--lanechange.duration", "3", "--max-depart-delay", "30",
         "--pedestrian.model", "striping", "--pedestrian.striping.jamtime", "60",
         "--no-step-log", "--no-warnings", "--xml-validation", "never",
         "--xml-validation.net", "never", "--xml-validation.routes", "never",
@@ -83,6 +88,108 @@ class _Filling:
             name, name, typeID=trip["type"], departPos=position, departLane="best",
             departSpeed="max" if position == "random_free" or trip["rolling"] else "0",
         )  # fmt: skip
+
+
+class _Lanes:
+    """Keeps drivers to lanes; a class since it knows what each lane leads to.
+
+    Vehicles of SUMO change lanes sideways when they are slow, which no vehicle can. So those who
+    are slow, or near the end, stay in the lane where they are, and take the way that it leads.
+    """
+
+    def __init__(self, sumo: Any) -> None:
+        self.sumo = sumo
+        self.edge: dict[str, str] = {}  # lane -> edge
+        self.length: dict[str, float] = {}
+        self.allowed: dict[str, frozenset[str]] = {}
+        self.after: dict[str, list[str]] = {}  # lane -> lanes that it leads to
+        self.exits: set[str] = set()
+        self.beside: list[str] = []  # lanes with another one beside them
+        self.mode: dict[str, int] = {}
+        self.seen: dict[str, str] = {}  # vehicle -> lane that is known to lead where it wants to go
+        for edge in sumo.edge.getIDList():
+            if not edge.startswith(":"):
+                self._add(edge)
+
+    def _add(self, edge: str) -> None:
+        lane = self.sumo.lane
+        own = [f"{edge}_{index}" for index in range(self.sumo.edge.getLaneNumber(edge))]
+        driven = []
+        for name in own:
+            self.edge[name], self.length[name] = edge, lane.getLength(name)
+            self.allowed[name] = frozenset(lane.getAllowed(name))
+            self.after[name] = [link[0] for link in lane.getLinks(name)]
+            if DRIVER in self.allowed[name]:
+                driven.append(name)
+        if driven and not any(self.after[name] for name in driven):
+            self.exits.add(edge)
+        if len(driven) > 1:
+            self.beside += driven
+
+    def step(self) -> None:
+        """Look at everybody who is beside another lane."""
+        vehicle = self.sumo.vehicle
+        for lane in self.beside:
+            for name in self.sumo.lane.getLastStepVehicleIDs(lane):
+                left = self.length[lane] - vehicle.getLanePosition(name)
+                free = left > LATEST and vehicle.getSpeed(name) >= PACE
+                mode = FREE if free else HELD
+                if self.mode.get(name, FREE) != mode:
+                    self.mode[name] = mode
+                    vehicle.setLaneChangeMode(name, mode)
+                if left <= LATEST and self.seen.get(name) != lane:
+                    self.seen[name] = lane
+                    self._lead_on(name, lane)
+
+    def _lead_on(self, name: str, lane: str) -> None:
+        """Send a vehicle where its lane leads, if that is not where it wants to go."""
+        vehicle = self.sumo.vehicle
+        best = {each[0]: each[4] for each in vehicle.getBestLanes(name)}
+        goal = vehicle.getRoute(name)[-1]
+        if best.get(lane, True) or goal == self.edge[lane]:
+            return
+        edges = self.way(lane, goal, vehicle.getVehicleClass(name))
+        if len(edges) > 1:
+            vehicle.setRoute(name, edges)
+
+    def way(self, start: str, goal: str, kind: str) -> list[str]:
+        """Return the edges from a lane to an edge, or out of the site where none lead there."""
+        cost, before, todo = {start: 0.0}, {start: ""}, [(0.0, start)]
+        found = ""
+        while todo:
+            spent, lane = heappop(todo)
+            if spent > cost[lane]:
+                continue
+            edge = self.edge[lane]
+            if edge in self.exits and not found:
+                found = lane
+            if edge == goal:
+                found = lane
+                break
+            onward = [each for each in self.after[lane] if kind in self.allowed[each]]
+            for each in [*onward, *(self._changes(lane, kind) if lane != start else ())]:
+                more = spent + self.length[each] + CORNER
+                if more < cost.get(each, inf):
+                    cost[each], before[each] = more, lane
+                    heappush(todo, (more, each))
+        edges: list[str] = []
+        while found:
+            if not edges or edges[-1] != self.edge[found]:
+                edges.append(self.edge[found])
+            found = before[found]
+        return edges[::-1]
+
+    def _changes(self, lane: str, kind: str) -> list[str]:
+        """Return the lanes beside one that its drivers may get to."""
+        edge, _, index = lane.rpartition("_")
+        found = []
+        for step in (-1, 1):
+            other = f"{edge}_{int(index) + step}"
+            if kind in self.allowed.get(other, ()):
+                open_to = self.sumo.lane.getChangePermissions(lane, step)
+                if not open_to or kind in open_to:
+                    found.append(other)
+        return found
 
 
 class _Haunting:
@@ -144,12 +251,16 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
     haunting = _Haunting(libsumo, job["ghosts"])
     teleported: dict[str, float] = {}
     filling = _Filling(libsumo, job["groups"])
+    keeping = _Lanes(libsumo)
     steps = round((job["warm"] + job["duration"]) / job["step"]) + 1
+    look = max(1, round(LOOK / job["step"]))
     every = max(1, round(CONTROL / job["step"]))
     filling.first()
     for number in range(steps):
         haunting.step(number)
         libsumo.simulationStep()
+        if number % look == 0:
+            keeping.step()
         if number % every == 0:
             filling.renew(haunting.vehicles)
         for name in libsumo.simulation.getStartingTeleportIDList():
