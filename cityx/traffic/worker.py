@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import sys
 from collections import deque
+from collections.abc import Sequence
 from heapq import heappop, heappush
 from math import inf
 from pathlib import Path
@@ -26,6 +27,7 @@ CORNER = 40.0  # metres that a junction is worth to who looks for another way
 LOOK = 0.5  # seconds between looks at who is in which lane
 LATEST = 25.0  # metres before its end at which nobody leaves a lane for another any more
 PACE = 4.0  # metres per second of those who change lanes; slower they would slide aside
+FORESEEN = 3  # ways that drivers see ahead
 FREE, HELD = 1621, 512  # modes of changing lanes: as drivers like, and not at all
 
 
@@ -39,7 +41,6 @@ def _options(job: dict[str, Any]) -> list[str]:
         "--collision.check-junctions", "--collision.mingap-factor", "0",
         "--intermodal-collision.action", "warn",
         "--time-to-teleport", str(job["patience"]), "--time-to-teleport.remove",
-        "--ignore-junction-blocker", str(job["blocked"]),
         "--lanechange.duration", "3", "--max-depart-delay", "30",
         "--pedestrian.model", "striping", "--pedestrian.striping.jamtime", "60",
         "--no-step-log", "--no-warnings", "--xml-validation", "never",
@@ -104,7 +105,7 @@ class _Lanes:
         self.allowed: dict[str, frozenset[str]] = {}
         self.after: dict[str, list[str]] = {}  # lane -> lanes that it leads to
         self.exits: set[str] = set()
-        self.beside: list[str] = []  # lanes with another one beside them
+        self.beside: set[str] = set()  # lanes with another one beside them
         self.mode: dict[str, int] = {}
         self.seen: dict[str, str] = {}  # vehicle -> lane that is known to lead where it wants to go
         for edge in sumo.edge.getIDList():
@@ -124,33 +125,49 @@ class _Lanes:
         if driven and not any(self.after[name] for name in driven):
             self.exits.add(edge)
         if len(driven) > 1:
-            self.beside += driven
+            self.beside.update(driven)
 
     def step(self) -> None:
-        """Look at everybody who is beside another lane."""
+        """Look at everybody who comes near a junction or is beside another lane."""
         vehicle = self.sumo.vehicle
-        for lane in self.beside:
-            for name in self.sumo.lane.getLastStepVehicleIDs(lane):
-                left = self.length[lane] - vehicle.getLanePosition(name)
+        for name in vehicle.getIDList():
+            lane = vehicle.getLaneID(name)
+            known = self.seen.get(name) == lane
+            if lane not in self.edge or (known and lane not in self.beside):
+                continue
+            left = self.length[lane] - vehicle.getLanePosition(name)
+            if left <= LATEST and not known:
+                self.seen[name] = lane
+                self._lead_on(name, lane)
+            if lane in self.beside:
                 free = left > LATEST and vehicle.getSpeed(name) >= PACE
                 mode = FREE if free else HELD
                 if self.mode.get(name, FREE) != mode:
                     self.mode[name] = mode
                     vehicle.setLaneChangeMode(name, mode)
-                if left <= LATEST and self.seen.get(name) != lane:
-                    self.seen[name] = lane
-                    self._lead_on(name, lane)
 
     def _lead_on(self, name: str, lane: str) -> None:
         """Send a vehicle where its lane leads, if that is not where it wants to go."""
         vehicle = self.sumo.vehicle
-        best = {each[0]: each[4] for each in vehicle.getBestLanes(name)}
-        goal = vehicle.getRoute(name)[-1]
-        if best.get(lane, True) or goal == self.edge[lane]:
+        route, kind = vehicle.getRoute(name), vehicle.getVehicleClass(name)
+        place = vehicle.getRouteIndex(name)
+        if place < 0 or self._leads(lane, route[place + 1 : place + 1 + FORESEEN], kind):
             return
-        edges = self.way(lane, goal, vehicle.getVehicleClass(name))
+        edges = self.way(lane, route[-1], kind)
         if len(edges) > 1:
             vehicle.setRoute(name, edges)
+
+    def _leads(self, lane: str, edges: Sequence[str], kind: str) -> bool:
+        """Tell whether one who stays in a lane comes along some edges."""
+        there = {lane}
+        for number, edge in enumerate(edges):
+            if number:
+                there |= {other for each in there for other in self._changes(each, kind)}
+            there = {
+                goal for each in there for goal in self.after[each]
+                if self.edge.get(goal) == edge and kind in self.allowed[goal]
+            }  # fmt: skip
+        return bool(there)
 
     def way(self, start: str, goal: str, kind: str) -> list[str]:
         """Return the edges from a lane to an edge, or out of the site where none lead there."""
