@@ -44,6 +44,7 @@ HOMES = ("house", "flats")
 NEAR = 60.0  # metres from a building to the street that its trips start from
 BORDER = 12.0  # metres from the site's rectangle within which a street leaves it
 WIDE_ENOUGH = 2.9  # metres of a lane for lorries and buses
+LONG_ENOUGH = 12.5  # metres of a way for them: on a shorter one they would stand across a junction
 MOST_PER_LANE = 16.0  # vehicles on a kilometre of lane; with more, signals no longer clear queues
 SPARE = 1.6  # times the trips that are expected to be needed
 LEAST_TRIPS = 40  # per group of streets
@@ -192,6 +193,7 @@ class Drivable:
         """(w,) whether lorries and buses use a way."""
         wide = [
             self.road(way) not in ("service", "living_street")
+            and way.length >= LONG_ENOUGH
             and any(_for_large(lane) for lane in way.lanes)
             for way in self.streets.ways
         ]
@@ -376,7 +378,8 @@ def _routed(
                 route = [goal]
                 while route[-1] != start:
                     route.append(int(before[place, route[-1]]))
-                found.append((row, tuple(route[::-1])))
+                if len({net.streets.ways[way].edge for way in route}) == len(route):
+                    found.append((row, tuple(route[::-1])))  # nobody drives a street up and down
     return found
 
 

@@ -24,6 +24,9 @@ CONTROL = 1.0  # seconds between looks at how full the streets are
 AHEAD = 5  # vehicles that may wait to come in before no more are sent
 DRIVER = "passenger"  # a class that all lanes for cars are open to
 CORNER = 40.0  # metres that a junction is worth to who looks for another way
+PLACE = 7.5  # metres of a lane that a standing car takes
+MEMORY = 60.0  # seconds over which queues are counted, one cycle of signals
+JAMMED = 0.35  # of a way's places taken by who stands, from which on nobody more is sent there
 LOOK = 0.5  # seconds between looks at who is in which lane
 LATEST = 25.0  # metres before its end at which nobody leaves a lane for another any more
 PACE = 4.0  # metres per second of those who change lanes; slower they would slide aside
@@ -42,6 +45,7 @@ def _options(job: dict[str, Any]) -> list[str]:
         "--intermodal-collision.action", "warn",
         "--time-to-teleport", str(job["patience"]), "--time-to-teleport.remove",
         "--lanechange.duration", "3", "--max-depart-delay", "30",
+        "--time-to-impatience", "60",
         "--pedestrian.model", "striping", "--pedestrian.striping.jamtime", "60",
         "--no-step-log", "--no-warnings", "--xml-validation", "never",
         "--xml-validation.net", "never", "--xml-validation.routes", "never",
@@ -57,6 +61,13 @@ class _Filling:
         self.groups = groups
         self.waiting = [deque(group["trips"]) for group in groups]
         self.total = sum(int(group["target"]) for group in groups)
+        self.room = {
+            edge: sumo.lane.getLength(f"{edge}_0") / PLACE
+            * sum(DRIVER in sumo.lane.getAllowed(f"{edge}_{index}")
+                  for index in range(sumo.edge.getLaneNumber(edge)))
+            for group in groups for edge in group["edges"]
+        }  # fmt: skip
+        self.queue = dict.fromkeys(self.room, 0.0)
 
     def first(self) -> None:
         """Put vehicles where they would be had traffic gone on for long."""
@@ -70,6 +81,10 @@ class _Filling:
 
         `others` of the vehicles there are not its own.
         """
+        for edge, queue in self.queue.items():
+            standing = self.sumo.edge.getLastStepHaltingNumber(edge)
+            self.queue[edge] = queue + (standing - queue) * CONTROL / MEMORY
+        jammed = {edge for edge, queue in self.queue.items() if queue > JAMMED * self.room[edge]}
         pending = len(self.sumo.simulation.getPendingVehicles())
         # Those amid junctions are on none of the groups' streets.
         room = self.total - (self.sumo.vehicle.getIDCount() - others) - pending
@@ -78,6 +93,9 @@ class _Filling:
             missing = int(group["target"]) - present
             for _ in range(min(missing, room, AHEAD - pending, len(trips))):
                 trip = trips.popleft()
+                if not jammed.isdisjoint(trip["route"]):
+                    trips.append(trip)  # nobody sets out for a jam; another one does
+                    continue
                 self._send(trip, trip["route"], position="base")
                 pending += 1
                 room -= 1
