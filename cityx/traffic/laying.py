@@ -22,6 +22,7 @@ from cityx.geometry.polylines import Polylines, arc_lengths, locate, miters, pie
 from cityx.traffic.links import links_of
 from cityx.traffic.shared_ground import HALF_BODY, Heights, Walls, closed_lanes, shared_ground
 from cityx.traffic.streets import Crossing, Halts, Lane, Link, Streets, Way
+from cityx.traffic.sweeps import tight_links
 
 if TYPE_CHECKING:
     from cityx.city.city import City
@@ -33,7 +34,7 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 SHORTEST = 5.0  # metres, a car: shorter lanes belong to the junction
-PASSING = 4.4  # metres of a lane for both ways on which two cars pass each other
+PASSING = 4.8  # metres of a lane for both ways on which two cars pass each other
 HALF_LARGE = 1.5  # metres from the middle of a bus in a bend to its side
 BESIDE = 0.3  # metres between two lanes over which one still changes from one to the other
 
@@ -77,7 +78,7 @@ def streets_of(city: City, halts: Halts) -> Streets:
     crossings = _crossings(network, halts, ways, heights)
     place, signals = _junctions(city, network, junction, halts)
     left_hand = bool(network.left_hand.any())
-    return _unlooped(Streets(ways, links, crossings, place, signals, left_hand))
+    return tight_links(_unlooped(Streets(ways, links, crossings, place, signals, left_hand)))
 
 
 def _junctions(

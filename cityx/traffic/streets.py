@@ -124,11 +124,14 @@ class Link:
         Way and lane on it.
     shape
         (k, 3) float64, from the end of the one lane to the start of the other.
+    tight
+        Whether lorries and buses would sweep over the lanes or the walls beside it.
     """
 
     source: tuple[int, int]
     target: tuple[int, int]
     shape: FloatArray
+    tight: bool = False
 
 
 @dataclass(frozen=True)

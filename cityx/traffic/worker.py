@@ -23,10 +23,12 @@ NOBODY = "custom1"  # a class that no vehicle has
 CONTROL = 1.0  # seconds between looks at how full the streets are
 AHEAD = 5  # vehicles that may wait to come in before no more are sent
 DRIVER = "passenger"  # a class that all lanes for cars are open to
+LONG = frozenset(("bus", "truck"))  # classes that do not fit round every corner
 CORNER = 40.0  # metres that a junction is worth to who looks for another way
+IMPATIENT = "20"  # seconds of waiting after which drivers let others brake for them
 PLACE = 7.5  # metres of a lane that a standing car takes
 MEMORY = 60.0  # seconds over which queues are counted, one cycle of signals
-JAMMED = 0.35  # of a way's places taken by who stands, from which on nobody more is sent there
+JAMMED = 0.25  # of a way's places taken by who stands, from which on nobody more is sent there
 LOOK = 0.5  # seconds between looks at who is in which lane
 LATEST = 25.0  # metres before its end at which nobody leaves a lane for another any more
 PACE = 4.0  # metres per second of those who change lanes; slower they would slide aside
@@ -45,7 +47,7 @@ def _options(job: dict[str, Any]) -> list[str]:
         "--intermodal-collision.action", "warn",
         "--time-to-teleport", str(job["patience"]), "--time-to-teleport.remove",
         "--lanechange.duration", "3", "--max-depart-delay", "30",
-        "--time-to-impatience", "60",
+        "--time-to-impatience", IMPATIENT,
         "--pedestrian.model", "striping", "--pedestrian.striping.jamtime", "60",
         "--no-step-log", "--no-warnings", "--xml-validation", "never",
         "--xml-validation.net", "never", "--xml-validation.routes", "never",
@@ -116,12 +118,13 @@ class _Lanes:
     are slow, or near the end, stay in the lane where they are, and take the way that it leads.
     """
 
-    def __init__(self, sumo: Any) -> None:
+    def __init__(self, sumo: Any, tight: list[str]) -> None:
         self.sumo = sumo
+        self.tight = frozenset(tight)
         self.edge: dict[str, str] = {}  # lane -> edge
         self.length: dict[str, float] = {}
         self.allowed: dict[str, frozenset[str]] = {}
-        self.after: dict[str, list[str]] = {}  # lane -> lanes that it leads to
+        self.after: dict[str, list[tuple[str, frozenset[str]]]] = {}  # lanes led to, and whom
         self.exits: set[str] = set()
         self.beside: set[str] = set()  # lanes with another one beside them
         self.mode: dict[str, int] = {}
@@ -137,7 +140,11 @@ class _Lanes:
         for name in own:
             self.edge[name], self.length[name] = edge, lane.getLength(name)
             self.allowed[name] = frozenset(lane.getAllowed(name))
-            self.after[name] = [link[0] for link in lane.getLinks(name)]
+            self.after[name] = [
+                (link[0], frozenset(lane.getAllowed(link[0])) - (LONG if link[4] in self.tight
+                                                                else frozenset()))
+                for link in lane.getLinks(name)
+            ]  # fmt: skip
             if DRIVER in self.allowed[name]:
                 driven.append(name)
         if driven and not any(self.after[name] for name in driven):
@@ -182,8 +189,8 @@ class _Lanes:
             if number:
                 there |= {other for each in there for other in self._changes(each, kind)}
             there = {
-                goal for each in there for goal in self.after[each]
-                if self.edge.get(goal) == edge and kind in self.allowed[goal]
+                goal for each in there for goal, who in self.after[each]
+                if self.edge.get(goal) == edge and kind in who
             }  # fmt: skip
         return bool(there)
 
@@ -201,7 +208,7 @@ class _Lanes:
             if edge == goal:
                 found = lane
                 break
-            onward = [each for each in self.after[lane] if kind in self.allowed[each]]
+            onward = [goal for goal, who in self.after[lane] if kind in who]
             for each in [*onward, *(self._changes(lane, kind) if lane != start else ())]:
                 more = spent + self.length[each] + CORNER
                 if more < cost.get(each, inf):
@@ -286,7 +293,7 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
     haunting = _Haunting(libsumo, job["ghosts"])
     teleported: dict[str, float] = {}
     filling = _Filling(libsumo, job["groups"])
-    keeping = _Lanes(libsumo)
+    keeping = _Lanes(libsumo, job["tight"])
     steps = round((job["warm"] + job["duration"]) / job["step"]) + 1
     look = max(1, round(LOOK / job["step"]))
     every = max(1, round(CONTROL / job["step"]))
