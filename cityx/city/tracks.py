@@ -213,6 +213,7 @@ def between(
     share, position, heading
         (k,) of the way between the samples in time, (k, 3) metres, (k,) radians the shorter way.
     """
+    time = np.asarray(time, float)
     span = tracks.time[high] - tracks.time[low]
     share = np.where(span > 0, (time - tracks.time[low]) / np.where(span > 0, span, 1.0), 0.0)
     turn = np.remainder(tracks.heading[high] - tracks.heading[low] + np.pi, 2 * np.pi) - np.pi

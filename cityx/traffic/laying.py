@@ -78,7 +78,8 @@ def streets_of(city: City, halts: Halts) -> Streets:
     crossings = _crossings(network, halts, ways, heights)
     place, signals = _junctions(city, network, junction, halts)
     left_hand = bool(network.left_hand.any())
-    return tight_links(_unlooped(Streets(ways, links, crossings, place, signals, left_hand)))
+    streets = Streets(ways, links, crossings, place, signals, left_hand)
+    return tight_links(_unlooped(streets), walls.tree)
 
 
 def _junctions(

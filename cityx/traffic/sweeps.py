@@ -21,8 +21,8 @@ STEP = 1.0  # metres of way between the places where it is looked at
 STRAIGHT = 0.15  # radians; on straighter ways it sweeps over nothing beside its lane
 
 
-def tight_links(streets: Streets) -> Streets:
-    """Mark the links on which a bus would sweep over ways that nobody leaves free for it."""
+def tight_links(streets: Streets, walls: shapely.STRtree) -> Streets:
+    """Mark the links on which a bus would sweep over walls, or ways that nobody leaves free."""
     links, ways = streets.links, streets.ways
     if not links:
         return streets

@@ -28,6 +28,7 @@ CORNER = 40.0  # metres that a junction is worth to who looks for another way
 IMPATIENT = "20"  # seconds of waiting after which drivers let others brake for them
 PLACE = 7.5  # metres of a lane that a standing car takes
 MEMORY = 60.0  # seconds over which queues are counted, one cycle of signals
+SET = 0.7  # of the vehicles are put into the streets at once, the others come as they do later
 JAMMED = 0.25  # of a way's places taken by who stands, from which on nobody more is sent there
 LOOK = 0.5  # seconds between looks at who is in which lane
 LATEST = 25.0  # metres before its end at which nobody leaves a lane for another any more
@@ -74,7 +75,7 @@ class _Filling:
     def first(self) -> None:
         """Put vehicles where they would be had traffic gone on for long."""
         for group, trips in zip(self.groups, self.waiting, strict=True):
-            for _ in range(min(int(group["target"]), len(trips))):
+            for _ in range(min(round(SET * int(group["target"])), len(trips))):
                 trip = trips.popleft()
                 self._send(trip, trip["route"][trip["entry"] :], position="random_free")
 

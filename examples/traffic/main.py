@@ -27,7 +27,7 @@ from cityx.protocol.gate import Call
 from cityx.protocol.run import run_step
 
 TIMEOUT = 3600.0  # seconds
-EVERY = 2  # frames from one picture of the animation to the next
+EVERY = 4  # frames from one picture of the animation to the next
 SPAN = 48  # frames: three strides of a runner
 COLORS = 128  # of the animation, so that it stays small
 # The call of the paper, word for word.
