@@ -38,7 +38,7 @@ def tight_links(streets: Streets, walls: shapely.STRtree) -> Streets:
     marked = []
     for number, link in enumerate(links):
         swept = _swept(streets, number)
-        tight = False
+        tight = swept is not None and len(walls.query(swept, predicate="intersects")) > 0
         for other in (
             tree.query(swept, predicate="intersects").tolist() if swept is not None else ()
         ):
