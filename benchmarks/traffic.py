@@ -32,9 +32,10 @@ from cityx.plugins.dynamic.vehicles import looks_of_kinds
 from cityx.plugins.road.lanes import lanes
 from cityx.traffic import session
 from cityx.traffic.demand import Drivable, demand_of, per_km_at
+from cityx.traffic.laying import streets_of
 from cityx.traffic.network import make_network
 from cityx.traffic.simulation import Outcome, Run, Walker, simulate
-from cityx.traffic.streets import Way, streets_of
+from cityx.traffic.streets import Way
 
 BLOCK, BLOCKS = 150.0, 9  # metres between streets of the grid, and blocks along a side
 CROWD = 500

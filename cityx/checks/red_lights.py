@@ -10,9 +10,10 @@ from cityx.city import City
 from cityx.city.crosswalks import heads_of
 from cityx.city.moments import moments_of
 from cityx.city.signals import STATE, Signals, states_at
-from cityx.city.tracks import MOVER, Tracks
+from cityx.city.tracks import MOVER, Tracks, travelled
 from cityx.city.walkable import walk_areas
 
+FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
@@ -49,15 +50,34 @@ def _passing(tracks: Tracks, signals: Signals) -> list[tuple[int, int, float, fl
     ahead = np.minimum.accumulate(known[::-1])[::-1]
     key = {(int(a), int(b)): row for row, (a, b) in enumerate(zip(signals.lane, signals.onto,
                                                                   strict=True)) if a}  # fmt: skip
+    gone = travelled(tracks)
     found = []
     for at in here.tolist():
         there = int(ahead[at + 1])
         if there < len(place) and mover[there] == mover[at]:
             head = key.get((int(place[at]), int(place[there])))
             if head is not None:
-                found.append((int(mover[at]), head, float(tracks.time[at]),
-                              float(tracks.time[at + 1])))  # fmt: skip
+                found.append((int(mover[at]), head, *_front_over(tracks, gone, at)))
     return found
+
+
+def _front_over(tracks: Tracks, gone: FloatArray, at: int) -> tuple[float, float]:
+    """Return the times between which the front passes where the middle is at a sample or after.
+
+    Who obeys does so by the front; slow, its middle is past the line some seconds later.
+    """
+    mover = tracks.mover[at]
+    own = slice(tracks.sample_start[mover], tracks.sample_start[mover + 1])
+    places = gone[[at, at + 1]] - float(tracks.size[mover, 0]) / 2
+    rises = np.r_[True, np.diff(gone[own]) > 0]  # who stands is where it is until it goes on
+    begin, end = np.interp(places, gone[own][rises], _last_there(tracks.time[own], rises))
+    return float(begin), float(end)
+
+
+def _last_there(time: FloatArray, rises: BoolArray) -> FloatArray:
+    """Return of every place that was reached when it was left."""
+    last = np.r_[np.flatnonzero(rises)[1:] - 1, len(time) - 1]
+    return np.asarray(time[last])
 
 
 def _stepping(city: City, tracks: Tracks, signals: Signals) -> list[tuple[int, int, float, float]]:

@@ -38,8 +38,6 @@ BEYOND = 5.0  # metres past the rim of the roadway that the other side is looked
 STEP = 0.2  # metres between the places looked at
 INTO = 0.4  # metres that a crosswalk reaches into the walks it joins
 LONGEST = 18.0  # metres; a path that runs longer on a roadway shares it
-SIGNALS = ("traffic_signals",)
-SIGNAL_REACH = 25.0  # metres from a junction to the signals that rule it
 HEAD_REACH = 4.0  # metres from the middle of a crosswalk to that of what a head rules
 ON_GROUND = 0.05  # metres by which an edge of the ground may be off it
 
@@ -60,8 +58,6 @@ class Crosswalks:
         (c,) int64, edge of the road network that is crossed, -1 where a path tells of it alone.
     marked
         (c,) bool, whether it has bars.
-    signalled
-        (c,) bool, whether signals rule it.
     """
 
     id: NDArray[np.uint64]
@@ -69,7 +65,6 @@ class Crosswalks:
     depth: FloatArray
     edge: IntArray
     marked: BoolArray
-    signalled: BoolArray
 
     @property
     def count(self) -> int:
@@ -113,7 +108,7 @@ def crosswalks_of(ground: Ground, layout: Layout, network: RoadNetwork) -> Cross
     ground
         The ground; bars of zebras are found among its faces.
     layout
-        Paths that cross roadways, and signals.
+        Paths that cross roadways.
     network
         The streets.
 
@@ -128,15 +123,7 @@ def crosswalks_of(ground: Ground, layout: Layout, network: RoadNetwork) -> Cross
     joined = Crosswalks(
         *(np.concatenate([getattr(p, name) for p in parts]) for name in Crosswalks.__annotations__)
     )
-    found = joined.take(_apart(joined))
-    middle = shapely.points(found.ends.mean(axis=1))
-    places = layout.points.geometry.to_numpy()[layout.points["kind"].isin(SIGNALS).to_numpy()]
-    ruled = np.zeros(found.count, bool)
-    if len(places):
-        tree = shapely.STRtree(places)
-        ruled[tree.query(middle, predicate="dwithin", distance=SIGNAL_REACH)[0]] = True
-    return Crosswalks(found.id, found.ends, found.depth, found.edge, found.marked,
-                      ruled & found.marked)  # fmt: skip
+    return joined.take(_apart(joined))
 
 
 def _candidates(ground: Ground, layout: Layout, network: RoadNetwork) -> _Candidates:
@@ -248,7 +235,6 @@ def _across(found: _Candidates, ground: Ground, network: RoadNetwork) -> Crosswa
         found.depth,
         found.edge,
         found.marked,
-        np.zeros(len(half), bool),
     ).take(met)
 
 
@@ -290,15 +276,14 @@ def _along_paths(ground: Ground, layout: Layout) -> Crosswalks:
     count = len(found)
     return Crosswalks(
         np.concatenate(keys), found, np.full(count, USUAL_DEPTH), np.full(count, -1, np.int64),
-        np.zeros(count, bool), np.zeros(count, bool),
+        np.zeros(count, bool),
     ).take(walked)  # fmt: skip
 
 
 def no_crosswalks() -> Crosswalks:
     """Return none."""
-    flags = np.zeros(0, bool)
     return Crosswalks(np.zeros(0, np.uint64), np.zeros((0, 2, 2)), np.zeros(0),
-                      np.zeros(0, np.int64), flags, flags)  # fmt: skip
+                      np.zeros(0, np.int64), np.zeros(0, bool))  # fmt: skip
 
 
 def _apart(found: Crosswalks) -> BoolArray:

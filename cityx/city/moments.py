@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.city.tracks import Tracks
+from cityx.city.tracks import Tracks, between
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -87,12 +87,7 @@ def moments_of(tracks: Tracks, times: ArrayLike) -> Moments:
     low = np.searchsorted(keys, time + held[row] * span, side="right") - 1
     low = np.clip(low, first[row], last[row])
     high = np.minimum(low + 1, last[row])
-    gap = tracks.time[high] - tracks.time[low]
-    share = np.where(gap > 0, (time - tracks.time[low]) / np.where(gap > 0, gap, 1.0), 0.0)
-    turn = np.remainder(tracks.heading[high] - tracks.heading[low] + np.pi, 2 * np.pi) - np.pi
-    step = tracks.position[high] - tracks.position[low]
+    _, position, heading = between(tracks, low, high, time)
     return Moments(
-        held[row], number, time, tracks.position[low] + share[:, None] * step,
-        tracks.heading[low] + share * turn, tracks.place[low],
-        tracks.place[high],
-    )  # fmt: skip
+        held[row], number, time, position, heading, tracks.place[low], tracks.place[high]
+    )

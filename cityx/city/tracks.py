@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cityx.geometry.ranges import ranges
 
@@ -180,20 +180,46 @@ def poses_at(tracks: Tracks, moment: float) -> Poses:
     before = np.bincount(mover[time <= moment], minlength=tracks.count)[held]
     low = start[held] + before - 1
     high = np.minimum(low + 1, start[held + 1] - 1)
-    span = time[high] - time[low]
-    share = np.where(span > 0, (moment - time[low]) / np.where(span > 0, span, 1.0), 0.0)
-    turn = np.remainder(tracks.heading[high] - tracks.heading[low] + np.pi, 2 * np.pi) - np.pi
+    share, position, heading = between(tracks, low, high, moment)
     step = tracks.position[high] - tracks.position[low]
     run = np.hypot(*step[:, :2].T)
     return Poses(
         held,
-        tracks.position[low] + share[:, None] * step,
-        tracks.heading[low] + share * turn,
+        position,
+        heading,
         tracks.speed[low] + share * (tracks.speed[high] - tracks.speed[low]),
         tracks.gait[low],
         travelled(tracks)[low] + share * run,
         np.arctan2(step[:, 2], run),
     )
+
+
+def between(
+    tracks: Tracks, low: NDArray[np.int64], high: NDArray[np.int64], time: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return where movers are between two samples of theirs.
+
+    Parameters
+    ----------
+    tracks
+        The tracks.
+    low, high
+        (k,) samples, the same where there is but one.
+    time
+        (k,) seconds or one time for all, from the one sample to the other.
+
+    Returns
+    -------
+    share, position, heading
+        (k,) of the way between the samples in time, (k, 3) metres, (k,) radians the shorter way.
+    """
+    time = np.asarray(time, float)
+    span = tracks.time[high] - tracks.time[low]
+    share = np.where(span > 0, (time - tracks.time[low]) / np.where(span > 0, span, 1.0), 0.0)
+    turn = np.remainder(tracks.heading[high] - tracks.heading[low] + np.pi, 2 * np.pi) - np.pi
+    step = tracks.position[high] - tracks.position[low]
+    position = tracks.position[low] + share[:, None] * step
+    return share, position, tracks.heading[low] + share * turn
 
 
 def travelled(tracks: Tracks) -> NDArray[np.float64]:

@@ -44,6 +44,7 @@ HOMES = ("house", "flats")
 NEAR = 60.0  # metres from a building to the street that its trips start from
 BORDER = 12.0  # metres from the site's rectangle within which a street leaves it
 WIDE_ENOUGH = 2.9  # metres of a lane for lorries and buses
+LONG_ENOUGH = 12.5  # metres of a way for them: on a shorter one they would stand across a junction
 MOST_PER_LANE = 16.0  # vehicles on a kilometre of lane; with more, signals no longer clear queues
 SPARE = 1.6  # times the trips that are expected to be needed
 LEAST_TRIPS = 40  # per group of streets
@@ -64,11 +65,14 @@ class Demand:
         Streets to be kept full, and the trips for it.
     barred
         Names of ways that are not driven.
+    tight
+        Links that lorries and buses do not take.
     """
 
     looks: tuple[Look, ...]
     groups: tuple[Group, ...]
     barred: tuple[str, ...]
+    tight: tuple[int, ...]
 
 
 def per_km_at(density: str, hour: float) -> dict[str, float]:
@@ -128,7 +132,8 @@ def demand_of(
         mine = tuple(trip for trip, on in trips if on == road)
         if target and mine:
             groups.append(Group(tuple(own), target, mine))
-    return Demand(every, tuple(groups), net.barred)
+    tight = tuple(number for number, link in enumerate(streets.links) if link.tight)
+    return Demand(every, tuple(groups), net.barred, tight)
 
 
 class Drivable:
@@ -192,6 +197,7 @@ class Drivable:
         """(w,) whether lorries and buses use a way."""
         wide = [
             self.road(way) not in ("service", "living_street")
+            and way.length >= LONG_ENOUGH
             and any(_for_large(lane) for lane in way.lanes)
             for way in self.streets.ways
         ]
@@ -200,13 +206,22 @@ class Drivable:
     @cached_property
     def pairs(self) -> IntArray:
         """(k, 2) ways that lead into each other for cars."""
+        return self._pairs(self.usable, large=False)
+
+    @cached_property
+    def wide_pairs(self) -> IntArray:
+        """(k, 2) ways that lead into each other for lorries and buses."""
+        return self._pairs(self.wide, large=True)
+
+    def _pairs(self, open_ways: BoolArray, *, large: bool) -> IntArray:
         found = {
             (link.source[0], link.target[0])
             for link in self.streets.links
             if all(self._open(end) for end in (link.source, link.target))
+            and not (large and link.tight)
         }
         pairs = np.array(sorted(found), np.int64).reshape(-1, 2)
-        return np.asarray(pairs[self.usable[pairs].all(axis=1)])
+        return np.asarray(pairs[open_ways[pairs].all(axis=1)])
 
     def _open(self, end: tuple[int, int]) -> bool:
         lane = self.streets.ways[end[0]].lanes[end[1]]
@@ -218,11 +233,11 @@ class Drivable:
         speed = [max(lane.speed for lane in way.lanes) for way in self.streets.ways]
         return np.asarray(self.length / np.maximum(speed, 1.0) + CORNER_S)
 
-    def matrix(self, variant: int, open_ways: BoolArray) -> Any:
+    def matrix(self, variant: int, *, large: bool = False) -> Any:
         """Seconds from way to way, as one kind of driver sees them."""
         from scipy.sparse import csr_array
 
-        pairs = self.pairs[open_ways[self.pairs].all(axis=1)]
+        pairs = self.wide_pairs if large else self.pairs
         keys = np.array([way.edge for way in self.streets.ways], np.uint64)
         mind = 1.0 + JITTER * uniform(self.city.seed, "traffic/mind", keys, variant)
         weight = (self.seconds * mind)[pairs[:, 1]]
@@ -291,11 +306,10 @@ def _trips(
     kind = _kinds(city, net, ids)
     found: list[tuple[Trip, str] | None] = [None] * count
     for large in (False, True):
-        open_ways = net.wide if large else net.usable
         rows = np.flatnonzero(np.isin(kind, [list(DRIVING).index(k) for k in LARGE]) == large)
         for variant in range(VARIANTS):
             own = rows[rows % VARIANTS == variant]
-            for row, route in _routed(city, net, open_ways, variant, own, ids, ends):
+            for row, route in _routed(city, net, variant, own, ids, ends, large=large):
                 found[row] = _trip(city, net, looks, every, int(ids[row]), int(kind[row]), route)
     return [trip for trip in found if trip is not None]
 
@@ -344,12 +358,13 @@ def _kinds(city: City, net: Drivable, ids: NDArray[np.uint64]) -> IntArray:
 
 
 def _routed(
-    city: City, net: Drivable, open_ways: BoolArray, variant: int, rows: IntArray,
-    ids: NDArray[np.uint64], ends: _Ends,
+    city: City, net: Drivable, variant: int, rows: IntArray, ids: NDArray[np.uint64],
+    ends: _Ends, *, large: bool,
 ) -> list[tuple[int, tuple[int, ...]]]:  # fmt: skip
     """Give trips the quickest ways between their ends; those without any are left out."""
     from scipy.sparse.csgraph import dijkstra
 
+    open_ways = net.wide if large else net.usable
     origin = np.full(len(ids), -1, np.int64)
     for inner in (False, True):
         weight = ends.starts[int(inner)] * open_ways
@@ -360,7 +375,7 @@ def _routed(
     starts = np.unique(origin[rows])
     if not len(starts):
         return []
-    matrix = net.matrix(variant, open_ways)
+    matrix = net.matrix(variant, large=large)
     seconds, before = dijkstra(matrix, indices=starts, return_predecessors=True)
     found = []
     for place, start in enumerate(starts.tolist()):
@@ -376,7 +391,8 @@ def _routed(
                 route = [goal]
                 while route[-1] != start:
                     route.append(int(before[place, route[-1]]))
-                found.append((row, tuple(route[::-1])))
+                if len({net.streets.ways[way].edge for way in route}) == len(route):
+                    found.append((row, tuple(route[::-1])))  # nobody drives a street up and down
     return found
 
 

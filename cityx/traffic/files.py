@@ -15,10 +15,11 @@ from cityx.traffic.demand import Drivable
 from cityx.traffic.engine import require_sumo
 from cityx.traffic.flows import route_between
 from cityx.traffic.kinds import DRIVING
+from cityx.traffic.laying import streets_of
 from cityx.traffic.network import NET, make_network
 from cityx.traffic.session import street_names
 from cityx.traffic.simulation import ROUTES, STEP, Look, Run, Trip, routes_text
-from cityx.traffic.streets import Halts, streets_of
+from cityx.traffic.streets import Halts
 
 CONFIG = "city.sumocfg"
 FILES = (NET, ROUTES, CONFIG)

@@ -170,7 +170,7 @@ def route_between(net: Drivable, start: int, goal: int) -> list[int] | None:
     """Return the quickest ways from one to another, both included; None when there are none."""
     from scipy.sparse.csgraph import dijkstra
 
-    seconds, before = dijkstra(net.matrix(0, net.usable), indices=start,
+    seconds, before = dijkstra(net.matrix(0), indices=start,
                                return_predecessors=True)  # fmt: skip
     if not np.isfinite(seconds[goal]):
         return None
@@ -184,7 +184,7 @@ def _onward(net: Drivable, start: int, own: int) -> list[int]:
     """Return the way out of the site from a street, one of those there are."""
     from scipy.sparse.csgraph import dijkstra
 
-    seconds = dijkstra(net.matrix(0, net.usable), indices=start)
+    seconds = dijkstra(net.matrix(0), indices=start)
     weight = (net.at_border(net.exits, -1) | net.exits) & np.isfinite(seconds)
     if not weight.any():
         weight = np.isfinite(seconds)

@@ -16,9 +16,11 @@ from shapely.ops import substring
 from cityx.city.frame import Frame
 from cityx.errors import EngineError, InputError
 from cityx.traffic.conflicts import conflicts_of, settle
+from cityx.traffic.coordination import CYCLE, coordinate
 from cityx.traffic.engine import last, run_program
 from cityx.traffic.plain import junction_name, shape_text, write_plain
 from cityx.traffic.streets import Streets
+from cityx.traffic.turners import let_turners_out
 
 FloatArray = NDArray[np.float64]
 
@@ -26,7 +28,6 @@ NET = "city.net.xml"
 LEAST = 0.1  # metres that SUMO wants a lane to be long
 TIMEOUT_S = 600.0
 WAITING = 3.0  # metres that a vehicle which waits amid a junction leaves to others
-CYCLE = 60.0  # seconds after which signals begin anew; blocks of old towns hold no longer queues
 BUMPER = 0.5  # metres that who waits there keeps to the ways of others
 _NAME = re.compile(r"'(-?[0-9a-f]{16})#?(?:_\d+)?'")
 
@@ -124,6 +125,8 @@ def _with_own_shapes(streets: Streets, file: Path) -> Network:
     links = _set_links(streets, root, found, conflicts.free)
     first = {number: name for name, number in reversed(links.items())}
     settle(root, conflicts, first)
+    let_turners_out(root)
+    coordinate(root)
     crossings = _set_crossings(streets, root)
     for element in root.iter("lane"):
         element.attrib.pop("customShape", None)

@@ -25,6 +25,7 @@ ALLOWED = {
 }  # fmt: skip
 CLOSED = "custom1"  # a class that no vehicle has
 WALKED = 2.0  # metres per second that a walk allows
+CHANGED = 50.0  # metres of a way on which drivers get from one lane to another
 PARTS = ("nod", "edg", "con")
 
 
@@ -141,9 +142,10 @@ def _lane(way: Way, index: int) -> str:
     walked = lane.kind == "walk"
     barred = {}
     # Nobody changes over what lies between two lanes; the first lane is the one at the kerb.
-    if index and way.apart[index - 1]:
+    short = way.length < CHANGED
+    if index and (short or way.apart[index - 1]):
         barred["changeRight"] = CLOSED
-    if index < len(way.apart) and way.apart[index]:
+    if index < len(way.apart) and (short or way.apart[index]):
         barred["changeLeft"] = CLOSED
     allowed = CLOSED if lane.closed else ALLOWED[lane.kind]
     return tag("lane", index=index, allow=allowed, width=f"{lane.width:.3f}",

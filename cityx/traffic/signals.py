@@ -40,11 +40,12 @@ def signals_of(city: City, streets: Streets, network: Network, begin: float) -> 
         plan.get("id"): [(float(p.get("duration")), p.get("state")) for p in plan.findall("phase")]
         for plan in root.iter("tlLogic")
     }
+    delay = {plan.get("id"): float(plan.get("offset")) for plan in root.iter("tlLogic")}
     heads = _vehicle_heads(city, streets, network, root) + _walker_heads(city, streets, root,
                                                                          network)  # fmt: skip
     if not heads:
         return None
-    told = [_shown(plans[plan], index, begin) for *_, plan, index in heads]
+    told = [_shown(plans[plan], index, begin - delay[plan]) for *_, plan, index in heads]
     lane, onto, crossing = (
         np.array([head[column] for head in heads], np.uint64) for column in range(3)
     )

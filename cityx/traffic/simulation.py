@@ -26,7 +26,6 @@ STEP = 0.1  # seconds
 WARM = 60.0  # seconds of traffic before the tracks begin, so that queues have formed
 PATIENCE = 120.0  # seconds that a vehicle waits before it is taken out, and counted
 STUCK = 60.0  # seconds without moving after which a vehicle counts as stuck
-BLOCKED = 15.0  # seconds after which those who block a junction are driven round
 SLOWEST = 0.5  # times real time on a busy machine; slower than this is a hang
 CLOSE = 0.5  # seconds between vehicles that keep a speed somebody asked for
 START_S = 120.0  # seconds that starting may take
@@ -227,6 +226,8 @@ class Run:
         People.
     barred
         Names of ways that nobody turns into, whatever the jam ahead.
+    tight
+        Links that lorries and buses do not take.
     warm, duration
         Seconds before the tracks begin, and of the tracks.
     seed
@@ -238,6 +239,7 @@ class Run:
     trips: tuple[Trip, ...] = ()
     walkers: tuple[Walker, ...] = ()
     barred: tuple[str, ...] = ()
+    tight: tuple[int, ...] = ()
     warm: float = WARM
     duration: float = 60.0
     seed: int = 0
@@ -311,7 +313,8 @@ def simulate(run: Run, network: Network, ghosts: Ghosts | None = None) -> Outcom
     job: dict[str, Any] = {
         "net": str(network.file), **files, "warm": run.warm, "duration": run.duration,
         "step": run.step, "seed": run.seed % (1 << 31), "patience": PATIENCE, "stuck": STUCK,
-        "blocked": BLOCKED, "barred": run.barred,
+        "barred": run.barred,
+        "tight": [name for name, link in network.links.items() if link in set(run.tight)],
         "ghosts": str(folder / GHOSTS) if ghosts is not None else "",
         "groups": [
             {"edges": group.edges, "target": group.target,
@@ -395,7 +398,8 @@ def type_text(look: Look) -> str:
     return tag(
         "vType", id=look.type_name, vClass=drive.sumo_class, length=f"{length:.3f}",
         width=f"{width:.3f}", height=f"{height:.3f}", accel=drive.accel, decel=drive.decel,
-        maxSpeed=f"{top:g}", minGap=drive.gap, sigma="0.3", **wanted,
+        maxSpeed=f"{top:g}", minGap=drive.gap, sigma="0.3",
+        lcStrategic="10", lcSpeedGain="0", lcKeepRight="0", lcCooperative="0", **wanted,
     )  # fmt: skip
 
 

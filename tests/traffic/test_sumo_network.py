@@ -9,9 +9,9 @@ from made_streets import CROSS, EAST, MIDDLE, NORTH, REACH, SOUTH, WEST, city_of
 from cityx.errors import InputError, MissingExtra
 from cityx.plugins.dynamic.halts import halts_of
 from cityx.traffic import engine
+from cityx.traffic.laying import PASSING, SHORTEST, streets_of
 from cityx.traffic.network import make_network
 from cityx.traffic.session import street_names
-from cityx.traffic.streets import PASSING, SHORTEST, streets_of
 
 needs_sumo = pytest.mark.skipif(
     find_spec("libsumo") is None, reason='SUMO is not installed: pip install "cityx[traffic]"'

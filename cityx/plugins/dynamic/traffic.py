@@ -15,9 +15,9 @@ from cityx.plugins.road.lanes import lanes
 from cityx.protocol import Port, Range, action, has_network
 from cityx.traffic.demand import PER_KM, demand_of, per_km_at
 from cityx.traffic.kinds import DRIVING
+from cityx.traffic.laying import streets_of
 from cityx.traffic.session import driven
 from cityx.traffic.simulation import WARM, Outcome, Run
-from cityx.traffic.streets import streets_of
 
 ACTION = "dynamic/traffic-v1"
 
@@ -98,7 +98,8 @@ def traffic(
         city, streets, looks_of_kinds(), hour=hour, seconds=WARM + duration, purpose=ACTION,
         per_km=_per_km(city, density, per_km, hour),
     )  # fmt: skip
-    run = Run(demand.looks, demand.groups, barred=demand.barred, duration=duration, seed=city.seed)
+    run = Run(demand.looks, demand.groups, barred=demand.barred, tight=demand.tight,
+              duration=duration, seed=city.seed)  # fmt: skip
     trips = tuple(trip for group in demand.groups for trip in group.trips)
     movers = movers_of(trips, demand.looks, city.seed)
     found = driven(city, streets, run, movers, ACTION, kept)

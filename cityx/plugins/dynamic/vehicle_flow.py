@@ -25,9 +25,10 @@ from cityx.traffic.demand import Drivable
 from cityx.traffic.flows import along as trips_along
 from cityx.traffic.flows import between, flow_ids
 from cityx.traffic.kinds import DRIVING
+from cityx.traffic.laying import streets_of
 from cityx.traffic.session import driven
 from cityx.traffic.simulation import Look, Run
-from cityx.traffic.streets import Streets, streets_of
+from cityx.traffic.streets import Streets
 
 ACTION = "dynamic/vehicle_flow-v1"
 BRIDGES, MAIN_STREET = ("bridge", "bridges"), ("main_street", "main street", "main road")

@@ -140,3 +140,11 @@ def test_tracks_and_signals_come_back_from_the_store(busy, tmp_path):
     assert back.signals.time.tobytes() == busy.signals.time.tobytes()
     assert np.isin(back.tracks.kind, [MOVER["car"], MOVER["van"]]).any()
     assert np.abs(back.tracks.position[:, :2]).max() <= REACH + 1.0
+
+
+def test_streets_are_nearly_empty_at_night_and_full_in_the_morning(town):
+    there = {
+        hour: len(poses_at(traffic(town, hour=hour, duration=10.0).tracks, 5.0).row)
+        for hour in (3.0, 8.0)
+    }
+    assert 0 < 4 * there[3.0] <= there[8.0]

@@ -1,0 +1,252 @@
+"""How the streets of traffic are laid from the lane graph of a city.
+
+The lane graph has a lane from every junction to the next, however near. A vehicle that halts on a
+lane shorter than itself blocks what crosses behind it, so lanes shorter than a car belong to the
+junction here, and lanes end where one halts: before the zebra.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.ops import substring
+
+from cityx.city.section import KIND
+from cityx.geometry.chains import components
+from cityx.geometry.identity import id_text
+from cityx.geometry.polylines import Polylines, arc_lengths, locate, miters, pieces, to_linestrings
+from cityx.traffic.links import links_of
+from cityx.traffic.shared_ground import HALF_BODY, Heights, Walls, closed_lanes, shared_ground
+from cityx.traffic.streets import Crossing, Halts, Lane, Link, Streets, Way
+from cityx.traffic.sweeps import tight_links
+
+if TYPE_CHECKING:
+    from cityx.city.city import City
+    from cityx.city.lanes import LaneGraph
+    from cityx.city.roads import RoadNetwork
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+SHORTEST = 5.0  # metres, a car: shorter lanes belong to the junction
+PASSING = 4.8  # metres of a lane for both ways on which two cars pass each other
+HALF_LARGE = 1.5  # metres from the middle of a bus in a bend to its side
+BESIDE = 0.3  # metres between two lanes over which one still changes from one to the other
+
+
+def streets_of(city: City, halts: Halts) -> Streets:
+    """Gather the streets of a city that has lanes.
+
+    Parameters
+    ----------
+    city
+        City with a network and a lane graph; heights of streets are its network's.
+    halts
+        Where traffic halts.
+
+    Returns
+    -------
+    streets
+        In the order of the network's edges; the same city gives the same streets.
+    """
+    network, graph = city.network, city.lanes
+    assert network is not None
+    assert graph is not None
+    moving = np.asarray(graph.travelled & (graph.direction != 0))
+    heights = Heights(city, network)
+    lines = _lane_lines(network, graph, halts.gap)
+    short, junction = _short_edges(network, graph, lines, moving)
+    gap = np.maximum(halts.gap, shared_ground(network, graph, lines, moving & ~short[graph.edge],
+                                               junction, heights) + halts.gap)  # fmt: skip
+    lines = _lane_lines(network, graph, gap)
+    short, junction = _short_edges(network, graph, lines, moving)
+    open_lane = moving & ~short[graph.edge]
+    closed = closed_lanes(graph, lines, open_lane, halts.rank, heights)
+    walls = Walls(city)
+    middles = to_linestrings(lines)
+    closed |= open_lane & walls.near(middles, HALF_BODY)
+    tight = walls.near(middles, HALF_LARGE)
+    ways, place_of = _ways(
+        network, graph, lines, open_lane, closed, tight, junction, halts.rank, heights
+    )
+    links = walls.clear(links_of(graph, lines, open_lane, place_of, ways, moving))
+    crossings = _crossings(network, halts, ways, heights)
+    place, signals = _junctions(city, network, junction, halts)
+    left_hand = bool(network.left_hand.any())
+    streets = Streets(ways, links, crossings, place, signals, left_hand)
+    return tight_links(_unlooped(streets), walls.tree)
+
+
+def _junctions(
+    city: City, network: RoadNetwork, junction: IntArray, halts: Halts
+) -> tuple[FloatArray, BoolArray]:
+    """(j, 3) middles of junctions, and (j,) whether signals rule them."""
+    count = int(junction.max(initial=-1)) + 1
+    signals = np.zeros(count, bool)
+    signals[junction[halts.signals]] = True
+    spread = np.bincount(junction, minlength=count)
+    middle = np.column_stack(
+        [np.bincount(junction, network.node_position[:, axis], count) for axis in (0, 1)]
+    ) / np.maximum(spread, 1)[:, None]  # fmt: skip
+    place = np.column_stack([middle, city.terrain.height_at(middle)])
+    return np.round(place, 3), signals
+
+
+def _unlooped(streets: Streets) -> Streets:
+    """Divide ways that lead back to where they come from: no simulator knows such edges.
+
+    Nobody crosses them, for both their ends lie at one junction.
+    """
+    ways, links, place = list(streets.ways), list(streets.links), list(streets.place)
+    looped = {number for number, way in enumerate(streets.ways) if way.source == way.target}
+    crossings = tuple(each for each in streets.crossings if looped.isdisjoint(each.ways))
+    for number in sorted(looped):
+        way = ways[number]
+        halves = [_halves(lane.shape) for lane in way.lanes]
+        near = tuple(replace(lane, shape=a) for lane, (a, _) in zip(way.lanes, halves, strict=True))
+        far = tuple(replace(lane, shape=b) for lane, (_, b) in zip(way.lanes, halves, strict=True))
+        ways[number] = replace(way, target=len(place), lanes=near)
+        links = [replace(link, source=(len(ways), link.source[1]))
+                 if link.source[0] == number else link for link in links]  # fmt: skip
+        links += [Link((number, k), (len(ways), k), np.stack([lane.shape[0]] * 2))
+                  for k, lane in enumerate(far) if lane.kind != "walk"]  # fmt: skip
+        ways.append(replace(way, name=f"{way.name}#", source=len(place), lanes=far))
+        place.append(far[-1].shape[0])
+    signals = np.r_[streets.signals, np.zeros(len(place) - len(streets.place), bool)]
+    return replace(streets, ways=tuple(ways), links=tuple(links), crossings=crossings,
+                   place=np.array(place), signals=signals)  # fmt: skip
+
+
+def _halves(shape: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Divide a line in its middle."""
+    whole = shapely.LineString(shape)
+    parts = (substring(whole, *ends, normalized=True) for ends in ((0.0, 0.5), (0.5, 1.0)))
+    near, far = (np.round(shapely.get_coordinates(part, include_z=True), 3) for part in parts)
+    return near, far
+
+
+def _short_edges(
+    network: RoadNetwork, graph: LaneGraph, lines: Polylines, moving: BoolArray
+) -> tuple[BoolArray, IntArray]:
+    """(e,) edges that belong to junctions, and (n,) the junction of each node."""
+    longest = np.zeros(network.edge_count)
+    np.maximum.at(longest, graph.edge[moving], arc_lengths(lines)[1][moving])
+    short = longest < SHORTEST
+    junction = components(network.edge_nodes[short].astype(np.int64), len(network.node_position))
+    return short, np.unique(junction, return_inverse=True)[1]
+
+
+def _lane_lines(network: RoadNetwork, graph: LaneGraph, gap: FloatArray) -> Polylines:
+    """Middles of lanes from where one has crossed to where one halts, in the direction of travel.
+
+    Where two cars pass each other on a lane for both ways, each keeps to its side of it.
+    """
+    lines = Polylines(graph.points, graph.point_start)
+    side = np.where(_shared(graph) & (graph.left - graph.right >= PASSING), 0.25, 0.0)
+    side *= np.where(network.left_hand[graph.edge], 1.0, -1.0) * (graph.left - graph.right)
+    owner = lines.line_of_point()
+    moved = Polylines(lines.points + miters(lines) * side[owner][:, None], lines.start)
+    length = arc_lengths(moved)[1]
+    ahead = graph.direction >= 0
+    begin = np.where(ahead, gap[graph.edge, 0], gap[graph.edge, 1])
+    end = np.where(ahead, gap[graph.edge, 1], gap[graph.edge, 0])
+    # Of a street too short for both its ends nothing is left, so that it belongs to the junction.
+    scale = np.minimum(1.0, length / np.maximum(begin + end, 1e-9))
+    whole = np.arange(graph.count)
+    return pieces(moved, whole, begin * scale, length - end * scale)
+
+
+def _shared(graph: LaneGraph) -> BoolArray:
+    """(l,) whether a lane is one of the two that lie in the same place."""
+    twin = np.zeros(graph.count, bool)
+    same = (graph.edge[1:] == graph.edge[:-1]) & (graph.direction[1:] != 0)
+    same &= np.isclose(graph.left[1:], graph.left[:-1])
+    twin[1:] |= same
+    twin[:-1] |= same
+    return twin
+
+
+def _ways(
+    network: RoadNetwork, graph: LaneGraph, lines: Polylines, open_lane: BoolArray,
+    closed: BoolArray, tight: BoolArray, junction: IntArray, rank: IntArray, heights: Heights,
+) -> tuple[tuple[Way, ...], dict[int, tuple[int, int]]]:  # fmt: skip
+    """Gather lanes to ways; also say which way and place on it each lane of the graph has."""
+    owner = lines.line_of_point()
+    spatial = heights.lifted(graph.edge[owner].astype(np.int64), lines.points)
+    shared = _shared(graph)
+    width = graph.left - graph.right
+    narrow = shared & (width < PASSING)
+    width = np.where(shared & ~narrow, width / 2, width)
+    walk = graph.kind == KIND["walk"]
+    names = np.array(list(KIND))
+    ways: list[Way] = []
+    place_of: dict[int, tuple[int, int]] = {}
+    first = np.searchsorted(graph.edge, np.arange(network.edge_count + 1))
+    with_lane = np.unique(graph.edge[open_lane])
+    for edge in with_lane.tolist():
+        rows = np.arange(first[edge], first[edge + 1])
+        for direction in (1, -1):
+            keeps_left = bool(network.left_hand[edge])
+            # The kerb is on the right of those who keep right, whichever way they go.
+            kerb_last = keeps_left == (direction < 0)
+            own = rows[open_lane[rows] & (graph.direction[rows] == direction)]
+            beside = rows[walk[rows] & ((graph.left[rows] <= 0) == kerb_last)]
+            ordered = np.concatenate([beside[:1], own[::-1] if kerb_last else own])
+            if not len(ordered):
+                continue
+            shapes = []
+            for row in ordered.tolist():
+                shape = spatial[lines.start[row] : lines.start[row + 1]]
+                shapes.append(shape[::-1] if walk[row] and direction < 0 else shape)
+            lanes = tuple(
+                Lane(row, str(names[graph.kind[row]]), float(width[row]),
+                     float(graph.speed[row]) / 3.6, shape, bool(narrow[row]),
+                     bool(closed[row]), bool(tight[row]))
+                for row, shape in zip(ordered.tolist(), shapes, strict=True)
+            )  # fmt: skip
+            place_of |= {row: (len(ways), k) for k, row in enumerate(ordered.tolist())}
+            ends = network.edge_nodes[edge][:: 1 if direction > 0 else -1]
+            ways.append(
+                Way(("" if direction > 0 else "-") + id_text(int(network.edge_id[edge])), edge,
+                    int(junction[ends[0]]), int(junction[ends[1]]), int(rank[edge]), lanes,
+                    _apart(graph, ordered))
+            )  # fmt: skip
+    return tuple(ways), place_of
+
+
+def _apart(graph: LaneGraph, rows: IntArray) -> tuple[bool, ...]:
+    """Tell of neighbours whether something lies between them."""
+    near, far = rows[:-1], rows[1:]
+    gap = np.maximum(graph.right[near] - graph.left[far], graph.right[far] - graph.left[near])
+    return tuple((gap > BESIDE).tolist())
+
+
+def _crossings(
+    network: RoadNetwork, halts: Halts, ways: tuple[Way, ...], heights: Heights
+) -> tuple[Crossing, ...]:
+    """Place where people cross before the junctions of ways."""
+    own: dict[int, list[int]] = {}
+    for number, way in enumerate(ways):
+        own.setdefault(way.edge, []).append(number)
+    found = []
+    length = arc_lengths(heights.lines)[1]
+    for edge, end in np.argwhere(halts.zebra).tolist():
+        if edge not in own:
+            continue  # the whole street lies within a junction
+        first = ways[own[edge][0]]
+        onward = not first.name.startswith("-")
+        junction = first.source if (end == 0) == onward else first.target
+        along = halts.zebra_at[edge, end] if end == 0 else length[edge] - halts.zebra_at[edge, end]
+        middle, ahead = locate(heights.lines, [edge], [along])
+        left = np.array([-ahead[0, 1], ahead[0, 0]]) * network.half_width[edge]
+        # Counter-clockwise about the junction one comes from the right of who looks away from it.
+        ends = np.stack([middle[0] - left, middle[0] + left])
+        shape = heights.lifted(np.full(2, edge), ends if end == 0 else ends[::-1])
+        found.append(Crossing(edge, end, junction, tuple(own[edge]),
+                              float(halts.zebra_width[edge]), np.round(shape, 3)))  # fmt: skip
+    return tuple(found)

@@ -1,0 +1,43 @@
+"""Plans of signals: they fit each other, and those who turn get out."""
+
+import numpy as np
+from lxml import etree
+
+from cityx.traffic.coordination import CYCLE, coordinate
+from cityx.traffic.turners import let_turners_out
+
+# A street with two signals 22 m apart; the second plan begins with the side street.
+STREET = """<net>
+<edge id="a"><lane length="80" speed="11"/></edge><edge id="b"><lane length="22" speed="11"/></edge>
+<edge id="c"><lane length="80" speed="11"/></edge>
+<connection from="a" to="b" dir="s" tl="one" linkIndex="0" via=":one_0_0"/>
+<connection from="b" to="c" dir="s" tl="two" linkIndex="0" via=":two_0_0"/>
+<tlLogic id="one"><phase duration="27" state="G"/><phase duration="33" state="r"/></tlLogic>
+<tlLogic id="two"><phase duration="33" state="r"/><phase duration="27" state="G"/></tlLogic>
+</net>"""
+# Link 0 turns across link 1, which comes towards it.
+CROSSING = """<net>
+<junction id="j"><request foes="10"/><request foes="01"/></junction>
+<connection from="a" to="b" tl="j" linkIndex="0" via=":j_0_0"/>
+<connection from="c" to="d" tl="j" linkIndex="1" via=":j_1_0"/>
+<tlLogic id="j"><phase duration="24" state="gG"/><phase duration="3" state="yy"/>
+<phase duration="33" state="rr"/></tlLogic></net>"""
+
+
+def test_who_has_green_at_one_signal_has_it_at_the_next():
+    root = etree.fromstring(STREET)
+    coordinate(root)
+    green = {}
+    for plan in root.iter("tlLogic"):
+        shown = "".join(p.get("state") * int(p.get("duration")) for p in plan.findall("phase"))
+        green[plan.get("id")] = np.roll([c == "G" for c in shown], int(plan.get("offset")))
+    later = 4  # seconds: two to start, two for the way
+    assert (np.roll(green["one"], later) & green["two"]).sum() == 27
+
+
+def test_who_turns_goes_alone_at_the_end_of_green():
+    root = etree.fromstring(CROSSING)
+    let_turners_out(root)
+    phases = [(float(p.get("duration")), p.get("state")) for p in root.iter("phase")]
+    assert phases == [(18, "gG"), (3, "gy"), (3, "Gr"), (3, "yr"), (33, "rr")]
+    assert sum(seconds for seconds, _ in phases) == CYCLE
