@@ -2,17 +2,16 @@
 
     python benchmarks/sweep.py [MAP...] [--lod 2] [--out sweep] [--again] [--keep] [--whole]
 
-One line per map: CPU seconds, counts, and every failed check with its value and limit. Each build is
-a process of its own, small files first, without pictures; huge maps are built by a window. Results
-are kept in ``--out``, a JSON file per map: a sweep that was stopped goes on where it was, and
-``--again`` builds all anew. Exits 1 if a check of any map fails, 3 if a build ends without a report.
+One line per map: CPU seconds, counts, and every failed check with its value and limit. Each build
+is a process of its own, small files first, without pictures; huge maps are built by a window.
+Results are kept in ``--out``, a JSON file per map: a sweep that was stopped goes on where it was,
+and ``--again`` builds all anew. Exits 1 if a check of any map fails, 3 if one ends without report.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import os
 import resource
 import shutil
 import subprocess
@@ -122,7 +121,7 @@ def main() -> int:
             if not args.keep:
                 shutil.rmtree(city, ignore_errors=True)
             kept.with_suffix(".part").write_text(json.dumps(found, indent=1))
-            os.replace(kept.with_suffix(".part"), kept)
+            kept.with_suffix(".part").replace(kept)
         found = json.loads(kept.read_text())
         print(line_of(found), flush=True)
         worst = max(worst, NO_REPORT if "error" in found else found["exit"])
