@@ -121,7 +121,7 @@ def _paved(ground: Ground, layout: Layout, block: IntArray) -> Ground:
     in_town = np.bincount(block, np.where(town, area, 0.0), minlength=size)
     cover = built / whole
     dense = (cover > DENSE) | ((cover > DENSE_URBAN) & (in_town > 0.5 * built))
-    dense |= _cut_off(ground, block, dense, whole, built)
+    dense |= _cut_off(ground, block, dense, whole, built > 0)
     dense &= whole < LARGEST
     paved = (ground.face_label == LABEL["block"]) & dense[block]
     label = np.where(paved, LABEL["courtyard"], ground.face_label).astype(np.uint8)
@@ -129,7 +129,7 @@ def _paved(ground: Ground, layout: Layout, block: IntArray) -> Ground:
 
 
 def _cut_off(
-    ground: Ground, block: IntArray, dense: BoolArray, whole: FloatArray, built: FloatArray
+    ground: Ground, block: IntArray, dense: BoolArray, whole: FloatArray, housed: BoolArray
 ) -> BoolArray:
     """(f,) blocks at the border of a town: whose houses the map left out, they are as the others.
 
@@ -139,7 +139,7 @@ def _cut_off(
     border[block[ground.edge_faces[ground.edge_faces[:, 1] == BEYOND, 0]]] = True
     inner = np.zeros(len(dense), bool)
     inner[np.unique(block)] = True
-    inner &= ~border & (built > 0)
+    inner &= ~border & housed
     town = whole[inner & dense].sum() > TOWN_SHARE * whole[inner].sum()
     return border & bool(town)
 
