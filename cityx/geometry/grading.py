@@ -20,6 +20,9 @@ CORRIDOR = 15.0  # metres beside the strip in which they meet the land
 HIGHEST_WALL = 6.0  # metres
 ROCK = 2.0  # rise over run behind the corridor, where no wall is high enough
 NEAR = 6  # stations whose heights are weighed at a place
+# Where two roads overlap the wider one is level farther from its axis: as if both were of one lane
+# to a side.
+LANE, LEAST_HALF = 3.25, 1.0  # metres
 CARRIED = 5.0  # metres along a road to which a station tells its slope: to the next one
 FARTHEST = 60.0  # metres from a road at which every terrain is left alone
 ROWS = 256  # of the grid that are graded at once
@@ -76,7 +79,8 @@ def grade_terrain(
             continue
         far, near = distance[rows], np.minimum(station[rows], len(points) - 1)
         beyond = np.maximum(far - half[near] - VERGE, 0.0)
-        pull = np.where(np.isfinite(far), 1.0 / (0.25 + beyond) ** 2 / (1.0 + far) ** 2, 0.0)
+        axis = 1.0 + LANE * far / np.maximum(half[near], LEAST_HALF)
+        pull = np.where(np.isfinite(far), 1.0 / (0.25 + beyond) ** 2 / axis**2, 0.0)
         rise = ((xy[rows][:, None] - points[near]) * climb[near]).sum(axis=2)
         most = CARRIED * np.hypot(*np.moveaxis(climb[near], 2, 0))
         road = (pull * (z[near] + np.clip(rise, -most, most))).sum(axis=1) / pull.sum(axis=1)

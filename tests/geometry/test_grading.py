@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from cityx.city.terrain import Terrain
 from cityx.geometry.grading import FARTHEST, grade_terrain
@@ -71,3 +72,16 @@ def test_a_road_that_climbs_and_bends_keeps_its_grade():
     fine = np.linspace(0.0, 2 * np.pi, 60)
     place = 12.0 * np.column_stack([np.cos(fine), np.sin(fine)])
     assert np.abs(made.height_at(place) - place @ slope[0]).max() < 0.1
+
+
+def test_a_wide_street_stays_level_across_where_a_path_climbs_from_its_end():
+    wide, path = along_x(0.0, half=8.0), along_x(0.0, half=3.0)
+    keep = wide[0][:, 0] <= 0.0
+    up = path[0][path[0][:, 0] >= 0.0][:, ::-1]
+    places = np.concatenate([wide[0][keep], up])
+    z = np.concatenate([wide[1][keep], 0.15 * up[:, 1]])
+    climb = np.concatenate([wide[2][keep], np.tile([0.0, 0.15], (len(up), 1))])
+    half = np.concatenate([wide[3][keep], np.full(len(up), 3.0)])
+    made = grade_terrain(FLAT, places, z, climb, half, SITE)
+    assert abs(made.height_at([[-2.0, 4.0]])[0]) < 0.3
+    assert made.height_at([[0.0, 20.0]])[0] == pytest.approx(3.0, abs=0.2)

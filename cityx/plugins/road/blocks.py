@@ -15,6 +15,8 @@ from cityx.geometry.chains import components
 from cityx.geometry.identity import choose, mix
 
 IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 ROAD = (*ROADWAY, "tramway")
 ON_ROAD = tuple(LABEL[name] for name in (*PAINT, "tramway"))
@@ -30,6 +32,7 @@ ENCLOSED = 0.6  # share of such a strip's rim that pavement or walls take
 WALK_STRIP = 4.0  # metres; narrower leftovers beside a walk belong to it
 SCRAP = 40.0  # square metres of a leftover beside a walk that belongs to it, however broad
 BESIDE = 0.25  # share of its rim along walks from which a leftover belongs to them
+TOWN_SHARE = 0.8  # of the area of built blocks that is dense in a town
 TOWN_REACH = 25.0  # metres within which an urban building makes a place a part of the town
 # What the ground of courts enclosed by houses is made of, and how often.
 YARDS = (("grass", 9), ("courtyard", 5), ("parking", 3), ("bare", 2))
@@ -118,10 +121,27 @@ def _paved(ground: Ground, layout: Layout, block: IntArray) -> Ground:
     in_town = np.bincount(block, np.where(town, area, 0.0), minlength=size)
     cover = built / whole
     dense = (cover > DENSE) | ((cover > DENSE_URBAN) & (in_town > 0.5 * built))
+    dense |= _cut_off(ground, block, dense, whole, built > 0)
     dense &= whole < LARGEST
     paved = (ground.face_label == LABEL["block"]) & dense[block]
     label = np.where(paved, LABEL["courtyard"], ground.face_label).astype(np.uint8)
     return replace(ground, face_label=label)
+
+
+def _cut_off(
+    ground: Ground, block: IntArray, dense: BoolArray, whole: FloatArray, housed: BoolArray
+) -> BoolArray:
+    """(f,) blocks at the border of a town: whose houses the map left out, they are as the others.
+
+    A town is a site most of whose built blocks are dense, by area.
+    """
+    border = np.zeros(len(dense), bool)
+    border[block[ground.edge_faces[ground.edge_faces[:, 1] == BEYOND, 0]]] = True
+    inner = np.zeros(len(dense), bool)
+    inner[np.unique(block)] = True
+    inner &= ~border & housed
+    town = whole[inner & dense].sum() > TOWN_SHARE * whole[inner].sum()
+    return border & bool(town)
 
 
 def _off_lawns(ground: Ground) -> Ground:

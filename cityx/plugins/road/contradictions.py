@@ -13,7 +13,7 @@ from cityx.geometry.identity import id_text
 from cityx.geometry.polylines import to_linestrings
 from cityx.plugins.road.crossings import Crossings
 from cityx.plugins.road.kerbs import edge_lines
-from cityx.plugins.road.stations import Ways, way_levels
+from cityx.plugins.road.stations import ON_FOOT, RAILS, Ways, way_levels
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
@@ -23,6 +23,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
+NODE = 0.001  # metres within which a crossing lies at a point of a line
 MOST = 12  # ways or pairs that a note names
 
 
@@ -47,9 +48,11 @@ def notes_on(
     closed
         (c,) crossings where the two ways meet at one height instead.
     """
-    found = [*_tags(layout), _flat(layout, network, ways, crossing)]
+    found = [*_tags(layout), _flat(layout, network, ways, crossing),
+             _flat_paths(layout, ways, crossing)]  # fmt: skip
     if ways is not None and crossing is not None and gap is not None and closed is not None:
-        found += [_bridges_below(layout, ways, crossing), _closed(layout, ways, crossing, closed),
+        found += [_one_level(layout, ways, crossing), _drawn_short(layout, ways, crossing),
+                  _bridges_below(layout, ways, crossing), _closed(layout, ways, crossing, closed),
                   _low(layout, ways, crossing, np.where(closed, 0.0, gap))]  # fmt: skip
     return tuple(note for note in found if note)
 
@@ -78,13 +81,54 @@ def _flat(
     level = way_levels(layout)[road]
     flat = (one < other) & (level[one] == level[other])
     pairs = np.sort(np.column_stack([road[one], road[other]])[flat], axis=1)
-    if ways is not None and crossing is not None:
-        passed = np.column_stack([ways.road[crossing.upper], ways.road[crossing.lower]])
-        size = len(layout.roads)
-        keys = np.sort(passed, axis=1) @ [size, 1]
-        pairs = pairs[~np.isin(pairs @ [size, 1], keys)]
     return _note("pairs of streets of one level that cross without a node are one surface",
-                 _pairs(layout, pairs))  # fmt: skip
+                 _pairs(layout, _unpassed(pairs, layout, ways, crossing)))  # fmt: skip
+
+
+def _flat_paths(layout: Layout, ways: Ways | None, crossing: Crossings | None) -> str:
+    """Name paths and tracks that cross streets of their level without a node."""
+    shapes = layout.roads.geometry.to_numpy()
+    light = layout.roads["kind"].isin((*ON_FOOT, *RAILS)).to_numpy()
+    path, street = np.flatnonzero(light), np.flatnonzero(~light)
+    one, other = shapely.STRtree(shapes[street]).query(shapes[path], predicate="crosses")
+    pairs = np.column_stack([path[one], street[other]])
+    level = way_levels(layout)
+    pairs = pairs[level[pairs[:, 0]] == level[pairs[:, 1]]]
+    spots, row = shapely.get_coordinates(shapely.intersection(*shapes[pairs].T), return_index=True)
+    corner = [
+        shapely.dwithin(shapely.extract_unique_points(line[row]), shapely.points(spots), NODE)
+        for line in shapes[pairs].T
+    ]
+    pairs = np.sort(np.unique(pairs[row[~(corner[0] & corner[1])]], axis=0), axis=1)
+    return _note("paths and tracks cross streets of their level without a node and lie level there",
+                 _pairs(layout, _unpassed(pairs, layout, ways, crossing)))  # fmt: skip
+
+
+def _unpassed(
+    pairs: IntArray, layout: Layout, ways: Ways | None, crossing: Crossings | None
+) -> IntArray:
+    """Leave out pairs of roads, the lower row first, of which one passes over the other."""
+    if ways is None or crossing is None:
+        return pairs
+    passed = np.column_stack([ways.road[crossing.upper], ways.road[crossing.lower]])
+    size = len(layout.roads)
+    return pairs[~np.isin(pairs @ [size, 1], np.sort(passed, axis=1) @ [size, 1])]
+
+
+def _one_level(layout: Layout, ways: Ways, crossing: Crossings) -> str:
+    """Name ways off the ground that pass over each other though their levels are the same."""
+    upper, lower = crossing.upper, crossing.lower
+    same = (ways.level[upper] == ways.level[lower]) & (ways.level[upper] != 0)
+    return _note("pairs of ways have one layer and cross; the path passes farther from the ground",
+                 _pairs(layout, ways.road[np.column_stack([upper, lower])[same]]))  # fmt: skip
+
+
+def _drawn_short(layout: Layout, ways: Ways, crossing: Crossings) -> str:
+    """Name ways whose bridge or tunnel ends before what they cross."""
+    upper, lower = crossing.upper, crossing.lower
+    short = (ways.level[upper] == 0) & (ways.level[lower] == 0) & (crossing.high != crossing.low)
+    return _note("ways pass over others past the end of their bridge or tunnel",
+                 _pairs(layout, ways.road[np.column_stack([upper, lower])[short]]))  # fmt: skip
 
 
 def _bridges_below(layout: Layout, ways: Ways, crossing: Crossings) -> str:

@@ -74,7 +74,10 @@ def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, yellow
 
 
 def drive_regions(street: Street, road: Carriageway) -> Regions:
-    """Lower the kerbs at both sides of service ways where they cross the walk of a street."""
+    """Lower the kerbs at both sides of service ways where they cross the walk of a street.
+
+    Round the corners of the drive the walk rises along the street's kerb, too.
+    """
     drives, walk = _drives(street)
     rows = np.flatnonzero(walk > 0)
     if not len(rows):
@@ -82,10 +85,16 @@ def drive_regions(street: Street, road: Carriageway) -> Regions:
     half = street.network.half_width[drives.edge[rows]]
     parts = []
     for sign in (1.0, -1.0):
-        shapes = patches(street, drives, rows, sign * half, sign * (half + LEAST_RADIUS + RAMP))
-        for name, width in (("kerb_dropped", KERB_WIDTH), ("ramp", KERB_WIDTH + RAMP)):
-            label = LABEL[name]
-            parts.append(regions(along_rims(shapes, road, width), label, SURFACES[label].priority))
+        far = half + LEAST_RADIUS + RAMP
+        shapes = patches(street, drives, rows, sign * half, sign * far)
+        ends = patches(street, drives, rows, sign * half, sign * (far + 2 * RAMP))
+        for name, rank, where, width in (
+            ("kerb_dropped", 0, shapes, KERB_WIDTH),
+            ("ramp", END_STONES, ends, KERB_WIDTH),
+            ("ramp", 0, ends, KERB_WIDTH + RAMP),
+        ):
+            priority = rank or SURFACES[LABEL[name]].priority
+            parts.append(regions(along_rims(where, road, width), LABEL[name], priority))
     return join_regions(parts)
 
 

@@ -10,11 +10,11 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City, Instances
-from cityx.city.ground import LABEL
+from cityx.city.ground import LABEL, SURFACES
 from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
-from cityx.geometry.standing import earth_over
+from cityx.geometry.standing import earth_over, stand_on
 from cityx.plugins.nature.street_rules import place_of
 from cityx.plugins.road.kerbs import edge_lines, join_places, places_along
 from cityx.plugins.road.yards import BAY as YARD_BAY
@@ -309,10 +309,20 @@ def parked_cars(
 
 
 def _on_terrain(city: City, xy: FloatArray, yaw: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Set cars on the slope: position, and Euler angles that follow the ground under the wheels."""
+    """Set cars on the slope: position, and Euler angles that follow the ground under the wheels.
+
+    The ground's faces are what counts where they are: beside walls they leave the terrain.
+    """
     ahead = np.column_stack([np.sin(yaw), -np.cos(yaw)])
     right = np.column_stack([ahead[:, 1], -ahead[:, 0]])
-    height = city.terrain.height_at
+    ground = city.scene.meshes.get("ground")
+    offset = np.array([surface.offset for surface in SURFACES])
+
+    def height(places: FloatArray) -> FloatArray:
+        under = stand_on(ground, places)
+        level = under.z - offset[under.label]  # kerbs under a wheel do not tilt a car
+        return np.where(np.isnan(level), city.terrain.height_at(places), level)
+
     front, back = height(xy + 1.3 * ahead), height(xy - 1.3 * ahead)
     starboard, port = height(xy + 0.75 * right), height(xy - 0.75 * right)
     z = (front + back) / 2

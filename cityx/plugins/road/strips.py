@@ -46,10 +46,11 @@ def strip_regions(layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bo
     open_air = ~(roads["tunnel"].to_numpy() | roads["passage"].to_numpy())
     street = on_ground & (np.isin(kind, GUTTERED) & open_air)[row]
     asphalt = road_labels(roads["surface"].to_numpy())[row] == LABEL["carriageway"]
+    ring = roads["roundabout"].to_numpy()[row]  # between whose arms a gutter is cut into stubs
     found = []
     for sign, column in ((1.0, "sidewalk_left"), (-1.0, "sidewalk_right")):
         walk = roads[column].to_numpy()[row]
-        edges = np.flatnonzero(street & asphalt & (walk > 0))
+        edges = np.flatnonzero(street & asphalt & (walk > 0) & ~ring)
         lateral = sign * (network.half_width - GUTTER / 2)
         found.append(edge_strips(network, edges, lateral, GUTTER, "setts", GUTTER_PRIORITY, 0.0))
         edges = np.flatnonzero(street & (walk >= WIDE))

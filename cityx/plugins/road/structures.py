@@ -69,6 +69,7 @@ TOP_GAP = 0.04  # metres from a surface down to the slab, so that they never fli
 SOFFIT = 0.06  # metres that a parapet's outside covers below the slab
 PARAPET, PARAPET_WIDTH = 0.95, 0.25  # metres above the surface; metres
 CUTTING_PARAPET, CUTTING_WALL = 1.0, 0.35  # metres above the ground; metres
+GAP = 0.1  # metres between the wall of a cutting and a carriageway at its rim
 PARAPET_FROM = 0.6  # metres of drop that want a parapet
 WALL_FROM = 0.12  # metres of depth that want a retaining wall
 PIER_EVERY = 26.0  # metres
@@ -163,12 +164,13 @@ def build_structures(
     off, others = _with_room(layout, off, others, streets)
     whole = _tier_of(layout, off, others)
     obstacles = Obstacles(layout, _areas(layout, WATER))
+    beside = _strips(cut_network(network, spans, np.flatnonzero(~spans.off)), CUTTING_WALL + GAP)
     surfaces, bodies, opening = [], [], [np.zeros(0, object)]
     for number, rows in enumerate(_groups(whole)):
         cars = rows[rows < off.edge_count]
         part = _tier_of(layout, _edges(off, cars), others.take(rows[len(cars) :] - off.edge_count))
         made = _build_tier(
-            layout, part, network, terrain, seed, number, detail, painting, obstacles
+            layout, part, network, terrain, seed, number, detail, painting, obstacles, beside
         )
         surfaces.append(made[0])
         bodies.append(made[1])
@@ -184,14 +186,14 @@ def _edges(network: RoadNetwork, rows: IntArray) -> RoadNetwork:
                        np.arange(len(rows)))  # fmt: skip
 
 
-def _strips(network: RoadNetwork) -> Shapes:
-    """Carriageways of the edges that lie on the ground, roughly."""
+def _strips(network: RoadNetwork, more: float = 0.0) -> Shapes:
+    """Carriageways of the edges that lie on the ground, roughly, and `more` metres beside them."""
     lines = edge_lines(network)
     level = np.abs(network.lift) < WALL_FROM
     whole = np.ones(network.edge_count, bool)
     np.logical_and.at(whole, lines.line_of_point(), level)
     shapes = to_linestrings(lines)[whole]
-    return np.asarray(shapely.buffer(shapes, network.half_width[whole], cap_style="flat"))
+    return np.asarray(shapely.buffer(shapes, network.half_width[whole] + more, cap_style="flat"))
 
 
 def _tier_of(layout: Layout, sub: RoadNetwork, other: WayHeights) -> _Tier:
@@ -345,8 +347,10 @@ def _build_tier(
     detail: bool,
     painting: Painting,
     obstacles: Obstacles,
+    beside: Shapes,
 ) -> tuple[MeshBatch, MeshBatch, Shapes]:
     found = _open_wells(_regions(layout, part, detail, painting), part, network)
+    found = join_regions([found, _streets_above(part, terrain, beside)])
     bounds = shapely.total_bounds(found.polygons)
     extent = (bounds[0] - 1.0, bounds[1] - 1.0, bounds[2] + 1.0, bounds[3] + 1.0)
     slack = SLACK if detail else PLAIN_SLACK
@@ -474,6 +478,22 @@ def _other_regions(layout: Layout, part: _Tier) -> Regions:
     if rails.any():
         found.append(regions(rail_strips(lines[rails]), LABEL["rail"], 60))
     return join_regions(found)
+
+
+def _streets_above(part: _Tier, terrain: Terrain, beside: Shapes) -> Regions:
+    """Return where streets at the rim of open cuttings keep their ground: no walk lies there."""
+    lines, lift = part.lines, part.z - terrain.height_at(part.lines.points)
+    owner = lines.line_of_point()
+    roofed = (part.level[owner] < 0) & (lift < -(part.room + CEILING)[owner])
+    deep = (lift < -PARAPET_FROM) & ~roofed
+    first = np.flatnonzero((owner[1:] == owner[:-1]) & deep[1:] & deep[:-1])
+    runs = shapely.linestrings(np.stack([lines.points[first], lines.points[first + 1]], axis=1))
+    cut = shapely.buffer(runs, part.reach[owner[first]] + 2 * KERB_WIDTH, cap_style="flat")
+    one, other = shapely.STRtree(beside).query(cut, predicate="intersects")
+    shapes = shapely.get_parts(shapely.intersection(cut[one], beside[other]))
+    shapes = shapes[shapely.get_dimensions(shapes) == 2]
+    label = LABEL["void"]
+    return regions(shapes, label, SURFACES[LABEL["carriageway"]].priority - 1)
 
 
 def _bars(part: _Tier, terrain: Terrain, slack: float) -> Shapes:

@@ -67,6 +67,15 @@ def test_a_car_on_a_slope_leans_with_it(crossroads):
     assert np.abs(roll[east]).max() < 5e-3
 
 
+def test_cars_stand_on_the_ground_where_its_faces_leave_the_terrain(crossroads):
+    built = ground(replace(crossroads, ground=None, heights=None))
+    lowered = Terrain((-500.0, -500.0), 1000.0, np.full((2, 2), -0.7))  # as below a wall
+    position = parked_cars(replace(built, terrain=lowered)).scene.instances["vehicles"].position
+    inside = np.abs(position[:, :2]).max(axis=1) < 85.0
+    assert inside.sum() > 40
+    assert np.abs(position[inside, 2]).max() < 0.01
+
+
 def test_yards_have_cars_in_their_bays_and_nowhere_else(crossroads):
     yards = [(x, y) for x in (-94, 12) for y in (-94, 12)]
     wings = [shapely.box(x, y, x + 82, y + 82) for x, y in yards]

@@ -82,3 +82,16 @@ def test_the_ground_has_no_gap_where_kerbs_are_dropped(city):
     near_house = (np.abs(where) > 19.9).all(axis=1)
     inside = (np.abs(where) < 99.9).all(axis=1)
     assert not (inside & ~near_house).any()
+
+
+def test_walks_fall_to_a_drive_from_both_sides_without_a_step(layout_of, city_of):
+    drive = {"kind": "service", "width": 3.0, "sidewalk_left": 0.0, "sidewalk_right": 0.0}
+    streets = [CROSS[0], ([(0, 0), (0, 60)], drive)]
+    city = ground(lanes(network(city_of(layout_of(streets, houses=HOUSES)))))
+    x = np.arange(0.0, 12.0, 0.05)
+    mesh = city.scene.meshes["ground"]
+    z = stand_on(mesh, np.column_stack([x, 4.0 + 1.3 + 0 * x])).z
+    assert z.max() == pytest.approx(KERB_HEIGHT, abs=0.002)
+    walk = z[z > 0.01]
+    assert len(walk) < len(z)
+    assert np.abs(np.diff(walk)).max() < 0.05 / 12 + 0.01

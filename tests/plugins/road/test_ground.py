@@ -64,6 +64,15 @@ def test_a_dense_block_is_paved_and_open_country_is_not(layout_of):
     assert areas(ground_of(layout_of(ring)))["courtyard"] == 0.0
 
 
+@pytest.mark.parametrize(("size", "dense"), [(40, True), (10, False)])
+def test_a_block_that_the_border_cuts_is_as_the_town_is(layout_of, size, dense):
+    grid = [([(x, -90), (x, 90)], {}) for x in (-80, 0, 80)]
+    grid += [([(-90, y), (90, y)], {}) for y in (-80, 0, 80)]
+    inner = [(x, y, x + size, y + size) for x in (-60, 20) for y in (-60, 20)]
+    found = ground_of(layout_of(grid, houses=inner))
+    assert found.on([[95, 40], [-95, -40]], "block").any() != dense
+
+
 def test_a_narrow_island_is_not_built(layout_of):
     twin = [([(-90, y), (90, y)], {"oneway": True, "width": 6.0, "sidewalk_left": 0.0,
                                    "sidewalk_right": 0.0}) for y in (0.0, 6.8)]  # fmt: skip

@@ -263,6 +263,15 @@ def test_a_carriageway_keeps_its_height_beside_a_cutting(layout_of, city_of):
     assert not len(bare_places(city))
 
 
+def test_a_street_at_the_rim_of_a_cutting_keeps_its_ground(layout_of, city_of):
+    bare = {"sidewalk_left": 0.0, "sidewalk_right": 0.0, "width": 3.0}
+    walks = {"sidewalk_left": 3.0, "sidewalk_right": 3.0}
+    streets = [(street, options | walks) for street, options in crossed_streets(TUNNEL, 20)]
+    city = built(city_of, layout_of([*streets, ([(30, -6), (200, -6)], bare)], extent=LONG), lod=2)
+    assert city.network.lift.min() < -4.0
+    assert not len(bare_places(city))
+
+
 def subway(layout_of):
     path = {"kind": "footway", "width": 2.0, "sidewalk_left": 0.0, "sidewalk_right": 0.0}
     ways = [([(-90, 0), (90, 0)], {}), ([(0, -24), (0, 24)], path | TUNNEL)]
@@ -384,6 +393,37 @@ def test_a_bridge_under_a_way_that_is_none_is_named(layout_of):
     notes, _ = contradictory(layout_of, [high, *ends, (UNDER[0], BRIDGE)])
     assert notes == (f"map: 1 ways that are no bridges pass over bridges, as their layers say: "
                      f"{1:016x} x {4:016x}",)  # fmt: skip
+
+
+PATH = {"kind": "footway", "width": 2.0, "sidewalk_left": 0.0, "sidewalk_right": 0.0}
+
+
+@pytest.mark.parametrize(
+    ("path", "named"), [([(0, -90), (0, 90)], 1), ([(0, -90), (0, 0), (0, 90)], 0)]
+)
+def test_a_path_that_crosses_a_street_without_a_node_is_named(layout_of, path, named):
+    notes, _ = contradictory(layout_of, [([(-90, 0), (0, 0), (90, 0)], {}), (path, PATH)])
+    text = "map: 1 paths and tracks cross streets of their level without a node and lie level there"
+    assert notes == (f"{text}: {1:016x} x {2:016x}",) * named
+
+
+def test_a_footbridge_of_the_layer_of_the_bridge_below_is_named(layout_of):
+    notes, _ = contradictory(
+        layout_of, [*crossed_streets(), ([(21.3, -90), (21.3, 90)], PATH | BRIDGE)]
+    )
+    assert notes == ("map: 1 pairs of ways have one layer and cross; the path passes farther from "
+                     f"the ground: {5:016x} x {1:016x}",)  # fmt: skip
+
+
+def test_a_bridge_drawn_too_short_is_named(layout_of):
+    streets = [
+        ([(-390, 0), (-40, 0)], {}),
+        ([(-40, 0), (-8, 0)], BRIDGE),
+        ([(-8, 0), (390, 0)], {}),
+    ]
+    notes, _ = contradictory(layout_of, [*streets, UNDER])
+    assert notes == ("map: 1 ways pass over others past the end of their bridge or tunnel: "
+                     f"{3:016x} x {4:016x}",)  # fmt: skip
 
 
 def test_a_roundabout_on_a_bridge_is_open_over_the_street_below(layout_of, city_of):
