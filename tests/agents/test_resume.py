@@ -103,7 +103,7 @@ def test_snapshots_that_were_lost_cost_time_and_no_more(undisturbed, town_map, h
 def test_two_processes_do_not_build_in_one_folder(town_map, tmp_path):
     first = start(town_map, tmp_path / "town")
     for line in first.stdout:
-        if "road/network" in line:
+        if "layout/" in line:
             break
     first.send_signal(signal.SIGSTOP)
     _, errors = start(town_map, tmp_path / "town").communicate()
