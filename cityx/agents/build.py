@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from cityx.agents.ablation import shown_records
 from cityx.agents.briefs import Request, read_request
 from cityx.agents.evaluator import measured_of
 from cityx.agents.journal import JOURNAL, Journal, derivation_key
@@ -145,7 +146,9 @@ def make_job(
     inputs = sort_inputs(paths, options.read.kinds)
     actions = registry()
     files = [(item.path, item.kind) for item in inputs.all]
-    roles = roles_of(options.choice, known_records(actions), left)
+    roles = roles_of(
+        options.choice, shown_records(known_records(actions), options.choice.shown), left
+    )
     try:
         request = read_request(options, files, maker=roles.brief_maker)
     except BaseException:

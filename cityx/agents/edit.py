@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from cityx.agents.ablation import shown_records
 from cityx.agents.brief import Edit
 from cityx.agents.brief.brief import Note
 from cityx.agents.briefs import Request, read_request
@@ -91,7 +92,7 @@ def planned(
     """
     from cityx.protocol.catalogue import known_records
 
-    records = known_records(desk.actions)
+    records = shown_records(known_records(desk.actions), choice.shown)
     request = _read(desk, text, files, choice, records)
     edits = request.brief.edits
     if any(edit.verb == UNDO for edit in edits):
@@ -129,7 +130,7 @@ def _read(
 ) -> Request:
     """Read a sentence, and write what a model decided of it to the journal of the city."""
     options, wishes = BuildOptions(text=text), wishes_in(files)
-    if choice == OFFLINE:
+    if replace(choice, shown=OFFLINE.shown) == OFFLINE:
         return read_request(options, wishes, base=True, city=desk.city)
     from cityx.agents.build import roles_of
 

@@ -26,6 +26,8 @@ class PlannerChoice:
         File that the model's decisions are added to, or played from; "" for none.
     budget_tokens
         Tokens that models may be given and answer.
+    shown
+        What of the actions' records is planned by; see `cityx.agents.ablation`.
     """
 
     planner: str = "offline"
@@ -33,6 +35,7 @@ class PlannerChoice:
     record: str = ""
     replay: str = ""
     budget_tokens: int = 400_000
+    shown: str = "DIL"
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from cityx.bench.survey.commands import survey
-from cityx.errors import InputError
+from cityx.errors import InputError, UsageError
 
 bench = typer.Typer(help="Measure how often what is asked for comes about.", no_args_is_help=True)
 bench.add_typer(survey, name="survey")
@@ -34,21 +34,40 @@ def agents(
     seeds: Annotated[str, typer.Option(help="Seeds, comma-separated.")] = "0",
     lod: Annotated[int, typer.Option(min=0, max=3, help="Level of detail.")] = 2,
     jobs: Annotated[int, typer.Option(min=1, max=64, help="Processes.")] = 1,
+    arm: Annotated[
+        str,
+        typer.Option(help="Parts of the records that the offline planner reads: D,I,L, -, or all."),
+    ] = "",
 ) -> None:
     """Let a driver solve tasks in words, measure each, and write rates with their counts."""
+    from cityx.agents.ablation import ARMS, arm_of
+    from cityx.bench.arms import driver_of, write_ablation
     from cityx.bench.report import summary, write_results
     from cityx.bench.runner import Bench, numbers_of, run_bench
     from cityx.bench.tasks import PUBLIC, read_tasks
 
+    if arm and driver != "offline":
+        raise UsageError("--arm is of the offline driver alone.")
+    arms = ARMS if arm == "all" else (arm_of(arm),) if arm else ()
     names = [word.strip() for word in only.split(",") if word.strip()]
     chosen = read_tasks(tasks or PUBLIC, names)
-    samples = run_bench(
-        Bench(chosen, driver, out, numbers_of(seeds, "--seeds"), lod, jobs),
-        lambda line: typer.echo(line, err=True),
-    )
+    say = lambda line: typer.echo(line, err=True)  # noqa: E731
+    found = {
+        each: run_bench(
+            Bench(chosen, driver_of(each) if arms else driver, out, numbers_of(seeds, "--seeds"),
+                  lod, jobs),
+            say,
+        )
+        for each in arms or ("DIL",)
+    }  # fmt: skip
+    samples = next(iter(found.values()))
     command = f"cityx bench agents --driver {driver} --seeds {seeds} --lod {lod}"
     command += f" --tasks {tasks}" if tasks else ""
     command += f" --only {only}" if only else ""
+    command += f" --arm {arm}" if arm else ""
+    if len(found) > 1:
+        for line in write_ablation(found, command, out):
+            typer.echo(line)
     for line in summary(write_results(samples, command, out)):
         typer.echo(line)
     typer.echo(str(out / "results.md"))

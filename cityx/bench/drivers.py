@@ -9,12 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Protocol
 
+from cityx.agents.ablation import arm_of
 from cityx.agents.brief import Brief, Selector
 from cityx.agents.briefs import Clarify, Request, read_request
 from cityx.agents.build import build
 from cityx.agents.changes import slots_of_edits
 from cityx.agents.desk import Desk
-from cityx.agents.edit import edit_city
+from cityx.agents.edit import OFFLINE, edit_city
 from cityx.agents.options import BuildOptions, PlannerChoice
 from cityx.agents.planning.asked import slots_of_brief
 from cityx.agents.planning.planner import OfflinePlanner, Situation
@@ -50,7 +51,8 @@ def driver_named(name: str) -> Driver:
     Parameters
     ----------
     name
-        One of `NAMES`, or "llm:SPEC" or "replay:FILE".
+        One of `NAMES`, or "llm:SPEC" or "replay:FILE"; "offline:DL" plans by descriptions and
+        limitations alone, see `cityx.agents.ablation`.
 
     Raises
     ------
@@ -60,6 +62,8 @@ def driver_named(name: str) -> Driver:
     word, _, detail = name.partition(":")
     if word in (LLM, REPLAY):
         return Models(planner_choice(word, detail))
+    if word == "offline" and detail:
+        return Offline(PlannerChoice(shown=arm_of(detail)))
     made: Mapping[str, Callable[[], Driver]] = {
         "offline": Offline, "null": Null, "random": Random, "oracle": Oracle,
     }  # fmt: skip
@@ -121,12 +125,21 @@ class Models:
 
 
 class Offline:
-    """Does what the command line does."""
+    """Does what the command line does.
+
+    Parameters
+    ----------
+    choice
+        What of the actions' records is planned by.
+    """
+
+    def __init__(self, choice: PlannerChoice = OFFLINE) -> None:
+        self._choice = choice
 
     def propose(self, place: Workplace) -> Outcome:
         """Read the text, plan, and build or change the city."""
         begin = time.perf_counter()
-        options = _options(place, place.task.text)
+        options = replace(_options(place, place.task.text), choice=self._choice)
         try:
             files = [(item.path, item.kind) for item in sort_inputs(place.files).all]
             known = place.start if place.based else None
@@ -143,8 +156,11 @@ class Offline:
             return outcome  # a change happens whole or not at all
         if place.based:
             return carried_out(
-                place, outcome, lambda: edit_city(place.folder, place.task.text, files=place.files)
-            )
+                place, outcome,
+                lambda: edit_city(
+                    place.folder, place.task.text, files=place.files, choice=self._choice
+                ),
+            )  # fmt: skip
         return carried_out(place, outcome, lambda: build(place.files, place.folder, options))
 
 

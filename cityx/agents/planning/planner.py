@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
+from cityx.agents.ablation import UNSAID
 from cityx.agents.planning.search import (
     FILE,
     LAYOUT,
@@ -202,7 +203,7 @@ class OfflinePlanner:
         found = [
             self._item(self.records[action], slots, (action,), args)
             for action, args in sorted(called, key=lambda pair: rank.get(pair[0], len(rank)))
-            if action in self.records
+            if action in self.records and self.records[action].description != UNSAID
         ]
         found += [
             self._item(record, slots, wish.slots, wish.args)
@@ -221,8 +222,10 @@ class OfflinePlanner:
     ) -> Item:
         gives = tuple(f"{port.format.value} {port.role}" for port in record.gives)
         why = "asked for" if wish else ""
+        known = {parameter.name for parameter in record.parameters}
+        said = {name: value for name, value in args.items() if name in known}
         return Item(
-            record.id, {**arguments(record, slots), **args}, why=why, gives=gives, wish=wish
+            record.id, {**arguments(record, slots), **said}, why=why, gives=gives, wish=wish
         )
 
 

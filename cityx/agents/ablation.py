@@ -1,0 +1,68 @@
+"""What of the actions' records a planner is shown: all of it, or less, to see what each part gives.
+
+The paper takes Description, Input and Limitation out of the documents of its plugins and counts
+what still succeeds. Here the offline planner reads the same parts: by the description it knows what
+an action serves, by the input what an action needs and is given, by the limitation what must have
+run before. The gate always knows everything, so what is planned wrongly is refused, not run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import combinations
+
+from cityx.errors import UsageError
+from cityx.protocol.encapsulation import Encapsulation
+from cityx.protocol.serving import Serves
+
+PARTS = "DIL"  # Description, Input, Limitation
+UNSAID = "-"  # stands for what is not shown
+# All arms, from everything to nothing.
+ARMS = tuple("".join(arm) for size in (3, 2, 1, 0) for arm in combinations(PARTS, size))
+
+
+def arm_of(text: str) -> str:
+    """Return an arm in the order of `PARTS`: "D,L", "LD" and "dl" are "DL"; "-" is nothing.
+
+    Raises
+    ------
+    UsageError
+        For a letter that is no part.
+    """
+    letters = text.upper().replace(",", "").replace(" ", "").replace(UNSAID, "")
+    unknown = sorted(set(letters) - set(PARTS))
+    if unknown:
+        raise UsageError(
+            f'"{text}" names {", ".join(unknown)}; the parts are D (Description), I (Input) and '
+            'L (Limitation), as in "D,L"; "-" shows none.'
+        )
+    return "".join(part for part in PARTS if part in letters)
+
+
+def shown_records(records: Iterable[Encapsulation], arm: str) -> tuple[Encapsulation, ...]:
+    """Return records with the parts of an arm alone.
+
+    Parameters
+    ----------
+    records
+        Of all actions.
+    arm
+        Of `ARMS`. Without D go the description, the labels and the wishes that an action says it
+        serves, and a planner cannot call an action by its name either, which would tell what it
+        does. Without I go parameters, what a brief binds to them, and the ports it takes. Without L
+        go the limits, the stages that must have run and the preconditions.
+    """
+    found = []
+    for record in records:
+        changes: dict[str, object] = {}
+        if "D" not in arm:
+            changes |= {"description": UNSAID, "labels": (), "serves": ()}
+        if "I" not in arm:
+            changes |= {"parameters": (), "binds": (), "takes": ()}
+            served = record.serves if "D" in arm else ()
+            changes["serves"] = tuple(Serves(*wish.slots) for wish in served)
+        if "L" not in arm:
+            changes |= {"limits": (UNSAID,), "requires": (), "preconditions": ()}
+        found.append(replace(record, **changes) if changes else record)  # type: ignore[arg-type]
+    return tuple(found)
