@@ -259,22 +259,25 @@ class Oracle:
         reply = Reply(plan.get("reply", "done"), frozenset(plan.get("mentions", ())))
         outcome = Outcome(place.start, reply)
         if "calls" in plan:
-            calls = [Call(action, _named(place, args)) for action, args in plan["calls"]]
+            calls = [Call(action, _named(place.start, args)) for action, args in plan["calls"]]
             return carried_out(place, outcome, lambda: change(place, calls))
         if "build" not in plan:
             return outcome
         traced = [place.inputs[name] for name in plan.get("files", ())]  # by who sees a picture
-        return carried_out(
-            place,
-            outcome,
-            lambda: build(traced or place.files, place.folder, _gold(place, plan["build"])),
-        )
+
+        def do() -> None:
+            build(traced or place.files, place.folder, _gold(place, plan["build"]))
+            if "then" in plan:
+                city = place.city()
+                change(place, [Call(action, _named(city, args)) for action, args in plan["then"]])
+
+        return carried_out(place, outcome, do)
 
 
-def _named(place: Workplace, args: Mapping[str, Any]) -> dict[str, Any]:
-    """Return arguments of a plan with the ids of what it names by kind: {"every": "vehicle"}."""
+def _named(city: City, args: Mapping[str, Any]) -> dict[str, Any]:
+    """Return arguments of a plan with the ids of what it names: {"kind": "tree", "inside": "p"}."""
     return {
-        key: tuple(id_text(int(one)) for one in choose(Selector(value["every"]), place.start).ids)
+        key: tuple(id_text(int(one)) for one in choose(Selector(**value), city).ids)
         if isinstance(value, dict)
         else value
         for key, value in args.items()
