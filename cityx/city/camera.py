@@ -104,6 +104,31 @@ class Reader:
         return {}
 
 
+def read_record(path: Path, what: str) -> tuple[Reader, dict[str, Any]]:
+    """Return the object that a JSON file holds, and the reader that gathers its faults.
+
+    Parameters
+    ----------
+    path
+        The file.
+    what
+        What is read from it: "cameras".
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is not JSON.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"cannot read {what} from {path}: {error.strerror}.") from error
+    except ValueError as error:
+        raise InputError(f"{path} is not JSON: {error}.") from error
+    reader = Reader()
+    return reader, reader.record(content, "the file")
+
+
 def read_cameras(
     path: Path,
     frame: Frame,
@@ -139,14 +164,7 @@ def read_cameras(
     InputError
         Listing every fault of the file.
     """
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"cannot read cameras from {path}: {error.strerror}.") from error
-    except ValueError as error:
-        raise InputError(f"{path} is not JSON: {error}.") from error
-    reader = Reader()
-    content = reader.record(content, "the file")
+    reader, content = read_record(path, "cameras")
     size, light = _read_render(reader, content.get("render", {}))
     if reader.faults == [] and not {"places", "cameras"} & set(content):
         reader.faults.append('neither "places" nor "cameras" is given.')

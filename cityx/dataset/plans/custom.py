@@ -17,14 +17,13 @@ of a view that may not be: all that are wrong are named at once.
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from cityx.city.camera import Camera, Reader, named, read_camera, read_cameras
+from cityx.city.camera import Camera, Reader, named, read_camera, read_cameras, read_record
 from cityx.city.city import City
 from cityx.city.environment import Environment
 from cityx.dataset.plans.takes import FloatArray, Take, still
@@ -65,14 +64,7 @@ def read_plan(path: Path, city: City) -> tuple[Written, ...]:
     InputError
         Listing every fault of the file.
     """
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"cannot read a plan from {path}: {error.strerror}.") from error
-    except ValueError as error:
-        raise InputError(f"{path} is not JSON: {error}.") from error
-    reader = Reader()
-    content = reader.record(content, "the file")
+    reader, content = read_record(path, "a plan")
     parser = _Parser(reader, city)
     found: list[Written] = []
     if reader.faults == [] and not {"places", "cameras", "trajectories"} & set(content):
