@@ -40,7 +40,8 @@ from cityx.traffic.streets import Way
 BLOCK, BLOCKS = 150.0, 9  # metres between streets of the grid, and blocks along a side
 CROWD = 500
 WALK_WAYS = 4  # streets that one person walks along
-STROLL_S = 400.0  # seconds that this takes
+STROLL = WALK_WAYS * BLOCK - 50.0  # metres of it, from the start to where the walk ends
+SLOW, FAST = 1.0, 1.7  # metres per second
 
 
 def grid() -> City:
@@ -65,13 +66,13 @@ def grid() -> City:
 
 
 def walkers(net: Drivable, seconds: float) -> tuple[Walker, ...]:
-    """Let people walk along streets all the time: each starts when another is about to arrive."""
+    """Let people walk along streets all the time: each starts when another arrives."""
     ways = [way for way in net.streets.ways if way.lanes[0].kind == "walk"]
     after: dict[int, list[int]] = {}
     for number, way in enumerate(ways):
         after.setdefault(way.source, []).append(number)
-    found = []
-    count = int(CROWD * (1 + (60.0 + seconds) / STROLL_S))
+    found: list[Walker] = []
+    count = int(CROWD * (1 + (60.0 + seconds) * FAST / STROLL))
     ids = hash_ids(0, "bench/walker", np.arange(count))
     for number, own in enumerate(ids.tolist()):
         draw = uniform(0, "bench/walk", np.full(2, own, np.uint64), np.arange(2))
@@ -79,10 +80,11 @@ def walkers(net: Drivable, seconds: float) -> tuple[Walker, ...]:
         for _ in range(WALK_WAYS - 1):  # round the block, the only way without crossings
             here = ways[route[-1]]
             route += sorted(after.get(here.target, []), key=lambda way: _turn(here, ways[way]))[:1]
-        depart = 0.0 if number < CROWD else STROLL_S * (number - CROWD) / CROWD
+        before = found[number - CROWD] if number >= CROWD else None
+        depart = -60.0 if before is None else before.depart + STROLL / before.speed
         stage = tuple(ways[way].name for way in route)
-        found.append(Walker(id_text(own), depart - 60.0, (stage,), 10.0, 100.0,
-                            1.0 + 0.7 * float(draw[1])))  # fmt: skip
+        found.append(Walker(id_text(own), depart, (stage,), 10.0, 100.0,
+                            SLOW + (FAST - SLOW) * float(draw[1])))  # fmt: skip
     return tuple(found)
 
 
@@ -100,7 +102,7 @@ def speed(seconds: float) -> None:
     streets = streets_of(city, halts_of(city))
     net = Drivable(city, streets)
     kilometres = sum(map(net.kilometres, {net.road(way) for way in streets.ways}))
-    per_km = dict.fromkeys(per_km_at("heavy", 8.0), 1.15 * CROWD / kilometres)
+    per_km = dict.fromkeys(per_km_at("heavy", 8.0), 1.25 * CROWD / kilometres)
     demand = demand_of(city, streets, looks_of_kinds(), per_km=per_km, hour=8.0,
                        seconds=60.0 + seconds, purpose="bench")  # fmt: skip
     run = Run(demand.looks, demand.groups, walkers=walkers(net, seconds), duration=seconds)

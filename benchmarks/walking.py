@@ -1,6 +1,6 @@
 """Measure people on foot: how fast they are simulated, and whether they keep to walks and rules.
 
-    python benchmarks/walking.py [--minutes 10] [--density heavy] [--traffic] [FOLDER ...]
+    python benchmarks/walking.py [--minutes 10] [--density heavy] [--traffic heavy] [FOLDER ...]
 
 A row for each built city (`cityx build ... -o FOLDER`); without any, extracts of
 `../shared/data/osm` are built first, without pictures. `--traffic` lets vehicles drive before
@@ -27,12 +27,12 @@ from cityx.plugins.dynamic import pedestrians as people
 from cityx.plugins.dynamic.traffic import traffic
 
 
-def row(name: str, city: City, minutes: float, density: str, *, among: bool) -> None:
+def row(name: str, city: City, minutes: float, density: str, *, among: str) -> None:
     """Let people walk in a city and print what came of it."""
     seconds = 60.0 * minutes
     city = replace(city, tracks=None)
     if among:
-        city = traffic(city, density="medium", duration=seconds)
+        city = traffic(city, density=among, duration=seconds)
     area = walkable_of(city)
     spent, process = time.perf_counter(), time.process_time()
     walked = people.pedestrians(city, density=density, duration=seconds)
@@ -59,7 +59,7 @@ def main() -> None:
     parser.add_argument("folders", nargs="*", type=Path)
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--density", default="heavy", choices=("light", "medium", "heavy"))
-    parser.add_argument("--traffic", action="store_true")
+    parser.add_argument("--traffic", default="", choices=("light", "medium", "heavy"))
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         given = ((folder.name, folder) for folder in args.folders)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cityx.errors import ActionFailed
 from cityx.geometry.identity import choose, hash_ids, id_text
 from cityx.traffic.demand import Drivable
+from cityx.traffic.kinds import LARGE
 from cityx.traffic.simulation import Look, Trip
 from cityx.traffic.streets import Lane
 
@@ -23,6 +25,7 @@ ACROSS = 10.0  # metres more to the other side of the street, when that one lead
 REACH = 60.0  # metres from a place to the lane on which one sets out or arrives
 AIR = 2.0  # metres between vehicles that stand one behind the other
 HEADWAY = 3.0  # seconds between vehicles that set out from one place
+UNTRIED: Mapping[int, int] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -43,18 +46,23 @@ class Slot:
 
 
 def between(
-    net: Drivable, ids: UInt64Array, start: FloatArray, goal: FloatArray
-) -> tuple[Trip, ...]:
+    net: Drivable, look: Look, ids: UInt64Array, start: FloatArray, goal: FloatArray,
+    tried: Mapping[int, int] = UNTRIED,
+) -> tuple[Trip, ...]:  # fmt: skip
     """Let vehicles set out from one place for another, one after the other.
 
     Parameters
     ----------
     net
         The streets.
+    look
+        Type of vehicle.
     ids
         (n,) uint64 of the vehicles.
     start, goal
         (2,) float64, metres.
+    tried
+        For each id how often it has been in the way of others; so much later it sets out.
 
     Raises
     ------
@@ -65,7 +73,7 @@ def between(
     pairs = sorted(((one, other) for one in starts for other in goals),
                    key=lambda pair: pair[0].off + pair[1].off)  # fmt: skip
     for one, other in pairs:
-        route = route_between(net, one.way, other.way)
+        route = _quickest(net, one.way, other.way, look)
         if route is not None:
             break
     else:
@@ -75,8 +83,9 @@ def between(
         )
     names = tuple(net.streets.ways[way].name for way in route)
     return tuple(
-        Trip(id_text(int(own)), 0, names, rolling=False, depart=HEADWAY * number,
-             at=one.along, until=other.along)
+        Trip(id_text(int(own)), 0, names, rolling=False,
+             depart=HEADWAY * (number + tried.get(int(own), 0)), at=one.along,
+             until=other.along)
         for number, own in enumerate(ids.tolist())
     )  # fmt: skip
 
@@ -84,6 +93,7 @@ def between(
 def along(
     net: Drivable, look: Look, ids: UInt64Array, edges: Sequence[Sequence[int]],
     taken: Sequence[shapely.Geometry], *, pace: float | None, said: str, exact: bool,
+    tried: Mapping[int, int] = UNTRIED,
 ) -> tuple[Trip, ...]:  # fmt: skip
     """Spread vehicles evenly over the lanes of streets, under way when the tracks begin.
 
@@ -105,6 +115,8 @@ def along(
         What the streets are called, for errors.
     exact
         Whether all must find room, rather than those for whom there is some.
+    tried
+        For each id how many places and ways it has had already; it gets others.
 
     Raises
     ------
@@ -122,9 +134,14 @@ def along(
         )
     chosen = [_spread(own, count) for own, count in zip(slots, _shares(slots, len(ids)),
                                                         strict=True)]  # fmt: skip
+    spare = [[slot for slot in own if slot not in part]
+             for own, part in zip(slots, map(frozenset, chosen), strict=True)]  # fmt: skip
+    places = [(slot, left) for part, left in zip(chosen, spare, strict=True) for slot in part]
     trips = []
-    for own, slot in zip(ids.tolist(), (slot for part in chosen for slot in part), strict=True):
-        route = _onward(net, slot.way, int(own))
+    for own, (first, left) in zip(ids.tolist(), places, strict=True):
+        tries = tried.get(own, 0)
+        slot = left.pop(_drawn(net, own, tries, np.ones(len(left)))) if tries and left else first
+        route = _onward(net, slot.way, own, look, tries)
         names = tuple(net.streets.ways[way].name for way in route)
         trips.append(Trip(id_text(int(own)), 0, names, depart=0.0, lane=slot.lane, at=slot.at,
                           pace=pace))  # fmt: skip
@@ -168,9 +185,19 @@ def _said(place: FloatArray) -> str:
 
 def route_between(net: Drivable, start: int, goal: int) -> list[int] | None:
     """Return the quickest ways from one to another, both included; None when there are none."""
+    return _route(net, start, goal, large=False)
+
+
+def _quickest(net: Drivable, start: int, goal: int, look: Look) -> list[int] | None:
+    """Return the quickest ways for a vehicle; a long one takes tight ones where it has to."""
+    wide = _route(net, start, goal, large=True) if look.kind in LARGE else None
+    return wide or route_between(net, start, goal)
+
+
+def _route(net: Drivable, start: int, goal: int, *, large: bool) -> list[int] | None:
     from scipy.sparse.csgraph import dijkstra
 
-    seconds, before = dijkstra(net.matrix(0), indices=start,
+    seconds, before = dijkstra(net.matrix(0, large=large), indices=start,
                                return_predecessors=True)  # fmt: skip
     if not np.isfinite(seconds[goal]):
         return None
@@ -180,16 +207,25 @@ def route_between(net: Drivable, start: int, goal: int) -> list[int] | None:
     return route[::-1]
 
 
-def _onward(net: Drivable, start: int, own: int) -> list[int]:
+def _onward(net: Drivable, start: int, own: int, look: Look, tries: int) -> list[int]:
     """Return the way out of the site from a street, one of those there are."""
     from scipy.sparse.csgraph import dijkstra
 
-    seconds = dijkstra(net.matrix(0), indices=start)
-    weight = (net.at_border(net.exits, -1) | net.exits) & np.isfinite(seconds)
-    if not weight.any():
-        weight = np.isfinite(seconds)
-    goal = int(choose(net.city.seed, "traffic/onward", [np.uint64(own)], weight)[0])
-    return route_between(net, start, goal) or [start]
+    exits = net.at_border(net.exits, -1) | net.exits
+    for large in (True, False) if look.kind in LARGE else (False,):
+        reached = np.isfinite(dijkstra(net.matrix(0, large=large), indices=start))
+        weight = exits & reached
+        if weight.any():
+            break
+    else:
+        weight = reached
+    goal = _drawn(net, own, tries, weight)
+    return _quickest(net, start, goal, look) or [start]
+
+
+def _drawn(net: Drivable, own: int, tries: int, weight: ArrayLike) -> int:
+    """Draw for a vehicle, another time for each of its tries."""
+    return int(choose(net.city.seed, "traffic/onward", [np.uint64(own)], weight, tries)[0])
 
 
 def _slots(

@@ -27,6 +27,7 @@ WARM = 60.0  # seconds of traffic before the tracks begin, so that queues have f
 PATIENCE = 120.0  # seconds that a vehicle waits before it is taken out, and counted
 STUCK = 60.0  # seconds without moving after which a vehicle counts as stuck
 SLOWEST = 0.5  # times real time on a busy machine; slower than this is a hang
+PASSED = 1.5  # seconds to who has the right of way; at one second corners touch amid turns
 CLOSE = 0.5  # seconds between vehicles that keep a speed somebody asked for
 START_S = 120.0  # seconds that starting may take
 ROUTES, GHOSTS = "city.rou.xml", "ghosts.npz"
@@ -399,6 +400,7 @@ def type_text(look: Look) -> str:
         "vType", id=look.type_name, vClass=drive.sumo_class, length=f"{length:.3f}",
         width=f"{width:.3f}", height=f"{height:.3f}", accel=drive.accel, decel=drive.decel,
         maxSpeed=f"{top:g}", minGap=drive.gap, sigma="0.3",
+        jmTimegapMinor=f"{PASSED:g}",
         lcStrategic="10", lcSpeedGain="0", lcKeepRight="0", lcCooperative="0", **wanted,
     )  # fmt: skip
 

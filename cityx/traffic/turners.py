@@ -1,7 +1,8 @@
 """Signals that let those go at last who turn across the traffic that comes towards them.
 
 Who turns from a lane that others drive straight on in holds all of them while no gap comes. So
-the others get red some seconds before, and the first of those who turn gets out.
+the others get red some seconds before, and the first of those who turn gets out. The others are
+also those who come towards them and turn into the same street: they give way to people alone.
 """
 
 from __future__ import annotations
@@ -16,16 +17,17 @@ LEAST = 12.0  # seconds of green that are left to the others
 
 def let_turners_out(root: Any) -> None:
     """Write into the plans of a network when those who give way on green go alone."""
-    foes = _foes(root)
+    foes, yields = _pairs(root, "foes"), _pairs(root, "response")
     for plan in root.iter("tlLogic"):
+        name = plan.get("id")
         for phase, after in _last_greens(plan):
-            _divide(plan, phase, after, foes.get(plan.get("id"), {}))
+            _divide(plan, phase, after, foes.get(name, {}), yields.get(name, {}))
 
 
-def _foes(root: Any) -> dict[str, dict[int, set[int]]]:
-    """Return for each plan which of its links cross each other."""
+def _pairs(root: Any, key: str) -> dict[str, dict[int, set[int]]]:
+    """Return for each plan which of its links cross each other, or give way to which."""
     requests = {
-        junction.get("id"): [request.get("foes")[::-1] for request in junction.findall("request")]
+        junction.get("id"): [request.get(key)[::-1] for request in junction.findall("request")]
         for junction in root.iter("junction")
     }
     found: dict[str, dict[int, set[int]]] = {}
@@ -53,10 +55,13 @@ def _last_greens(plan: Any) -> list[tuple[Any, Any]]:
     ]  # fmt: skip
 
 
-def _divide(plan: Any, phase: Any, after: Any, foes: dict[int, set[int]]) -> None:
+def _divide(
+    plan: Any, phase: Any, after: Any, foes: dict[int, set[int]], yields: dict[int, set[int]]
+) -> None:
     state = phase.get("state")
-    turning = {index for index in foes if state[index] == "g"}
-    held = {other for index in turning for other in foes[index] if state[other] == "G"}
+    green = {index for index in foes if state[index] in "gG"}
+    turning = {index for index in green if state[index] == "g" and yields[index] & green}
+    held = {other for index in turning for other in foes[index] & green} - turning
     if not held:
         return
     before = phase.getprevious()

@@ -17,7 +17,7 @@ STREET = """<net>
 </net>"""
 # Link 0 turns across link 1, which comes towards it.
 CROSSING = """<net>
-<junction id="j"><request foes="10"/><request foes="01"/></junction>
+<junction id="j"><request foes="10" response="10"/><request foes="01" response="00"/></junction>
 <connection from="a" to="b" tl="j" linkIndex="0" via=":j_0_0"/>
 <connection from="c" to="d" tl="j" linkIndex="1" via=":j_1_0"/>
 <tlLogic id="j"><phase duration="24" state="gG"/><phase duration="3" state="yy"/>
@@ -41,3 +41,20 @@ def test_who_turns_goes_alone_at_the_end_of_green():
     phases = [(float(p.get("duration")), p.get("state")) for p in root.iter("phase")]
     assert phases == [(18, "gG"), (3, "gy"), (3, "Gr"), (3, "yr"), (33, "rr")]
     assert sum(seconds for seconds, _ in phases) == CYCLE
+
+
+# Link 0 turns across link 1 into the street into which link 2, as green as it, turns towards it.
+SAME_STREET = """<net>
+<junction id="j"><request foes="110" response="110"/><request foes="001" response="000"/>
+<request foes="001" response="000"/></junction>
+<connection from="a" to="b" tl="j" linkIndex="0" via=":j_0_0"/>
+<connection from="c" to="d" tl="j" linkIndex="1" via=":j_1_0"/>
+<connection from="c" to="b" tl="j" linkIndex="2" via=":j_2_0"/>
+<tlLogic id="j"><phase duration="24" state="gGg"/><phase duration="3" state="yyy"/>
+<phase duration="33" state="rrr"/></tlLogic></net>"""
+
+
+def test_who_turns_into_the_same_street_is_held_as_well():
+    root = etree.fromstring(SAME_STREET)
+    let_turners_out(root)
+    assert [p.get("state") for p in root.iter("phase")] == ["gGg", "gyy", "Grr", "yrr", "rrr"]

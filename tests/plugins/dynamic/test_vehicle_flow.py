@@ -11,6 +11,7 @@ import shapely
 sys.path.insert(0, str(Path(__file__).parents[2] / "traffic"))  # for `made_streets`
 from made_streets import CROSS, EAST, REACH, WEST, city_of
 
+from cityx.checks.movement import check_movement
 from cityx.city.content import content_hash
 from cityx.city.tracks import MOVER, poses_at
 from cityx.errors import ActionFailed
@@ -76,6 +77,15 @@ def test_what_moves_already_keeps_its_way_and_is_not_run_into(town):
         if own.any() and (~own).any():
             gaps = [shapely.distance(disc, discs[~own]).min() for disc in discs[own]]
             assert min(gaps) > 2.5  # half a bus beside half a car
+
+
+def test_nothing_that_keeps_its_way_runs_into_those_who_are_slow_before_it():
+    busy = traffic(city_of(CROSS, seed=3), density="heavy", duration=30.0)
+    both = vehicle_flow(busy, count=5, along="street 0", duration=30.0)
+    assert both.tracks.count == busy.tracks.count + 5
+    met = {check.name: check.value for check in check_movement(both)}["movers_overlapping"]
+    assert met == 0
+    assert not [note for note in both.notes if "in the way" in note]
 
 
 def test_the_same_call_replaces_and_another_adds(town):
