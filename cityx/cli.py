@@ -15,6 +15,7 @@ import typer
 from cityx import __version__
 from cityx.assets.library.commands import assets
 from cityx.bench.commands import bench
+from cityx.comma_lists import words_of
 from cityx.dataset.commands import dataset
 from cityx.errors import CityxError, UsageError
 
@@ -190,7 +191,7 @@ def build(
         size=_numbers(size, "x", "--size", "800x600"),
         at=_numbers(at, ",", "--at", "60.17,24.94"),
         window=_numbers(window, ",", "--window", "-300,-300,600,600"),
-        formats=tuple(word.strip() for word in formats.split(",") if word.strip()),
+        formats=words_of(formats),
         render=render,
         samples=samples,
         picture=_pixels(picture),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
 from functools import cache, wraps
 from pathlib import Path
@@ -14,6 +13,7 @@ from cityx.cache import Arrays, cached_arrays
 from cityx.city import mesh, scene
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
+from cityx.digests import edition_of
 from cityx.geometry import identity
 from cityx.geometry.identity import id_text, stable_id
 
@@ -71,5 +71,4 @@ def edition() -> str:
     assets, kernels = Path(__file__).parent, Path(identity.__file__).parent
     sources = [*sorted(assets.rglob("*.py")), *sorted(kernels.glob("*.py"))]
     sources += [Path(str(mesh.__file__)), Path(str(scene.__file__))]
-    text = b"".join(path.read_bytes() for path in sources)
-    return hashlib.sha256(text + np.__version__.encode()).hexdigest()[:16]
+    return edition_of(sources)

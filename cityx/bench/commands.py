@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from cityx.bench.survey.commands import survey
+from cityx.comma_lists import words_of
 from cityx.errors import InputError, UsageError
+
+if TYPE_CHECKING:
+    from cityx.bench.scoring import Sample
 
 bench = typer.Typer(help="Measure how often what is asked for comes about.", no_args_is_help=True)
 bench.add_typer(survey, name="survey")
@@ -17,6 +22,20 @@ bench.add_typer(survey, name="survey")
 @bench.callback()
 def _root() -> None:
     """Keep the names of commands, even while there is but one."""
+
+
+def _say(line: str) -> None:
+    """Tell what is being done beside the results."""
+    typer.echo(line, err=True)
+
+
+def _tell(samples: Sequence[Sample], command: str, out: Path, title: str) -> None:
+    """Write the results of samples and print what a reader wants first."""
+    from cityx.bench.report import summary, write_results
+
+    for line in summary(write_results(samples, command, out, title=title)):
+        typer.echo(line)
+    typer.echo(str(out / "results.md"))
 
 
 @bench.command()
@@ -42,23 +61,21 @@ def agents(
     """Let a driver solve tasks in words, measure each, and write rates with their counts."""
     from cityx.agents.ablation import ARMS, arm_of
     from cityx.bench.arms import driver_of, write_ablation
-    from cityx.bench.report import summary, write_results
     from cityx.bench.runner import Bench, numbers_of, run_bench
     from cityx.bench.tasks import PUBLIC, read_tasks
 
     if arm and driver != "offline":
         raise UsageError("--arm is of the offline driver alone.")
     arms = ARMS if arm == "all" else (arm_of(arm),) if arm else ()
-    names = [word.strip() for word in only.split(",") if word.strip()]
+    names = words_of(only)
     chosen = read_tasks(tasks or PUBLIC, names)
-    say = lambda line: typer.echo(line, err=True)  # noqa: E731
     found = {
         each: run_bench(
             Bench(chosen, driver_of(each) if arms else driver, out, numbers_of(seeds, "--seeds"),
                   lod, jobs),
-            say,
+            _say,
         )
-        for each in arms or ("DIL",)
+        for each in arms or ARMS[:1]
     }  # fmt: skip
     samples = next(iter(found.values()))
     command = f"cityx bench agents --driver {driver} --seeds {seeds} --lod {lod}"
@@ -68,9 +85,7 @@ def agents(
     if len(found) > 1:
         for line in write_ablation(found, command, out):
             typer.echo(line)
-    for line in summary(write_results(samples, command, out)):
-        typer.echo(line)
-    typer.echo(str(out / "results.md"))
+    _tell(samples, command, out, "Agents")
 
 
 @bench.command()
@@ -91,21 +106,18 @@ def inputs(
 ) -> None:
     """Build maps, semantic maps, height fields and words, and compare each city with its input."""
     from cityx.bench.battery import write_battery
-    from cityx.bench.report import summary, write_results
     from cityx.bench.runner import Bench, run_bench
 
-    chosen = [word.strip() for word in kinds.split(",") if word.strip()]
+    chosen = words_of(kinds)
     battery = write_battery(out / "files", kinds=chosen, count=count, maps=maps)
     samples = run_bench(
         Bench(battery.tasks, driver, out, lod=lod, jobs=jobs, inputs=battery.inputs),
-        lambda line: typer.echo(line, err=True),
+        _say,
     )
     command = f"cityx bench inputs --kinds {','.join(chosen)} --count {count} --lod {lod}"
     command += f" --driver {driver}" if driver != "offline" else ""
     command += " --maps FOLDER" if maps else ""
-    for line in summary(write_results(samples, command, out, title="Inputs")):
-        typer.echo(line)
-    typer.echo(str(out / "results.md"))
+    _tell(samples, command, out, "Inputs")
 
 
 @bench.command()
@@ -124,8 +136,7 @@ def quality(
     """Measure what makes a city right, on every city: a table and a plot."""
     from cityx.bench.quality import build_towns, quality_of, table_of, write_quality
 
-    say = lambda line: typer.echo(line, err=True)  # noqa: E731
-    folders = cities or build_towns(out / "towns", towns, say)
+    folders = cities or build_towns(out / "towns", towns, _say)
     rows = {folder.name: quality_of(folder, maps) for folder in folders}
     command = f"cityx bench quality{' CITY...' if cities else f' --towns {towns}'}"
     write_quality(rows, command, out)
@@ -152,10 +163,10 @@ def speed(
     missing = [str(path) for path in found if not path.is_file()]
     if missing or not found:
         raise InputError(f"no such map: {', '.join(missing) or 'none is named'}.")
-    others = peers_named(word.strip() for word in peers.split(",") if word.strip())
+    others = peers_named(words_of(peers))
     text = measure_speed(
         found, numbers_of(lod, "--lod"), repeat=repeat, workers=workers, peers=others,
-        say=lambda line: typer.echo(line, err=True),
+        say=_say,
     )  # fmt: skip
     typer.echo(text)
     if write is not None:
@@ -179,10 +190,10 @@ def edits(
     """Change base scenes by sentences, measure each, and count what is right by class."""
     from cityx.bench.edits import run_edits, sentences, write_edits
 
-    names = [word.strip() for word in only.split(",") if word.strip()]
+    names = words_of(only)
     chosen = sentences(held=held, unseen=unseen, only=names)
     out.mkdir(parents=True, exist_ok=True)
-    results = run_edits(chosen, out, lambda line: typer.echo(line, err=True))
+    results = run_edits(chosen, out, _say)
     command = "cityx bench edits" + (" --unseen" if unseen else " --held" if held else "")
     command += f" --only {only}" if only else ""
     for line in write_edits(results, command, out):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from typing import Any
 
 from cityx.atomic import replaced
 from cityx.city import City
+from cityx.digests import file_sha256
 from cityx.errors import InputError
 
 REACH = 100.0  # metres within which a house that looks the same is a repetition
@@ -133,7 +133,7 @@ def _fidelity(city: City, inputs: list[Mapping[str, Any]], maps: Path | None) ->
     path = maps / own[0]["name"]
     if not path.exists():
         raise InputError(f"{maps} does not hold {own[0]['name']}, of which the city was built.")
-    if hashlib.sha256(path.read_bytes()).hexdigest() != own[0]["sha256"]:
+    if file_sha256(path) != own[0]["sha256"]:
         raise InputError(f"{path} is not the file that the city was built of: its hash differs.")
     facts = Facts(city)
     return sum(overlap_of_layers(facts, layer, path)[0] for layer in ("building", "road")) / 2

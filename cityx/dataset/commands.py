@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from cityx.comma_lists import words_of
 from cityx.errors import UsageError
 
 if TYPE_CHECKING:
@@ -104,8 +105,7 @@ def dataset(
 
 
 def _words(text: str) -> tuple[str, ...]:
-    words = [word.strip() for word in text.split(",")]
-    return tuple(word for word in words if word and word != "none")
+    return tuple(word for word in words_of(text) if word != "none")
 
 
 def _pair(text: str, option: str, example: str, low: int, high: int) -> tuple[float, float]:

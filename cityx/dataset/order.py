@@ -7,7 +7,6 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
-from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from typing import Any
 from cityx.city.environment import Environment
 from cityx.dataset.channels import CYCLES, Channel, chosen
 from cityx.dataset.writers import formats_named, libraries_of
+from cityx.digests import file_sha256
 from cityx.errors import CityxError, InputError, MissingExtra, UsageError, nearest
 
 NAME = "dataset.json"
@@ -300,7 +300,7 @@ def identity_of(order: Order, sources: Iterable[Source]) -> dict[str, Any]:
     for key in ("plan", "rig"):
         path = Path(str(named[key]))
         if path.suffix == ".json" and path.is_file():
-            named[key] = {"file": path.name, "sha256": _digest(path)}
+            named[key] = {"file": path.name, "sha256": file_sha256(path)}
     cities = [{"name": s.name, "kind": s.kind, **_origin(s)} for s in sources]
     text = json.dumps({"cityx": __version__, "order": named, "cities": cities})
     found: dict[str, Any] = json.loads(text)
@@ -311,15 +311,11 @@ def _origin(source: Source) -> dict[str, Any]:
     if source.kind == SEED or source.path is None:
         return {"seed": source.seed}
     if source.kind == MAP:
-        return {"sha256": _digest(source.path)}
+        return {"sha256": file_sha256(source.path)}
     report = source.path / "report.json"
     if not report.is_file():
         raise InputError(f"{source.path} is no folder of a built city: report.json is missing.")
     return {"hash": json.loads(report.read_text())["hash"]}
-
-
-def _digest(path: Path) -> str:
-    return sha256(path.read_bytes()).hexdigest()
 
 
 def differences(there: Mapping[str, Any], asked: Mapping[str, Any], at: str = "") -> list[str]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import gzip
 import zlib
 from dataclasses import dataclass
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 from warnings import catch_warnings, simplefilter
@@ -13,6 +12,7 @@ from warnings import catch_warnings, simplefilter
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.digests import file_sha256
 from cityx.errors import InputError
 
 _HEIGHT_SUFFIXES = (".hgt", ".hgt.zip", ".asc", ".npy")
@@ -81,7 +81,7 @@ def classify(path: Path, kind: str = "") -> Input:
         if size == 0:
             raise InputError(f"{path} is empty.")
         found, why = (kind, "") if kind else _kind(path)
-        return Input(path, found, size, _digest(path), why)
+        return Input(path, found, size, file_sha256(path), why)
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror}.") from error
 
@@ -163,11 +163,3 @@ def _head(path: Path) -> bytes:
         except (OSError, EOFError, zlib.error):
             return head
     return head
-
-
-def _digest(path: Path) -> str:
-    hasher = sha256()
-    with path.open("rb") as file:
-        while block := file.read(1 << 20):
-            hasher.update(block)
-    return hasher.hexdigest()

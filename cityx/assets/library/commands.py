@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from cityx.comma_lists import words_of
 from cityx.errors import UsageError
 
 if TYPE_CHECKING:
@@ -36,10 +37,6 @@ def _encoder(name: str, weights: str, allow_hub: bool) -> Encoder:
     return make_encoder(name, weights=weights, allow_hub=allow_hub)
 
 
-def _words(text: str) -> tuple[str, ...]:
-    return tuple(word.strip() for word in text.split(",") if word.strip())
-
-
 @assets.command()
 def grow(
     out: Out,
@@ -62,8 +59,8 @@ def grow(
 
     with _progress() as say:
         library = grow_library(
-            out, count, _encoder(encoder, weights, allow_hub), seed=seed, groups=_words(groups),
-            uses=_words(uses), anew=anew, say=say,
+            out, count, _encoder(encoder, weights, allow_hub), seed=seed, groups=words_of(groups),
+            uses=words_of(uses), anew=anew, say=say,
         )  # fmt: skip
     _tell(library.catalogue, f"{count} assets grown", out)
 

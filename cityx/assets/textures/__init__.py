@@ -6,7 +6,6 @@ the slope. The same pattern serves materials of any base colour: see `Texture.me
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -27,6 +26,7 @@ from cityx.assets.textures.relief import (
     srgb_bytes,
 )
 from cityx.cache import Arrays, cached_arrays
+from cityx.digests import edition_of
 from cityx.errors import UsageError, nearest
 from cityx.geometry import identity
 
@@ -182,5 +182,4 @@ def _drawn(name: str, size: int) -> Arrays:
 def _edition() -> str:
     """Hash of the code that draws, so that a cached texture is never that of other code."""
     sources = [*sorted(Path(__file__).parent.glob("*.py")), Path(identity.__file__)]
-    text = b"".join(path.read_bytes() for path in sources)
-    return hashlib.sha256(text + np.__version__.encode()).hexdigest()[:16]
+    return edition_of(sources)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -20,6 +19,7 @@ from cityx.assets.trees.wood import wood
 from cityx.cache import Arrays, cached_arrays
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
+from cityx.digests import edition_of
 from cityx.geometry import identity
 from cityx.geometry.identity import rng_for, stable_id
 
@@ -100,8 +100,7 @@ def _unpacked(held: Arrays, name: str) -> Cards:
 def _edition() -> str:
     """Hash of the code that grows, so that a cached tree is never that of other code."""
     sources = [*sorted(Path(__file__).parent.glob("*.py")), Path(identity.__file__)]
-    text = b"".join(path.read_bytes() for path in sources)
-    return hashlib.sha256(text + np.__version__.encode()).hexdigest()[:16]
+    return edition_of(sources)
 
 
 @lru_cache(maxsize=512)
