@@ -22,10 +22,11 @@ import shapely
 
 from cityx.assets.library.encoding import DIMENSION, unit
 from cityx.assets.library.fit import Lots, Placement, assets_of, place
-from cityx.assets.library.grow import draw_plots, grow_library
+from cityx.assets.library.grow import grow_library
 from cityx.assets.library.index import open_index, write_index
 from cityx.assets.library.local_text import LocalText
 from cityx.assets.library.paper_placement import place_as_paper
+from cityx.assets.library.plots import draw_plots
 from cityx.assets.library.records import Catalogue
 from cityx.assets.library.store import Library, open_library
 from cityx.geometry.identity import uniform

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from cityx.bench import planting
+from cityx.bench import planting, planting_streets
 from cityx.bench.planting import HIGHER, LOWER, OUTDOORS, RISE, Plant, Planted
 from cityx.checks.predicates import measure_all
 from cityx.checks.report import run_checks
@@ -59,7 +59,9 @@ KINDS: Mapping[str, Kind] = {
     "building without mesh": Kind(
         planting.no_shell, ("buildings_vanished",), ("buildings_missing", "street_doors", *_LESS)
     ),
-    "missing park": Kind(planting.no_park, (GOAL,), ("n(", "around(", "dist(", "cover(", "share(")),
+    "missing park": Kind(
+        planting_streets.no_park, (GOAL,), ("n(", "around(", "dist(", "cover(", "share(")
+    ),
     "wrong count": Kind(planting.fewer, (GOAL,), _LESS),
     "two buildings in one place": Kind(planting.overlapping, ("building_overlap",), _MOVED),
     "shell beside its footprint": Kind(
@@ -90,23 +92,25 @@ KINDS: Mapping[str, Kind] = {
     "tree beyond the site": Kind(planting.beyond_site, ("outside_site",), _TREE),
     "wrong weather": Kind(planting.other_weather, (GOAL,), ("env.",)),
     "wrong time": Kind(planting.other_time, (GOAL,), ("env.", "sun_", "n(light", "share(light")),
-    "river without its bridge": Kind(planting.no_bridge, (GOAL,), ("n(", "crosses(", "road.")),
-    "bridge without its deck": Kind(planting.no_deck, ("streets_without_surface",)),
+    "river without its bridge": Kind(
+        planting_streets.no_bridge, (GOAL,), ("n(", "crosses(", "road.")
+    ),
+    "bridge without its deck": Kind(planting_streets.no_deck, ("streets_without_surface",)),
     "junction paved as a walk": Kind(
-        planting.covered_junction, ("junctions_covered",),
+        planting_streets.covered_junction, ("junctions_covered",),
         ("sidewalk_on_carriageway", "junction_s", "kerb_radius", "street_doors_missing",
          "furniture_on_walkway", "furniture_in_lanes"),
     ),
     "junction no lane leads over": Kind(
-        planting.closed_junction, ("junctions_closed",), ("lane_graph_pieces", "lanes_")
+        planting_streets.closed_junction, ("junctions_closed",), ("lane_graph_pieces", "lanes_")
     ),
 }  # fmt: skip
 # Changes that are no defects: nothing may turn.
 HARMLESS: Mapping[str, Plant] = {
-    "repainted": planting.repainted,
-    "tree turned": planting.turned_tree,
-    "car less": planting.one_less(("vehicles",)),
-    "thing less": planting.one_less(OUTDOORS),
+    "repainted": planting_streets.repainted,
+    "tree turned": planting_streets.turned_tree,
+    "car less": planting_streets.one_less(("vehicles",)),
+    "thing less": planting_streets.one_less(OUTDOORS),
     "minutes later": planting.five_minutes,
 }
 

@@ -15,9 +15,9 @@ from cityx.assets.palettes import groups_of
 from cityx.checks.predicates.buildings import Buildings
 from cityx.checks.predicates.environment import times_of, weathers_of
 from cityx.checks.predicates.styles import of_any_style, speaking_of
-from cityx.checks.predicates.words import LANDS, MATERIALS
+from cityx.checks.predicates.words import MATERIALS
 from cityx.city import City, Instances, MeshBatch
-from cityx.city.ground import LABEL, ON_ROADWAY, ROADWAY
+from cityx.city.ground import ROADWAY
 from cityx.city.levels import ground_levels
 from cityx.geometry.identity import hash_bits, hash_ids, id_text
 from cityx.geometry.polylines import Polylines, arc_lengths, locate
@@ -31,7 +31,6 @@ LOW_SUN = 15.0  # degrees; by a higher sun it is no evening and no morning twili
 HIGHER, LOWER = 1.3, 0.7  # of what a building's layout asks for
 AWAY = 5.0  # metres that a shell is put from its footprint
 RISE = 1.0  # metres that things are lifted or sunk
-DECK = 12.0  # metres to each side of a bridge's middle that its deck reaches at most
 BEYOND = 20.0  # metres that a tree is put beyond the site
 PARTY = 1.5  # metres of wall that two buildings share
 STAND = 1.0  # metres above the ground of a window in a party wall
@@ -71,7 +70,7 @@ def drawn(candidates: ArrayLike, key: int) -> Any:
     return rows[hash_bits(0, "defect", key) % len(rows)] if len(rows) else None
 
 
-def _building(city: City, key: int, least: float = 0.0) -> np.uint64 | None:
+def any_building(city: City, key: int, least: float = 0.0) -> np.uint64 | None:
     """Draw a building that stands; its id."""
     batch = city.scene.meshes.get("buildings")
     if batch is None:
@@ -96,14 +95,16 @@ def _with_vertices(
     mine = np.repeat(batch.object_id == owner, np.diff(batch.vertex_start))
     vertices = batch.vertices.copy()
     vertices[mine] = change(vertices[mine])
-    return _with_shells(city, replace(batch, vertices=vertices))
+    return with_shells(city, replace(batch, vertices=vertices))
 
 
-def _with_shells(city: City, batch: MeshBatch) -> City:
+def with_shells(city: City, batch: MeshBatch) -> City:
+    """Put other shells of buildings into the city."""
     return replace(city, scene=city.scene.with_mesh("buildings", batch))
 
 
-def _with_rows(city: City, layer: str, rows: Instances) -> City:
+def with_rows(city: City, layer: str, rows: Instances) -> City:
+    """Put other instances into a layer of the city."""
     return replace(city, scene=city.scene.with_instances(layer, city.scene.prototypes, rows))
 
 
@@ -116,7 +117,7 @@ def _owned_moved(city: City, owner: np.uint64, by: ArrayLike) -> City:
         if own.any():
             position = rows.position.copy()
             position[own] += shift
-            city = _with_rows(city, layer, replace(rows, position=position))
+            city = with_rows(city, layer, replace(rows, position=position))
     return city
 
 
@@ -138,11 +139,11 @@ def _moved(city: City, owner: np.uint64, to: FloatArray) -> City:
 def _without(city: City, owner: np.uint64, *, layout: bool) -> City:
     """Take a building's shell and all on it away, and with `layout` the building itself."""
     batch = city.scene.meshes["buildings"]
-    city = _with_shells(city, batch.take(np.flatnonzero(batch.object_id != owner)))
+    city = with_shells(city, batch.take(np.flatnonzero(batch.object_id != owner)))
     for layer, rows in city.scene.instances.items():
         kept = rows.owner != owner
         if not kept.all():
-            city = _with_rows(city, layer, taken(rows, kept))
+            city = with_rows(city, layer, taken(rows, kept))
     if not layout:
         return city
     tables = city.layout
@@ -182,7 +183,7 @@ def scaled(factor: float) -> Plant:
     """Return what makes a shell higher or lower than its layout asks."""
 
     def plant(city: City, key: int) -> Planted | None:
-        owner = _building(city, key)
+        owner = any_building(city, key)
         if owner is None:
             return None
         level = _level(city, owner)
@@ -199,7 +200,7 @@ def scaled(factor: float) -> Plant:
 
 def low_tower(city: City, key: int) -> Planted | None:
     """Build one of the highest buildings, layout and shell, below what was asked."""
-    owner = _building(city, key)
+    owner = any_building(city, key)
     if owner is None:
         return None
     table = city.layout.buildings
@@ -219,7 +220,7 @@ def low_tower(city: City, key: int) -> Planted | None:
 
 def other_material(city: City, key: int) -> Planted | None:
     """Build a building of brick, or of plaster, where its own material was asked."""
-    owner = _building(city, key)
+    owner = any_building(city, key)
     if owner is None:
         return None
     layer = Buildings(city, "building")
@@ -234,7 +235,7 @@ def other_material(city: City, key: int) -> Planted | None:
 
 def other_color(city: City, key: int) -> Planted | None:
     """Paint a building red, or blue, where its own colour was asked."""
-    owner = _building(city, key)
+    owner = any_building(city, key)
     if owner is None:
         return None
     layer = Buildings(city, "building")
@@ -256,12 +257,12 @@ def _painted(
     names = (*batch.materials, material) if material not in batch.materials else batch.materials
     number, tint = batch.material.copy(), batch.tint.copy()
     number[mine], tint[mine] = names.index(material), color
-    return _with_shells(city, replace(batch, materials=names, material=number, tint=tint))
+    return with_shells(city, replace(batch, materials=names, material=number, tint=tint))
 
 
 def no_shell(city: City, key: int) -> Planted | None:
     """Leave a building of the layout without a mesh."""
-    owner = _building(city, key)
+    owner = any_building(city, key)
     return owner if owner is None else Planted(
         _without(city, owner, layout=False), (id_text(int(owner)),)
     )  # fmt: skip
@@ -269,7 +270,7 @@ def no_shell(city: City, key: int) -> Planted | None:
 
 def fewer(city: City, key: int) -> Planted | None:
     """Leave a building out of layout and scene where a number was asked."""
-    owner = _building(city, key)
+    owner = any_building(city, key)
     if owner is None:
         return None
     batch = city.scene.meshes["buildings"]
@@ -279,7 +280,7 @@ def fewer(city: City, key: int) -> Planted | None:
 
 def overlapping(city: City, key: int) -> Planted | None:
     """Put a building, footprint and shell, onto its nearest neighbour."""
-    owner = _building(city, key, LARGE)
+    owner = any_building(city, key, LARGE)
     table = city.layout.buildings
     large = table[(shapely.area(table.geometry.to_numpy()) >= LARGE)]
     if owner is None or len(large) < 2:
@@ -293,7 +294,7 @@ def overlapping(city: City, key: int) -> Planted | None:
 
 def displaced(city: City, key: int) -> Planted | None:
     """Put a shell beside its footprint."""
-    owner = _building(city, key)
+    owner = any_building(city, key)
     if owner is None:
         return None
     shift = np.array([AWAY, 0.0, 0.0])
@@ -305,7 +306,7 @@ def lifted_building(by: float) -> Plant:
     """Return what lifts or sinks a building with all that belongs to it."""
 
     def plant(city: City, key: int) -> Planted | None:
-        owner = _building(city, key)
+        owner = any_building(city, key)
         if owner is None:
             return None
         return Planted(_owned_moved(city, owner, [0.0, 0.0, by]), (id_text(int(owner)),))
@@ -315,7 +316,7 @@ def lifted_building(by: float) -> Plant:
 
 def in_street(city: City, key: int) -> Planted | None:
     """Put a building, footprint and shell, into the middle of a street."""
-    owner, place = _building(city, key, LARGE), _carriageway(city, key)
+    owner, place = any_building(city, key, LARGE), _carriageway(city, key)
     if owner is None or place is None:
         return None
     return Planted(_moved(city, owner, place), (id_text(int(owner)),))
@@ -323,16 +324,16 @@ def in_street(city: City, key: int) -> Planted | None:
 
 def open_solid(city: City, key: int) -> Planted | None:
     """Take one face of a shell away."""
-    owner = _building(city, key)
+    owner = any_building(city, key)
     if owner is None:
         return None
     batch = city.scene.meshes["buildings"]
     faces = np.flatnonzero(np.repeat(batch.object_id == owner, np.diff(batch.face_start)))
     kept = np.arange(len(batch.faces)) != drawn(faces, key)
-    return Planted(_with_shells(city, _with_faces(batch, kept)), (id_text(int(owner)),))
+    return Planted(with_shells(city, with_faces(batch, kept)), (id_text(int(owner)),))
 
 
-def _with_faces(batch: MeshBatch, kept: NDArray[np.bool_]) -> MeshBatch:
+def with_faces(batch: MeshBatch, kept: NDArray[np.bool_]) -> MeshBatch:
     """Return a batch with some of its faces."""
     start = np.concatenate([[0], np.cumsum(kept)])[batch.face_start].astype(np.int64)
     names = ("faces", "material", "uv", "tint")
@@ -341,7 +342,7 @@ def _with_faces(batch: MeshBatch, kept: NDArray[np.bool_]) -> MeshBatch:
 
 def not_a_number(city: City, key: int) -> Planted | None:
     """Write a coordinate of a shell that is no number."""
-    owner = _building(city, key)
+    owner = any_building(city, key)
     if owner is None:
         return None
 
@@ -399,7 +400,7 @@ def blind_window(city: City, key: int) -> Planted | None:
     rotation[row] = (0.0, 0.0, np.arctan2(out[0], -out[1]))
     scale[row] = 1.0
     changed = replace(rows, position=position, rotation=rotation, scale=scale)
-    return Planted(_with_rows(city, "windows", changed), (id_text(int(rows.object_id[row])),))
+    return Planted(with_rows(city, "windows", changed), (id_text(int(rows.object_id[row])),))
 
 
 def _party_wall(city: City, key: int) -> tuple[FloatArray, FloatArray] | None:
@@ -462,13 +463,14 @@ def astray_door(city: City, key: int) -> Planted | None:
         return None
     position[row, 2] += 1.0  # the yard lies lower than the door's own floor
     changed = replace(rows, position=position, rotation=rotation)
-    return Planted(_with_rows(city, "doors", changed), (id_text(int(owner)),))
+    return Planted(with_rows(city, "doors", changed), (id_text(int(owner)),))
 
 
 # Things outdoors.
 
 
-def _drawn_row(city: City, layers: tuple[str, ...], key: int) -> tuple[str, int] | None:
+def drawn_row(city: City, layers: tuple[str, ...], key: int) -> tuple[str, int] | None:
+    """Draw one instance of the layers: its layer and row; None where they are empty."""
     pairs = [
         (layer, row) for layer in layers if layer in city.scene.instances
         for row in range(city.scene.instances[layer].count)
@@ -482,7 +484,7 @@ def _thing_put(
     rows = city.scene.instances[layer]
     position = rows.position.copy()
     position[row] = change(position[row])
-    changed = _with_rows(city, layer, replace(rows, position=position))
+    changed = with_rows(city, layer, replace(rows, position=position))
     return Planted(changed, (id_text(int(rows.object_id[row])),))
 
 
@@ -490,7 +492,7 @@ def lifted(layers: tuple[str, ...], by: float) -> Plant:
     """Return what lifts or sinks a thing."""
 
     def plant(city: City, key: int) -> Planted | None:
-        found = _drawn_row(city, layers, key)
+        found = drawn_row(city, layers, key)
         return found and _thing_put(city, *found, lambda p: p + np.array([0.0, 0.0, by]))
 
     return plant
@@ -500,7 +502,7 @@ def on_carriageway(layers: tuple[str, ...]) -> Plant:
     """Return what puts a thing into the middle of a street."""
 
     def plant(city: City, key: int) -> Planted | None:
-        found, place = _drawn_row(city, layers, key), _carriageway(city, key)
+        found, place = drawn_row(city, layers, key), _carriageway(city, key)
         if found is None or place is None:
             return None
         return _thing_put(city, *found, lambda p: [*place, p[2]])
@@ -510,7 +512,7 @@ def on_carriageway(layers: tuple[str, ...]) -> Plant:
 
 def beyond_site(city: City, key: int) -> Planted | None:
     """Put a tree beyond the site."""
-    found = _drawn_row(city, ("trees",), key)
+    found = drawn_row(city, ("trees",), key)
     edge = city.layout.extent[2] + BEYOND
     return found and _thing_put(city, *found, lambda p: [edge, p[1], p[2]])
 
@@ -540,152 +542,6 @@ def other_time(city: City, key: int) -> Planted | None:
     changed = sun_of(city.environment, frame.latitude, frame.longitude, time=word,
                      date=city.environment.date)  # fmt: skip
     return Planted(replace(city, environment=changed), (), (f"env.time == {now}",))
-
-
-def no_park(city: City, key: int) -> Planted | None:
-    """Leave the parks out."""
-    del key
-    park = city.layout.areas["kind"].isin(LANDS["park"]).to_numpy()
-    if not park.any():
-        return None
-    areas = city.layout.areas[~park].reset_index(drop=True)
-    return Planted(replace(city, layout=replace(city.layout, areas=areas)), (), ("n(park) >= 1",))
-
-
-def _bridge(city: City, key: int) -> Any:
-    """Draw a road that is a bridge; its id and line."""
-    roads = city.layout.roads
-    ids = roads["id"].to_numpy(np.uint64)[roads["bridge"].to_numpy(bool)]
-    owner = drawn(ids, key)
-    if owner is None:
-        return None
-    return owner, roads.geometry.to_numpy()[(roads["id"] == owner).to_numpy()][0]
-
-
-def no_deck(city: City, key: int) -> Planted | None:
-    """Take the deck of a bridge away."""
-    found = _bridge(city, key)
-    decks = city.scene.meshes.get("decks")
-    if found is None or decks is None:
-        return None
-    corner = decks.vertices[decks.faces[:, :3], :2].mean(axis=1)
-    kept = shapely.distance(shapely.points(corner), found[1]) > DECK
-    changed = replace(city, scene=city.scene.with_mesh("decks", _with_faces(decks, kept)))
-    return Planted(changed)
-
-
-def no_bridge(city: City, key: int) -> Planted | None:
-    """Leave out a bridge of those asked over a river."""
-    from cityx.checks.predicates import measure
-
-    found = _bridge(city, key)
-    if found is None:
-        return None
-    count = measure("n(bridge) >= 0", city).value
-    assert isinstance(count, float)
-    roads = city.layout.roads
-    near = shapely.distance(roads.geometry.to_numpy(), found[1]) < 1.0
-    kept = ~(near & roads["bridge"].to_numpy(bool))
-    layout = replace(city.layout, roads=roads[kept].reset_index(drop=True))
-    return Planted(replace(city, layout=layout, network=None, lanes=None), (),
-                   (f"n(bridge) == {count:g}",))  # fmt: skip
-
-
-def _junction(city: City, key: int) -> int | None:
-    """Draw a junction on the ground that cars drive over; its node."""
-    graph, network, ground = city.lanes, city.network, city.ground
-    if graph is None or network is None or ground is None or not len(graph.connection):
-        return None
-    lane = graph.connection[:, 0]
-    ends = network.edge_nodes[graph.edge[lane]]
-    node = np.unique(np.where(graph.direction[lane] > 0, ends[:, 1], ends[:, 0]))
-    xy = network.node_position[node]
-    low, high = np.array(city.layout.extent[:2]), np.array(city.layout.extent[2:])
-    inside = ((xy > low + 15) & (xy < high - 15)).all(axis=1)
-    kept = inside & (network.node_degree[node] >= 3) & ground.on(xy, "junction", *ON_ROADWAY)
-    found = drawn(node[kept], key)
-    return None if found is None else int(found)
-
-
-def _place_of(city: City, node: int) -> tuple[str, ...]:
-    assert city.network is not None
-    x, y = city.network.node_position[node].tolist()
-    return (f"({x:.1f}, {y:.1f})",)
-
-
-def covered_junction(city: City, key: int) -> Planted | None:
-    """Pave a junction as a walk, so that nobody may drive over it."""
-    node = _junction(city, key)
-    if node is None:
-        return None
-    assert city.network is not None
-    assert city.ground is not None
-    ground = city.ground
-    corners = ground.vertices[ground.triangles]
-    at = city.network.node_position[node]
-    near = np.hypot(*(corners - at).transpose(2, 0, 1)).min(axis=1) < 8.0
-    faces = np.zeros(len(ground.face_label), bool)
-    faces[ground.triangle_face[near]] = True
-    faces &= ground.labelled("junction", *ON_ROADWAY)
-    label = np.where(faces, LABEL["sidewalk"], ground.face_label).astype(ground.face_label.dtype)
-    changed = replace(city, ground=replace(ground, face_label=label))
-    return Planted(changed, _place_of(city, node))
-
-
-def closed_junction(city: City, key: int) -> Planted | None:
-    """Let no lane lead over a junction."""
-    node = _junction(city, key)
-    graph, network = city.lanes, city.network
-    if node is None or graph is None or network is None:
-        return None
-    lane = graph.connection[:, 0]
-    ends = network.edge_nodes[graph.edge[lane]]
-    kept = np.where(graph.direction[lane] > 0, ends[:, 1], ends[:, 0]) != node
-    length = np.diff(graph.curve_start)
-    changed = replace(
-        graph,
-        connection=graph.connection[kept],
-        movement=graph.movement[kept],
-        curve_start=np.concatenate([[0], np.cumsum(length[kept])]).astype(np.int64),
-        curve=graph.curve[np.repeat(kept, length)],
-    )
-    return Planted(replace(city, lanes=changed), _place_of(city, node))
-
-
-def repainted(city: City, key: int) -> Planted | None:
-    """Shade a building by two parts in a hundred: no defect."""
-    owner = _building(city, key)
-    if owner is None:
-        return None
-    batch = city.scene.meshes["buildings"]
-    mine = owner == np.repeat(batch.object_id, np.diff(batch.face_start))
-    tint = np.where(mine[:, None], 0.98 * batch.tint, batch.tint).astype(np.float32)
-    return Planted(_with_shells(city, replace(batch, tint=tint)))
-
-
-def turned_tree(city: City, key: int) -> Planted | None:
-    """Turn a tree about its trunk and let it be 3 % smaller: no defect."""
-    found = _drawn_row(city, ("trees",), key)
-    if found is None:
-        return None
-    rows = city.scene.instances["trees"]
-    scale, rotation = rows.scale.copy(), rows.rotation.copy()
-    scale[found[1]] *= 0.97
-    rotation[found[1], 2] += 0.5
-    return Planted(_with_rows(city, "trees", replace(rows, scale=scale, rotation=rotation)))
-
-
-def one_less(layers: tuple[str, ...]) -> Plant:
-    """Return what takes one thing of many away, which nobody asked for: no defect."""
-
-    def plant(city: City, key: int) -> Planted | None:
-        found = _drawn_row(city, layers, key)
-        if found is None:
-            return None
-        rows = city.scene.instances[found[0]]
-        return Planted(_with_rows(city, found[0], taken(rows, np.arange(rows.count) != found[1])))
-
-    return plant
 
 
 def five_minutes(city: City, key: int) -> Planted | None:

@@ -7,20 +7,22 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cityx.geometry import massing
+from cityx.geometry import massing, massing_rules
 from cityx.geometry.massing import Plot, grow
 
 RULES = {
-    "setback": massing.setback(3.0, 0.4, then="setback"),
-    "podium": massing.podium(2, 0.5, then="setback"),
-    "court": massing.light_court(8.0, then="end", above=6.0),
-    "comb": massing.combed(3, 7.0, 8.0, then="end", above=3.5),
-    "notch": massing.notched(3.0, then="setback"),
-    "slices": massing.sliced((2, 1, 2), symbols=("notch", "", "setback"), heights=(0.7, 1.0, 0.5)),
-    "bundle": massing.bundled(2, 2, then="end"),
-    "twist": massing.twisted(0.6, 5, shrink=0.8, then="end"),
-    "steps": massing.stepped(3, 4.0),
-    "crown": massing.crowned(2.0, 9.0, roof="pyramidal"),
+    "setback": massing_rules.setback(3.0, 0.4, then="setback"),
+    "podium": massing_rules.podium(2, 0.5, then="setback"),
+    "court": massing_rules.light_court(8.0, then="end", above=6.0),
+    "comb": massing_rules.combed(3, 7.0, 8.0, then="end", above=3.5),
+    "notch": massing_rules.notched(3.0, then="setback"),
+    "slices": massing_rules.sliced(
+        (2, 1, 2), symbols=("notch", "", "setback"), heights=(0.7, 1.0, 0.5)
+    ),
+    "bundle": massing_rules.bundled(2, 2, then="end"),
+    "twist": massing_rules.twisted(0.6, 5, shrink=0.8, then="end"),
+    "steps": massing_rules.stepped(3, 4.0),
+    "crown": massing_rules.crowned(2.0, 9.0, roof="pyramidal"),
 }
 ANGLES = st.floats(0, math.pi)
 
@@ -86,10 +88,10 @@ def test_depth_changes_the_topology():
 
 def test_without_noise_a_tower_is_regular():
     still = plot_of(noise=0.0)
-    tiers = grow(still, {"lot": massing.setback(4.0, 0.5, then="")}, depth=1)
+    tiers = grow(still, {"lot": massing_rules.setback(4.0, 0.5, then="")}, depth=1)
     width = [massing.axes_of(mass.plan).width for mass in tiers]
     assert np.isclose(width[0] - width[1], 8.0, atol=0.05)
-    bundle = grow(still, {"lot": massing.bundled(2, 2)}, depth=1)
+    bundle = grow(still, {"lot": massing_rules.bundled(2, 2)}, depth=1)
     assert len({round(mass.high, 6) for mass in bundle}) == 2
 
 

@@ -3,7 +3,8 @@ from dataclasses import replace
 import pytest
 import shapely
 
-from cityx.geometry.massing import Plot, chamfered, courtyard, grow
+from cityx.geometry.massing import Plot, grow
+from cityx.geometry.massing_rules import chamfered, courtyard
 
 DEEP = shapely.box(0, 0, 40, 36)
 

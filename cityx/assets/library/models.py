@@ -456,3 +456,13 @@ def fitting_names(
             added[name] = replace(prototype, name=name)
         names.append(name)
     return tuple(names), added
+
+
+def models_height(models: Models) -> FloatArray:
+    """Return the highest vertex of every shell, (n,) metres; 0 of an empty one."""
+    high = np.zeros(models.count)
+    filled = np.flatnonzero(np.diff(models.shells.vertex_start) > 0)
+    if len(filled):
+        z = models.shells.vertices[:, 2]
+        high[filled] = np.maximum.reduceat(z, models.shells.vertex_start[:-1][filled])
+    return high

@@ -8,9 +8,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cityx.assets.library.grow import BATCH, grow_buildings
+from cityx.assets.library.grow import grow_buildings
 from cityx.assets.library.local_text import LocalText
 from cityx.assets.library.models import Models, join_models
+from cityx.assets.library.plots import BATCH
 from cityx.assets.library.records import Catalogue, join_catalogues
 from cityx.geometry.polygons import FloatArray
 from cityx.protocol.inputs import InputFiles

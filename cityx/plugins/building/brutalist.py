@@ -13,7 +13,8 @@ import shapely
 from cityx.assets.facade_styles import FacadeStyle, Fixture, Strip
 from cityx.assets.generators import Generator, Look
 from cityx.city.city import City
-from cityx.geometry.massing import Axes, Mass, Plot, grow, overhung, pieces, stepped
+from cityx.geometry.massing import Axes, Mass, Plot, grow, pieces
+from cityx.geometry.massing_rules import overhung, stepped
 from cityx.plugins.building.design import redesign
 from cityx.protocol import Choice, ObjectName, Range, action
 

@@ -14,16 +14,8 @@ from shapely import affinity
 from cityx.assets.facade_styles import FacadeStyle, Fixture, Strip
 from cityx.assets.generators import Generator, Look
 from cityx.city.city import City
-from cityx.geometry.massing import (
-    Mass,
-    Plot,
-    Successors,
-    banded,
-    bundled,
-    grow,
-    pieces,
-    sliced,
-)
+from cityx.geometry.massing import Mass, Plot, Successors, grow, pieces
+from cityx.geometry.massing_rules import banded, bundled, sliced
 from cityx.plugins.building.design import redesign
 from cityx.protocol import Choice, ObjectName, Range, action
 

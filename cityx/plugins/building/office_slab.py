@@ -12,7 +12,8 @@ from cityx.assets.facade_styles import FacadeStyle, Fixture, Strip
 from cityx.assets.generators import Generator, Look
 from cityx.assets.palette_tables import GREYS
 from cityx.city.city import City
-from cityx.geometry.massing import Mass, Plot, banded, pieces
+from cityx.geometry.massing import Mass, Plot, pieces
+from cityx.geometry.massing_rules import banded
 from cityx.plugins.building.design import redesign
 from cityx.protocol import Choice, ObjectName, Range, action
 

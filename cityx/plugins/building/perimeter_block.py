@@ -11,7 +11,8 @@ from cityx.assets.facade_styles import FacadeStyle, Fixture, Strip
 from cityx.assets.generators import Generator, Look
 from cityx.assets.palette_tables import PLASTERS, REDS
 from cityx.city.city import City
-from cityx.geometry.massing import Mass, Plot, courtyard, grow
+from cityx.geometry.massing import Mass, Plot, grow
+from cityx.geometry.massing_rules import courtyard
 from cityx.plugins.building.design import redesign
 from cityx.protocol import Choice, ObjectName, Range, action
 

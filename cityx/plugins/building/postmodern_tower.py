@@ -14,7 +14,8 @@ import shapely
 from cityx.assets.facade_styles import FacadeStyle, Fixture, Strip
 from cityx.assets.generators import Generator, Look
 from cityx.city.city import City
-from cityx.geometry.massing import Axes, Mass, Plot, notched, pieces
+from cityx.geometry.massing import Axes, Mass, Plot, pieces
+from cityx.geometry.massing_rules import notched
 from cityx.plugins.building.design import redesign
 from cityx.protocol import Choice, ObjectName, Range, action
 

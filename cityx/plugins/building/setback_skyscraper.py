@@ -11,16 +11,8 @@ from cityx.assets.facade_styles import FacadeStyle, Fixture, Strip
 from cityx.assets.generators import Generator, Look
 from cityx.assets.palette_tables import REDS, STONES
 from cityx.city.city import City
-from cityx.geometry.massing import (
-    Mass,
-    Plot,
-    crowned,
-    grow,
-    light_court,
-    notched,
-    otherwise,
-    setback,
-)
+from cityx.geometry.massing import Mass, Plot, grow
+from cityx.geometry.massing_rules import crowned, light_court, notched, otherwise, setback
 from cityx.plugins.building.design import redesign
 from cityx.protocol import Choice, ObjectName, Range, action
 

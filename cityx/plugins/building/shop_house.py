@@ -14,7 +14,8 @@ from cityx.assets.facade_styles import FacadeStyle, Fixture
 from cityx.assets.generators import Generator, Look
 from cityx.assets.palette_tables import REDS
 from cityx.city.city import City
-from cityx.geometry.massing import Mass, Plot, Site, carve, chamfered, site_of
+from cityx.geometry.massing import Mass, Plot, Site, carve, site_of
+from cityx.geometry.massing_rules import chamfered
 from cityx.plugins.building.design import redesign
 from cityx.protocol import Choice, ObjectName, Range, action
 

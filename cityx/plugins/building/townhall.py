@@ -14,7 +14,8 @@ from cityx.assets.facade_styles import FacadeStyle, Fixture, Strip
 from cityx.assets.generators import Generator, Look
 from cityx.assets.palette_tables import STONES
 from cityx.city.city import City
-from cityx.geometry.massing import Mass, Plot, Site, carve, courtyard, disc, grow, site_of
+from cityx.geometry.massing import Mass, Plot, Site, carve, disc, grow, site_of
+from cityx.geometry.massing_rules import courtyard
 from cityx.plugins.building.design import redesign
 from cityx.protocol import Choice, ObjectName, Range, action
 

@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.assets.library.grow import draw_plots, grow_library, shares_of
+from cityx.assets.library.grow import grow_library, shares_of
 from cityx.assets.library.local_text import LocalText
 from cityx.assets.library.models import content_hashes
+from cityx.assets.library.plots import draw_plots
 from cityx.assets.library.records import validate_document
 from cityx.assets.library.store import check_library, embed_library, open_library
 from cityx.errors import InputError, UsageError
