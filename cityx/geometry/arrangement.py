@@ -21,16 +21,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.ground import LABEL, Ground
 from cityx.geometry.chains import components
+from cityx.geometry.faces import OUTSIDE, doubled_areas, trace_faces
+from cityx.geometry.snap_rounding import FINE, snap_round
 
 GRID = 0.01  # metres; finer than a joint between kerb stones, coarser than any rounding error
 PER_METRE = 100  # grid steps per metre
 SLIVER_AREA = 0.02  # square metres; smaller faces take the label of their longest neighbour
 SLIVER_WIDTH = 0.02  # metres; so do thinner ones
-SMALL = 40  # vertices; polygons up to this size are tried one by one for standing apart
-RUN = 16  # segments of a stroke that are compared at once
-BATCH = 5000  # faces that are triangulated at once; a triangle as a polygon takes 500 bytes
-MARGIN = 3 * GRID  # nothing that snapping moves reaches across it
-BEYOND = -1  # the face on the far side of the site's border
+BEYOND = OUTSIDE  # the face on the far side of the site's border
 
 IntArray = NDArray[np.int64]
 
@@ -120,22 +118,19 @@ def arrange(
     west, south, east, north = np.round(np.asarray(extent, float) * PER_METRE) / PER_METRE
     site = shapely.box(west, south, max(east, west + GRID), max(north, south + GRID))
     given = _inside(given, site)
-    faces = _faces(given.polygons, np.asarray(lines, dtype=object), site)
-    vertices, triangles, face = _triangulate(faces)
-    area = doubled_areas(vertices, triangles)
-    solid = area > 0
-    triangles, face, area = triangles[solid], face[solid], area[solid]
-    points = _inner_points(vertices, triangles, face, area, len(faces))
+    faces = trace_faces(*snap_round(*_segments(given.polygons, np.asarray(lines, object), site)))
+    triangles, face = faces.triangles()
+    area = doubled_areas(faces.points, triangles)
+    points = _inner_points(faces.points, triangles, face, area)
     label, object_id = _owners(given, points, background)
-    edges, edge_faces = face_edges(triangles, face)
     ground = Ground(
-        vertices / PER_METRE,
+        faces.points / PER_METRE,
         triangles.astype(np.int32),
         face.astype(np.int32),
         label,
         object_id,
-        edges.astype(np.int32),
-        edge_faces.astype(np.int32),
+        faces.edges.astype(np.int32),
+        faces.edge_faces.astype(np.int32),
     )
     return _absorb_slivers(ground, area)
 
@@ -153,105 +148,24 @@ def _inside(given: Regions, site: Any) -> Regions:
     return regions(shapes[keep], given.label[keep], given.priority[keep], given.object_id[keep])
 
 
-def _faces(polygons: NDArray[Any], lines: NDArray[Any], site: Any) -> NDArray[Any]:
-    """Node all boundary lines on the grid and return the faces between them."""
+def _segments(polygons: NDArray[Any], lines: NDArray[Any], site: Any) -> tuple[IntArray, IntArray]:
+    """Both ends, (m, 2) each, of the segments of all boundary lines, in parts of a grid step."""
     if len(lines):
         lines = shapely.intersection(lines, site)
-    strokes = np.concatenate([shapely.boundary(polygons), lines.ravel(), [site.exterior]])
-    apart = np.zeros(len(strokes), bool)
-    apart[: len(polygons)] = _stand_apart(polygons, strokes)
-    rings = shapely.transform(shapely.get_parts(strokes[apart]), _to_grid)
-    noded = shapely.get_parts(shapely.unary_union(strokes[~apart], grid_size=GRID))
-    del strokes  # the largest arrays of a large site: none is held longer than it is needed
-    edges = np.concatenate([noded, rings])
-    del noded, rings
-    faces = shapely.normalize(shapely.get_parts(shapely.polygonize(edges)))
-    del edges
-    # The order in which regions were given must not show in the order of faces and triangles.
-    keys = np.column_stack([shapely.area(faces), shapely.bounds(faces)])
-    return np.asarray(faces[np.lexsort(np.round(keys, 3).T)])
-
-
-def _to_grid(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(np.rint(points * PER_METRE) / PER_METRE)
-
-
-def _stand_apart(polygons: NDArray[Any], strokes: NDArray[Any]) -> NDArray[np.bool_]:
-    """Mark small polygons that no stroke but their own comes near: they need no noding."""
-    found = np.zeros(len(polygons), bool)
-    small = np.flatnonzero(shapely.get_num_coordinates(polygons) <= SMALL)
-    small = small[shapely.is_valid(shapely.transform(polygons[small], _to_grid))]
-    small = small[shapely.is_valid(polygons[small])]
-    if not len(small):
-        return found
+    strokes = np.concatenate([shapely.get_rings(polygons), lines.ravel(), [site.exterior]])
     points, owner = shapely.get_coordinates(shapely.get_parts(strokes), return_index=True)
-    stroke = shapely.get_parts(strokes, return_index=True)[1][owner]
-    # Long strokes are cut into short runs, so that a box is compared with what is near.
+    spots = np.rint(points * (PER_METRE * FINE)).astype(np.int64)
     first = np.flatnonzero(owner[1:] == owner[:-1])
-    begin = np.searchsorted(owner, owner[first])
-    run = np.r_[True, (np.diff(owner[first]) != 0) | ((first - begin)[1:] % RUN == 0)].cumsum() - 1
-    where = np.empty(2 * len(first), np.int64)
-    where[0::2], where[1::2] = first, first + 1
-    runs = shapely.linestrings(points[where], indices=np.repeat(run, 2))
-    of_run = stroke[first[np.flatnonzero(np.r_[True, run[1:] != run[:-1]])]]
-    box = shapely.bounds(polygons[small])
-    near = shapely.box(box[:, 0] - MARGIN, box[:, 1] - MARGIN, box[:, 2] + MARGIN,
-                       box[:, 3] + MARGIN)  # fmt: skip
-    one, other = shapely.STRtree(runs).query(near, predicate="intersects")
-    touched = one[of_run[other] != small[one]]
-    found[small] = True
-    found[small[touched]] = False
-    return found
-
-
-def _triangulate(faces: NDArray[Any]) -> tuple[IntArray, IntArray, IntArray]:
-    """Triangulate faces on their own vertices: (n, 2) grid points, (t, 3) corners, (t,) face."""
-    corners, owners = [np.zeros((0, 2), np.int64)], [np.zeros(0, np.int64)]
-    for begin in range(0, len(faces), BATCH):
-        cut, owner = shapely.get_coordinates(
-            shapely.constrained_delaunay_triangles(faces[begin : begin + BATCH]), return_index=True
-        )
-        # A triangle is a closed ring of four points.
-        three = cut.reshape(-1, 4, 2)[:, :3].reshape(-1, 2)
-        corners.append(np.rint(three * PER_METRE).astype(np.int64))
-        owners.append(owner[::4] + begin)
-    face = np.concatenate(owners)
-    vertices, index = _places(np.concatenate(corners))
-    triangles = index.reshape(-1, 3)
-    clockwise = doubled_areas(vertices, triangles) < 0
-    triangles[clockwise] = triangles[clockwise][:, ::-1]
-    return vertices, triangles, face
-
-
-def _places(points: IntArray) -> tuple[IntArray, IntArray]:
-    """Return the distinct rows of (n, 2) whole numbers in order, and the number of each row."""
-    import pandas as pd
-
-    low = points.min(axis=0, initial=0)
-    keys = ((points[:, 0] - low[0]) << np.int64(32)) | (points[:, 1] - low[1])
-    # Hashing first and sorting what is distinct takes a third of the time of `np.unique`.
-    code, found = pd.factorize(keys)
-    order = np.argsort(found)
-    number = np.empty(len(order), np.int64)
-    number[order] = np.arange(len(order))
-    places = found[order]
-    return np.column_stack([places >> 32, places & 0xFFFFFFFF]) + low, number[code]
-
-
-def doubled_areas(vertices: NDArray[Any], triangles: NDArray[Any]) -> NDArray[Any]:
-    """(t,) twice the signed area of each triangle; exact on whole numbers."""
-    a, b, c = vertices[triangles[:, 0]], vertices[triangles[:, 1]], vertices[triangles[:, 2]]
-    u, v = b - a, c - a
-    return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    return spots[first], spots[first + 1]
 
 
 def _inner_points(
-    vertices: IntArray, triangles: IntArray, face: IntArray, area: IntArray, count: int
+    vertices: IntArray, triangles: IntArray, face: IntArray, area: IntArray
 ) -> NDArray[np.float64]:
-    """One point in each face: the centroid of its largest triangle."""
-    order = np.lexsort((-area, face))
-    first = np.searchsorted(face[order], np.arange(count))
-    largest = order[np.minimum(first, len(order) - 1)]
+    """One point in each face, whose triangles follow each other: the centroid of its largest."""
+    begin = np.flatnonzero(np.r_[True, face[1:] != face[:-1]])
+    largest = np.flatnonzero(area == np.maximum.reduceat(area, begin)[face])
+    largest = largest[np.unique(face[largest], return_index=True)[1]]
     return np.asarray(vertices[triangles[largest]].mean(axis=1) / PER_METRE)
 
 
@@ -289,15 +203,6 @@ def half_edges(triangles: NDArray[Any]) -> tuple[IntArray, IntArray]:
     twin = np.full(len(edges), -1, np.int64)
     twin[order[pair]], twin[order[pair + 1]] = order[pair + 1], order[pair]
     return edges, twin
-
-
-def face_edges(triangles: NDArray[Any], face: NDArray[Any]) -> tuple[IntArray, IntArray]:
-    """List the edges between different faces once each, and the faces left and right of them."""
-    edges, twin = half_edges(triangles)
-    left = np.repeat(face, 3).astype(np.int64)
-    right = np.where(twin >= 0, left[twin], BEYOND) if len(left) else left
-    once = (right == BEYOND) | ((left != right) & (edges[:, 0] < edges[:, 1]))
-    return edges[once], np.column_stack([left[once], right[once]])
 
 
 def face_areas(ground: Ground) -> NDArray[np.float64]:

@@ -14,6 +14,7 @@ IntArray = NDArray[np.int64]
 
 # Positions are cut no closer than this to an existing vertex: half the arrangement's grid.
 SAME_POINT = 0.005
+SAGITTA = 0.01  # metres from a curve to its chords: no facet of a kerb shows, nor is below the grid
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,16 @@ def to_linestrings(lines: Polylines) -> NDArray[Any]:
     if not lines.count:
         return np.zeros(0, dtype=object)
     return np.asarray(shapely.linestrings(lines.points, indices=lines.line_of_point()))
+
+
+def chords_of_quarter(radius: ArrayLike) -> IntArray:
+    """Count the chords of a quarter circle that stay within `SAGITTA` of it, for radii in metres.
+
+    Counts are even, so that there are few of them.
+    """
+    size = np.maximum(np.asarray(radius, float), 2 * SAGITTA)
+    half = np.arccos(1.0 - SAGITTA / size)
+    return np.asarray(2 * np.ceil(np.pi / 8 / half), np.int64)
 
 
 def arc_lengths(lines: Polylines) -> tuple[FloatArray, FloatArray]:

@@ -18,7 +18,14 @@ from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrangement import GRID, Regions, join_regions, regions
 from cityx.geometry.identity import mix
-from cityx.geometry.polylines import Polylines, arc_lengths, locate, pieces, to_linestrings
+from cityx.geometry.polylines import (
+    Polylines,
+    arc_lengths,
+    chords_of_quarter,
+    locate,
+    pieces,
+    to_linestrings,
+)
 from cityx.plugins.road.corners import (
     LEAST_RADIUS,
     NOSE,
@@ -37,13 +44,12 @@ LOOSE = (
     "gravel", "fine_gravel", "compacted", "unpaved", "dirt", "earth", "ground", "grass", "mud",
     "sand", "pebblestone", "rock", "woodchips", "grass_paver",
 )  # fmt: skip
-ROUND = 4  # chords per quarter circle; 3 cm off at a radius of 2.5 m
-CURVES = ((4.0, 4), (8.0, 6), (np.inf, 8))  # metres of kerb radius, chords per quarter circle
+ROUND = 8  # chords per quarter circle beside bends; 1.5 cm off at a radius of 3 m
 BUILDING_PRIORITY = 74  # a facade wins over a carriageway drawn too wide
 PASSAGE_PRIORITY = 76  # but not where the carriageway runs through the house
 MITRE = 2.0  # longest mitre, in half widths; sharper bends are cut off
 BATCH = 500.0  # metres; carriageways are joined in squares of this size
-FINE, COARSE = 0.03, 1.0  # metres by which centrelines are simplified, in detail and without
+FINE, COARSE = 0.01, 1.0  # metres by which centrelines are simplified, in detail and without
 OVERLAP = 0.5  # metres that a carriageway reaches into the junction surface, also where arms curve
 BETWEEN_HOUSES = 20.0  # metres from a centreline to the houses that make its road a street
 SHORTEST = 0.5  # metres; a shorter piece between two junctions belongs to them
@@ -452,11 +458,10 @@ def _closed(shapes: Shapes, radius: FloatArray) -> Shapes:
     with np.errstate(divide="ignore", invalid="ignore"):  # at spikes, which the mitre limit cuts
         grown = shapely.buffer(shapes, radius, join_style="mitre", mitre_limit=MITRE)
     closed = np.full(len(shapes), None, object)
-    least = 0.0
-    for most, chords in CURVES:
-        rows = np.flatnonzero((radius > least) & (radius <= most))
-        closed[rows] = shapely.buffer(grown[rows], -radius[rows], quad_segs=chords)
-        least = most
+    chords = chords_of_quarter(radius)
+    for count in np.unique(chords).tolist():
+        rows = np.flatnonzero(chords == count)
+        closed[rows] = shapely.buffer(grown[rows], -radius[rows], quad_segs=count)
     return closed
 
 

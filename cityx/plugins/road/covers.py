@@ -6,15 +6,22 @@ from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.covers import cover
 from cityx.city.city import City
+from cityx.city.ground import ROADWAY
 from cityx.city.scene import Instances
 from cityx.geometry.identity import hash_ids, uniform
+from cityx.geometry.polylines import to_linestrings
 from cityx.plugins.road.carriageway import kerbed_edges, road_labels
-from cityx.plugins.road.kerbs import join_places, places_along
+from cityx.plugins.road.kerbs import KerbPlaces, edge_lines, join_places, places_along
+from cityx.plugins.road.roundabouts import ring_edges, rings_of
 from cityx.protocol import Port, Range, action, has_network
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 ACTION = "road/covers-v1"
 NAMES = ("manhole", "gully")
@@ -23,6 +30,8 @@ MANHOLE_IN = 1.7  # metres from the kerb: near the middle of the lane
 LEAST_HALF = 2.4  # metres of half carriageway that has manholes
 SLACK = 0.5  # share of their spacing by which manholes leave their places
 MARGIN = 3.0  # metres behind the junction
+REACH = 2.0  # metres that a gully is moved to its kerb
+SHORTEST = 0.1  # metres; shorter pieces of a kerb do not tell its direction
 
 
 @action(
@@ -63,6 +72,7 @@ def covers(
                      phase=phase)
         for side, phase in ((1, 0.0), (-1, 0.5))
     ))  # fmt: skip
+    grates = grates.take(~_round_islands(city, grates.xy))
     ids = [
         hash_ids(0, f"{ACTION}/{name}", network.edge_id[places.edge],
                  2 * places.number + (places.side > 0))
@@ -73,23 +83,66 @@ def covers(
     reach = np.minimum(SLACK * manholes / 2, 2 * MARGIN - 1.0)
     xy = holes.xy + holes.ahead * (reach * moved)[:, None]
     xy = xy + holes.toward_road * (0.5 * aside)[:, None]
-    places = np.concatenate([xy, grates.xy])
-    ahead = np.concatenate([holes.ahead, grates.ahead])
-    kind = np.repeat([0, 1], [len(xy), len(grates.xy)])
-    inside = _inside(places, city.layout.extent)
+    along, ahead, found = _at_kerbs(city, grates)
+    places = np.concatenate([xy, along])
+    ahead = np.concatenate([holes.ahead, ahead])
+    kind = np.repeat([0, 1], [len(xy), len(along)])
+    inside = _inside(places, city.layout.extent) & np.concatenate([np.ones(len(xy), bool), found])
     return _with_covers(city, places[inside], ahead[inside], kind[inside],
                         np.concatenate(ids)[inside])  # fmt: skip
 
 
-def _inside(
-    xy: NDArray[np.float64], extent: tuple[float, float, float, float]
-) -> NDArray[np.bool_]:
+def _round_islands(city: City, xy: FloatArray) -> BoolArray:
+    """Mark places on the inner side of roundabouts, from which water runs outward."""
+    network = city.network
+    assert network is not None
+    lines = to_linestrings(edge_lines(network))[ring_edges(city.layout, network)]
+    found = np.zeros(len(xy), bool)
+    inner = rings_of(lines).polygon
+    found[shapely.STRtree(inner).query(shapely.points(xy), predicate="within")[0]] = True
+    return found
+
+
+def _at_kerbs(city: City, grates: KerbPlaces) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Move gullies to the kerbs as they are laid: position, direction, and which have one.
+
+    Kerbs leave their streets at corners and bays, and are dropped at crossings. Without a ground
+    all stay where they are.
+    """
+    ground = city.ground
+    if ground is None or not len(grates.xy):
+        return grates.xy, grates.ahead, np.ones(len(grates.xy), bool)
+    left, right = ground.edge_faces.T
+    kerb, road = ground.labelled("kerb"), ground.labelled(*ROADWAY)
+    beyond = np.maximum(right, 0)
+    one = (right >= 0) & road[left] & kerb[beyond]  # the road on its left
+    other = (right >= 0) & kerb[left] & road[beyond]
+    ends = np.concatenate([ground.edges[one], ground.edges[other][:, ::-1]])
+    begin, end = ground.vertices[ends[:, 0]], ground.vertices[ends[:, 1]]
+    ahead = end - begin
+    length = np.hypot(*ahead.T)
+    long = length > SHORTEST
+    begin, end, ahead = begin[long], end[long], ahead[long] / length[long][:, None]
+    rims = shapely.linestrings(np.stack([begin, end], axis=1))
+    spots = shapely.points(grates.xy)
+    row, rim = shapely.STRtree(rims).query_nearest(spots, max_distance=REACH, all_matches=False)
+    foot = shapely.get_coordinates(
+        shapely.get_point(shapely.shortest_line(rims[rim], spots[row]), 0)
+    )
+    inward = np.column_stack([-ahead[:, 1], ahead[:, 0]])[rim]
+    xy, direction, found = grates.xy.copy(), grates.ahead.copy(), np.zeros(len(spots), bool)
+    xy[row] = np.round(foot - GULLY_IN * inward, 3)
+    direction[row], found[row] = ahead[rim], True
+    return xy, direction, found
+
+
+def _inside(xy: FloatArray, extent: tuple[float, float, float, float]) -> BoolArray:
     low, high = np.array(extent[:2]), np.array(extent[2:])
     return np.asarray(((xy >= low) & (xy <= high)).all(axis=1))
 
 
 def _with_covers(
-    city: City, xy: NDArray[np.float64], ahead: NDArray[np.float64], kind: NDArray[np.int64],
+    city: City, xy: FloatArray, ahead: FloatArray, kind: NDArray[np.int64],
     ids: NDArray[np.uint64],
 ) -> City:  # fmt: skip
     """Lay the covers on the slope of the street."""

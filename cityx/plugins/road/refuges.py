@@ -30,7 +30,7 @@ LEAST_ISLAND, WIDEST_ISLAND = 1.2, 2.0  # metres; room for one person, and for a
 ISLAND_END = 2.5  # metres of island on both sides of the crossing
 NEAR = 15.0  # metres along the street from a mapped island to the crossing it belongs to
 WAY_PRIORITY = 53  # above medians and kerbs, below dropped kerbs
-CHORDS = 4  # per quarter circle of an island's end
+CHORDS = 8  # per quarter circle of an island's end
 
 
 def refuge_regions(street: Street, zebras: Zebras, *, yellow: bool) -> Regions:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
 from cityx.geometry.arrangement import Regions, join_regions, regions
-from cityx.geometry.polylines import Polylines, to_linestrings
+from cityx.geometry.polylines import Polylines, chords_of_quarter, to_linestrings
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
@@ -22,8 +22,6 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 
-SMOOTH = np.radians(10.0)  # between two points of a ring; larger turns are drawn as arcs
-LEAST_TURN = np.radians(12.0)
 LEAST_ISLAND = 2.0  # metres of radius of the island in the middle of the smallest ring
 NARROWEST = 1.6  # metres of half width of a ring
 APRON = 1.5  # metres of setts round the island, for the rear wheels of lorries
@@ -34,7 +32,7 @@ ISLAND_PRIORITY = 77  # above all surfaces of its ring
 CROSSED_PRIORITY = 53  # the same of an island that a street runs through: that goes on
 MINI = 2.0  # metres of radius of the disc of a mini-roundabout (TSRGD 2016, diagram 611.1)
 TURNING = 6.5  # metres of radius of a turning circle
-CIRCLE = 8  # chords per quarter circle
+CIRCLE = 16  # chords per quarter circle; a centimetre off at a radius of 8 m
 
 
 @dataclass(frozen=True)
@@ -96,10 +94,12 @@ def _arcs(points: FloatArray) -> FloatArray:
     out = [points[:1]]
     for a, b, u, v in zip(points[:-1], points[1:], tangent[:-1], tangent[1:], strict=True):
         turn = float(np.arccos(np.clip(u @ v, -1.0, 1.0)))
-        if LEAST_TURN < turn < np.pi / 2:
-            count = int(np.ceil(turn / SMOOTH))
+        chord = float(np.hypot(*(b - a)))
+        quarter = float(chords_of_quarter(chord / max(2 * np.sin(turn / 2), 1e-9)))
+        count = int(np.ceil(turn / (np.pi / 2) * quarter))
+        if count > 1 and turn < np.pi / 2:
             share = 4.0 / 3.0 * np.tan(turn / 4.0) / (2.0 * np.sin(turn / 2.0))
-            reach = np.hypot(*(b - a)) * share
+            reach = chord * share
             t = (np.arange(1, count) / count)[:, None]
             c, d = a + u * reach, b - v * reach
             out.append(

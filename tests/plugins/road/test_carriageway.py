@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.plugins.road.carriageway import build_carriageway
+from cityx.plugins.road.carriageway import _closed, build_carriageway
 from cityx.plugins.road.corners import NOSE_RADIUS
 from cityx.plugins.road.network import road_network
 
@@ -43,3 +43,18 @@ def test_arms_that_bend_away_leave_the_land_between_them(layout_of):
              [(0, 0), (-8.3, -5.3)]]  # fmt: skip
     layout = layout_of([([(0, 0), (0, -80)], {}), *((line, stub) for line in stubs)])
     assert not driven(layout).contains(shapely.Point(-0.8, 4.0))
+
+
+@pytest.mark.parametrize("radius", [3.0, 6.0, 12.0])
+def test_chords_of_a_curve_stay_within_a_centimetre(radius):
+    notch = shapely.Polygon([(0, 0), (60, 0), (60, 60), (30, 60), (30, 30), (0, 30)])
+    closed = _closed(np.array([notch], object), np.array([radius]))[0]
+    points = shapely.get_coordinates(closed)
+    centre = np.array([30 - radius, 30 + radius])
+    away = points - centre
+    arc = points[
+        (np.abs(np.hypot(*away.T) - radius) < 0.02) & (away[:, 0] >= 0) & (away[:, 1] <= 0)
+    ]
+    middles = (arc[1:] + arc[:-1]) / 2 - centre
+    assert len(arc) > 8
+    assert np.abs(np.hypot(*middles.T) - radius).max() < 0.011

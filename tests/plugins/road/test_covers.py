@@ -61,3 +61,27 @@ def test_covers_are_flush(name):
     vertices = cover(name).mesh.vertices
     assert vertices[:, 2].max() < 0.02
     assert np.abs(vertices[:, :2]).max() < 0.45
+
+
+RING = [(14 * np.cos(a), 14 * np.sin(a)) for a in np.arange(8) * np.pi / 4]
+ROUNDABOUT = [
+    ([*RING, RING[0]], {"oneway": True, "roundabout": True, "lanes": 1}),
+    *(([RING[k], (6 * RING[k][0], 6 * RING[k][1])], {"width": 7.0}) for k in (0, 2, 4, 6)),
+]
+
+
+def test_a_roundabout_has_gullies_on_the_outside_alone(layout_of, city_of):
+    rows, names = made(covers(ground(network(city_of(layout_of(ROUNDABOUT)))), gullies=8.0))
+    reach = np.hypot(*rows.position[names == "gully", :2].T)
+    assert (reach < 20.0).any()
+    assert reach.min() > 14.0
+
+
+def test_gullies_follow_the_kerb_round_corners(layout_of, city_of):
+    city = covers(ground(network(city_of(layout_of(ROUNDABOUT)))), gullies=8.0)
+    rows, names = made(city)
+    found = city.ground
+    stones = found.triangles_of("kerb")
+    kerb = shapely.union_all(shapely.polygons(found.vertices[stones][..., :2]))
+    gap = shapely.distance(kerb, shapely.points(rows.position[names == "gully", :2]))
+    assert np.allclose(gap, 0.2, atol=0.02)

@@ -120,3 +120,14 @@ def test_a_splitter_lies_between_the_lanes_beside_parked_cars(layout_of, city_of
     over = {check.name: check.value for check in check_junctions(city)}["sidewalk_on_carriageway"]
     assert over == 0.0
     assert areas(city.ground)["courtyard"] > 4 * 3.0
+
+
+def test_no_chord_of_a_ring_leaves_its_circle_by_more_than_a_centimetre():
+    twelve = np.arange(12) * np.pi / 6
+    for radius in (8.0, 15.0, 30.0):
+        ring = [(radius * np.cos(a), radius * np.sin(a)) for a in twelve]
+        line = shapely.LineString([*ring, ring[0]])
+        drawn = round_rings(np.array([line], object), np.array([True]))[0]
+        points = shapely.get_coordinates(drawn)
+        middles = (points[1:] + points[:-1]) / 2
+        assert np.hypot(*middles.T).min() > radius - 0.012
