@@ -38,6 +38,7 @@ KEPT = ("pedestrian", "park")  # land that a course avoids
     "layout/river-v1",
     limits=["What lies in the river's way is taken down; a city with water there is refused."],
     requires=("layout",),
+    after=("layout/boulevard-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("river", "bridge", "stream", "canal", "water"),

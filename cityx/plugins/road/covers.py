@@ -29,6 +29,7 @@ MARGIN = 3.0  # metres behind the junction
     ACTION,
     limits=["Runs at level of detail 2 and above; below it changes nothing."],
     requires=("layout", has_network()),
+    after=("road/ground-v1",),
     takes=(Port("network", "line", role="road_network"),),
     gives=(Port("covers", "point", role="street_cover"),),
 )
