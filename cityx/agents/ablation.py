@@ -2,8 +2,9 @@
 
 The paper takes Description, Input and Limitation out of the documents of its plugins and counts
 what still succeeds. Here the offline planner reads the same parts: by the description it knows what
-an action serves, by the input what an action needs and is given, by the limitation what must have
-run before. The gate always knows everything, so what is planned wrongly is refused, not run.
+an action serves, by the input what an action needs and is given, by the limitation what comes
+before it and which values it admits. The gate always knows everything, so what is planned wrongly
+is refused, not run.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import combinations
+from typing import Any
 
 from cityx.errors import UsageError
 from cityx.protocol.encapsulation import Encapsulation
@@ -49,13 +51,14 @@ def shown_records(records: Iterable[Encapsulation], arm: str) -> tuple[Encapsula
         Of all actions.
     arm
         Of `ARMS`. Without D go the description, the labels and the wishes that an action says it
-        serves, and a planner cannot call an action by its name either, which would tell what it
-        does. Without I go parameters, what a brief binds to them, and the ports it takes. Without L
-        go the limits, the stages that must have run and the preconditions.
+        serves, and a planner cannot call an action or fill a parameter by the action's name either,
+        which would tell what it does. Without I go parameters, what a brief binds to them, and the
+        ports it takes. Without L go the limits, what must have run or comes first, the
+        preconditions, and the ranges of parameters.
     """
     found = []
     for record in records:
-        changes: dict[str, object] = {}
+        changes: dict[str, Any] = {}
         if "D" not in arm:
             changes |= {"description": UNSAID, "labels": (), "serves": ()}
         if "I" not in arm:
@@ -63,6 +66,10 @@ def shown_records(records: Iterable[Encapsulation], arm: str) -> tuple[Encapsula
             served = record.serves if "D" in arm else ()
             changes["serves"] = tuple(Serves(*wish.slots) for wish in served)
         if "L" not in arm:
-            changes |= {"limits": (UNSAID,), "requires": (), "preconditions": ()}
-        found.append(replace(record, **changes) if changes else record)  # type: ignore[arg-type]
+            given = changes.get("parameters", record.parameters)
+            changes |= {
+                "limits": (UNSAID,), "requires": (), "preconditions": (), "after": (),
+                "parameters": tuple(replace(p, low=None, high=None) for p in given),
+            }  # fmt: skip
+        found.append(replace(record, **changes) if changes else record)
     return tuple(found)

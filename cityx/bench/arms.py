@@ -9,9 +9,15 @@ from typing import Any
 
 from cityx.agents.ablation import ARMS, UNSAID
 from cityx.atomic import replaced
+from cityx.bench.report import rate_cell
 from cityx.bench.scoring import Rate, Sample, rates_of
 
 FULL = ARMS[0]
+MEANING = (
+    "D is the description, I the input, L the limitation of the actions, as the offline planner "
+    "reads them: this measures what the records tell a symbolic planner, not a language model. "
+    "p is McNemar's exact test against all three."
+)
 
 
 def name_of(arm: str) -> str:
@@ -58,28 +64,23 @@ def write_ablation(
 ) -> list[str]:
     """Write ablation.json and ablation.md into a folder, and return the lines of the table."""
     records = ablation_of(samples)
-    lines = [*_table(records)]
+    lines = [*arms_table(records)]
     with replaced(folder / "ablation.json") as temporary:
         temporary.write_text(json.dumps({"command": command, "arms": records}, indent=1))
     with replaced(folder / "ablation.md") as temporary:
         text = "\n".join(lines)
-        temporary.write_text(
-            f"# Ablation\n\n`{command}`\n\n{text}\n\nD is the description, I the input, L the "
-            "limitation of the actions, as the offline planner reads them: this measures what the "
-            "records tell a symbolic planner, not a language model. p is McNemar's exact test "
-            "against all three.\n"
-        )
+        temporary.write_text(f"# Ablation\n\n`{command}`\n\n{text}\n\n{MEANING}\n")
     return lines
 
 
-def _table(records: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+def arms_table(records: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield the table of the arms; records as of `ablation_of`."""
     yield "| shown | executed (ER@1) | right of executed (SR@1) | right of all | p |"
     yield "| --- | --- | --- | --- | --- |"
     for record in records:
-        cells = []
-        for key in ("executed", "right_of_executed", "right"):
-            rate = Rate(record[key]["hits"], record[key]["of"])
-            low, high = rate.interval
-            cells.append(f"{rate.hits}/{rate.total} = {rate.percent:.2f} % ({low:.0f}-{high:.0f})")
+        cells = [
+            rate_cell(Rate(record[key]["hits"], record[key]["of"]))
+            for key in ("executed", "right_of_executed", "right")
+        ]
         p = f"{record['p']:.4f}" if "p" in record else ""
         yield f"| {record['arm']} | {' | '.join(cells)} | {p} |"

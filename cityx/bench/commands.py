@@ -149,25 +149,37 @@ def speed(
     lod: Annotated[str, typer.Option(help="Levels of detail, comma-separated.")] = "0,2,3",
     repeat: Annotated[int, typer.Option(min=1, max=99, help="Builds of each; medians.")] = 1,
     workers: Annotated[int, typer.Option(min=1, max=64, help="Processes of a build.")] = 1,
-    peers: Annotated[str, typer.Option(help="osmnx, netconvert, installed; comma-separated.")] = "",
+    peers: Annotated[
+        str,
+        typer.Option(help="osmnx, netconvert, blosm, osm2streets, installed; comma-separated."),
+    ] = "",
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder of the log.")] = Path(
+        "bench-speed"
+    ),
     write: Annotated[
         Path | None, typer.Option(help="Page that holds the table between its marks.")
     ] = None,
 ) -> None:
     """Build maps and print seconds per stage, memory and triangles, beside what peers take."""
+    from cityx.bench.peers import peers_named
     from cityx.bench.runner import numbers_of
-    from cityx.bench.speed import maps_in, measure_speed, peers_named, write_into
+    from cityx.bench.speed import maps_in, measure_speed, text_of, write_into
 
     given = maps or []
     found = maps_in(given[0]) if len(given) == 1 and given[0].is_dir() else given
     missing = [str(path) for path in found if not path.is_file()]
     if missing or not found:
         raise InputError(f"no such map: {', '.join(missing) or 'none is named'}.")
-    others = peers_named(words_of(peers))
-    text = measure_speed(
-        found, numbers_of(lod, "--lod"), repeat=repeat, workers=workers, peers=others,
-        say=_say,
+    others, skipped = peers_named(words_of(peers))
+    named = " ".join(path.name for path in found)
+    command = f"cityx bench speed {named} --lod {lod} --repeat {repeat}"
+    command += f" --workers {workers}" if workers > 1 else ""
+    command += f" --peers {peers}" if peers else ""
+    record = measure_speed(
+        found, numbers_of(lod, "--lod"), out, command=command, repeat=repeat, workers=workers,
+        peers=others, skipped=skipped, say=_say,
     )  # fmt: skip
+    text = text_of(record)
     typer.echo(text)
     if write is not None:
         write_into(write, text)
@@ -198,3 +210,17 @@ def edits(
     command += f" --only {only}" if only else ""
     for line in write_edits(results, command, out):
         typer.echo(line)
+
+
+@bench.command()
+def results(
+    logs: Annotated[Path, typer.Option(help="Folder of the logs: inputs, agents, ...")] = Path(
+        "bench"
+    ),
+    out: Annotated[Path, typer.Option("-o", "--out", help="The page.")] = Path("docs/results.md"),
+) -> None:
+    """Write the page of results from the logs of all benchmarks."""
+    from cityx.bench.results import write_page
+
+    write_page(logs, out)
+    typer.echo(str(out))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -84,6 +84,23 @@ def write_results(
 def _lines(found: dict[str, Any], samples: Sequence[Sample]) -> Iterator[str]:
     yield f"# {found['title']}, driver {found['driver']}"
     yield f"\n`{found['command']}`\n"
+    yield from tables_of(found, samples, found["tasks"])
+
+
+def tables_of(
+    found: dict[str, Any], samples: Sequence[Sample], rows: Sequence[dict[str, Any]]
+) -> Iterator[str]:
+    """Yield the tables of results, without a title.
+
+    Parameters
+    ----------
+    found
+        As of `results_of`.
+    samples
+        They are of.
+    rows
+        Those of ``found["tasks"]`` that are listed.
+    """
     yield (f"{found['samples']} proposals; {len(found['unsupported'])} ask for what no action "
            "serves and count as neither.")  # fmt: skip
     if found["lod"] is not None and found["lod"] < LEAST_DETAIL:
@@ -94,29 +111,31 @@ def _lines(found: dict[str, Any], samples: Sequence[Sample]) -> Iterator[str]:
     for name in found["categories"]:
         yield _rates_row(name, rates_of(s for s in samples if s.category == name))
     yield _rates_row("all", rates_of(samples))
-    yield from _counts("code of a fault", found["faults"])
+    yield from counts_table("code of a fault", found["faults"])
     if found["slots"]:
         said = found["slots"]
         yield (f"\nReading: precision {said['precision']:.3f}, recall {said['recall']:.3f}, "
                f"F1 {said['f1']:.3f} over {said['slots']} slots; planning takes "
                f"{found['planning_s_most']:.2f} s at most.")  # fmt: skip
-    yield "\n| task | seed | executed | right | goals met, unmet, open | s | cause |"
-    yield "| --- | --- | --- | --- | --- | --- | --- |"
-    for row in found["tasks"]:
-        yield _task_row(row)
+    if rows:
+        yield "\n| task | seed | executed | right | goals met, unmet, open | s | cause |"
+        yield "| --- | --- | --- | --- | --- | --- | --- |"
+        yield from map(_task_row, rows)
 
 
 def _rates_row(name: str, rates: Rates) -> str:
-    cells = (_cell(rate) for rate in (rates.executed, rates.right_of_executed, rates.right))
+    cells = (rate_cell(rate) for rate in (rates.executed, rates.right_of_executed, rates.right))
     return f"| {name} | {' | '.join(cells)} |"
 
 
-def _cell(rate: Rate) -> str:
+def rate_cell(rate: Rate) -> str:
+    """Return counts, percent and interval in one cell."""
     low, high = rate.interval
     return f"{rate.hits}/{rate.total} = {rate.percent:.2f} % ({low:.0f}-{high:.0f})"
 
 
-def _counts(title: str, counts: dict[str, int]) -> Iterator[str]:
+def counts_table(title: str, counts: Mapping[str, int]) -> Iterator[str]:
+    """Yield a table of counts, nothing where there are none."""
     if counts:
         yield f"\n| {title} | times |"
         yield "| --- | --- |"
@@ -144,7 +163,7 @@ def summary(found: dict[str, Any]) -> Iterable[str]:
              ("right", "right of all"))  # fmt: skip
     for key, words in names:
         rate = Rate(rates[key]["hits"], rates[key]["of"])
-        yield f"{words:<18} {_cell(rate)}"
+        yield f"{words:<18} {rate_cell(rate)}"
     if found["unsupported"]:
         said = ", ".join(f"{task} ({', '.join(w)})" for task, w in found["unsupported"].items())
         yield f"not counted        {said}"

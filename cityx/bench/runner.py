@@ -7,6 +7,7 @@ import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field, fields
 from multiprocessing import get_context
 from pathlib import Path
@@ -16,7 +17,7 @@ from cityx.agents.options import BuildOptions
 from cityx.agents.requests import with_requests
 from cityx.bench.drivers import change, driver_named
 from cityx.bench.inputs import input_paths, write_inputs
-from cityx.bench.outcome import Workplace
+from cityx.bench.outcome import CRASH, Workplace
 from cityx.bench.scenes import EMPTY, LOD, SCENES, write_drawing
 from cityx.bench.scoring import Sample, judged
 from cityx.bench.tasks import Task
@@ -128,9 +129,30 @@ def _made(jobs: Sequence[_Job], workers: int) -> Iterator[Sample]:
     if workers == 1:
         yield from map(_done, jobs)
         return
+    alone: list[_Job] = []
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        for future in as_completed([pool.submit(_done, job) for job in jobs]):
-            yield future.result()
+        futures = {pool.submit(_done, job): job for job in jobs}
+        for future in as_completed(futures):
+            try:
+                yield future.result()
+            except BrokenProcessPool:
+                alone.append(futures[future])
+    for job in alone:  # one of them ended its process, and the others with it
+        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+            try:
+                yield pool.submit(_done, job).result()
+            except BrokenProcessPool:
+                yield _died(job)
+
+
+def _died(job: _Job) -> Sample:
+    """Return what is known of a proposal whose process ended on the way."""
+    fault = {"code": CRASH, "action": "", "message": "the process that made it died"}
+    return Sample(
+        job.task.id, job.task.digest, job.task.category, job.driver, job.seed, job.lod,
+        job.registry, scored=True, executed=False, right=False, goals=(), clean=(),
+        faults=(fault,), unsupported=(), reply={}, slots={}, planning_s=0.0, seconds=0.0,
+    )  # fmt: skip
 
 
 def _prepare(bench: Bench, jobs: Sequence[_Job], say: Say) -> None:

@@ -9,21 +9,19 @@ from __future__ import annotations
 
 import bz2
 import gzip
-import importlib.util
 import json
 import os
 import statistics
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from cityx.atomic import replaced
-from cityx.errors import EngineError, InputError, MissingExtra, UsageError, nearest
+from cityx.bench.peers import PARSE, Peer, peer_once
+from cityx.errors import EngineError, InputError
 
 # Maps that are built where a folder of maps holds them.
 MAPS = (
@@ -31,92 +29,9 @@ MAPS = (
     "liechtenstein_2013.osm.bz2", "liechtenstein_latest.osm.gz",
 )  # fmt: skip
 NO_BYTECODE = "PYTHONDONTWRITEBYTECODE"
-PARSE = "layout/inputs"  # step that reads the map
+RECORD, PARTIAL = "speed.json", "speed.partial.jsonl"
 BEGIN, END = "<!-- begin: cityx bench speed -->", "<!-- end: cityx bench speed -->"
-LONGEST = 900.0  # seconds that a peer may take
 Say = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class Peer:
-    """A program that reads the same map, and what of ours does the same.
-
-    Attributes
-    ----------
-    name
-        As asked for.
-    module
-        That must be installed.
-    makes
-        What comes out of it.
-    script
-        Python that reads ``sys.argv[1]``, an .osm file, and prints its CPU seconds.
-    steps
-        Our steps that come as far.
-    """
-
-    name: str
-    module: str
-    makes: str
-    script: str
-    steps: tuple[str, ...]
-
-    @property
-    def installed(self) -> bool:
-        """Whether it can be run here."""
-        return importlib.util.find_spec(self.module) is not None
-
-
-_OSMNX = """
-import sys, time
-import osmnx
-begin = time.process_time()
-osmnx.features_from_xml(sys.argv[1], tags={"building": True})
-osmnx.graph_from_xml(sys.argv[1])
-print(time.process_time() - begin)
-"""
-_NETCONVERT = """
-import resource, sys
-from pathlib import Path
-from cityx.traffic.engine import run_program
-path = Path(sys.argv[1])
-run_program("netconvert", ["--osm-files", path.name, "-o", "net.xml"], path.parent, timeout_s=900.0)
-used = resource.getrusage(resource.RUSAGE_CHILDREN)
-print(used.ru_utime + used.ru_stime)
-"""
-_NETWORK = (PARSE, "road/drawn_streets", "road/network", "road/lanes")
-PEERS: Mapping[str, Peer] = MappingProxyType({
-    peer.name: peer
-    for peer in (
-        Peer("osmnx", "osmnx", "tables of buildings and a graph of streets", _OSMNX,
-             (PARSE, "road/drawn_streets", "road/network")),
-        Peer("netconvert", "sumo", "lanes, junctions and signals, no buildings", _NETCONVERT,
-             _NETWORK),
-    )
-})  # fmt: skip
-
-
-def peers_named(words: Iterable[str]) -> tuple[Peer, ...]:
-    """Return peers by their names; all that are installed for "installed".
-
-    Raises
-    ------
-    UsageError
-        For a name that is no peer.
-    MissingExtra
-        For one that is not installed.
-    """
-    found: list[Peer] = []
-    for word in words:
-        if word == "installed":
-            found += [peer for peer in PEERS.values() if peer.installed]
-        elif word not in PEERS:
-            raise UsageError(f'There is no peer "{word}".{nearest(word, PEERS)}')
-        elif not PEERS[word].installed:
-            raise MissingExtra(f"{word} is not installed: pip install {PEERS[word].module}")
-        else:
-            found.append(PEERS[word])
-    return tuple(dict.fromkeys(found))
 
 
 def maps_in(folder: Path) -> list[Path]:
@@ -159,30 +74,6 @@ def build_once(path: Path, lod: int, workers: int) -> dict[str, Any]:
         return report
 
 
-def peer_once(peer: Peer, content: bytes) -> float:
-    """Let a peer read a map in a process of its own and return its CPU seconds.
-
-    Raises
-    ------
-    EngineError
-        When it fails or takes longer than `LONGEST`.
-    """
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "map.osm"
-        path.write_bytes(content)
-        command = [sys.executable, "-c", peer.script, str(path)]
-        try:
-            done = subprocess.run(
-                command, capture_output=True, text=True, check=False, timeout=LONGEST
-            )
-        except subprocess.TimeoutExpired as error:
-            raise EngineError(f"{peer.name} took more than {LONGEST:.0f} s") from error
-        if done.returncode:
-            last = done.stderr.strip().splitlines()[-1:]
-            raise EngineError(f"{peer.name} ended with {done.returncode}: {''.join(last)}")
-        return float(done.stdout.split()[-1])
-
-
 def _median(reports: Sequence[Mapping[str, Any]], *steps: str) -> float:
     sums = [sum(float(report["cpu_s"].get(step, 0.0)) for step in steps) for report in reports]
     return statistics.median(sums)
@@ -221,24 +112,89 @@ def row_of(path: Path, lod: int, reports: Sequence[Mapping[str, Any]]) -> dict[s
 
 
 def measure_speed(
-    maps: Sequence[Path], lods: Sequence[int], *, repeat: int, workers: int,
-    peers: Sequence[Peer], say: Say,
-) -> str:  # fmt: skip
-    """Build maps at levels of detail beside peers, and return the tables in Markdown."""
-    rows, beside = [], []
-    for lod in lods:
-        for path in maps:
-            reports = []
-            taken: dict[str, list[float]] = {peer.name: [] for peer in peers}
-            for _ in range(repeat):
-                reports.append(build_once(path, lod, workers))
-                for peer in peers if lod == lods[0] else ():
-                    taken[peer.name].append(peer_once(peer, content_of(path)))
-            rows.append(row_of(path, lod, reports))
-            say(f"{path.name} at level {lod}: {rows[-1]['ms/building']} ms a building")
-            beside += [_beside(path, peer, reports, taken[peer.name])
-                       for peer in peers if taken[peer.name]]  # fmt: skip
-    return table_of(rows) + (f"\n\n{table_of(beside)}" if beside else "")
+    maps: Sequence[Path], lods: Sequence[int], out: Path, *, command: str, repeat: int,
+    workers: int, peers: Sequence[Peer], skipped: Mapping[str, str], say: Say,
+) -> dict[str, Any]:  # fmt: skip
+    """Build maps at levels of detail beside peers, and return and keep what was measured.
+
+    Parameters
+    ----------
+    maps, lods
+        What is built.
+    out
+        Folder of speed.json; what a killed process measured there is not measured again.
+    command
+        As it is told.
+    repeat, workers
+        Builds of each, and processes of one.
+    peers, skipped
+        Who reads the same, and who cannot be run here, with the reason.
+    """
+    asked = [command, [peer.name for peer in peers], [str(path.resolve()) for path in maps]]
+    out.mkdir(parents=True, exist_ok=True)
+    partial = out / PARTIAL
+    kept = _kept(partial, asked)
+    with partial.open("w", encoding="utf-8") as file:
+        file.writelines(f"{json.dumps(line)}\n" for line in (asked, *kept))
+        for lod in lods:
+            for path in maps:
+                if any(one["lod"] == lod and one["map"] == path.name for one in kept):
+                    continue
+                others = peers if lod == lods[0] else ()
+                found = {"lod": lod, "map": path.name,
+                         **_measured(path, lod, repeat, workers, others)}  # fmt: skip
+                kept.append(found)
+                file.write(f"{json.dumps(found)}\n")
+                file.flush()
+                say(f"{path.name} at level {lod}: {found['row']['ms/building']} ms a building")
+    record = {
+        "command": command,
+        "rows": [one["row"] for one in kept],
+        "beside": [row for one in kept for row in one["beside"]],
+        "skipped": dict(skipped),
+    }
+    with replaced(out / RECORD) as temporary:
+        temporary.write_text(json.dumps(record, indent=1), encoding="utf-8")
+    partial.unlink()
+    return record
+
+
+def _measured(
+    path: Path, lod: int, repeat: int, workers: int, peers: Sequence[Peer]
+) -> dict[str, Any]:
+    """Build a map, each turn followed by the peers; return the rows of its tables."""
+    reports = []
+    taken: dict[str, list[float]] = {peer.name: [] for peer in peers}
+    for _ in range(repeat):
+        reports.append(build_once(path, lod, workers))
+        for peer in peers:
+            taken[peer.name].append(peer_once(peer, content_of(path)))
+    return {
+        "row": row_of(path, lod, reports),
+        "beside": [_beside(path, peer, reports, taken[peer.name]) for peer in peers],
+    }
+
+
+def _kept(partial: Path, asked: list[Any]) -> list[dict[str, Any]]:
+    """Return what a killed process measured of the same; half a line is no measurement."""
+    if not partial.exists():
+        return []
+    lines: list[Any] = []
+    for text in partial.read_text(encoding="utf-8").splitlines():
+        try:
+            lines.append(json.loads(text))
+        except ValueError:
+            break
+    return lines[1:] if lines[:1] == [asked] else []
+
+
+def text_of(record: Mapping[str, Any]) -> str:
+    """Return what was measured as tables in Markdown, with who was skipped and why."""
+    parts = [table_of(record["rows"])]
+    if record["beside"]:
+        parts.append(table_of(record["beside"]))
+    parts += [f"Not run: {name}, since {reason}." for name, reason in record["skipped"].items()]
+    return "\n\n".join(parts)
 
 
 def _beside(

@@ -14,6 +14,7 @@ from cityx.protocol.formats import Port, format_of, to_format, type_name
 from cityx.protocol.parameters import REQUIRED, Parameter, parameter_from
 from cityx.protocol.preconditions import Pre
 from cityx.protocol.serving import Serves
+from cityx.protocol.stages import stages_before
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -56,6 +57,7 @@ def action(
     *,
     limits: Sequence[str] = (),
     requires: Sequence[str | Pre] = (),
+    after: Sequence[str] = (),
     takes: Sequence[Port] = (),
     gives: Sequence[Port] = (),
     cost: float = 1.0,
@@ -82,6 +84,9 @@ def action(
         Sentences on what it cannot do.
     requires
         Stages that must have run, and tests of the city such as ``has_layer("roads")``.
+    after
+        Actions that come first where they are planned too, beside the stages that come before its
+        own.
     takes, gives
         Data ports; derived from the annotations where they can be. An action on the whole city that
         names none takes and gives what its stage does.
@@ -156,6 +161,7 @@ def action(
             limits=tuple(limits),
             requires=tuple(word for word in requires if isinstance(word, str)),
             preconditions=tuple(test for test in requires if isinstance(test, Pre)),
+            after=(*sorted(stages_before(stage)), *after),
             kind=kind or _DEFAULT_KINDS.get(stage, "plugin"),
             scope=scope,
             cost=cost,

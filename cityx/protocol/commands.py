@@ -50,6 +50,7 @@ def show_action(name: str, actions: Registry | None = None) -> str:
         "stage": record.stage.value,
         "kind": record.kind,
         "requires": list(record.requires),
+        "after": list(record.after),
         "preconditions": [test.to_json() for test in record.preconditions],
         "takes": [port.to_json() for port in record.takes],
         "gives": [port.to_json() for port in record.gives],

@@ -37,8 +37,9 @@ class Encapsulation:
         D, one objective sentence.
     parameters, takes
         I, the scalar arguments and the data that come in.
-    limits, requires, preconditions
-        L, as prose, as stages that must have run, and as tests of the city.
+    limits, requires, preconditions, after
+        L, as prose, as stages that must have run, as tests of the city, and as stages and actions
+        that come first where they are planned too. The ranges of parameters belong to L as well.
     run
         R, "module:function".
     gives
@@ -72,6 +73,7 @@ class Encapsulation:
     limits: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
     preconditions: tuple[Pre, ...] = ()
+    after: tuple[str, ...] = ()
     kind: str = "plugin"
     scope: str = "city"
     cost: float = 1.0
@@ -104,9 +106,13 @@ class Encapsulation:
 
     @property
     def limitation(self) -> str:
-        """L as one text: what must have run, what is tested, what it cannot do."""
-        stages = [f"Needs stage {stage} to have run." for stage in self.requires]
-        return " ".join([*stages, *map(str, self.preconditions), *self.limits])
+        """L as one text: what must have run, tests, what it cannot do, what comes first, ranges."""
+        said = [f"Needs stage {stage} to have run." for stage in self.requires]
+        said += [*map(str, self.preconditions), *self.limits]
+        if self.after:
+            said.append(f"Comes after {', '.join(self.after)} where planned.")
+        said += [f"{p.name}: {p.interval}." for p in self.parameters if p.interval]
+        return " ".join(said)
 
     def parameter(self, name: str) -> Parameter | None:
         """Return the parameter of a name, or None."""
@@ -263,7 +269,8 @@ def _faults(record: Encapsulation) -> list[str]:
         for p in record.parameters
         if not p.description.strip()
     ]
-    if not record.limitation.strip() or not all(text.strip() for text in record.limits):
+    said = record.limits or record.requires or record.preconditions
+    if not said or not all(text.strip() for text in record.limits):
         found.append("limits is empty: say what the action cannot do.")
     if not record.gives:
         found.append(
@@ -271,7 +278,7 @@ def _faults(record: Encapsulation) -> list[str]:
         )
     if not re.fullmatch(r"[\w.]+:\w+", record.run):
         found.append('run is empty or not of the form "module:function".')
-    for word in record.requires:
+    for word in (*record.requires, *(w for w in record.after if not ID_PATTERN.fullmatch(w))):
         to_stage(word)
     if record.kind not in KINDS:
         found.append(f"kind {record.kind!r} is none of {', '.join(KINDS)}.")

@@ -189,7 +189,7 @@ class Parameter:
             if (self.low is not None and number < self.low) or (
                 self.high is not None and number > self.high
             ):
-                return f"{self.name} = {shown} is outside {self._interval()}."
+                return f"{self.name} = {shown} is outside {self.interval}."
         return ""
 
     def _has_kind(self, value: Any) -> bool:
@@ -240,7 +240,11 @@ class Parameter:
             "string": "a text",
         }[self.kind]
 
-    def _interval(self) -> str:
+    @property
+    def interval(self) -> str:
+        """The numbers it admits, in words; "" for all."""
+        if self.low is None and self.high is None:
+            return ""
         if self.low is None:
             return f"at most {_shown(self.high)}"
         if self.high is None:
@@ -364,6 +368,9 @@ def parameter_from(name: str, annotation: Any, default: Any, description: str) -
             f"Parameter {name}: {annotation!r} is no type a call can carry; use int, float, bool, "
             "str, Literal of words, a tuple of floats, points, or one of the types of the formats."
         )
+    # Equal annotations are one to `typing`: Range(0, 1) may come back as Range(0.0, 1.0).
+    bound = int if json_kind == "integer" else float
+    fields |= {end: bound(fields[end]) for end in ("low", "high") if end in fields}
     if default is not REQUIRED:
         fields["default"] = list(default) if isinstance(default, tuple) else default
     found = Parameter(

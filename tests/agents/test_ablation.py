@@ -3,6 +3,9 @@
 import pytest
 
 from cityx.agents.ablation import ARMS, UNSAID, arm_of, shown_records
+from cityx.agents.build import build
+from cityx.agents.journal import JOURNAL, Journal
+from cityx.agents.options import BuildOptions, PlannerChoice
 from cityx.agents.planning.planner import OfflinePlanner, Situation
 from cityx.bench.arms import ablation_of, chance, driver_of, name_of, write_ablation
 from cityx.bench.drivers import driver_named
@@ -36,7 +39,8 @@ def test_only_the_parts_of_an_arm_are_shown(records, arm):
     assert all((r.description != UNSAID) == ("D" in arm) for r in shown)
     assert any(r.parameters for r in shown) == ("I" in arm)
     assert any(r.takes for r in shown) == ("I" in arm)
-    assert any(r.requires for r in shown) == ("L" in arm)
+    assert any(r.requires or r.after for r in shown) == ("L" in arm)
+    assert any(p.interval for r in shown for p in r.parameters) == (arm in ("DIL", "IL"))
     assert any(r.serves for r in shown) == ("D" in arm)
     if arm == "DIL":
         assert shown == tuple(records)
@@ -55,7 +59,30 @@ def test_each_part_changes_the_plan(records):
     assert full["layout/river-v1"] == {"width": 30.0}
     assert "layout/river-v1" not in names["IL"]
     assert {call.action: call.args for call in plans["DL"]}["layout/river-v1"] == {}
-    assert names["DI"] != names["DIL"] or names["D"] != names["DL"]
+    # Without limitations nobody knows that a river comes before the streets that cross it.
+    assert names["DIL"].index("layout/river-v1") == 1
+    assert names["DI"][-1] == "layout/river-v1"
+    assert sorted(names["DI"]) == sorted(names["DIL"])
+
+
+def test_order_and_ranges_are_known_by_the_limitation_alone(records):
+    slots = {"town.width": (1e9,), "town.zone": ("core",)}
+    args = {arm: plan(records, arm, slots)[0].args for arm in ("DIL", "DI", "IL")}
+    assert args["DIL"] == {"zone": "core"}
+    assert args["DI"] == {"width": 1e9, "zone": "core"}
+    assert args["IL"] == {}  # "town.zone" says by its name what the action does
+
+
+def test_what_is_planned_without_limitations_is_refused_by_the_gate(tmp_path):
+    options = BuildOptions(
+        text="Put a river through the town.", lod=0, formats=(), render=False,
+        choice=PlannerChoice(shown="DI"),
+    )  # fmt: skip
+    build([], tmp_path / "city", options)
+    with Journal(tmp_path / "city" / "city" / JOURNAL) as journal:
+        said = [(step.action, step.error) for step in journal.steps(1) if step.status == "rejected"]
+    assert [action for action, _ in said] == ["layout/river-v1"]
+    assert "STAGE_ORDER: layout/river-v1 is too late" in said[0][1]
 
 
 def sample(task, right, executed=True):

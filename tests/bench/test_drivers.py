@@ -1,6 +1,7 @@
 """Drivers on cheap tasks: what nothing and chance achieve, what is written down, what is asked."""
 
 import json
+import os
 from dataclasses import replace
 
 import pytest
@@ -94,6 +95,23 @@ def test_half_a_line_of_a_killed_process_is_no_sample(folder, tmp_path):
     whole = (folder / LOG).read_text().splitlines()[-1]
     (tmp_path / LOG).write_text(f"{whole}\n{whole[:80]}")
     assert len(list(read_log(tmp_path / LOG))) == 1
+
+
+class Deadly:
+    """Ends the process that reads it."""
+
+    def __reduce__(self):
+        return os._exit, (9,)
+
+
+def test_a_process_that_dies_is_a_crash_of_its_task_alone(tmp_path):
+    tasks = read_tasks(only=["P28", "P30"])
+    deadly = Bench(tasks[:1], "null", tmp_path / "a", jobs=2, inputs={"x": Deadly()})
+    (sample,) = run_bench(deadly, quiet)
+    assert (sample.scored, sample.executed) == (True, False)
+    assert [fault["code"] for fault in sample.faults] == [CRASH]
+    assert list(read_log(tmp_path / "a" / LOG)) == [replace(sample, faults=[*sample.faults],
+        goals=[], clean=[], unsupported=[])]  # fmt: skip
 
 
 @pytest.fixture(scope="module")

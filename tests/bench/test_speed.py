@@ -1,22 +1,16 @@
 """Speed is measured in processes of their own, beside peers that read the same map."""
 
 import gzip
+import json
+import re
+import sys
 
 import pytest
 
+from cityx.bench import speed
 from cityx.bench.inputs import write_osm
-from cityx.bench.speed import (
-    BEGIN,
-    END,
-    PEERS,
-    Peer,
-    content_of,
-    maps_in,
-    measure_speed,
-    peer_once,
-    peers_named,
-    write_into,
-)
+from cityx.bench.peers import PEERS, Peer, peer_once, peers_named
+from cityx.bench.speed import BEGIN, END, content_of, maps_in, measure_speed, text_of, write_into
 from cityx.errors import EngineError, InputError, MissingExtra, UsageError
 
 READER = """
@@ -27,8 +21,16 @@ print("read", time.process_time() - begin + 1.0)
 """
 
 
-def peer(script, module="json"):
-    return Peer("reader", module, "nothing", script, ("layout/inputs",))
+def peer(script, reason=""):
+    program = (sys.executable, "-c")
+    return Peer("reader", "nothing", program, script, ("layout/inputs",), lambda: reason)
+
+
+def measured(maps, out, *, lods=(0,), peers=(), skipped=None):
+    return measure_speed(
+        maps, lods, out, command="cityx bench speed", repeat=1, workers=1, peers=peers,
+        skipped=skipped or {}, say=print,
+    )  # fmt: skip
 
 
 @pytest.fixture
@@ -38,9 +40,11 @@ def town(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_map_is_built_and_stands_beside_a_peer(town):
-    text = measure_speed([town], [0], repeat=1, workers=1, peers=[peer(READER)], say=print)
-    ours, theirs = text.split("\n\n")
+def test_a_map_is_built_and_stands_beside_a_peer(town, tmp_path):
+    record = measured([town], tmp_path, peers=[peer(READER)], skipped={"blosm": "it is absent"})
+    assert json.loads((tmp_path / speed.RECORD).read_text()) == record
+    ours, theirs, left = text_of(record).split("\n\n")
+    assert left == "Not run: blosm, since it is absent."
     head, _, row = ([cell.strip() for cell in line.split("|")[1:-1]] for line in ours.splitlines())
     found = dict(zip(head, row, strict=True))
     assert (found["map"], found["LOD"], found["buildings"]) == ("town.osm", "0", "33")
@@ -65,11 +69,51 @@ def test_a_peer_that_fails_is_named_with_its_last_words(town):
 def test_peers_are_taken_by_name_where_they_are_installed():
     with pytest.raises(UsageError, match=r'"osmny".*Did you mean "osmnx"'):
         peers_named(["osmny"])
-    assert all(one.installed for one in peers_named(["installed"]))
-    for one in PEERS.values():
-        if not one.installed:
-            with pytest.raises(MissingExtra, match=f"pip install {one.module}"):
-                peers_named([one.name])
+    found, skipped = peers_named(["installed"])
+    assert {one.name for one in found} | skipped.keys() == PEERS.keys()
+    assert not {one.name for one in found} & skipped.keys()
+    assert all(skipped.values())
+    for name, reason in skipped.items():
+        with pytest.raises(MissingExtra, match=f"{name} cannot be run: {re.escape(reason)}"):
+            peers_named([name])
+
+
+def test_a_peer_that_is_absent_says_how_to_have_it(monkeypatch, tmp_path):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("BLENDER_USER_SCRIPTS", str(tmp_path / "scripts"))
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    found, skipped = peers_named(["installed"])
+    assert found == ()
+    assert skipped["osmnx"] == "it is not installed: pip install osmnx"
+    assert skipped["osm2streets"] == "node is not installed"
+    assert skipped["blosm"].startswith("Blender has no add-on blosm: ")
+    (tmp_path / "scripts" / "addons" / "blosm").mkdir(parents=True)
+    (tmp_path / "scripts" / "addons" / "blosm" / "__init__.py").touch()
+    assert [one.name for one in peers_named(["installed"])[0]] == ["blosm"]
+
+
+def test_what_a_killed_process_measured_is_not_measured_again(town, tmp_path, monkeypatch):
+    built = []
+
+    def build(_path, lod, _workers):
+        built.append(lod)
+        if len(built) == 2:
+            raise KeyboardInterrupt
+        return {}
+
+    monkeypatch.setattr(speed, "build_once", build)
+    row = {"map": "town.osm", "ms/building": "1"}
+    monkeypatch.setattr(speed, "row_of", lambda _path, lod, _reports: {**row, "LOD": lod})
+    with pytest.raises(KeyboardInterrupt):
+        measured([town], tmp_path, lods=(0, 2))
+    assert not (tmp_path / speed.RECORD).exists()
+    with (tmp_path / speed.PARTIAL).open("a") as file:
+        file.write('{"lod": 2, "ma')  # half a line
+    record = measured([town], tmp_path, lods=(0, 2))
+    assert built == [0, 2, 2]
+    assert [one["LOD"] for one in record["rows"]] == [0, 2]
+    assert not (tmp_path / speed.PARTIAL).exists()
 
 
 def test_the_table_goes_between_the_marks_of_a_page(tmp_path):

@@ -73,7 +73,8 @@ def test_the_record_is_read_from_docstring_and_signature():
     assert record.scope == "city"
     assert record.limitation == (
         "Needs stage layout to have run. Needs at least one object in layer roads. "
-        "Tunnels are left out."
+        "Tunnels are left out. Comes after layout, terrain where planned. smooth: 0 to 1. "
+        "paint: 0 to 16777215."
     )
 
 

@@ -20,11 +20,10 @@ from cityx.agents.planning.search import (
     operators_of,
 )
 from cityx.agents.planning.workflow import PARTS, Item, Part, Workflow
-from cityx.plugins.layout.presets import ORDER
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.holdings import OF_LAYOUT, READABLE
 from cityx.protocol.serving import DO, Slots
-from cityx.protocol.stages import stages_after, topological_order
+from cityx.protocol.stages import topological_order
 
 # What a file of a kind holds.
 FILES: Mapping[str, Fact] = {
@@ -101,13 +100,16 @@ class OfflinePlanner:
         items: list[Item] = []
         if "layout" not in situation.stages:
             items += self._layout(slots, situation, operators, missing)
-        wished = [item for item in self._wished(slots, avoid) if item.call.key not in done]
-        items += [item for item in wished if self.records[item.action].stage == "layout"]
         if "height" in situation.kinds and "terrain" not in situation.stages:
             items += self._terrain(slots, operators, missing)
-        others = [item for item in wished if self.records[item.action].stage != "layout"]
-        items += self._parts(slots, situation, operators, others, missing)
-        return Workflow(tuple(items), tuple(missing), rev)
+        items += self._parts(slots, situation, operators, missing)
+        planned = {item.action for item in items}
+        items += [
+            item
+            for item in self._wished(slots, avoid)
+            if item.call.key not in done and item.action not in planned
+        ]
+        return Workflow(tuple(in_order(items, self.records)), tuple(missing), rev)
 
     def answers(self, slots: Slots) -> list[Item]:
         """Return the actions that answer a wish by what they say they serve, in order."""
@@ -155,17 +157,16 @@ class OfflinePlanner:
         slots: Slots,
         situation: Situation,
         operators: Sequence[Operator],
-        wished: Sequence[Item],
         missing: list[str],
     ) -> list[Item]:
-        """Choose what makes each part of the city, and put it in order."""
+        """Choose what makes each part of the city."""
         held = {LAYOUT, *OF_LAYOUT, *situation.facts}
         held |= {(STAGE, stage) for stage in situation.stages | {"layout", "terrain"}}
         found = Reached(
             [item for item in operators if LAYOUT not in item.gives], [Node(fact) for fact in held]
         )
         wanted: list[tuple[Part, Node]] = []
-        for part in PARTS:
+        for part in self._listed():
             if situation.lod not in part.lods or part.fact in situation.facts:
                 continue
             node = found.best(part.fact)
@@ -175,13 +176,15 @@ class OfflinePlanner:
                 wanted.append((part, node))
         why = {use.operator.action: part.name for part, node in reversed(wanted)
                if (use := found.by.get(node))}  # fmt: skip
-        items = [
+        return [
             replace(item, why=why.get(item.action, item.why))
             for item in self._items(found, [node for _, node in wanted], slots, "what others need")
         ]
-        planned = {item.action for item in items}
-        items += [item for item in wished if item.action not in planned]
-        return in_order(items, self.records)
+
+    def _listed(self) -> Sequence[Part]:
+        """Return the parts as listed; by name where no record tells an order, as the list does."""
+        told = any(record.after or record.requires for record in self.records.values())
+        return PARTS if told else sorted(PARTS, key=lambda part: part.name)
 
     def _items(self, found: Reached, nodes: Sequence[Node], slots: Slots, why: str) -> list[Item]:
         """Turn the ways to some facts into items; the protocol runs conversions on the way."""
@@ -197,12 +200,11 @@ class OfflinePlanner:
         return items
 
     def _wished(self, slots: Slots, avoid: frozenset[str]) -> list[Item]:
-        """Return the actions that are called for, by name or by what they serve, in order."""
+        """Return the actions that are called for, by name or by what they serve."""
         called = [(str(action), dict(args)) for action, args in slots.get(DO, ())]
-        rank = {action: place for place, action in enumerate(ORDER)}
         found = [
             self._item(self.records[action], slots, (action,), args)
-            for action, args in sorted(called, key=lambda pair: rank.get(pair[0], len(rank)))
+            for action, args in called
             if action in self.records and self.records[action].description != UNSAID
         ]
         found += [
@@ -233,13 +235,15 @@ def arguments(record: Encapsulation, slots: Slots) -> dict[str, Any]:
     """Return the arguments that a brief gives an action.
 
     A parameter takes the slot that the action binds to it, or that of its own name: "sun.time" is
-    the parameter ``time`` of ``background/sun``. A slot of several values gives the first that the
-    parameter admits; of one that it admits none of, the action's own default holds.
+    the parameter ``time`` of ``background/sun``, unless nothing says what that action does. A slot
+    of several values gives the first that the parameter admits; of one that it admits none of, the
+    action's own default holds.
     """
     bound = dict(record.binds)
     args = {}
     for parameter in record.parameters:
-        own = slots.get(f"{record.name}.{parameter.name}", ())
+        named = record.description != UNSAID
+        own = slots.get(f"{record.name}.{parameter.name}", ()) if named else ()
         for value in (*own, *slots.get(bound.get(parameter.name, ""), ())):
             if not parameter.fault(value):
                 args[parameter.name] = value
@@ -248,26 +252,39 @@ def arguments(record: Encapsulation, slots: Slots) -> dict[str, Any]:
 
 
 def in_order(items: Sequence[Item], records: Mapping[str, Encapsulation]) -> list[Item]:
-    """Put actions in the order of `PARTS`, of their stages and of what they need of each other."""
-    rank = {" ".join(part.fact): place for place, part in enumerate(PARTS)}
-    first = sorted(
-        enumerate(items),
-        key=lambda pair: (min(rank.get(g, len(rank)) for g in pair[1].gives), pair[0]),
-    )
-    names = [f"{place:03d}" for place in range(len(first))]
-    ordered = [item for _, item in first]
-    stage = [records[item.action].stage for item in ordered]
-    makes = {fact: name for name, item in zip(names, ordered, strict=True) for fact in item.gives}
+    """Put actions behind what they take data of and what their limitation puts before them.
+
+    Nothing else decides; where these leave it open, the order in which actions were found stays.
+    """
+    names = [f"{place:03d}" for place in range(len(items))]
+    makes = {fact: name for name, item in zip(names, items, strict=True) for fact in item.gives}
     after: dict[str, set[str]] = {name: set() for name in names}
-    for place, item in enumerate(ordered):
-        for port in records[item.action].takes:
+    for name, item in zip(names, items, strict=True):
+        record = records[item.action]
+        for port in record.takes:
             maker = makes.get(f"{port.format.value} {port.role}")
-            if maker is not None and maker != names[place] and port.role:
-                after[maker].add(names[place])
-        for other in range(len(ordered)):
-            if stage[other] in stages_after(stage[place]):
-                after[names[place]].add(names[other])
-    return [ordered[int(name)] for name in topological_order(after)]
+            if maker is not None and maker != name and port.role:
+                after[maker].add(name)
+        earlier = _earlier(record, records)
+        for other, entry in zip(names, items, strict=True):
+            stage = records[entry.action].stage
+            # What needs a stage to have run may be of that stage itself.
+            waits = stage == record.stage and stage in records[entry.action].requires
+            if entry.action in earlier or (stage in earlier and not waits and other != name):
+                after[other].add(name)
+    return [items[int(name)] for name in topological_order(after)]
+
+
+def _earlier(record: Encapsulation, records: Mapping[str, Encapsulation]) -> set[str]:
+    """Return stages and actions that come before an action, those before these included."""
+    found: set[str] = set()
+    left = [*record.after, *record.requires]
+    while left:
+        word = left.pop()
+        if word not in found:
+            found.add(word)
+            left += records[word].after if word in records else ()
+    return found
 
 
 def _bind(use: Use, record: Encapsulation, found: Reached) -> dict[str, str]:

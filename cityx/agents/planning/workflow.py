@@ -114,8 +114,7 @@ class Part:
 
 
 _SOLID, _FINE = (1, 2, 3), (2, 3)
-# In the order in which they are made where nothing else decides: weather comes before trees, which
-# are bare under snow, and what stands on pavements after what stood there before.
+# In the order in which they are made where the records of the actions leave it open.
 PARTS: tuple[Part, ...] = (
     Part(("scene_layout", "light"), "the light of day"),
     Part(("scene_layout", "weather"), "the weather"),

@@ -111,6 +111,7 @@ def lit_anew(
     "background/weather-v1",
     limits=["Trees lose their leaves for snow only if they are planted after it."],
     requires=("layout",),
+    after=("background/sun-v1",),
     gives=(Port("environment", "scene_layout", role="weather"),),
     serves=(Serves("edit=set_weather", "weather"),),
     binds={"preset": "weather"},

@@ -26,6 +26,7 @@ PARALLEL = 0.02  # metres aside per metre ahead that such a street has at most
     "layout/boulevard-v1",
     limits=["What stands in the way is taken down; streets close beside it are given up."],
     requires=("layout",),
+    after=("layout/ring_road-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("avenue", "main street", "lanes", "axis"),

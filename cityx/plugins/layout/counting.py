@@ -26,6 +26,7 @@ FAR = 1e4  # metres; longer than any building
     "layout/buildings_count-v1",
     limits=["Where there are too many the smallest go; where there are too few large ones divide."],
     requires=("layout",),
+    after=("layout/use_share-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("number", "count", "how many", "exactly"),

@@ -25,6 +25,7 @@ IntArray = NDArray[np.int64]
     "layout/cover-v1",
     limits=["Where too much is built on, buildings are taken down; none is added."],
     requires=("layout",),
+    after=("layout/highest-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("dense", "sparse", "density", "built up", "coverage"),

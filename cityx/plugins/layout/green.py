@@ -34,6 +34,7 @@ LEAST = 1200.0  # square metres of a block that becomes a park
     "layout/green_share-v1",
     limits=["Blocks become parks, their buildings are taken down; none is built again."],
     requires=("layout",),
+    after=("layout/places-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("green", "parks", "gardens", "grass", "leafy"),

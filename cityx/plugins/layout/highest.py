@@ -21,6 +21,7 @@ BELOW = 0.97  # of the highest building's height that others keep under
 @action(
     "layout/highest-v1",
     requires=("layout",),
+    after=("layout/building_limits-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
 )

@@ -23,6 +23,7 @@ STOREYS = (2.2, 9.0)  # metres that a storey may be high
     "layout/building_limits-v1",
     limits=["Buildings beyond the limits are made higher or lower as a whole."],
     requires=("layout",),
+    after=("layout/buildings_count-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("height", "storeys", "floors", "levels", "at least", "at most", "taller", "lower"),

@@ -45,6 +45,7 @@ RANKS = ("primary", "secondary", "tertiary", "unclassified", "residential")
         "It has ramps only where a street across it has room for them.",
     ],
     requires=("layout",),
+    after=("layout/river-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("motorway", "highway", "freeway", "viaduct", "elevated", "expressway"),

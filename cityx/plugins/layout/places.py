@@ -40,6 +40,7 @@ INSTEAD = "grass"  # land where there is to be a place no more
     "layout/places-v1",
     limits=["Blocks with buildings are cleared where there are too few; none is built again."],
     requires=("layout",),
+    after=("layout/central_park-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
 )

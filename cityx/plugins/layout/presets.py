@@ -28,7 +28,7 @@ class Preset:
     town
         Arguments of `layout/town-v1`.
     then
-        Actions after it, in this order, with their arguments.
+        Actions after it, with their arguments; their records say in which order.
     """
 
     town: Arguments = field(default_factory=dict)
@@ -127,17 +127,7 @@ def plan_of(words: Iterable[tuple[str, str]]) -> list[tuple[str, dict[str, Any]]
         town |= preset.town
         for action, args in preset.then:
             then.setdefault(action, {}).update(args)
-    order = sorted(then, key=lambda action: ORDER.index(action))
-    return [(TOWN, town), *((action, then[action]) for action in order)]
-
-
-# Streets before the river that cuts them, land before what is counted on it, counts before bounds.
-ORDER = (
-    "layout/coast-v1", "layout/ring_road-v1", "layout/boulevard-v1", "layout/river-v1",
-    "layout/motorway-v1", "layout/central_park-v1", "layout/places-v1", "layout/green_share-v1",
-    "layout/towers-v1", "layout/use_share-v1", "layout/buildings_count-v1",
-    "layout/building_limits-v1", "layout/highest-v1", "layout/cover-v1",
-)  # fmt: skip
+    return [(TOWN, town), *then.items()]
 
 
 def zone_for(count: int, area: float) -> str:

@@ -23,6 +23,7 @@ SMALLEST = 65.0  # metres of its radius
     "layout/ring_road-v1",
     limits=["What stands in the way is taken down; streets close beside it are given up."],
     requires=("layout",),
+    after=("layout/coast-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("ring", "beltway", "orbital", "circle"),

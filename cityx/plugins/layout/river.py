@@ -38,6 +38,7 @@ KEPT = ("pedestrian", "park")  # land that a course avoids
     "layout/river-v1",
     limits=["What lies in the river's way is taken down; a city with water there is refused."],
     requires=("layout",),
+    after=("layout/boulevard-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("river", "bridge", "stream", "canal", "water"),
@@ -99,10 +100,16 @@ def _course(city: City, axis: str, width: float) -> Any:
     xmin, ymin, xmax, ymax = layout.extent
     size = np.array([xmax - xmin, ymax - ymin])
     along, across = (size if axis == "west_east" else size[::-1]).tolist()
+    half = width / 2 + QUAY
+    narrow = ActionFailed(
+        f"A river {width:g} m wide with its quays needs {2 * half:.0f} m; the site has "
+        f"{across:.0f} m across."
+    )
+    if min(along, across) <= 2 * half:
+        raise narrow
     t = np.linspace(-along / 2 - BEYOND, along / 2 + BEYOND, POINTS)
     phase = 2 * np.pi * draw(city.seed, "layout/river", 1)
     swing = SWING * across * np.sin(phase + 2 * np.pi * WAVES * t / along)
-    half = width / 2 + QUAY
     found = []
     for share in COURSES:
         points = np.column_stack([t, swing + share * across])
@@ -112,10 +119,7 @@ def _course(city: City, axis: str, width: float) -> Any:
         if abs(share) * across + SWING * across + half < across / 2:
             found.append((_cost(layout, ground), line))
     if not found:
-        raise ActionFailed(
-            f"A river {width:g} m wide with its quays needs {2 * half:.0f} m; the site has "
-            f"{across:.0f} m across."
-        )
+        raise narrow
     wet = layout.areas.geometry.to_numpy()[layout.areas["kind"].isin(LANDS["water"]).to_numpy()]
     dry = [pair for pair in found if not shapely.intersects(wet, pair[1].buffer(half)).any()]
     if not dry:

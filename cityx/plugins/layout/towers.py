@@ -43,6 +43,7 @@ FENCES = ("wall", "fence", "hedge")  # between grounds
     "layout/towers-v1",
     limits=["Buildings in the way are taken down; others of such heights are lowered."],
     requires=("layout",),
+    after=("layout/green_share-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
 )

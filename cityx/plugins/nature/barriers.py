@@ -238,6 +238,7 @@ def posts(
     ACTION,
     limits=["Fences are rails and posts; gates are left open."],
     requires=("layout",),
+    after=("road/ground-v1",),
     takes=(Port("lines", "line", role="barrier"),),
     gives=(Port("barriers", "complex_geometry", "barriers"),),
     labels=("walls", "fences", "hedges"),

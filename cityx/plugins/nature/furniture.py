@@ -338,6 +338,7 @@ def _let_pass(city: City, roads: _Roads, ours: Pieces) -> Pieces:
     ACTION,
     limits=["Bridges and tunnels get no lamps of their own."],
     requires=("layout",),
+    after=("road/ground-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("furniture", "point", role="street_furniture"),),
     labels=("street lamps", "benches", "traffic lights", "bus stops"),

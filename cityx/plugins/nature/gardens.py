@@ -81,6 +81,7 @@ def _strips(
     ACTION,
     limits=["Paths are straight; a house that hides the street from its door has none."],
     requires=("layout",),
+    after=("building/facade-v1",),
     takes=(Port("ground", "surface", role="ground", optional=True),),
     gives=(Port("paths", "complex_geometry", "garden_paths"),),
     labels=("garden paths", "driveways", "front gardens"),

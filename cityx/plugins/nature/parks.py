@@ -336,6 +336,7 @@ def _equipment(city: City, fields: list[_Field]) -> Pieces:
         "Needs the draped ground.",
     ],
     requires=("layout",),
+    after=("nature/trees-v2", "nature/furniture-v1"),
     takes=(Port("ground", "surface", role="ground", optional=True),),
     gives=(Port("furniture", "point", role="park_furniture"),),
     labels=("park", "playground", "pitch", "flower beds", "sports field", "park benches"),

@@ -403,6 +403,7 @@ def _signs(city: City, site: _Site) -> Pieces:
         "Walks narrower than 1.5 m beside the piece get none.",
     ],
     requires=("layout",),
+    after=("nature/trees-v2", "nature/furniture-v1", "building/facade-v1"),
     takes=(Port("ground", "surface", role="ground", optional=True),),
     gives=(Port("pieces", "point", role="street_pieces"),),
     labels=("benches", "bins", "planters", "bicycle racks", "cafe tables", "kiosks", "signs"),

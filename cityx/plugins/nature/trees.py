@@ -348,6 +348,7 @@ def _more(city: City, have: FloatArray, spacing: float) -> Stand:
         "Shrubs, palms and boxwood look alike in every season.",
     ],
     requires=("layout",),
+    after=("background/weather-v1", "road/ground-v1"),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("trees", "point", role="tree"),),
     labels=("vegetation", "forest", "park", "plants", "autumn", "spring", "blossom"),

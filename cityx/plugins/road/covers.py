@@ -38,6 +38,7 @@ SHORTEST = 0.1  # metres; shorter pieces of a kerb do not tell its direction
     ACTION,
     limits=["Runs at level of detail 2 and above; below it changes nothing."],
     requires=("layout", has_network()),
+    after=("road/ground-v1",),
     takes=(Port("network", "line", role="road_network"),),
     gives=(Port("covers", "point", role="street_cover"),),
 )

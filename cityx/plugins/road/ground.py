@@ -78,6 +78,7 @@ COARSE = 2.0  # metres by which land cover is simplified at detail level 0
         "room.",
     ],
     requires=("layout", has_network()),
+    after=("road/heights-v1",),
     takes=(Port("network", "line", role="road_network"),),
     gives=(Port("ground", "surface", role="ground"), Port("mesh", "complex_geometry", "ground")),
 )

@@ -80,6 +80,7 @@ PIPE = Rail(((0.40, 0.46), (0.74, 0.80)), 0.03, 0.35, 0.25, 2.0)
     ACTION,
     limits=["Beams end without a terminal.", "Runs at level of detail 2 and above."],
     requires=("layout", has_network()),
+    after=("road/ground-v1",),
     takes=(Port("network", "line", role="road_network"),),
     gives=(Port("guard_rails", "complex_geometry", "guard_rails"),),
     labels=("guard rail", "crash barrier"),

@@ -242,6 +242,7 @@ def _stall_rows(depth: float) -> tuple[FloatArray, FloatArray]:
     ACTION,
     limits=["Bays are parallel to the kerb; angled parking is drawn parallel too."],
     requires=("layout",),
+    after=("road/ground-v1", "building/facade-v1"),
     takes=(
         Port("layout", "scene_layout"),
         Port("network", "line", role="road_network", optional=True),

@@ -110,3 +110,9 @@ def test_places_on_a_line_become_points_of_it():
     line = shapely.LineString([(0, 0), (10, 0), (10, 10)])
     found = with_points(line, np.array([(10.0, 4.0), (5.0, 0.0), (10.0, 0.0)]))
     assert list(found.coords) == [(0, 0), (5, 0), (10, 0), (10, 4), (10, 10)]
+
+
+def test_a_site_without_room_for_a_river_is_refused():
+    empty = City("Town", Frame(50.0, 10.0), Layout((0.0, 0.0, 0.0, 0.0)))
+    with pytest.raises(ActionFailed, match="needs 44 m; the site has 0 m across"):
+        river(empty, width=30.0)

@@ -47,7 +47,7 @@ def test_every_argument_of_a_preset_is_known_to_its_action():
                 assert ACTIONS[action].argument_faults(dict(args)) == []
 
 
-def test_later_words_go_over_earlier_ones_and_actions_keep_their_order():
+def test_later_words_go_over_earlier_ones_and_actions_follow_their_words():
     plan = plan_of([("district", "coastal"), ("density", "low"), ("roads.pattern", "grid")])
     assert [action for action, _ in plan] == [
         "layout/town-v1",
