@@ -96,9 +96,8 @@ def window_deco(glass: str, blind: float, curtain: float) -> Shapes:
 def window_glass_block(glass: str, blind: float, curtain: float) -> Shapes:
     """Light of a staircase: a wall of glass blocks from floor to floor."""
     del blind, curtain
-    shapes = glazing(1.5, 2.5, glass, columns=tuple(np.arange(1, 5) / 5),
-                     rows=tuple(np.arange(1, 9) / 9), frame=0.05, bar=0.045)  # fmt: skip
-    return shapes
+    return glazing(1.5, 2.5, glass, columns=tuple(np.arange(1, 5) / 5),
+                   rows=tuple(np.arange(1, 9) / 9), frame=0.05, bar=0.045)  # fmt: skip
 
 
 def _half_drum(radius: float, low: float, high: float, material: str) -> MeshBatch:

@@ -21,6 +21,7 @@ from cityx.plugins.building.design import redesign
 from cityx.protocol import Choice, ObjectName, Range, action
 
 FORMS = ("streamline", "zigzag", "stepped")
+HANDS = ("both", "left", "right")  # corners of the front that are round
 LEAST = 7.5  # metres of front and depth under which a house is one plain body
 CUT = 0.012  # of the plan, that a rounded or stepped corner may take
 FACETS = 16  # sides of the drum that a rounded corner belongs to
@@ -29,6 +30,8 @@ ROUNDED = 0.204  # of a square, that a quarter of such a drum leaves out
 STAIRS = 3.6  # metres of depth of the bay that stands up in the front
 NARROW = 14.0  # metres of front under which the parapet rises in one step
 TERRACED = 0.7  # share of high houses with a top storey drawn in
+JOINT = 0.12  # metres by which upper walls stand behind those below
+TALL = 1.3  # storeys of the ground floor of stepped houses
 SCREEN = 0.9  # metres of depth of the front wall that stands up as a parapet
 
 
@@ -62,7 +65,7 @@ def _streamlined(
     eave = plot.height - plot.rise
     round_ = plot.between("radius", 0.8, 1.2) * corner
     radius = min(round_, _leg(plot, ROUNDED), 0.4 * x, 0.7 * y)
-    hands = plot.pick("hands", ("both", "left", "right"), (3, 2, 2))
+    hands = plot.pick("hands", HANDS, (3, 2, 2)) if plot.noise else "both"
     rest: Any = site.plan
     found: list[Mass] = []
     for hand, other in ((-1.0, "right"), (1.0, "left")):
@@ -73,22 +76,27 @@ def _streamlined(
         drum = disc(hand * (x - radius), y - radius, radius, FACETS if radius > TIGHT else 12)
         inside, rest = carve(rest, square)
         found += site.masses(inside & drum, 0.0, eave, "drum")
-        found += site.masses(inside & drum, eave, eave + 0.9 * parapet, "lip")
+        found += site.masses(_within(inside & drum), eave, eave + 0.9 * parapet, "lip")
     wide = min(max(0.13 * 2 * x, 2.6), 3.4)
     if 2 * x - 2 * radius > 2.6 * wide:
         middle = {"both": 0.0, "left": 0.22 * x, "right": -0.22 * x}[hands]
         tower = shapely.box(middle - wide / 2, y - STAIRS, middle + wide / 2, 2 * y)
         stair, rest = carve(rest, tower)
         found += site.masses(stair, 0.0, eave, "stair")
-        found += site.masses(stair, eave, eave + 2.4 * parapet, "head")
+        found += site.masses(_within(stair), eave, eave + 2.4 * parapet, "head")
     level = eave - plot.storey
     room = shapely.box(attic - x, -2 * y, x - attic, y - attic)
-    upper = shapely.intersection(rest, room)
+    upper = shapely.intersection(_within(rest), room)
     low = plot.levels < 4 or min(2 * x, 2 * y) < 2 * attic + LEAST or upper.area < 40.0
-    if low or plot.draw("attic") >= TERRACED:
+    if low or plot.draws("attic", 1)[0] >= TERRACED:
         return [*found, *site.masses(rest, 0.0, eave)]
     found += site.masses(rest, 0.0, level)
     return [*found, *site.masses(upper, level, eave, "attic")]
+
+
+def _within(plan: Any) -> Any:
+    """Draw a plan in by a joint: walls that stand on one another lie in no common plane."""
+    return shapely.buffer(plan, -JOINT, join_style="mitre")
 
 
 def _leg(plot: Plot, lost: float) -> float:
@@ -101,12 +109,15 @@ def _zigzag(site: Site, plot: Plot, parapet: float) -> Sequence[Mass]:
     x, y = site.half
     eave = plot.height - plot.rise
     share = plot.between("middle", 0.26, 0.36)
-    edges, steps = [-1.0, -share - 0.24, -share, share, share + 0.24, 1.0], (0.6, 1.2, 2.4, 1.2, 0.6)
+    edges, steps = (
+        [-1.0, -share - 0.24, -share, share, share + 0.24, 1.0],
+        (0.6, 1.2, 2.4, 1.2, 0.6),
+    )
     if 2 * x < NARROW:
         edges, steps = [-1.0, -0.4, 0.4, 1.0], (0.7, 2.0, 0.7)
     rest: Any = site.plan
     found: list[Mass] = []
-    crest = shapely.intersection(site.plan, shapely.box(-2 * x, y - SCREEN, 2 * x, 2 * y))
+    crest = _within(site.plan) & shapely.box(-2 * x, y - SCREEN, 2 * x, 2 * y)
     for number, (a, b) in enumerate(pairwise(edges)):
         x0 = -2 * x if number == 0 else a * x
         x1 = 2 * x if number == len(steps) - 1 else b * x
@@ -130,13 +141,15 @@ def _stepped(site: Site, plot: Plot, corner: float, attic: float) -> Sequence[Ma
         for far, near in ((2.0, 1.0), (1.0, 2.0)):
             x0, x1 = sorted((2 * hand * x, hand * (x - far * step)))
             plan = shapely.difference(plan, shapely.box(x0, y - near * step, x1, 2 * y))
-    found = site.masses(site.plan, 0.0, storey, "shops")
+    plan = _within(plan)
+    shops = TALL * storey
+    found = site.masses(site.plan, 0.0, shops, "shops")
     deep = min(0.3 * x, 0.3 * y, 3.6)
     room = shapely.box(1.4 * attic - x, attic - y, x - 1.4 * attic, y - attic - step)
     upper = shapely.intersection(plan, room)
     if plot.levels < 4 or upper.area < 60.0 or deep < 2.0:
-        return [*found, *site.masses(plan, storey, eave, "bays")]
-    found += site.masses(plan, storey, eave - storey, "bays")
+        return [*found, *site.masses(plan, shops, eave, "bays")]
+    found += site.masses(plan, shops, eave - storey, "bays")
     front = y - attic - step
     pylon, rest = carve(upper, shapely.box(-deep, front - 2 * deep, deep, 2 * y))
     found += site.masses(rest, eave - storey, eave, "penthouse")
@@ -201,7 +214,7 @@ _BAYS = replace(
     fins=(Strip("band_box", 0.34, 0.12, "wall", 0.86, lobby=False),),
     slabs=(Strip("band_box", 0.20, 0.06, "trim", every=2),),
     fixtures=(
-        Fixture("deco_lines", "bay", tint="trim", first=0, last=-1, stretch="bay", street=True,
+        Fixture("deco_lines", "bay", tint="accent", first=0, last=-1, stretch="bay", street=True,
                 share=0.6),
         Fixture("deco_frieze", "head", tint="trim", stretch="bay", street=True),
     ),
@@ -230,15 +243,7 @@ GENERATOR = Generator(
             "attic": _look(replace(_MODERNE, slabs=(), bay=3.2, fixtures=())),
             "clad": _look(_FRONT),
             "middle": _look(replace(_FRONT, entrance=True)),
-            "crest": _look(
-                replace(
-                    _CREST,
-                    fixtures=(
-                        Fixture("deco_frieze", "edge", tint="trim", stretch="wall", street=True,
-                                share=0.0),
-                    ),
-                )
-            ),
+            "crest": _look(_CREST),
             "crown": _look(
                 replace(
                     _CREST,
@@ -247,7 +252,7 @@ GENERATOR = Generator(
             ),
             "shops": _look(
                 replace(
-                    _FRONT, fins=(), heads=(("coping", 1),),
+                    _FRONT, bay=3.5, windows=(("window_picture", 1),), fins=(),
                     fixtures=(Fixture("deco_portal", "door", tint="trim"),),
                 )
             ),
