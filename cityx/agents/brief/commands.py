@@ -407,8 +407,11 @@ def _put(edit: Edit, relation: str, spot: str) -> Edit:
     if edit.target is None:
         agent = edit.verb in ("add_agent", "add_traffic")
         return replace(edit, change=(*edit.change, ("path" if agent else relation, spot)))
-    field_ = {"along": "along", "near": "near"}.get(relation, "inside")
-    return replace(edit, target=replace(edit.target, **{field_: spot}))
+    if relation == "along":
+        return replace(edit, target=replace(edit.target, along=spot))
+    if relation == "near":
+        return replace(edit, target=replace(edit.target, near=spot))
+    return replace(edit, target=replace(edit.target, inside=spot))
 
 
 def _is_new(clause: Sequence[Item], terminals: Sequence[Terminal]) -> bool:
