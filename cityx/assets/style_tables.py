@@ -19,6 +19,7 @@ TABLE: Mapping[str, Mapping[str, Weights]] = MappingProxyType(
                 "panel_slab": 1.5,
                 "brutalist": 0.3,
                 "shop_house": 0.5,
+                "art_deco": 0.5,
             },
             "office": {
                 "office_slab": 5,
@@ -41,6 +42,7 @@ TABLE: Mapping[str, Mapping[str, Weights]] = MappingProxyType(
                 "walk_up": 1,
                 "brutalist": 0.8,
                 "shop_house": 1,
+                "art_deco": 0.8,
             },
             "office": {
                 "georgian_terrace": 3,
@@ -62,6 +64,7 @@ TABLE: Mapping[str, Mapping[str, Weights]] = MappingProxyType(
                 "mixed_use": 3,
                 "palazzo": 2,
                 "perimeter_block": 1,
+                "art_deco": 0.8,
             },
             "office": {
                 "office_slab": 4,
@@ -74,7 +77,13 @@ TABLE: Mapping[str, Mapping[str, Weights]] = MappingProxyType(
         },
         "american": {
             "house": {"suburban_house": 5, "bungalow": 3, "cottage": 1},
-            "flats": {"walk_up": 9, "mixed_use": 4, "panel_slab": 1.5, "brutalist": 0.4},
+            "flats": {
+                "walk_up": 9,
+                "mixed_use": 4,
+                "panel_slab": 1.5,
+                "brutalist": 0.4,
+                "art_deco": 2,
+            },
             "office": {
                 "office_slab": 4,
                 "glass_tower": 4,
@@ -141,7 +150,7 @@ STYLE_WORDS: Mapping[str, Weights] = MappingProxyType(
     {
         "brutalist": {"brutalist": 30, "panel_slab": 3},
         "soviet": {"panel_slab": 30, "brutalist": 3},
-        "art_deco": {"setback_skyscraper": 30},
+        "art_deco": {"setback_skyscraper": 900, "art_deco": 900},
         "postmodern": {"postmodern_tower": 30},
         "haussmann": {"palazzo": 40},
         "classical": {"palazzo": 10},

@@ -70,6 +70,36 @@ def window_grille(glass: str, blind: float, curtain: float) -> Shapes:
     return shapes
 
 
+def window_moderne(glass: str, blind: float, curtain: float) -> Shapes:
+    """Steel window between two opening lights, with level bars only, of the nineteen-thirties."""
+    return glazing(1.95, 1.4, glass, columns=(0.27, 0.73), rows=(0.25, 0.5, 0.75), frame=0.045,
+                   bar=0.03, blind=blind, curtain=curtain)  # fmt: skip
+
+
+def window_ribbon(glass: str, blind: float, curtain: float) -> Shapes:
+    """Facet of a window that runs round a corner: level bars, hardly a frame."""
+    return glazing(1.3, 1.4, glass, rows=(0.25, 0.5, 0.75), frame=0.04, bar=0.03, blind=blind,
+                   curtain=curtain)  # fmt: skip
+
+
+def window_deco(glass: str, blind: float, curtain: float) -> Shapes:
+    """Tall window with narrow lights about a broad one, its corners stepped in stone."""
+    shapes = glazing(1.3, 1.9, glass, columns=(0.2, 0.8), rows=(0.16, 0.84), frame=0.05, bar=0.035,
+                     blind=blind, curtain=curtain)  # fmt: skip
+    for side in (-1, 1):
+        for reach, low in ((0.2, 1.78), (0.09, 1.64)):
+            x0, x1 = sorted((side * 0.65, side * (0.65 - reach)))
+            shapes.append(slab(x0, x1, low, 1.9, -0.08, "trim"))
+    return shapes
+
+
+def window_glass_block(glass: str, blind: float, curtain: float) -> Shapes:
+    """Light of a staircase: a wall of glass blocks from floor to floor."""
+    del blind, curtain
+    return glazing(1.5, 2.5, glass, columns=tuple(np.arange(1, 5) / 5),
+                   rows=tuple(np.arange(1, 9) / 9), frame=0.05, bar=0.045)  # fmt: skip
+
+
 def _half_drum(radius: float, low: float, high: float, material: str) -> MeshBatch:
     """Make the half of a drum that stands before the wall."""
     angle = np.linspace(np.pi, 2 * np.pi, 9)
@@ -98,6 +128,30 @@ def door_lobby() -> Shapes:
     # Hung on rods: posts would stand in the street before a narrow pavement.
     for x in (-2.6, 2.6):
         shapes.append(cylinder((x, -1.5, 3.55), (x, -0.02, 4.35), 0.025, "metal_grey", sides=6))
+    return shapes
+
+
+def door_deco() -> Shapes:
+    """Double door with stepped panes in its leaves, under a light with rays."""
+    shapes = surround(2.0, 2.85, 0.07, -0.10, "metal_grey", bottom=False)
+    shapes += [
+        pane(-0.93, 0.93, 2.25, 2.78, "glass"),
+        slab(-0.93, 0.93, 2.15, 2.25, -0.09, "metal_grey", back=PANE),
+        slab(-1.25, 1.25, -0.35, 0.02, -0.55, "step_stone"),
+    ]
+    for side in (-1, 1):
+        x0, x1 = sorted((side * 0.01, side * 0.93))
+        shapes.append(slab(x0, x1, 0.02, 2.15, -0.05, "door_paint"))
+        for low, high, reach in ((0.35, 1.2, 0.22), (1.2, 1.65, 0.34), (1.65, 2.0, 0.46)):
+            near, far = sorted((side * 0.2, side * (0.2 + reach)))
+            shapes.append(pane(near, far, low, high, "glass", y=-0.056))
+        near, far = sorted((side * 0.08, side * 0.12))
+        shapes.append(slab(near, far, 0.75, 1.75, -0.13, "metal_grey", back=-0.06))
+    for angle in np.radians([30.0, 60.0, 90.0, 120.0, 150.0]):
+        way = np.array([np.cos(angle), np.sin(angle)])
+        long = min(0.5 / way[1], 0.9)
+        end = 0.0 + long * way[0], -0.06, 2.27 + long * way[1]
+        shapes.append(cylinder((0.0, -0.06, 2.27), end, 0.018, "metal_grey", sides=6))
     return shapes
 
 

@@ -20,12 +20,15 @@ class Slot:
         A key of `cityx.agents.brief.slots.KEYS`; the value is a word or a number in SI units.
     span, text
         Where the text says so, and in which words; (0, 0) and "" for an option.
+    every
+        Whether it is asked of each thing it is about: "every house of brick".
     """
 
     key: str
     value: Value
     span: Span = (0, 0)
     text: str = ""
+    every: bool = False
 
 
 @dataclass(frozen=True)

@@ -47,6 +47,8 @@ class Commands:
         What changes, what is to be asked, and what describes the city.
     named
         What "it" stands for.
+    place
+        What "there" stands for: how something lies to it, and its kind or its name.
     about
         What was said to be wrong with it: its "width" or its "height".
     open
@@ -59,6 +61,7 @@ class Commands:
     questions: list[Question] = field(default_factory=list)
     found: Findings = field(default_factory=lambda: Findings(""))
     named: list[Selector] = field(default_factory=list)
+    place: tuple[str, str] | None = None
     about: str = ""
     open: list[tuple[Span, int]] = field(default_factory=list)
     parses: int = 0
@@ -331,7 +334,8 @@ def _parsed(commands: Commands, clause: list[Item]) -> list[Edit] | None:
         terminals = terminals_of(clause, verb_first=verb_first)
         if not terminals or len(terminals) > LONGEST_COMMAND:
             continue
-        if terminals[0][0] in ("AMOUNT", "COUNT") and all(name != "BE" for name, _ in terminals):
+        counted = terminals[0][0] in ("AMOUNT", "COUNT")
+        if (counted and all(name != "BE" for name, _ in terminals)) or _is_new(clause, terminals):
             terminals.insert(0, ("ADD", -1))
         for attempt in _attempts(terminals):
             if commands.parses >= PARSES:
@@ -345,8 +349,80 @@ def _parsed(commands: Commands, clause: list[Item]) -> list[Edit] | None:
                 for item in clause:
                     if item.noun in _PARTS_OF_BUILDINGS:
                         item.state = item.state or READ
-                return _made(commands, command, _span(clause))
+                edits = _made(commands, command, _span(clause))
+                return _there(commands, edits) if _says_there(clause) else _noted(commands, edits)
     return None
+
+
+_PLACES = ("in", "on", "along", "around", "near", "path")  # keys of a change that name a place
+_OF_STREETS = ("set_surface", "set_speed", "set_lanes", "set_width", "raise_width", "scale_width")
+_LINED = ("road", "street", "avenue", "main_street", "side_street", "ring_road", "river", "canal")
+
+
+def _noted(commands: Commands, edits: list[Edit]) -> list[Edit]:
+    """Note the place that edits speak of, which "there" is in the next command."""
+    for edit in edits:
+        target = edit.target
+        named = [(key, str(value)) for key, value in edit.change if key in _PLACES]
+        if target is not None and edit.verb != "move":
+            told = (("in", target.inside), ("along", target.along), ("near", target.near))
+            named = [(key, word) for key, word in told if word]
+            if not named and edit.verb != "remove" and (target.alone or len(target.ids) == 1):
+                lined = target.kind in _LINED or edit.verb in _OF_STREETS
+                beside = "near" if target.ids else "in"
+                named = [("along" if lined else beside, (*target.ids, target.kind)[0])]
+        commands.place = named[-1] if named else commands.place
+    return edits
+
+
+def _says_there(clause: Sequence[Item]) -> bool:
+    """Tell whether "there" is a place here: "put five benches there", not "there are"."""
+    words = [item for item in clause if item.kind != "mark"]
+    return any(item.text in _THERE for item in words[1:])
+
+
+_THERE = ("there", "in there", "over there", "on there")
+
+
+def _there(commands: Commands, edits: list[Edit]) -> list[Edit]:
+    """Put the place that was named last for "there"; ask where none was."""
+    found = []
+    for edit in edits:
+        target = edit.target
+        placed = any(key in (*_PLACES, "side") for key, _ in edit.change)
+        if target is not None:
+            placed = bool(target.ids or target.inside or target.along or target.near or target.side)
+        if placed or edit.verb == "unspecified":
+            found.append(edit)
+        elif not commands.place:
+            commands.questions.append(Question('Where is "there"? Name the place.'))
+            return [Edit("unspecified", span=edit.span)]
+        else:
+            found.append(_put(edit, *commands.place))
+    return found
+
+
+def _put(edit: Edit, relation: str, spot: str) -> Edit:
+    """Return a change at a place."""
+    if edit.target is None:
+        agent = edit.verb in ("add_agent", "add_traffic")
+        return replace(edit, change=(*edit.change, ("path" if agent else relation, spot)))
+    if relation == "along":
+        return replace(edit, target=replace(edit.target, along=spot))
+    if relation == "near":
+        return replace(edit, target=replace(edit.target, near=spot))
+    return replace(edit, target=replace(edit.target, inside=spot))
+
+
+def _is_new(clause: Sequence[Item], terminals: Sequence[Terminal]) -> bool:
+    """Tell whether somebody is told of who is not there yet: "a jogging woman circles the park"."""
+    first = next((item for item in clause if not item.state or item.kind == "function"), None)
+    names = [name for name, _ in terminals]
+    at = names.index("AGENT") if "AGENT" in names else len(names)
+    goes = any(name in ("MODE", "REL", "ON", "IN", "TO", "BY") for name in names[at + 1 :])
+    goes = goes and "BE" not in names  # "a car is parked on x1"
+    introduced = first is not None and first.words[0] in ("a", "an", "another", "some")
+    return introduced and goes and set(names[:at]) <= {"MODE", "SIZE", "SPEED"}
 
 
 def _made(commands: Commands, command: Node, span: Span) -> list[Edit]:

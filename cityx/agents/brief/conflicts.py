@@ -30,11 +30,17 @@ _TIMES_TOGETHER = (
 # What "no X" forbids: keys that begin so, and values of the keys that name things.
 _FORBIDS: Mapping[str, tuple[str, ...]] = {
     "building": ("building.count", "building.type", "building.height", "building.floors"),
+    "road": ("roads.", "traffic", "bridge.count"),
     "tree": ("nature.trees", "tree.count", "nature.spacing"),
     "vehicle": ("traffic", "vehicle.count", "vehicle.speed"),
     "pedestrian": ("pedestrians", "pedestrian.count"),
 }
 _NAMING = ("element", "agent", "building.type", "weather", "style", "district")
+# What is denied with its kind: who wants no water wants no river.
+_KINDS: Mapping[str, tuple[str, ...]] = {
+    "water": ("river", "canal", "lake", "pond", "sea", "waterfall"),
+    "pedestrian": ("man", "woman"),
+}
 
 
 def reconcile(slots: Sequence[Slot]) -> list[Slot]:
@@ -138,8 +144,9 @@ def _denied(slots: Sequence[Slot], negated: Sequence[Slot]) -> Iterator[Conflict
     for denial in negated:
         what = str(denial.value)
         for slot in slots:
-            counted = slot.key == f"{what}.count" and slot.value != 0
-            named = slot.key in _NAMING and slot.value == what
+            kinds = (what, *_KINDS.get(what, ()))
+            counted = slot.key in [f"{kind}.count" for kind in kinds] and slot.value != 0
+            named = slot.key in _NAMING and slot.value in kinds
             listed = any(slot.key.startswith(start) for start in _FORBIDS.get(what, ()))
             if (counted or named or listed) and not slot.key.endswith(".max"):
                 yield Conflict(

@@ -12,6 +12,7 @@ from cityx.agents.brief.scopes import KEPT, NEGATED, READ
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
 _AIR = ("season=", "time=", "weather=", "wetness=")
+_OF_BUILDINGS = ("style", "building.roof")
 _NO_PLACE = ("city", "landscape", "center", "sky")
 _TURNED = ("right", "left", "top", "bottom")  # sides of a picture, not of a city
 # What stands behind a word about how much of it there is.
@@ -64,6 +65,8 @@ def _settled(here: Here) -> None:
         here.found.add("weather", "clear", item)
     elif value and denied and _there_alone(here):
         here.found.leave(item, "denied in one place alone")
+    elif value and denied and _of_a_kind(here):
+        here.found.leave(item, "denied of one kind alone")
     elif value and denied:
         here.found.deny(value, item)
     elif value:
@@ -77,7 +80,15 @@ def _there_alone(here: Here) -> bool:
     place = here.items[here.at + 2 : here.at + 4]
     beside = here.after is not None and here.after.get("rel") in ("on", "along", "near", "around")
     nouns = [one for one in place if one.noun and one.noun not in ("road", "city", "landscape")]
-    return beside and bool(nouns)
+    element = any(one.noun_class == "element" for one in nouns)
+    within = here.after is not None and here.after.get("rel") == "in" and here.item.noun in ROADS
+    return (beside and bool(nouns)) or (within and element)
+
+
+def _of_a_kind(here: Here) -> bool:
+    """Tell whether streets of one width alone are denied: "no narrow streets"."""
+    before = here.before
+    return before is not None and before.has("width", "size") and here.item.noun in ROADS
 
 
 def _settled_value(here: Here) -> str:
@@ -210,9 +221,11 @@ def _phrases(here: Here) -> None:
             here.item.state = READ
             here.found.deny(value, here.item)
         else:
-            here.found.add(key, value, here.item)
+            every = key in _OF_BUILDINGS and here.of_every_building()
+            here.found.add(key, value, here.item, every=every)
     if here.item.has("use"):
-        here.found.add("building.use", here.item.get("use"), here.item)
+        every = here.of_every_building()
+        here.found.add("building.use", here.item.get("use"), here.item, every=every)
 
 
 def _nouns(here: Here) -> None:
@@ -274,5 +287,6 @@ def _looks(here: Here) -> None:
         here.found.leave(here.item, f"look of the {noun.noun}")
     else:
         here.found.add(
-            f"building.{'material' if material else 'color'}", material or color, here.item
-        )
+            f"building.{'material' if material else 'color'}", material or color, here.item,
+            every=here.of_every_building(),
+        )  # fmt: skip

@@ -378,7 +378,7 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
         change.append(("agent", "car" if car else kind_of(noun)))
         if noun.noun in _GENDERS:
             change.append(("gender", _GENDERS[noun.noun]))
-        modes = [item.get("mode") for item in thing.leaves() if item.has("mode")]
+        modes = dict.fromkeys(item.get("mode") for item in thing.leaves() if item.has("mode"))
         change += [("mode", mode) for mode in modes if mode in _GAITS]
         count = _count(thing, noun)
         change += [("count", count)] if count else []
@@ -387,7 +387,8 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
     change += [("speed", round(_value(speed), 4))] if speed is not None else []
     axis = thing.first("AXIS")
     change += [("direction", axis.get("axis"))] if axis is not None else []
-    for place in places:
+    # "around the park on loop1": the way that has a name leads around the park.
+    for place in [place for place in places if place.named] or places:
         key = "near" if place.relation == "near" else "path"
         change.append((key, place.spot) if place.spot else ("side", place.side))
     return Edit("add_traffic" if traffic else "add_agent", None, tuple(change))

@@ -11,6 +11,7 @@ from cityx.agents.brief.measurable import PATTERNS, SIDES, condition, things
 WITHIN = 0.10  # of a number in the text; counts hold exactly
 WITHIN_SIZE = 0.01  # of a size or a factor, which can be built exactly
 MOST, PART = 0.6, 0.25  # share of buildings that makes a style, and one of several styles
+EACH = 0.95  # share of buildings that is nearly each of them
 AROUND_SHARE = 0.05  # by which a share of buildings may differ
 
 # Slot -> value -> predicates; "*" stands for every other value, {v} for the value.
@@ -223,7 +224,8 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
     elif isinstance(slot.value, str):
         if (slot.key, slot.value) == ("traffic", "heavy") and not _placed(slots):
             yield "n(road, class=primary) >= 1"
-        share = MOST if sum(one.key == slot.key for one in slots) == 1 else PART
+        most = EACH if slot.every else MOST
+        share = most if sum(one.key == slot.key for one in slots) == 1 else PART
         yield from _said(slot.key, slot.value, share)
     else:
         yield from _measured(slot.key, float(slot.value), slots)

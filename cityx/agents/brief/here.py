@@ -26,6 +26,7 @@ _ADJECTIVES = (
     "attr", "ordinal",
 )  # fmt: skip
 _LINKS = ("of", "more", "green", "all")  # between an adjective and its noun
+_REACH = 5  # items between "every" and its noun, at most
 _FAR, _NEAR = 8, 5  # items between a quantity and the noun it measures: before it, behind it
 
 
@@ -39,7 +40,7 @@ class Findings:
     negated: list[Slot] = field(default_factory=list)
     notes: list[Note] = field(default_factory=list)
 
-    def add(self, key: str, value: Value, *items: Item) -> None:
+    def add(self, key: str, value: Value, *items: Item, every: bool = False) -> None:
         """Take a slot that some items say; they count as read."""
         for item in items:
             item.state = item.state or READ
@@ -47,7 +48,7 @@ class Findings:
         last = max(item.span[1] for item in items)
         if isinstance(value, float):
             value = int(value) if value == int(value) else round(value, 4)
-        _add_once(self.slots, Slot(key, value, (first, last), self.text[first:last]))
+        _add_once(self.slots, Slot(key, value, (first, last), self.text[first:last], every))
 
     def add_bounded(self, key: str, quantity: Quantity, *items: Item) -> None:
         """Take a slot for a value, or one for each bound."""
@@ -127,6 +128,20 @@ class Here:
         while last < len(self.items) and not self.items[last].is_mark(ENDS + ","):
             last += 1
         return list(self.items[first:last])
+
+    def of_every_building(self) -> bool:
+        """Tell whether the clause speaks of each building: "every house a brick facade"."""
+        clause = self.clause()
+        for at, item in enumerate(clause):
+            if item.get("rel") in ("all", "every") and item.state in ("", READ):
+                for after in clause[at + 1 : at + _REACH]:
+                    if after.noun_class in BUILDINGS:
+                        return True
+                    if after.noun:
+                        break
+            elif item.noun == "everything":
+                return True
+        return False
 
     def noun(self) -> Item | None:
         """Return the noun that a measure belongs to: the one behind it, else the one before."""

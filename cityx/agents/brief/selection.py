@@ -24,11 +24,20 @@ IT = "it"  # kind of what was named last
 
 @dataclass(frozen=True)
 class Place:
-    """Where something is: on a side (of something), or near, along, in, on an object."""
+    """Where something is: on a side (of something), or near, along, in, on an object.
+
+    Attributes
+    ----------
+    side, relation, spot
+        Words for them, "" for none.
+    named
+        Whether the object is told by a name or an id rather than by its kind.
+    """
 
     side: str
     relation: str
     spot: str
+    named: bool = False
 
     def items(self) -> Iterator[tuple[str, Value]]:
         """Yield the place as keys and values."""
@@ -197,6 +206,7 @@ def _place(node: Node) -> Place:
         side.get("side") if side is not None else "",
         relation.get("rel") if relation is not None else "",
         _spot(spot) if spot is not None else "",
+        spot is not None and any(item.kind == "id" for item in spot.leaves()),
     )
 
 

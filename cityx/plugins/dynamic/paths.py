@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from cityx.checks.predicates.words import LANDS, MAIN, PATHS, ROADS, WHOLE
 from cityx.city.city import City
 from cityx.city.layout import CURVE
 from cityx.errors import ActionFailed, nearest
+from cityx.plugins.dynamic.feasible import check_walk
 
 FloatArray = NDArray[np.float64]
 ROUTE = "route"  # kind of a line that somebody goes along and that is no thing itself
@@ -26,6 +28,11 @@ LEAST_BESIDE = 40.0  # metres of a path that must lie there
 OUTSTANDING = 0.5  # of the longest: a second path as long leaves open which is meant
 MOST_NAMED = 5  # candidates that a refusal names
 STREETS = ("main_street", "street", "road", "avenue")
+# Ways across an open place that no path crosses.
+MARGIN = 1.0  # metres from its edges
+LEAST_ACROSS = 8.0  # metres of such a way
+TURNS = 4  # directions that are tried, from that of its longer or shorter side on
+ASIDE = (3.0, -3.0, 6.0, -6.0)  # metres off its middle, past a fountain there
 _FILLERS = re.compile(
     r"\b(the|an?|paths?|ways?|walk|track|footpath|trail|along|around|round|about|through|on|in|of|"
     r"by|beside|past|down|up|across|at|over)\b"
@@ -237,12 +244,39 @@ def _beside(city: City, said: str, places: NDArray[Any], word: str) -> Path:
             f'path = "{said}": {len(rings)} closed paths lie at the {word}: {shown}. Name one.'
         )
     long = [(reach, place) for place, reach in enumerate(run.tolist()) if reach >= LEAST_BESIDE]
+    through = None if long else _across(city, places, word)
+    if through is not None:
+        return through
     if not long:
         raise ActionFailed(
             f'path = "{said}": no path lies within {BESIDE:g} m of the {word}. Draw a curve there, '
             f"or give points. The city has {_listed(_known(city))}."
         )
     return ways[max(long)[1]]
+
+
+def _across(city: City, places: NDArray[Any], word: str) -> Path | None:
+    """Return the longest straight way across the largest of some places that nothing blocks."""
+    place = max(shapely.get_parts(places).tolist(), key=shapely.area)
+    middle = shapely.get_coordinates(shapely.point_on_surface(place))[0]
+    corners = shapely.get_coordinates(shapely.oriented_envelope(place))[:4]
+    far = float(np.hypot(*(corners[2] - corners[0])))
+    first = float(np.arctan2(*(corners[1] - corners[0])[::-1]))
+    inner = shapely.buffer(place, -MARGIN)
+    found: list[Any] = []
+    for turn, aside in product(np.arange(TURNS) * np.pi / TURNS, (0.0, *ASIDE)):
+        way = np.array([np.cos(first + turn), np.sin(first + turn)])
+        at = middle + aside * np.array([-way[1], way[0]])
+        ray = shapely.LineString([at - far * way, at + far * way])
+        lines = shapely.get_parts(shapely.intersection(ray, inner))
+        found += [line for line in lines.tolist() if line.length >= LEAST_ACROSS]
+    for line in sorted(found, key=lambda line: -round(line.length, 2)):
+        try:
+            check_walk(city, line, word)
+        except ActionFailed:
+            continue
+        return path_of_line(word, line)
+    return None
 
 
 def _lands(city: City) -> str:

@@ -21,6 +21,7 @@ from cityx.sources.features.tagged import Tagged
 from cityx.sources.georeference import ground_of, laid_on_ground
 from cityx.sources.inputs import place_name
 from cityx.sources.map_classes import MapClass, Role, class_of
+from cityx.sources.satellite.painted import painted_segmenter
 from cityx.sources.satellite.plausible import plausible_features
 from cityx.sources.satellite.segmented import SURE, Segmented, segment
 from cityx.sources.satellite.segmenter import (
@@ -67,7 +68,8 @@ def read_satellite(
         (latitude, longitude) of the middle, degrees, for an image without a georeference.
     segmenter
         An ONNX file that keeps the contract of `cityx.sources.satellite.segmenter`, "none" for
-        colour and texture alone, or None for the network that comes with CityX.
+        colour and texture alone, or None for the network that comes with CityX, and for the
+        colours themselves where the image is painted rather than photographed.
     fidelity
         "exact" for every outline as it was segmented, "plausible" for streets that are connected
         and blocks that are built up as densely as the image shows.
@@ -90,7 +92,7 @@ def read_satellite(
     path = Path(path)
     check_asked(fidelity, pixel)
     picture = read_picture(path, photograph=True)
-    chosen, notes = _chosen(segmenter)
+    chosen, notes = _chosen(segmenter, picture)
     seen = _seen(picture, chosen, pixel, flips=flips)
     _check_shown(path, seen.what, chosen)
     found, frame = _placed(picture, seen, chosen, at)
@@ -126,9 +128,12 @@ class _Seen:
     notes: tuple[str, ...]
 
 
-def _chosen(said: str | Path | None) -> tuple[Segmenter, tuple[str, ...]]:
+def _chosen(said: str | Path | None, picture: Picture) -> tuple[Segmenter, tuple[str, ...]]:
     """Return a segmenter, and what is to be said of the choice."""
     if said is None:
+        painted = painted_segmenter(picture)
+        if painted is not None:
+            return painted, ()
         try:
             return shipped_segmenter(), ()
         except MissingDependency as error:

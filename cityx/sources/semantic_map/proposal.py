@@ -80,8 +80,15 @@ class Proposal:
         )
 
 
-def propose(picture: Picture) -> tuple[Legend, tuple[str, ...]]:
+def propose(picture: Picture, *, apart: float = REJECT) -> tuple[Legend, tuple[str, ...]]:
     """Propose a legend for a picture.
+
+    Parameters
+    ----------
+    picture
+        Of few colours.
+    apart
+        CIELab between two colours of different classes, at least.
 
     Returns
     -------
@@ -91,7 +98,7 @@ def propose(picture: Picture) -> tuple[Legend, tuple[str, ...]]:
         A line per entry.
     """
     by_value = picture.values is not None
-    keys, labels = _clusters(picture, by_value=by_value)
+    keys, labels = _clusters(picture, by_value=by_value, apart=apart)
     step = int(np.ceil(np.sqrt(labels.size / SAMPLE)))
     labels = labels[::step, ::step]
     shown = keys if not by_value else packed(_greys(keys))
@@ -116,7 +123,7 @@ def _greys(values: IntArray) -> NDArray[np.uint8]:
     return np.repeat((values & 255).astype(np.uint8)[:, None], 3, axis=1)
 
 
-def _clusters(picture: Picture, *, by_value: bool) -> tuple[IntArray, IntArray]:
+def _clusters(picture: Picture, *, by_value: bool, apart: float) -> tuple[IntArray, IntArray]:
     """Return at most `MOST` colours or values and the nearest of each pixel."""
     keys, index = picture.distinct(by_value=by_value)
     count = np.bincount(index[~picture.void], minlength=len(keys)).astype(float)
@@ -126,7 +133,7 @@ def _clusters(picture: Picture, *, by_value: bool) -> tuple[IntArray, IntArray]:
         nearest = np.abs(keys[:, None] - keys[kept]).argmin(axis=1)
         return keys[kept], nearest[index]
     lab = to_lab(unpacked(keys))
-    kept = _apart(lab, count, order)
+    kept = _apart(lab, count, order, apart)
     centres = lab[kept]
     nearest = _assigned(lab, centres)
     for _ in range(8):  # k-means; the colours themselves, not means, name the classes in the end
@@ -142,13 +149,13 @@ def _clusters(picture: Picture, *, by_value: bool) -> tuple[IntArray, IntArray]:
     return keys[kept], labels
 
 
-def _apart(lab: FloatArray, count: FloatArray, order: IntArray) -> IntArray:
+def _apart(lab: FloatArray, count: FloatArray, order: IntArray, least: float) -> IntArray:
     """Choose frequent colours that look different."""
     kept: list[int] = []
     for index in order[:4096].tolist():
         if len(kept) == MOST or count[index] < ALONE * count.sum() / (1 + len(kept)):
             break
-        if all(np.linalg.norm(lab[index] - lab[other]) > REJECT for other in kept):
+        if all(np.linalg.norm(lab[index] - lab[other]) > least for other in kept):
             kept.append(index)
     return np.array(kept or order[:1].tolist(), np.int64)
 

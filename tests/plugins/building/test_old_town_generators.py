@@ -9,6 +9,7 @@ from massings import assert_sound, awkward
 from cityx.assets.fixtures import fixture
 from cityx.geometry.massing import Plot
 from cityx.plugins.building import (
+    art_deco,
     georgian_terrace,
     mediterranean_house,
     palazzo,
@@ -27,7 +28,7 @@ from cityx.protocol.example_city import example_city
 
 MODULES = (
     palazzo, perimeter_block, georgian_terrace, walk_up, mediterranean_house, shop_house, townhall,
-    panel_slab,
+    panel_slab, art_deco,
 )  # fmt: skip
 NAMES = [module.GENERATOR.name for module in MODULES]
 SEEDS = (1, 2, 3)
@@ -73,10 +74,16 @@ OPTIONS = {
         {"colour": "grey", "section": 15.0},
         {"colour": "grey", "step": 0.0},
     ],
+    "art_deco": [
+        *({"form": form} for form in art_deco.FORMS),
+        {"form": "streamline", "corner": 7.0},
+        {"form": "stepped", "attic": 4.0},
+        {"form": "zigzag", "parapet": 1.8},
+    ],
 }
 CASES = [(name, number) for name in NAMES for number in range(len(OPTIONS[name]))]
 ROOFS = {"mediterranean_house": ("hipped", 1.8), "walk_up": ("flat", 0.0),
-         "panel_slab": ("flat", 0.0)}  # fmt: skip
+         "panel_slab": ("flat", 0.0), "art_deco": ("flat", 0.0)}  # fmt: skip
 
 
 def grown(name, plot, **options):

@@ -90,6 +90,17 @@ def test_along_a_street_people_walk_on_its_sidewalk(park):
     assert park.ground.on(at[~on], "junction", "carriageway", "marking", "tactile_pale").all()
 
 
+def test_people_cross_a_plaza_that_no_path_crosses(park):
+    city, ids = add_characters(park, path="across the plaza", count=20)
+    (plaza,) = park.layout.areas.geometry[park.layout.areas["kind"] == "pedestrian"]
+    spots = shapely.points(city.tracks.position[:, :2])
+    assert len(ids) == 20
+    assert shapely.covers(plaza, spots).all()
+    assert np.ptp(city.tracks.position[:, :2], axis=0).max() > 0.8 * np.sqrt(plaza.area)
+    again, _ = add_characters(park, path="plaza", count=20)
+    assert np.array_equal(again.tracks.position, city.tracks.position)
+
+
 def test_nobody_in_a_crowd_touches_another(park):
     city, ids = add_characters(park, path="loop1", crowd_creation="crowd", count=100)
     from cityx.city.tracks import poses_at
