@@ -31,6 +31,7 @@ MOST_ROWS = 12_000
 SURROUNDINGS = "surroundings"  # layer of the plain, which the copies' ground replaces
 SUNK = 1.5  # metres by which it sinks below them, deeper than water lies
 FEWEST = 20  # buildings of a site whose margin is filled
+STEPS = (0.0, 17.0, -17.0, 34.0, -34.0)  # metres by which copies are moved to fill what is left
 BUILDABLE = ("block", "courtyard", "grass", "parking", "plaza", "sidewalk", "furnishing")
 MAP_PITCH = radians(-75.0)  # a camera that looks down like a map shows the site alone
 
@@ -102,10 +103,16 @@ class Outskirts:
             return
         known = built_up(boxes[rows])
         margin = float(np.abs(np.array(known) - np.array(view.extent)).max())
-        for mirrored in images(known, margin):
+        taken = np.zeros((0, 4))
+        shifted = (image.moved(step) for step in STEPS for image in images(known, margin))
+        for mirrored in shifted:
             chosen = rows[near(mirrored, boxes[rows], known, 2 * margin)]
-            placed = mirrored.placed(boxes[chosen])
-            for index in chosen[may_stand(view, placed, known)].tolist():
+            chosen = chosen[may_stand(view, mirrored.placed(boxes[chosen]), known)]
+            for index in chosen.tolist():
+                box = mirrored.placed(boxes[index])
+                if ((box[:, :2] < taken[:, 2:]) & (box[:, 2:] > taken[:, :2])).all(axis=1).any():
+                    continue
+                taken = np.concatenate([taken, box])
                 image = bpy.data.objects.new(f"{NAME} fill", solid[index].data)
                 image.matrix_world = _matrix(mirrored) @ Matrix.Translation(solid[index].location)
                 held.objects.link(image)

@@ -35,6 +35,10 @@ class Image:
         corners = boxes.reshape(-1, 2, 2) * self.sign + self.shift
         return np.concatenate([corners.min(axis=1), corners.max(axis=1)], axis=1)
 
+    def moved(self, step: float) -> Image:
+        """Return the image moved by some metres along both axes."""
+        return Image(self.sign, self.shift + step)
+
 
 def images(extent: Box, reach: float = REACH) -> Iterator[Image]:
     """Yield the images of a site round it, each the mirror image of its neighbours.

@@ -88,6 +88,9 @@ WALK_WALL = {"": 5.0, "bicycle": 2.4, "planter": 1.2, "planter_round": 1.2, "ben
 WALK_WALL_JAPAN = {"": 4.5, "bicycle": 3.2, "planter_round": 1.6, "vending_machine": 2.0,
                    "wheelie_bins": 0.6, "motor_scooter": 0.8, "motor_scooter_red": 0.4,
                    "cartons": 0.6}  # fmt: skip
+# On walks as wide as squares, as at the corners of large junctions, away from walls and kerbs.
+WALK_OPEN = {"": 3.0, "planter": 1.5, "planter_round": 1.0, "bench": 0.8, "bicycle_parking": 1.4,
+             "waste_basket": 0.4}  # fmt: skip
 LEANING = ("bicycle", *SCOOTERS)  # along the wall, not square to it
 # Half the size of a piece that stands free, metres.
 SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "cafe_set": 0.95,
@@ -329,6 +332,7 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
         (plaza & (rim > 1.0), PLAZA),
         (yard & np.isinf(wall), YARD),
         (yard & np.isfinite(wall), YARD_WALL_JAPAN if site.place == "japan" else YARD_WALL),
+        (walk & np.isinf(wall), WALK_OPEN),
         (walk & np.isfinite(wall), WALK_WALL_JAPAN if site.place == "japan" else WALK_WALL),
     ):
         words = np.array(list(weights), object)
