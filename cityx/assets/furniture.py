@@ -30,6 +30,7 @@ from cityx.assets.shapes import (
     tube,
 )
 from cityx.assets.shore_pieces import SHORE_MAKERS
+from cityx.assets.street_clutter import CLUTTER_MAKERS
 from cityx.assets.street_pieces import STREET_MAKERS
 from cityx.city.scene import Prototype
 from cityx.geometry.identity import rng_for
@@ -452,6 +453,7 @@ MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
         )
     }
     | dict(STREET_MAKERS)
+    | dict(CLUTTER_MAKERS)
     | dict(PARK_MAKERS)
     | dict(SHORE_MAKERS)
 )  # fmt: skip

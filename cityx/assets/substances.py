@@ -93,7 +93,9 @@ WEIGHTS: Mapping[str, float] = MappingProxyType(
         "car_hatchback": 1150.0, "car_sedan": 1450.0, "car_suv": 1700.0, "car_van": 1950.0,
         "bus": 12_000.0, "recycling": 350.0, "vending_machine": 300.0, "advertising_column": 900.0,
         "fire_hydrant": 90.0, "post_box": 80.0, "bicycle": 15.0, "traffic_cone": 3.0,
-        "kiosk": 1200.0, "barge": 40_000.0, "motor_boat": 900.0, "rowing_boat": 90.0,
+        "motor_scooter": 110.0, "motor_scooter_red": 110.0, "motor_scooter_dark": 110.0,
+        "street_cabinet": 180.0, "kiosk": 1200.0, "barge": 40_000.0, "motor_boat": 900.0,
+        "rowing_boat": 90.0,
     }
 )  # fmt: skip
 VEHICLE_DENSITY = 180.0  # kilograms per cubic metre of collider, of vehicles that are not named
@@ -112,12 +114,13 @@ CLASSES: Mapping[str, str] = MappingProxyType(
         "street_lamp": "street_lamp", "sign_": "sign", "traffic_signal": "traffic_signal",
         "waste_basket": "litter_bin", "wheelie_bins": "bin", "recycling": "bin",
         "stone_bench": "bench", "planter": "planter", "car_": "car", "shrub": "shrub",
+        "motor_scooter": "motorcycle", "banner_": "sign",
     }
 )  # fmt: skip
 # Pieces that stand by their weight alone. Bicycles are locked, boats moored, posts set in concrete.
 LOOSE = frozenset(
     {"bench", "bin", "litter_bin", "planter", "cafe_set", "shop_board", "picnic_table", "boulder",
-     "traffic_cone", "vending_machine"}
+     "traffic_cone", "vending_machine", "fruit_stand", "flower_stand", "clothes_rail", "cartons"}
 )  # fmt: skip
 # A box each: what hangs on a post in the ground would fall over without it.
 UPRIGHT = frozenset({"litter_bin"})

@@ -54,9 +54,8 @@ def make_air(
         density = _density(tree, layers.outputs["Position"], environment, ground, eye)
         depth = _math(tree, "MULTIPLY", depth, density)
     hazy = _math(tree, "SUBTRACT", 1.0, _math(tree, "EXPONENT", depth, 0.0))
-    if thick:
-        sky = _math(tree, "MULTIPLY", _math(tree, "SUBTRACT", mist, 0.97), 1 / 0.03, clamp=True)
-        hazy = _math(tree, "MULTIPLY", hazy, _math(tree, "SUBTRACT", 1.0, sky))
+    sky = _math(tree, "MULTIPLY", _math(tree, "SUBTRACT", mist, 0.97), 1 / 0.03, clamp=True)
+    hazy = _math(tree, "MULTIPLY", hazy, _math(tree, "SUBTRACT", 1.0, sky))
     mixed = tree.nodes.new("CompositorNodeMixRGB")
     tree.links.new(hazy, mixed.inputs[0])
     tree.links.new(layers.outputs["Image"], mixed.inputs[1])

@@ -9,19 +9,22 @@ from cityx.assets.trees.leaf_fall import SNOWED
 from cityx.blender.air import make_air
 from cityx.blender.falling import make_falling
 from cityx.blender.lamps import lamp_positions, place_lamps, shop_positions
+from cityx.blender.leaf_fall import BARE
 from cityx.blender.metering import shade_stops
 from cityx.blender.render import use_light_tree
-from cityx.blender.scene import BARE
 from cityx.blender.sky import lamp_balance, make_world
 from cityx.blender.weather import show_wear, turn_knobs
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.city.store import View
 from cityx.geometry.ground_wear import ground_wear
+from cityx.geometry.mirrored import REACH as OUTSKIRTS
 
 # A camera that looks down from high up sees sunlit roofs and streets, where one between the houses
 # sees half of them in shade: it closes by so many stops.
 AERIAL_STOPS = 0.6
+# The plain curve leaves walls in the sun and streets in the shade nearly alike.
+LOOK = "AgX - Medium High Contrast"
 AERIAL_HEIGHT = (15.0, 60.0)  # metres above the ground over which it does so
 
 
@@ -55,7 +58,7 @@ class Lighting:
             modifier = tree.modifiers[BARE]
             modifier.show_render = modifier.show_viewport = environment.snow > SNOWED
         self.scene.view_settings.view_transform = "AgX"
-        self.scene.view_settings.look = "None"
+        self.scene.view_settings.look = LOOK
         self.scene.view_settings.exposure = environment.exposure
         use_light_tree(self.scene, on=environment.lamps > 0)
 
@@ -101,4 +104,4 @@ def reach_of(eye: tuple[float, float, float], extent: tuple[float, float, float,
     xmin, ymin, xmax, ymax = extent
     corners = np.array([(x, y) for x in (xmin, xmax) for y in (ymin, ymax)])
     far = np.linalg.norm(corners - np.array(eye[:2]), axis=1).max()
-    return float(np.hypot(far, eye[2])) * 1.1 + 100.0
+    return float(np.hypot(far, eye[2])) * 1.1 + 100.0 + OUTSKIRTS

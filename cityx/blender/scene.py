@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.trees.leaf_fall import LEAF, sheds
+from cityx.blender.leaf_fall import undress
 from cityx.blender.materials import MaterialLibrary
 from cityx.city.content import scene_key
 from cityx.city.mesh import NO_VERTEX, MeshBatch, feet
@@ -26,7 +27,6 @@ TILE = 2000.0  # metres; a tile's own origin keeps float32 vertices exact to 0.1
 INSTANCER = "CityX Instances"  # node group that puts objects on points
 LOW_32 = np.uint64(0xFFFFFFFF)
 OBJECT_LAYERS = frozenset({"buildings"})  # layers whose things a user wants to pick one by one
-BARE = "Bare"  # name of the modifier that takes the leaves off a deciduous tree
 # Custom properties by which `cityx.blender.pull` knows what it reads.
 ID, LAYER, NAME, SCENE = "cityx_id", "cityx_layer", "cityx_name", "cityx_scene"
 HOW_TO_EDIT = """\
@@ -415,29 +415,8 @@ def _prototype(prototype: Prototype, index: int, library: MaterialLibrary) -> bp
     item = bpy.data.objects.new(name, made)
     item["kind"] = prototype.kind
     if sheds(prototype.kind, prototype.name, mesh.materials):
-        modifier = item.modifiers.new(BARE, "NODES")
-        modifier.node_group = _leaf_fall(library.get(LEAF, variant))
-        modifier.show_render = modifier.show_viewport = False  # `cityx.blender.light` switches it
+        undress(item, library.get(LEAF, variant), library.get("bark", variant))
     return item
-
-
-def _leaf_fall(leaf: bpy.types.Material) -> bpy.types.NodeTree:
-    """Return the node group that takes the leaves off a tree."""
-    found = bpy.data.node_groups.get("CityX Leaf Fall")
-    if found is not None:
-        return found
-    group = bpy.data.node_groups.new("CityX Leaf Fall", "GeometryNodeTree")
-    group.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
-    group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-    source, sink = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
-    chosen = group.nodes.new("GeometryNodeMaterialSelection")
-    chosen.inputs["Material"].default_value = leaf
-    fall = group.nodes.new("GeometryNodeDeleteGeometry")
-    fall.domain = "FACE"
-    group.links.new(source.outputs[0], fall.inputs["Geometry"])
-    group.links.new(chosen.outputs[0], fall.inputs["Selection"])
-    group.links.new(fall.outputs[0], sink.inputs[0])
-    return group
 
 
 def _points(

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from cityx.blender import grass
+from cityx.blender.leaf_fall import show_twigs
 from cityx.blender.light import Lighting
 from cityx.blender.materials import MaterialLibrary
 from cityx.blender.movers import show_movers
+from cityx.blender.outskirts import Outskirts
 from cityx.blender.passes import render_passes, use_passes
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
@@ -50,9 +52,20 @@ class Studio:
         self.scene, self.view, self.lighting, self.library = scene, view, lighting, library
         self.staged = staged
         self.moment: float | None = None
+        self.outskirts: Outskirts | None = None
 
-    def show(self, environment: Environment, camera: Camera, moment: float | None) -> None:
-        """Set light, grass and movers; a moment of None is that of the view."""
+    def show(
+        self, environment: Environment, camera: Camera, moment: float | None, *, truth: bool = False
+    ) -> None:
+        """Set light, grass, movers and outskirts; a moment of None is that of the view.
+
+        A picture that is read as truth shows the site alone.
+        """
+        if not truth and self.outskirts is None:
+            self.outskirts = Outskirts(self.scene, self.view)
+        if self.outskirts is not None:
+            self.outskirts.show(None if truth else camera)
+        show_twigs(bpy.data.objects, shown=not truth)
         wanted = self.view.moment if moment is None else moment
         if self.staged and wanted != self.moment:
             show_movers(self.scene, self.view, wanted, self.library)

@@ -10,9 +10,10 @@ import bpy  # noqa: TID251
 import numpy as np
 from mathutils.bvhtree import BVHTree
 
+from cityx.blender.leaf_fall import BARE
 from cityx.blender.light import Lighting
 from cityx.blender.metering import light_on
-from cityx.blender.scene import BARE, build_scene
+from cityx.blender.scene import build_scene
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.city.store import read_view

@@ -123,6 +123,8 @@ _TOWER = FacadeStyle(
         Fixture("caged_balcony", "bay", "trim", first=1, last=-1, every=4, share=0.5),
         Fixture("cooling_ledge", "pier", "trim", first=1, last=-1, every=2, lift=0.35, share=0.7,
                 scattered=True),
+        Fixture("street_sign_tower", "pier", "sign", first=1, last=1, lift=0.1, street=True,
+                share=0.2, scattered=True),
         Fixture("drain_pipes", "corner", stretch="height", share=0.6, scattered=True),
     ),
 )  # fmt: skip

@@ -199,13 +199,13 @@ def _signs(placing: Placing, found: Facade, seed: int) -> None:
     put("awning", np.flatnonzero(awned), top - 0.02, cloth, along=table.along, out=0.16)
     edge = table.along + table.width / 2 + 0.1
     edge = np.minimum(edge, found.walls.length[table.wall] - 0.2)
-    blade = (uniform(seed, "facade/blade", tenant) < 0.3) & (table.bay % 2 == 0) & ~awned
+    blade = (uniform(seed, "facade/blade", tenant) < 0.5) & (table.bay % 2 == 0) & ~awned
     put("sign_blade", np.flatnonzero(blade), top - 0.5, sign, along=edge, wide=False, out=0.1)
     # Stacks of signs up the corners of the trading streets of East Asia.
     part = found.walls.part[table.wall]
-    tall = found.walls.z_high[table.wall] - top > 6.5
+    tall = found.walls.z_high[table.wall] - top > 5.8
     stack = (found.designs.style[part] == "asian") & tall & (table.bay == 0)
-    stack &= uniform(seed, "facade/stack", placing.building[table.wall]) < 0.6
+    stack &= uniform(seed, "facade/stack", placing.building[table.wall]) < 0.75
     put("sign_tower", np.flatnonzero(stack), top + 1.4, sign, along=table.along * 0 + 0.35,
         wide=False)  # fmt: skip
 

@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from cityx.plugins.building.volumes import Volumes
 
 EDGE = 0.7  # metres between a piece and the inner face of the parapet
-MIN_AREA = 45.0  # square metres; smaller flat roofs stay bare
-PER_PIECE = 110.0  # square metres of flat roof per piece
-MOST = 40  # pieces on one roof
+MIN_AREA = 35.0  # square metres; smaller flat roofs stay bare
+PER_PIECE = 65.0  # square metres of flat roof per piece
+MOST = 60  # pieces on one roof
 TRIES = 4
 CHIMNEY_TOP = 0.8  # metres a chimney stands above the ridge
 CHIMNEY_SUNK = 0.4  # metres of a chimney inside the roof

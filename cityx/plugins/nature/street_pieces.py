@@ -39,6 +39,7 @@ from cityx.plugins.nature.street_rules import (
     DOOR_SIDE,
     KERB_RULES,
     PIECE_GAP,
+    SCOOTERS,
     SIGHT,
     SLOT,
     STREETS,
@@ -60,13 +61,17 @@ CROSSING_GAP = 4.0  # metres round a mapped crossing
 TOWN = 25.0  # metres within which an urban building makes a kerb a kerb in town
 STRIP = 0.9  # metres at the kerb that other furniture may take
 CAFE_SHARE = {"shop_cafe": 0.75, "shop_classic": 0.10, "shop_modern": 0.08}
-BOARD_SHARE, TUB_SHARE, MACHINE_SHARE = 0.16, 0.14, 0.18
+BOARD_SHARE, TUB_SHARE, MACHINE_SHARE = 0.2, 0.2, 0.25
+# What a shop puts before its window, with weights; "" is nothing.
+WARES = {"": 7.0, "fruit_stand": 1.0, "flower_stand": 1.0, "clothes_rail": 1.0}
+BANNERS, BANNER_SHARE = ("banner_red", "banner_blue"), 0.3  # of the shops of Japan
 LEVEL = 1.2  # metres between the ground and the foot of a shopfront that opens onto it
 OPEN_SPACING = 7.0  # metres between things on plazas and in yards
 WALL_REACH = 3.5  # metres from a wall within which a thing is moved to it
 # Metres from a wall to the middle of what stands at it.
 WALL_GAP = {"bicycle_parking": 1.05, "bicycle": 0.35, "bench": 0.4, "planter_round": 0.45,
-            "vending_machine": 0.48, "wheelie_bins": 0.5}  # fmt: skip
+            "vending_machine": 0.48, "wheelie_bins": 0.5, "motor_scooter": 0.45,
+            "motor_scooter_red": 0.45, "cartons": 0.35, "street_cabinet": 0.3}  # fmt: skip
 OPEN = ("plaza", "courtyard", "sidewalk")  # ground on which things stand apart from kerbs
 USUAL_GAP = 0.8  # the same for everything else
 # What stands free on plazas, in yards, and at the walls of yards, with weights; "" is nothing.
@@ -74,17 +79,27 @@ PLAZA = {"": 5.0, "bench": 2.0, "stone_bench": 1.5, "planter": 2.0, "waste_baske
          "planter_round": 1.0, "advertising_column": 0.15, "kiosk": 0.12,
          "bicycle_parking": 0.5, "street_lamp_post": 0.8}  # fmt: skip
 YARD = {"": 5.0, "planter": 1.6, "planter_round": 1.2, "bench": 0.7, "bicycle_parking": 1.2}
-YARD_WALL = {"": 2.5, "wheelie_bins": 2.0, "bicycle_parking": 1.6, "planter": 1.0, "bicycle": 1.2}
+YARD_WALL = {"": 2.5, "wheelie_bins": 2.0, "bicycle_parking": 1.6, "planter": 1.0, "bicycle": 1.2,
+             "cartons": 0.8}  # fmt: skip
 YARD_WALL_JAPAN = {**YARD_WALL, "vending_machine": 1.6}
 # At the walls of wide walks; bicycles lean along them.
-WALK_WALL = {"": 7.0, "bicycle": 2.4, "planter": 1.2, "planter_round": 1.2, "bench": 1.0}
-WALK_WALL_JAPAN = {"": 7.0, "bicycle": 3.2, "planter_round": 1.6, "vending_machine": 1.5,
-                   "wheelie_bins": 0.6}  # fmt: skip
+WALK_WALL = {"": 5.0, "bicycle": 2.4, "planter": 1.2, "planter_round": 1.2, "bench": 1.0,
+             "cartons": 0.9, "street_cabinet": 0.7}  # fmt: skip
+WALK_WALL_JAPAN = {"": 4.5, "bicycle": 3.2, "planter_round": 1.6, "vending_machine": 2.0,
+                   "wheelie_bins": 0.6, "motor_scooter": 0.8, "motor_scooter_red": 0.4,
+                   "cartons": 0.6}  # fmt: skip
+# On walks as wide as squares, as at the corners of large junctions, away from walls and kerbs.
+WALK_OPEN = {"": 3.0, "planter": 1.5, "planter_round": 1.0, "bench": 0.8, "bicycle_parking": 1.4,
+             "waste_basket": 0.4}  # fmt: skip
+LEANING = ("bicycle", *SCOOTERS)  # along the wall, not square to it
 # Half the size of a piece that stands free, metres.
 SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "cafe_set": 0.95,
         "planter_round": 0.4, "advertising_column": 0.8, "kiosk": 1.9, "bicycle_parking": 1.4,
         "street_lamp_post": 0.3, "wheelie_bins": 0.7, "parasol": 1.3, "shop_board": 0.35,
-        "vending_machine": 0.6, "bicycle": 0.9, "bollard": 0.12}  # fmt: skip
+        "vending_machine": 0.6, "bicycle": 0.9, "bollard": 0.12, "motor_scooter": 0.92,
+        "motor_scooter_red": 0.92, "cartons": 0.65, "street_cabinet": 0.66, "fruit_stand": 0.95,
+        "flower_stand": 0.8, "clothes_rail": 0.8, "banner_red": 0.3, "banner_blue": 0.3,
+        }  # fmt: skip
 # Bollards along the curves of kerbs at junctions: share of corners by place, metres between them,
 # behind the kerb, and of the longest curve (a longer one is no corner but a roundabout).
 CORNER_SHARE = {"british isles": 0.6, "japan": 0.8, "north america": 0.15}
@@ -268,7 +283,18 @@ def _before_shops(city: City, site: _Site, density: float) -> Pieces:
             put("cafe_set", tables, 0.95, 0.95, 0.8)
             board = level & ~cafe & drawn("board", BOARD_SHARE) & (room >= 0.6 + STRIP + CLEAR)
             put("shop_board", board, 0.55, 0.9, 0.7)
+            words = np.array(list(WARES), object)
+            wares = words[
+                choose(city.seed, f"{ACTION}/wares", rows.object_id, list(WARES.values()))
+            ]
+            for name in words[1:]:
+                laid = level & ~cafe & ~board & (wares == name) & (room >= 0.8 + CLEAR)
+                put(str(name), laid & drawn("wares", 1.0), 0.42, -0.75)
             if site.place == "japan":
+                for number, name in enumerate(BANNERS):
+                    flown = level & (rows.object_id % np.uint64(2) == number)
+                    flown &= drawn("banner", BANNER_SHARE) & (room >= 0.5 + CLEAR)
+                    put(name, flown, 0.3, 1.45, 0.6)
                 machine = level & ~cafe & ~board & drawn("machine", MACHINE_SHARE)
                 put("vending_machine", machine & (room >= 0.9 + CLEAR), 0.48, -1.0)
         else:
@@ -306,6 +332,7 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
         (plaza & (rim > 1.0), PLAZA),
         (yard & np.isinf(wall), YARD),
         (yard & np.isfinite(wall), YARD_WALL_JAPAN if site.place == "japan" else YARD_WALL),
+        (walk & np.isinf(wall), WALK_OPEN),
         (walk & np.isfinite(wall), WALK_WALL_JAPAN if site.place == "japan" else WALK_WALL),
     ):
         words = np.array(list(weights), object)
@@ -331,7 +358,7 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
         xy = xy.copy()
         gap = np.array([WALL_GAP.get(str(name), USUAL_GAP) for name in names[rows]])
         xy[rows] = foot + gap[:, None] * away
-        turn[rows] = yaw_facing(away) + np.where(names[rows] == "bicycle", np.pi / 2, 0.0)
+        turn[rows] = yaw_facing(away) + np.where(np.isin(names[rows], LEANING), np.pi / 2, 0.0)
         room = room_along(foot + 0.1 * away, away, site.rims, REACH)
         kerb = np.where(walk[rows], STRIP, 0.0)  # what stands there takes its share of the walk
         keep[rows] &= (length > 0.2) & (room >= 2 * gap + CLEAR + kerb)

@@ -57,23 +57,31 @@ class Rule:
 
 
 _NOT_JAPAN = (("japan", 0.0),)
+# One rides in warm cities and where there is no room for a car.
+_SCOOTERS = (("mediterranean", 4.0), ("south-east asia", 6.0), ("japan", 1.6),
+             ("north america", 0.2))  # fmt: skip
+SCOOTERS = ("motor_scooter", "motor_scooter_red", "motor_scooter_dark")
 KERB_RULES: tuple[Rule, ...] = (
     Rule("bench", 0.9, 0.45, 0.25, 0.05, 0.60, 0.30, 0.95, (("japan", 0.15),)),
     Rule("waste_basket", 1.1, 0.7, 0.35, 0.1, 0.50, 0.22, 0.25, (("japan", 0.05),)),
-    Rule("bicycle_parking", 0.7, 0.7, 0.1, 0.0, 1.10, 0.90, 1.40, (("north america", 0.5),)),
+    Rule("bicycle_parking", 0.7, 0.7, 0.1, 0.0, 1.10, 0.90, 1.40, (("north america", 0.5),
+         ("northern/central europe", 1.8))),
     Rule("planter", 1.2, 0.6, 0.1, 0.0, 0.55, 0.30, 0.65),
     Rule("advertising_column", 0.18, 0.0, 0.0, 0.0, 1.05, 0.80, 0.80,
          (*_NOT_JAPAN, ("north america", 0.0))),
     Rule("kiosk", 0.10, 0.0, 0.0, 0.0, 1.50, 1.15, 1.70, (*_NOT_JAPAN, ("north america", 0.3))),
     Rule("post_box", 0.15, 0.12, 0.06, 0.05, 0.55, 0.25, 0.30),
-    Rule("telephone", 0.05, 0.02, 0.0, 0.0, 0.70, 0.48, 0.50),
+    Rule("telephone", 0.05, 0.02, 0.0, 0.0, 0.70, 0.48, 0.50, (("british isles", 5.0),)),
     Rule("fire_hydrant", 0.04, 0.04, 0.04, 0.04, 0.55, 0.22, 0.22,
          (("north america", 27.0), ("japan", 2.0), ("british isles", 0.0))),
     Rule("bollard", 2.2, 2.2, 0.0, 0.0, 0.45, 0.25, 0.25,
          (("british isles", 1.6), ("north america", 0.3), ("japan", 0.5))),
     Rule("bicycle", 1.0, 1.4, 0.0, 0.0, 1.05, 0.95, 0.35, (("north america", 0.4),
-         ("japan", 1.8))),
+         ("japan", 1.8), ("northern/central europe", 1.6))),
     Rule("grating", 0.5, 0.0, 0.0, 0.0, 1.10, 0.0, 0.80),
+    Rule("street_cabinet", 0.5, 0.5, 0.15, 0.1, 0.50, 0.21, 0.64),
+    Rule("ticket_machine", 0.4, 0.5, 0.0, 0.0, 0.45, 0.15, 0.17, (("japan", 0.1),)),
+    *(Rule(piece, 0.3, 0.3, 0.0, 0.0, 1.05, 0.95, 0.35, _SCOOTERS) for piece in SCOOTERS),
 )  # fmt: skip
 TALL = frozenset({"advertising_column", "kiosk", "telephone"})  # hide what comes at junctions
 SIGHT = 10.0  # metres from junctions that tall things keep
