@@ -55,7 +55,8 @@ class Walkable:
     clearance
         (rows, columns) float16, metres from a cell to the next that is not free, 12 at most.
     crosswalk
-        (rows, columns) int16, number from 1 of the crosswalk on a roadway, 0 elsewhere.
+        (rows, columns) int16, number from 1 of the crosswalk that reaches into a cell, as far as it
+        lies on a roadway, 0 elsewhere.
     verge
         (rows, columns) bool, land beside a roadway, taken where nothing better leads on.
     """
@@ -224,7 +225,7 @@ def _made(city: City, ground: Ground) -> Walkable:
     site = shapely.buffer(shapely.box(*city.layout.extent), 2 * CELL, join_style="mitre")
     rest = shapely.difference(site, shapely.multipolygons(area.areas))
     free = ~grid.touched(shapely.get_parts(rest)) & ~grid.touched(_solids(city, ground))
-    number = grid.numbered(area.over).astype(np.int16)
+    number = grid.numbered(area.over, touched=True).astype(np.int16)
     beside = grid.touched(shapely.get_parts(area.verge))
     for raster in (free, number, beside):  # what lies beyond is looked up on the rim
         raster[[0, -1]] = raster[:, [0, -1]] = 0

@@ -15,11 +15,11 @@ S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT 2(1),
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
-from numba import njit
+
+from cityx.geometry.compiled import compiled
 
 BINS = 16
 DEEP = 96  # entries of a stack, and so the height of a tree
@@ -30,24 +30,9 @@ SCALE = 8  # of the code of a leaf; above FACES
 EMPTY = -1  # code of a leaf without members
 OUTWARD = 4e-7  # relative growth of a box, above what float32 rounds away
 TINY = 1e-300  # instead of a direction of 0: its inverse is still finite
-F = TypeVar("F", bound=Callable[..., Any])
 
 
-def _compiled(function: F) -> F:
-    """Compile a kernel when it is first called, or take it from the cache.
-
-    The cache lies beside this file, else in the user's cache folder; where neither can be written
-    every process compiles anew.
-    """
-    made: F
-    try:
-        made = njit(function, nogil=True, cache=True, error_model="numpy")
-    except RuntimeError:  # numba found no folder to write to
-        made = njit(function, nogil=True, error_model="numpy")
-    return made
-
-
-@_compiled
+@compiled
 def build(
     work: Any, order: Any, begin: int, end: int, most: int, box: Any, child: Any, used: int
 ) -> Any:  # fmt: skip
@@ -180,13 +165,13 @@ def build(
     return root, used
 
 
-@_compiled
+@compiled
 def _half_area(low: Any, high: Any) -> Any:
     x, y, z = high[0] - low[0], high[1] - low[1], high[2] - low[2]
     return x * y + y * z + z * x
 
 
-@_compiled
+@compiled
 def grow(box: Any) -> None:
     """Grow (n, 6) or (n, 12) boxes by what float32 rounds away, so that no ray slips past."""
     for row in range(len(box)):
@@ -197,7 +182,7 @@ def grow(box: Any) -> None:
                 box[row, corner + a], box[row, corner + a + 3] = low - by, high + by
 
 
-@_compiled
+@compiled
 def build_all(corners: Any, first: Any, box: Any, child: Any, root: Any, order: Any) -> int:
     """Build a tree for each of m meshes.
 
@@ -239,7 +224,7 @@ def build_all(corners: Any, first: Any, box: Any, child: Any, root: Any, order: 
     return used
 
 
-@_compiled
+@compiled
 def bounds(corners: Any, first: Any, found: Any) -> None:
     """Write the (m, 6) lower and upper corners of m meshes; of an empty one inf and -inf."""
     for mesh in range(len(first) - 1):
@@ -252,7 +237,7 @@ def bounds(corners: Any, first: Any, found: Any) -> None:
                     found[mesh, k + 3] = max(found[mesh, k + 3], corners[i, c, k])
 
 
-@_compiled
+@compiled
 def _entry(
     box: Any, row: int, at: int, x: float, y: float, z: float, ix: float, iy: float, iz: float,
     nx: int, ny: int, nz: int, best: float,
@@ -270,12 +255,12 @@ def _entry(
     return near if near <= far else np.inf
 
 
-@_compiled
+@compiled
 def _inverse(value: float) -> Any:
     return 1.0 / (value if value != 0.0 else TINY)
 
 
-@_compiled
+@compiled
 def trace(
     mesh_root: Any, box: Any, child: Any, corners: Any, number: Any, texture: Any, uv: Any,
     mask_start: Any, mask_size: Any, mask_bits: Any,
@@ -436,7 +421,7 @@ def trace(
         triangle[ray] = best_triangle
 
 
-@_compiled
+@compiled
 def face_normals(
     first: Any, row: Any, corners: Any, mesh: Any, inverse: Any, shift: int,
     instance: Any, triangle: Any, directions: Any, found: Any,

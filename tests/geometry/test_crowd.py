@@ -6,29 +6,45 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.distance import pdist
 
-from cityx.geometry.crowd import APART, SQUEEZED, Crowd, stepped
+from cityx.geometry.crowd import APART, CREEP, NO_BOXES, SQUEEZED, Crowd, Floor, stepped
 
 STEP = 0.1
 NOBODY = np.zeros((0, 2))
 
 
-def anywhere(rows, _to):
-    return np.ones(len(rows), bool)
+CELL = 0.2
 
 
-def crowd(position, target, pace=1.4, apart=APART):
+def floor(west=-60.0, south=-60.0, east=60.0, north=60.0, zone=None):
+    """Cells that are free within a rectangle; `zone` is one of them that needs leave."""
+    size = round((north - south) / CELL) + 2, round((east - west) / CELL) + 2
+    free, number = np.zeros(size, bool), np.zeros(size, np.int16)
+    free[1:-1, 1:-1] = True
+    if zone is not None:
+        first, last = (round((x - west) / CELL) + 1 for x in zone)
+        number[:, first:last] = 1
+    return Floor(free, number, west - CELL, north + CELL, CELL)
+
+
+ANYWHERE = floor()
+
+
+def crowd(position, target, pace=1.4, apart=APART, leave=0):
     count = len(position)
+    paces = np.broadcast_to(np.asarray(pace, float), count)
     return Crowd(
-        np.asarray(position, float), np.asarray(target, float), np.full(count, pace),
-        np.ones(count), np.full(count, apart),
+        np.asarray(position, float), np.asarray(target, float), paces.copy(),
+        np.full(count, CREEP * 1.4), np.ones(count), np.full(count, apart),
+        np.full(count, leave),
     )  # fmt: skip
 
 
-def run(position, target, steps, may=anywhere, **how):
+def run(position, target, steps, floor=ANYWHERE, boxes=NO_BOXES, **how):
     position = np.asarray(position, float)
     track = [position]
     for _ in range(steps):
-        track.append(stepped(crowd(track[-1], target, **how), NOBODY, STEP, may))
+        made = crowd(track[-1], target, **how)
+        track.append(stepped(made, NOBODY, STEP, floor, boxes))
     return np.stack(track)
 
 
@@ -47,16 +63,46 @@ def test_two_who_meet_pass_each_other():
 def test_who_follows_keeps_a_gap_to_somebody_who_stands():
     at = np.array([(0.0, 0.0)])
     for _ in range(100):
-        at = stepped(crowd(at, [(5.0, 0.0)]), np.array([[5.0, 0.0]]), STEP, anywhere)
+        at = stepped(crowd(at, [(5.0, 0.0)]), np.array([[5.0, 0.0]]), STEP, ANYWHERE)
     assert np.hypot(*(at[0] - [5.0, 0.0])) >= APART - 1e-9
 
 
 def test_nobody_steps_where_nobody_may_be():
-    def left(_rows, to):
-        return to[:, 0] < 3.0
+    track = run([(0.0, 0.0)], [(10.0, 0.0)], 60, floor=floor(east=3.0))
+    assert 2.5 < track[:, 0, 0].max() < 3.0
 
-    track = run([(0.0, 0.0)], [(10.0, 0.0)], 60, may=left)
-    assert track[:, 0, 0].max() < 3.0
+
+def test_a_zone_is_entered_with_leave_alone_and_left_without():
+    ruled = floor(zone=(3.0, 6.0))
+    kept_off = run([(0.0, 0.0)], [(10.0, 0.0)], 60, floor=ruled)
+    assert 2.5 < kept_off[:, 0, 0].max() < 3.0
+    let = run([(0.0, 0.0)], [(10.0, 0.0)], 60, floor=ruled, leave=1)
+    assert let[:, 0, 0].max() > 6.0
+    caught = run([(4.5, 0.0)], [(10.0, 0.0)], 60, floor=ruled)
+    assert caught[:, 0, 0].max() > 6.0
+
+
+def test_those_who_wait_let_others_off_a_roadway():
+    # A row of people at the kerb of a narrow walk, shoulder to shoulder, and one who comes off.
+    waiting = [(0.0, y) for y in (-0.8, -0.25, 0.3, 0.85)]
+    start = [*waiting, (-3.0, 0.02)]
+    target = [(-10.0, y) for _, y in waiting] + [(10.0, 0.0)]
+    kerb = floor(west=-4.0, south=-1.4, north=1.4, zone=(-4.0, -0.4))
+    pace = [0.0] * 4 + [1.4]
+    track = run(start, target, 120, floor=kerb, pace=pace)
+    assert track[-1, 4, 0] > 2.0
+    assert (track[:, :4, 0] > -0.4).all()  # nobody is pushed onto the roadway
+    assert min(pdist(at).min() for at in track) >= APART - 1e-9
+
+
+def test_nobody_steps_in_front_of_a_vehicle_and_who_is_in_its_way_leaves_it():
+    car = np.array([[5.0, 0.0, 0.0, 1.0, 2.5, 1.2]])  # heads north
+    stops = run([(0.0, 0.0)], [(10.0, 0.0)], 60, boxes=car)
+    assert 3.0 < stops[-1, 0, 0] <= 3.8
+    leaves = run([(4.6, 1.0)], [(10.0, 1.0)], 8, boxes=car)
+    assert leaves[-1, 0, 0] < 3.8
+    stays = run([(5.0, 6.0)], [(5.0, 6.0)], 8, boxes=car, pace=0.0)
+    assert stays[-1, 0] == pytest.approx([5.0, 6.0])
 
 
 @settings(max_examples=25, deadline=None)

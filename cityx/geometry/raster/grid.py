@@ -76,15 +76,21 @@ class Grid:
         """Return whether some of (n,) polygons in metres reaches into each pixel."""
         return self._drawn([(shape, 1) for shape in shapes], all_touched=True) > 0
 
-    def numbered(self, shapes: NDArray[Any]) -> NDArray[np.int32]:
+    def numbered(self, shapes: NDArray[Any], *, touched: bool = False) -> NDArray[np.int32]:
         """Return the number from 1 of the shape that holds the middle of each pixel, 0 for none.
 
         Parameters
         ----------
         shapes
             (n,) polygons in metres; of those that overlap the last one counts.
+        touched
+            Whether pixels whose middle no shape holds count for one that reaches into them.
         """
-        return self._drawn([*zip(shapes, range(1, len(shapes) + 1), strict=True)])
+        pairs = [*zip(shapes, range(1, len(shapes) + 1), strict=True)]
+        found = self._drawn(pairs)
+        if touched:
+            found = np.where(found > 0, found, self._drawn(pairs, all_touched=True))
+        return found
 
     def _drawn(self, pairs: list[Any], *, all_touched: bool = False) -> NDArray[np.int32]:
         from rasterio.features import rasterize

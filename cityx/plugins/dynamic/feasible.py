@@ -45,10 +45,12 @@ def ground_height(city: City, xy: FloatArray, roads: tuple[int, ...] = ()) -> Fl
     ground = footing.z
     unknown = np.isnan(ground)
     ground = np.where(unknown, city.terrain.height_at(xy), ground)
-    deck, lift = _deck(city, xy, roads)
-    water = footing.label == LABEL["water"]
-    raised = (np.abs(lift) > LIFTED) if roads else np.zeros(len(xy), bool)
-    return np.where(~np.isnan(deck) & (unknown | water | raised), deck, ground)
+    bare = unknown | (footing.label == LABEL["water"])
+    looked = np.full(len(xy), True) if roads else bare  # the only places where decks count
+    deck, lift = np.full(len(xy), np.nan), np.zeros(len(xy))
+    deck[looked], lift[looked] = _deck(city, xy[looked], roads)
+    raised = (np.abs(lift) > LIFTED) if roads else False
+    return np.where(~np.isnan(deck) & (bare | raised), deck, ground)
 
 
 def _deck(city: City, xy: FloatArray, roads: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:

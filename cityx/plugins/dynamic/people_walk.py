@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.city.walkable import Walkable
+from cityx.city.walkable import CELL, Walkable
 from cityx.city.walks import SPACING
-from cityx.geometry.crowd import APART, SQUEEZED, Crowd, stepped
+from cityx.geometry.crowd import APART, CREEP, SQUEEZED, Crowd, Floor, stepped
+from cityx.plugins.dynamic.people_gates import Gates, in_boxes
 from cityx.plugins.dynamic.people_trips import Trips
 
 FloatArray = NDArray[np.float64]
@@ -24,6 +24,7 @@ AHEAD = 3  # points of the way, 1.5 m, to the place that walkers head for
 WINDOW = 6  # points of the way ahead among which a walker finds where it is
 ARRIVED = 0.6  # metres from the end of the way
 BEFORE = 0.9  # metres of way before a roadway at which one waits
+QUEUE = 8.0  # metres before it within which one stands in a queue and does not lose patience
 KEEP = (0.25, 0.9)  # metres beside the middle of the way that people keep to their own side
 ELBOW = 0.1  # metres that they keep off walls while they do
 TIGHT = 0.5  # metres of clearance below which one turns the shoulders to pass others
@@ -31,42 +32,12 @@ SQUEEZE_AFTER = 1.0  # seconds without getting on after which one turns the shou
 GIVES_WAY = np.array([-0.8, -0.6])  # direction in which those walk who turn back first
 SLOW = 0.2  # of the pace; who gets on by less is hindered
 PATIENCE = 5.0  # seconds after which one tries the other side
-
-
-@dataclass(frozen=True)
-class Gates:
-    """When people may step onto crosswalks, c of them, over n ticks.
-
-    Attributes
-    ----------
-    tick
-        Seconds between ticks.
-    shut
-        (c, n) bool, whether signals forbid to begin.
-    taken
-        (c, n) bool, whether a vehicle is on the crosswalk, or about to be.
-    """
-
-    tick: float
-    shut: BoolArray
-    taken: BoolArray
-
-    def open(self, crosswalk: IntArray, now: float, seconds: FloatArray) -> BoolArray:
-        """Tell (k,) whether one may begin to cross, who needs so many seconds."""
-        last = self.taken.shape[1] - 1
-        first = np.minimum(int(now / self.tick), last)
-        until = np.minimum(((now + seconds) / self.tick).astype(np.int64) + 1, last)
-        before = self._counted[crosswalk, first]
-        return np.asarray(
-            ~self.shut[crosswalk, first] & (self._counted[crosswalk, until + 1] == before)
-        )
-
-    @cached_property
-    def _counted(self) -> IntArray:
-        """(c, n + 1) ticks taken before each, so that spans of time are looked up."""
-        sums = np.zeros((self.taken.shape[0], self.taken.shape[1] + 1), np.int64)
-        np.cumsum(self.taken, axis=1, out=sums[:, 1:])
-        return sums
+ONWARD = 20.0  # seconds after turning back in which one does not turn back again
+LONGEST_WAIT = 45.0  # seconds; before a roadway that stays taken for longer one turns back
+SPARE, SLOWED = 1.0, 1.15  # seconds to spare on a roadway, and how much longer others make it take
+CAUGHT = 1.5  # seconds without getting on after which somebody on a roadway keeps others off it
+HASTE = 6.0  # seconds before a vehicle comes from which one hurries off the roadway
+HURRY = 1.5  # times one's pace while one does
 
 
 @dataclass(frozen=True)
@@ -152,7 +123,9 @@ class _Walk:
         self.keep = KEEP[0] + (KEEP[1] - KEEP[0]) * _share(trips)
         self.granted = np.full(count, 0)  # number of the crosswalk that each may be on
         self.stuck = np.zeros(count)
-        self.back = np.zeros(count, bool)
+        self.turned = np.full(count, -ONWARD)  # when each last turned back
+        self.floor = Floor(walkable.free, walkable.crosswalk, walkable.grid.west,
+                           walkable.grid.north, CELL)  # fmt: skip
         self.started, self.arrived = np.zeros(count, bool), np.zeros(count, bool)
         self.present = np.zeros(0, np.int64)
         self.over: IntArray = walkable.at(walkable.crosswalk, self.points).astype(np.int64)
@@ -183,19 +156,28 @@ class _Walk:
 
     def advance(self, now: float, others: FloatArray) -> None:
         """Let everybody take one step."""
-        self._enter(others)
+        from cityx.geometry.crowd_kernel import follow
+
+        boxes = self.gates.boxes_at(now)
+        self._enter(others, boxes)
         rows = self.present
-        self._locate(rows)
-        waits = self._wait(rows, now)
-        target = self._targets(rows)
-        pace = np.where(waits, 0.0, self.trips.pace[rows])
-        tight = self.walkable.at(self.walkable.clearance, self.position[rows]) < TIGHT
-        tight |= self.walkable.at(self.walkable.clearance, target) < TIGHT
-        apart = np.where(tight | (self.stuck[rows] > SQUEEZE_AFTER), SQUEEZED, APART)
-        crowd = Crowd(self.position[rows], target, pace, self.side[rows], apart)
         before = self.position[rows]
-        self.position[rows] = stepped(crowd, others, STEP, lambda of, to: self._may(rows[of], to))
-        self._lose_patience(rows, before, target, waits)
+        target = follow(
+            rows, self.at, self.last, self.position, self.points, self.right, self.room,
+            self.keep * self.hand, WINDOW, AHEAD, SIGHT, *self.floor.place,
+        )  # fmt: skip
+        here = self.walkable.at(self.walkable.crosswalk, before).astype(np.int64)
+        waits, queues = self._wait(rows, here, now)
+        late = (here > 0) & (self.gates.left(here - 1, now) < HASTE)
+        own = self.trips.pace[rows]
+        pace = np.where(waits, 0.0, own * np.where(late, HURRY, 1.0))
+        tight = self.walkable.at(self.walkable.clearance, before) < TIGHT
+        tight |= self.walkable.at(self.walkable.clearance, target) < TIGHT
+        tight |= late | (self.stuck[rows] > SQUEEZE_AFTER)
+        crowd = Crowd(before, target, pace, CREEP * own, self.side[rows],
+                      np.where(tight, SQUEEZED, APART), self.granted[rows])  # fmt: skip
+        self.position[rows] = stepped(crowd, others, STEP, self.floor, boxes)
+        self._lose_patience(rows, before, target, waits | queues, here > 0, now)
         end = self.points[self.last[rows]]
         done = np.hypot(*(self.position[rows] - end).T) < ARRIVED
         done |= self.at[rows] >= self.last[rows]
@@ -203,30 +185,34 @@ class _Walk:
         self.present = rows[~done]
 
     def _lose_patience(
-        self, rows: IntArray, before: FloatArray, target: FloatArray, waits: BoolArray
-    ) -> None:
+        self, rows: IntArray, before: FloatArray, target: FloatArray, patient: BoolArray,
+        over: BoolArray, now: float,
+    ) -> None:  # fmt: skip
         """Count the time in which people do not get on, and let them try the other side."""
         ahead = target - before
         ahead /= np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
         gone = ((self.position[rows] - before) * ahead).sum(axis=1)
-        slow = (gone < SLOW * self.trips.pace[rows] * STEP) & ~waits
+        slow = (gone < SLOW * self.trips.pace[rows] * STEP) & ~patient
         self.stuck[rows] = np.where(slow, self.stuck[rows] + STEP,
                                     np.maximum(self.stuck[rows] - STEP, 0.0))  # fmt: skip
         self.side[rows[self.stuck[rows] == 0.0]] = self.hand
         # Of two files that meet, those to the east and north go on and the others turn back.
         yields = (ahead @ GIVES_WAY > 0) | (self.stuck[rows] > 2 * PATIENCE)
-        gives_up = rows[(self.stuck[rows] > PATIENCE) & yields & ~self.back[rows]]
-        self.at[gives_up] = len(self.points) - 1 - self.at[gives_up]
-        first = self.first[gives_up]
-        self.first[gives_up] = len(self.points) - 1 - self.last[gives_up]
-        self.last[gives_up] = len(self.points) - 1 - first
-        self.back[gives_up] = True
-        self.stuck[gives_up] = 0.0
+        self._turn_back(rows[(self.stuck[rows] > PATIENCE) & yields & ~over], now)
         turned = rows[self.stuck[rows] > 2 * PATIENCE]
         self.side[turned] *= -1
         self.stuck[turned] = PATIENCE
 
-    def _enter(self, others: FloatArray) -> None:
+    def _turn_back(self, rows: IntArray, now: float) -> None:
+        """Let people walk back to where they come from, who did not turn just now."""
+        rows = rows[now - self.turned[rows] > ONWARD]
+        top = len(self.points) - 1
+        self.at[rows] = top - self.at[rows]
+        self.first[rows], self.last[rows] = top - self.last[rows], top - self.first[rows]
+        self.turned[rows] = now
+        self.stuck[rows] = 0.0
+
+    def _enter(self, others: FloatArray, boxes: FloatArray) -> None:
         """Let the next of each place of the crowd begin, if nobody stands where its way begins."""
         place = self.trips.place
         waiting = np.flatnonzero(~self.started)
@@ -236,70 +222,41 @@ class _Walk:
         waiting = waiting[~busy[place[waiting]]]
         if not len(waiting):
             return
+        spots = self.points[self.first[waiting]]
+        clear = ~in_boxes(boxes, spots)
         taken = np.concatenate([self.position[self.present], others])
         entered = []
-        for row in waiting.tolist():
-            spot = self.points[self.first[row]]
+        for row, spot in zip(waiting[clear].tolist(), spots[clear], strict=True):
             if (np.hypot(*(taken - spot).T) >= APART).all():
                 taken = np.concatenate([taken, spot[None]])
                 entered.append(row)
         self.started[entered] = True
         self.present = np.sort(np.concatenate([self.present, np.array(entered, np.int64)]))
 
-    def _locate(self, rows: IntArray) -> None:
-        """Find the point of the way that each is nearest to, never one behind."""
-        ahead = np.minimum(self.at[rows, None] + np.arange(WINDOW), self.last[rows, None])
-        far = np.hypot(*(self.points[ahead] - self.position[rows, None]).transpose(2, 0, 1))
-        self.at[rows] = ahead[np.arange(len(rows)), np.argmin(far, axis=1)]
-
-    def _wait(self, rows: IntArray, now: float) -> BoolArray:
-        """(r,) whether each stands before a roadway that may not be stepped onto now."""
+    def _wait(self, rows: IntArray, here: IntArray, now: float) -> tuple[BoolArray, BoolArray]:
+        """(r,) whether each stands before a roadway that may not be stepped onto, or in a queue."""
         at = self.at[rows]
         ahead = self.next_over[at]
         crosswalk = self.over[ahead]
-        here = self.walkable.at(self.walkable.crosswalk, self.position[rows]).astype(np.int64)
+        far = (ahead - at) * SPACING
+        queues: BoolArray = (crosswalk > 0) & (crosswalk != here) & (far <= QUEUE)
         # Until one is on it leave may be taken back; once on it, nobody stops.
-        asks: BoolArray = (crosswalk > 0) & (crosswalk != here) & ((ahead - at) * SPACING <= BEFORE)
         self.granted[rows] = here
-        asking = np.flatnonzero(asks)
-        number = crosswalk[asking] - 1
+        near = np.flatnonzero(queues)
+        number = crosswalk[near] - 1
         way = self.walkable.crosswalks.length[number] + BEFORE
-        let = asking[self.gates.open(number, now, way / self.trips.pace[rows[asking]])]
-        self.granted[rows[let]] = crosswalk[let]
-        asks[let] = False
-        return asks
-
-    def _targets(self, rows: IntArray) -> FloatArray:
-        """(r, 2) places ahead that are in sight, on one's own side of the way where they can be."""
-        at, last = self.at[rows], self.last[rows]
-        ahead = np.minimum(at + AHEAD, last)
-        aside = np.minimum(self.keep[rows], self.room[ahead]) * self.hand
-        aside[ahead == last] = 0.0
-        found: FloatArray = self.points[ahead]
-        open_ = np.ones(len(rows), bool)
-        for far, share in ((AHEAD, 1.0), (AHEAD, 0.5), (2, 0.0), (1, 0.0)):
-            of = np.flatnonzero(open_)
-            point = np.minimum(at + far, last)[of]
-            to = self.points[point] + share * aside[of, None] * self.right[point]
-            seen = self._sees(self.position[rows[of]], to)
-            found[of[seen]] = to[seen]
-            open_[of[seen]] = False
-        return found
-
-    def _sees(self, here: FloatArray, there: FloatArray) -> BoolArray:
-        """(k,) whether straight lines between places stay free."""
-        spots = here[:, None] + SIGHT[:, None] * (there - here)[:, None]
-        return np.asarray(
-            self.walkable.holds(spots.reshape(-1, 2)).reshape(len(here), len(SIGHT)).all(axis=1)
-        )
-
-    def _may(self, rows: IntArray, to: FloatArray) -> BoolArray:
-        """(k,) whether walkers may be at places."""
-        index = self.walkable.index(to)
-        over = self.walkable.crosswalk.ravel()[index]
-        here = self.walkable.at(self.walkable.crosswalk, self.position[rows])
-        known = (over == 0) | (over == self.granted[rows]) | (over == here)
-        return np.asarray(self.walkable.free.ravel()[index] & known)
+        seconds = SPARE + SLOWED * way / self.trips.pace[rows[near]]
+        caught = np.bincount(here[self.stuck[rows] > CAUGHT],
+                             minlength=self.walkable.crosswalks.count + 1)  # fmt: skip
+        let = self.gates.open(number, now, seconds) & (caught[number + 1] == 0)
+        queues[near[let]] = False
+        let &= far[near] <= BEFORE
+        self.granted[rows[near[let]]] = crosswalk[near[let]]
+        shut = near[queues[near]]
+        gives_up = self.gates.opens_in(crosswalk[shut] - 1, now) > LONGEST_WAIT
+        waits = queues & (far <= BEFORE)
+        self._turn_back(rows[shut[gives_up]], now)
+        return waits, queues
 
 
 def _share(trips: Trips) -> FloatArray:
