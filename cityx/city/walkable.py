@@ -55,10 +55,13 @@ class Walkable:
     clearance
         (rows, columns) float16, metres from a cell to the next that is not free, 12 at most.
     crosswalk
-        (rows, columns) int16, number from 1 of the crosswalk that reaches into a cell, as far as it
-        lies on a roadway, 0 elsewhere.
+        (rows, columns) int16, number from 1 of the crosswalk on a roadway, 0 elsewhere.
+    rim
+        (rows, columns) int16, the same of all cells that it reaches into.
     verge
         (rows, columns) bool, land beside a roadway, taken where nothing better leads on.
+    waits
+        (crosswalks,) float64, seconds that people wait before each, which ways go round.
     """
 
     areas: NDArray[Any]
@@ -67,7 +70,9 @@ class Walkable:
     free: BoolArray
     clearance: NDArray[np.float16]
     crosswalk: NDArray[np.int16]
+    rim: NDArray[np.int16]
     verge: BoolArray
+    waits: FloatArray
 
     @cached_property
     def area(self) -> float:
@@ -225,11 +230,12 @@ def _made(city: City, ground: Ground) -> Walkable:
     site = shapely.buffer(shapely.box(*city.layout.extent), 2 * CELL, join_style="mitre")
     rest = shapely.difference(site, shapely.multipolygons(area.areas))
     free = ~grid.touched(shapely.get_parts(rest)) & ~grid.touched(_solids(city, ground))
-    number = grid.numbered(area.over, touched=True).astype(np.int16)
+    number, rim = (grid.numbered(area.over, touched=wide).astype(np.int16) for wide in (0, 1))
     beside = grid.touched(shapely.get_parts(area.verge))
-    for raster in (free, number, beside):  # what lies beyond is looked up on the rim
+    for raster in (free, number, rim, beside):  # what lies beyond is looked up on the rim
         raster[[0, -1]] = raster[:, [0, -1]] = 0
-    return Walkable(area.areas, area.crosswalks, grid, free, _clearance(free), number, beside)
+    return Walkable(area.areas, area.crosswalks, grid, free, _clearance(free), number, rim, beside,
+                    np.zeros(area.crosswalks.count))  # fmt: skip
 
 
 def _grid_over(extent: tuple[float, float, float, float]) -> Grid:

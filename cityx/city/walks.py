@@ -27,6 +27,7 @@ NARROW, SINGLE_FILE = (
 )  # metres of clearance where two can pass, what one costs more below
 OFF_PAVEMENT = 0.6  # what a metre on the land beside a roadway costs more
 CROSSING = {True: 1.0, False: 2.5}  # what a metre of a crosswalk costs more, with bars or without
+WALKED = 1.3  # metres that one would rather walk than wait for a second
 HERE = 1.2  # metres within which a place lies at a node
 SPACING = 0.5  # metres between the points of a route
 LOOKS = (160, 80, 40, 20, 10, 5, 2, 1)  # points of a route that one straight line may replace
@@ -154,6 +155,8 @@ def _cost(walkable: Walkable, cell: IntArray) -> FloatArray:
     over = walkable.crosswalk[row, column].astype(np.int64)
     marked = np.r_[False, walkable.crosswalks.marked]
     more = np.where(marked[over], CROSSING[True], CROSSING[False])
+    waits = walkable.waits * WALKED / np.maximum(walkable.crosswalks.length, 1.0)
+    more = more + np.r_[0.0, waits][over]
     return np.asarray(cost + np.where(over > 0, more, 0.0))
 
 

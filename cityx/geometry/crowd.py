@@ -38,6 +38,9 @@ class Floor:
         (rows, columns) bool, where the middle of a person may be.
     zone
         (rows, columns) int16, numbers of what may be stepped onto with leave alone, 0 elsewhere.
+    rim
+        (rows, columns) int16, the same with the cells that zones merely reach into; who is in one
+        of these has not entered the zone yet.
     west, north
         Metres of the corner of the first cell.
     cell
@@ -46,6 +49,7 @@ class Floor:
 
     free: BoolArray
     zone: NDArray[np.int16]
+    rim: NDArray[np.int16]
     west: float
     north: float
     cell: float
@@ -53,7 +57,7 @@ class Floor:
     @property
     def place(self) -> tuple[Any, ...]:
         """What kernels need to look up where one may be."""
-        return self.free, self.west, self.north, self.cell
+        return self.free, self.rim, self.west, self.north, self.cell
 
 
 @dataclass(frozen=True)
@@ -115,10 +119,9 @@ def stepped(
         return crowd.position.copy()
     from cityx.geometry import crowd_kernel
 
-    return np.asarray(
-        crowd_kernel.step(
-            crowd.position, others, crowd.target, crowd.pace, crowd.stride, crowd.side,
-            crowd.apart, APART, crowd.leave, floor.free, floor.zone, floor.west, floor.north,
-            floor.cell, boxes, seconds,
-        )
+    moved = crowd_kernel.step(
+        crowd.position, others, crowd.target, crowd.pace, crowd.stride, crowd.side, crowd.apart,
+        APART, crowd.leave, floor.free, floor.zone, floor.rim, floor.west, floor.north, floor.cell,
+        boxes, seconds,
     )  # fmt: skip
+    return np.asarray(moved)

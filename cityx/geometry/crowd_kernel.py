@@ -23,6 +23,7 @@ ROOM_FOR = 1.6  # metres within which who stands makes room for who comes toward
 # Steps tried, to one's own side first; far aside to that side only, or one would sway on the spot.
 TURNS = np.radians(np.array([0.0, 20.0, -20.0, 45.0, -45.0, 75.0, 100.0]))
 SLOWER = np.array([1.0, 0.9, 0.9, 0.7, 0.7, 0.5, 0.35])  # pace of each
+LAST = np.radians(np.array([0.0, 35.0, -35.0]))  # turns from where one wants to go, tried last
 FLEEING = 2.0  # metres per second, at least, of who is in the way of a vehicle
 AWAY = np.radians(np.array([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0]))  # turns of who flees
 NEAR_BOXES = 32  # that one person heeds
@@ -108,8 +109,8 @@ def depth_in(box: Any, x: float, y: float) -> float:
 @compiled
 def step(
     here: Any, others: Any, target: Any, pace: Any, stride: Any, side: Any, apart: Any,
-    keep: float, leave: Any, free: Any, zone: Any, west: float, north: float, size: float,
-    boxes: Any, seconds: float,
+    keep: float, leave: Any, free: Any, zone: Any, rim: Any, west: float, north: float,
+    size: float, boxes: Any, seconds: float,
 ) -> Any:  # fmt: skip
     """Return (n, 2) places of a crowd after a step; see `cityx.geometry.crowd.stepped`."""
     n = len(here)
@@ -121,10 +122,18 @@ def step(
         far = max(hypot(x, y), 1e-9)
         wish[i, 0], wish[i, 1] = x / far, y / far
     heed = np.empty(NEAR_BOXES, np.int64)
+    order = np.argsort(boxes[:, 0], kind="mergesort")
+    middle = boxes[order, 0]
+    widest = 0.0
+    for b in range(len(boxes)):
+        widest = max(widest, boxes[b, 4] + boxes[b, 5] + 1.0)
     there = here.copy()
     for i in range(n):
         count, worst, deepest = 0, -1, 0.0
-        for b in range(len(boxes)):
+        low = np.searchsorted(middle, here[i, 0] - widest)
+        high = np.searchsorted(middle, here[i, 0] + widest)
+        for q in range(low, high):
+            b = order[q]
             reach = boxes[b, 4] + boxes[b, 5] + 1.0
             if abs(boxes[b, 0] - here[i, 0]) < reach and abs(boxes[b, 1] - here[i, 1]) < reach:
                 depth = depth_in(boxes[b], here[i, 0], here[i, 1])
@@ -146,19 +155,25 @@ def step(
         if aside <= 1e-6:
             continue
         row, column = cell_of(here[i, 0], here[i, 1], west, north, size, free.shape)
-        own = zone[row, column]
-        for k in range(len(TURNS)):
-            share = 1.0 if flees else SLOWER[k]
-            long = (straight if k == 0 else aside) * share * seconds
-            if long <= 1e-6:
+        own, edge = zone[row, column], rim[row, column] if pace[i] > 0.0 else 0
+        for k in range(len(TURNS) + len(LAST)):
+            if k < len(TURNS):
+                angle = AWAY[k] if flees else -TURNS[k] * side[i]
+                long = (straight if k == 0 else aside) * (1.0 if flees else SLOWER[k]) * seconds
+                u, v = ahead[i, 0], ahead[i, 1]
+            else:  # where the others do not push
+                angle, long = -LAST[k - len(TURNS)] * side[i], min(aside, stride[i]) * seconds
+                u, v = wish[i, 0], wish[i, 1]
+            if long <= 1e-6 or (k >= len(TURNS) and pace[i] <= 0.0):
                 continue
-            angle = AWAY[k] if flees else -TURNS[k] * side[i]
             c, s = cos(angle), sin(angle)
-            x = here[i, 0] + long * (c * ahead[i, 0] - s * ahead[i, 1])
-            y = here[i, 1] + long * (s * ahead[i, 0] + c * ahead[i, 1])
+            x, y = here[i, 0] + long * (c * u - s * v), here[i, 1] + long * (s * u + c * v)
             row, column = cell_of(x, y, west, north, size, free.shape)
-            over = zone[row, column]
-            if not free[row, column] or (over != 0 and over != own and over != leave[i]):
+            over = rim[row, column]
+            if not free[row, column]:
+                continue
+            known = over == 0 or over == own or over == leave[i]
+            if not known and (over != edge or zone[row, column] != 0):
                 continue
             fits = True
             for q in range(count):
@@ -287,22 +302,26 @@ def _take_back(
 
 @compiled
 def sees(
-    x: float, y: float, to_x: float, to_y: float, shares: Any, free: Any, west: float,
-    north: float, size: float,
+    x: float, y: float, to_x: float, to_y: float, shares: Any, mine: int, free: Any, rim: Any,
+    west: float, north: float, size: float,
 ) -> bool:  # fmt: skip
-    """Tell whether a straight line stays free, at some shares of it."""
+    """Tell whether a straight line stays free, at some shares of it, and off zones of others."""
+    row, column = cell_of(x, y, west, north, size, free.shape)
+    own = rim[row, column]
     for k in range(len(shares)):
         row, column = cell_of(x + shares[k] * (to_x - x), y + shares[k] * (to_y - y), west, north,
                               size, free.shape)  # fmt: skip
-        if not free[row, column]:
+        number = rim[row, column]
+        if not free[row, column] or (number != 0 and number != mine and number != own):
             return False
     return True
 
 
 @compiled
 def follow(
-    rows: Any, at: Any, last: Any, position: Any, points: Any, right: Any, room: Any, aside: Any,
-    window: int, ahead: int, shares: Any, free: Any, west: float, north: float, size: float,
+    rows: Any, at: Any, last: Any, position: Any, points: Any, right: Any, room: Any, zone: Any,
+    aside: Any, window: int, ahead: int, shares: Any, free: Any, rim: Any, west: float,
+    north: float, size: float,
 ) -> Any:  # fmt: skip
     """Find where people are on their ways, and the places that they head for.
 
@@ -314,8 +333,9 @@ def follow(
         (n,) points of the ways that people are at, and their ends; `at` is written.
     position
         (n, 2) metres.
-    points, right, room
-        (p, 2) metres, (p, 2) directions to the right of the ways, and (p,) metres of room there.
+    points, right, room, zone
+        (p, 2) metres, (p, 2) directions to the right of the ways, (p,) metres of room there, and
+        (p,) the zone that the way is on or comes to next.
     aside
         (n,) metres to the right of their ways that people keep, negative to the left.
     window
@@ -324,8 +344,8 @@ def follow(
         Points ahead to the place that one heads for.
     shares
         Of a line, where it must be free.
-    free, west, north, size
-        Raster.
+    free, rim, west, north, size
+        Rasters.
 
     Returns
     -------
@@ -345,14 +365,14 @@ def follow(
         goal = min(nearest + ahead, last[i])
         off = 0.0 if goal == last[i] else min(abs(aside[i]), room[goal])
         off = off if aside[i] > 0 else -off
-        target[k, 0], target[k, 1] = points[goal, 0], points[goal, 1]
-        for trial in range(4):
+        # Nearer and nearer, at last back to the way itself for who was pushed behind a corner.
+        target[k, 0], target[k, 1] = points[nearest, 0], points[nearest, 1]
+        for trial in range(ahead + 3):
             share = 1.0 if trial == 0 else 0.5 if trial == 1 else 0.0
-            reach = ahead if trial < 2 else 4 - trial
-            point = min(nearest + reach, last[i])
+            point = min(nearest + ahead - max(trial - 2, 0), last[i])
             to_x = points[point, 0] + share * off * right[point, 0]
             to_y = points[point, 1] + share * off * right[point, 1]
-            if sees(x, y, to_x, to_y, shares, free, west, north, size):
+            if sees(x, y, to_x, to_y, shares, zone[nearest], free, rim, west, north, size):
                 target[k, 0], target[k, 1] = to_x, to_y
                 break
     return target

@@ -23,7 +23,7 @@ def floor(west=-60.0, south=-60.0, east=60.0, north=60.0, zone=None):
     if zone is not None:
         first, last = (round((x - west) / CELL) + 1 for x in zone)
         number[:, first:last] = 1
-    return Floor(free, number, west - CELL, north + CELL, CELL)
+    return Floor(free, number, number, west - CELL, north + CELL, CELL)
 
 
 ANYWHERE = floor()

@@ -14,7 +14,7 @@ from cityx.city.walkable import Walkable, walkable_of
 from cityx.errors import ActionFailed
 from cityx.geometry.crowd import SQUEEZED
 from cityx.geometry.driving import keeps_left
-from cityx.plugins.dynamic.people_gates import gates_of
+from cityx.plugins.dynamic.people_gates import Gates, gates_of
 from cityx.plugins.dynamic.people_tracks import tracks_of_people
 from cityx.plugins.dynamic.people_trips import Trips
 from cityx.plugins.dynamic.people_walk import STEP, walked
@@ -60,16 +60,40 @@ def check_room(walkable: Walkable, count: int) -> None:
         )
 
 
+def among(city: City, walkable: Walkable, duration: float, held: Tracks) -> tuple[Walkable, Gates]:
+    """Find when people may cross among what moves already.
+
+    Parameters
+    ----------
+    city, walkable
+        The city and where one walks in it.
+    duration
+        Seconds.
+    held
+        Tracks that stay; none of them gives way.
+
+    Returns
+    -------
+    walkable, gates
+        The area, which now tells how long one waits before each crosswalk, and when one may cross.
+    """
+    gates = gates_of(held, city.signals, walkable, duration)
+    return replace(walkable, waits=gates.waits), gates
+
+
 def with_crowd(
-    city: City, walkable: Walkable, trips: Trips, duration: float, origin: str, held: Tracks
-) -> City:
+    city: City, walkable: Walkable, gates: Gates, trips: Trips, duration: float, origin: str,
+    held: Tracks,
+) -> City:  # fmt: skip
     """Let people walk among what moves already, and put their tracks into the city.
 
     Parameters
     ----------
     city
         The city.
-    walkable, trips
+    walkable, gates
+        Of `among`.
+    trips
         Where they walk.
     duration
         Seconds.
@@ -80,15 +104,17 @@ def with_crowd(
     """
     side = -1.0 if keeps_left(city.frame) else 1.0
     walkers = held.take(held.kind == MOVER["pedestrian"])
-    gates = gates_of(held, city.signals, walkable, duration)
     others = _PlacesOf(walkers, duration)
     steps = walked(trips, walkable, gates, others, duration, side)
     made = tracks_of_people(city, origin, trips.id, steps.trip, steps.time, steps.position)
     made = made.take(~_met(made, walkers, duration))
     joined = join_tracks([held, made])
-    return replace(
-        city, tracks=joined if joined.count else None, stages_done=city.stages_done | {"dynamic"}
-    )
+    notes = city.notes
+    if steps.lost:
+        notes += (f"pedestrians: {steps.lost} people could not go on for a minute and were taken "
+                  "out",)  # fmt: skip
+    return replace(city, tracks=joined if joined.count else None, notes=notes,
+                   stages_done=city.stages_done | {"dynamic"})  # fmt: skip
 
 
 def without_people(city: City, origin: str | None = None) -> Tracks:

@@ -15,7 +15,7 @@ from cityx.city.walks import walk_graph, walks_between
 from cityx.errors import ActionFailed
 from cityx.geometry.identity import hash_ids, stable_id, uniform
 from cityx.geometry.polylines import Polylines
-from cityx.plugins.dynamic.crowds import area_of, check_room, with_crowd
+from cityx.plugins.dynamic.crowds import among, area_of, check_room, with_crowd
 from cityx.plugins.dynamic.people_trips import RUN, Trips, drawn_trips, paces_of, ports_of
 from cityx.protocol import Choice, Points, Port, Range, Serves, action, has_ground, has_network
 
@@ -72,6 +72,7 @@ def pedestrian_flow(
     walkable = area_of(city)
     check_room(walkable, count)
     held = city.tracks if city.tracks is not None else no_tracks()
+    walkable, gates = among(city, walkable, duration, held)
     if places is None:
         ports = ports_of(city, walkable, city.environment.hour)
         trips = drawn_trips(city, walkable, ports, count, duration, _purpose(city))
@@ -85,7 +86,7 @@ def pedestrian_flow(
         low, high = RUN
         share = uniform(city.seed, f"{ACTION}/run", trips.id)
         trips = replace(trips, pace=low + (high - low) * share)
-    return with_crowd(city, walkable, trips, duration, ACTION, held)
+    return with_crowd(city, walkable, gates, trips, duration, ACTION, held)
 
 
 def _purpose(city: City) -> str:

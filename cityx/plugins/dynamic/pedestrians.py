@@ -13,7 +13,7 @@ import shapely
 from cityx.city import City
 from cityx.city.crosswalks import PATHS
 from cityx.errors import ActionFailed
-from cityx.plugins.dynamic.crowds import area_of, check_room, with_crowd, without_people
+from cityx.plugins.dynamic.crowds import among, area_of, check_room, with_crowd, without_people
 from cityx.plugins.dynamic.people_trips import activity, drawn_trips, ports_of
 from cityx.protocol import Port, Range, Serves, action, has_ground, has_network
 
@@ -75,6 +75,7 @@ def pedestrians(
                        stages_done=city.stages_done | {"dynamic"})  # fmt: skip
     walkable = area_of(city)
     check_room(walkable, wanted)
+    walkable, gates = among(city, walkable, duration, held)
     ports = ports_of(city, walkable, hour)
     trips = drawn_trips(city, walkable, ports, wanted, duration, ACTION)
     found = len(np.unique(trips.place))
@@ -88,7 +89,7 @@ def pedestrians(
         notes.append(f"pedestrians: {ports.lost} doors are too far from any sidewalk to come from")
     if found < wanted:
         notes.append(f"pedestrians: {found} of {wanted} found a way to walk")
-    changed = with_crowd(city, walkable, trips, duration, ACTION, held)
+    changed = with_crowd(city, walkable, gates, trips, duration, ACTION, held)
     return replace(changed, notes=(*changed.notes, *notes))
 
 

@@ -25,6 +25,7 @@ FORESEEN = 1.4  # seconds ahead in which people see where vehicles are going to 
 BODY = 0.3  # metres from the middle of a person that are kept from those places
 USUAL = 1.1  # metres per second at which it is reckoned when one could cross
 ON_FOOT = ("pedestrian", "animal")
+LONG = 120.0  # seconds; whether one waits still longer makes no difference
 NEVER = np.int32(1 << 30)  # ticks
 
 
@@ -69,6 +70,11 @@ class Gates:
     def opens_in(self, crosswalk: IntArray, now: float) -> FloatArray:
         """(k,) seconds until one may begin to cross at the usual pace."""
         return np.asarray(self._opens_in[crosswalk, self._at(now)] * self.tick)
+
+    @property
+    def waits(self) -> FloatArray:
+        """(c,) seconds that one waits before each crosswalk, whenever one comes there."""
+        return np.minimum(self._opens_in * self.tick, LONG).mean(axis=1)
 
     def boxes_at(self, now: float) -> FloatArray:
         """(b, 6) where vehicles are from now on for a while."""

@@ -17,6 +17,7 @@ from cityx.city.walks import SPACING, WalkGraph, walk_graph, walks_between
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import Polylines, arc_lengths
 from cityx.geometry.ranges import ranges
+from cityx.plugins.dynamic.people_room import Room
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -31,6 +32,7 @@ FARTHEST = 900.0  # metres of way, as walkers feel them, that nobody exceeds
 SHORTEST = 15.0  # metres
 TRIES = 6  # draws of a goal before somebody stays at home
 SHORT_TIME = 110.0  # seconds, less than of most walks
+ROUNDS = 4  # of draws, after which who found no room in the streets stays at home
 MOST_WALKS = 400  # one after the other, of one place in the crowd
 SMALLEST = 60  # nodes of a piece of the walkable area that is worth a walk, some 10 m2
 # Paces on level ground of grown people, of children and of the old (Bohannon 1997), and of runners.
@@ -207,8 +209,9 @@ def drawn_trips(
     """
     goals = _goals(city, ports, purpose)
     left, drawn = np.full(count, duration), np.zeros(count, np.int64)
-    parts = []
-    while (left > 0).any() and drawn.max(initial=0) < MOST_WALKS:
+    room = Room(walkable, duration)
+    parts: list[Trips] = []
+    while (left > 0).any() and drawn.max(initial=0) < MOST_WALKS and len(parts) < ROUNDS:
         # Several walks of each at once: every look at the area costs a search from each goal.
         more = np.where(left > 0, np.ceil(left / SHORT_TIME) + 1, 0).astype(np.int64)
         place = np.repeat(np.arange(count), more)
@@ -219,7 +222,7 @@ def drawn_trips(
         pace = paces_of(city.seed, purpose, key)
         begun = np.where(number == 0, uniform(city.seed, f"{purpose}/begun", key), 0.0)
         seconds = arc_lengths(walks)[1] * (1.0 - begun) / pace
-        rows = np.flatnonzero(found)
+        rows = room.admitted(walks, np.flatnonzero(found))
         left -= np.bincount(place[rows], seconds[rows], minlength=count)
         parts.append(Trips(key[rows], place[rows], _taken(walks, rows), pace[rows], begun[rows]))
         if not len(rows):

@@ -32,10 +32,15 @@ SQUEEZE_AFTER = 1.0  # seconds without getting on after which one turns the shou
 GIVES_WAY = np.array([-0.8, -0.6])  # direction in which those walk who turn back first
 SLOW = 0.2  # of the pace; who gets on by less is hindered
 PATIENCE = 5.0  # seconds after which one tries the other side
+TURN_AFTER = 15.0  # seconds after which one turns back
 ONWARD = 20.0  # seconds after turning back in which one does not turn back again
-LONGEST_WAIT = 45.0  # seconds; before a roadway that stays taken for longer one turns back
-SPARE, SLOWED = 1.0, 1.15  # seconds to spare on a roadway, and how much longer others make it take
+LONGEST_WAIT = 40.0  # seconds; before a roadway that stays taken for longer one turns back
+SPARE, SLOWED = 1.0, 1.15  # seconds to spare on a roadway, and by how much others hold one up
 CAUGHT = 1.5  # seconds without getting on after which somebody on a roadway keeps others off it
+ON_THE_SPOT, GONE_AFTER = (
+    1.5,
+    58.0,
+)  # metres within which, and seconds after which, one is taken out
 HASTE = 6.0  # seconds before a vehicle comes from which one hurries off the roadway
 HURRY = 1.5  # times one's pace while one does
 
@@ -54,12 +59,15 @@ class Steps:
         (s, 2) float, metres.
     late
         Walkers that were not under way in time, since no place was free where they come from.
+    lost
+        Walkers that could not get on for a minute and were taken out.
     """
 
     trip: IntArray
     time: FloatArray
     position: FloatArray
     late: int
+    lost: int
 
 
 Others = Callable[[float], FloatArray]
@@ -100,7 +108,7 @@ def walked(
     time = np.repeat(np.arange(count + 1) * STEP, [len(r) for r in rows])
     order = np.lexsort((time, trip))
     return Steps(trip[order], np.round(time[order], 6), np.concatenate(places)[order],
-                 int((~walk.started).sum()))  # fmt: skip
+                 int((~walk.started).sum()), walk.lost)  # fmt: skip
 
 
 class _Walk:
@@ -124,13 +132,20 @@ class _Walk:
         self.granted = np.full(count, 0)  # number of the crosswalk that each may be on
         self.stuck = np.zeros(count)
         self.turned = np.full(count, -ONWARD)  # when each last turned back
-        self.floor = Floor(walkable.free, walkable.crosswalk, walkable.grid.west,
+        self.floor = Floor(walkable.free, walkable.crosswalk, walkable.rim, walkable.grid.west,
                            walkable.grid.north, CELL)  # fmt: skip
+        self.waited = np.zeros(count)  # seconds, before the same roadway
+        # Where each was last farther than a few steps from before, and since when.
+        self.anchor, self.since = self.position.copy(), np.zeros(count)
+        self.lost = 0  # people who were taken out since they could not get on
         self.started, self.arrived = np.zeros(count, bool), np.zeros(count, bool)
         self.present = np.zeros(0, np.int64)
         self.over: IntArray = walkable.at(walkable.crosswalk, self.points).astype(np.int64)
         self.next_over = _next_set(self.over, lasts)
+        self.coming = self.over[self.next_over]
+        self.leaving = _second_halves(self.over, ends)
         self.right = _rights(self.points, ends, lasts)
+        self.axes = walkable.crosswalks.ends[:, 1] - walkable.crosswalks.ends[:, 0]
         self.room = np.maximum(
             walkable.at(walkable.clearance, self.points).astype(float) - ELBOW, 0.0
         )
@@ -153,18 +168,19 @@ class _Walk:
                     taken.append(spot[None])
                     break
         self.present = np.flatnonzero(self.started)
+        self.anchor = self.position.copy()
 
     def advance(self, now: float, others: FloatArray) -> None:
         """Let everybody take one step."""
         from cityx.geometry.crowd_kernel import follow
 
         boxes = self.gates.boxes_at(now)
-        self._enter(others, boxes)
+        self._enter(now, others, boxes)
         rows = self.present
         before = self.position[rows]
         target = follow(
             rows, self.at, self.last, self.position, self.points, self.right, self.room,
-            self.keep * self.hand, WINDOW, AHEAD, SIGHT, *self.floor.place,
+            self.coming, self.keep * self.hand, WINDOW, AHEAD, SIGHT, *self.floor.place,
         )  # fmt: skip
         here = self.walkable.at(self.walkable.crosswalk, before).astype(np.int64)
         waits, queues = self._wait(rows, here, now)
@@ -182,6 +198,12 @@ class _Walk:
         done = np.hypot(*(self.position[rows] - end).T) < ARRIVED
         done |= self.at[rows] >= self.last[rows]
         self.arrived[rows[done]] = True
+        moved = np.hypot(*(self.position[rows] - self.anchor[rows]).T) > ON_THE_SPOT
+        self.anchor[rows[moved]] = self.position[rows[moved]]
+        self.since[rows[moved]] = now
+        lost = ~done & (now - self.since[rows] > GONE_AFTER)
+        self.lost += int(lost.sum())
+        done |= lost
         self.present = rows[~done]
 
     def _lose_patience(
@@ -193,15 +215,15 @@ class _Walk:
         ahead /= np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
         gone = ((self.position[rows] - before) * ahead).sum(axis=1)
         slow = (gone < SLOW * self.trips.pace[rows] * STEP) & ~patient
+        was = self.stuck[rows]
         self.stuck[rows] = np.where(slow, self.stuck[rows] + STEP,
                                     np.maximum(self.stuck[rows] - STEP, 0.0))  # fmt: skip
         self.side[rows[self.stuck[rows] == 0.0]] = self.hand
         # Of two files that meet, those to the east and north go on and the others turn back.
-        yields = (ahead @ GIVES_WAY > 0) | (self.stuck[rows] > 2 * PATIENCE)
-        self._turn_back(rows[(self.stuck[rows] > PATIENCE) & yields & ~over], now)
-        turned = rows[self.stuck[rows] > 2 * PATIENCE]
-        self.side[turned] *= -1
-        self.stuck[turned] = PATIENCE
+        yields = (ahead @ GIVES_WAY > 0) | (self.stuck[rows] > 2 * TURN_AFTER)
+        self._turn_back(rows[(self.stuck[rows] > TURN_AFTER) & yields & ~over], now)
+        swaps = rows[np.floor(self.stuck[rows] / PATIENCE) > np.floor(was / PATIENCE)]
+        self.side[swaps] *= -1
 
     def _turn_back(self, rows: IntArray, now: float) -> None:
         """Let people walk back to where they come from, who did not turn just now."""
@@ -210,9 +232,9 @@ class _Walk:
         self.at[rows] = top - self.at[rows]
         self.first[rows], self.last[rows] = top - self.last[rows], top - self.first[rows]
         self.turned[rows] = now
-        self.stuck[rows] = 0.0
+        self.stuck[rows] = self.waited[rows] = 0.0
 
-    def _enter(self, others: FloatArray, boxes: FloatArray) -> None:
+    def _enter(self, now: float, others: FloatArray, boxes: FloatArray) -> None:
         """Let the next of each place of the crowd begin, if nobody stands where its way begins."""
         place = self.trips.place
         waiting = np.flatnonzero(~self.started)
@@ -231,7 +253,15 @@ class _Walk:
                 taken = np.concatenate([taken, spot[None]])
                 entered.append(row)
         self.started[entered] = True
+        self.anchor[entered], self.since[entered] = self.position[entered], now
         self.present = np.sort(np.concatenate([self.present, np.array(entered, np.int64)]))
+
+    def _forth(self, crosswalk: IntArray, point: IntArray) -> IntArray:
+        """(k,) 1 where ways lead over crosswalks from their first ends to the second, else 0."""
+        along = self.axes[crosswalk]
+        return (self.right[point, 0] * along[:, 1] - self.right[point, 1] * along[:, 0] > 0).astype(
+            np.int64
+        )
 
     def _wait(self, rows: IntArray, here: IntArray, now: float) -> tuple[BoolArray, BoolArray]:
         """(r,) whether each stands before a roadway that may not be stepped onto, or in a queue."""
@@ -239,22 +269,28 @@ class _Walk:
         ahead = self.next_over[at]
         crosswalk = self.over[ahead]
         far = (ahead - at) * SPACING
-        queues: BoolArray = (crosswalk > 0) & (crosswalk != here) & (far <= QUEUE)
         # Until one is on it leave may be taken back; once on it, nobody stops.
-        self.granted[rows] = here
+        leaves = self.leaving[at]
+        queues: BoolArray = (crosswalk > 0) & (crosswalk != here) & (far <= QUEUE) & ~leaves
+        self.granted[rows] = np.where(leaves, self.over[at], here)
         near = np.flatnonzero(queues)
         number = crosswalk[near] - 1
         way = self.walkable.crosswalks.length[number] + BEFORE
         seconds = SPARE + SLOWED * way / self.trips.pace[rows[near]]
-        caught = np.bincount(here[self.stuck[rows] > CAUGHT],
-                             minlength=self.walkable.crosswalks.count + 1)  # fmt: skip
-        let = self.gates.open(number, now, seconds) & (caught[number + 1] == 0)
+        # Nobody follows those who cannot get off it, but who comes from there makes room by going.
+        held = np.flatnonzero((here > 0) & (self.stuck[rows] > CAUGHT))
+        caught = np.zeros((2, self.walkable.crosswalks.count), bool)
+        caught[self._forth(here[held] - 1, at[held]), here[held] - 1] = True
+        let = self.gates.open(number, now, seconds)
+        let &= ~caught[self._forth(number, ahead[near]), number]
         queues[near[let]] = False
         let &= far[near] <= BEFORE
         self.granted[rows[near[let]]] = crosswalk[near[let]]
+        waits = queues & (far <= BEFORE)
+        self.waited[rows] = np.where(queues, self.waited[rows] + STEP, 0.0)
         shut = near[queues[near]]
         gives_up = self.gates.opens_in(crosswalk[shut] - 1, now) > LONGEST_WAIT
-        waits = queues & (far <= BEFORE)
+        gives_up |= self.waited[rows[shut]] > LONGEST_WAIT
         self._turn_back(rows[shut[gives_up]], now)
         return waits, queues
 
@@ -271,6 +307,16 @@ def _next_set(over: IntArray, last: IntArray) -> IntArray:
     stop[last] = True
     index = np.where(stop, np.arange(count), count)
     return np.asarray(np.minimum.accumulate(index[::-1])[::-1])
+
+
+def _second_halves(over: IntArray, first: IntArray) -> BoolArray:
+    """(p,) whether points lie on the second half of what a way goes on a roadway."""
+    number = np.arange(len(over))
+    new = np.r_[True, over[1:] != over[:-1]]
+    new[first] = True
+    begin = np.maximum.accumulate(np.where(new, number, 0))
+    end = np.r_[np.flatnonzero(new)[1:], len(over)][np.cumsum(new) - 1]
+    return np.asarray((over > 0) & (2 * number > begin + end))
 
 
 def _rights(points: FloatArray, first: IntArray, last: IntArray) -> FloatArray:

@@ -18,9 +18,12 @@ from cityx.city.signals import STATE, Signals
 from cityx.city.tracks import GAIT, MOVER, Tracks, join_tracks
 from cityx.city.walkable import walkable_of
 from cityx.errors import ActionFailed
+from cityx.geometry.polylines import Polylines
+from cityx.plugins.dynamic.crowds import among
 from cityx.plugins.dynamic.pedestrian_flow import pedestrian_flow
 from cityx.plugins.dynamic.pedestrians import ACTION, pedestrians
-from cityx.plugins.dynamic.people_gates import gates_of
+from cityx.plugins.dynamic.people_gates import Gates, gates_of
+from cityx.plugins.dynamic.people_room import FLOW, LEAST, Room
 from cityx.plugins.dynamic.people_trips import DAYS, activity
 from cityx.protocol import Serves, registry
 from cityx.protocol.catalogue import known_records
@@ -123,10 +126,53 @@ def test_people_wait_while_a_vehicle_is_on_the_crosswalk(town):
     assert values(found)["movers_overlapping"] == 0
     north = int(np.flatnonzero(gates.taken.any(axis=1))[0]) + 1
     walks = found.tracks.take(found.tracks.kind == MOVER["pedestrian"])
-    at = moments_of(walks, np.arange(0, 60.0, 0.5))
+    at = moments_of(walks, np.arange(0, 60.0, gates.tick))
     over = area.at(area.crosswalk, at.position[:, :2])
     shut = gates.taken[north - 1, np.minimum(at.number, gates.taken.shape[1] - 1)]
     assert not ((over == north) & shut).any()
+
+
+def test_where_a_vehicle_stands_for_long_people_go_another_way_or_back(town):
+    area = walkable_of(town)
+    middle = area.crosswalks.ends.mean(axis=1)
+    y = float(middle[np.abs(middle[:, 0]) < 1.0, 1].max())
+    parked = driver(90.0, y - 0.2, y + 0.2)  # stands on the northern crosswalk all the time
+    known, gates = among(town, area, 90.0, parked)
+    north = int(np.argmax(gates.taken.mean(axis=1)))
+    assert known.waits[north] > 60.0
+    assert np.delete(known.waits, north).max() < 1.0
+    held = replace(town, tracks=parked)
+    found = pedestrian_flow(held, count=6, places=((-30.0, 4.4), (30.0, 4.4)), duration=90.0)
+    assert values(found)["movers_overlapping"] == 0
+    assert values(found)["movers_stuck"] == 0
+    walks = found.tracks.take(found.tracks.kind == MOVER["pedestrian"])
+    over = area.at(area.crosswalk, walks.position[:, :2])
+    assert north + 1 not in over
+    assert (over > 0).any()  # by the southern one
+
+
+def test_nobody_begins_to_cross_who_would_not_be_off_before_a_vehicle_comes():
+    taken = np.zeros((1, 100), bool)
+    taken[0, 50:60] = True  # from 10 s on, for 2 s
+    gates = Gates(0.2, np.zeros((1, 100), bool), taken, np.array([6.0]), np.zeros((0, 6)),
+                  np.zeros(101, np.int64))  # fmt: skip
+    one = np.zeros(1, np.int64)
+    assert gates.open(one, 3.0, np.array([6.5]))
+    assert not gates.open(one, 4.0, np.array([6.5]))
+    assert gates.left(one, 4.0) == pytest.approx(6.0)
+    assert gates.opens_in(one, 3.0) == 0.0
+    assert gates.opens_in(one, 5.0) == pytest.approx(7.0)
+    assert 0.0 < gates.waits[0] < 7.0
+
+
+def test_a_narrow_passage_lets_only_so_many_through(town):
+    area = walkable_of(town)
+    way = np.column_stack([np.linspace(-30.0, 30.0, 121), np.full(121, 4.4)])
+    narrow = float(area.at(area.clearance, way).min())
+    many = Polylines(np.tile(way, (400, 1)), np.arange(401) * len(way))
+    found = Room(area, 120.0).admitted(many, np.arange(400))
+    assert len(found) == int(np.ceil(2 * max(FLOW * narrow, LEAST)))
+    assert found.tolist() == list(range(len(found)))  # who comes first goes first
 
 
 def test_people_stop_at_red_and_go_at_green(town):
