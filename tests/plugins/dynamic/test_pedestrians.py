@@ -18,6 +18,7 @@ from cityx.city.signals import STATE, Signals
 from cityx.city.tracks import GAIT, MOVER, Tracks, join_tracks
 from cityx.city.walkable import walkable_of
 from cityx.errors import ActionFailed
+from cityx.plugins.dynamic.crowds import _run_into
 from cityx.plugins.dynamic.pedestrian_flow import pedestrian_flow
 from cityx.plugins.dynamic.pedestrians import ACTION, pedestrians
 from cityx.plugins.dynamic.people_gates import gates_of
@@ -127,6 +128,17 @@ def test_people_wait_while_a_vehicle_is_on_the_crosswalk(town):
     over = area.at(area.crosswalk, at.position[:, :2])
     shut = gates.taken[north - 1, np.minimum(at.number, gates.taken.shape[1] - 1)]
     assert not ((over == north) & shut).any()
+
+
+def test_nobody_is_where_a_vehicle_sweeps_over_a_walk(busy):
+    first = busy.tracks.time[busy.tracks.sample_start[:-1]] == 0.0
+    walker = busy.tracks.take(np.flatnonzero(first)[:1])
+    at, wall = walker.position[0], np.array([0.0, 1.0, 0.0])
+    for aside, kept in ((wall, 0), (4 * wall, 1)):
+        passing = driver(30.0, 0.0, 0.0)
+        passing = replace(passing, position=np.array([at + aside, at + aside]),
+                          heading=np.zeros(2))  # fmt: skip
+        assert (~_run_into(walker, passing)).sum() == kept
 
 
 def test_people_stop_at_red_and_go_at_green(town):
