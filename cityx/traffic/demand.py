@@ -30,7 +30,7 @@ DENSITIES = ("none", "light", "medium", "heavy")
 PER_KM: Mapping[str, tuple[float, float, float]] = MappingProxyType(
     {
         "motorway": (8.0, 22.0, 44.0), "trunk": (8.0, 20.0, 40.0), "primary": (7.0, 18.0, 34.0),
-        "secondary": (6.0, 14.0, 26.0), "tertiary": (4.5, 10.0, 18.0),
+        "secondary": (6.0, 14.0, 28.0), "tertiary": (4.5, 10.0, 18.0),
         "unclassified": (2.5, 6.0, 11.0), "residential": (2.0, 5.0, 9.0),
         "living_street": (1.0, 2.0, 4.0), "service": (0.5, 1.0, 1.5),
     }
