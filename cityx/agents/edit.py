@@ -17,6 +17,7 @@ from cityx.agents.changes import slots_of_edits
 from cityx.agents.desk import Desk, Revision
 from cityx.agents.loop import Say, quiet
 from cityx.agents.options import BuildOptions, PlannerChoice
+from cityx.agents.parts import VERBS
 from cityx.agents.planning.planner import OfflinePlanner
 from cityx.agents.planning.workflow import Item
 from cityx.agents.pool import Pool
@@ -121,6 +122,8 @@ def planned(
             f"{said}{fault}" for item in found for fault in untaken(planner.records[item.action],
                                                                    slots, item)
         ]  # fmt: skip
+        if slots["edit"][0] in VERBS.values():  # predicates know buildings, not their parts
+            request = replace(request, brief=replace(request.brief, goals=()))
     if not edits:
         faults.append("The sentence names no change that is understood.")
     if faults:
