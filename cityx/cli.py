@@ -219,7 +219,10 @@ def build(
 def edit(
     folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
     text: Annotated[str, typer.Argument(help="What is to change, in words.")],
-    files: Annotated[list[Path] | None, typer.Argument(help="Texts with more wishes.")] = None,
+    files: Annotated[
+        list[Path] | None,
+        typer.Argument(help="Texts with more wishes, .blend files with curves to go along."),
+    ] = None,
     planner: Planner = "offline",
     base_url: BaseUrl = "",
     record: Record = "",

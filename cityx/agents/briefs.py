@@ -120,7 +120,8 @@ def read_request(
     notes = [path for path, kind in items if kind == "text"]
     if not options.text and not notes:
         return Request(Brief(), _checked(slots_of(options)))
-    names = names_of(city) if city is not None else ()
+    wishes = [_text_of(path) for path in notes]
+    names = names_of(city, " ".join([options.text, *wishes])) if city is not None else ()
     brief = (maker or OfflineBriefMaker()).read(
         options.text,
         inputs=[(path.name, kind) for path, kind in items],
@@ -128,8 +129,8 @@ def read_request(
         options=_said(options),
         names=names,
     )
-    for path in notes:
-        brief = brief.joined(read_note(_text_of(path), base=base, names=names))
+    for wish in wishes:
+        brief = brief.joined(read_note(wish, base=base, names=names))
     if brief.conflicts or brief.questions:
         raise Clarify(brief)
     return Request(brief, _checked({**slots_of_brief(brief), **slots_of(options)}))

@@ -15,6 +15,7 @@ from cityx.agents.brief.brief import Value
 from cityx.agents.brief.measurable import COLORS as NAMED
 from cityx.agents.briefs import Clarify
 from cityx.agents.contradictions import contradictions
+from cityx.agents.parts import with_parts
 from cityx.agents.placing import protected, slots_of_places
 from cityx.agents.selecting import SIDES, Open, chosen_by, region_of
 from cityx.checks.predicates.facts import Facts
@@ -57,6 +58,7 @@ def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
             chosen = chosen_by(edit, city)
             meant.append((edit, chosen))
             slots = slots_of_edit(edit, chosen, city)
+            slots = with_parts(slots, brief.text[slice(*edit.span)], chosen, city)
             found.append((edit, {**slots, **slots_of_places(edit, city)}))
         except Open as error:
             questions.append(error.question)

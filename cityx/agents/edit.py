@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +17,7 @@ from cityx.agents.changes import slots_of_edits
 from cityx.agents.desk import Desk, Revision
 from cityx.agents.loop import Say, quiet
 from cityx.agents.options import BuildOptions, PlannerChoice
+from cityx.agents.parts import VERBS
 from cityx.agents.planning.planner import OfflinePlanner
 from cityx.agents.planning.workflow import Item
 from cityx.agents.pool import Pool
@@ -24,6 +26,7 @@ from cityx.city import City
 from cityx.errors import UsageError
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.serving import Slots
+from cityx.sources.blend_curves import SUFFIX, BlendCurves, read_blend_curves
 
 UNDO = "undo"
 OFFLINE = PlannerChoice()
@@ -48,7 +51,7 @@ def edit_city(
     text
         What is to change.
     files
-        Texts (.txt, .md) with wishes of their own.
+        Texts (.txt, .md) with wishes of their own, and .blend files whose curves paths may name.
     say
         Called with one line of progress at a time.
     cancelled
@@ -93,6 +96,9 @@ def planned(
     from cityx.protocol.catalogue import known_records
 
     records = shown_records(known_records(desk.actions), choice.shown)
+    drawings = [file for file in files if file.name.lower().endswith(SUFFIX)]
+    files = [file for file in files if file not in drawings]
+    curves = [read_blend_curves(file) for file in drawings]
     request = _read(desk, text, files, choice, records)
     edits = request.brief.edits
     if any(edit.verb == UNDO for edit in edits):
@@ -102,8 +108,10 @@ def planned(
     planner = OfflinePlanner(records)
     items: list[Item] = []
     faults = []
-    for edit, slots in slots_of_edits(request.brief, desk.city):
-        found = planner.answers(slots)
+    for edit, meant in slots_of_edits(request.brief, desk.city):
+        slots = _along_curves(meant, request.brief.text[slice(*edit.span)], curves)
+        found = [_on_curve(item, planner.records[item.action], curves)
+                 for item in planner.answers(slots)]  # fmt: skip
         items += found
         said = (
             f'"{request.brief.text[slice(*edit.span)]}": ' if not files else ""
@@ -114,11 +122,31 @@ def planned(
             f"{said}{fault}" for item in found for fault in untaken(planner.records[item.action],
                                                                    slots, item)
         ]  # fmt: skip
+        if slots["edit"][0] in VERBS.values():  # predicates know buildings, not their parts
+            request = replace(request, brief=replace(request.brief, goals=()))
     if not edits:
         faults.append("The sentence names no change that is understood.")
     if faults:
         raise UsageError("\n".join(faults))
     return request, items
+
+
+def _on_curve(item: Item, record: Encapsulation, curves: Sequence[BlendCurves]) -> Item:
+    """Give an action the points of the curve that its path is, if a .blend holds it."""
+    for held in curves:
+        if item.args.get("path") in held.lines and record.parameter("points") is not None:
+            name = str(item.args["path"])
+            return replace(item, args={**item.args, "points": held.line(name)})
+    return item
+
+
+def _along_curves(slots: Slots, text: str, curves: Sequence[BlendCurves]) -> Slots:
+    """Take the curve of a .blend that a text names for the path, the longest name first."""
+    names = sorted((name for held in curves for name in held.lines), key=len, reverse=True)
+    for name in names:
+        if re.search(rf"\b{re.escape(name)}\b", text, re.IGNORECASE):
+            return {**slots, "path": (name,)}
+    return slots
 
 
 def _read(

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import re
+
 from cityx.agents.brief.lexicon import find
-from cityx.agents.brief.words import words_of
+from cityx.agents.brief.words import fold, words_of
 from cityx.city import City
 
 SHORTEST = 4  # letters of a name; shorter ones are words of other meaning, or ids already
+_PARTS = re.compile(r"[^\W_]+(?:['’][^\W_]+)*")
 _TABLES = ("buildings", "roads", "areas")
 
 
-def names_of(city: City) -> tuple[str, ...]:
-    """Return the names that things of a city have and that say nothing else, longest first."""
+def names_of(city: City, text: str) -> tuple[str, ...]:
+    """Return the names of things of a city that share a word with a text, longest first.
+
+    Names that say something else, such as "main street", are none. There are thousands in a city.
+    """
+    said = {word.text for word in words_of(text)}
     found: set[str] = set()
     for table in _TABLES:
         found |= {str(name) for name in getattr(city.layout, table)["name"].unique()}
-    return tuple(sorted(filter(_is_name, found), key=lambda name: (-len(name), name)))
+    near = [name for name in found if not said.isdisjoint(map(fold, _PARTS.findall(name)))]
+    return tuple(sorted(filter(_is_name, near), key=lambda name: (-len(name), name)))
 
 
 def _is_name(name: str) -> bool:

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cityx.agents.planning.workflow import Item
-from cityx.errors import UsageError, nearest
+from cityx.errors import InputError, UsageError, nearest
 from cityx.protocol.stages import NEUTRAL, Stage, stages_after
+from cityx.sources.blend_curves import read_blend_curves
 
 if TYPE_CHECKING:
     from cityx.protocol.encapsulation import Encapsulation
     from cityx.protocol.registry import Registry
+
+BLEND_CURVE = re.compile(r"(.+\.blend):(.+)", re.IGNORECASE)
 
 
 def with_requests(
@@ -123,6 +128,23 @@ def _names(record: Encapsulation) -> tuple[str, str, str]:
     return record.id, f"{record.stage}/{record.name}", record.name
 
 
+def drawn_path(record: Encapsulation, name: str, value: str) -> dict[str, Any]:
+    """Return the arguments that "FILE.blend:CURVE" stands for, {} where it stands for itself.
+
+    Only who gives files may say so: neither a sentence nor a model names one.
+
+    Raises
+    ------
+    InputError
+        If the file or the curve is none.
+    """
+    found = BLEND_CURVE.fullmatch(value)
+    if found is None or name != "path" or record.parameter("points") is None:
+        return {}
+    file, curve = found.groups()
+    return {"path": curve, "points": read_blend_curves(Path(file)).line(curve)}
+
+
 def _wish(text: str, actions: Registry, faults: list[str]) -> Item | None:
     try:
         words = shlex.split(text)
@@ -140,5 +162,8 @@ def _wish(text: str, actions: Registry, faults: list[str]) -> Item | None:
         if not equals:
             faults.append(f'--do "{text}": "{word}" is not of the form NAME=VALUE.')
             continue
-        args |= record.read({name: value})
+        try:
+            args |= drawn_path(record, name, value) or record.read({name: value})
+        except InputError as error:
+            faults.append(f'--do "{text}": {error}')
     return Item(action, args, why="asked for by name", firm=True)

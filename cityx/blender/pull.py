@@ -101,12 +101,12 @@ def compare(view: View, scene: bpy.types.Scene) -> dict[str, Any]:
     return {**vars(found), "foreign": sorted(foreign, key=lambda item: item["name"])}
 
 
-def _world(item: bpy.types.Object) -> FloatArray:
+def world_of(item: bpy.types.Object) -> FloatArray:
     """Return where an object is, (4, 4), without evaluating the scene."""
     own = np.array(item.matrix_basis, float)
     if item.parent is None:
         return own
-    above = _world(item.parent) @ np.array(item.matrix_parent_inverse, float)
+    above = world_of(item.parent) @ np.array(item.matrix_parent_inverse, float)
     return np.asarray(above @ own)
 
 
@@ -136,7 +136,7 @@ def _compare_shells(
             found.removed.append(id_text(object_id))
         mine.sort(key=lambda item: (item.get(NAME) != item.name, item.name))
         for place, item in enumerate(mine):
-            rigid, scale = _parts(_world(item))
+            rigid, scale = _parts(world_of(item))
             rigid[:3, 3] -= foot[row]
             found.pose(object_id, _upright(rigid, item, found), scale, copy=place > 0)
         if mine:
@@ -238,7 +238,7 @@ def _compare_tiles(
         if item is None:
             _gone(layer, np.unique(tile.face_id), found)
             continue
-        rigid, scale = _parts(_world(item))
+        rigid, scale = _parts(world_of(item))
         rigid[:3, 3] -= tile.origin
         if np.abs(rigid - np.eye(4)).max() > NEAR or np.abs(scale - 1).max() > EQUAL:
             found.untaken.append(f"{item.name}: {layer} is one piece, which cannot be moved")
@@ -297,7 +297,7 @@ def _compare_rows(rows: Instances, items: list[bpy.types.Object], found: Differe
         )
         return
     position, rotation, scale, tint = (np.asarray(c, float) for c in columns)
-    position, rotation, scale = _carried(_world(item), position, rotation, scale)
+    position, rotation, scale = _carried(world_of(item), position, rotation, scale)
     old, copy = _matched(rows.object_id, held)
     if (old < 0).any():
         found.untaken.append(f"{item.name}: {int((old < 0).sum())} new points of no object")

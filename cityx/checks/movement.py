@@ -20,7 +20,7 @@ from cityx.city import City
 from cityx.city.ground import ON_ROADWAY, ROADWAY
 from cityx.city.lanes import LaneGraph
 from cityx.city.moments import Moments, moments_of
-from cityx.city.tracks import GAIT, MOVER, Tracks
+from cityx.city.tracks import GAIT, Tracks
 from cityx.city.walkable import walk_areas
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.geometry.standing import stand_on, surfaces_at
@@ -30,7 +30,6 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 EVERY = 0.5  # seconds between the moments that are looked at
-ON_FOOT = ("pedestrian", "animal")
 YARDS = ("parking", "apron")  # driven on beside the roadways
 BESIDE = 0.3  # metres past the edge of its lane that the middle of a vehicle may be
 OFF_WALK = 0.1  # metres past the edge of the walkable area that the middle of a person may be
@@ -63,7 +62,7 @@ class Scene:
     @cached_property
     def foot(self) -> BoolArray:
         """(n,) whether each mover is on foot."""
-        return np.isin(self.tracks.kind, [MOVER[name] for name in ON_FOOT])
+        return self.tracks.on_foot
 
     @cached_property
     def points(self) -> NDArray[Any]:
@@ -249,7 +248,7 @@ def jumping(tracks: Tracks) -> BoolArray:
     same = mover[1:] == mover[:-1]
     gap = np.diff(tracks.time)[same]
     way = np.hypot(*np.diff(tracks.position[:, :2], axis=0)[same].T)
-    foot = np.isin(tracks.kind, [MOVER[name] for name in ON_FOOT])[mover[1:][same]]
+    foot = tracks.on_foot[mover[1:][same]]
     most = np.where(foot, FASTEST[True], FASTEST[False]) * gap + TOUCH
     jumps[mover[1:][same][(way > most) | (gap <= 0)]] = True
     return jumps

@@ -13,6 +13,7 @@ from cityx.geometry.ranges import ranges
 MOVER_KINDS = (
     "car", "van", "truck", "bus", "motorcycle", "bicycle", "tram", "pedestrian", "animal",
 )  # fmt: skip
+ON_FOOT = ("pedestrian", "animal")
 MOVER = {name: number for number, name in enumerate(MOVER_KINDS)}
 GAITS = ("still", "walk", "run", "ride")
 GAIT = {name: number for number, name in enumerate(GAITS)}
@@ -79,6 +80,11 @@ class Tracks:
     def mover(self) -> NDArray[np.int64]:
         """(s,) row of the mover of each sample."""
         return np.repeat(np.arange(self.count), np.diff(self.sample_start))
+
+    @property
+    def on_foot(self) -> NDArray[np.bool_]:
+        """(n,) which movers are people or animals."""
+        return np.isin(self.kind, [MOVER[name] for name in ON_FOOT])
 
     @property
     def duration(self) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,6 +18,7 @@ from cityx.city import City, Failure, Frame
 from cityx.city.frame import NOWHERE
 from cityx.city.layout import CURVE
 from cityx.errors import InputError, nearest
+from cityx.sources.blend_curves import SUFFIX, read_blend_curves
 from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import KIND, Owner, Report, Tags, tag
@@ -163,7 +164,7 @@ def read_drawing(path: Path) -> Drawing:
     Parameters
     ----------
     path
-        .geojson, .json or .gpx.
+        .geojson, .json, .gpx or .blend, of which the curve objects are taken.
 
     Raises
     ------
@@ -177,9 +178,8 @@ def read_drawing(path: Path) -> Drawing:
         content = path.read_bytes()
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror}.") from error
-    read = _gpx if path.name.lower().endswith(".gpx") else _geojson
     faults: list[str] = []
-    items, place = read(path, content, faults)
+    items, place = _reader(path)(path, content, faults)
     for item in items:
         faults += _shape_faults(item, degrees=place is DEGREES)
     if faults:
@@ -194,6 +194,23 @@ def read_drawing(path: Path) -> Drawing:
     shapes = np.array([item.shape for item in drawn], object)
     frame = place if isinstance(place, Frame) else None
     return Drawing(shapes, owners, np.array(border, object), place is DEGREES, frame)
+
+
+def _reader(path: Path) -> Callable[[Path, bytes, list[str]], tuple[list[_Item], _Place]]:
+    name = path.name.lower()
+    return _gpx if name.endswith(".gpx") else _blend if name.endswith(SUFFIX) else _geojson
+
+
+def _blend(path: Path, content: bytes, faults: list[str]) -> tuple[list[_Item], _Place]:
+    """Take curve objects; a property "kind" says what each is, else somebody goes along it."""
+    del content, faults
+    held = read_blend_curves(path)
+    items = [
+        _Item(name, {"kind": "route"} | _tags(held.properties[name]),
+              shapely.MultiLineString(lines) if len(lines) > 1 else shapely.LineString(lines[0]))
+        for name, lines in held.lines.items() if lines
+    ]  # fmt: skip
+    return items, METRES
 
 
 def _meaning(tags: Tags) -> Tags:

@@ -18,12 +18,12 @@ from cityx.errors import InputError
 _HEIGHT_SUFFIXES = (".hgt", ".hgt.zip", ".asc", ".npy")
 _IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
 _OSM_SUFFIXES = (".osm", ".osm.gz", ".osm.bz2", ".osm.pbf", ".pbf", ".xml")
-_DRAWN_SUFFIXES = (".geojson", ".json", ".gpx")
+_DRAWN_SUFFIXES = (".geojson", ".json", ".gpx", ".blend")
 _TEXT_SUFFIXES = (".txt", ".md")
 KINDS = (
     "OpenStreetMap (.osm, .osm.gz, .osm.bz2, .osm.pbf), semantic maps and aerial images (.png, "
     ".tif, .jpg), heights (.tif, .hgt, .hgt.zip, .asc, .png of 16 bits, .npy) or drawings "
-    "(.geojson, .json, .gpx) or wishes (.txt, .md)"
+    "(.geojson, .json, .gpx, curves of a .blend) or wishes (.txt, .md)"
 )
 LOOK = 400  # cells of a side that are looked at
 SLOW = 0.06  # of the spread of all values; measured: heights of 8 bits 0.03, photographs above 0.1

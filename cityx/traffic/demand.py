@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cityx.assets.palettes import GROUPS, groups_of
 from cityx.city.city import City
 from cityx.geometry.identity import choose, hash_ids, id_text, uniform
+from cityx.geometry.polylines import Polylines, arc_lengths
 from cityx.traffic.kinds import DRIVING, LARGE, shares_on
 from cityx.traffic.simulation import Group, Look, Trip
 from cityx.traffic.streets import Lane, Streets, Way
@@ -29,7 +30,7 @@ DENSITIES = ("none", "light", "medium", "heavy")
 PER_KM: Mapping[str, tuple[float, float, float]] = MappingProxyType(
     {
         "motorway": (8.0, 22.0, 44.0), "trunk": (8.0, 20.0, 40.0), "primary": (7.0, 18.0, 34.0),
-        "secondary": (6.0, 14.0, 26.0), "tertiary": (4.5, 10.0, 18.0),
+        "secondary": (6.0, 14.0, 28.0), "tertiary": (4.5, 10.0, 18.0),
         "unclassified": (2.5, 6.0, 11.0), "residential": (2.0, 5.0, 9.0),
         "living_street": (1.0, 2.0, 4.0), "service": (0.5, 1.0, 1.5),
     }
@@ -48,6 +49,7 @@ LONG_ENOUGH = 12.5  # metres of a way for them: on a shorter one they would stan
 MOST_PER_LANE = 16.0  # vehicles on a kilometre of lane; with more, signals no longer clear queues
 SPARE = 1.6  # times the trips that are expected to be needed
 LEAST_TRIPS = 40  # per group of streets
+DRAWS = (2, 2, 2)  # times as many trips are drawn while they do not last
 JITTER = 0.25  # of the time along a way by which drivers' minds differ
 VARIANTS = 3  # of those minds
 CORNER_S = 4.0  # seconds that a junction costs
@@ -122,16 +124,23 @@ def demand_of(
     """
     net = Drivable(city, streets)
     every = tuple(look for choices in looks.values() for look, _ in choices)
-    groups = []
-    trips = _trips(city, net, looks, every, hour=hour, purpose=purpose,
-                   count=_needed(net, per_km, seconds))  # fmt: skip
-    for road in sorted({net.road(way) for way in streets.ways}):
-        own = [way.name for way in streets.ways if net.road(way) == road]
+    roads = sorted({net.road(way) for way in streets.ways})
+    targets = {}
+    for road in roads:
         asked = per_km.get(road, per_km[OTHER_ROADS]) * net.kilometres(road)
-        target = round(min(asked, MOST_PER_LANE * net.lane_kilometres(road)))
+        targets[road] = round(min(asked, MOST_PER_LANE * net.lane_kilometres(road)))
+    count = _needed(net, per_km, seconds)
+    for more in (*DRAWS, 0):
+        trips = _trips(city, net, looks, every, hour=hour, purpose=purpose, count=count)
+        if not more or _enough(net, trips, targets, seconds):
+            break
+        count *= more
+    groups = []
+    for road in roads:
+        own = [way.name for way in streets.ways if net.road(way) == road]
         mine = tuple(trip for trip, on in trips if on == road)
-        if target and mine:
-            groups.append(Group(tuple(own), target, mine))
+        if targets[road] and mine:
+            groups.append(Group(tuple(own), targets[road], mine))
     tight = tuple(number for number, link in enumerate(streets.links) if link.tight)
     return Demand(every, tuple(groups), net.barred, tight)
 
@@ -146,6 +155,8 @@ class Drivable:
         self._road = np.char.replace(kinds, "_link", "")
         self._class = np.where(np.isin(self._road, list(PER_KM)), self._road, OTHER_ROADS)
         self.length = np.array([way.length for way in streets.ways])
+        points = Polylines(city.network.points[:, :2], city.network.point_start)
+        self._edge_length = arc_lengths(points)[1]
         self.usable = self._usable()
 
     def road(self, way: Way) -> str:
@@ -153,17 +164,20 @@ class Drivable:
         return str(self._class[way.edge])
 
     def kilometres(self, road: str) -> float:
-        """Return the length of the streets of a class, both directions as one."""
-        length = {way.edge: way.length for way in self.streets.ways if self.road(way) == road}
-        return sum(length.values()) / 1000.0
+        """Return the length of the streets of a class with junctions, both directions as one."""
+        edges = {way.edge for way in self.streets.ways if self.road(way) == road}
+        return float(sum(self._edge_length[edge] for edge in edges)) / 1000.0
 
     def lane_kilometres(self, road: str) -> float:
         """Return the length of all lanes that cars use on the streets of a class."""
         ways = zip(self.streets.ways, self.usable.tolist(), strict=True)
-        return sum(
-            way.length * sum(lane.kind == "drive" and not lane.closed for lane in way.lanes)
-            for way, usable in ways if usable and self.road(way) == road
-        ) / 1000.0  # fmt: skip
+        length = sum(
+            float(self._edge_length[way.edge])
+            * sum(lane.kind == "drive" and not lane.closed for lane in way.lanes)
+            for way, usable in ways
+            if usable and self.road(way) == road
+        )
+        return length / 1000.0
 
     def _usable(self) -> BoolArray:
         """(w,) whether cars drive along a way; a narrow one is driven in one direction alone.
@@ -293,6 +307,27 @@ def _needed(net: Drivable, per_km: Mapping[str, float], seconds: float) -> int:
     stay = max(30.0, 0.25 * float(net.seconds[net.usable].sum()))
     stay = min(stay, 120.0)
     return int(SPARE * target * (1.0 + seconds / stay)) + LEAST_TRIPS * len(roads)
+
+
+def _enough(
+    net: Drivable, trips: list[tuple[Trip, str]], targets: Mapping[str, int], seconds: float
+) -> bool:
+    """Tell whether trips last for as long as the streets of every class are to be kept full.
+
+    In a small site one is out of it soon.
+    """
+    place = {way.name: number for number, way in enumerate(net.streets.ways)}
+    classes = [net.road(way) for way in net.streets.ways]
+    driven = net.seconds - CORNER_S
+    for road, target in targets.items():
+        stays = [
+            sum(driven[place[name]] for name in trip.route if classes[place[name]] == road)
+            for trip, on in trips
+            if on == road
+        ]
+        if stays and len(stays) < SPARE * target * (1.0 + seconds / float(np.mean(stays))):
+            return False
+    return True
 
 
 def _trips(

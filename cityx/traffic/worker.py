@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Sequence
 from heapq import heappop, heappush
 from math import inf
@@ -63,13 +63,13 @@ class _Filling:
         self.sumo = sumo
         self.groups = groups
         self.waiting = [deque(group["trips"]) for group in groups]
-        self.total = sum(int(group["target"]) for group in groups)
         self.room = {
             edge: sumo.lane.getLength(f"{edge}_0") / PLACE
             * sum(DRIVER in sumo.lane.getAllowed(f"{edge}_{index}")
                   for index in range(sumo.edge.getLaneNumber(edge)))
             for group in groups for edge in group["edges"]
         }  # fmt: skip
+        self.total = sum(int(group["target"]) for group in groups)
         self.queue = dict.fromkeys(self.room, 0.0)
 
     def first(self) -> None:
@@ -89,11 +89,12 @@ class _Filling:
             self.queue[edge] = queue + (standing - queue) * CONTROL / MEMORY
         jammed = {edge for edge, queue in self.queue.items() if queue > JAMMED * self.room[edge]}
         pending = len(self.sumo.simulation.getPendingVehicles())
-        # Those amid junctions are on none of the groups' streets.
+        amid = self._amid_junctions()
+        # Where a queue fills one class of streets, the others do not make it longer.
         room = self.total - (self.sumo.vehicle.getIDCount() - others) - pending
         for group, trips in zip(self.groups, self.waiting, strict=True):
-            present = sum(map(self.sumo.edge.getLastStepVehicleNumber, group["edges"]))
-            missing = int(group["target"]) - present
+            on_ways = sum(map(self.sumo.edge.getLastStepVehicleNumber, group["edges"]))
+            missing = int(group["target"]) - on_ways - sum(amid[edge] for edge in group["edges"])
             for _ in range(min(missing, room, AHEAD - pending, len(trips))):
                 trip = trips.popleft()
                 if not jammed.isdisjoint(trip["route"]):
@@ -102,6 +103,13 @@ class _Filling:
                 self._send(trip, trip["route"], position="base")
                 pending += 1
                 room -= 1
+
+    def _amid_junctions(self) -> Counter[str]:
+        """Count who is on a junction by the way that each comes from."""
+        vehicle = self.sumo.vehicle
+        amid = [name for name in vehicle.getIDList() if vehicle.getRoadID(name).startswith(":")]
+        places = [(vehicle.getRoute(name), vehicle.getRouteIndex(name)) for name in amid]
+        return Counter(route[at] for route, at in places if 0 <= at < len(route))
 
     def _send(self, trip: dict[str, Any], route: list[str], *, position: str) -> None:
         name = trip["id"]

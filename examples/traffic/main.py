@@ -27,9 +27,9 @@ from cityx.protocol.gate import Call
 from cityx.protocol.run import run_step
 
 TIMEOUT = 3600.0  # seconds
-EVERY = 4  # frames from one picture of the animation to the next
+EVERY = 2  # frames from one picture of the animation to the next
 SPAN = 48  # frames: three strides of a runner
-COLORS = 128  # of the animation, so that it stays small
+COLORS = 160  # of the animation, so that it stays small
 # The call of the paper, word for word.
 ALGORITHM_1 = {
     "crowd_creation": "single", "walk_run": "run", "style": "casual",
@@ -43,7 +43,7 @@ CURVE01 = tuple(
 FIRST = 384  # frame at which the runner is fourteen metres from the camera
 EYE = {
     "street": ((89.5, -88.4, 2.3), 105.0, -4.5, 58.0, (960, 576)),
-    "algorithm1": ((48.5, 2.0, 1.5), 333.0, -3.0, 44.0, (400, 250)),
+    "algorithm1": ((48.5, 2.0, 1.5), 333.0, -3.0, 44.0, (480, 300)),
 }
 RUSH_HOUR = 17.0
 MOMENT = 52.0  # seconds at which cars and people meet at the crossing

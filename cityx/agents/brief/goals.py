@@ -150,6 +150,7 @@ _LANES = {
     "roads.motorway.lanes": "n(road, class=motorway, lanes={half:g}) >= 1",
     "roads.other.lanes": "share(road, class=local, lanes={v:g}) == 1.0",
 }
+QUARTER = 500.0  # metres of a site below which the widest roads may pass it by
 _SHARED = (
     "style", "building.type", "building.material", "building.color", "building.roof",
     "building.use",
@@ -211,9 +212,17 @@ def goals_of(
     return tuple({goal.predicate: goal for goal in found}.values()), tuple(notes)
 
 
-def _placed(slots: Sequence[Slot]) -> bool:
-    """Tell whether a file or a kind of district decides what streets there are."""
-    return any(slot.key in ("source", "district") for slot in slots)
+def _heavy_traffic(slots: Sequence[Slot]) -> Iterator[str]:
+    """Yield what makes traffic heavy: full main roads, or full streets in quarters without any."""
+    keys = {slot.key for slot in slots}
+    if "district" in keys and "source" not in keys:
+        yield "density(vehicle, road) >= 8"
+        return
+    if "source" not in keys:
+        sides = [float(slot.value) for slot in slots if slot.key in ("size.x", "size.y")]
+        rank = "main" if sides and max(sides) < QUARTER else "primary"
+        yield f"n(road, class={rank}) >= 1"
+    yield from _said("traffic", "heavy", MOST)
 
 
 def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]) -> Iterator[str]:
@@ -222,8 +231,9 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         plain = bool(name) and set(name) <= _PLAIN_NAME
         yield from (one.format(v=name) for one in SOURCES.get(str(slot.value), ()) if plain)
     elif isinstance(slot.value, str):
-        if (slot.key, slot.value) == ("traffic", "heavy") and not _placed(slots):
-            yield "n(road, class=primary) >= 1"
+        if (slot.key, slot.value) == ("traffic", "heavy"):
+            yield from _heavy_traffic(slots)
+            return
         most = EACH if slot.every else MOST
         share = most if sum(one.key == slot.key for one in slots) == 1 else PART
         yield from _said(slot.key, slot.value, share)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 from cityx.agents.brief.brief import Edit, Span
@@ -14,6 +15,10 @@ _TAKEN = ("take", "tear", "knock", "pull", "cut", "chop", "rip", "throw")  # "ta
 _CLEARED = ("clear", "strip", "empty", "rid", "free", "relieve", "cleanse")  # "the park of trees"
 _ONE_STOREY = ("one story", "single story")  # folded; of a city that is described, low houses
 _COPIES = frozenset(("copy", "duplicate", "replica", "clone", "twin"))  # "a copy of the church"
+# Words after a share -> whether it is more or less than before.
+_COMPARED = {
+    "larger": 1, "bigger": 1, "taller": 1, "higher": 1, "smaller": -1, "shorter": -1, "lower": -1,
+}  # fmt: skip
 _AWAY = ("out", "away", "off", "down", "out of")
 _THINGS = ("element", "plant", "vehicle", "person", "building", "type")
 # Word for weather -> what there can be more or less of.
@@ -27,6 +32,8 @@ def plain(clause: list[Item]) -> None:
     _deny(live)
     _clear(clause)
     _duplicate(clause)
+    _turn(live)
+    _fraction(clause)
     for before, item in pairwise(live):
         if before.has("side") and item.quantity is not None and item.quantity.dimension == "part":
             item.state = READ  # "the western half of the city" is its west
@@ -47,6 +54,32 @@ def _clear(clause: list[Item]) -> None:
     end = next((at for at, item in enumerate(gone) if item.kind == "mark"), len(gone))
     clause[first].senses, clause[of].senses = (("verb", "REMOVE"),), (("rel", "from"),)
     clause[first + 1 :] = [*gone[:end], clause[of], *place, *gone[end:]]
+
+
+def _turn(live: list[Item]) -> None:
+    """Read "turn the tree by 45 degrees" as "rotate the tree by 45 degrees"."""
+    if any(one.quantity is not None and one.quantity.dimension == "angle" for one in live):
+        for item in live:
+            if item.words[0] == "turn" and item.get("verb") == "MAKE":
+                item.senses = (("verb", "ROTATE"),)
+
+
+def _fraction(clause: list[Item]) -> None:
+    """Read "a fifth larger" as "20 % larger", by which something is more or less than it was."""
+    for article, part in pairwise(clause):
+        number = part.get("ordinal")
+        if article.text == "a" and number.isdigit():
+            after = clause[clause.index(part) + 1 :][:1]
+            if after and after[0].text in _COMPARED:
+                share = 1.0 / int(number)
+                part.quantity, part.senses = Quantity("share", share, share, unit=0.01), ()
+                article.state = READ
+    for part, more in pairwise(clause):
+        if part.quantity is not None and part.quantity.dimension == "share":
+            sign = _COMPARED.get(more.text, 0)
+            if sign and not part.quantity.relative:
+                part.quantity = replace(part.quantity, relative=sign)
+                more.senses, more.state = (), READ
 
 
 def _duplicate(clause: list[Item]) -> None:

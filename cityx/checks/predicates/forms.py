@@ -7,6 +7,7 @@ What the words leave open is settled so:
 - ``share`` is of the things that class, id, name and place choose; its other conditions are what
   they have. Streets weigh by length, in ``stat`` too; ``by=area`` weighs buildings by footprint.
 - ``inside`` wants one of the first in some of the second, ``crosses`` each of the first over some.
+- ``density`` of what moves is its mean over the time that its tracks last.
 - ``same(others)`` lets go of what the predicates measured together name one by one, and of kinds of
   which they name none one by one; the ground, which is arranged anew, is no object. With
   ``beyond=15`` it lets go of what lies within 15 m of what is named besides.
@@ -61,6 +62,7 @@ from cityx.checks.predicates.vocabulary import (
 FOLLOWED = 0.5  # metres between the places at which somebody's way is looked at
 LINE_REACH = 25.0  # metres from a street within which trees stand along it
 PER = 1000.0  # metres of street that a density counts per
+MOMENTS = 7  # of the tracks, over which a density is the mean
 
 
 Measure = Callable[[Facts, tuple[Group, ...], Options], Measured]
@@ -134,16 +136,7 @@ def _statistic(values: FloatArray, weight: FloatArray, name: str) -> float:
 
 def _density(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     """Count what moves per kilometre of street or walk."""
-    chosen = facts.select(groups[0])
-    kind = chosen.layer.kind
-    if isinstance(chosen.layer, Pieces) and KINDS.get(kind) in ("vehicle", "pedestrian"):
-        if not chosen.layer.moves.any():
-            standing = len(chosen.layer.ids)
-            raise CannotTell(
-                f"the city has no {kind} that moves ({standing} stand in it), "
-                "so there is no traffic"
-            )
-        chosen = chosen.where(chosen.layer.moves[chosen.rows])
+    counted = _moving(facts, groups[0])
     along = groups[1].head
     if isinstance(along, Name) and kind_named(along.word) in ("sidewalk", "carriageway"):
         region, length = facts.region(kind_named(along.word)), facts.layer("road").weights.sum()
@@ -153,10 +146,39 @@ def _density(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
         length = float(shapely.length(way.shapes).sum())
     if length <= 0:
         raise Absent(f"there is no {groups[1]}")
-    found = int(shapely.intersects(chosen.shapes, region).sum())
+    found = np.mean([shapely.intersects(shapes, region).sum() for shapes in counted])
+    mean = " on average" if len(counted) > 1 else ""
     return Measured(
-        found / (length / PER), f"{found} {groups[0]} along {length / PER:.2f} km of {groups[1]}"
+        float(found) / (length / PER),
+        f"{found:.3g} {groups[0]}{mean} along {length / PER:.2f} km of {groups[1]}",
     )
+
+
+def _moving(facts: Facts, group: Group) -> list[NDArray[Any]]:
+    """Return where the things of a group are; those that move by themselves at several moments.
+
+    Raises
+    ------
+    CannotTell
+        If they are of a kind that moves by itself, and none does.
+    """
+    chosen = facts.select(group)
+    kind, tracks = chosen.layer.kind, facts.city.tracks
+    if not isinstance(chosen.layer, Pieces) or KINDS.get(kind) not in ("vehicle", "pedestrian"):
+        return [chosen.shapes]
+    if tracks is None or not chosen.layer.moves.any():
+        raise CannotTell(
+            f"the city has no {kind} that moves ({len(chosen.layer.ids)} stand in it), "
+            "so there is no traffic"
+        )
+    foot = KINDS[kind] == "pedestrian"
+    last = tracks.take(tracks.on_foot == foot).duration
+    found = []
+    for moment in np.linspace(0.0, last, MOMENTS).tolist():
+        then = replace(facts, city=replace(facts.city, moment=moment), _layers={}).select(group)
+        assert isinstance(then.layer, Pieces)
+        found.append(then.shapes[then.layer.moves[then.rows]])
+    return found
 
 
 def _spacing(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:

@@ -49,6 +49,7 @@ MIN_DOOR_ROOM = 2.05  # metres of height a door needs
 LOWER_PART = 0.2  # share of an opening's height that nothing may stand before
 LOOK = 0.45  # metres before an opening that must be free; it may stand 8 cm out of its wall
 EAVE_ROOM = 0.25  # metres under the eave of a pitched roof, where the overhang hides the wall
+AT_ONCE = 5000  # parts whose neighbours are looked for together, so that pairs take little room
 QUARTER = 120.0  # metres around a building in which trade draws trade
 MIN_SHOP_STOREY = 2.9  # metres
 
@@ -323,15 +324,19 @@ def _shops(
 
 def trade_of(layout: Layout, seed: int) -> FloatArray:
     """Factor on the share of shops, (n,): up to 2 where a quarter of the buildings trade."""
-    from scipy.spatial import cKDTree
-
     trading = np.isin(groups_of(layout, seed), [GROUPS.index("retail"), GROUPS.index("office")])
     if not trading.any():
         return np.ones(len(trading))
     centroid = shapely.centroid(layout.parts.geometry.to_numpy())
-    middle = np.nan_to_num(np.column_stack([shapely.get_x(centroid), shapely.get_y(centroid)]))
-    around = cKDTree(middle).query_ball_point(middle, QUARTER, return_length=True)
-    traders = cKDTree(middle[trading]).query_ball_point(middle, QUARTER, return_length=True)
+    middle = np.column_stack([shapely.get_x(centroid), shapely.get_y(centroid)])
+    spots = shapely.points(np.nan_to_num(middle))
+    # Not by scipy, whose import takes longer than a change of one building.
+    tree = shapely.STRtree(spots)
+    around, traders = np.zeros((2, len(spots)), np.int64)
+    for first in range(0, len(spots), AT_ONCE):
+        mine, other = tree.query(spots[first : first + AT_ONCE], "dwithin", QUARTER)
+        around += np.bincount(mine + first, minlength=len(spots))
+        traders += np.bincount(mine[trading[other]] + first, minlength=len(spots))
     return np.asarray(1 + 4 * np.minimum(traders / np.maximum(around, 1), 0.25))
 
 

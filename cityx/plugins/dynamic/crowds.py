@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
@@ -21,6 +22,9 @@ from cityx.plugins.dynamic.people_walk import STEP, walked
 
 FloatArray = NDArray[np.float64]
 
+LOOK = 0.25  # seconds between the moments at which it is looked who is in a vehicle's way
+NEAR = 0.2  # metres from a vehicle, half the depth of a body
+STOREY = 2.0  # metres of height apart from which nobody meets
 CROWDED = 0.3  # people per free square metre up to which a crowd still walks (Fruin, level D)
 
 
@@ -108,6 +112,7 @@ def with_crowd(
     steps = walked(trips, walkable, gates, others, duration, side)
     made = tracks_of_people(city, origin, trips.id, steps.trip, steps.time, steps.position)
     made = made.take(~_met(made, walkers, duration))
+    made = made.take(~_run_into(made, held.take(~held.on_foot)))
     joined = join_tracks([held, made])
     notes = city.notes
     if steps.lost:
@@ -122,6 +127,23 @@ def without_people(city: City, origin: str | None = None) -> Tracks:
     held = city.tracks if city.tracks is not None else no_tracks()
     gone = held.kind == MOVER["pedestrian"]
     return held.take(~(gone if origin is None else gone & (held.origin == origin)))
+
+
+def _run_into(made: Tracks, driving: Tracks) -> NDArray[np.bool_]:
+    """(n,) who stands or walks where a vehicle sweeps over a walk, as on tight corners."""
+    met = np.zeros(made.count, bool)
+    if not driving.count or not made.count:
+        return met
+    times = np.arange(0.0, driving.duration + LOOK, LOOK)
+    people, vehicles = moments_of(made, times), moments_of(driving, times)
+    boxes = vehicles.boxes(driving.size, NEAR)
+    for number in range(len(times)):
+        mine, theirs = people.number == number, vehicles.number == number
+        spots = shapely.points(people.position[mine, :2])
+        at = shapely.STRtree(spots).query(boxes[theirs], predicate="intersects")
+        level = np.abs(people.position[mine, 2][at[1]] - vehicles.position[theirs, 2][at[0]])
+        met[people.mover[mine][at[1][level < STOREY]]] = True
+    return met
 
 
 class _PlacesOf:

@@ -27,6 +27,8 @@ PLAIN = "plaster"  # whose colour is that of near white walls
     takes=(Port("object", "complex_geometry"),),
     gives=(Port("object", "complex_geometry"),),
     labels=("paint", "recolour", "color", "tint"),
+    serves=("edit=paint_parts",),
+    binds={"objects": "objects", "tint": "part.tint"},
 )
 def paint_objects(
     city: City,

@@ -23,6 +23,8 @@ WHOLE = ("buildings", "ground")  # layers of meshes that `edit/remove-v1` and st
     takes=(Port("object", "complex_geometry"),),
     gives=(Port("object", "complex_geometry"),),
     labels=("remove window", "remove part", "take down barrier"),
+    serves=("edit=remove_parts",),
+    binds={"objects": "objects"},
 )
 def remove_parts(city: City, *, objects: Annotated[tuple[str, ...], ObjectName()]) -> City:
     """Remove parts of buildings, such as windows and chimneys, and barriers with their own mesh.

@@ -93,3 +93,18 @@ def test_a_description_is_no_edit_without_a_city():
     brief = read_brief("Put a 30 m wide river through the town with three bridges.")
     assert brief.edits == ()
     assert ("river.width", 30) in brief.items()
+
+
+@pytest.mark.parametrize(
+    ("text", "verb", "change"),
+    [
+        ("Make all the trees 20 % larger.", "scale_height", ("factor", 1.2)),
+        ("Make the trees a fifth larger.", "scale_height", ("factor", 1.2)),
+        ("Make the tallest building a third lower.", "scale_height", ("factor", 0.6667)),
+        ("Make the trees 20 % smaller.", "scale_height", ("factor", 0.8)),
+        ("Turn the tallest tree by 90 degrees.", "rotate", ("angle", 1.5708)),
+    ],
+)
+def test_what_is_larger_by_a_share_is_more_than_it_was(text, verb, change):
+    (edit,) = read_brief(text, base=True).edits
+    assert (edit.verb, edit.change) == (verb, (change,))

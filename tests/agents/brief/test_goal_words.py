@@ -2,7 +2,8 @@
 
 import pytest
 
-from cityx.agents.brief.goals import SOURCES, WORDS
+from cityx.agents.brief import Slot
+from cityx.agents.brief.goals import SOURCES, WORDS, goals_of
 from cityx.checks.predicates import parse
 
 ROWS = [
@@ -20,3 +21,18 @@ SAMPLES = {
 @pytest.mark.parametrize(("slot", "value", "text"), ROWS)
 def test_every_wish_is_a_predicate(slot, value, text):
     assert parse(text.format(v=SAMPLES.get(slot, value)))
+
+
+@pytest.mark.parametrize(
+    ("size", "asked"),
+    [((), "n(road, class=primary) >= 1"), ((300.0, 300.0), "n(road, class=main) >= 1")],
+)
+def test_heavy_traffic_wants_a_main_road_that_the_site_has_room_for(size, asked):
+    sides = [Slot(key, value) for key, value in zip(("size.x", "size.y"), size, strict=False)]
+    goals, _ = goals_of([Slot("traffic", "heavy"), *sides])
+    assert asked in [goal.predicate for goal in goals]
+
+
+def test_heavy_traffic_in_a_quarter_without_main_roads_fills_its_streets():
+    goals, _ = goals_of([Slot("traffic", "heavy"), Slot("district", "old_town")])
+    assert "density(vehicle, road) >= 8" in [goal.predicate for goal in goals]

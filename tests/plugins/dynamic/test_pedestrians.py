@@ -19,7 +19,7 @@ from cityx.city.tracks import GAIT, MOVER, Tracks, join_tracks
 from cityx.city.walkable import walkable_of
 from cityx.errors import ActionFailed
 from cityx.geometry.polylines import Polylines
-from cityx.plugins.dynamic.crowds import among
+from cityx.plugins.dynamic.crowds import _run_into, among
 from cityx.plugins.dynamic.pedestrian_flow import pedestrian_flow
 from cityx.plugins.dynamic.pedestrians import ACTION, pedestrians
 from cityx.plugins.dynamic.people_gates import Gates, gates_of
@@ -173,6 +173,17 @@ def test_a_narrow_passage_lets_only_so_many_through(town):
     found = Room(area, 120.0).admitted(many, np.arange(400))
     assert len(found) == int(np.ceil(2 * max(FLOW * narrow, LEAST)))
     assert found.tolist() == list(range(len(found)))  # who comes first goes first
+
+
+def test_nobody_is_where_a_vehicle_sweeps_over_a_walk(busy):
+    first = busy.tracks.time[busy.tracks.sample_start[:-1]] == 0.0
+    walker = busy.tracks.take(np.flatnonzero(first)[:1])
+    at, wall = walker.position[0], np.array([0.0, 1.0, 0.0])
+    for aside, kept in ((wall, 0), (4 * wall, 1)):
+        passing = driver(30.0, 0.0, 0.0)
+        passing = replace(passing, position=np.array([at + aside, at + aside]),
+                          heading=np.zeros(2))  # fmt: skip
+        assert (~_run_into(walker, passing)).sum() == kept
 
 
 def test_people_stop_at_red_and_go_at_green(town):

@@ -10,14 +10,17 @@ import pytest
 import shapely
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "traffic"))  # for `made_streets`
+from crossing_town import crossing_town
 from made_streets import CROSS, MIDDLE, REACH, city_of
 
 from cityx.city.content import content_hash
+from cityx.city.ground import KERB_HEIGHT
 from cityx.city.signals import GO, STATE, states_at
 from cityx.city.store import read_city, write_city
 from cityx.city.terrain import Terrain
 from cityx.city.tracks import MOVER, join_tracks, poses_at
 from cityx.plugins.dynamic.traffic import ACTION, traffic
+from cityx.traffic.recording import _heights
 
 pytestmark = [
     pytest.mark.sumo,
@@ -56,6 +59,15 @@ def test_streets_are_as_full_as_asked_from_the_beginning(busy, town):
     asked = traffic(town, per_km=12.0, duration=10.0)
     assert 9 <= len(poses_at(asked.tracks, 0.0).row) / km <= 15
     assert traffic(busy, density="none").tracks is None
+
+
+def test_a_street_of_a_hundred_metres_is_as_full_as_a_long_one():
+    """Who enters it is gone after ten seconds, so that many are needed."""
+    reach = 50.0
+    town = city_of([([(-reach, 0.0), (reach, 0.0)], {})])
+    city = traffic(town, density="heavy", duration=40.0)
+    present = [len(poses_at(city.tracks, moment).row) for moment in np.arange(0.0, 40.0, 2.0)]
+    assert np.mean(present) >= 2.0  # of 26 on a kilometre
 
 
 def test_middles_of_vehicles_stay_on_their_lanes(busy):
@@ -119,6 +131,13 @@ def test_only_what_the_action_made_before_is_replaced(town, busy):
     assert set(again.tracks.origin.tolist()) == {ACTION, "test/other-v1"}
     assert before.layers["layout/roads"][1].tobytes() == after.layers["layout/roads"][1].tobytes()
     del town
+
+
+def test_wheels_that_cut_a_corner_are_on_the_walk():
+    xy = np.array([[20.0, 0.0], [20.0, 4.5]])  # on the carriageway and on the walk beside it
+    nowhere = np.full((2, 2), -1)
+    height = _heights(crossing_town(), xy, np.zeros(2, np.int64), nowhere)
+    assert height.tolist() == pytest.approx([0.0, KERB_HEIGHT])
 
 
 def test_wheels_stand_on_the_street_of_a_hill():
