@@ -94,7 +94,10 @@ def run_bench(bench: Bench, say: Say) -> list[Sample]:
     if left:
         say(f"{len(wanted) - len(left)} of {len(wanted)} proposals are in the log")
         _prepare(bench, left, say)
+    # Behind half a line that a killed process left nothing can be read.
+    broken = log.exists() and not log.read_bytes().endswith(b"\n")
     with log.open("a", encoding="utf-8") as file:
+        file.write("\n" if broken else "")
         for sample in _made(left, bench.jobs):
             known[sample.key] = sample
             file.write(json.dumps(sample.to_json()) + "\n")
