@@ -17,7 +17,10 @@ MAPS ?= ../shared/data/osm
 
 export OMP_WAIT_POLICY = PASSIVE
 
-.PHONY: demo test core lint types format records lock bench compare validator clean
+# Folder of the logs of all benchmarks; what stands in them is not measured again.
+RESULTS ?= bench
+
+.PHONY: demo test core lint types format records lock bench results compare validator clean
 
 demo: $(READY)
 	$(BIN)/python examples/helsinki/main.py -o $(OUT) --style $(STYLE) --time $(TIME) --weather $(WEATHER) --samples $(SAMPLES) \
@@ -50,6 +53,16 @@ lock: $(READY)
 
 bench: $(READY)
 	$(BIN)/cityx bench speed $(MAPS) --write docs/performance.md
+
+# All benchmarks at their usual size, then docs/results.md; one that was killed goes on.
+results: $(READY)
+	$(BIN)/cityx bench inputs --jobs 2 -o $(RESULTS)/inputs
+	for driver in offline oracle; do $(BIN)/cityx bench agents --driver $$driver --jobs 2 -o $(RESULTS)/agents || exit; done
+	for driver in null random; do $(BIN)/cityx bench agents --driver $$driver --lod 0 --jobs 2 -o $(RESULTS)/agents || exit; done
+	$(BIN)/cityx bench agents --arm all --lod 0 --jobs 2 -o $(RESULTS)/ablation
+	$(BIN)/cityx bench quality -o $(RESULTS)/quality
+	test -e $(RESULTS)/speed/speed.json || $(BIN)/cityx bench speed $(MAPS) --lod 0,2 --peers installed -o $(RESULTS)/speed
+	$(BIN)/cityx bench results --logs $(RESULTS) -o docs/results.md
 
 compare: $(READY)
 	$(BIN)/python examples/compare/main.py

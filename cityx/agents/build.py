@@ -180,6 +180,7 @@ def roles_of(
         Path(choice.record) if choice.record else None,
         Path(choice.replay) if choice.replay else None,
         left,
+        Path(choice.export) if choice.export else None,
     )
     limits = Limits(tokens=choice.budget_tokens)
     return roles_for(choice.planner, choice.base_url, recording, records, limits=limits)

@@ -26,6 +26,8 @@ class PlannerChoice:
         File that the model's decisions are added to, or played from; "" for none.
     budget_tokens
         Tokens that models may be given and answer.
+    export
+        File of prompts for a model that is asked by hand, "" for none.
     shown
         What of the actions' records is planned by; see `cityx.agents.ablation`.
     """
@@ -35,6 +37,7 @@ class PlannerChoice:
     record: str = ""
     replay: str = ""
     budget_tokens: int = 400_000
+    export: str = ""
     shown: str = "DIL"
 
 

@@ -41,7 +41,7 @@ def _tell(samples: Sequence[Sample], command: str, out: Path, title: str) -> Non
 @bench.command()
 def agents(
     driver: Annotated[
-        str, typer.Option(help="offline, null, random, oracle, llm:SPEC or replay:FILE.")
+        str, typer.Option(help="offline, null, random, oracle, llm:SPEC, replay:FILE, export:FILE.")
     ] = "offline",
     tasks: Annotated[
         Path | None, typer.Option(help="Tasks (.json, .md); the public ones when left out.")
@@ -61,7 +61,8 @@ def agents(
     """Let a driver solve tasks in words, measure each, and write rates with their counts."""
     from cityx.agents.ablation import ARMS, arm_of
     from cityx.bench.arms import driver_of, write_ablation
-    from cityx.bench.runner import Bench, numbers_of, run_bench
+    from cityx.bench.drivers import EXPORT
+    from cityx.bench.runner import Bench, export_prompts, numbers_of, run_bench
     from cityx.bench.tasks import PUBLIC, read_tasks
 
     if arm and driver != "offline":
@@ -69,6 +70,14 @@ def agents(
     arms = ARMS if arm == "all" else (arm_of(arm),) if arm else ()
     names = words_of(only)
     chosen = read_tasks(tasks or PUBLIC, names)
+    word, _, file = driver.partition(":")
+    if word == EXPORT:
+        waiting = export_prompts(
+            Bench(chosen, driver, out, numbers_of(seeds, "--seeds"), lod), _say
+        )
+        again = "answer them and run this again" if waiting else f"now --driver replay:{file}"
+        typer.echo(f"{waiting} prompts wait for answers in {file}; {again}")
+        return
     found = {
         each: run_bench(
             Bench(chosen, driver_of(each) if arms else driver, out, numbers_of(seeds, "--seeds"),

@@ -35,7 +35,7 @@ from cityx.sources.intake import sort_inputs
 GOLD = Path(__file__).with_name("gold.json")
 NO_GOLD = "a gold plan"
 NAMES = ("offline", "null", "random", "oracle")
-LLM, REPLAY = "llm", "replay"
+LLM, REPLAY, EXPORT = "llm", "replay", "export"
 
 
 class Driver(Protocol):
@@ -51,8 +51,8 @@ def driver_named(name: str) -> Driver:
     Parameters
     ----------
     name
-        One of `NAMES`, or "llm:SPEC" or "replay:FILE"; "offline:DL" plans by descriptions and
-        limitations alone, see `cityx.agents.ablation`.
+        One of `NAMES`, or "llm:SPEC", "replay:FILE" or "export:FILE"; "offline:DL" plans by
+        descriptions and limitations alone, see `cityx.agents.ablation`.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def driver_named(name: str) -> Driver:
         If there is none.
     """
     word, _, detail = name.partition(":")
-    if word in (LLM, REPLAY):
+    if word in (LLM, REPLAY, EXPORT):
         return Models(planner_choice(word, detail))
     if word == "offline" and detail:
         return Offline(PlannerChoice(shown=arm_of(detail)))
@@ -69,8 +69,8 @@ def driver_named(name: str) -> Driver:
     }  # fmt: skip
     if name not in made:
         raise UsageError(
-            f'There is no driver "{name}"; one of {", ".join(NAMES)}, llm:SPEC, replay:FILE.'
-            f"{nearest(name, NAMES)}"
+            f'There is no driver "{name}"; one of {", ".join(NAMES)}, llm:SPEC, replay:FILE, '
+            f"export:FILE.{nearest(name, NAMES)}"
         )
     return made[name]()
 
@@ -81,10 +81,10 @@ def planner_choice(word: str, detail: str) -> PlannerChoice:
     Parameters
     ----------
     word
-        "llm" or "replay".
+        "llm", "replay" or "export".
     detail
         A model as of ``--planner``, perhaps with "@" and the address of its server; or a file of
-        recorded decisions.
+        recorded decisions; or one of prompts.
 
     Raises
     ------
@@ -96,6 +96,8 @@ def planner_choice(word: str, detail: str) -> PlannerChoice:
         raise UsageError(f'Driver "{word}" needs what to ask: {word}:{example}.')
     if word == REPLAY:
         return PlannerChoice(planner=REPLAY, replay=detail)
+    if word == EXPORT:
+        return PlannerChoice(export=detail)
     spec, _, address = detail.partition("@")
     return PlannerChoice(planner=spec, base_url=address)
 

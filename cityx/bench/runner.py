@@ -8,7 +8,7 @@ import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -87,20 +87,17 @@ def run_bench(bench: Bench, say: Say) -> list[Sample]:
     """
     driver_named(bench.driver)
     bench.out.mkdir(parents=True, exist_ok=True)
-    code = registry_hash(registry())
-    inputs = dict(bench.inputs) or input_paths(bench.out / "inputs")
-    wanted = [
-        _Job(task, seed, bench.driver, bench.out, bench.lod, code, inputs)
-        for seed in bench.seeds
-        for task in bench.tasks
-    ]
+    wanted = _jobs(bench)
     log = bench.out / LOG
     known = {sample.key: sample for sample in read_log(log)}
     left = [job for job in wanted if job.key not in known]
     if left:
         say(f"{len(wanted) - len(left)} of {len(wanted)} proposals are in the log")
         _prepare(bench, left, say)
+    # Behind half a line that a killed process left nothing can be read.
+    broken = log.exists() and not log.read_bytes().endswith(b"\n")
     with log.open("a", encoding="utf-8") as file:
+        file.write("\n" if broken else "")
         for sample in _made(left, bench.jobs):
             known[sample.key] = sample
             file.write(json.dumps(sample.to_json()) + "\n")
@@ -109,6 +106,46 @@ def run_bench(bench: Bench, say: Say) -> list[Sample]:
             mark = "not counted" if not sample.scored else "right" if sample.right else "wrong"
             say(f"{sample.task} {mark}, {sample.seconds:.0f} s")
     return [known[job.key] for job in wanted]
+
+
+def export_prompts(bench: Bench, say: Say) -> int:
+    """Write what a model would be asked to a file, and return how many prompts wait for answers.
+
+    Parameters
+    ----------
+    bench
+        With a driver "export:FILE"; answers that stand in the file are used. Nothing is scored.
+
+    Raises
+    ------
+    InputError
+        With every fault of the file.
+    """
+    from cityx.agents.models.prompts import read_prompts
+
+    path = Path(bench.driver.partition(":")[2])
+    driver_named(bench.driver)
+    bench.out.mkdir(parents=True, exist_ok=True)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if path.exists():
+        read_prompts(path)
+    asked = replace(bench, tasks=tuple(task for task in bench.tasks if task.base == EMPTY))
+    wanted = _jobs(asked)
+    _prepare(asked, wanted, say)
+    for job in wanted:  # one after the other, since all of them write to the file
+        _done(job)
+        say(f"{job.task.id} asked")
+    return sum(one.answer is None for one in read_prompts(path)) if path.exists() else 0
+
+
+def _jobs(bench: Bench) -> list[_Job]:
+    code = registry_hash(registry())
+    inputs = dict(bench.inputs) or input_paths(bench.out / "inputs")
+    return [
+        _Job(task, seed, bench.driver, bench.out, bench.lod, code, inputs)
+        for seed in bench.seeds
+        for task in bench.tasks
+    ]
 
 
 def read_log(path: Path) -> Iterator[Sample]:

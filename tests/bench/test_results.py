@@ -74,6 +74,7 @@ def test_agents_stand_by_driver_with_rates_faults_and_what_failed(logs):
     assert "STAGE_ORDER layout/coast-v1: it is too late" in offline
     assert "| P01 |" not in offline  # it is right
     assert "| all | 1/1 = 100.00 % (21-100) | 0/1 = 0.00 % (0-79) |" in null
+    assert "there are 59 trees" not in null  # it is the floor
 
 
 def test_the_last_of_a_log_counts_and_other_actions_are_told(logs):
@@ -83,7 +84,9 @@ def test_the_last_of_a_log_counts_and_other_actions_are_told(logs):
     ])  # fmt: skip
     (group,) = groups_of(logs / "agents").values()
     assert [(one.task, one.right) for one in group] == [("P01", True), ("P02", True)]
-    assert "Made by another state of CityX (11111111) than this one" in page(logs)
+    assert "Logged by the state 11111111 of CityX; this page was written by another one, " in page(
+        logs
+    )
 
 
 def test_arms_are_compared_on_the_tasks_that_all_of_them_solved(logs):

@@ -78,6 +78,14 @@ def test_peers_are_taken_by_name_where_they_are_installed():
             peers_named([name])
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PEERS)
+def test_a_peer_that_is_here_reads_the_map(name, town):
+    if reason := PEERS[name].lacking():
+        pytest.skip(f"{name}: {reason}")
+    assert peer_once(PEERS[name], content_of(town)) > 0.0
+
+
 def test_a_peer_that_is_absent_says_how_to_have_it(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setenv("HOME", str(tmp_path))

@@ -16,7 +16,7 @@ from cityx.protocol.encapsulation import Encapsulation
 
 if TYPE_CHECKING:
     from cityx.agents.models.asking import Channel
-    from cityx.agents.models.recording import Decisions
+    from cityx.agents.models.recording import Decision, Decisions
 
 __all__ = ["BudgetSpent", "Limits", "Recording", "check_choice", "roles_for"]
 
@@ -33,11 +33,15 @@ class Recording:
         File of decisions that are played instead of asking, or None.
     kept
         Database of a killed run of the same, whose decisions hold; None or absent without one.
+    export
+        File of prompts that questions without an answer are added to, see
+        `cityx.agents.models.prompts`; None where a model is asked.
     """
 
     record: Path | None = None
     replay: Path | None = None
     kept: Path | None = None
+    export: Path | None = None
 
 
 def check_choice(spec: str, base_url: str = "", recording: Recording | None = None) -> None:
@@ -51,11 +55,13 @@ def check_choice(spec: str, base_url: str = "", recording: Recording | None = No
     recording = recording or Recording()
     if recording.record is not None and recording.replay is not None:
         raise UsageError("--record and --replay exclude each other.")
-    if recording.replay is not None:
-        from cityx.agents.models.recording import model_of, read_decisions
+    if recording.export is not None:
+        require_library()
+    elif recording.replay is not None:
+        from cityx.agents.models.recording import model_of
 
         require_library()
-        model_of(read_decisions(recording.replay).values())
+        model_of(_played(recording.replay).values())
     elif spec == REPLAY:
         raise UsageError('Planner "replay" needs a recording: add --replay FILE.')
     elif spec != OFFLINE:
@@ -100,7 +106,7 @@ def roles_for(
     """
     check_choice(spec, base_url, recording)
     offline = offline_roles(records)
-    if spec == OFFLINE and recording.replay is None:
+    if spec == OFFLINE and recording.replay is None and recording.export is None:
         return offline
     ledger = Ledger(limits or Limits())
     decisions, channel = _channel(spec, base_url, recording, ledger, alone)
@@ -138,12 +144,18 @@ def _channel(
 ) -> tuple[Decisions, Channel]:
     from cityx.agents.models.asking import Channel
     from cityx.agents.models.library import LibraryRespondent, make_model, silent_model
-    from cityx.agents.models.recording import Decisions, kept_decisions, read_decisions
+    from cityx.agents.models.prompts import BY_HAND, PromptFile, decisions_of, read_prompts
+    from cityx.agents.models.recording import Decisions, kept_decisions
 
-    if recording.replay is not None:
-        known = read_decisions(recording.replay)
+    secrets: tuple[str, ...] = ()
+    if recording.export is not None:
+        path = recording.export
+        known = decisions_of(read_prompts(path)) if path.exists() else {}
+        decisions = Decisions(known, ask=PromptFile(path).ask)
+        model = silent_model([], BY_HAND)
+    elif recording.replay is not None:
+        known = _played(recording.replay)
         decisions = Decisions(known, replayed=True)
-        secrets: tuple[str, ...] = ()
         model = silent_model(list(known.values()))
     else:
         chosen = read_spec(spec, base_url)
@@ -152,3 +164,13 @@ def _channel(
         decisions = Decisions(known, record=recording.record, secrets=secrets)
         model = make_model(chosen)
     return decisions, Channel(LibraryRespondent(model, ledger, decisions), secrets, alone=alone)
+
+
+def _played(path: Path) -> dict[tuple[str, int], Decision]:
+    """Return the decisions of a recording, or of prompts that were answered by hand."""
+    from cityx.agents.models.prompts import decisions_of, is_prompts, read_prompts
+    from cityx.agents.models.recording import read_decisions
+
+    if is_prompts(path):
+        return decisions_of(read_prompts(path, answered=True))
+    return read_decisions(path)

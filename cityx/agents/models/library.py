@@ -73,22 +73,30 @@ def make_model(spec: ModelSpec) -> Model:
     return OpenAIChatModel(spec.model, provider=provider, profile=profile, settings=settings)
 
 
-def silent_model(decisions: Sequence[Decision]) -> Model:
+def silent_model(decisions: Sequence[Decision], name: str = "") -> Model:
     """Return a stand-in for the model of a recording; it cannot be asked anything else.
+
+    Parameters
+    ----------
+    decisions
+        The recording; it may be empty where a name is given.
+    name
+        Of the model, that of the recording when "".
 
     Raises
     ------
     InputError
         If the recording is not of one model.
     """
-    name = model_of(decisions)
+    name = name or model_of(decisions)
 
     def refuse(messages: list[ModelMessage], info: AgentInfo) -> ModelResponse:
         del messages, info
         raise NotRecorded(f"{name} is replayed and cannot be asked.")
 
     native = any(one.request["output"]["mode"] == "native" for one in decisions)
-    settings = ModelSettings(**decisions[0].request["settings"])  # type: ignore[typeddict-item]
+    usual = decisions[0].request["settings"] if decisions else {}
+    settings = ModelSettings(**usual)  # type: ignore[typeddict-item]
     return FunctionModel(
         refuse, model_name=name, settings=settings,
         profile=OpenAIModelProfile(supports_json_schema_output=native),
@@ -122,7 +130,7 @@ class Metered(WrapperModel):
     ) -> ModelResponse:
         """Answer from a recording, or ask within the budget."""
         asked = plain_request(messages, model_settings, model_request_parameters)
-        held = self.decisions.find(self.model_name, asked)
+        held = self.decisions.find(self.model_name, asked, self.role)
         if held is not None:
             return response_from(held.response, held.usage, held.model)
         letters, images = size_of(asked)

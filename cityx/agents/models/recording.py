@@ -12,7 +12,7 @@ import datetime
 import json
 import sqlite3
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field
 from hashlib import sha256
@@ -27,7 +27,7 @@ SHOWN = 200  # letters of a question that has no answer in a recording
 
 
 class NotRecorded(UsageError):
-    """A replay was asked what its recording has no answer to."""
+    """A replay was asked what its recording has no answer to, or a prompt waits for one."""
 
 
 @dataclass(frozen=True)
@@ -79,12 +79,17 @@ class Decisions:
         File that every new decision is added to, or None.
     secrets
         Texts that must not be kept.
+    ask
+        What is told a question without an answer that nobody is there to give, with the role that
+        asks and how often it was asked before; it returns the error that is raised. None where
+        there is somebody.
     """
 
     known: Mapping[tuple[str, int], Decision] = field(default_factory=dict)
     replayed: bool = False
     record: Path | None = None
     secrets: tuple[str, ...] = field(default=(), repr=False)
+    ask: Callable[[str, Mapping[str, Any], int], NotRecorded] | None = None
     _database: sqlite3.Connection | None = None
     _waiting: list[Decision] = field(default_factory=list)
     _asked: Counter[str] = field(default_factory=Counter)
@@ -96,19 +101,21 @@ class Decisions:
             _write(database, decision)
         self._waiting.clear()
 
-    def find(self, model: str, request: Mapping[str, Any]) -> Decision | None:
+    def find(self, model: str, request: Mapping[str, Any], role: str = "") -> Decision | None:
         """Return the answer that is known to a question, None where the model is to be asked.
 
         Raises
         ------
         NotRecorded
-            If a replay holds no answer.
+            If a replay holds no answer, or a prompt was written that waits for one.
         """
         key = key_of(model, request)
         nth = self._asked[key]
         found = self.known.get((key, nth))
         if found is not None:
             self._asked[key] += 1
+        elif self.ask is not None:
+            raise self.ask(role, request, nth)
         elif self.replayed:
             raise NotRecorded(
                 f"The recording has no answer number {nth + 1} of {model} to this question "

@@ -1,4 +1,5 @@
 import itertools
+import random
 
 import pytest
 
@@ -6,7 +7,7 @@ from cityx.agents.planning.planner import OfflinePlanner, Situation, arguments
 from cityx.agents.planning.workflow import PARTS, Workflow
 from cityx.protocol import registry
 from cityx.protocol.catalogue import known_records
-from cityx.protocol.serving import Serves
+from cityx.protocol.serving import DO, Serves
 from cityx.protocol.stages import is_linear_extension
 
 ACTIONS = registry(outside=False)
@@ -92,3 +93,19 @@ def test_slots_are_asked_for_by_key_or_by_value():
 def test_a_value_that_a_parameter_refuses_leaves_its_default():
     record = ACTIONS["layout/inputs-v1"]
     assert arguments(record, {"size.x": (-4.0,), "size.y": (-1, 300.0)}) == {"depth": 300.0}
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_comes_first_is_told_by_the_records_and_not_by_the_list_of_parts(seed, monkeypatch):
+    listed = list(PARTS)
+    random.Random(seed).shuffle(listed)
+    monkeypatch.setattr("cityx.agents.planning.planner.PARTS", tuple(listed))
+    wishes = (("layout/cover-v1", {"most": 0.2}), ("layout/coast-v1", {}))
+    found = names(plan("height", slots={DO: wishes}))
+    assert is_linear_extension(found)
+    pairs = [
+        ("layout/coast-v1", "layout/cover-v1"), ("background/weather-v1", "nature/trees-v2"),
+        ("road/heights-v1", "road/ground-v1"), ("nature/trees-v2", "nature/street_pieces-v1"),
+        ("building/facade-v1", "road/parked_cars-v1"), ("layout/cover-v1", "background/sun-v1"),
+    ]  # fmt: skip
+    assert [pair for pair in pairs if found.index(pair[0]) > found.index(pair[1])] == []

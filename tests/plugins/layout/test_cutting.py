@@ -114,5 +114,5 @@ def test_places_on_a_line_become_points_of_it():
 
 def test_a_site_without_room_for_a_river_is_refused():
     empty = City("Town", Frame(50.0, 10.0), Layout((0.0, 0.0, 0.0, 0.0)))
-    with pytest.raises(ActionFailed, match="needs 44 m; the site has 0 m across"):
+    with pytest.raises(ActionFailed, match="needs 86 m; the site has 0 m across"):
         river(empty, width=30.0)
