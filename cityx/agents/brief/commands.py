@@ -377,8 +377,13 @@ def _noted(commands: Commands, edits: list[Edit]) -> list[Edit]:
 
 def _says_there(clause: Sequence[Item]) -> bool:
     """Tell whether "there" is a place here: "put five benches there", not "there are"."""
-    words = [item for item in clause if item.kind != "mark"]
-    return any(item.text in _THERE for item in words[1:])
+    words = [*(item for item in clause if item.kind != "mark"), None]
+    return any(
+        item is not None
+        and item.text in _THERE
+        and (after is None or (after.get("rel") != "be" and after.text not in ("s", "'s")))
+        for item, after in pairwise(words[1:])
+    )
 
 
 _THERE = ("there", "in there", "over there", "on there")

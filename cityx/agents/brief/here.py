@@ -26,7 +26,7 @@ _ADJECTIVES = (
     "attr", "ordinal",
 )  # fmt: skip
 _LINKS = ("of", "more", "green", "all")  # between an adjective and its noun
-_REACH = 5  # items between "every" and its noun, at most
+_REACH, _AROUND = 5, 12  # items from "every" to its noun, and to a look that is of each
 _FAR, _NEAR = 8, 5  # items between a quantity and the noun it measures: before it, behind it
 
 
@@ -120,26 +120,26 @@ class Here:
         """The item behind."""
         return self.items[self.at + 1] if self.at + 1 < len(self.items) else None
 
-    def clause(self) -> list[Item]:
-        """Return the items between the commas around this one."""
+    def clause(self, far: int = 10_000) -> list[Item]:
+        """Return the items between the commas around this one, so far at most."""
         first = last = self.at
-        while first > 0 and not self.items[first - 1].is_mark(ENDS + ","):
+        begin, end = max(0, self.at - far), min(len(self.items), self.at + far)
+        while first > begin and not self.items[first - 1].is_mark(ENDS + ","):
             first -= 1
-        while last < len(self.items) and not self.items[last].is_mark(ENDS + ","):
+        while last < end and not self.items[last].is_mark(ENDS + ","):
             last += 1
         return list(self.items[first:last])
 
     def of_every_building(self) -> bool:
-        """Tell whether the clause speaks of each building: "every house a brick facade"."""
-        clause = self.clause()
-        for at, item in enumerate(clause):
-            if item.get("rel") in ("all", "every") and item.state in ("", READ):
-                for after in clause[at + 1 : at + _REACH]:
-                    if after.noun_class in BUILDINGS:
-                        return True
-                    if after.noun:
-                        break
-            elif item.noun == "everything":
+        """Tell whether what stands around is about each building: "every house of brick"."""
+        near = self.clause(_AROUND)
+        for at, item in enumerate(near):
+            if item.noun == "everything":
+                return True
+            if item.get("rel") not in ("all", "every") or item.state not in ("", READ):
+                continue
+            behind = (after for after in near[at + 1 : at + _REACH] if after.noun)
+            if (noun := next(behind, None)) is not None and noun.noun_class in BUILDINGS:
                 return True
         return False
 

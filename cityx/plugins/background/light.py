@@ -59,6 +59,7 @@ PRESETS: Mapping[str, Weather] = MappingProxyType(
         "night": _W(0.15, 0.3, 25_000.0, wind=1.0),
     }
 )
+LIGHTEST = 0.3  # strength of rain and snow from which the sky is as closed as in full
 # Presets that are hours of the day too.
 PRESET_TIMES = ("dawn", "dusk", "night")
 
@@ -86,7 +87,11 @@ def mixed(first: Weather, second: Weather, share: float) -> Weather:
 
 def weather_row(name: str, strength: float) -> Weather:
     """Return the numbers of a preset at a strength, 0 for clear to 1."""
-    return mixed(PRESETS["clear"], PRESETS.get(name, PRESETS["clear"]), strength)
+    preset = PRESETS.get(name, PRESETS["clear"])
+    made = mixed(PRESETS["clear"], preset, strength)
+    if not (preset.rain or preset.snowfall):
+        return made
+    return replace(made, cloud_cover=preset.cloud_cover * min(strength / LIGHTEST, 1.0))
 
 
 def darkness_of(elevation: float) -> float:

@@ -109,10 +109,8 @@ def _zigzag(site: Site, plot: Plot, parapet: float) -> Sequence[Mass]:
     x, y = site.half
     eave = plot.height - plot.rise
     share = plot.between("middle", 0.26, 0.36)
-    edges, steps = (
-        [-1.0, -share - 0.24, -share, share, share + 0.24, 1.0],
-        (0.6, 1.2, 2.4, 1.2, 0.6),
-    )
+    edges = [-1.0, -share - 0.24, -share, share, share + 0.24, 1.0]
+    steps: tuple[float, ...] = (0.6, 1.2, 2.4, 1.2, 0.6)
     if 2 * x < NARROW:
         edges, steps = [-1.0, -0.4, 0.4, 1.0], (0.7, 2.0, 0.7)
     rest: Any = site.plan

@@ -32,9 +32,16 @@ def test_there_without_a_place_is_asked_about():
     assert [question.text for question in brief.questions] == ['Where is "there"? Name the place.']
 
 
-def test_there_are_is_no_place():
-    (edit,) = edits("There should be ten benches in the park.")
-    assert edit.change == (("element", "bench"), ("count", 10), ("in", "park"))
+@pytest.mark.parametrize(
+    "text",
+    ["There should be ten benches in the park.", "Make sure there are ten benches in the park."],
+)
+def test_there_are_is_no_place(text):
+    assert edits(text)[-1].change == (("element", "bench"), ("count", 10), ("in", "park"))
+
+
+def test_make_sure_there_are_asks_for_no_place():
+    assert read_brief("Make sure there are ten benches.", base=True).questions == ()
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 
 from cityx.city import City, Environment, Frame, Layout
 from cityx.errors import UsageError
-from cityx.plugins.background.light import PRESETS, lights_of, mixed
+from cityx.plugins.background.light import PRESETS, lights_of, mixed, weather_row
 from cityx.plugins.background.sun import TIMES, sun, sun_of
 from cityx.plugins.background.weather import WEATHERS, lit_anew, weather, weather_of
 
@@ -183,3 +183,11 @@ def test_only_the_environment_changes():
     assert after.scene is before.scene
     assert after.layout is before.layout
     assert "background" in after.stages_done
+
+
+@pytest.mark.parametrize("word", ["rain", "snow"])
+def test_light_rain_and_snow_fall_from_a_closed_sky(word):
+    light, full = weather_row(word, 0.4), weather_row(word, 1.0)
+    assert light.cloud_cover == full.cloud_cover
+    assert light.rain + light.snowfall == pytest.approx(0.4 * (full.rain + full.snowfall))
+    assert weather_row(word, 0.0) == weather_row("clear", 1.0)
