@@ -19,15 +19,12 @@ from cityx.plugins.road.zebras import Zebras
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 RAMP = RAMP_SLOPE * (KERB_HEIGHT - DROPPED)  # metres
 RIBS = 0.6  # metres of tactile paving behind the kerb (ISO 23599)
 LEAST_WALK = 0.3  # metres left behind a ramp
 FLARE = 0.5  # metres by which the kerb may bend away from its street within a crossing
 END_STONES = SURFACES[LABEL["kerb_dropped"]].priority - 1  # over the kerb, under what is dropped
-LEAST_SINE = 0.5  # of a drive's angle with its street; at a sharper one the walk runs beside it
-SQUARE = 0.95  # the sine from which a drive leaves its street squarely
 FREE_SIDE = 0.2  # metres that a drop reaches beyond the bars at both ends
 
 
@@ -81,7 +78,7 @@ def drive_regions(street: Street, road: Carriageway) -> Regions:
 
     Round the corners of the drive the walk rises along the street's kerb, too.
     """
-    drives, walk, rising = _drives(street)
+    drives, walk = _drives(street)
     rows = np.flatnonzero(walk > 0)
     if not len(rows):
         return Regions()
@@ -90,7 +87,7 @@ def drive_regions(street: Street, road: Carriageway) -> Regions:
     for sign in (1.0, -1.0):
         far = half + LEAST_RADIUS + RAMP
         shapes = patches(street, drives, rows, sign * half, sign * far)
-        ends = patches(street, rising, rows, sign * half, sign * (far + 2 * RAMP))
+        ends = patches(street, drives, rows, sign * half, sign * (far + 2 * RAMP))
         for name, rank, where, width in (
             ("kerb_dropped", 0, shapes, KERB_WIDTH),
             ("ramp", END_STONES, ends, KERB_WIDTH),
@@ -101,12 +98,8 @@ def drive_regions(street: Street, road: Carriageway) -> Regions:
     return join_regions(parts)
 
 
-def _drives(street: Street) -> tuple[Zebras, FloatArray, Zebras]:
-    """Places where service ways cross the walks of streets, and the width of these walks.
-
-    And how far kerbs and walks rise again: towards the street, where a kerb comes in a wide curve,
-    and at a slant away from it, too.
-    """
+def _drives(street: Street) -> tuple[Zebras, FloatArray]:
+    """Places where service ways cross the walks of streets, and the width of these walks."""
     network = street.network
     table = street.layout.roads.iloc[network.edge_road]
     walk = np.maximum(
@@ -120,32 +113,11 @@ def _drives(street: Street) -> tuple[Zebras, FloatArray, Zebras]:
         np.maximum.at(half, column, network.half_width[~service])
     edge, end = np.nonzero(service[:, None] & (of_node[nodes] > RAMP + LEAST_WALK))
     node = nodes[edge, end]
-    # At a slant the walk is longer along the way, and more so on one of its sides.
-    sine = _slants(street, ~service, edge, end)
-    slant = 2 * network.half_width[edge] * np.sqrt(1.0 / sine**2 - 1.0)
-    depth = of_node[node] / sine + slant - FREE_SIDE
-    back = (half[node] + KERB_WIDTH + of_node[node] / 2) / sine
+    depth = of_node[node] - FREE_SIDE
+    back = half[node] + KERB_WIDTH + of_node[node] / 2
     room = back + depth / 2 < street.length[edge]
     along = np.where(end == 0, back, street.length[edge] - back)
-    behind = np.where(sine < SQUARE, RAMP, 0.0)
-    onto = np.where(end == 0, -1.0, 1.0)
-    rising = Zebras(edge, along + onto * (RAMP - behind) / 2, depth + RAMP + behind)
-    return Zebras(edge, along, depth), np.where(room, depth, 0.0), rising
-
-
-def _slants(street: Street, streets: BoolArray, edge: IntArray, end: IntArray) -> FloatArray:
-    """(k,) sine of the angle at which the ends of edges meet the widest street there."""
-    network = street.network
-    rows = np.flatnonzero(streets)
-    rows = rows[np.lexsort((network.edge_id[rows], network.half_width[rows]))]
-    axis = np.zeros((len(network.node_position), 2))
-    for side in (0, 1):  # the widest comes last
-        at = np.where(side == 0, 0.0, street.length[rows])
-        axis[network.edge_nodes[rows, side]] = locate(street.lines, rows, at)[1]
-    ahead = locate(street.lines, edge, np.where(end == 0, 0.0, street.length[edge]))[1]
-    along = axis[network.edge_nodes[edge, end]]
-    sine = np.abs(ahead[:, 0] * along[:, 1] - ahead[:, 1] * along[:, 0])
-    return np.asarray(np.clip(np.round(sine, 6), LEAST_SINE, 1.0))
+    return Zebras(edge, along, depth), np.where(room, depth, 0.0)
 
 
 def along_rims(shapes: NDArray[Any], road: Carriageway, width: float) -> NDArray[Any]:

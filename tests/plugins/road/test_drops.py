@@ -95,17 +95,3 @@ def test_walks_fall_to_a_drive_from_both_sides_without_a_step(layout_of, city_of
     walk = z[z > 0.01]
     assert len(walk) < len(z)
     assert np.abs(np.diff(walk)).max() < 0.05 / 12 + 0.01
-
-
-def test_walks_fall_without_a_step_to_a_drive_that_leaves_at_a_slant(layout_of, city_of):
-    drive = {"kind": "service", "width": 3.0, "sidewalk_left": 0.0, "sidewalk_right": 0.0}
-    streets = [CROSS[0], ([(0, 0), (45, 50)], drive)]
-    city = ground(lanes(network(city_of(layout_of(streets, houses=HOUSES)))))
-    x, y = np.meshgrid(np.arange(-4.0, 16.0, 0.02), np.arange(4.0, 6.6, 0.02))
-    under = stand_on(city.scene.meshes["ground"], np.column_stack([x.ravel(), y.ravel()]))
-    footway = np.isin(under.label, [LABEL[name] for name in ("sidewalk", "kerb", "ramp")])
-    low = under.label == LABEL["kerb_dropped"]
-    assert low.any()
-    z = np.where(footway | low, under.z, np.nan).reshape(x.shape)
-    steps = [np.abs(np.diff(z, axis=axis)) for axis in (0, 1)]
-    assert max(np.nanmax(step) for step in steps) < 0.03
