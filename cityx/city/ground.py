@@ -43,13 +43,13 @@ class Surface:
 
 # Index in this tuple is the label stored with a face. Priorities leave room for plugins.
 SURFACES: tuple[Surface, ...] = (
-    Surface("block", 0, KERB_HEIGHT, "grass", "soil"),  # land nobody described, open country
+    Surface("block", 0, KERB_HEIGHT, "grass", "grass"),  # land nobody described, open country
     Surface("courtyard", 5, KERB_HEIGHT, "yard", "concrete"),  # the same inside a dense block
-    Surface("farmland", 10, KERB_HEIGHT, "farmland", "soil"),
-    Surface("grass", 12, KERB_HEIGHT, "grass", "soil"),
-    Surface("meadow", 12, KERB_HEIGHT, "meadow", "soil"),
-    Surface("wood", 14, KERB_HEIGHT, "forest_floor", "soil"),
-    Surface("park", 16, KERB_HEIGHT, "grass", "soil"),
+    Surface("farmland", 10, KERB_HEIGHT, "farmland", "farmland"),
+    Surface("grass", 12, KERB_HEIGHT, "grass", "grass"),
+    Surface("meadow", 12, KERB_HEIGHT, "meadow", "meadow"),
+    Surface("wood", 14, KERB_HEIGHT, "forest_floor", "forest_floor"),
+    Surface("park", 16, KERB_HEIGHT, "grass", "grass"),
     Surface("sand", 18, KERB_HEIGHT, "sand", "sand"),
     Surface("bare", 18, KERB_HEIGHT, "soil", "soil"),
     Surface("pitch", 22, KERB_HEIGHT, "pitch", "concrete"),

@@ -120,19 +120,19 @@ def arrange(
     given = _inside(given, site)
     faces = trace_faces(*snap_round(*_segments(given.polygons, np.asarray(lines, object), site)))
     triangles, face = faces.triangles()
-    area = doubled_areas(faces.points, triangles)
-    points = _inner_points(faces.points, triangles, face, area)
-    label, object_id = _owners(given, points, background)
+    count = faces.count
     ground = Ground(
         faces.points / PER_METRE,
         triangles.astype(np.int32),
         face.astype(np.int32),
-        label,
-        object_id,
+        np.zeros(count, np.uint8),
+        np.zeros(count, np.uint64),
         faces.edges.astype(np.int32),
         faces.edge_faces.astype(np.int32),
     )
-    return _absorb_slivers(ground, area)
+    label, object_id = _owners(given, inner_points(ground), background)
+    ground = replace(ground, face_label=label, face_object=object_id)
+    return _absorb_slivers(ground, doubled_areas(faces.points, triangles))
 
 
 def _inside(given: Regions, site: Any) -> Regions:
@@ -159,14 +159,14 @@ def _segments(polygons: NDArray[Any], lines: NDArray[Any], site: Any) -> tuple[I
     return spots[first], spots[first + 1]
 
 
-def _inner_points(
-    vertices: IntArray, triangles: IntArray, face: IntArray, area: IntArray
-) -> NDArray[np.float64]:
-    """One point in each face, whose triangles follow each other: the centroid of its largest."""
+def inner_points(ground: Ground) -> NDArray[np.float64]:
+    """(f, 2) a point in each face: the centroid of its largest triangle."""
+    face = ground.triangle_face
+    area = doubled_areas(ground.vertices, ground.triangles)
     begin = np.flatnonzero(np.r_[True, face[1:] != face[:-1]])
     largest = np.flatnonzero(area == np.maximum.reduceat(area, begin)[face])
     largest = largest[np.unique(face[largest], return_index=True)[1]]
-    return np.asarray(vertices[triangles[largest]].mean(axis=1) / PER_METRE)
+    return np.asarray(ground.vertices[ground.triangles[largest]].mean(axis=1))
 
 
 def _owners(

@@ -114,6 +114,7 @@ def drape(
     flush: bool = False,
     base: FloatArray | None = None,
     layer: str = "ground",
+    courses: FloatArray | None = None,
 ) -> MeshBatch:
     """Raise the faces onto the terrain: one object per surface, with its vertical edges.
 
@@ -132,6 +133,8 @@ def drape(
         (n,) heights of the vertices in place of the terrain's, metres.
     layer
         What the surfaces belong to, for their ids.
+    courses
+        (f, 2) unit vectors along which the pattern of each face is laid; east when None.
 
     Returns
     -------
@@ -143,7 +146,7 @@ def drape(
     levels = _levels(ground, base, flush)
     brightness = 1.0 + TINT_RANGE * (uniform(seed, "ground/tint", ground.face_object) - 0.5)
     brightness[ground.face_object == 0] = 1.0
-    tops = _Tops(ground, levels, base, brightness)
+    tops = _Tops(ground, levels, base, brightness, courses)
     sides = _Sides(ground, levels, base, brightness)
     batches = []
     for label, surface in enumerate(SURFACES):
@@ -184,8 +187,10 @@ class _Tops:
     """Top faces, label by label."""
 
     def __init__(
-        self, ground: Ground, levels: _Levels, base: FloatArray, brightness: FloatArray
-    ) -> None:
+        self, ground: Ground, levels: _Levels, base: FloatArray, brightness: FloatArray,
+        courses: FloatArray | None,
+    ) -> None:  # fmt: skip
+        self.courses = courses
         self.ground, self.levels, self.base, self.brightness = ground, levels, base, brightness
         label = ground.face_label[ground.triangle_face]
         self.order = np.argsort(label, kind="stable")
@@ -205,8 +210,17 @@ class _Tops:
         faces = np.column_stack([index.reshape(-1, 3), np.full(len(rows), NO_VERTEX)])
         uv = np.zeros((len(rows), 4, 2))
         uv[:, :3] = ground.vertices[corner]
+        if self.courses is not None:
+            uv[:, :3] = _turned(uv[:, :3], self.courses[ground.triangle_face[rows]])
         tint = np.repeat(self.brightness[ground.triangle_face[rows]][:, None], 3, axis=1)
         return vertices, faces, np.zeros(len(rows), np.int16), uv, tint
+
+
+def _turned(places: FloatArray, along: FloatArray) -> FloatArray:
+    """Places, (t, 3, 2), along unit vectors, (t, 2), and to the left of them."""
+    x, y = places[..., 0], places[..., 1]
+    c, s = along[:, :1], along[:, 1:]
+    return np.asarray(np.round(np.stack([x * c + y * s, y * c - x * s], axis=2), 4))
 
 
 class _Sides:

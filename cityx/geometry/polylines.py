@@ -14,7 +14,7 @@ IntArray = NDArray[np.int64]
 
 # Positions are cut no closer than this to an existing vertex: half the arrangement's grid.
 SAME_POINT = 0.005
-SAGITTA = 0.01  # metres from a curve to its chords: no facet of a kerb shows, nor is below the grid
+SAGITTA = 0.015  # metres from a curve to its chords; hardly more than the grid of the ground
 
 
 @dataclass(frozen=True)

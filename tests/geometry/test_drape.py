@@ -10,6 +10,7 @@ from cityx.geometry.identity import stable_id
 
 SITE = (0.0, 0.0, 100.0, 80.0)
 ROAD, WATER, HOUSE = LABEL["carriageway"], LABEL["water"], LABEL["building"]
+YARD = LABEL["courtyard"]  # its sides are of another material than its top
 
 
 def one_of(mesh, name):
@@ -30,21 +31,21 @@ def test_surfaces_lie_at_their_offsets():
 
 
 def test_tops_look_up_and_kerbs_look_at_the_lower_side():
-    ground = arrange(regions([shapely.box(0, 30, 100, 40)], ROAD, 1, 7), SITE)
-    block = one_of(drape(ground, flat_terrain()), "block")
-    normal, face = normals(block)
-    upright = block.material[face] == 1
+    ground = arrange(regions([shapely.box(0, 30, 100, 40)], ROAD, 1, 7), SITE, background=YARD)
+    yard = one_of(drape(ground, flat_terrain()), "courtyard")
+    normal, face = normals(yard)
+    upright = yard.material[face] == 1
     assert (normal[~upright, 2] > 0).all()
     assert np.allclose(normal[upright, 2], 0.0)
-    y = block.vertices[block.faces[face[upright], 0], 1]
+    y = yard.vertices[yard.faces[face[upright], 0], 1]
     assert (np.sign(normal[upright, 1]) == np.where(y < 35, 1, -1)).all()
 
 
 def test_area_of_the_kerb_is_its_height_times_its_length():
-    ground = arrange(regions([shapely.box(20, 30, 40, 40)], ROAD, 1), SITE)
-    block = one_of(drape(ground, flat_terrain()), "block")
-    normal, face = normals(block)
-    area = np.linalg.norm(normal[block.material[face] == 1], axis=1).sum() / 2
+    ground = arrange(regions([shapely.box(20, 30, 40, 40)], ROAD, 1), SITE, background=YARD)
+    yard = one_of(drape(ground, flat_terrain()), "courtyard")
+    normal, face = normals(yard)
+    area = np.linalg.norm(normal[yard.material[face] == 1], axis=1).sum() / 2
     assert area == pytest.approx(60 * KERB_HEIGHT)
 
 

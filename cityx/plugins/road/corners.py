@@ -123,7 +123,7 @@ def corners_of(
         (gap < STRAIGHT) & (degree[arms.node] >= 2) & (after != np.arange(len(after)))
     )
     second, gap = after[first], gap[first]
-    along = _meeting(half[arms.edge[first]], half[arms.edge[second]], gap)
+    along = meeting_of(half[arms.edge[first]], half[arms.edge[second]], gap)
     bearing = arms.bearing[first]
     ahead = np.column_stack([np.cos(bearing), np.sin(bearing)])
     left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
@@ -165,13 +165,15 @@ def _fitting(
     radius = corners.radius.copy()
     for own, other in ((corners.first, corners.second), (corners.second, corners.first)):
         edge = arms.edge[own]
-        room = trim[edge, arms.end[own]] - _meeting(half[edge], half[arms.edge[other]], corners.gap)
+        room = trim[edge, arms.end[own]] - meeting_of(
+            half[edge], half[arms.edge[other]], corners.gap
+        )
         most = np.maximum(room * np.tan(corners.gap / 2), TIGHTEST)
         radius = np.where(swallowed[edge], np.minimum(radius, most), radius)
     return radius
 
 
-def _meeting(own: FloatArray, other: FloatArray, gap: FloatArray) -> FloatArray:
+def meeting_of(own: FloatArray, other: FloatArray, gap: FloatArray) -> FloatArray:
     """Metres along an arm to where its kerb meets that of the other."""
     sine = np.maximum(np.sin(gap), LEAST_SINE)
     return np.asarray((other + own * np.cos(gap)) / sine)
@@ -185,7 +187,7 @@ def _reach(
     reach = np.zeros((count, 2))
     for own, other in ((corners.first, corners.second), (corners.second, corners.first)):
         edge = arms.edge[own]
-        needed = _meeting(half[edge], half[arms.edge[other]], corners.gap) + curve
+        needed = meeting_of(half[edge], half[arms.edge[other]], corners.gap) + curve
         needed = np.where(degree[arms.node[own]] >= 3, np.clip(needed, 0.0, MOST_TRIM), 0.0)
         np.maximum.at(reach, (edge, arms.end[own]), needed)
     return reach

@@ -36,6 +36,7 @@ from cityx.plugins.road.carriageway import (
     plain_carriageways,
 )
 from cityx.plugins.road.heights import way_heights
+from cityx.plugins.road.joints import courses, seam_lines
 from cityx.plugins.road.landcover import (
     area_regions,
     building_regions,
@@ -105,7 +106,8 @@ def ground(city: City) -> City:
     found = _regions(city.layout, network, city.heights, built, city.lod, painting)
     walls = find_walls(city.layout, _on_ground(network, built), city.terrain)
     if city.lod > 0:
-        lines = np.concatenate([lines, walls.lines])
+        seams = seam_lines(city.layout, _on_ground(network, built))
+        lines = np.concatenate([lines, walls.lines, seams])
     arranged = arrange(found, city.layout.extent, lines=lines)
     if city.lod > 0:
         arranged = pave_blocks(arranged, city.layout)
@@ -113,7 +115,9 @@ def ground(city: City) -> City:
     base = city.terrain.height_at(arranged.vertices)
     if city.lod > 0:
         base = walls.heights(arranged.vertices, base)
-    draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0, base=np.round(base, 4))
+    laid = courses(arranged, network) if city.lod > 0 else None
+    base = np.round(base, 4)
+    draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0, base=base, courses=laid)
     scene = city.scene.with_mesh("ground", draped)
     survey = city.survey
     around = survey.around if survey is not None else None

@@ -32,7 +32,7 @@ ISLAND_PRIORITY = 77  # above all surfaces of its ring
 CROSSED_PRIORITY = 53  # the same of an island that a street runs through: that goes on
 MINI = 2.0  # metres of radius of the disc of a mini-roundabout (TSRGD 2016, diagram 611.1)
 TURNING = 6.5  # metres of radius of a turning circle
-CIRCLE = 16  # chords per quarter circle; a centimetre off at a radius of 8 m
+CIRCLE = 12  # chords per quarter circle; 1.4 cm off at a radius of 6.5 m
 
 
 @dataclass(frozen=True)

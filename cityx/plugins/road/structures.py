@@ -42,6 +42,7 @@ from cityx.plugins.road.carriageway import (
 )
 from cityx.plugins.road.embankments import Obstacles, embankments
 from cityx.plugins.road.heights import WATER
+from cityx.plugins.road.joints import courses
 from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.landcover import AREA_SURFACE, TRACK_BED, rail_strips
 from cityx.plugins.road.painting import Painting
@@ -358,7 +359,10 @@ def _build_tier(
     deck = arrange(found, extent, lines=bars, background=LABEL["void"])
     z = _surface_heights(part, deck.vertices)
     soil = terrain.height_at(deck.vertices)
-    surfaces = drape(deck, terrain, seed, base=np.round(z, 4), layer=f"structures {number}")
+    surfaces = drape(
+        deck, terrain, seed, base=np.round(z, 4), layer=f"structures {number}",
+        courses=courses(deck, part.network) if detail else None,
+    )  # fmt: skip
     solid = deck.face_label != LABEL["void"]
     lift = _of_faces(deck, z - soil)
     middle = _of_faces(deck, deck.vertices)

@@ -1,0 +1,115 @@
+"""How walks are paved: courses run along the kerb, and meet in a seam where it turns."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.ground import KERB_WIDTH, Ground
+from cityx.city.layout import Layout
+from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrangement import inner_points
+from cityx.geometry.polylines import Polylines, locate, miters, to_linestrings
+from cityx.plugins.road.corners import meeting_of
+from cityx.plugins.road.network import node_corners
+
+FloatArray = NDArray[np.float64]
+Shapes = NDArray[Any]
+
+LAID = ("sidewalk", "ramp", "tactile", "tactile_pale", "furnishing", "setts")
+LAP = np.radians(12.0)  # of turn after which the courses along a curve begin anew
+PAST = 0.1  # metres that a seam reaches beyond the walk, so that rounding leaves none short
+FARTHEST = 20.0  # metres from a street's middle to a face of its walk
+MOST_MITRE = 3.0  # longest seam, in widths of the walk
+
+
+def seam_lines(layout: Layout, network: RoadNetwork) -> Shapes:
+    """Lines across walks at corners of junctions and along bends, from kerb to back, (n,)."""
+    lines = Polylines(network.points, network.point_start)
+    table = layout.roads.iloc[network.edge_road]
+    walk = np.column_stack([table[name].to_numpy(float)
+                            for name in ("sidewalk_left", "sidewalk_right")])  # fmt: skip
+    kind = table["kind"].to_numpy()
+    found = _at_corners(layout, network, lines, kind, walk), _at_bends(network, lines, walk)
+    return np.concatenate(found)
+
+
+def _at_corners(
+    layout: Layout, network: RoadNetwork, lines: Polylines, kind: Any, walk: FloatArray
+) -> Shapes:
+    """Seams from where two kerbs would meet to where the backs of their walks do."""
+    arms, corners, _ = node_corners(
+        layout, kind, lines, network.edge_nodes, network.node_position, network.half_width
+    )
+    one, other = corners.first, corners.second
+    # A corner lies left of the arm that comes first, right of the next.
+    widths = [
+        walk[arms.edge[one], arms.end[one]],
+        walk[arms.edge[other], 1 - arms.end[other]],
+    ]
+    back = [
+        network.half_width[arms.edge[arm]] + KERB_WIDTH + width
+        for arm, width in zip((one, other), widths, strict=True)
+    ]
+    bearing = arms.bearing[one]
+    ahead = np.column_stack([np.cos(bearing), np.sin(bearing)])
+    left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    far = network.node_position[arms.node[one]] + left * back[0][:, None]
+    far = far + ahead * meeting_of(back[0], back[1], corners.gap)[:, None]
+    reach = far - corners.place
+    length = np.hypot(*reach.T)
+    walked = (np.minimum(*widths) > 0) & (length < MOST_MITRE * np.maximum(*back)) & (length > 0)
+    reach = reach * ((length + PAST) / np.maximum(length, PAST))[:, None]
+    ends = np.round(np.stack([corners.place, corners.place + reach], axis=1), 3)
+    return np.asarray(shapely.linestrings(ends[walked]))
+
+
+def _at_bends(network: RoadNetwork, lines: Polylines, walk: FloatArray) -> Shapes:
+    """Seams wherever streets have turned by `LAP` since the last."""
+    owner = lines.line_of_point()
+    step = np.diff(lines.points, axis=0)
+    same = owner[1:] == owner[:-1]
+    point = np.flatnonzero(same[1:] & same[:-1]) + 1
+    a, b = step[point - 1], step[point]
+    turn = np.zeros(len(owner))
+    turn[point] = np.abs(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)))
+    total = np.cumsum(np.round(turn, 6))
+    lap = np.floor((total - total[lines.start[:-1]][owner]) / LAP)
+    point = point[lap[point] > lap[point - 1]]
+    edge = owner[point]
+    across = miters(lines)[point]
+    seams = []
+    for side, sign in ((0, 1.0), (1, -1.0)):
+        width = walk[edge, side]
+        near = network.half_width[edge]
+        far = near + KERB_WIDTH + width + PAST
+        ends = (
+            lines.points[point][:, None]
+            + sign * across[:, None] * np.stack([near, far], axis=1)[:, :, None]
+        )
+        seams.append(shapely.linestrings(np.round(ends, 3)[width > 0]))
+    return np.concatenate(seams)
+
+
+def courses(ground: Ground, network: RoadNetwork) -> FloatArray:
+    """(f, 2) unit vectors along which faces are paved: as their street runs; east elsewhere."""
+    found = np.tile([1.0, 0.0], (len(ground.face_label), 1))
+    rows = np.flatnonzero(ground.labelled(*LAID))
+    if not len(rows) or not network.edge_count:
+        return found
+    lines = Polylines(network.points, network.point_start)
+    shapes = to_linestrings(lines)
+    spots = shapely.points(inner_points(ground)[rows])
+    row, edge = shapely.STRtree(shapes).query(spots, predicate="dwithin", distance=FARTHEST)
+    # Not the street whose middle is nearest, but that whose kerb is.
+    off = np.round(shapely.distance(spots[row], shapes[edge]) - network.half_width[edge], 3)
+    order = np.lexsort((network.edge_id[edge], off, row))
+    row, first = np.unique(row[order], return_index=True)
+    edge = edge[order][first]
+    ahead = locate(lines, edge, shapely.line_locate_point(shapes[edge], spots[row]))[1]
+    turned = (ahead[:, 0] < 0) | ((ahead[:, 0] == 0) & (ahead[:, 1] < 0))
+    found[rows[row]] = np.round(np.where(turned[:, None], -ahead, ahead), 6)
+    return found
