@@ -438,7 +438,7 @@ def _tints(
     chosen: NDArray[np.bool_],
 ) -> Colors:
     """Divide by the base colour and vary each building a little; given colours stay as they are."""
-    # Coats of paint age and gather soot at their own pace, so most walls are below the table's value.
+    # Coats of paint age and gather soot: most walls are below the value of the table.
     light = 1 + 0.32 * (uniform(seed, f"palette/{purpose} light", ids) - 0.6)
     warm = 0.10 * (uniform(seed, f"palette/{purpose} warm", ids) - 0.5)
     jitter = light[:, None] * (1 + warm[:, None] * np.array([1.0, 0.1, -1.0]))
