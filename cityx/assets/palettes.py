@@ -438,8 +438,9 @@ def _tints(
     chosen: NDArray[np.bool_],
 ) -> Colors:
     """Divide by the base colour and vary each building a little; given colours stay as they are."""
-    light = 1 + 0.16 * (uniform(seed, f"palette/{purpose} light", ids) - 0.5)
-    warm = 0.06 * (uniform(seed, f"palette/{purpose} warm", ids) - 0.5)
+    # Coats of paint age and gather soot: most walls are below the value of the table.
+    light = 1 + 0.32 * (uniform(seed, f"palette/{purpose} light", ids) - 0.6)
+    warm = 0.10 * (uniform(seed, f"palette/{purpose} warm", ids) - 0.5)
     jitter = light[:, None] * (1 + warm[:, None] * np.array([1.0, 0.1, -1.0]))
     return _over_base(rgb * np.where(chosen[:, None], jitter, 1.0), material)
 

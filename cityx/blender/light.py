@@ -23,7 +23,8 @@ from cityx.geometry.mirrored import REACH as OUTSKIRTS
 # A camera that looks down from high up sees sunlit roofs and streets, where one between the houses
 # sees half of them in shade: it closes by so many stops.
 AERIAL_STOPS = 0.6
-# The plain curve leaves walls in the sun and streets in the shade nearly alike.
+# In the sun the plain curve leaves bright walls and streets in the shade nearly alike; under cloud
+# and at night it keeps what is dark from black.
 LOOK = "AgX - Medium High Contrast"
 AERIAL_HEIGHT = (15.0, 60.0)  # metres above the ground over which it does so
 
@@ -58,7 +59,7 @@ class Lighting:
             modifier = tree.modifiers[BARE]
             modifier.show_render = modifier.show_viewport = environment.snow > SNOWED
         self.scene.view_settings.view_transform = "AgX"
-        self.scene.view_settings.look = LOOK
+        self.scene.view_settings.look = LOOK if sunshine(environment) > 0.5 else "None"
         self.scene.view_settings.exposure = environment.exposure
         use_light_tree(self.scene, on=environment.lamps > 0)
 

@@ -56,7 +56,7 @@ def may_stand(view: View, placed: FloatArray, known: Box) -> NDArray[np.bool_]:
     good = ((spots < known[:2]) | (spots > known[2:])).any(axis=1)
     under = stand_on(view.scene.meshes.get("ground"), spots)
     good &= np.isin(under.label, [LABEL[name] for name in BUILDABLE])
-    return np.asarray(good.reshape(len(placed), -1).all(axis=1))
+    return np.asarray(good.reshape(len(placed), len(share)).all(axis=1))
 
 
 class Outskirts:

@@ -22,13 +22,14 @@ from cityx.agents.views import render_views
 SHARED = Path(__file__).parents[2] / ".." / "shared"
 CAMERAS = SHARED / "reference" / "cameras.json"
 VIEWS = ("street", "junction", "aerial")
+LIFE = "medium traffic, 300 pedestrians"  # of every place
 WIDTH, HEIGHT, GAP, TITLE = 480, 270, 8, 24
 
 
 def render_place(name: str, osm: Path, work: Path, samples: int) -> dict[str, Path]:
     """Build one place and return our picture of each view."""
     out = work / name
-    options = BuildOptions(lod=3, formats=("blend",), render=False)
+    options = BuildOptions(lod=3, formats=("blend",), render=False, text=LIFE)
     build([osm], out, options, say=print)
     paths = render_views(out, str(CAMERAS), samples=samples, say=print)
     return {path.stem: path for path in paths}

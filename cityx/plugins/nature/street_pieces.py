@@ -78,7 +78,7 @@ USUAL_GAP = 0.8  # the same for everything else
 PLAZA = {"": 5.0, "bench": 2.0, "stone_bench": 1.5, "planter": 2.0, "waste_basket": 0.8,
          "planter_round": 1.0, "advertising_column": 0.15, "kiosk": 0.12,
          "bicycle_parking": 0.5, "street_lamp_post": 0.8}  # fmt: skip
-YARD = {"": 5.0, "planter": 1.6, "planter_round": 1.2, "bench": 0.7, "bicycle_parking": 1.2}
+YARD = {"": 2.5, "planter": 1.6, "planter_round": 1.4, "bench": 0.7, "bicycle_parking": 1.6}
 YARD_WALL = {"": 2.5, "wheelie_bins": 2.0, "bicycle_parking": 1.6, "planter": 1.0, "bicycle": 1.2,
              "cartons": 0.8}  # fmt: skip
 YARD_WALL_JAPAN = {**YARD_WALL, "vending_machine": 1.6}
@@ -91,6 +91,9 @@ WALK_WALL_JAPAN = {"": 4.5, "bicycle": 3.2, "planter_round": 1.6, "vending_machi
 # On walks as wide as squares, as at the corners of large junctions, away from walls and kerbs.
 WALK_OPEN = {"": 3.0, "planter": 1.5, "planter_round": 1.0, "bench": 0.8, "bicycle_parking": 1.4,
              "waste_basket": 0.4}  # fmt: skip
+# Metres left to pass on walks and in yards of Japan: bicycles and machines stand at the walls of
+# narrow walks, whose kerbs bear poles alone.
+NARROW = (TIGHT + 0.1, CLEAR)
 LEANING = ("bicycle", *SCOOTERS)  # along the wall, not square to it
 # Half the size of a piece that stands free, metres.
 SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "cafe_set": 0.95,
@@ -361,7 +364,8 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
         turn[rows] = yaw_facing(away) + np.where(np.isin(names[rows], LEANING), np.pi / 2, 0.0)
         room = room_along(foot + 0.1 * away, away, site.rims, REACH)
         kerb = np.where(walk[rows], STRIP, 0.0)  # what stands there takes its share of the walk
-        keep[rows] &= (length > 0.2) & (room >= 2 * gap + CLEAR + kerb)
+        left = np.where(walk[rows], *NARROW) if site.place == "japan" else CLEAR + kerb
+        keep[rows] &= (length > 0.2) & (room >= 2 * gap + left)
     return pieces(names, xy, ids, turn).take(keep)
 
 

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 import shapely
 
+from cityx.assets.furniture import furniture as piece
 from cityx.checks.furniture import check_furniture, crowding, in_lanes
 from cityx.city import Frame, make_table
 from cityx.city.ground import KERB_WIDTH
 from cityx.city.outlines import placed_outlines
-from cityx.city.scene import Instances
+from cityx.city.scene import Instances, Prototype
 from cityx.geometry.standing import WALKED, stand_on
 from cityx.plugins.nature.furniture import furniture
 from cityx.plugins.nature.pieces import (
@@ -20,6 +21,7 @@ from cityx.plugins.nature.pieces import (
     with_pieces,
 )
 from cityx.plugins.nature.street_pieces import FROM_CORNER, LAYER, street_pieces
+from cityx.plugins.nature.street_rules import KERB_RULES, SCOOTERS, rates
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.lanes import lanes
 
@@ -78,6 +80,43 @@ def test_the_same_seed_gives_the_same_pieces(avenue, furnished):
     a, b = furnished.scene.instances[LAYER], street_pieces(avenue, density=2.0)
     for name in ("object_id", "position", "rotation", "prototype"):
         assert getattr(a, name).tobytes() == getattr(b.scene.instances[LAYER], name).tobytes()
+
+
+def trading(avenue, latitude, longitude):
+    """The avenue with thirty shops along the northern walks, at a place on Earth."""
+    x = np.concatenate([np.linspace(-54, -16, 15), np.linspace(16, 54, 15)])
+    one = np.ones((30, 3), np.float32)
+    shops = Instances(
+        np.zeros(30, np.int32), np.arange(900, 930, dtype=np.uint64), np.zeros(30, np.uint64),
+        np.column_stack([x, np.full(30, 10.0), np.full(30, 0.1)]), 0 * one, one, one,
+    )  # fmt: skip
+    scene = avenue.scene.with_instances(
+        "shopfronts", [Prototype("shop_modern", "shopfront", piece("bench").mesh)], shops
+    )
+    return replace(avenue, scene=scene, frame=Frame(latitude, longitude))
+
+
+def test_shops_put_wares_out_and_in_japan_banners(avenue):
+    wares, banners = {"fruit_stand", "flower_stand", "clothes_rail"}, {"banner_red", "banner_blue"}
+    found = {}
+    for place, at in {"japan": (35.69, 139.77), "europe": (52.5, 13.4)}.items():
+        made = street_pieces(trading(avenue, *at))
+        again = street_pieces(trading(avenue, *at)).scene.instances[LAYER]
+        rows = made.scene.instances[LAYER]
+        assert np.array_equal(rows.object_id, again.object_id)
+        assert np.array_equal(rows.position, again.position)
+        values = {check.name: check.value for check in check_furniture(made)}
+        assert values == {"furniture_in_lanes": 0.0, "furniture_on_walkway": 0.0}
+        found[place] = set(names_of(made))
+    assert wares & found["europe"]
+    assert banners <= found["japan"]
+    assert not banners & found["europe"]
+
+
+def test_more_scooters_stand_where_it_is_warm():
+    scooter = next(rule for rule in KERB_RULES if rule.piece == SCOOTERS[0])
+    town = {place: rates(scooter, place)[1] for place in ("mediterranean", "british isles")}
+    assert town["mediterranean"] == pytest.approx(4 * town["british isles"])
 
 
 def test_nothing_stands_before_a_door(avenue, furnished):
