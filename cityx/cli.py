@@ -341,6 +341,9 @@ def render(
     frames: Annotated[
         str | None, typer.Option(help="A picture per frame, FROM:TO[:STEP], 25 a second.")
     ] = None,
+    exact: Annotated[
+        bool, typer.Option("--exact", help="Show nothing beyond the site that no file holds.")
+    ] = False,
 ) -> None:
     """Render pictures of a built city, under another weather or at another time if asked for."""
     from cityx.agents.views import render_views
@@ -355,6 +358,7 @@ def render(
             weather=weather or "",
             moment=moment,
             frames=frames or "",
+            exact=exact,
             say=say,
         )
     for path in paths:

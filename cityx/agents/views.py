@@ -153,6 +153,7 @@ def render_views(
     weather: str = "",
     moment: float | None = None,
     frames: str = "",
+    exact: bool = False,
     say: Say,
 ) -> list[Path]:
     """Render pictures of a built city into its folder ``renders``.
@@ -175,6 +176,9 @@ def render_views(
     frames
         "FROM:TO" or "FROM:TO:STEP", a span of frames of which each becomes a picture, 25 a second;
         "" for none.
+    exact
+        Whether pictures show what the files hold alone: no mirror image of the site beyond its
+        borders, no twigs on bare trees.
 
     Raises
     ------
@@ -209,7 +213,9 @@ def render_views(
         f"_{re.sub('[^0-9a-z]+', '-', word.lower())}" for word in (weather, time) if word
     )
     requests = tuple(
-        RenderRequest(item, renders / f"{item.name}{suffix}.png", samples or DEFAULT_SAMPLES)
+        RenderRequest(
+            item, renders / f"{item.name}{suffix}.png", samples or DEFAULT_SAMPLES, exact=exact
+        )
         for item in cameras
     )
     job = BlenderJob(

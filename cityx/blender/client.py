@@ -88,6 +88,8 @@ class RenderRequest:
         Whether the picture is what the denoiser made of the samples.
     seed
         Of the samples, so that pictures do not share their noise.
+    exact
+        Whether it shows what the files hold alone: no outskirts, no twigs. Passes imply it.
     """
 
     camera: Camera
@@ -99,6 +101,7 @@ class RenderRequest:
     threshold: float | None = None
     denoise: bool = True
     seed: int = 0
+    exact: bool = False
 
 
 @dataclass(frozen=True)
@@ -297,6 +300,7 @@ def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
             "threshold": r.threshold,
             "denoise": r.denoise,
             "seed": r.seed,
+            "exact": r.exact or bool(r.passes),
         }
         for r in job.renders
     ]

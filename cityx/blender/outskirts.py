@@ -17,9 +17,7 @@ from numpy.typing import NDArray
 
 from cityx.blender.scene import LAYER
 from cityx.city.camera import Camera
-from cityx.city.ground import LABEL
-from cityx.geometry.mirrored import Box, Image, built_up, folded, images, near
-from cityx.geometry.standing import stand_on
+from cityx.geometry.mirrored import Image, images, near
 
 if TYPE_CHECKING:
     from cityx.city.store import View
@@ -30,33 +28,9 @@ AFAR = ("trees", "vehicles", "street_furniture")
 MOST_ROWS = 12_000
 SURROUNDINGS = "surroundings"  # layer of the plain, which the copies' ground replaces
 SUNK = 1.5  # metres by which it sinks below them, deeper than water lies
-FEWEST = 20  # buildings of a site whose margin is filled
-STEPS = (0.0, 17.0, -17.0, 34.0, -34.0)  # metres by which copies are moved to fill what is left
-BUILDABLE = ("block", "courtyard", "grass", "parking", "plaza", "sidewalk", "furnishing")
 MAP_PITCH = radians(-75.0)  # a camera that looks down like a map shows the site alone
 
 FloatArray = NDArray[np.float64]
-
-
-def may_stand(view: View, placed: FloatArray, known: Box) -> NDArray[np.bool_]:
-    """(n,) whether copies of buildings would stand on empty land of the margin or of its images.
-
-    Parameters
-    ----------
-    view
-        The city.
-    placed
-        (n, 4) boxes of the copies, metres.
-    known
-        Box in which its buildings lie; what is beyond is margin.
-    """
-    share = np.array([(x, y) for x in (0.1, 0.5, 0.9) for y in (0.1, 0.5, 0.9)])
-    spots = placed[:, None, :2] + share * (placed[:, None, 2:] - placed[:, None, :2])
-    spots = folded(spots.reshape(-1, 2), view.extent)
-    good = ((spots < known[:2]) | (spots > known[2:])).any(axis=1)
-    under = stand_on(view.scene.meshes.get("ground"), spots)
-    good &= np.isin(under.label, [LABEL[name] for name in BUILDABLE])
-    return np.asarray(good.reshape(len(placed), len(share)).all(axis=1))
 
 
 class Outskirts:
@@ -92,31 +66,6 @@ class Outskirts:
             image.matrix_world = _matrix(mirrored)
             held.objects.link(image)
             self.items.append(image)
-        self._fill(view, solid, boxes, held)
-
-    def _fill(
-        self, view: View, solid: list[Any], boxes: FloatArray, held: bpy.types.Collection
-    ) -> None:
-        """Put copies of buildings into the margin of the site that the map leaves empty."""
-        rows = np.array([i for i, o in enumerate(solid) if o[LAYER] == "buildings"], np.int64)
-        if len(rows) < FEWEST:
-            return
-        known = built_up(boxes[rows])
-        margin = float(np.abs(np.array(known) - np.array(view.extent)).max())
-        taken = np.zeros((0, 4))
-        shifted = (image.moved(step) for step in STEPS for image in images(known, margin))
-        for mirrored in shifted:
-            chosen = rows[near(mirrored, boxes[rows], known, 2 * margin)]
-            chosen = chosen[may_stand(view, mirrored.placed(boxes[chosen]), known)]
-            for index in chosen.tolist():
-                box = mirrored.placed(boxes[index])
-                if ((box[:, :2] < taken[:, 2:]) & (box[:, 2:] > taken[:, :2])).all(axis=1).any():
-                    continue
-                taken = np.concatenate([taken, box])
-                image = bpy.data.objects.new(f"{NAME} fill", solid[index].data)
-                image.matrix_world = _matrix(mirrored) @ Matrix.Translation(solid[index].location)
-                held.objects.link(image)
-                self.items.append(image)
 
     def show(self, camera: Camera | None) -> None:
         """Show the images to a camera, unless it looks straight down; None hides them."""

@@ -126,7 +126,7 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
         _wait([Path(before["path"]) for _, before in pictures[:index]], job["ahead"])
         begun = time.perf_counter()
         with clock.step(f"light {camera.name}"):
-            studio.show(wanted, camera, request["moment"], truth=bool(request["passes"]))
+            studio.show(wanted, camera, request["moment"], truth=request["exact"])
         with clock.step(f"render {camera.name}"):
             path = Path(request["path"])
             render.use_quality(scene, request["samples"], request["threshold"], request["seed"])

@@ -35,10 +35,6 @@ class Image:
         corners = boxes.reshape(-1, 2, 2) * self.sign + self.shift
         return np.concatenate([corners.min(axis=1), corners.max(axis=1)], axis=1)
 
-    def moved(self, step: float) -> Image:
-        """Return the image moved by some metres along both axes."""
-        return Image(self.sign, self.shift + step)
-
 
 def images(extent: Box, reach: float = REACH) -> Iterator[Image]:
     """Yield the images of a site round it, each the mirror image of its neighbours.
@@ -82,24 +78,3 @@ def near(image: Image, boxes: FloatArray, extent: Box, reach: float = REACH) -> 
     shown = image.placed(boxes)
     gap = np.maximum(np.maximum(low - shown[:, 2:], shown[:, :2] - high), 0.0)
     return np.asarray(whole & (np.hypot(*gap.T) < reach))
-
-
-def folded(points: FloatArray, extent: Box) -> FloatArray:
-    """Return where on the site (n, 2) points lie whose images, or which themselves, are seen."""
-    low, high = np.array(extent[:2]), np.array(extent[2:])
-    size = np.maximum(high - low, 1.0)
-    along = np.mod(points - low, 2 * size)
-    return np.asarray(low + np.minimum(along, 2 * size - along))
-
-
-def built_up(boxes: FloatArray) -> Box:
-    """Return the box in which a map's buildings lie, (xmin, ymin, xmax, ymax).
-
-    A site grows round large buildings that reach over the border of the map; in the margin that
-    this leaves stand few others, since the map says nothing of them.
-    """
-    middle = (boxes[:, :2] + boxes[:, 2:]) / 2
-    half = np.median(boxes[:, 2:] - boxes[:, :2], axis=0) / 2
-    low, high = np.quantile(middle, (0.01, 0.99), axis=0)
-    (xmin, ymin), (xmax, ymax) = (low - half).tolist(), (high + half).tolist()
-    return xmin, ymin, xmax, ymax

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cityx.geometry.mirrored import built_up, folded, images, near
+from cityx.geometry.mirrored import images, near
 
 SITE = (-100.0, -50.0, 300.0, 250.0)
 
@@ -36,16 +36,3 @@ def test_what_stands_across_the_border_or_far_off_has_no_image():
     )
     east = next(i for i in images(SITE, 200.0) if i.sign[0] < 0 < i.sign[1] and i.shift[0] > 0)
     assert near(east, boxes, SITE, 200.0).tolist() == [True, False, False]
-
-
-def test_folding_undoes_every_image():
-    inside = np.random.default_rng(0).uniform(SITE[:2], SITE[2:], (20, 2))
-    for image in images(SITE, 900.0):
-        assert folded(inside * image.sign + image.shift, SITE) == pytest.approx(inside)
-
-
-def test_one_large_building_across_the_border_does_not_widen_what_is_built_up():
-    x, y = (axis.ravel() for axis in np.meshgrid(np.arange(0, 200.0, 10), np.arange(0, 200.0, 10)))
-    houses = np.column_stack([x, y, x + 8, y + 8])
-    found = built_up(np.concatenate([houses, [[150.0, 150.0, 290.0, 170.0]]]))
-    assert np.abs(np.array(found) - (0, 0, 198, 198)).max() < 15.0
