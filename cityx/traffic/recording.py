@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.city import City
-from cityx.city.ground import KERB_HEIGHT, LABEL, ON_ROADWAY, ROADWAY
+from cityx.city.ground import KERB_HEIGHT, LABEL
 from cityx.city.tracks import GAIT, MOVER, Tracks, no_tracks
 from cityx.geometry.polylines import Polylines, bends, to_linestrings, values_along
 from cityx.geometry.standing import stand_on, surfaces_at
@@ -22,11 +22,8 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-# What wheels are on, the walks beside the roadways included.
-_RIDDEN = [LABEL[name] for name in (
-    *ROADWAY, *ON_ROADWAY, "parking", "apron", "kerb", "kerb_dropped", "ramp", "tactile",
-    "tactile_pale", "sidewalk", "furnishing", "plaza", "path",
-)]  # fmt: skip
+# What wheels are never on; else they are on the ground, the walks and lawns of corners included.
+_NOT_RIDDEN = [LABEL[name] for name in ("building", "water", "void", "rail", "railway")]
 SLACK = 0.005  # metres that samples left out may differ by; two neighbours add up to a centimetre
 TURNED = 0.01  # radians that count as much
 FASTER = 0.1  # metres per second that count as much
@@ -229,7 +226,8 @@ def _heights(city: City, xy: FloatArray, mover: IntArray, edge: IntArray) -> Flo
     z = city.terrain.height_at(xy)
     footing = stand_on(city.scene.meshes.get("ground"), xy)
     # The mesh of the ground is coarser than the terrain; and who cuts a corner rides up the kerb.
-    z = np.where(np.isin(footing.label, _RIDDEN), footing.z, z)
+    ridden = np.isfinite(footing.z) & ~np.isin(footing.label, _NOT_RIDDEN)
+    z = np.where(ridden, footing.z, z)
     lines = Polylines(network.points, network.point_start)
     owner = lines.line_of_point()
     lifted = np.zeros(network.edge_count, bool)
