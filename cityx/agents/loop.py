@@ -114,8 +114,11 @@ class Loop:
                 best = kept if best is None or kept.judged.weight < best.judged.weight else best
                 if best.judged.weight > 0 and round_ < ROUNDS:
                     round_ += 1
-                    city, place = self._again(start, round_), 0
-                    continue
+                    fresh = self._again(start, round_)
+                    if self._plan.items != best.plan.items:
+                        city, place = fresh, 0
+                        continue
+                    # The plan does not tell one town from another: the same would come again.
                 city, place = self._settled(best)
                 continue
             self.say(f"{place + 1}/{len(self._plan.items)} {item.action}")

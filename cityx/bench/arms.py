@@ -82,5 +82,5 @@ def arms_table(records: Sequence[Mapping[str, Any]]) -> Iterator[str]:
             rate_cell(Rate(record[key]["hits"], record[key]["of"]))
             for key in ("executed", "right_of_executed", "right")
         ]
-        p = f"{record['p']:.4f}" if "p" in record else ""
+        p = "" if "p" not in record else f"{record['p']:.4f}" if record["p"] else "< 0.0001"
         yield f"| {record['arm']} | {' | '.join(cells)} | {p} |"

@@ -101,11 +101,12 @@ def groups_of(folder: Path) -> dict[tuple[str, int], Group]:
     return groups
 
 
-def _with_what(samples: Group) -> Lines:
+def _with_what(samples: Iterable[Sample]) -> Lines:
     """Say which state of the code and of the actions made samples."""
-    made, now = samples[0].registry, registry_hash(registry())
-    other = f"; this page was written by another one, {now[:SHOWN]}" if made != now else ""
-    yield f"Logged by the state {made[:SHOWN]} of CityX{other}.\n"
+    made, now = {sample.registry for sample in samples}, registry_hash(registry())
+    other = f"; this page was written by another one, {now[:SHOWN]}" if made != {now} else ""
+    states = " and ".join(sorted(one[:SHOWN] for one in made))
+    yield f"Logged by the state {states} of CityX{other}.\n"
 
 
 def _rows(samples: Group, command: str, title: str) -> Lines:
@@ -183,7 +184,7 @@ def _ablation(folder: Path) -> Lines:
         return
     command = f"cityx bench agents --arm all --seeds {_numbers(s.seed for s in samples)}"
     yield f"`{command} --lod {samples[0].lod}{_only(samples)} -o {folder}`\n"
-    yield from _with_what(samples)
+    yield from _with_what([sample for own in arms.values() for sample in own])
     yield from arms_table(ablation_of(arms))
     left = [name_of(arm) for arm in ARMS if arm not in arms]
     if left:

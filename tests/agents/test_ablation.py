@@ -102,3 +102,13 @@ def test_pairs_are_compared_by_mcnemars_exact_test(tmp_path):
     assert lines[-1].startswith("| D | 5/10 = 50.00 %")
     assert lines[-1].endswith("| 0.0312 |")
     assert "McNemar" in (tmp_path / "ablation.md").read_text()
+
+
+def test_a_layout_that_cannot_be_varied_is_not_tried_again(tmp_path):
+    options = BuildOptions(
+        text="A sparse suburb of 150 m by 150 m.", lod=0, formats=(), render=False,
+        choice=PlannerChoice(shown="IL"),
+    )  # fmt: skip
+    build([], tmp_path / "city", options)
+    with Journal(tmp_path / "city" / "city" / JOURNAL) as journal:
+        assert [step.error for step in journal.steps(1) if step.status == "rejected"] == []
