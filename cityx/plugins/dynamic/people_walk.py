@@ -264,10 +264,9 @@ class _Walk:
 
     def _forth(self, crosswalk: IntArray, point: IntArray) -> IntArray:
         """(k,) 1 where ways lead over crosswalks from their first ends to the second, else 0."""
-        along = self.axes[crosswalk]
-        return (self.right[point, 0] * along[:, 1] - self.right[point, 1] * along[:, 0] > 0).astype(
-            np.int64
-        )
+        along, right = self.axes[crosswalk], self.right[point]
+        turn = right[:, 0] * along[:, 1] - right[:, 1] * along[:, 0]
+        return np.asarray(turn > 0, np.int64)
 
     def _wait(self, rows: IntArray, here: IntArray, now: float) -> tuple[BoolArray, BoolArray]:
         """(r,) whether each stands before a roadway that may not be stepped onto, or in a queue."""
