@@ -230,7 +230,9 @@ def _made(city: City, ground: Ground) -> Walkable:
     site = shapely.buffer(shapely.box(*city.layout.extent), 2 * CELL, join_style="mitre")
     rest = shapely.difference(site, shapely.multipolygons(area.areas))
     free = ~grid.touched(shapely.get_parts(rest)) & ~grid.touched(_solids(city, ground))
-    number, rim = (grid.numbered(area.over, touched=wide).astype(np.int16) for wide in (0, 1))
+    number, rim = (
+        grid.numbered(area.over, touched=wide).astype(np.int16) for wide in (False, True)
+    )
     beside = grid.touched(shapely.get_parts(area.verge))
     for raster in (free, number, rim, beside):  # what lies beyond is looked up on the rim
         raster[[0, -1]] = raster[:, [0, -1]] = 0

@@ -57,7 +57,7 @@ class Floor:
     @property
     def place(self) -> tuple[Any, ...]:
         """What kernels need to look up where one may be."""
-        return self.free, self.rim, self.west, self.north, self.cell
+        return self.free, self.zone, self.west, self.north, self.cell
 
 
 @dataclass(frozen=True)
@@ -78,6 +78,8 @@ class Crowd:
         (n,) float64, metres that each keeps to the middle of others; the less of two counts.
     leave
         (n,) int64, zone of the floor that each may step onto.
+    awaits
+        (n,) int64, zone that each is going to; its rim is kept clear until there is leave.
     """
 
     position: FloatArray
@@ -87,6 +89,7 @@ class Crowd:
     side: FloatArray
     apart: FloatArray
     leave: IntArray
+    awaits: IntArray
 
 
 def stepped(
@@ -121,7 +124,8 @@ def stepped(
 
     moved = crowd_kernel.step(
         crowd.position, others, crowd.target, crowd.pace, crowd.stride, crowd.side, crowd.apart,
-        APART, crowd.leave, floor.free, floor.zone, floor.rim, floor.west, floor.north, floor.cell,
+        APART, crowd.leave, crowd.awaits, floor.free, floor.zone, floor.rim, floor.west,
+        floor.north, floor.cell,
         boxes, seconds,
     )  # fmt: skip
     return np.asarray(moved)

@@ -109,7 +109,7 @@ def depth_in(box: Any, x: float, y: float) -> float:
 @compiled
 def step(
     here: Any, others: Any, target: Any, pace: Any, stride: Any, side: Any, apart: Any,
-    keep: float, leave: Any, free: Any, zone: Any, rim: Any, west: float, north: float,
+    keep: float, leave: Any, awaits: Any, free: Any, zone: Any, rim: Any, west: float, north: float,
     size: float, boxes: Any, seconds: float,
 ) -> Any:  # fmt: skip
     """Return (n, 2) places of a crowd after a step; see `cityx.geometry.crowd.stepped`."""
@@ -173,7 +173,8 @@ def step(
             if not free[row, column]:
                 continue
             known = over == 0 or over == own or over == leave[i]
-            if not known and (over != edge or zone[row, column] != 0):
+            past = zone[row, column] == 0 and (over == edge or over != awaits[i])
+            if not known and (not past or pace[i] <= 0.0):
                 continue
             fits = True
             for q in range(count):
@@ -302,16 +303,16 @@ def _take_back(
 
 @compiled
 def sees(
-    x: float, y: float, to_x: float, to_y: float, shares: Any, mine: int, free: Any, rim: Any,
+    x: float, y: float, to_x: float, to_y: float, shares: Any, mine: int, free: Any, zones: Any,
     west: float, north: float, size: float,
 ) -> bool:  # fmt: skip
     """Tell whether a straight line stays free, at some shares of it, and off zones of others."""
     row, column = cell_of(x, y, west, north, size, free.shape)
-    own = rim[row, column]
+    own = zones[row, column]
     for k in range(len(shares)):
         row, column = cell_of(x + shares[k] * (to_x - x), y + shares[k] * (to_y - y), west, north,
                               size, free.shape)  # fmt: skip
-        number = rim[row, column]
+        number = zones[row, column]
         if not free[row, column] or (number != 0 and number != mine and number != own):
             return False
     return True
@@ -320,7 +321,7 @@ def sees(
 @compiled
 def follow(
     rows: Any, at: Any, last: Any, position: Any, points: Any, right: Any, room: Any, zone: Any,
-    aside: Any, window: int, ahead: int, shares: Any, free: Any, rim: Any, west: float,
+    aside: Any, window: int, ahead: int, shares: Any, free: Any, zones: Any, west: float,
     north: float, size: float,
 ) -> Any:  # fmt: skip
     """Find where people are on their ways, and the places that they head for.
@@ -337,14 +338,15 @@ def follow(
         (p, 2) metres, (p, 2) directions to the right of the ways, (p,) metres of room there, and
         (p,) the zone that the way is on or comes to next.
     aside
-        (n,) metres to the right of their ways that people keep, negative to the left.
+        (n,) metres to the right of their ways that people keep, negative to the left; those of
+        0 go by every point of the way, seen or not.
     window
         Points ahead among which one looks for where one is, never back.
     ahead
         Points ahead to the place that one heads for.
     shares
         Of a line, where it must be free.
-    free, rim, west, north, size
+    free, zones, west, north, size
         Rasters.
 
     Returns
@@ -367,12 +369,16 @@ def follow(
         off = off if aside[i] > 0 else -off
         # Nearer and nearer, at last back to the way itself for who was pushed behind a corner.
         target[k, 0], target[k, 1] = points[nearest, 0], points[nearest, 1]
+        if aside[i] == 0.0:  # who sways between what is seen from here and there takes the next
+            point = min(nearest + 1, last[i])
+            target[k, 0], target[k, 1] = points[point, 0], points[point, 1]
+            continue
         for trial in range(ahead + 3):
             share = 1.0 if trial == 0 else 0.5 if trial == 1 else 0.0
             point = min(nearest + ahead - max(trial - 2, 0), last[i])
             to_x = points[point, 0] + share * off * right[point, 0]
             to_y = points[point, 1] + share * off * right[point, 1]
-            if sees(x, y, to_x, to_y, shares, zone[nearest], free, rim, west, north, size):
+            if sees(x, y, to_x, to_y, shares, zone[nearest], free, zones, west, north, size):
                 target[k, 0], target[k, 1] = to_x, to_y
                 break
     return target

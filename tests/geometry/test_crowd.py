@@ -35,7 +35,7 @@ def crowd(position, target, pace=1.4, apart=APART, leave=0):
     return Crowd(
         np.asarray(position, float), np.asarray(target, float), paces.copy(),
         np.full(count, CREEP * 1.4), np.ones(count), np.full(count, apart),
-        np.full(count, leave),
+        np.full(count, leave), np.full(count, 1),
     )  # fmt: skip
 
 

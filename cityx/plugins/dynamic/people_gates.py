@@ -74,7 +74,7 @@ class Gates:
     @property
     def waits(self) -> FloatArray:
         """(c,) seconds that one waits before each crosswalk, whenever one comes there."""
-        return np.minimum(self._opens_in * self.tick, LONG).mean(axis=1)
+        return np.asarray(np.minimum(self._opens_in * self.tick, LONG).mean(axis=1))
 
     def boxes_at(self, now: float) -> FloatArray:
         """(b, 6) where vehicles are from now on for a while."""

@@ -41,6 +41,7 @@ ON_THE_SPOT, GONE_AFTER = (
     1.5,
     58.0,
 )  # metres within which, and seconds after which, one is taken out
+STRAYED = 6.0  # seconds without getting on after which one goes by every point of the way
 HASTE = 6.0  # seconds before a vehicle comes from which one hurries off the roadway
 HURRY = 1.5  # times one's pace while one does
 
@@ -178,9 +179,11 @@ class _Walk:
         self._enter(now, others, boxes)
         rows = self.present
         before = self.position[rows]
+        strays = now - self.since > STRAYED
+        aside = np.where(strays, 0.0, self.keep * self.hand)
         target = follow(
             rows, self.at, self.last, self.position, self.points, self.right, self.room,
-            self.coming, self.keep * self.hand, WINDOW, AHEAD, SIGHT, *self.floor.place,
+            self.coming, aside, WINDOW, AHEAD, SIGHT, *self.floor.place,
         )  # fmt: skip
         here = self.walkable.at(self.walkable.crosswalk, before).astype(np.int64)
         waits, queues = self._wait(rows, here, now)
@@ -191,7 +194,8 @@ class _Walk:
         tight |= self.walkable.at(self.walkable.clearance, target) < TIGHT
         tight |= late | (self.stuck[rows] > SQUEEZE_AFTER)
         crowd = Crowd(before, target, pace, CREEP * own, self.side[rows],
-                      np.where(tight, SQUEEZED, APART), self.granted[rows])  # fmt: skip
+                      np.where(tight, SQUEEZED, APART), self.granted[rows],
+                      self.coming[self.at[rows]])  # fmt: skip
         self.position[rows] = stepped(crowd, others, STEP, self.floor, boxes)
         self._lose_patience(rows, before, target, waits | queues, here > 0, now)
         end = self.points[self.last[rows]]
@@ -214,7 +218,9 @@ class _Walk:
         ahead = target - before
         ahead /= np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
         gone = ((self.position[rows] - before) * ahead).sum(axis=1)
-        slow = (gone < SLOW * self.trips.pace[rows] * STEP) & ~patient
+        slow = gone < SLOW * self.trips.pace[rows] * STEP
+        slow |= now - self.since[rows] > STRAYED  # who sways on the spot gets on and back again
+        slow &= ~patient
         was = self.stuck[rows]
         self.stuck[rows] = np.where(slow, self.stuck[rows] + STEP,
                                     np.maximum(self.stuck[rows] - STEP, 0.0))  # fmt: skip
@@ -258,10 +264,9 @@ class _Walk:
 
     def _forth(self, crosswalk: IntArray, point: IntArray) -> IntArray:
         """(k,) 1 where ways lead over crosswalks from their first ends to the second, else 0."""
-        along = self.axes[crosswalk]
-        return (self.right[point, 0] * along[:, 1] - self.right[point, 1] * along[:, 0] > 0).astype(
-            np.int64
-        )
+        along, right = self.axes[crosswalk], self.right[point]
+        turn = right[:, 0] * along[:, 1] - right[:, 1] * along[:, 0]
+        return np.asarray(turn > 0, np.int64)
 
     def _wait(self, rows: IntArray, here: IntArray, now: float) -> tuple[BoolArray, BoolArray]:
         """(r,) whether each stands before a roadway that may not be stepped onto, or in a queue."""
