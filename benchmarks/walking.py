@@ -14,8 +14,8 @@ import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
+from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 
-import numpy as np
 from places import PLACES, built
 
 from cityx.checks.movement import check_movement
@@ -31,26 +31,38 @@ def row(name: str, city: City, minutes: float, density: str, *, among: str) -> N
     """Let people walk in a city and print what came of it."""
     seconds = 60.0 * minutes
     city = replace(city, tracks=None)
+    area = walkable_of(city)
+    clock, busy = [time.perf_counter()], [_processor()]
     if among:
         city = traffic(city, density=among, duration=seconds)
-    area = walkable_of(city)
-    spent, process = time.perf_counter(), time.process_time()
+    clock, busy = [*clock, time.perf_counter()], [*busy, _processor()]
     walked = people.pedestrians(city, density=density, duration=seconds)
-    spent, process = time.perf_counter() - spent, time.process_time() - process
+    clock, busy = [*clock, time.perf_counter()], [*busy, _processor()]
     tracks = walked.tracks
     assert tracks is not None
     foot = tracks.kind == MOVER["pedestrian"]
-    length = np.diff(tracks.sample_start)[foot]
-    span = tracks.take(foot)
-    under_way = (span.time[span.sample_start[1:] - 1] - span.time[span.sample_start[:-1]]).sum()
     print(
-        f"{name}: {int(foot.sum())} people, {under_way / seconds:.0f} at a time, "
-        f"{int((~foot).sum())} vehicles; {area.area / 1e4:.2f} ha walkable, "
-        f"{area.crosswalks.count} crosswalks; {process:.0f} s of processor ({spent:.0f} s), "
-        f"{seconds / process:.0f} times real time; {length.sum():,} samples"
+        f"{name}: {seconds:g} s; {area.area / 1e4:.2f} ha walkable, "
+        f"{area.crosswalks.count} crosswalks"
     )
+    for kind, chosen, step in (("vehicles", ~foot, 1), ("people", foot, 2)):
+        span = tracks.take(chosen)
+        under_way = (span.time[span.sample_start[1:] - 1] - span.time[span.sample_start[:-1]]).sum()
+        print(
+            f"    {kind:<9} {int(chosen.sum())}, {under_way / seconds:.0f} at a time; "
+            f"{busy[step] - busy[step - 1]:.0f} s of processor, "
+            f"{clock[step] - clock[step - 1]:.0f} s on the clock; {len(span.time):,} samples"
+        )
+    print(f"    together {seconds / (busy[2] - busy[0]):.1f} times real time of one core, "
+          f"{seconds / (clock[2] - clock[0]):.1f} on the clock")  # fmt: skip
     for check in check_movement(walked):
         print(f"    {check.name:<26} {check.value:g} (limit {check.limit:g})")
+
+
+def _processor() -> float:
+    """Return the processor seconds of this process and those it has waited for."""
+    spent = [getrusage(who) for who in (RUSAGE_SELF, RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in spent)
 
 
 def main() -> None:
