@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from cityx.city import City
 from cityx.city.ground import KERB_WIDTH, LABEL, Ground
+from cityx.city.outlines import placed_outlines
+from cityx.city.passage import crowding
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.clearance import distance_within, near_any
 from cityx.geometry.identity import choose, hash_ids, uniform
@@ -479,4 +481,13 @@ def street_pieces(
     found = join_pieces([posts, kept, bicycles])
     found = found.take(may_stand(city, found))
     city = replace(city, stages_done=done)
-    return with_pieces(city, LAYER, found) if len(found) else city
+    return with_passage(city, found, posts.id) if len(found) else city
+
+
+def with_passage(city: City, found: Pieces, fixed: NDArray[np.uint64]) -> City:
+    """Put pieces into the city, but those that leave no way past them on a walk; posts stay."""
+    city = with_pieces(city, LAYER, found)
+    outlines, xy, ids = placed_outlines(city.scene)
+    rows, tight = crowding(city, outlines, xy)
+    crowded = np.isin(found.id, ids[rows[tight]]) & ~np.isin(found.id, fixed)
+    return with_pieces(city, LAYER, found.take(~crowded)) if crowded.any() else city

@@ -5,10 +5,11 @@ import pytest
 import shapely
 
 from cityx.assets.furniture import furniture as piece
-from cityx.checks.furniture import check_furniture, crowding, in_lanes
+from cityx.checks.furniture import check_furniture, in_lanes
 from cityx.city import Frame, make_table
 from cityx.city.ground import KERB_WIDTH
 from cityx.city.outlines import placed_outlines
+from cityx.city.passage import crowding
 from cityx.city.scene import Instances, Prototype
 from cityx.geometry.standing import WALKED, stand_on
 from cityx.plugins.nature.furniture import furniture
