@@ -221,7 +221,7 @@ def check_words(order: Order, faults: Faults) -> None:
 
 
 def _check_libraries(order: Order, channels: Iterable[Channel], faults: Faults) -> None:
-    needed = set(libraries_of(order.formats)) | {"numba"}
+    needed = set(libraries_of(order.formats))
     if any(channel.maker == CYCLES for channel in channels):
         needed |= {"OpenEXR"}
     missing = sorted(name for name in needed if find_spec(name) is None)

@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.cores import core_count
-from cityx.errors import MissingExtra
 
 FloatArray = NDArray[np.float64]
 BLOCK = 8192  # rays that a thread casts at a time
@@ -150,12 +149,8 @@ class Hits:
 
 @cache
 def _kernels() -> ModuleType:
-    try:
-        from cityx.geometry import bvh
-    except ImportError as error:
-        raise MissingExtra(
-            f"Casting rays needs {error.name or 'numba'}: pip install 'cityx[dataset]'."
-        ) from error
+    from cityx.geometry import bvh
+
     return bvh
 
 

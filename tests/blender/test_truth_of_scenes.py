@@ -21,7 +21,6 @@ CLOSE = 2e-3  # metres; Blender's rays are float32
 
 def both(city, shots, folder, *, every, snow=0.0, moment=0.0):
     """Distances along the rays of every so many pixels, of our rays and of Blender's."""
-    pytest.importorskip("numba", reason="the extra dataset is not installed")
     view = read_view(city)
     view = replace(view, environment=replace(view.environment, snow=snow))
     ahead = [rays(one.camera).reshape(-1, 3)[::every] for one in shots]

@@ -3,8 +3,6 @@ import pytest
 from made_view import HOUSE, POST, box, pane, plate, rows, shot, street, view
 from moving_city import BIKE, CAR, MAN, moving
 
-pytest.importorskip("numba", reason="the extra dataset is not installed")
-
 from cityx.city.scene import Prototype, Scene
 from cityx.city.store import read_view, view_of
 from cityx.dataset.shots import rays

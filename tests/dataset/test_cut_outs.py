@@ -2,8 +2,6 @@ import numpy as np
 import pytest
 from made_view import box, pane, plate, rows, shot, view
 
-pytest.importorskip("numba", reason="the extra dataset is not installed")
-
 from cityx.city.scene import Prototype, Scene
 from cityx.dataset.classes import CLASS
 from cityx.dataset.stage import CutOut, stage_of

@@ -2,8 +2,6 @@ import numpy as np
 import pytest
 from made_view import HOUSE, POST, box, plate, shot, street, view
 
-pytest.importorskip("numba", reason="the extra dataset is not installed")
-
 from cityx.city.scene import Scene
 from cityx.city.store import read_view
 from cityx.dataset.classes import CLASS

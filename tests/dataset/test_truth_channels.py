@@ -2,8 +2,6 @@ import numpy as np
 import pytest
 from made_view import GROUND, HOUSE, POST, WINDOW, box, plate, rows, shot, street, view
 
-pytest.importorskip("numba", reason="the extra dataset is not installed")
-
 from cityx.city.scene import Prototype, Scene
 from cityx.city.store import read_view
 from cityx.dataset.channels import CHANNELS, SETS

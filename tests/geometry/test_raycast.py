@@ -1,8 +1,6 @@
 import numpy as np
 import pytest
 
-pytest.importorskip("numba", reason="the extra dataset is not installed")
-
 from cityx.geometry.raycast import Masks, cast, joined, placed, ray_scene, subset
 from cityx.geometry.turns import matrices
 
@@ -173,20 +171,3 @@ def test_threads_change_no_byte():
     one, two = (cast(scene, np.zeros(3), directions, threads=n) for n in (1, 2))
     for name in vars(one):
         assert getattr(one, name).tobytes() == getattr(two, name).tobytes(), name
-
-
-def test_without_numba_the_extra_to_install_is_named(monkeypatch):
-    import sys
-
-    import cityx.geometry
-    from cityx.errors import MissingExtra
-    from cityx.geometry import raycast
-
-    raycast._kernels()
-    monkeypatch.delattr(cityx.geometry, "bvh")
-    monkeypatch.delitem(sys.modules, "cityx.geometry.bvh")
-    monkeypatch.setitem(sys.modules, "numba", None)
-    raycast._kernels.cache_clear()
-    with pytest.raises(MissingExtra, match=r"needs numba: pip install 'cityx\[dataset\]'"):
-        ray_scene([QUAD], [HALVES], [0], STAND[None])
-    raycast._kernels.cache_clear()
