@@ -130,7 +130,9 @@ class OfflinePlanner:
             for fact in (FILES[kind], *READABLE.get(kind, ()))
         ]
         wanted = frozenset(place for place, kind in enumerate(situation.kinds) if kind in FILES)
-        found = Reached(operators, start)
+        # What needs a layout itself makes none: terrain would go round and widen the site.
+        first = [item for item in operators if not {LAYOUT, (STAGE, "layout")} & {*item.needs}]
+        found = Reached(first, start)
         node = found.best(LAYOUT, origin=wanted)
         unused = wanted - (node.origin if node else frozenset())
         for place in sorted(unused):
