@@ -9,6 +9,7 @@ import bpy  # noqa: TID251
 import numpy as np
 
 from cityx.assets.moving import with_movers
+from cityx.blender.leaf_fall import show_twigs
 from cityx.blender.light import Lighting
 from cityx.blender.scene import build_scene
 from cityx.city.store import read_view
@@ -20,6 +21,7 @@ view = with_movers(view, job["moment"])
 bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
 scene = build_scene(view)
 Lighting(scene, view).set(view.environment)
+show_twigs(bpy.data.objects, shown=False)
 graph = bpy.context.evaluated_depsgraph_get()
 found = []
 for eye, direction in job["rays"]:

@@ -56,7 +56,7 @@ def main(store, camera, out, moment=0.0):
     studio = Studio(scene, view, Lighting(scene, view), library, staged=True)
     item = render.add_camera(scene, camera)
     render.set_up(scene, samples=1, gpu=False)
-    studio.show(view.environment, camera, moment)
+    studio.show(view.environment, camera, moment, truth=True)
     remove_layer(LAYER)  # blades of grass are in no truth
     render.aim(scene, item)
     scene.use_nodes = False

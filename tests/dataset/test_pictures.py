@@ -175,10 +175,10 @@ def test_channels_have_the_shapes_and_ranges_of_the_table(forwards):
 
 @pytest.mark.blender
 @pytest.mark.slow
-def test_the_picture_is_the_one_that_people_get(store, forwards, tmp_path):
+def test_the_picture_is_the_exact_one_that_people_get(store, forwards, tmp_path):
     shot = SHOTS[0]
     wanted = module._request(shot, ["rgb"], QUICK, tmp_path)
-    plain = replace(wanted, passes=())
+    plain = replace(wanted, passes=(), exact=True)
     run_worker(BlenderJob(store, renders=(plain,), gpu=False), timeout_s=300)
     with Image.open(plain.path) as seen:
         assert np.array_equal(np.asarray(seen), forwards[shot.name].channels["picture"])
