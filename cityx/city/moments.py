@@ -42,6 +42,11 @@ class Moments:
     place: NDArray[np.uint64]
     onto: NDArray[np.uint64]
 
+    def by_time(self, count: int) -> list[IntArray]:
+        """Return the rows of each of the `count` times, in the order of movers."""
+        order = np.argsort(self.number, kind="stable")
+        return np.split(order, np.searchsorted(self.number[order], np.arange(1, count)))
+
     def boxes(self, size: NDArray[np.float32], more: float = 0.0) -> NDArray[np.object_]:
         """Return (m,) outlines of movers seen from above.
 

@@ -137,8 +137,8 @@ def _run_into(made: Tracks, driving: Tracks) -> NDArray[np.bool_]:
     times = np.arange(0.0, driving.duration + LOOK, LOOK)
     people, vehicles = moments_of(made, times), moments_of(driving, times)
     boxes = vehicles.boxes(driving.size, NEAR)
-    for number in range(len(times)):
-        mine, theirs = people.number == number, vehicles.number == number
+    pairs = zip(people.by_time(len(times)), vehicles.by_time(len(times)), strict=True)
+    for mine, theirs in pairs:
         spots = shapely.points(people.position[mine, :2])
         at = shapely.STRtree(spots).query(boxes[theirs], predicate="intersects")
         level = np.abs(people.position[mine, 2][at[1]] - vehicles.position[theirs, 2][at[0]])
@@ -152,13 +152,10 @@ class _PlacesOf:
     def __init__(self, walkers: Tracks, duration: float) -> None:
         count = round(duration / STEP) + 1
         found = moments_of(walkers, np.arange(count) * STEP)
-        order = np.argsort(found.number, kind="stable")
-        self.start = np.searchsorted(found.number[order], np.arange(count + 1))
-        self.xy = found.position[order, :2]
+        self.places = [found.position[rows, :2] for rows in found.by_time(count)]
 
     def __call__(self, now: float) -> FloatArray:
-        number = min(round(now / STEP), len(self.start) - 2)
-        return self.xy[self.start[number] : self.start[number + 1]]
+        return self.places[min(round(now / STEP), len(self.places) - 1)]
 
 
 def _met(made: Tracks, walkers: Tracks, duration: float) -> NDArray[np.bool_]:
@@ -170,9 +167,8 @@ def _met(made: Tracks, walkers: Tracks, duration: float) -> NDArray[np.bool_]:
         return met
     times = np.arange(round(duration / STEP) + 1) * STEP
     one, other = moments_of(made, times), moments_of(walkers, times)
-    for number in range(len(times)):
-        mine, yours = one.number == number, other.number == number
-        if mine.any() and yours.any():
+    for mine, yours in zip(one.by_time(len(times)), other.by_time(len(times)), strict=True):
+        if len(mine) and len(yours):
             far, _ = cKDTree(other.position[yours, :2]).query(one.position[mine, :2])
             met[one.mover[mine][far < SQUEEZED]] = True
     return met
