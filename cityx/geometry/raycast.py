@@ -11,8 +11,6 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
-from functools import cache
-from types import ModuleType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -147,13 +145,6 @@ class Hits:
     back: NDArray[np.bool_]
 
 
-@cache
-def _kernels() -> ModuleType:
-    from cityx.geometry import bvh
-
-    return bvh
-
-
 def ray_scene(
     vertices: Sequence[ArrayLike],
     triangles: Sequence[ArrayLike],
@@ -185,7 +176,8 @@ def shapes_of(
     vertices: Sequence[ArrayLike], triangles: Sequence[ArrayLike], *, masks: Masks | None = None
 ) -> Shapes:
     """Build the trees of meshes; see `ray_scene`."""
-    bvh = _kernels()
+    from cityx.geometry import bvh
+
     counts = [len(np.asarray(t).reshape(-1, 3)) for t in triangles]
     first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
     corners = np.empty((int(first[-1]), 3, 3), np.float32)
@@ -219,7 +211,8 @@ def shapes_of(
 
 def together(parts: Sequence[Shapes]) -> Shapes:
     """Return the meshes of several tables behind each other, trees and all; none has masks."""
-    bvh = _kernels()
+    from cityx.geometry import bvh
+
     if not parts:
         return shapes_of([], [])
     faces = np.cumsum([0] + [len(part.corners) for part in parts])
@@ -254,7 +247,8 @@ def _treed(
     shapes: Shapes, which: NDArray[np.int32], ways: FloatArray, inverse: FloatArray
 ) -> RayScene:
     """Build the tree over instances; those whose way back is nothing are not seen."""
-    bvh = _kernels()
+    from cityx.geometry import bvh
+
     seen = inverse[:, :, :3].any(axis=(1, 2))
     seen &= shapes.bounds[which, 0] <= shapes.bounds[which, 3]
     low, high = shapes.bounds[which, :3].astype(float), shapes.bounds[which, 3:].astype(float)
@@ -355,7 +349,8 @@ def ways_at(
 
 def normals(scene: RayScene, hits: Hits, directions: ArrayLike) -> FloatArray:
     """Return the (r, 3) unit normals of what rays met, towards where they came from; 0 of none."""
-    bvh = _kernels()
+    from cityx.geometry import bvh
+
     ahead = np.ascontiguousarray(np.asarray(directions, float).reshape(-1, 3))
     found = np.zeros((len(ahead), 3))
     first = 0
@@ -396,7 +391,8 @@ def cast(
     threads
         That share the work, by default all cores; what is found is the same for any number.
     """
-    bvh = _kernels()
+    from cityx.geometry import bvh
+
     ahead = np.ascontiguousarray(np.asarray(directions, float).reshape(-1, 3))
     count = len(ahead)
     begin = np.ascontiguousarray(np.broadcast_to(np.asarray(origins, float), (count, 3)))
