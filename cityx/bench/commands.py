@@ -146,7 +146,8 @@ def quality(
     from cityx.bench.quality import build_towns, quality_of, table_of, write_quality
 
     folders = cities or build_towns(out / "towns", towns, _say)
-    rows = {folder.name: quality_of(folder, maps) for folder in folders}
+    files = () if maps is None else tuple(path for path in maps.iterdir() if path.is_file())
+    rows = {folder.name: quality_of(folder, files) for folder in folders}
     command = f"cityx bench quality{' CITY...' if cities else f' --towns {towns}'}"
     write_quality(rows, command, out)
     typer.echo(table_of(rows))

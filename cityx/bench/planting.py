@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from cityx.assets.palette_tables import GROUPS
 from cityx.assets.palettes import groups_of
+from cityx.assets.style_shares import of_any_style, speaking_of
 from cityx.checks.predicates.buildings import Buildings
 from cityx.checks.predicates.environment import times_of, weathers_of
-from cityx.checks.predicates.styles import of_any_style, speaking_of
 from cityx.checks.predicates.words import MATERIALS
 from cityx.city import City, Instances, MeshBatch
 from cityx.city.ground import ROADWAY

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
 from math import isnan, nan
@@ -59,6 +59,9 @@ MEASURES = (
     Measure("style", "buildings in the style that was asked for", 0.7, more=True),
 )
 
+NAMES = tuple(measure.name for measure in MEASURES)
+Rows = Mapping[str, Mapping[str, float]]  # city to its measures, NaN where nothing is to measure
+
 
 def build_towns(folder: Path, count: int, say: Callable[[str], None]) -> list[Path]:
     """Build towns of every style by sentences, those that are not there already."""
@@ -78,15 +81,15 @@ def build_towns(folder: Path, count: int, say: Callable[[str], None]) -> list[Pa
     return found
 
 
-def quality_of(folder: Path, maps: Path | None = None) -> dict[str, float]:
+def quality_of(folder: Path, inputs: Iterable[Path] = ()) -> dict[str, float]:
     """Measure a built city.
 
     Parameters
     ----------
     folder
         Of the city.
-    maps
-        Folder that holds the map it was built of, if there is one.
+    inputs
+        Files among which is the map that it was built of; without any, fidelity is not measured.
 
     Returns
     -------
@@ -96,17 +99,22 @@ def quality_of(folder: Path, maps: Path | None = None) -> dict[str, float]:
     Raises
     ------
     InputError
-        When the folder holds no city with a report.
+        When the folder holds no city with a report, or the inputs not the file it was built of.
     """
-    from cityx.checks.facades import repeated_share
-    from cityx.city.scene import no_instances
     from cityx.city.store import read_city
 
     try:
         report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise InputError(f"{folder} holds no built city: {error}.") from error
-    city = read_city(folder / "city")
+    return measured(read_city(folder / "city"), report, inputs)
+
+
+def measured(city: City, report: Mapping[str, Any], inputs: Iterable[Path]) -> dict[str, float]:
+    """Measure a city by its report; arguments and result as of `quality_of`."""
+    from cityx.checks.facades import repeated_share
+    from cityx.city.scene import no_instances
+
     checks = {name: float(one["value"]) for name, one in report["checks"].items()}
     windows = city.scene.instances.get("windows", no_instances())
     count = max(len(city.layout.buildings), 1)
@@ -117,22 +125,22 @@ def quality_of(folder: Path, maps: Path | None = None) -> dict[str, float]:
         "closed": checks.get("closed_solids", nan),
         "connected": 1 - checks.get("lanes_stranded", nan),
         "doors": 1 - checks.get("street_doors_missing", nan),
-        "fidelity": _fidelity(city, report["inputs"], maps),
+        "fidelity": _fidelity(city, report["inputs"], {path.name: path for path in inputs}),
         "style": _style(city, report["brief"]),
     }
 
 
-def _fidelity(city: City, inputs: list[Mapping[str, Any]], maps: Path | None) -> float:
+def _fidelity(city: City, inputs: list[Mapping[str, Any]], files: Mapping[str, Path]) -> float:
     """Return how well buildings and streets cover those of the map, NaN without one."""
     from cityx.checks.predicates.facts import Facts
     from cityx.checks.predicates.rasters import overlap_of_layers
 
     own = [one for one in inputs if one["kind"] in ("osm", "semantic")]
-    if maps is None or not own:
+    if not files or not own:
         return nan
-    path = maps / own[0]["name"]
-    if not path.exists():
-        raise InputError(f"{maps} does not hold {own[0]['name']}, of which the city was built.")
+    path = files.get(own[0]["name"])
+    if path is None:
+        raise InputError(f"{own[0]['name']}, of which the city was built, is not among the maps.")
     if file_sha256(path) != own[0]["sha256"]:
         raise InputError(f"{path} is not the file that the city was built of: its hash differs.")
     facts = Facts(city)
@@ -150,33 +158,56 @@ def _style(city: City, brief: Mapping[str, Any]) -> float:
     return float(found.value) if isinstance(found.value, float | int) else nan
 
 
-def table_of(rows: Mapping[str, Mapping[str, float]]) -> str:
+def table_of(rows: Rows) -> str:
     """Return the table in Markdown: cities, their median, and how many keep each bound."""
-    names = [measure.name for measure in MEASURES]
-    lines = [f"| city | {' | '.join(names)} |", "| --- " * (len(names) + 1) + "|"]
-    lines += [f"| {name} | {' | '.join(_cell(row[n]) for n in names)} |"
-              for name, row in rows.items()]  # fmt: skip
-    middle = [_median(rows, name) for name in names]
-    lines.append(f"| median | {' | '.join(_cell(value) for value in middle)} |")
-    kept = []
+    lines = [*_head("city"), *(_line(name, [_cell(row[n]) for n in NAMES])
+                               for name, row in rows.items())]  # fmt: skip
+    lines.append(_line("median", [_cell(_median(rows, name)) for name in NAMES]))
+    kept = zip(_kept(rows), MEASURES, strict=True)
+    lines.append(_line("keep the bound", [f"{count} ({_bound(one)})" for count, one in kept]))
+    return "\n".join(lines)
+
+
+def summary_of(groups: Mapping[str, Rows]) -> str:
+    """Return the table in Markdown of kinds of cities: medians, and how many keep each bound."""
+    lines = _head("cities")
+    for kind, rows in groups.items():
+        kept = zip(NAMES, _kept(rows), strict=True)
+        cells = [f"{_cell(_median(rows, name))}, {count}" for name, count in kept]
+        lines.append(_line(f"{kind} ({len(rows)})", cells))
+    lines.append(_line("bound", [_bound(one) for one in MEASURES]))
+    return "\n".join(lines)
+
+
+def _head(first: str) -> list[str]:
+    return [_line(first, NAMES), "| --- " * (len(NAMES) + 1) + "|"]
+
+
+def _line(first: str, cells: Iterable[str]) -> str:
+    return f"| {first} | {' | '.join(cells)} |"
+
+
+def _bound(measure: Measure) -> str:
+    return f"{'>=' if measure.more else '<='} {measure.bound:g}"
+
+
+def _kept(rows: Rows) -> Iterator[str]:
+    """Yield for every measure how many of the cities keep its bound, of those that it measures."""
     for one in MEASURES:
         values = [row[one.name] for row in rows.values() if not isnan(row[one.name])]
-        sign = ">=" if one.more else "<="
-        kept.append(f"{sum(map(one.kept, values))}/{len(values)} ({sign} {one.bound:g})")
-    lines.append(f"| keep the bound | {' | '.join(kept)} |")
-    return "\n".join(lines)
+        yield f"{sum(map(one.kept, values))}/{len(values)}"
 
 
 def _cell(value: float) -> str:
     return "-" if isnan(value) else f"{value:.3f}"
 
 
-def _median(rows: Mapping[str, Mapping[str, float]], name: str) -> float:
+def _median(rows: Rows, name: str) -> float:
     values = [row[name] for row in rows.values() if not isnan(row[name])]
     return median(values) if values else nan
 
 
-def write_quality(rows: Mapping[str, Mapping[str, float]], command: str, out: Path) -> None:
+def write_quality(rows: Rows, command: str, out: Path) -> None:
     """Write quality.json, quality.md and quality.svg into a folder."""
     record = {
         "command": command,
@@ -199,7 +230,7 @@ def write_quality(rows: Mapping[str, Mapping[str, float]], command: str, out: Pa
 _WIDTH, _LEFT, _ROW, _TOP = 720, 110, 34, 20  # pixels
 
 
-def plot_of(rows: Mapping[str, Mapping[str, float]]) -> str:
+def plot_of(rows: Rows) -> str:
     """Return a strip plot as SVG: a row per measure, a dot per city, a line where the bound is."""
     height = _TOP + _ROW * len(MEASURES) + 30
     parts = [
@@ -220,7 +251,7 @@ def _x(share: float) -> float:
     return round(_LEFT + min(max(share, 0.0), 1.0) * (_WIDTH - _LEFT - 24), 1)
 
 
-def _strip(measure: Measure, y: float, rows: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
+def _strip(measure: Measure, y: float, rows: Rows) -> Iterator[str]:
     bound = _x(measure.bound)
     yield f'<text x="{_LEFT - 12}" y="{y + 4:g}" text-anchor="end">{measure.name}</text>'
     yield f'<line x1="{bound}" x2="{bound}" y1="{y - 12:g}" y2="{y + 12:g}" stroke="#b3261e"/>'

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import nan
 from pathlib import Path
@@ -49,10 +48,9 @@ def write_page(logs: Path, page: Path) -> None:
         If a log is there and cannot be read.
     """
     page.parent.mkdir(parents=True, exist_ok=True)
-    plot = logs / "quality" / PLOT
-    if plot.exists():
+    if rows := _all_cities(logs):
         with replaced(page.parent / PLOT) as temporary:
-            shutil.copyfile(plot, temporary)
+            temporary.write_text(quality.plot_of(rows), encoding="utf-8")
     with replaced(page) as temporary:
         temporary.write_text(page_of(logs, page), encoding="utf-8")
 
@@ -64,7 +62,7 @@ def page_of(logs: Path, page: Path) -> str:
         "Agents": lambda folder: _agents(folder / "agents"),
         "Ablation": lambda folder: _ablation(folder / "ablation"),
         "The paper's figures, beside ours": _paper,
-        "Quality": lambda folder: _quality(folder / "quality"),
+        "Quality": _quality,
         "Speed": lambda folder: _speed(folder / "speed"),
         "Survey": lambda folder: _survey(folder / "survey"),
     }
@@ -240,20 +238,51 @@ def _record(path: Path) -> dict[str, Any] | None:
     return found
 
 
-def _quality(folder: Path) -> Lines:
+def _towns(folder: Path) -> quality.Rows:
+    """Return the measures of the towns of `cityx bench quality`."""
+    record = _record(folder / "quality.json") or {"cities": {}}
+    return {name: _numbered(row) for name, row in record["cities"].items()}
+
+
+def _generated(logs: Path) -> dict[str, quality.Rows]:
+    """Return the measures of all cities that benchmarks generated, by what they were made of."""
+    found: dict[str, dict[str, dict[str, float]]] = {}
+    for folder in ("inputs", "agents"):
+        for (driver, lod), samples in groups_of(logs / folder).items():
+            for one in samples:
+                if one.quality and driver == "offline":
+                    kind = f"{folder}: {one.category}, level {lod}"
+                    name = f"{one.task}-{one.seed}"
+                    found.setdefault(kind, {})[name] = _numbered(one.quality)
+    return dict(found)
+
+
+def _numbered(row: Mapping[str, float | None]) -> dict[str, float]:
+    return {key: nan if value is None else value for key, value in row.items()}
+
+
+def _all_cities(logs: Path) -> quality.Rows:
+    rows = dict(_towns(logs / "quality"))
+    for kind, own in _generated(logs).items():
+        rows |= {f"{kind}: {name}": row for name, row in own.items()}
+    return rows
+
+
+def _quality(logs: Path) -> Lines:
+    folder = logs / "quality"
     record = _record(folder / "quality.json")
     if record is None:
         yield _missing(f"cityx bench quality -o {folder}")
-        return
-    rows = {
-        name: {key: nan if value is None else value for key, value in row.items()}
-        for name, row in record["cities"].items()
-    }
-    yield f"`{record['command']} -o {folder}`\n"
-    yield quality.table_of(rows)
+    else:
+        yield f"`{record['command']} -o {folder}`\n"
+        yield quality.table_of(_towns(folder))
+    if groups := _generated(logs):
+        yield ("\nEvery city that the benchmarks of inputs and agents generated: the median, and "
+               "how many of those measured keep the bound.\n")  # fmt: skip
+        yield quality.summary_of(groups)
     yield ""
-    yield from (f"- {name}: {meaning}" for name, meaning in record["measures"].items())
-    if (folder / PLOT).exists():
+    yield from (f"- {one.name}: {one.meaning}" for one in quality.MEASURES)
+    if _all_cities(logs):
         yield f"\n![A row per measure, a dot per city, the bound as a line]({PLOT})"
 
 

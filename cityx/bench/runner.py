@@ -188,7 +188,8 @@ def _died(job: _Job) -> Sample:
     return Sample(
         job.task.id, job.task.digest, job.task.category, job.driver, job.seed, job.lod,
         job.registry, scored=True, executed=False, right=False, goals=(), clean=(),
-        faults=(fault,), unsupported=(), reply={}, slots={}, planning_s=0.0, seconds=0.0,
+        faults=(fault,), unsupported=(), reply={}, slots={}, quality={},
+        planning_s=0.0, seconds=0.0,
     )  # fmt: skip
 
 

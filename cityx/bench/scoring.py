@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from math import isclose, sqrt
+from math import isclose, isnan, sqrt
 from typing import Any
 
 from cityx.bench.drivers import Driver
 from cityx.bench.outcome import Outcome, Workplace
+from cityx.bench.quality import measured
 from cityx.bench.tasks import SlotPair, Task
 from cityx.checks.predicates import Finding, clean, measure_all
+from cityx.city import City
 
 Z = 1.959964  # of the normal distribution, for 95 %
 NEARLY = 1e-3  # relative, by which a number that was read may miss the one that is meant
@@ -112,6 +115,9 @@ class Sample:
         What was answered and done.
     slots
         Items read and meant, and those that agree; empty where the driver reads none.
+    quality
+        Measures of `cityx.bench.quality` of a city that was generated, None where there was
+        nothing to measure; empty for a change of a city.
     planning_s, seconds
         Until it was known what to do, and in all.
     """
@@ -132,6 +138,7 @@ class Sample:
     unsupported: Sequence[str]
     reply: Mapping[str, Any]
     slots: Mapping[str, int]
+    quality: Mapping[str, float | None]
     planning_s: float
     seconds: float
 
@@ -177,8 +184,19 @@ def judged(place: Workplace, driver: Driver, name: str, registry: str) -> Sample
          for text, found in zip(task.expect, goals, strict=True)],
         [_said(found) for found in rules],
         faults, list(outcome.unsupported), _reply(outcome), slot_counts(task, outcome.slots),
-        round(outcome.planning_s, 3), round(time.perf_counter() - begin, 3),
+        _quality(place, outcome.city), round(outcome.planning_s, 3),
+        round(time.perf_counter() - begin, 3),
     )  # fmt: skip
+
+
+def _quality(place: Workplace, city: City) -> dict[str, float | None]:
+    """Return the measures of a city that was generated, {} where none was or one was changed."""
+    path = place.folder / "report.json"
+    if place.based or not path.exists():
+        return {}
+    report = json.loads(path.read_text(encoding="utf-8"))
+    found = measured(city, report, place.files)
+    return {name: None if isnan(value) else round(value, 4) for name, value in found.items()}
 
 
 def _said(found: Finding) -> dict[str, Any]:

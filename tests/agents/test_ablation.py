@@ -87,7 +87,7 @@ def test_what_is_planned_without_limitations_is_refused_by_the_gate(tmp_path):
 
 def sample(task, right, executed=True):
     return Sample(task, "", "generate", "offline", 0, 1, "", True, executed, right, (), (), (), (),
-                  {}, {}, 0.0, 0.0)  # fmt: skip
+                  {}, {}, {}, 0.0, 0.0)  # fmt: skip
 
 
 def test_pairs_are_compared_by_mcnemars_exact_test(tmp_path):

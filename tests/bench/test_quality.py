@@ -29,7 +29,7 @@ def built(tmp_path_factory):
 
 
 def test_a_city_of_a_map_is_measured_in_all_but_its_style(built):
-    found = quality_of(built / "city", built / "maps")
+    found = quality_of(built / "city", [built / "maps" / "town.osm"])
     assert list(found) == [measure.name for measure in MEASURES]
     assert [name for name, value in found.items() if isnan(value)] == ["doors", "style"]
     assert all(one.kept(found[one.name]) for one in MEASURES if not isnan(found[one.name]))
@@ -38,11 +38,11 @@ def test_a_city_of_a_map_is_measured_in_all_but_its_style(built):
 
 
 def test_another_map_is_no_measure_of_fidelity(built, tmp_path):
-    with pytest.raises(InputError, match=r"does not hold town\.osm"):
-        quality_of(built / "city", tmp_path)
+    with pytest.raises(InputError, match=r"town\.osm.*is not among the maps"):
+        quality_of(built / "city", [tmp_path / "other.osm"])
     (tmp_path / "town.osm").write_text("<osm/>")
     with pytest.raises(InputError, match="its hash differs"):
-        quality_of(built / "city", tmp_path)
+        quality_of(built / "city", [tmp_path / "town.osm"])
     with pytest.raises(InputError, match="holds no built city"):
         quality_of(tmp_path)
 

@@ -19,11 +19,12 @@ LATE = {"code": "STAGE_ORDER", "action": "layout/coast-v1", "message": "it is to
 
 
 def sample(task, *, driver="offline", right=True, executed=True, lod=0, seed=0, category="generate",
-           code=None, faults=()):  # fmt: skip
+           code=None, faults=(), quality=()):  # fmt: skip
     goal = {"predicate": "n(tree) >= 60", "met": right, "evidence": "there are 59 trees"}
     return Sample(
         task, "", category, driver, seed, lod, code or registry_hash(registry()), True, executed,
-        right, [goal], [], list(faults), [], {}, {}, 0.1, 2.0,
+        right, [goal], [], list(faults), [], {}, {}, dict(quality),
+        0.1, 2.0,
     )  # fmt: skip
 
 
@@ -134,6 +135,26 @@ def test_quality_has_its_plot_beside_the_page(logs):
     assert "| a | 0.500 | 0.500 | 0.500 | 0.500 | 0.500 | 0.500 | - |" in text
     assert "](quality.svg)" in text
     assert (out.parent / "quality.svg").read_text().startswith("<svg")
+
+
+def test_quality_counts_every_city_that_was_generated(logs):
+    from cityx.bench.quality import MEASURES
+
+    good = dict.fromkeys((m.name for m in MEASURES), 1.0) | {"overlap": 0.0, "repetition": 0.0}
+    log(logs / "inputs", [
+        sample("osm_00", category="osm", lod=1, quality=good | {"style": None}),
+        sample("osm_01", category="osm", lod=1, quality=good | {"overlap": 0.5, "style": None}),
+    ])  # fmt: skip
+    log(logs / "agents", [
+        sample("P01", quality=good | {"style": 0.5}), sample("P02", category="edit"),
+        sample("P01", driver="oracle", quality=good),
+    ])  # fmt: skip
+    text = section(page(logs), "Quality")
+    assert "| inputs: osm, level 1 (2) | 0.250, 1/2 |" in text
+    assert "| agents: generate, level 0 (1) | 0.000, 1/1 |" in text
+    assert "| 0.500, 0/1 |" in text
+    assert "| -, 0/0 |" in text
+    assert "](quality.svg)" in text
 
 
 def test_speed_stands_beside_peers_and_tells_who_was_skipped(logs):

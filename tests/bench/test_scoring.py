@@ -44,7 +44,7 @@ def sample(**said):
     usual = {
         "task": "P01", "digest": "", "category": "generate", "driver": "offline", "seed": 0,
         "lod": 1, "registry": "", "scored": True, "executed": True, "right": True, "goals": [],
-        "clean": [], "faults": [], "unsupported": [], "reply": {}, "slots": {},
+        "clean": [], "faults": [], "unsupported": [], "reply": {}, "slots": {}, "quality": {},
         "planning_s": 0.0, "seconds": 0.0,
     }  # fmt: skip
     return Sample(**{**usual, **said})

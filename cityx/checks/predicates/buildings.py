@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from cityx.assets.palette_tables import GROUPS
 from cityx.assets.palettes import building_groups, owner_rows
+from cityx.assets.style_shares import of_any_style, speaking_of
 from cityx.assets.surface_states import material_named
 from cityx.checks.predicates import words
 from cityx.checks.predicates.colors import nearest_word
-from cityx.checks.predicates.styles import of_any_style, speaking_of
 from cityx.checks.predicates.things import (
     BoolArray,
     CannotTell,

@@ -19,6 +19,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.palettes import GROUPS, building_groups, family_of, owner_rows, region_of
+from cityx.assets.style_shares import STRAY, speaking_of
 from cityx.assets.style_tables import ALWAYS, STYLE_WORDS, TABLE, Weights
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polygons import FloatArray
@@ -77,8 +78,12 @@ PLACES: Mapping[str, Weights] = MappingProxyType(
     }
 )  # fmt: skip
 TOUCH = 0.3  # metres between neighbours wall to wall
+# Generators whose houses stand in rows of one design; next to each other, others differ.
+IN_ROWS = ("georgian_terrace", "walk_up", "suburban_house", "cottage", "bungalow", "panel_slab",
+           "warehouse", "shed")  # fmt: skip
 ROW_SHARE = 0.85  # of the houses of a row that follow its design
 ROW_REACH = 6  # neighbours along a row whose design is shared
+ASKED = 3.0  # weight of generators that speak of the style asked for, against a region's usual one
 LARGE_PARKING = 250.0  # square metres; smaller garages are sheds
 
 
@@ -130,7 +135,9 @@ def choose_generators(layout: Layout, seed: int, *, style: str = "", region: str
     weight = weight * _favoured(names, buildings["place"].to_numpy(str), PLACES)
     word = style.strip().lower().replace(" ", "_")
     boost = np.array([STYLE_WORDS.get(word, {}).get(name, 1.0) for name in names.tolist()])
-    weight = weight * boost + (boost > 1) * 0.02 * boost * (base[group] == 0)
+    weight = weight * boost + (boost > 1) * STRAY * boost * (base[group] == 0)
+    if word:
+        weight *= np.array([_spoken(word, each, names) for each in GROUPS])[group]
     fits = admitted(layout)
     weight = np.where(fits, weight, 0.0)
     lost = weight.sum(axis=1) <= 0
@@ -140,16 +147,24 @@ def choose_generators(layout: Layout, seed: int, *, style: str = "", region: str
         weight[lost & fits[:, column], column] = 1.0
     lost = weight.sum(axis=1) <= 0
     weight[lost, int(np.flatnonzero(names == SPARE[0])[0])] = 1.0
-    key = _row_keys(layout, seed)
-    edges = np.cumsum(weight, axis=1)
-    drawn = uniform(seed, "building/generator", key) * edges[:, -1]
-    found = names[np.minimum((edges <= drawn[:, None]).sum(axis=1), len(names) - 1)]
+    found = names[_drawn(weight, uniform(seed, "building/generator", _row_keys(layout, seed)))]
+    single = np.where(np.isin(names, list(IN_ROWS)), 0.0, weight)
+    ids = buildings["id"].to_numpy(np.uint64)
+    other = names[_drawn(single, uniform(seed, "building/generator alone", ids))]
+    found = np.where(np.isin(found, list(IN_ROWS)) | (single.sum(axis=1) <= 0), found, other)
     purpose = _purposes(layout)
     known = np.isin(purpose, names)
     number = {name: at for at, name in enumerate(names.tolist())}
     columns = np.array([number.get(name, 0) for name in purpose.tolist()], np.int64)
     known &= fits[np.arange(len(buildings)), columns]
     return np.where(known, purpose, found)
+
+
+def _drawn(weight: FloatArray, share: FloatArray) -> NDArray[np.int64]:
+    """Return the column that numbers from 0 to 1 draw by the weights of their rows, (n,)."""
+    edges = np.cumsum(weight, axis=1)
+    at = (edges <= (share * edges[:, -1])[:, None]).sum(axis=1)
+    return np.minimum(at, weight.shape[1] - 1)
 
 
 def admitted(layout: Layout, floors: int = 0) -> NDArray[np.bool_]:
@@ -198,6 +213,11 @@ def _said_wall(layout: Layout) -> Words:
 def _row(family: str, group: str, names: Words) -> FloatArray:
     weights = ALWAYS.get(group) or TABLE[family][group]
     return np.array([weights.get(name, 0.0) for name in names.tolist()])
+
+
+def _spoken(style: str, group: str, names: Words) -> FloatArray:
+    """Return what the generators of a use gain by a style that is asked for, (g,)."""
+    return np.where(np.isin(names, list(speaking_of(style).get(group, ()))), ASKED, 1.0)
 
 
 def _favoured(names: Words, words: Words, table: Mapping[str, Weights]) -> FloatArray:

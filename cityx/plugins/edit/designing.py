@@ -407,7 +407,7 @@ def _named(city: City, layout: Layout, wish: Wish, rows: IntArray) -> GeoDataFra
 
 def _of_style(city: City, layout: Layout, style: str, fits: NDArray[np.bool_]) -> NDArray[np.str_]:
     """Draw generators that speak of a style; where none fits, those of the style's towns."""
-    from cityx.checks.predicates.styles import speaking_of
+    from cityx.assets.style_shares import speaking_of
 
     region = region_of(city.frame.latitude, city.frame.longitude)
     names = choose_generators(layout, city.seed, style=style, region=region).astype("U32")

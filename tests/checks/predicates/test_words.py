@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from cityx.assets.palette_tables import GROUPS
+from cityx.assets.style_shares import of_any_style, speaking_of
 from cityx.assets.style_tables import TABLE
 from cityx.checks.predicates import words
 from cityx.checks.predicates.colors import nearest_word
 from cityx.checks.predicates.environment import times_of, weathers_of
-from cityx.checks.predicates.styles import of_any_style, speaking_of
 from cityx.city import Environment
 from cityx.plugins.background.sun import sun_of
 from cityx.plugins.background.weather import weather_of

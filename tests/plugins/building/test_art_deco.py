@@ -4,7 +4,7 @@ import shapely
 
 from cityx.assets.fixtures import fixture
 from cityx.assets.fixtures.deco import MAKERS
-from cityx.checks.predicates.styles import speaking_of
+from cityx.assets.style_shares import speaking_of
 from cityx.geometry.massing import Plot
 from cityx.plugins.building import art_deco
 from cityx.plugins.building.selection import choose_generators

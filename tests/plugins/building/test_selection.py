@@ -6,6 +6,7 @@ import pytest
 import shapely
 
 from cityx.assets import style_tables
+from cityx.assets.style_shares import speaking_of
 from cityx.city import Layout, make_table
 from cityx.plugins.building import selection
 from cityx.plugins.building.catalogue import NAMES, generators
@@ -79,6 +80,26 @@ def test_houses_of_a_row_mostly_share_a_design():
     free = choose_generators(town(gap=5.0, size=(6.0, 10.0), use="house", levels=2), 3,
                              region="british isles")  # fmt: skip
     assert (row[1:] == row[:-1]).mean() > (free[1:] == free[:-1]).mean() + 0.1
+
+
+def test_flats_side_by_side_share_no_draw():
+    size = (14.0, 12.0)
+    block, free = (
+        choose_generators(town(600, gap=gap, size=size, use="apartments"), 3) for gap in (0.0, 5.0)
+    )
+    same = [(one[1:] == one[:-1]).mean() for one in (block, free)]
+    assert same[0] < same[1] + 0.15  # slabs of estates alone stand in rows
+
+
+def test_a_style_that_is_asked_for_outweighs_the_others():
+    layout = town(600, use="apartments")
+    own = list(speaking_of("european")["flats"])
+    usual, asked = (
+        np.isin(choose_generators(layout, 1, style=style), own).mean()
+        for style in ("", "european")
+    )  # fmt: skip
+    assert 0.75 < usual < asked - 0.05
+    assert asked > 0.92
 
 
 def test_the_choice_does_not_depend_on_the_order_or_the_other_buildings():
