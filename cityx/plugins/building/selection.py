@@ -164,7 +164,7 @@ def _drawn(weight: FloatArray, share: FloatArray) -> NDArray[np.int64]:
     """Return the column that numbers from 0 to 1 draw by the weights of their rows, (n,)."""
     edges = np.cumsum(weight, axis=1)
     at = (edges <= (share * edges[:, -1])[:, None]).sum(axis=1)
-    return np.minimum(at, weight.shape[1] - 1)
+    return np.asarray(np.minimum(at, weight.shape[1] - 1))
 
 
 def admitted(layout: Layout, floors: int = 0) -> NDArray[np.bool_]:
