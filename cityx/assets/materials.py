@@ -144,12 +144,13 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("metal_dark", (0.045, 0.048, 0.05), 0.5, 0.6, takes_tint=False, porosity=0.0),
     _M("metal_grey", (0.40, 0.41, 0.42), 0.4, 0.8, takes_tint=False, porosity=0.0),
     _M("bench_wood", (0.26, 0.15, 0.075), 0.7, texture="boards", tile=1.2, porosity=0.5),
-    _M("bark", (0.13, 0.095, 0.065), 0.95, texture="bark", tile=1.0, porosity=0.6),
+    _M("bark", (0.130, 0.106, 0.082), 0.95, texture="bark", tile=1.0, porosity=0.6),
     # Bark of birches, planes and cherries, as pale as a birch's where the tint is 1.
     _M("bark_smooth", (0.62, 0.60, 0.56), 0.85, texture="bark_smooth", tile=1.0, porosity=0.4),
+    _M("bark_flaking", (0.27, 0.25, 0.19), 0.85, texture="bark_flaking", tile=1.0, porosity=0.5),
     _M("leaf", (0.095, 0.17, 0.035), 0.75, porosity=0.0),
     # Leaves of trees; near white, so that the tint of the season is their colour.
-    _M("foliage", (0.80, 0.80, 0.80), 0.70, porosity=0.0),
+    _M("foliage", (0.80, 0.80, 0.80), 0.62, porosity=0.0),
     _M("hedge", (0.06, 0.115, 0.028), 0.9, texture="grass", tile=2.0, porosity=0.0),
     _M("car_paint", (0.80, 0.80, 0.80), 0.25, 0.2, porosity=0.0),
     _M("car_glass", (0.015, 0.018, 0.02), 0.05, 0.0, takes_tint=False, porosity=0.0),

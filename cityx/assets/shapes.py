@@ -393,26 +393,31 @@ def lengths(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def leaf_blades(centres: NDArray[np.float64], along: NDArray[np.float64],
-                across: NDArray[np.float64], material: str,
-                tint: ArrayLike) -> MeshBatch:  # fmt: skip
-    """Make leaves of six triangles: pointed, folded along the midrib, the tip bent down.
+                across: NDArray[np.float64], material: str, tint: ArrayLike, *,
+                lobed: bool = False, fold: float = 0.25) -> MeshBatch:  # fmt: skip
+    """Make leaves of two quads that meet in the midrib, the tip bent down.
 
-    Arguments are those of `cards`.
+    Arguments are those of `cards`; ``lobed`` leaves have a lobe on each side, as of maples.
     """
     normal = np.cross(along, across)
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), GRID)
-    broad = np.linalg.norm(across, axis=1, keepdims=True)
-    # (share along, share across, share of the breadth by which it sinks): midrib, then both sides.
-    places = ((-1.0, 0.0, 0.0), (0.05, 0.0, 0.06), (1.0, 0.0, 0.55), (-0.42, 0.92, 0.22),
-              (0.42, 0.72, 0.34), (-0.42, -0.92, 0.22), (0.42, -0.72, 0.34))  # fmt: skip
+    normal /= np.maximum(lengths(normal), GRID)
+    broad = lengths(across)
+    # Share along, share across, share of the breadth by which it sinks: of the base and the tip,
+    # then of the two corners of a side.
+    ends = ((-1.0, 0.0, 0.0), (1.0, 0.0, 0.35))
+    side = (
+        ((0.12, 1.12, 1.2), (0.28, 0.42, 0.6)) if lobed else ((-0.5, 0.82, 0.7), (0.25, 0.88, 1.0))
+    )
+    places = (*ends, *side, *((a, -b, c) for a, b, c in side))
     corners = np.stack(
-        [centres + a * along + b * across - c * broad * normal for a, b, c in places], axis=1
+        [centres + a * along + b * across - (c * fold) * broad * normal for a, b, c in places],
+        axis=1,
     )
     count = len(centres)
-    base = 7 * np.arange(count)[:, None]
-    fan = ((0, 3, 1), (1, 3, 4), (1, 4, 2), (0, 1, 5), (1, 6, 5), (1, 2, 6))
-    faces = np.vstack([base + np.array(each) for each in fan])
+    base = 6 * np.arange(count)[:, None]
+    # The diagonal of a quad runs from its first corner to its third.
+    faces = np.vstack([base + np.array([0, 2, 3, 1]), base + np.array([5, 4, 0, 1])])
     colors = np.broadcast_to(np.asarray(tint, float), (count, 3))
     return one_mesh(
-        0, corners.reshape(-1, 3), faces, materials=(material,), tint=np.tile(colors, (6, 1))
+        0, corners.reshape(-1, 3), faces, materials=(material,), tint=np.tile(colors, (2, 1))
     )

@@ -61,7 +61,7 @@ SUBSTANCES: Mapping[str, Substance] = MappingProxyType(
             (_RENDER, "plaster trim"),
             (_STONE, "stone setts cobbles slate"),
             (_BRICK, "brick clinker"),
-            (_WOOD, "wood bench_wood bark bark_smooth thatch"),
+            (_WOOD, "wood bench_wood bark bark_smooth bark_flaking thatch"),
             (_STEEL, "metal_dark metal_grey metal_panel roof_metal copper rail_steel"),
             (_GLASS, "glass pane car_glass window_lit glass_wall lamp_glow signal_red "
              "neon_red neon_amber neon_green neon_cyan neon_blue neon_violet neon_pink"),
@@ -113,7 +113,8 @@ CLASSES: Mapping[str, str] = MappingProxyType(
     {
         "street_lamp": "street_lamp", "sign_": "sign", "traffic_signal": "traffic_signal",
         "waste_basket": "litter_bin", "wheelie_bins": "bin", "recycling": "bin",
-        "stone_bench": "bench", "planter": "planter", "car_": "car", "shrub": "shrub",
+        "stone_bench": "bench", "planter": "planter",
+        "pot_row": "planter", "car_": "car", "shrub": "shrub",
         "motor_scooter": "motorcycle", "banner_": "sign",
     }
 )  # fmt: skip

@@ -24,6 +24,8 @@ PUDDLED = frozenset(
 )  # fmt: skip
 # Materials of outer walls, which weather: splashes above the ground, streaks of rain, blotches.
 AGED = frozenset({"plaster", "brick", "stone", "concrete", "wood", "trim"})
+# Materials of what is round: their faces are shaded as one curved surface.
+ROUND = frozenset({"bark", "bark_smooth", "bark_flaking"})
 LEAVES = frozenset({"leaf", "foliage"})
 FOLIAGE = LEAVES | {"hedge"}  # what catches snow at any slope
 # Carriageways, where tyres press snow to slush.

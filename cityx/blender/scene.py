@@ -10,9 +10,10 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.surface_states import material_named
 from cityx.assets.trees.leaf_fall import LEAF, sheds
 from cityx.blender.leaf_fall import undress
-from cityx.blender.materials import MaterialLibrary
+from cityx.blender.materials import ROUND, MaterialLibrary
 from cityx.city.content import scene_key
 from cityx.city.mesh import NO_VERTEX, MeshBatch, feet
 from cityx.city.rooms import ROOM_KINDS, room_draws, room_uses
@@ -171,6 +172,7 @@ class MeshUploader:
         self.plain = plain
         self.tint = encoded(batch.tint)
         self.materials = [library.get(name, suffix) for name in batch.materials]
+        self.round = np.array([material_named(name).root in ROUND for name in batch.materials])
 
     def mesh(self, name: str, vertices: slice, faces: slice, origin: Any) -> bpy.types.Mesh:
         """Make the mesh of consecutive vertices and faces, about its own origin."""
@@ -200,7 +202,7 @@ class MeshUploader:
         color = mesh.attributes.new("tint", "BYTE_COLOR", "FACE")
         color.data.foreach_set("color_srgb", self.tint[faces].ravel())
         flat = mesh.attributes.new("sharp_face", "BOOLEAN", "FACE")
-        flat.data.foreach_set("value", np.ones(faces.stop - faces.start, bool))
+        flat.data.foreach_set("value", ~self.round[material])
         mesh.update(calc_edges=True)
         return mesh
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from cityx.blender import nodes
 from cityx.blender.sky import lamp_balance
 from cityx.city.environment import Environment
+from cityx.geometry.yard_fields import BRICK
 
 Tree = Any
 Socket = Any
@@ -48,7 +49,8 @@ SNOW_SAMPLES = 12  # the share of open sky is compared with a threshold: few wou
 # The picture of `cityx.geometry.ground_wear`, and how much of the light it takes or gives.
 WEAR, WEAR_CORNER, WEAR_SCALE = "Ground wear", "Corner of the wear", "Scale of the wear"
 WORN = "Worn"  # 1 once the picture is there
-RUBBER, REPAIRED, FIELD = 0.36, 0.40, 0.45
+RUBBER, REPAIRED, FIELD = 0.36, 0.40, 0.55
+BRICK_HUE = (1.02, 0.58, 0.44, 1.0)  # of fields of brick, on the colour of the other blocks
 # Kelvin: bulbs and lamps of homes; tubes at work and in shops.
 HOME_KELVIN, WORK_KELVIN = (2700.0, 3700.0), (3300.0, 5000.0)
 
@@ -115,6 +117,9 @@ def weather_group() -> Tree:
     color = nodes.product(tree, color, nodes.math(tree, "SUBTRACT", 1.0, cracks))
 
     wheels, repaired, field = _wear(tree)
+    brick = nodes.smoothstep(tree, field, BRICK - 0.06, BRICK - 0.02)
+    brick = nodes.math(tree, "MULTIPLY", brick, given["Fields"])
+    color = nodes.mix(tree, brick, color, nodes.product(tree, color, BRICK_HUE))
     color = nodes.product(tree, color, _worn(tree, given, wheels, repaired, field))
 
     white = _snow(tree, up, snow, given, wheels)

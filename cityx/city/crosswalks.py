@@ -25,7 +25,8 @@ FOOTWAYS = (
     "path", "trail",
 )  # fmt: skip
 # Land beside a roadway that people walk on where there is no pavement.
-VERGES = ("block", "courtyard", "grass", "meadow", "park", "bare", "sand", "farmland", "wood")
+VERGES = ("block", "courtyard", "gravel", "grass", "meadow", "park", "bare", "sand", "farmland",
+          "wood")  # fmt: skip
 PATHS = ("footway", "path", "pedestrian", "cycleway", "steps")
 FAST = ("motorway", "trunk", "motorway_link", "trunk_link")  # crossed by bars and paths alone
 BAR = (0.35, 0.7)  # metres of the width of a bar of a zebra

@@ -80,6 +80,7 @@ SURFACES: tuple[Surface, ...] = (
     Surface("trail", 40, KERB_HEIGHT, "gravel", "soil"),  # path without a hard surface
     # Strip along the kerb of a wide walk, in which furniture stands.
     Surface("furnishing", 51, KERB_HEIGHT, "setts", "kerb_stone"),
+    Surface("gravel", 6, KERB_HEIGHT, "gravel", "concrete"),  # of yards
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
 PAINT = ("marking", "marking_yellow", "cycle_lane")  # lies on a carriageway and is part of it

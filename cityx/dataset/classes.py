@@ -159,13 +159,14 @@ _SURFACE = {
     "marking_yellow": "road_marking", "apron": "road", "kerb_dropped": "kerb",
     "tactile": "tactile_paving", "tactile_pale": "tactile_paving", "ramp": "sidewalk",
     "cycle_lane": "cycle_lane", "rail": "rail_track", "trail": "path", "furnishing": "sidewalk",
-    "building": "terrain", "void": "other",
+    "gravel": "yard", "building": "terrain", "void": "other",
 }  # fmt: skip
 # Layers of meshes whose objects are all of one class.
 _LAYER = {
     "buildings": "building", "building_assets": "building", "decks": "bridge",
     "structures": "bridge", "surroundings": "terrain", "guard_rails": "guard_rail",
     "garden_paths": "path", "shores": "stairs", "stairs": "stairs", "courts": "pitch",
+    "bay_lines": "road_marking",
     "wires": "wire",
 }  # fmt: skip
 # By the material that most of an object is made of: ground beyond the labels, barriers.

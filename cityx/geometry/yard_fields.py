@@ -6,13 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.mesh import MeshBatch
-from cityx.geometry.identity import uniform
+from cityx.geometry.identity import choose, uniform
 
 FloatArray = NDArray[np.float64]
 
 PURPOSE = "yard field"
+BRICK = 0.85  # tone from which a field is laid with brick
 REACH = (3.0, 22.0)  # metres of ground on each side of a house that belongs to it
-TONE = (-1.0, 0.4)  # worn concrete and asphalt more often than fresh slabs
+# Tones of asphalt, worn and usual blocks, pale slabs and brick, each a range, and how often.
+TONES = (((-1.0, -0.75), 3.0), ((-0.6, -0.15), 3.0), ((-0.1, 0.1), 1.5), ((0.3, 0.65), 3.0),
+         ((BRICK, 1.0), 1.6))  # fmt: skip
 LEVEL = 0.05  # metres between the ends of an edge of a wall that runs level
 SIDES = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], float)
 
@@ -30,7 +33,8 @@ def yard_fields(houses: MeshBatch) -> tuple[FloatArray, FloatArray]:
     outline
         (k, 4, 2) float, metres. Fields of neighbours overlap; the later one hides the earlier.
     tone
-        (k,) float, how much paler (to 1) or darker (to -1) than the usual paving it is.
+        (k,) float, how much paler (to 1) or darker (to -1) than the usual paving it is; from
+        `BRICK` on it is brick.
     """
     count = houses.count
     if not count:
@@ -48,9 +52,10 @@ def yard_fields(houses: MeshBatch) -> tuple[FloatArray, FloatArray]:
     low, high = low - reach[:, :2], high + reach[:, 2:]
     corner = np.where(SIDES[None] < 0, low[:, None], high[:, None])  # (k, 4, 2)
     outline = np.einsum("kcj,kij->kci", corner, frame)
-    low_tone, high_tone = TONE
+    kind = choose(0, f"{PURPOSE}/kind", houses.object_id, [share for _, share in TONES])
+    least, most = np.array([span for span, _ in TONES])[kind].T
     tone = uniform(0, f"{PURPOSE}/tone", houses.object_id)
-    return outline, low_tone + (high_tone - low_tone) * tone
+    return outline, least + (most - least) * tone
 
 
 def _long_walls(houses: MeshBatch) -> FloatArray:

@@ -62,7 +62,7 @@ def test_forms_have_their_share_of_triangles(species):
         tree(species, 0, form).mesh.triangle_count for form in ("fine", "near", "light", "far")
     )
     assert 12_000 < near < 40_000
-    assert 1.4 * near < fine < 130_000
+    assert 1.4 * near < fine < 160_000
     assert 900 < light < 3_000
     assert far < 60
     assert tree(species, 0, "far", "winter").mesh.triangle_count < 60

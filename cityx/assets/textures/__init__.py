@@ -44,7 +44,7 @@ PATTERNS: Mapping[str, Callable[[int], Relief]] = MappingProxyType(
             grounds.asphalt, grounds.setts, grounds.paving, grounds.grass, grounds.soil,
             grounds.furrows, grounds.ripples,
             roads.asphalt_worn, roads.cobbles, roads.clinker, roads.road_slabs,
-            barks.bark, barks.bark_smooth,
+            barks.bark, barks.bark_smooth, barks.bark_flaking,
         )
     }
 )  # fmt: skip

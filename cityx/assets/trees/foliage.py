@@ -40,6 +40,9 @@ PATTERNS: Mapping[str, tuple[tuple[float, float, float, float], ...]] = MappingP
     }
 )  # fmt: skip
 FULLER = 1.22  # leaves cover less than the kite they stand in for
+BROAD = ("alternate", "fan", "palmate")  # patterns of leaves broad enough to show an outline
+BLADES = 0.55  # share of the cards, the best lit, whose leaves have the outline of their species
+STALK = 0.0035  # metres, half the breadth of the stalk that bears a twig's leaves
 FEW = 2  # leaves per card in the plainer form
 FEW_FULLER, FEW_SLIM = 1.96, 0.30  # they are larger, and never thinner than this
 
@@ -94,7 +97,9 @@ def leaf_cards(skeleton: Skeleton, habit: Species, rng: np.random.Generator, cou
     foot = skeleton.position[home]
 
     spread = habit.spread * np.array([0.62, 0.62, 0.40])
-    offset = rng.normal(size=(count, 3)) * np.where(hanging[:, None], 0.09, spread)
+    # No twig's end is farther from its twig than a stalk is long.
+    offset = np.clip(rng.normal(size=(count, 3)), -1.6, 1.6)
+    offset *= np.where(hanging[:, None], 0.09, spread)
     centre = foot + offset
     limit = crown_radius(habit, np.clip(centre[:, 2], habit.clear, habit.height)) + 0.45
     reach = np.linalg.norm(centre[:, :2], axis=1)
@@ -181,12 +186,40 @@ def few_leaves(
 
 def leaves(
     cards: Cards, pattern: str, tint: FloatArray, material: str, rng: np.random.Generator,
-    *, size: float = 1.0,
-) -> MeshBatch:  # fmt: skip
-    """Draw the leaves of each card as folded kites, each turned a little its own way."""
+    *, size: float = 1.0, lobed: bool = False,
+) -> list[MeshBatch]:  # fmt: skip
+    """Draw the leaves of each card, each turned a little its own way.
+
+    Where the light is they have the outline of their species, deep in the crown they are kites.
+    """
     centre, along, broad, shade = _spread(cards, np.array(PATTERNS[pattern]), rng, size * FULLER)
-    return shapes.cards(centre.reshape(-1, 3), along.reshape(-1, 3), broad.reshape(-1, 3), material,
-                        (tint[:, None, :] * shade).reshape(-1, 3), fold=0.22)  # fmt: skip
+    # A leaf is a little more yellow or blue than its neighbour, and some are pale from below.
+    hue = 1 + rng.normal(0, 1, (*shade.shape[:2], 1)) * np.array([0.13, 0.05, -0.10])
+    color = np.clip(tint[:, None, :] * shade * hue, 0.0, 1.0)
+    lit = cards.light >= np.quantile(cards.light, 1 - BLADES * (pattern in BROAD))
+    parts = []
+    for rows, blades in ((lit, True), (~lit, False)):
+        drawn = [given[rows].reshape(-1, 3) for given in (centre, along, broad)]
+        own = color[rows].reshape(-1, 3)
+        parts.append(
+            shapes.leaf_blades(*drawn, material, own, lobed=lobed, fold=0.3)
+            if blades
+            else shapes.cards(*drawn, material, own, fold=0.22)
+        )
+    return parts
+
+
+def stalks(
+    cards: Cards, skeleton: Skeleton, material: str, tint: tuple[float, float, float]
+) -> MeshBatch:
+    """Draw what bears the leaves: a thin blade from the nearest twig to the foot of each card."""
+    from scipy.spatial import cKDTree
+
+    foot = cards.centre + 0.3 * cards.along
+    near = skeleton.position[cKDTree(skeleton.position).query(cards.centre)[1]]
+    half = 0.5 * (foot - near)
+    side = _unit(np.cross(half, cards.normal)) * STALK
+    return shapes.cards(near + half, half, side, material, np.tile(tint, (len(foot), 1)), fold=0.0)
 
 
 def _spread(

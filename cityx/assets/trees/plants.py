@@ -32,7 +32,7 @@ NEAR_CARDS = 0.5  # share of the cards that the near form draws, larger for it
 # Kites grow as they become fewer, a little less than the area asks: gaps close by themselves.
 LIGHT_SIZE = 0.85
 THINNEST = {"fine": 0.007, "near": 0.014, "light": 0.05}  # metres, limbs drawn under leaves
-BARE_THINNEST = {"fine": 0.0, "near": 0.0, "light": 0.02}
+BARE_THINNEST = {"fine": 0.007, "near": 0.0, "light": 0.02}
 SKIP = {"fine": 1, "near": 2, "light": 3}
 TWIGS = {"fine": 9000, "near": 4500, "light": 900}  # thin cards of a bare crown
 SCALE = {"place": 1e-4, "limb": 1e-5, "leaf": 1e-3, "span": 1e-4}  # metres per stored unit
@@ -148,12 +148,14 @@ def _name(plant: str, variant: int, form: str, season: str, bare: bool, *, chang
 
 
 def _bark(own: Species) -> str:
-    return "bark_smooth" if own.smooth else "bark"
+    return "bark_flaking" if own.flaking else "bark_smooth" if own.smooth else "bark"
 
 
 def _limbs(own: Species, skeleton: Skeleton, form: str, *, bare: bool) -> list[MeshBatch]:
     """Make the stem and branches; smooth bark is on thick limbs alone, twigs are dark."""
     thinnest = (BARE_THINNEST if bare else THINNEST)[form]
+    if form == "fine" and not own.strands:
+        thinnest = 0.0  # down to the tips, which bear the leaves that are looked at
     cover = 1.6 * TWIG if bare and form != "light" else 0.0
     skip, fine = SKIP[form], form == "fine"
     if not own.smooth:
@@ -162,7 +164,7 @@ def _limbs(own: Species, skeleton: Skeleton, form: str, *, bare: bool) -> list[M
     return [
         part
         for material, tint, limbs in (
-            ("bark_smooth", own.bark, (SMOOTH_LIMB, np.inf)),
+            (_bark(own), own.bark, (SMOOTH_LIMB, np.inf)),
             ("bark", TWIG_BARK, (0.0, SMOOTH_LIMB)),
         )
         for part in wood(skeleton, material, tint, thinnest=thinnest, limbs=limbs, skip=skip,
@@ -185,7 +187,9 @@ def _crown(
     shade = seasons.colors(own, season, core)
     parts = [foliage.kites(core, 0.8, shade, FOLIAGE)]
     if form == "fine":
-        return [*parts, foliage.leaves(leaves, own.pattern, tint, FOLIAGE, rng)]
+        stalks = foliage.stalks(leaves, grown.skeleton, "bark", TWIG_BARK)
+        return [*parts, stalks, *foliage.leaves(leaves, own.pattern, tint, FOLIAGE, rng,
+                                                lobed=own.lobed)]  # fmt: skip
     if form == "near":
         return [*parts, foliage.few_leaves(leaves, own.pattern, tint, FOLIAGE, rng,
                                            size=NEAR_CARDS**-0.5)]  # fmt: skip

@@ -94,6 +94,10 @@ class Species:
         Colour of the blossom and share of the cards in blossom in spring.
     bark, smooth
         Factor on the colour of the bark material; whether the bark is smooth, without ridges.
+    flaking
+        Whether smooth bark comes off in plates of several colours, as that of planes.
+    lobed
+        Whether leaves have lobes.
     evergreen
         Keeps its leaves in winter.
     whorls
@@ -131,6 +135,8 @@ class Species:
     flowering: float = 0.0
     bark: Color = (1.0, 1.0, 1.0)
     smooth: bool = False
+    flaking: bool = False
+    lobed: bool = False
     evergreen: bool = False
     whorls: Whorls | None = None
     lead: float = 0.45
@@ -157,12 +163,13 @@ TREES: Mapping[str, Species] = MappingProxyType(
             autumn=(YELLOW, OLD_GREEN), street=0.80),
         "plane": Species(
             17.0, 3.2, 5.4, _OVAL, 0.31, leaf=0.36, slim=0.9, cards=8000, spread=0.62,
-            summer=_green(1.12, 1.02, 1.0), autumn=(RUSSET, YELLOW), bark=(0.62, 0.60, 0.50),
-            smooth=True, street=0.72),
+            summer=_green(1.12, 1.02, 1.0), autumn=(RUSSET, YELLOW), bark=(1.0, 1.0, 1.0),
+            smooth=True, flaking=True, lobed=True, street=0.72),
         "maple": Species(
             12.0, 2.3, 4.5, (0.58, 0.92, 1.0, 0.95, 0.80, 0.56, 0.20), 0.19, leaf=0.28, slim=0.92,
             cards=8000,
-            summer=_green(1.05, 1.0, 0.8), autumn=(ORANGE, RED), spread=0.55, street=0.74),
+            summer=_green(1.05, 1.0, 0.8), autumn=(ORANGE, RED), lobed=True, spread=0.55,
+            street=0.74),
         "oak": Species(
             15.0, 2.6, 6.0, (0.55, 0.90, 1.0, 0.97, 0.86, 0.64, 0.26), 0.38, leaf=0.36, slim=0.66,
             cards=8000, summer=_green(0.85, 0.85, 0.8), autumn=(RUSSET, YELLOW),

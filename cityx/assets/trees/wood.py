@@ -14,8 +14,9 @@ IntArray = NDArray[np.int64]
 FLARE_HEIGHT = 0.32  # metres over which the roots widen the stem
 FLARE = 0.75  # share of the radius by which they do at the ground
 # Thinnest radius of a limb and the corners it gets, coarse to fine.
+FOOT_RINGS = (0.0, 0.07, 0.15, 0.25, 0.38, 0.55, 0.8, 1.1)  # metres above the ground
 SIDES = ((0.10, 8), (0.035, 5), (0.0, 3))
-FINE_SIDES = ((0.10, 16), (0.035, 8), (0.015, 5), (0.0, 3))
+FINE_SIDES = ((0.10, 20), (0.035, 8), (0.015, 5), (0.0, 3))
 
 
 def wood(
@@ -70,15 +71,38 @@ def wood(
     radius = np.maximum(radius, cover)
     thick = np.repeat(np.maximum.reduceat(radius, np.flatnonzero(starts)), size)
     kept = np.repeat(size > 1, size) & (thick >= limbs[0]) & (thick < limbs[1])
+    point = skeleton.position[ring]
+    if fine:
+        point, radius, limb, thick, kept = _foot_refined(point, radius, limb, thick, kept)
     made = []
     limit = np.inf
     for least, sides in FINE_SIDES if fine else SIDES:
         rows = np.flatnonzero(kept & (thick >= least) & (thick < limit))
         limit = least
         if len(rows):
-            made.append(_swept(skeleton.position[ring[rows]], radius[rows], limb[rows], sides,
+            made.append(_swept(point[rows], radius[rows], limb[rows], sides,
                                material, tint))  # fmt: skip
     return [concatenate(made)] if made else []
+
+
+def _foot_refined(
+    point: FloatArray,
+    radius: FloatArray,
+    limb: IntArray,
+    thick: FloatArray,
+    kept: NDArray[np.bool_],
+) -> tuple[FloatArray, FloatArray, IntArray, FloatArray, NDArray[np.bool_]]:
+    """Put more rings where the roots widen the stem, which comes first of the limbs."""
+    stem = np.flatnonzero(limb == 0)
+    z = point[stem, 2]
+    more = np.array([level for level in FOOT_RINGS if z[0] < level < z[-1]])
+    at = np.searchsorted(z, more)
+    fresh = np.column_stack([*(np.interp(more, z, point[stem, axis]) for axis in (0, 1)), more])
+    size = np.interp(more, z, radius[stem])
+    of_stem = stem[0]
+    return (np.insert(point, at, fresh, axis=0), np.insert(radius, at, size),
+            np.insert(limb, at, 0), np.insert(thick, at, thick[of_stem]),
+            np.insert(kept, at, kept[of_stem]))  # fmt: skip
 
 
 def _chains(parent: IntArray, radius: FloatArray) -> tuple[IntArray, IntArray]:
@@ -131,6 +155,9 @@ def _swept(
     if sides >= SIDES[0][1]:  # roots: five ridges run out from the stem
         low = np.exp(-np.clip(points[:, 2], 0.0, None) / FLARE_HEIGHT) * (limb == 0)
         reach *= 1 + FLARE * low[:, None] * (0.62 + 0.38 * np.cos(5 * angle + 0.7))
+        # No stem is as round as a pipe: flutes that wind a little as they go up.
+        turn = 0.35 * points[:, 2:]
+        reach *= 1 + 0.035 * np.cos(3 * angle + turn) + 0.02 * np.cos(7 * angle - 1.7 * turn)
     spokes = np.cos(angle)[:, None] * side[:, None, :] + np.sin(angle)[:, None] * up[:, None, :]
     vertices = points[:, None, :] + reach[:, :, None] * spokes  # (n, sides, 3)
     row = np.flatnonzero(~ends)
@@ -139,7 +166,10 @@ def _swept(
     b = row[:, None] * sides + (k + 1) % sides
     faces = np.stack([a, b, b + sides, a + sides], axis=2).reshape(-1, 4)
     # Texture: metres round the limb's foot and along the limb.
-    girth = np.repeat(np.maximum(radius[first], TWIG), size) * (2 * np.pi / sides)
+    whole = 2 * np.pi * np.maximum(radius[first], TWIG)
+    # Bark that repeats each metre meets itself where a stem's girth is whole metres.
+    whole = np.where(whole > 0.6, np.rint(whole), whole)
+    girth = np.repeat(whole, size) / sides
     run = np.cumsum(np.linalg.norm(points - points[before], axis=1))
     run -= np.repeat(run[first], size)
     u = girth[row][:, None] * np.stack([k, k + 1, k + 1, k], axis=1)[:, None, :]  # (sides, f, 4)

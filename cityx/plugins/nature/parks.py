@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from cityx.assets.courts import LINE, Court, basketball, football, tennis
 from cityx.city import City, MeshBatch
 from cityx.city.ground import LABEL
-from cityx.city.mesh import NO_VERTEX, one_mesh
+from cityx.city.mesh import one_mesh
 from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, hash_ids, mix, stable_id, uniform
-from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, miters, pack
+from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.scatter import Points, poisson_in, thin
 from cityx.geometry.standing import LAWNS, stand_on
 from cityx.plugins.nature.barriers import joined_by_id
+from cityx.plugins.nature.painted import painted_strips
 from cityx.plugins.nature.pieces import (
     FloatArray,
     Pieces,
@@ -280,31 +281,7 @@ def _painted(city: City, fields: list[_Field]) -> list[MeshBatch]:
     drawn = [(_in_world(field, line), field) for field in fields for line in field.court.lines]
     shapes = shapely.segmentize([shapely.LineString(line) for line, _ in drawn], CELL)
     lines = pack(np.asarray(shapes, dtype=object))
-    return [*found, _strips(city, lines)]
-
-
-def _strips(city: City, lines: Polylines) -> MeshBatch:
-    """Make painted strips along lines."""
-    side = miters(lines) * (LINE / 2)
-    ends = lines.points[lines.start[:-1]] - lines.points[lines.start[1:] - 1]
-    closed = np.hypot(*ends.T) < 0.01
-    xy = np.stack([lines.points + side, lines.points - side], axis=1)  # (p, 2, 2)
-    # A closed line's last corner is its first one, met square.
-    first, last = lines.start[:-1][closed], lines.start[1:][closed] - 1
-    reach = lines.points[first] - lines.points[np.maximum(last - 1, 0)]
-    reach /= np.maximum(np.hypot(*reach.T), 1e-9)[:, None]
-    xy[last] += (LINE / 2) * reach[:, None]
-    z = heights(city, lines.points) + OVER_COURT
-    vertices = np.concatenate([xy, np.repeat(z, 2).reshape(-1, 2, 1)], axis=2).reshape(-1, 3)
-    owner = lines.line_of_point()
-    here = np.flatnonzero(owner[1:] == owner[:-1]) * 2
-    faces = np.concatenate([np.column_stack([here, here + 1, here + 3]),
-                            np.column_stack([here, here + 3, here + 2])])  # fmt: skip
-    table = np.column_stack([faces, np.full(len(faces), NO_VERTEX)])
-    uv = np.zeros((len(faces), 4, 2))
-    uv[:, :3] = vertices[faces][:, :, :2]
-    return one_mesh(stable_id("courts", "lines"), vertices, table, materials=("marking_white",),
-                    uv=uv)  # fmt: skip
+    return [*found, painted_strips(city, lines, LINE, OVER_COURT, stable_id("courts", "lines"))]
 
 
 def _equipment(city: City, fields: list[_Field]) -> Pieces:

@@ -20,6 +20,7 @@ from cityx.plugins.road.kerbs import edge_lines
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+DOOR_WAY = 9.0  # metres before a door that its path takes
 ANKLE, HEAD = 0.1, 2.0  # metres above the ground between which a thing is in somebody's way
 
 
@@ -180,6 +181,16 @@ def room_along(
     met = shapely.intersection(rays[ray], rims[rim])
     np.minimum.at(room, ray, shapely.distance(shapely.points(start[ray]), met))
     return room
+
+
+def ways_to_doors(city: City) -> NDArray[Any]:
+    """(d,) straight lines from doors, along which one comes to them."""
+    rows = city.scene.instances.get("doors")
+    if rows is None or not rows.count:
+        return np.zeros(0, object)
+    foot = rows.position[:, :2]
+    far = foot + DOOR_WAY * front(rows.rotation[:, 2])
+    return np.asarray(shapely.linestrings(np.stack([foot, far], axis=1)))
 
 
 def inside_extent(city: City, xy: FloatArray, margin: float = 0.0) -> BoolArray:

@@ -31,6 +31,7 @@ from cityx.plugins.nature.pieces import (
     pieces,
     room_along,
     walk_rims,
+    ways_to_doors,
     with_pieces,
 )
 from cityx.plugins.nature.poles import utility_poles
@@ -68,22 +69,27 @@ BOARD_SHARE, TUB_SHARE, MACHINE_SHARE = 0.2, 0.2, 0.25
 WARES = {"": 7.0, "fruit_stand": 1.0, "flower_stand": 1.0, "clothes_rail": 1.0}
 BANNERS, BANNER_SHARE = ("banner_red", "banner_blue"), 0.3  # of the shops of Japan
 LEVEL = 1.2  # metres between the ground and the foot of a shopfront that opens onto it
-OPEN_SPACING = 7.0  # metres between things on plazas and in yards
+OPEN_SPACING = 6.0  # metres between things on plazas and in yards
 WALL_REACH = 3.5  # metres from a wall within which a thing is moved to it
 # Metres from a wall to the middle of what stands at it.
 WALL_GAP = {"bicycle_parking": 1.05, "bicycle": 0.35, "bench": 0.4, "planter_round": 0.45,
             "vending_machine": 0.48, "wheelie_bins": 0.5, "motor_scooter": 0.45,
-            "motor_scooter_red": 0.45, "cartons": 0.35, "street_cabinet": 0.3}  # fmt: skip
-OPEN = ("plaza", "courtyard", "sidewalk")  # ground on which things stand apart from kerbs
+            "motor_scooter_red": 0.45, "cartons": 0.35, "street_cabinet": 0.3,
+            "garden_shed": 1.0, "bin_store": 0.65, "pot_row": 0.3}  # fmt: skip
+OPEN = ("plaza", "courtyard", "sidewalk", "gravel")  # ground on which things stand apart from kerbs
 USUAL_GAP = 0.8  # the same for everything else
 # What stands free on plazas, in yards, and at the walls of yards, with weights; "" is nothing.
 PLAZA = {"": 5.0, "bench": 2.0, "stone_bench": 1.5, "planter": 2.0, "waste_basket": 0.8,
          "planter_round": 1.0, "advertising_column": 0.15, "kiosk": 0.12,
          "bicycle_parking": 0.5, "street_lamp_post": 0.8}  # fmt: skip
-YARD = {"": 2.5, "planter": 1.6, "planter_round": 1.4, "bench": 0.7, "bicycle_parking": 1.6}
-YARD_WALL = {"": 2.5, "wheelie_bins": 2.0, "bicycle_parking": 1.6, "planter": 1.0, "bicycle": 1.2,
-             "cartons": 0.8}  # fmt: skip
-YARD_WALL_JAPAN = {**YARD_WALL, "vending_machine": 1.6}
+YARD = {"": 1.6, "planter": 1.4, "planter_round": 1.2, "bench": 0.8, "bicycle_parking": 1.8,
+        "vegetable_bed": 0.8, "clothes_dryer": 0.8}  # fmt: skip
+YARD_WALL = {"": 1.6, "wheelie_bins": 1.4, "bin_store": 1.4, "garden_shed": 1.0, "pot_row": 1.2,
+             "bicycle_parking": 1.6, "planter": 0.8, "bicycle": 1.2, "cartons": 0.6}  # fmt: skip
+YARD_WALL_JAPAN = {**YARD_WALL, "vending_machine": 1.6, "pot_row": 3.0, "garden_shed": 0.5}
+# On the lawns of yards, away from walls and at them.
+LAWN = {"": 3.0, "bench": 0.8, "clothes_dryer": 1.0, "vegetable_bed": 1.0, "picnic_table": 0.5}
+LAWN_WALL = {"": 3.0, "garden_shed": 1.2, "pot_row": 1.0, "planter": 0.5, "bench": 0.6}
 # At the walls of wide walks; bicycles lean along them.
 WALK_WALL = {"": 5.0, "bicycle": 2.4, "planter": 1.2, "planter_round": 1.2, "bench": 1.0,
              "cartons": 0.9, "street_cabinet": 0.7}  # fmt: skip
@@ -104,6 +110,8 @@ SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "
         "vending_machine": 0.6, "bicycle": 0.9, "bollard": 0.12, "motor_scooter": 0.92,
         "motor_scooter_red": 0.92, "cartons": 0.65, "street_cabinet": 0.66, "fruit_stand": 0.95,
         "flower_stand": 0.8, "clothes_rail": 0.8, "banner_red": 0.3, "banner_blue": 0.3,
+        "garden_shed": 1.35, "bin_store": 1.2, "pot_row": 0.8, "clothes_dryer": 1.35,
+        "vegetable_bed": 1.25, "picnic_table": 1.1,
         }  # fmt: skip
 # Bollards along the curves of kerbs at junctions: share of corners by place, metres between them,
 # behind the kerb, and of the longest curve (a longer one is no corner but a roundabout).
@@ -121,6 +129,7 @@ class _Site:
     houses: NDArray[Any]
     urban: NDArray[Any]
     doors: NDArray[Any]
+    ways: NDArray[Any]
     fixed: FloatArray
     trunks: FloatArray
     place: str
@@ -131,8 +140,9 @@ def _site(city: City) -> _Site:
     houses = buildings.geometry.to_numpy()
     urban = np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))
     rims = walk_rims(city.ground) if city.ground is not None else np.zeros(0, object)
-    return _Site(rims, houses, houses[urban], door_zones(city), _standing(city, "street_furniture"),
-                 _standing(city, "trees"), place_of(city))  # fmt: skip
+    return _Site(rims, houses, houses[urban], door_zones(city), ways_to_doors(city),
+                 _standing(city, "street_furniture"), _standing(city, "trees"),
+                 place_of(city))  # fmt: skip
 
 
 def _standing(city: City, layer: str) -> FloatArray:
@@ -312,7 +322,10 @@ def _before_shops(city: City, site: _Site, density: float) -> Pieces:
 
 def _scattered(city: City, ground: Ground) -> Points:
     """Candidates about plazas, yards and walks, the same whatever the site's rectangle."""
-    triangles = ground.triangles_of(*OPEN)
+    # Lawns of yards and gardens; those of the map have an object.
+    lawn = ground.labelled("grass") & (ground.face_object == 0)
+    faces = ground.labelled(*OPEN) | lawn
+    triangles = ground.triangles[faces[ground.triangle_face]]
     cells = cells_of_polygons(shapely.polygons(ground.vertices[triangles]), OPEN_SPACING)
     found = candidates(cells, OPEN_SPACING, seed=city.seed, purpose=ACTION)
     one = found.id % np.uint64(3) == 0  # about one per cell are enough for things so far apart
@@ -325,11 +338,14 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
     if ground is None:
         return join_pieces([])
     spots = _scattered(city, ground)
-    place = np.select([ground.on(spots.xy, name) for name in OPEN], range(len(OPEN)), -1)
+    surfaces = (*OPEN, "grass")
+    place = np.select([ground.on(spots.xy, name) for name in surfaces], range(len(surfaces)), -1)
     spots, place = Points(spots.xy[place >= 0], spots.id[place >= 0]), place[place >= 0]
     kept = np.isin(spots.id, thin(spots, OPEN_SPACING).id)
     xy, ids, place = spots.xy[kept], spots.id[kept], place[kept]
-    plaza, yard, walk = (place == number for number in range(len(OPEN)))
+    plaza, yard, walk, gravel, lawn = (place == number for number in range(len(surfaces)))
+    yard |= gravel
+    lawn &= ~near_any(xy, site.ways, DOOR_SIDE + 0.6)
     rim = distance_within(xy, site.rims, 4.0)
     wall = distance_within(xy, site.houses, WALL_REACH)
     names = np.full(len(ids), "", object)
@@ -337,6 +353,8 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
         (plaza & (rim > 1.0), PLAZA),
         (yard & np.isinf(wall), YARD),
         (yard & np.isfinite(wall), YARD_WALL_JAPAN if site.place == "japan" else YARD_WALL),
+        (lawn & np.isinf(wall), LAWN),
+        (lawn & np.isfinite(wall), LAWN_WALL),
         (walk & np.isinf(wall), WALK_OPEN),
         (walk & np.isfinite(wall), WALK_WALL_JAPAN if site.place == "japan" else WALK_WALL),
     ):
@@ -348,7 +366,7 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
     turn = uniform(city.seed, f"{ACTION}/turn", ids) * 2 * np.pi
     at_wall = ~plaza & np.isfinite(wall) & (names != "")
     half = np.array([SIZE.get(str(name), 0.5) for name in names])
-    keep = (names != "") & (at_wall | (rim >= half + CLEAR))
+    keep = (names != "") & (at_wall | (rim >= half + np.where(lawn, 0.0, CLEAR)))
     rows = np.flatnonzero(at_wall)
     if len(rows):
         nearest = shapely.STRtree(site.houses).query_nearest(
@@ -367,7 +385,7 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
         room = room_along(foot + 0.1 * away, away, site.rims, REACH)
         kerb = np.where(walk[rows], STRIP, 0.0)  # what stands there takes its share of the walk
         left = np.where(walk[rows], *NARROW) if site.place == "japan" else CLEAR + kerb
-        keep[rows] &= (length > 0.2) & (room >= 2 * gap + left)
+        keep[rows] &= (length > 0.2) & (lawn[rows] | (room >= 2 * gap + left))
     return pieces(names, xy, ids, turn).take(keep)
 
 
@@ -399,7 +417,7 @@ def _free(city: City, site: _Site, found: Pieces, half: FloatArray, depth: Float
         free[tree.query(shapely.points(found.xy), predicate="dwithin", distance=reach)[0]] = False
     free &= ~near_any(found.xy, site.houses, 0.05)
     assert city.ground is not None
-    free &= city.ground.on(found.xy, *WALKED)
+    free &= city.ground.on(found.xy, *WALKED, "grass")
     # Of two that are too near to each other the one with the higher id stays.
     rows = np.flatnonzero(free)
     pairs = near_pairs(found.xy[rows], 2 * SIZE["kiosk"] + 0.3) if len(rows) else np.zeros((0, 2))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cityx.city import City
 from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.clearance import distance_within
-from cityx.geometry.identity import choose, hash_ids, stable_id, uniform
+from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.scatter import Points, cell_ids, cells_of_polygons, poisson_in, thinned
 from cityx.plugins.layout.wishes import asked
@@ -30,15 +30,12 @@ from cityx.plugins.nature.stands import (
     stand_of,
     take_trees,
 )
+from cityx.plugins.nature.town_trees import along_streets, in_yards
 from cityx.plugins.nature.tree_pits import with_pits
 from cityx.plugins.nature.tree_room import (
-    FACADE_CLEARANCE,
-    KERB_CLEARANCE,
-    SIGHT,
     Room,
     room_of,
 )
-from cityx.plugins.road.kerbs import edge_lengths, join_places, places_along
 from cityx.protocol import Port, Range, action
 
 ACTION = "nature/trees-v2"
@@ -51,16 +48,10 @@ WOOD_SPACING = 5.0  # metres; a grown mixed wood
 PACKING = 0.53  # points of `poisson_in` per squared radius, measured
 GROVE_SPACING = 11.0  # metres; wider, a single tree leaves the wood's floor bare from the air
 NEAR_SHARE = 0.7  # of the budget, for woods beside buildings at most
-STREET_SPACINGS = (7.0, 8.0, 9.0, 10.0)  # metres between the trees of a street, drawn per street
-STREET_SHARE, MAIN_SHARE = 0.45, 0.75  # of the streets that are wide enough, of the main ones
-STREET_KINDS = ("residential", "tertiary", "secondary", "primary", "unclassified", "living_street")
-MAIN_KINDS = ("tertiary", "secondary", "primary")
 # Share of a wood's patches that are conifers, by climate.
 CONIFERS = {"north": 0.65, "temperate": 0.30, "japan": 0.25, "warm": 0.30, "tropic": 0.0}
 MANY = 10_000_000  # trees; more than any site has
 MORE_SPACINGS = (12.0, 9.0, 7.0, 5.5, 4.5)  # metres between trees that are added, tried in turn
-TREE_WALK = 2.8  # metres, narrowest walk or verge with trees
-HOUSES_WITHIN = 25.0  # metres; a street has trees only where it has houses on its side
 
 # (spacing in metres, share of points kept, kind of mix) by kind of area.
 AREAS = {
@@ -236,47 +227,6 @@ def _wood_species(city: City, points: Points) -> NDArray[np.int64]:
                     draw_species(climate.BROAD_MIX, city, points.id))  # fmt: skip
 
 
-def _street_trees(city: City, mapped: int) -> list[Stand]:
-    """Plant some of the wide streets of an urban place whose map shows next to no trees."""
-    network = city.network
-    if network is None or not network.edge_count:
-        return []
-    roads = city.layout.roads
-    kind = roads["kind"].to_numpy().astype(str)[network.edge_road]
-    length = edge_lengths(network)
-    if mapped > length[kind == "residential"].sum() / 100.0:
-        return []
-    flat = (roads["layer"].to_numpy() == 0) & ~roads["bridge"].to_numpy()
-    road_id = roads["id"].to_numpy()[network.edge_road]
-    name = roads["name"].to_numpy().astype(str)[network.edge_road]
-    key = np.array([stable_id("street", n) if n else int(i)
-                    for n, i in zip(name, road_id, strict=True)], np.uint64)  # fmt: skip
-    share = np.where(np.isin(kind, MAIN_KINDS), MAIN_SHARE, STREET_SHARE)
-    green = uniform(city.seed, f"{ACTION}/street", key) < share
-    green &= np.isin(kind, STREET_KINDS) & flat[network.edge_road]
-    spacing = choose(city.seed, f"{ACTION}/street", key, [1.0] * len(STREET_SPACINGS), 1)
-    groups = []
-    for side, column in ((1, "sidewalk_left"), (-1, "sidewalk_right")):
-        width = roads[column].to_numpy()[network.edge_road]
-        # Trees of both sides stand in turn; a main street may have its verge beside the walk.
-        wide = (width >= TREE_WALK) | ((width > 0) & np.isin(kind, MAIN_KINDS))
-        for number, metres in enumerate(STREET_SPACINGS):
-            edges = np.flatnonzero(green & wide & (spacing == number))
-            groups.append(
-                places_along(network, edges, side, spacing=metres, beyond=KERB_CLEARANCE + 0.1,
-                             margin=SIGHT, phase=0.25 * (side < 0))
-            )  # fmt: skip
-    places = join_places(*groups)
-    houses = city.layout.buildings.geometry.to_numpy()
-    facade = distance_within(places.xy, houses, HOUSES_WITHIN)
-    places = places.take(np.isfinite(facade) & (facade >= FACADE_CLEARANCE))
-    ids = hash_ids(0, f"{ACTION}/street", network.edge_id[places.edge],
-                   2 * places.number + (places.side > 0))  # fmt: skip
-    species = draw_species(climate.STREET_MIX, city, key[places.edge])
-    return [stand_of(Points(places.xy, ids), species, line=network.edge_id[places.edge],
-                     place=2 * places.number + (places.side > 0))]  # fmt: skip
-
-
 def _rooted(city: City, stands: list[Stand]) -> tuple[Stand, Room]:
     """Return the trees that find room in the site, each once, and their room."""
     stand = join_stands(stands)
@@ -362,16 +312,17 @@ def trees(
     least: Annotated[int, Range(0, 100_000)] = 0,
     most: Annotated[int, Range(0, MANY)] = MANY,
 ) -> City:
-    """Plant mapped trees, tree rows, woods, parks, orchards and bare streets.
+    """Plant mapped trees, tree rows, woods, parks, orchards, yards and bare streets.
 
     Parameters
     ----------
     city
         City with a layout; the terrain, the road network and the ground are used when there.
     budget
-        Trees of woods at most; beyond, they stand wider and in groups.
+        Trees of woods at most; beyond, they stand wider and in groups. Without any, yards have
+        none either.
     street_trees
-        Whether wide streets of an urban place without mapped trees get some.
+        Whether wide streets of an urban place get some where none is mapped.
     season
         Leaves, their colour and blossom; "auto" follows the date, the latitude and the snow.
     least
@@ -385,12 +336,13 @@ def trees(
     if city.lod < 1:
         return replace(city, stages_done=done)
     stands = _mapped(city)
-    mapped = sum(len(s.id) for s in stands)
     have = np.concatenate([s.xy for s in stands]) if stands else np.zeros((0, 2))
     if budget:
         stands += _wooded(city, budget, have)
     if street_trees:
-        stands += _street_trees(city, mapped)
+        stands += along_streets(city, have)
+    if budget:
+        stands += in_yards(city, have)
     stand, room = _counted(city, stands, least, most)
     if least > 0:
         city = asked(city, f"{least} trees at least", "n(tree)", least=least)

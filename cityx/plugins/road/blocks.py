@@ -21,7 +21,7 @@ BoolArray = NDArray[np.bool_]
 ROAD = (*ROADWAY, "tramway")
 ON_ROAD = tuple(LABEL[name] for name in (*PAINT, "tramway"))
 HARD = (*ROAD, "kerb", "sidewalk", "path", "plaza", "parking", "building", "courtyard", "trail",
-        "furnishing")  # fmt: skip
+        "furnishing", "gravel")  # fmt: skip
 NARROW = 1.5  # metres; narrower islands between carriageways are not built
 BUILT_ISLAND = ("courtyard", "tactile", "tactile_pale")  # refuges and splitters are, however narrow
 DENSE = 0.35  # share of a block that is built over; gardens fill the rest of a looser one
@@ -35,7 +35,7 @@ BESIDE = 0.25  # share of its rim along walks from which a leftover belongs to t
 TOWN_SHARE = 0.8  # of the area of built blocks that is dense in a town
 TOWN_REACH = 25.0  # metres within which an urban building makes a place a part of the town
 # What the ground of courts enclosed by houses is made of, and how often.
-YARDS = (("grass", 9), ("courtyard", 5), ("parking", 3), ("bare", 2))
+YARDS = (("grass", 9), ("courtyard", 4), ("gravel", 3), ("parking", 2), ("bare", 1))
 OPEN_YARD = 0.15  # share of its rim along streets from which a court belongs to the street
 LEAST_YARD = 25.0  # square metres
 LARGEST = 60_000.0  # square metres; more is open country with a town in it, not a block
@@ -45,7 +45,8 @@ def pave_blocks(ground: Ground, layout: Layout) -> Ground:
     """Return the ground with narrow islands filled and the open land of dense blocks paved."""
     road = ground.labelled(*ROAD)
     block = _blocks(ground, road)
-    ground = _off_lawns(_paved(_filled(ground, road, block), layout, block))
+    ground, dense = _paved(_filled(ground, road, block), layout, block)
+    ground = _off_lawns(ground, dense)
     return _yards(_walks_widened(_strips_paved(ground, layout)))
 
 
@@ -106,8 +107,8 @@ def _filled(ground: Ground, road: NDArray[np.bool_], block: IntArray) -> Ground:
     return replace(ground, face_label=label, face_object=object_id)
 
 
-def _paved(ground: Ground, layout: Layout, block: IntArray) -> Ground:
-    """Pave what nothing is known of in blocks that are dense with buildings."""
+def _paved(ground: Ground, layout: Layout, block: IntArray) -> tuple[Ground, BoolArray]:
+    """Pave what nothing is known of in blocks that are dense with buildings, and mark these."""
     size = len(ground.face_label)
     area = face_areas(ground)
     house = ground.face_label == LABEL["building"]
@@ -125,7 +126,7 @@ def _paved(ground: Ground, layout: Layout, block: IntArray) -> Ground:
     dense &= whole < LARGEST
     paved = (ground.face_label == LABEL["block"]) & dense[block]
     label = np.where(paved, LABEL["courtyard"], ground.face_label).astype(np.uint8)
-    return replace(ground, face_label=label)
+    return replace(ground, face_label=label), dense[block]
 
 
 def _cut_off(
@@ -144,19 +145,22 @@ def _cut_off(
     return border & bool(town)
 
 
-def _off_lawns(ground: Ground) -> Ground:
-    """Leave parking bays and bare patches to paved yards: in the open land is as nobody left it."""
+def _off_lawns(ground: Ground, dense: BoolArray) -> Ground:
+    """Leave car parks, gravel and beds to paved yards: in the open land is as nobody left it."""
     left, right = ground.edge_faces.T.astype(np.int64)
     inner = right != BEYOND
     left, right = left[inner], right[inner]
     length = np.hypot(*np.diff(ground.vertices[ground.edges[inner]], axis=1)[:, 0].T)
-    own = ground.labelled("parking", "bare") & (ground.face_object == 0)
-    open_land = ground.face_label == LABEL["block"]
-    size = len(own)
-    rim = np.bincount(left, length, minlength=size) + np.bincount(right, length, minlength=size)
-    lawn = np.bincount(left, length * open_land[right], minlength=size)
-    lawn += np.bincount(right, length * open_land[left], minlength=size)
-    label = np.where(own & (lawn > 0.5 * rim), LABEL["block"], ground.face_label)
+    own = ground.labelled("parking", "bare", "gravel") & (ground.face_object == 0) & ~dense
+    lawn = ground.labelled("block", "grass") & ~dense
+    patch = components(np.column_stack([left, right])[own[left] & own[right]], len(own))
+    rim, green = np.zeros(len(own)), np.zeros(len(own))
+    for face, other in ((left, right), (right, left)):
+        outer = own[face] & ~own[other]
+        np.add.at(rim, patch[face[outer]], length[outer])
+        np.add.at(green, patch[face[outer]], (length * lawn[other])[outer])
+    gone = own & (green > 0.5 * rim)[patch]
+    label = np.where(gone, LABEL["block"], ground.face_label)
     return replace(ground, face_label=label.astype(np.uint8))
 
 

@@ -30,6 +30,7 @@ from cityx.geometry.drape import drape
 from cityx.geometry.driving import keeps_left
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.geometry.surroundings import surroundings
+from cityx.plugins.nature.street_rules import place_of
 from cityx.plugins.road.blocks import pave_blocks, town_regions
 from cityx.plugins.road.carriageway import COARSE as ROAD_COARSE
 from cityx.plugins.road.carriageway import (
@@ -103,7 +104,7 @@ def ground(city: City) -> City:
         detail=city.lod > 0,
         painting=painting,
     )
-    found = _regions(city.layout, network, city.heights, built, city.lod, painting)
+    found = _regions(city.layout, network, city.heights, built, city.lod, painting, place_of(city))
     walls = find_walls(city.layout, _on_ground(network, built), city.terrain)
     if city.lod > 0:
         seams = seam_lines(city.layout, _on_ground(network, built))
@@ -157,6 +158,7 @@ def _regions(
     built: Structures,
     lod: int,
     painting: Painting = USUAL,
+    place: str = "",
 ) -> Regions:
     """Return what covers the site: the pieces of roads on the ground, and openings for the rest."""
     level = _on_ground(network, built)
@@ -165,7 +167,7 @@ def _regions(
     if lod == 0:
         return join_regions([plain_regions(layout, level), opened])
     ways = grounded_lines(layout, heights)
-    return join_regions([detailed_regions(layout, level, ways, painting), opened])
+    return join_regions([detailed_regions(layout, level, ways, painting, place), opened])
 
 
 def _on_ground(network: RoadNetwork, built: Structures) -> RoadNetwork:
@@ -194,7 +196,11 @@ def plain_regions(layout: Layout, network: RoadNetwork) -> Regions:
 
 
 def detailed_regions(
-    layout: Layout, network: RoadNetwork, ways: NDArray[Any], painting: Painting = USUAL
+    layout: Layout,
+    network: RoadNetwork,
+    ways: NDArray[Any],
+    painting: Painting = USUAL,
+    place: str = "",
 ) -> Regions:
     """Return every surface of the site, markings included.
 
@@ -208,6 +214,8 @@ def detailed_regions(
         (n,) what of each way of the layout does.
     painting
         What the country paints.
+    place
+        The kind of place, which yards follow.
     """
     streets, road = street_regions(layout, network, painting)
     strips = np.concatenate([road.strips, road.stars])
@@ -217,7 +225,7 @@ def detailed_regions(
         park_regions(layout),
         kerbside_regions(layout, strips),
         garden_regions(layout),
-        patch_regions(layout, network),
+        patch_regions(layout, network, place),
         building_regions(layout),
         way_regions(layout, ways, strips),
     ])  # fmt: skip

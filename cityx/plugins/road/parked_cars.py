@@ -10,15 +10,14 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City, Instances
-from cityx.city.ground import LABEL, SURFACES
+from cityx.city.ground import SURFACES
 from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
 from cityx.geometry.standing import earth_over, stand_on
 from cityx.plugins.nature.street_rules import place_of
+from cityx.plugins.road.bays import Bays, join_bays, lot_bays, with_bay_lines, yard_bays
 from cityx.plugins.road.kerbs import edge_lines, join_places, places_along
-from cityx.plugins.road.yards import BAY as YARD_BAY
-from cityx.plugins.road.yards import yard_patches
 from cityx.protocol import Port, Range, action
 
 ACTION = "road/parked_cars-v1"
@@ -30,10 +29,6 @@ JUNCTION_GAP = 6.0  # metres kept free behind the junction: 5 m by most traffic 
 CROSSING_GAP = 4.6  # metres more where a zebra crossing lies there, with 1 m free before it
 LANE_LEFT = 2.4  # metres of carriageway that parked cars must leave to moving ones
 VAN_LEFT = 3.7  # the same where vans park: a fire engine must pass (Manual for Streets, 6.7.2)
-STALL_WIDTH, STALL_LENGTH, AISLE = 2.5, 5.0, 6.0  # metres, of a car park
-CAR_RADIUS = 2.7  # metres, half the diagonal of a car
-SMALLEST_LOT = 60.0  # square metres
-MOST_STALLS = 4_000  # per car park; beyond, a mapping error rather than a car park
 JAPANESE = 0.3  # of the bays along kerbs are taken where nobody may keep a car in the street
 UNLOADING = 12.0  # metres from shopfronts within which every fifth of the others is a van
 VAN_SHARE = 0.2
@@ -104,83 +99,13 @@ def _near_junctions(city: City, xy: FloatArray, edge: NDArray[np.int64]) -> NDAr
     return marked
 
 
-def _on_lots(city: City, occupancy: float) -> _Cars | None:
-    """Cars in double rows of bays along the long side of every car park."""
-    areas = city.layout.areas
-    rows = np.flatnonzero(areas["kind"].to_numpy().astype(str) == "parking")
-    shapes = areas.geometry.to_numpy()[rows]
-    big = shapely.area(shapes) > SMALLEST_LOT
-    rows, shapes = rows[big], shapes[big]
-    if not len(rows):
-        return None
-    found: list[tuple[FloatArray, NDArray[np.uint64], FloatArray]] = []
-    frames = shapely.oriented_envelope(shapes)
-    for row, frame in zip(rows, frames, strict=True):
-        corner = shapely.get_coordinates(frame)
-        if len(corner) < 4:
-            continue
-        a, b = corner[1] - corner[0], corner[2] - corner[1]
-        if np.hypot(*a) < np.hypot(*b):
-            a, b, origin = b, -a, corner[1]
-        else:
-            origin = corner[0]
-        length, depth = float(np.hypot(*a)), float(np.hypot(*b))
-        u, v = a / max(length, 1e-6), b / max(depth, 1e-6)
-        across, facing = _stall_rows(depth)
-        along = np.arange(0.5 * STALL_WIDTH + 0.5, length - 0.5 * STALL_WIDTH, STALL_WIDTH)
-        if not len(along) or not len(across) or len(along) * len(across) > MOST_STALLS:
-            continue
-        s, t = np.meshgrid(along, across, indexing="ij")
-        xy = origin + s.reshape(-1, 1) * u + t.reshape(-1, 1) * v
-        key = np.full(len(xy), areas["id"].to_numpy()[row])
-        way = np.tile(facing, len(along))[:, None] * v
-        ids = hash_ids(0, f"{ACTION}/lot", key, np.arange(len(xy)))
-        found.append((xy, ids, np.arctan2(way[:, 0], -way[:, 1])))
-    if not found:
-        return None
-    xy = np.concatenate([f[0] for f in found])
-    ids = np.concatenate([f[1] for f in found])
-    yaw = np.concatenate([f[2] for f in found])
-    keep = uniform(city.seed, f"{ACTION}/taken", ids) < occupancy
-    xy, ids, yaw = xy[keep], ids[keep], yaw[keep]
-    inside = np.zeros(len(xy), bool)
-    ahead = 0.5 * STALL_LENGTH * np.column_stack([np.sin(yaw), -np.cos(yaw)])
-    whole = [shapely.STRtree(shapely.points(xy + s * ahead)) for s in (-0.95, 0.95)]
-    ends = []
-    for tree in whole:
-        hit = np.zeros(len(xy), bool)
-        hit[tree.query(shapes, predicate="contains")[1]] = True
-        ends.append(hit)
-    inside = ends[0] & ends[1]
-    inside &= ~near_any(xy, city.layout.buildings.geometry.to_numpy(), CAR_RADIUS)
-    roads = city.layout.roads
-    open_ = ~roads["tunnel"].to_numpy() & ~roads["bridge"].to_numpy()
-    half = np.nan_to_num(roads["width"].to_numpy()[open_] / 2, nan=1.5)
-    inside &= ~near_any(xy, roads.geometry.to_numpy()[open_], np.fmin(half, 3.0) + 1.3)
-    backwards = uniform(city.seed, f"{ACTION}/back", ids) < 0.2
-    yaw = yaw + np.pi * backwards
-    return _Cars(xy[inside], ids[inside], yaw[inside], np.zeros(int(inside.sum()), bool))
-
-
-def _on_yards(city: City, occupancy: float) -> _Cars | None:
-    """Cars in the bays of yards, nose or tail to the wall."""
-    network, ground = city.network, city.ground
-    if network is None or ground is None:
-        return None
-    patches = yard_patches(city.layout, network)
-    patches = patches.take(patches.label == LABEL["parking"])
-    count = np.rint(patches.size[:, 0] / YARD_BAY).astype(np.int64)
-    row = np.repeat(np.arange(len(count)), count)
-    number = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
-    shift = (number - (count[row] - 1) / 2) * YARD_BAY
-    xy = patches.middle[row] + patches.along[row] * shift[:, None]
-    ids = hash_ids(0, f"{ACTION}/yard", patches.id[row], number)
-    back = uniform(city.seed, f"{ACTION}/back", ids) < 0.5
-    along = patches.along[row]
-    yaw = np.arctan2(along[:, 1], along[:, 0]) + np.pi * back
-    keep = uniform(city.seed, f"{ACTION}/taken", ids) < occupancy
-    keep[keep] &= ground.on(xy[keep], "parking")
-    return _Cars(xy[keep], ids[keep], yaw[keep], np.zeros(int(keep.sum()), bool))
+def _in_bays(city: City, bays: Bays, occupancy: float) -> _Cars:
+    """Cars in some of the bays, nose or tail to the end."""
+    taken = uniform(city.seed, f"{ACTION}/taken", bays.id) < occupancy
+    ids = bays.id[taken]
+    backwards = uniform(city.seed, f"{ACTION}/back", ids) < 0.35
+    yaw = bays.yaw[taken] + np.pi * backwards
+    return _Cars(bays.xy[taken], ids, yaw, np.zeros(len(ids), bool))
 
 
 def _bodies(
@@ -219,25 +144,6 @@ def _apart(xy: FloatArray, yaw: FloatArray, body: NDArray[np.int64]) -> NDArray[
     return np.flatnonzero(~gone)
 
 
-def _stall_rows(depth: float) -> tuple[FloatArray, FloatArray]:
-    """Middles of the rows of bays across a car park, and which way their cars face."""
-    if depth < STALL_LENGTH:
-        return np.zeros(0), np.zeros(0)
-    if depth < STALL_LENGTH + AISLE:
-        return np.array([depth / 2]), np.array([1.0])
-    module = 2 * STALL_LENGTH + AISLE
-    middles, facing = [], []
-    start = 0.0
-    while start + STALL_LENGTH <= depth:
-        middles.append(start + STALL_LENGTH / 2)
-        facing.append(-1.0)
-        if start + module <= depth:
-            middles.append(start + module - STALL_LENGTH / 2)
-            facing.append(1.0)
-        start += module
-    return np.array(middles), np.array(facing)
-
-
 @action(
     ACTION,
     limits=["Bays are parallel to the kerb; angled parking is drawn parallel too."],
@@ -256,7 +162,7 @@ def parked_cars(
     occupancy: Annotated[float, Range(0.0, 1.0)] = 0.7,
     lots: Annotated[float, Range(0.0, 1.0)] = 0.5,
 ) -> City:
-    """Park cars along kerbs and on car parks.
+    """Park cars along kerbs and on car parks, whose bays are marked.
 
     Parameters
     ----------
@@ -273,7 +179,10 @@ def parked_cars(
     if city.lod < 1:
         return replace(city, stages_done=done)
     along = occupancy * (JAPANESE if place_of(city) == "japan" else 1.0)
-    groups: list[Any] = [_along_kerbs(city, along), _on_lots(city, lots), _on_yards(city, lots)]
+    bays = join_bays([lot_bays(city), yard_bays(city)])
+    if city.lod > 1 and "ground" in city.scene.meshes:
+        city = with_bay_lines(city, bays)
+    groups: list[Any] = [_along_kerbs(city, along), _in_bays(city, bays, lots)]
     groups = [group for group in groups if group is not None and len(group.id)]
     if not groups:
         return replace(city, stages_done=done)

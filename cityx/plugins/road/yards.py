@@ -1,8 +1,10 @@
-"""Yards: beds and parking bays that break the paving between houses in town."""
+"""Yards: lawns, gravel, beds and car parks that break the paving between houses in town."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -16,21 +18,34 @@ from cityx.geometry.arrangement import Regions, regions
 from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, uniform
 from cityx.geometry.polylines import Polylines, to_linestrings
-from cityx.geometry.scatter import candidates, cells_of_polygons, thin
+from cityx.geometry.scatter import Points, candidates, cells_of_polygons, thin
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 PURPOSE = "ground/patch"
-SPACING = 9.0  # metres between the middles of patches
+NEAR_SPACING, OPEN_SPACING = 5.5, 13.0  # metres between the middles of patches
 REACH = 12.0  # metres from a house within which its yard lies
+OPEN_REACH = 90.0  # metres from a house of a town up to which land that houses left is its own
 FROM_WALL, FROM_STREET, FROM_PATH = 1.6, 4.5, 2.0  # metres that stay free for those who walk
-# What a patch is, how often, and the range of its length and depth in metres.
-KINDS = (("", 2, (0.0, 0.0), (0.0, 0.0)), ("grass", 5, (4.0, 10.0), (2.0, 5.0)),
-         ("bare", 1, (3.0, 6.0), (2.0, 4.0)), ("parking", 3, (7.5, 15.0), (5.0, 5.0)))  # fmt: skip
-BAY = 2.5  # metres, width of a parking bay
+# What patches are made of; each hides those before it.
+LABELS = ("", "grass", "gravel", "bare", "parking")
+# How often by the kind of place; lawns are for the north, gravel and cars for where land is dear.
+USUAL_SHARES = (2.0, 5.0, 1.5, 1.0, 3.0)
+SHARES: Mapping[str, tuple[float, ...]] = MappingProxyType({
+    "northern/central europe": (1.0, 8.0, 1.5, 1.5, 3.0),
+    "british isles": (2.0, 4.0, 2.0, 1.5, 2.5),
+    "japan": (2.0, 1.5, 4.0, 1.0, 4.5), "east asia": (2.0, 2.0, 2.5, 1.0, 4.0),
+    "mediterranean": (2.5, 2.0, 3.0, 2.5, 3.0),
+})  # fmt: skip
+# Metres along and across, from the least to the largest, about houses and away from them.
+NEAR_SIZES = (((0.0, 0.0), (0.0, 0.0)), ((4.0, 11.0), (2.5, 6.0)), ((3.0, 9.0), (1.6, 4.5)),
+              ((3.0, 7.0), (1.4, 3.0)), ((7.5, 15.0), (5.0, 5.0)))  # fmt: skip
+OPEN_SIZES = (((0.0, 0.0), (0.0, 0.0)), ((13.0, 30.0), (11.0, 22.0)), ((9.0, 20.0), (8.0, 15.0)),
+              ((6.0, 14.0), (3.0, 9.0)), ((15.0, 35.0), (16.0, 16.0)))  # fmt: skip
+BAY, STALL = 2.5, 5.0  # metres, width and length of a parking bay
 SHRUNK = (0.35, 0.6, 1.0)  # shares of its size at which a patch is tried; the largest wins
-PRIORITY = 6  # above the paving of dense blocks, below gardens and all that a map shows
+PRIORITY = 2  # of the first label; all lie below gardens and what a map shows
 
 
 @dataclass(frozen=True)
@@ -71,34 +86,55 @@ class Patches:
         return np.asarray(shapely.polygons(corners))
 
 
-def yard_patches(layout: Layout, network: RoadNetwork) -> Patches:
+def yard_patches(layout: Layout, network: RoadNetwork, place: str = "") -> Patches:
     """Draw patches between the houses of towns, clear of walls, streets and paths.
 
     They depend on their place alone, and on what is near.
+
+    Parameters
+    ----------
+    layout
+        The layout.
+    network
+        Its roads.
+    place
+        The kind of place, as of `cityx.plugins.nature.street_rules.place_of`.
     """
     buildings = layout.buildings
     houses = buildings.geometry.to_numpy()
-    urban = np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))
-    around = shapely.box(*(shapely.bounds(houses[urban]) + REACH * np.array([-1, -1, 1, 1])).T)
-    found = candidates(cells_of_polygons(around, SPACING), SPACING, seed=0, purpose=PURPOSE)
-    found = thin(found, SPACING)
-    kind = choose(0, PURPOSE, found.id, [weight for _, weight, _, _ in KINDS])
-    some = (kind > 0) & ~near_any(found.xy, houses, FROM_WALL)
-    ids, middle, kind = found.id[some], found.xy[some], kind[some]
-    if not len(ids):
+    urban = houses[np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))]
+    if not len(urban):
         none = np.zeros((0, 2))
-        return Patches(ids, none, none, none, np.zeros(0, np.int64))
-    label = np.array([LABEL[name or "courtyard"] for name, _, _, _ in KINDS])[kind]
-    drawn = np.column_stack([uniform(0, f"{PURPOSE}/{side}", ids) for side in ("long", "deep")])
-    low, high = (np.array([[length[end], depth[end]] for _, _, length, depth in KINDS])[kind]
-                 for end in (0, 1))  # fmt: skip
-    size = low + drawn * (high - low)
-    bays = label == LABEL["parking"]
-    size[bays, 0] = np.round(size[bays, 0] / BAY) * BAY
-    near = shapely.STRtree(houses).query_nearest(shapely.points(middle), all_matches=False)[1]
-    house, row = np.unique(near, return_inverse=True)
-    patches = Patches(ids, middle, _long_sides(houses[house])[row], size, label)
-    return _fitted(patches, layout, network)
+        return Patches(np.zeros(0, np.uint64), none, none, none, np.zeros(0, np.int64))
+    weights = SHARES.get(place, USUAL_SHARES)
+    found = []
+    for number, (spacing, reach, sizes) in enumerate(
+        ((NEAR_SPACING, REACH, NEAR_SIZES), (OPEN_SPACING, OPEN_REACH, OPEN_SIZES))
+    ):
+        purpose = f"{PURPOSE}/{number}"
+        around = shapely.box(*(shapely.bounds(urban) + reach * np.array([-1, -1, 1, 1])).T)
+        cells = cells_of_polygons(around, spacing)
+        points = candidates(cells, spacing, seed=0, purpose=purpose)
+        # The site's rectangle cuts patches; beyond it nobody sees them.
+        xmin, ymin, xmax, ymax = layout.extent
+        x, y = points.xy.T
+        inside = (x > xmin - reach) & (x < xmax + reach) & (y > ymin - reach) & (y < ymax + reach)
+        points = thin(Points(points.xy[inside], points.id[inside]), spacing)
+        kind = choose(0, purpose, points.id, list(weights))
+        some = (kind > 0) & ~near_any(points.xy, houses, REACH if number else FROM_WALL)
+        ids, middle, kind = points.id[some], points.xy[some], kind[some]
+        drawn = np.column_stack([uniform(0, f"{purpose}/{side}", ids) for side in ("long", "deep")])
+        low, high = np.array(sizes)[kind].transpose(2, 0, 1)  # (p, 2) each
+        size = low + drawn * (high - low)
+        label = np.array([LABEL[name or "courtyard"] for name in LABELS])[kind]
+        bays = label == LABEL["parking"]
+        size[bays, 0] = np.round(size[bays, 0] / BAY) * BAY
+        near = shapely.STRtree(houses).query_nearest(shapely.points(middle), all_matches=False)[1]
+        house, row = np.unique(near, return_inverse=True)
+        found.append(Patches(ids, middle, _long_sides(houses[house])[row], size, label))
+    names = ("id", "middle", "along", "size", "label")
+    joined = Patches(*(np.concatenate([getattr(part, name) for part in found]) for name in names))
+    return _fitted(joined, layout, network)
 
 
 def _fitted(patches: Patches, layout: Layout, network: RoadNetwork) -> Patches:
@@ -118,7 +154,8 @@ def _shrunk(patches: Patches, share: float) -> Patches:
     size = share * patches.size
     bays = patches.label == LABEL["parking"]
     size[bays, 0] = np.maximum(np.round(size[bays, 0] / BAY), 1) * BAY
-    size[bays, 1] = patches.size[bays, 1]
+    # Half of a car park is one row of bays; a single one keeps its depth.
+    size[bays, 1] = np.where(size[bays, 1] < patches.size[bays, 1] - 1e-9, STALL, size[bays, 1])
     return replace(patches, size=size)
 
 
@@ -148,7 +185,9 @@ def _clear(shapes: NDArray[Any], layout: Layout, network: RoadNetwork) -> BoolAr
     return clear
 
 
-def patch_regions(layout: Layout, network: RoadNetwork) -> Regions:
+def patch_regions(layout: Layout, network: RoadNetwork, place: str = "") -> Regions:
     """Return the patches as regions of the ground."""
-    patches = yard_patches(layout, network)
-    return regions(patches.shapes, patches.label, PRIORITY)
+    patches = yard_patches(layout, network, place)
+    rank = np.array([LABEL[name or "courtyard"] for name in LABELS])
+    order = (patches.label[:, None] == rank).argmax(axis=1)
+    return regions(patches.shapes, patches.label, PRIORITY + order)

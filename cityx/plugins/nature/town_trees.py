@@ -1,0 +1,135 @@
+"""Trees of towns that no map shows: along streets wide enough for them, and in yards."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city import City
+from cityx.geometry.clearance import distance_within, near_any, spots_of
+from cityx.geometry.identity import choose, hash_ids, stable_id, uniform
+from cityx.geometry.scatter import Points, candidates, cells_of_polygons, thin
+from cityx.geometry.standing import WALKED
+from cityx.plugins.nature import climate
+from cityx.plugins.nature.climate import band_of
+from cityx.plugins.nature.pieces import room_along, walk_rims, ways_to_doors
+from cityx.plugins.nature.stands import INDEX, Stand, draw_species, stand_of
+from cityx.plugins.nature.tree_room import FACADE_CLEARANCE, KERB_CLEARANCE, SIGHT
+from cityx.plugins.road.kerbs import join_places, places_along
+
+FloatArray = NDArray[np.float64]
+
+STREET, YARD = "nature/trees-v2/street", "nature/trees-v2/yard"
+STREET_SPACINGS = (7.0, 8.0, 9.0, 10.0)  # metres between the trees of a street, drawn per street
+STREET_SHARE, MAIN_SHARE = 0.65, 0.9  # of the streets that are wide enough, of the main ones
+STREET_KINDS = ("residential", "tertiary", "secondary", "primary", "unclassified", "living_street")
+MAIN_KINDS = ("tertiary", "secondary", "primary")
+TRUNK_WAY = 1.7  # metres of walk and paved court from the middle of a trunk, so that 1.2 m are left
+HOUSES_WITHIN = 25.0  # metres; a street has trees only where it has houses on its side
+MAPPED_WITHIN = 45.0  # metres; where the map shows trees it shows all of them
+YARD_SPACING = 6.5  # metres between the trees of yards
+YARD_REACH = 60.0  # metres from a house of a town
+LONE = 5.0  # metres to mapped trees
+# Share of the places of yards that have a plant, by what the ground is.
+YARD_SHARES = {"grass": 0.75, "block": 0.45, "bare": 0.9, "courtyard": 0.3, "gravel": 0.3}
+# The same share as a factor, by climate: where land is dear, and where water is.
+GREEN = {"japan": 0.6, "warm": 0.7, "tropic": 0.8}
+BUSH_SHARE = 0.3  # of the plants on lawns
+DOOR_HALF = 1.1  # metres, half the breadth of the way to a door
+
+
+def along_streets(city: City, mapped: FloatArray) -> list[Stand]:
+    """Plant some of the wide streets of an urban place, away from the trees that are mapped.
+
+    Parameters
+    ----------
+    city
+        City with its network.
+    mapped
+        (m, 2) float, trees of the map.
+    """
+    network = city.network
+    if network is None or not network.edge_count:
+        return []
+    roads = city.layout.roads
+    kind = roads["kind"].to_numpy().astype(str)[network.edge_road]
+    flat = (roads["layer"].to_numpy() == 0) & ~roads["bridge"].to_numpy()
+    road_id = roads["id"].to_numpy()[network.edge_road]
+    name = roads["name"].to_numpy().astype(str)[network.edge_road]
+    key = np.array([stable_id("street", n) if n else int(i)
+                    for n, i in zip(name, road_id, strict=True)], np.uint64)  # fmt: skip
+    share = np.where(np.isin(kind, MAIN_KINDS), MAIN_SHARE, STREET_SHARE)
+    green = uniform(city.seed, STREET, key) < share
+    green &= np.isin(kind, STREET_KINDS) & flat[network.edge_road]
+    spacing = choose(city.seed, STREET, key, [1.0] * len(STREET_SPACINGS), 1)
+    groups = []
+    for side, column in ((1, "sidewalk_left"), (-1, "sidewalk_right")):
+        width = roads[column].to_numpy()[network.edge_road]
+        # Trees of both sides stand in turn.
+        wide = width > 0
+        for number, metres in enumerate(STREET_SPACINGS):
+            edges = np.flatnonzero(green & wide & (spacing == number))
+            groups.append(
+                places_along(network, edges, side, spacing=metres, beyond=KERB_CLEARANCE + 0.1,
+                             margin=SIGHT, phase=0.25 * (side < 0))
+            )  # fmt: skip
+    places = join_places(*groups)
+    houses = city.layout.buildings.geometry.to_numpy()
+    spots = spots_of(places.xy)
+    facade = distance_within(spots, houses, HOUSES_WITHIN)
+    keep = np.isfinite(facade) & (facade >= FACADE_CLEARANCE)
+    keep &= ~near_any(spots, shapely.points(mapped), MAPPED_WITHIN)
+    places = places.take(keep)
+    if city.ground is not None:
+        rims = walk_rims(city.ground)
+        room = room_along(places.xy, -places.toward_road, rims, 2 * TRUNK_WAY)
+        places = places.take((room >= TRUNK_WAY) & city.ground.on(places.xy, *WALKED))
+    ids = hash_ids(0, STREET, network.edge_id[places.edge],
+                   2 * places.number + (places.side > 0))  # fmt: skip
+    species = draw_species(climate.STREET_MIX, city, key[places.edge])
+    return [stand_of(Points(places.xy, ids), species, line=network.edge_id[places.edge],
+                     place=2 * places.number + (places.side > 0))]  # fmt: skip
+
+
+def in_yards(city: City, mapped: FloatArray) -> list[Stand]:
+    """Plant the lawns, beds and courts about the houses of towns.
+
+    Parameters
+    ----------
+    city
+        City with its ground.
+    mapped
+        (m, 2) float, trees of the map.
+    """
+    ground = city.ground
+    buildings = city.layout.buildings
+    houses = buildings.geometry.to_numpy()
+    urban = houses[np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))]
+    if ground is None or not len(urban):
+        return []
+    around = shapely.bounds(urban) + YARD_REACH * np.array([-1, -1, 1, 1])
+    cells = cells_of_polygons(shapely.box(*around.T), YARD_SPACING)
+    found = thin(candidates(cells, YARD_SPACING, seed=city.seed, purpose=YARD), YARD_SPACING)
+    share = np.zeros(len(found.id))
+    soft = np.zeros(len(found.id), bool)
+    bed = np.zeros(len(found.id), bool)
+    for name, part in YARD_SHARES.items():
+        on = ground.on(found.xy, name)
+        share[on] = part
+        soft |= on & (name in ("grass", "block"))
+        bed |= on & (name == "bare")
+    share *= GREEN.get(band_of(city.frame), 1.0)
+    keep = uniform(city.seed, f"{YARD}/some", found.id) < share
+    # Land that the map describes has the trees that it is said to have.
+    known = city.layout.areas
+    known = known.geometry.to_numpy()[(known["kind"] != "residential").to_numpy()]
+    for things, gap in (
+        (known, 0.5), (shapely.points(mapped), LONE), (ways_to_doors(city), DOOR_HALF),
+    ):  # fmt: skip
+        rows = np.flatnonzero(keep)
+        keep[rows] = ~near_any(found.xy[rows], things, gap)
+    points = Points(found.xy[keep], found.id[keep])
+    bush = bed | (soft & (uniform(city.seed, f"{YARD}/bush", found.id) < BUSH_SHARE))
+    species = np.where(bush[keep], INDEX["shrub"], draw_species(climate.PARK_MIX, city, points.id))
+    return [stand_of(points, species)]

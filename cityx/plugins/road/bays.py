@@ -1,0 +1,179 @@
+"""Parking bays of car parks and yards: where they lie, and the lines between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city import City
+from cityx.city.ground import LABEL
+from cityx.geometry.clearance import near_any
+from cityx.geometry.identity import hash_ids, stable_id
+from cityx.geometry.polylines import pack
+from cityx.geometry.standing import stand_on
+from cityx.plugins.nature.painted import painted_strips
+from cityx.plugins.nature.street_rules import place_of
+from cityx.plugins.road.yards import BAY, STALL, yard_patches
+
+FloatArray = NDArray[np.float64]
+
+LAYER = "bay_lines"
+PURPOSE = "road/parked_cars-v1"
+AISLE = 6.0  # metres between two rows of bays
+CAR_RADIUS = 2.7  # metres, half the diagonal of a car
+SMALLEST_LOT = 60.0  # square metres
+MOST_STALLS = 4_000  # per car park; beyond, a mapping error rather than a car park
+LINE, OVER = 0.10, 0.012  # metres, breadth of a line and its height above the asphalt
+WITHIN = 0.06  # metres by which a line keeps off the ends of its bay
+
+
+@dataclass(frozen=True)
+class Bays:
+    """Parking bays, b of them.
+
+    Attributes
+    ----------
+    xy
+        (b, 2) float, middles.
+    id
+        (b,) uint64.
+    yaw
+        (b,) float, radians; where the front of a car looks that was driven in forwards.
+    """
+
+    xy: FloatArray
+    id: NDArray[np.uint64]
+    yaw: FloatArray
+
+    def take(self, rows: Any) -> Bays:
+        """Return some of the bays, by mask or by index."""
+        return Bays(self.xy[rows], self.id[rows], self.yaw[rows])
+
+
+def join_bays(groups: Sequence[Bays]) -> Bays:
+    """Put bays one after the other."""
+    names = ("xy", "id", "yaw")
+    return Bays(*(np.concatenate([getattr(group, name) for group in groups]) for name in names))
+
+
+def _rows(depth: float) -> tuple[FloatArray, FloatArray]:
+    """Middles of the rows of bays across a car park, and which way their cars face."""
+    if depth < STALL:
+        return np.zeros(0), np.zeros(0)
+    if depth < STALL + AISLE:
+        return np.array([depth / 2]), np.array([1.0])
+    module = 2 * STALL + AISLE
+    middles, facing = [], []
+    start = 0.0
+    while start + STALL <= depth:
+        middles.append(start + STALL / 2)
+        facing.append(-1.0)
+        if start + module <= depth:
+            middles.append(start + module - STALL / 2)
+            facing.append(1.0)
+        start += module
+    return np.array(middles), np.array(facing)
+
+
+def _none() -> Bays:
+    return Bays(np.zeros((0, 2)), np.zeros(0, np.uint64), np.zeros(0))
+
+
+def lot_bays(city: City) -> Bays:
+    """Lay double rows of bays along the long side of every car park of the map."""
+    areas = city.layout.areas
+    rows = np.flatnonzero(areas["kind"].to_numpy().astype(str) == "parking")
+    shapes = areas.geometry.to_numpy()[rows]
+    big = shapely.area(shapes) > SMALLEST_LOT
+    rows, shapes = rows[big], shapes[big]
+    found: list[Bays] = []
+    for row, frame in zip(rows, shapely.oriented_envelope(shapes), strict=True):
+        corner = shapely.get_coordinates(frame)
+        if len(corner) < 4:
+            continue
+        a, b = corner[1] - corner[0], corner[2] - corner[1]
+        if np.hypot(*a) < np.hypot(*b):
+            a, b, origin = b, -a, corner[1]
+        else:
+            origin = corner[0]
+        length, depth = float(np.hypot(*a)), float(np.hypot(*b))
+        u, v = a / max(length, 1e-6), b / max(depth, 1e-6)
+        across, facing = _rows(depth)
+        along = np.arange(0.5 * BAY + 0.5, length - 0.5 * BAY, BAY)
+        if not len(along) or not len(across) or len(along) * len(across) > MOST_STALLS:
+            continue
+        s, t = np.meshgrid(along, across, indexing="ij")
+        xy = origin + s.reshape(-1, 1) * u + t.reshape(-1, 1) * v
+        key = np.full(len(xy), areas["id"].to_numpy()[row])
+        way = np.tile(facing, len(along))[:, None] * v
+        ids = hash_ids(0, f"{PURPOSE}/lot", key, np.arange(len(xy)))
+        found.append(Bays(xy, ids, np.arctan2(way[:, 0], -way[:, 1])))
+    if not found:
+        return _none()
+    bays = join_bays(found)
+    inside = np.ones(len(bays.id), bool)
+    ahead = 0.5 * STALL * np.column_stack([np.sin(bays.yaw), -np.cos(bays.yaw)])
+    for share in (-0.95, 0.95):
+        hit = np.zeros(len(inside), bool)
+        ends = shapely.STRtree(shapely.points(bays.xy + share * ahead))
+        hit[ends.query(shapes, predicate="contains")[1]] = True
+        inside &= hit
+    inside &= ~near_any(bays.xy, city.layout.buildings.geometry.to_numpy(), CAR_RADIUS)
+    roads = city.layout.roads
+    open_ = ~roads["tunnel"].to_numpy() & ~roads["bridge"].to_numpy()
+    half = np.nan_to_num(roads["width"].to_numpy()[open_] / 2, nan=1.5)
+    inside &= ~near_any(bays.xy, roads.geometry.to_numpy()[open_], np.fmin(half, 3.0) + 1.3)
+    return bays.take(inside)
+
+
+def yard_bays(city: City) -> Bays:
+    """Lay rows of bays on the car parks of yards."""
+    network, ground = city.network, city.ground
+    if network is None or ground is None:
+        return _none()
+    patches = yard_patches(city.layout, network, place_of(city))
+    patches = patches.take(patches.label == LABEL["parking"])
+    found = [_none()]
+    count = np.rint(patches.size[:, 0] / BAY).astype(np.int64)
+    for depth in np.unique(patches.size[:, 1]).tolist():
+        held = np.flatnonzero(patches.size[:, 1] == depth)
+        across = np.array([-patches.along[held, 1], patches.along[held, 0]]).T
+        for side, (middle, facing) in enumerate(zip(*_rows(depth), strict=True)):
+            row = np.repeat(np.arange(len(held)), count[held])
+            number = np.arange(len(row)) - np.searchsorted(row, row)
+            shift = (number - (count[held][row] - 1) / 2) * BAY
+            xy = patches.middle[held][row] + patches.along[held][row] * shift[:, None]
+            xy = xy + across[row] * (middle - depth / 2)
+            ids = hash_ids(0, f"{PURPOSE}/yard/{side}", patches.id[held][row], number)
+            way = facing * across[row]
+            found.append(Bays(xy, ids, np.arctan2(way[:, 0], -way[:, 1])))
+    bays = join_bays(found)
+    ahead = 0.48 * STALL * np.column_stack([np.sin(bays.yaw), -np.cos(bays.yaw)])
+    whole = [ground.on(bays.xy + share * ahead, "parking") for share in (-1.0, 0.0, 1.0)]
+    return bays.take(np.all(whole, axis=0))
+
+
+def with_bay_lines(city: City, bays: Bays) -> City:
+    """Paint the lines between bays, and those at the ends of rows, where there is asphalt."""
+    ahead = np.column_stack([np.sin(bays.yaw), -np.cos(bays.yaw)])
+    right = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    reach = (STALL / 2 - WITHIN) * ahead
+    ends = np.concatenate(
+        [np.stack([m - reach, m, m + reach], axis=1)
+         for m in (bays.xy + side * right for side in (-BAY / 2, BAY / 2))]
+    )  # fmt: skip
+    # Neighbours share a line.
+    spot = np.round(ends[:, 1] * 10).astype(np.int64)
+    ends = ends[np.unique(spot, axis=0, return_index=True)[1]]
+    under = stand_on(city.scene.meshes.get("ground"), ends.reshape(-1, 2)).label
+    ends = ends[(under.reshape(-1, 3) == LABEL["parking"]).all(axis=1)]
+    if not len(ends):
+        return city
+    lines = pack(shapely.linestrings(ends))
+    mesh = painted_strips(city, lines, LINE, OVER, stable_id(LAYER))
+    return replace(city, scene=city.scene.with_mesh(LAYER, mesh))

@@ -1,0 +1,96 @@
+"""Trees that no map shows, along streets and in yards."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+from cityx.checks.furniture import in_lanes
+from cityx.city import Frame, make_table
+from cityx.city.outlines import placed_outlines
+from cityx.city.passage import crowding
+from cityx.plugins.nature.pieces import room_along, walk_rims
+from cityx.plugins.nature.town_trees import (
+    MAPPED_WITHIN,
+    TRUNK_WAY,
+    YARD_SHARES,
+    along_streets,
+    in_yards,
+)
+from cityx.plugins.nature.trees import trees
+from cityx.plugins.road.ground import ground
+from cityx.plugins.road.lanes import lanes
+
+NOBODY = np.zeros((0, 2))
+YARDS = [(x, y) for x in (-94, 12) for y in (-94, 12)]
+
+
+def laid(city):
+    return ground(lanes(replace(city, stages_done=frozenset({"layout", "terrain"}))))
+
+
+@pytest.fixture(scope="module")
+def avenue(crossroads):
+    """The crossroads of a town, with walks of 5 m and no area or tree."""
+    roads = crossroads.layout.roads.assign(sidewalk_left=5.0, sidewalk_right=5.0, kind="primary")
+    buildings = crossroads.layout.buildings.assign(place="core")
+    layout = replace(crossroads.layout, roads=roads, buildings=buildings,
+                     areas=crossroads.layout.areas[:0], points=crossroads.layout.points[:0],
+                     lines=crossroads.layout.lines[:0])  # fmt: skip
+    return laid(replace(crossroads, layout=layout))
+
+
+@pytest.fixture(scope="module")
+def courts(avenue):
+    """Four blocks of houses about courts of 56 m."""
+    wings = [shapely.box(x, y, x + 82, y + 82) for x, y in YARDS]
+    walls = shapely.difference(wings, shapely.buffer(wings, -13, join_style="mitre"))
+    ids = np.arange(21, 25)
+    houses = make_table("buildings", walls, id=ids, place=["core"] * 4)
+    parts = make_table("parts", walls, id=ids, building=ids, base=[0.0] * 4, top=[9.0] * 4,
+                       walls=[True] * 4)  # fmt: skip
+    return laid(replace(avenue, layout=replace(avenue.layout, buildings=houses, parts=parts)))
+
+
+def test_trees_of_streets_leave_a_way_past_their_trunks(avenue):
+    (stand,) = along_streets(avenue, NOBODY)
+    assert len(stand.id) > 20
+    out = np.where(np.abs(stand.xy) < 20, np.sign(stand.xy), 0.0)
+    out[np.abs(out).sum(axis=1) != 1] = np.nan
+    known = np.isfinite(out).all(axis=1)
+    room = room_along(stand.xy[known], out[known], walk_rims(avenue.ground), 4.0)
+    assert known.sum() > 10
+    assert (room >= TRUNK_WAY - 1e-6).all()
+
+
+@pytest.mark.parametrize("walk", [5.0, 1.5])
+def test_no_tree_crowds_a_walk_or_stands_in_a_lane(avenue, walk):
+    roads = avenue.layout.roads.assign(sidewalk_left=walk, sidewalk_right=walk)
+    city = trees(laid(replace(avenue, layout=replace(avenue.layout, roads=roads))))
+    outlines, xy, _ = placed_outlines(city.scene)
+    assert not crowding(city, outlines, xy)[1].any()
+    assert not in_lanes(city, outlines, xy).any()
+
+
+def test_where_trees_are_mapped_none_is_planted_beside(avenue):
+    mapped = np.array([[60.0, 7.0]])
+    before, after = (along_streets(avenue, spots)[0].xy for spots in (NOBODY, mapped))
+    gap = np.hypot(*(before - mapped).T)
+    assert (gap < MAPPED_WITHIN).any()
+    assert len(after) == (gap > MAPPED_WITHIN).sum()
+
+
+def test_yards_have_trees_on_lawns_and_beds(courts):
+    (stand,) = in_yards(courts, NOBODY)
+    assert len(stand.id) > 8
+    assert courts.ground.on(stand.xy, *YARD_SHARES).all()
+    assert in_yards(courts, stand.xy[:1])[0].xy.shape < stand.xy.shape
+
+
+def test_trees_of_yards_are_the_same_each_time_and_fewer_in_japan(courts):
+    first, again = (in_yards(courts, NOBODY)[0] for _ in range(2))
+    assert first.xy.tobytes() == again.xy.tobytes()
+    assert first.species.tobytes() == again.species.tobytes()
+    tokyo = in_yards(replace(courts, frame=Frame(35.69, 139.78)), NOBODY)[0]
+    assert set(tokyo.id.tolist()) < set(first.id.tolist())
