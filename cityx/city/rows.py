@@ -53,7 +53,9 @@ def leave_rows(rows: Instances, gone: BoolArray) -> Instances:
 def merge_rows(rows: Instances, more: Instances) -> Instances:
     """Put rows into a table in the order of ids, each behind those of the same id."""
     more = take_rows(more, np.argsort(more.object_id, kind="stable"))
-    if (rows.object_id[1:] < rows.object_id[:-1]).any() or more.count > MOST_RUNS:
+    if not more.count and (rows.object_id[1:] >= rows.object_id[:-1]).all():
+        return rows
+    if (rows.object_id[1:] < rows.object_id[:-1]).any() or not 0 < more.count <= MOST_RUNS:
         joined = join_rows([rows, more])
         return take_rows(joined, np.argsort(joined.object_id, kind="stable"))
     place = np.searchsorted(rows.object_id, more.object_id, side="right")
