@@ -1,9 +1,12 @@
-"""How a process of CityX's own holds memory: what it frees it keeps for its next array."""
+"""How a process of CityX's own holds memory: what it frees it keeps, garbage is sought seldom."""
 
 from __future__ import annotations
 
 import ctypes
+import gc
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 # Names of malloc.h; its `mallopt` is told these in bytes.
 TRIM_THRESHOLD, TOP_PAD, MMAP_THRESHOLD = -1, -2, -3
@@ -30,3 +33,16 @@ def keep_freed_memory() -> bool:
         return False
     wanted = ((MMAP_THRESHOLD, LARGEST), (TRIM_THRESHOLD, KEPT), (TOP_PAD, STEP))
     return all(tell(name, value) == 1 for name, value in wanted)
+
+
+@contextmanager
+def rare_collection() -> Iterator[None]:
+    """Look for reference cycles seldom: a city has millions of objects, but hardly a cycle."""
+    before = gc.get_threshold()
+    gc.freeze()  # what is held now, libraries above all, is no garbage
+    gc.set_threshold(200_000, 20, 50)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
+        gc.unfreeze()

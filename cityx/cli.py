@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import typer
 
 from cityx import __version__
+from cityx.allocator import rare_collection
 from cityx.assets.library.commands import assets
 from cityx.bench.commands import bench
 from cityx.comma_lists import words_of
@@ -230,8 +231,9 @@ def edit(
     budget_tokens: BudgetTokens = 400_000,
 ) -> None:
     """Change a built city as a sentence says, whole or not at all."""
-    from cityx.agents.edit import edit_city
-    from cityx.agents.options import PlannerChoice
+    with rare_collection():  # while libraries are imported
+        from cityx.agents.edit import edit_city
+        from cityx.agents.options import PlannerChoice
 
     choice = PlannerChoice(planner, base_url, record, replay, budget_tokens)
     with _progress() as say:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import json
 import shutil
 from collections.abc import Iterable, Iterator
@@ -32,6 +31,7 @@ from cityx.agents.results import (
 from cityx.agents.roles import OfflineEvaluator, Roles
 from cityx.agents.run import SNAPSHOTS, Run, Stopwatch
 from cityx.agents.views import VIEWS, make_views
+from cityx.allocator import rare_collection
 from cityx.cache import kept_folder
 from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
@@ -225,7 +225,7 @@ def build(
         watch = Stopwatch()
         with watch.step("import"):
             import_libraries(job.actions, plan)
-        with _rare_collection():
+        with rare_collection():
             return _build(job, out, watch, say)
     finally:
         job.roles.close()
@@ -393,19 +393,6 @@ def import_libraries(actions: Registry, items: Iterable[Item]) -> None:
     generators()
     for item in items:
         actions.function(item.action)
-
-
-@contextmanager
-def _rare_collection() -> Iterator[None]:
-    """Look for reference cycles seldom: a city has millions of objects, but hardly a cycle."""
-    before = gc.get_threshold()
-    gc.freeze()  # the libraries just imported hold no garbage
-    gc.set_threshold(200_000, 20, 50)
-    try:
-        yield
-    finally:
-        gc.set_threshold(*before)
-        gc.unfreeze()
 
 
 def _brief(job: Job) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from cityx.agents.planning.planner import OfflinePlanner
 from cityx.agents.planning.workflow import Item
 from cityx.agents.pool import Pool
 from cityx.agents.results import write_report
+from cityx.allocator import rare_collection
 from cityx.city import City
 from cityx.errors import UsageError
 from cityx.protocol.encapsulation import Encapsulation
@@ -68,7 +69,7 @@ def edit_city(
     UsageError
         If no action does what is asked; nothing is changed.
     """
-    with Desk(folder) as desk:
+    with rare_collection(), Desk(folder) as desk:
         request, items = planned(desk, text, files, choice=choice)
         if items is None:
             revision = _undone(desk, request, expected)
@@ -245,9 +246,9 @@ def renew(
     The checks of the report stay those of the last `cityx check`, of which it tells the hash.
     """
     from cityx.agents.views import make_views
+    from cityx.checks.counts import counts
     from cityx.checks.meshes import triangle_counts
     from cityx.checks.predicates import measure_all
-    from cityx.checks.report import counts
 
     files = {
         "blend": "city.blend", "glb": "city.glb", "usd": "city.usdc", "bodies": "city_bodies.npz",

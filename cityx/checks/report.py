@@ -7,14 +7,13 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
-import shapely
 
 from cityx import __version__
-from cityx.assets.moving import mover_counts
 from cityx.checks.bodies import check_bodies
 from cityx.checks.bounds import check_bounds
 from cityx.checks.buildings import check_buildings
 from cityx.checks.check import Check, named
+from cityx.checks.counts import built_count, counts
 from cityx.checks.facades import check_facades
 from cityx.checks.furniture import check_furniture
 from cityx.checks.ground import check_ground
@@ -64,20 +63,9 @@ def run_checks(city: City) -> list[Check]:
     ]
 
 
-def _failed_buildings(city: City) -> int:
-    failed = {failure.object_id for failure in city.failures}
-    return int(np.isin(city.layout.buildings["id"].to_numpy(), list(failed)).sum()) if failed else 0
-
-
-def _built(city: City) -> int:
-    """Count buildings with a shape: shells of their own, and assets of the library."""
-    batch, rows = city.scene.meshes.get("buildings"), city.scene.instances.get("building_assets")
-    return (0 if batch is None else batch.count) + (0 if rows is None else rows.count)
-
-
 def _failed(city: City) -> Check:
     wanted = len(city.layout.buildings)
-    missing = wanted - _built(city)
+    missing = wanted - built_count(city)
     return Check(
         "buildings_missing",
         missing / max(wanted, 1),
@@ -96,28 +84,6 @@ def _vanished(city: City) -> Check:
         "the layout's buildings that have no shape in the scene and no reason in the report",
         ids=named(lost),
     )
-
-
-def counts(city: City) -> dict[str, float]:
-    """Count what the city holds."""
-    roads = city.layout.roads
-    length = shapely.length(roads.geometry.to_numpy()).sum() / 1000 if len(roads) else 0.0
-    rows = city.scene.instances
-    network = city.network
-    moving = mover_counts(city.tracks, city.moment)
-    junctions = 0 if network is None else int(np.count_nonzero(network.node_degree >= 3))
-    return {
-        "buildings": _built(city),
-        "buildings_failed": _failed_buildings(city),
-        "road_km": round(float(length), 3),
-        "junctions": junctions,
-        "trees": rows["trees"].count if "trees" in rows else 0,
-        "windows": rows["windows"].count if "windows" in rows else 0,
-        "instances": sum(table.count for table in rows.values()),
-        "prototypes": len(city.scene.prototypes),
-        "vehicles": (rows["vehicles"].count if "vehicles" in rows else 0) + moving["vehicles"],
-        "pedestrians": moving["pedestrians"],
-    }
 
 
 def make_report(
@@ -192,8 +158,8 @@ def _number(value: float) -> float | str:
 
 def _goals(city: City, brief: Mapping[str, Any]) -> list[dict[str, Any]]:
     implied = [
-        ("buildings stand", _built(city) > 0 or not len(city.layout.buildings),
-         f"{_built(city)} of {len(city.layout.buildings)} buildings of the layout are built"),
+        ("buildings stand", built_count(city) > 0 or not len(city.layout.buildings),
+         f"{built_count(city)} of {len(city.layout.buildings)} buildings of the layout are built"),
         ("the ground is closed", city.ground is not None,
          f"{0 if city.ground is None else len(city.ground.face_label)} faces"),
     ]  # fmt: skip

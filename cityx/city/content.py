@@ -23,7 +23,9 @@ from numpy.typing import NDArray
 
 from cityx.city.layout import SCHEMA
 from cityx.city.mesh import same_objects
+from cityx.city.rows import take_rows
 from cityx.geometry.identity import UInt64Array, id_text, mix
+from cityx.geometry.ranges import equal_rows
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -155,10 +157,23 @@ def _steps(values: Any) -> NDArray[np.int64]:
 
 
 def _sorted(ids: UInt64Array, hashes: UInt64Array) -> tuple[UInt64Array, UInt64Array]:
+    """Sort by id, and by the hash where an id occurs again."""
     if (ids[1:] > ids[:-1]).all():
         return ids, hashes
-    order = np.lexsort((hashes, ids))
-    return ids[order], hashes[order]
+    if (ids[1:] < ids[:-1]).any():
+        order = np.argsort(ids, kind="stable")  # quick where runs are in order already
+        ids, hashes = ids[order], hashes[order]
+    tied = np.flatnonzero(_shared(ids))
+    hashes = hashes.copy()
+    hashes[tied] = hashes[tied[np.lexsort((hashes[tied], ids[tied]))]]
+    return ids, hashes
+
+
+def _shared(ids: UInt64Array) -> NDArray[np.bool_]:
+    """(n,) whether an id stands beside its like; ids are sorted."""
+    again = ids[1:] == ids[:-1]
+    found = np.append(again, False)[: len(ids)] | np.append(False, again)[: len(ids)]
+    return np.asarray(found, bool)
 
 
 def scene_key(scene: Scene) -> str:
@@ -242,14 +257,16 @@ def _hash_layer(
     same = like is not None and old is value
     kind, _, own = name.partition("/")
     if kind == "instances":
-        used = np.unique(value.prototype)
+        used = np.flatnonzero(np.bincount(value.prototype))
         first = like[1].prototypes if like is not None else prototypes[:0]
         same &= not len(used) or (
             used[-1] < len(first) and np.array_equal(first[used], prototypes[used])
         )
-        return like[1].layers[name] if like is not None and same else (
-            hash_instances(value, prototypes)
-        )  # fmt: skip
+        if like is None or old is None or name not in like[1].layers:
+            return hash_instances(value, prototypes)
+        if same:
+            return like[1].layers[name]
+        return _hash_changed_instances(value, old, prototypes, like[1].layers[name], first)
     if like is not None and same:
         return like[1].layers[name]
     if kind == "layout":
@@ -308,6 +325,33 @@ def _hash_changed(
     if np.count_nonzero(kept) != np.count_nonzero(same):  # ids that are not unique
         return hash_mesh(batch)
     return _sorted(np.concatenate([held[0][kept], ids]), np.concatenate([held[1][kept], hashes]))
+
+
+def _hash_changed_instances(
+    rows: Instances,
+    old: Instances,
+    prototypes: UInt64Array,
+    held: tuple[UInt64Array, UInt64Array],
+    before: UInt64Array,
+) -> tuple[UInt64Array, UInt64Array]:
+    """Hash the rows of a layer that another state of it has not just so.
+
+    Only rows whose id is theirs alone count as the same; `before` are the prototypes' hashes then.
+    """
+    own, ids = old.object_id, rows.object_id
+    told = old.count > 0 and len(before) > old.prototype.max() and np.array_equal(own, held[0])
+    if not told or (ids[1:] < ids[:-1]).any():
+        return hash_instances(rows, prototypes)
+    at = np.minimum(np.searchsorted(own, ids), old.count - 1)
+    same = (own[at] == ids) & ~_shared(ids) & ~_shared(own)[at]
+    same &= prototypes[rows.prototype] == before[old.prototype][at]
+    same &= rows.owner == old.owner[at]
+    for name in ("position", "rotation", "scale", "tint"):
+        same &= equal_rows(getattr(rows, name), getattr(old, name)[at])
+    fresh = hash_instances(take_rows(rows, ~same), prototypes)
+    return _sorted(
+        np.concatenate([ids[same], fresh[0]]), np.concatenate([held[1][at[same]], fresh[1]])
+    )
 
 
 def _parts(city: City) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.geometry.ranges import ranges
+from cityx.geometry.ranges import equal_rows, ranges
 
 NO_VERTEX = -1  # fourth index of a triangle
 
@@ -254,15 +254,16 @@ def _equal_run(
     points, corners = ((b.vertex_start, b.face_start) for b in (batch, other))
     v, w = _span(points[0], mine), _span(corners[0], theirs)
     f, g = _span(points[1], mine), _span(corners[1], theirs)
-    same = _all_of((batch.vertices[v] == other.vertices[w]).all(axis=1), points[0], mine)
+    same = _all_of(equal_rows(batch.vertices[v], other.vertices[w]), points[0], mine)
     shift = np.int32(v.start - w.start)
     faces = other.faces[g]
     moved = np.where(faces == NO_VERTEX, NO_VERTEX, faces + shift)
-    names = np.array([*batch.materials, ""])[batch.material[f]]
-    equal = (batch.faces[f] == moved).all(axis=1)
-    equal &= names == np.array([*other.materials, ""])[other.material[g]]
-    equal &= (batch.uv[f] == other.uv[g]).all(axis=(1, 2))
-    equal &= (batch.tint[f] == other.tint[g]).all(axis=1)
+    known = {name: number for number, name in enumerate(other.materials)}
+    number = np.array([*(known.get(name, -1) for name in batch.materials), -1], np.int16)
+    equal = equal_rows(batch.faces[f], moved)
+    equal &= number[batch.material[f]] == other.material[g]
+    equal &= equal_rows(batch.uv[f], other.uv[g])
+    equal &= equal_rows(batch.tint[f], other.tint[g])
     return same & _all_of(equal, points[1], mine)
 
 

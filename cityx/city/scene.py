@@ -122,7 +122,8 @@ class Scene:
         added = tuple(p for p in offered if p.name not in known)
         known |= {p.name: len(self.prototypes) + i for i, p in enumerate(added)}
         table = np.array([known[p.name] for p in offered], np.int32)
-        moved = replace(rows, prototype=table[rows.prototype] if len(table) else rows.prototype)
+        same = np.array_equal(table, np.arange(len(table)))
+        moved = rows if same else replace(rows, prototype=table[rows.prototype])
         instances = dict(sorted({**self.instances, layer: moved}.items()))
         return replace(
             self,

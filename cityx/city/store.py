@@ -249,7 +249,7 @@ def replace_folder(temporary: Path, folder: Path) -> None:
 
 
 def read_city(folder: Path) -> City:
-    """Read a city back.
+    """Read a city back; large arrays stay in their files until they are looked at.
 
     Raises
     ------
@@ -306,7 +306,7 @@ def read_view(folder: Path) -> View:
         tuple(record["extent"]),
         record["seed"],
         record["lod"],
-        _read_scene(folder, record, mapped=True),
+        _read_scene(folder, record),
         Environment(**record["environment"]),
         _read_value(folder / "network.npz", RoadNetwork),
         _read_terrain(folder / "terrain.tif", record["terrain"]),
@@ -340,24 +340,24 @@ def _write_value(value: Any, path: Path) -> None:
     write_arrays(path, _arrays(value))
 
 
-def _read_value(path: Path, kind: Any, *, mapped: bool = False) -> Any:
+def _read_value(path: Path, kind: Any) -> Any:
     if not path.exists():
         return None
-    return kind(**read_arrays(path, mapped=mapped))
+    return kind(**read_arrays(path, mapped=True))
 
 
-def _read_scene(folder: Path, record: Mapping[str, Any], *, mapped: bool = False) -> Scene:
+def _read_scene(folder: Path, record: Mapping[str, Any]) -> Scene:
     meshes = {}
     for layer, names in record["materials"].items():
-        held = read_arrays(folder / "meshes" / f"{layer}.npz", mapped=mapped)
+        held = read_arrays(folder / "meshes" / f"{layer}.npz", mapped=True)
         meshes[layer] = MeshBatch(**held, materials=tuple(names))
     instances = {
-        path.stem: _read_value(path, Instances, mapped=mapped)
+        path.stem: _read_value(path, Instances)
         for path in sorted((folder / "instances").glob("*.npz"))
     }
     meshes_of = []
     for number, (count, names) in enumerate(_chunks(record)):
-        held = read_arrays(folder / _chunk_name(number), mapped=mapped)
+        held = read_arrays(folder / _chunk_name(number), mapped=True)
         shared = MeshBatch(**held, materials=names)
         meshes_of += [shared.one(index) for index in range(count)]
     prototypes = tuple(

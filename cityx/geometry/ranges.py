@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -42,3 +44,15 @@ def row_codes(keys: NDArray[np.int64]) -> NDArray[np.int64]:
         number, found = pd.factorize(column)
         code = pd.factorize(code * max(len(found), 1) + number)[0]
     return np.asarray(code, np.int64)
+
+
+def equal_rows(values: NDArray[Any], others: NDArray[Any]) -> NDArray[np.bool_]:
+    """(n,) whether rows of two tables of one shape, (n, ...), are equal in every column.
+
+    Column by column; `numpy.all` along short rows takes several times as long.
+    """
+    same = (values == others).reshape(len(values), -1)
+    found = np.ones(len(values), bool)
+    for column in same.T:
+        found &= column
+    return found

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from cityx.city.content import hash_mesh
 from cityx.city.mesh import MeshBatch, concatenate, empty_batch
+from cityx.city.rows import join_rows, take_rows
 from cityx.city.scene import Instances, Prototype, Scene, no_instances
 from cityx.errors import InputError
 from cityx.geometry.identity import id_text, mix
@@ -114,23 +115,6 @@ class Models:
 
 
 _ZERO = np.zeros(1, np.uint64)
-
-
-def take_rows(rows: Instances, wanted: Any) -> Instances:
-    """Return some rows of a table of instances."""
-    return Instances(**{name: getattr(rows, name)[wanted] for name in rows.__dataclass_fields__})
-
-
-def join_rows(tables: Sequence[Instances]) -> Instances:
-    """Put tables of instances one after the other."""
-    if not tables:
-        return no_instances()
-    return Instances(
-        **{
-            name: np.concatenate([getattr(table, name) for table in tables])
-            for name in tables[0].__dataclass_fields__
-        }
-    )
 
 
 def turns(rotation: NDArray[Any]) -> FloatArray:

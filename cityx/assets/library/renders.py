@@ -9,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from cityx.assets.library.models import Models, take_rows, turns
+from cityx.assets.library.models import Models, turns
 from cityx.assets.library.store import Library, set_renders
 from cityx.city.camera import Camera
 from cityx.city.city import City
+from cityx.city.rows import take_rows
 from cityx.city.scene import Instances, Scene
 from cityx.geometry.identity import id_text, stable_id
 from cityx.geometry.polygons import FloatArray

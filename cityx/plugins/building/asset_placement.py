@@ -20,11 +20,12 @@ from cityx.assets.library.fit import (
     place,
     targets_of,
 )
-from cityx.assets.library.models import Models, take_rows, turns
+from cityx.assets.library.models import Models, turns
 from cityx.assets.library.paper_placement import place_as_paper
 from cityx.assets.library.shelves import Shelf, shelf_of, text_scores
 from cityx.assets.palettes import GROUPS, family_of, groups_of, region_of
 from cityx.city.city import City
+from cityx.city.rows import take_rows
 from cityx.city.scene import Instances, Scene
 from cityx.errors import ActionFailed
 from cityx.geometry.identity import hash_ids, id_text, uniform

@@ -10,10 +10,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.library.models import join_rows, take_rows
 from cityx.assets.neon import COLORS, neon
 from cityx.city.city import City
 from cityx.city.levels import ground_levels
+from cityx.city.rows import join_rows, take_rows
 from cityx.city.scene import Instances, Prototype
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polygons import FloatArray, IntArray

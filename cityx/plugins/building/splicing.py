@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.library.models import join_rows, take_rows
 from cityx.city.mesh import MeshBatch, concatenate
+from cityx.city.rows import leave_rows, merge_rows, take_rows
 from cityx.city.scene import Instances, Prototype, Scene
 
 SHELLS = "buildings"
@@ -35,7 +35,7 @@ def without_owned(scene: Scene, ids: NDArray[np.uint64]) -> Scene:
     for layer, rows in scene.instances.items():
         gone = np.isin(rows.owner, ids)
         if gone.any():
-            scene = scene.with_instances(layer, scene.prototypes, take_rows(rows, ~gone))
+            scene = scene.with_instances(layer, scene.prototypes, leave_rows(rows, gone))
     return scene
 
 
@@ -106,6 +106,6 @@ def with_rows(scene: Scene, layer: str, prototypes: Sequence[Prototype], rows: I
                 known.append(prototype)
             place_of.append(names[prototype.name])
         fresh = replace(fresh, prototype=np.array(place_of, np.int32)[fresh.prototype])
-        fresh, offered = join_rows([old, fresh]), known
+        return scene.with_instances(layer, known, merge_rows(old, fresh))
     order = np.argsort(fresh.object_id, kind="stable")
     return scene.with_instances(layer, offered, take_rows(fresh, order))

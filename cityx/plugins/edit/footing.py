@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.library.models import take_rows
 from cityx.city.city import City
+from cityx.city.rows import take_rows
 from cityx.city.scene import Instances
 from cityx.plugins.edit.rebuilding import Ids
 from cityx.plugins.edit.room import faults, refuse, stand_of

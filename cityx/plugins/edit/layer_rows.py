@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.library.models import join_rows, take_rows
-from cityx.city.scene import Instances, Prototype, Scene
+from cityx.city.rows import leave_rows, merge_rows
+from cityx.city.scene import Instances, Prototype, Scene, no_instances
 
 
 def with_rows(
@@ -32,10 +32,9 @@ def with_rows(
     shift = len(scene.prototypes)
     more = replace(rows, prototype=(shift + place).astype(np.int32))
     held = scene.instances.get(layer)
-    joined = join_rows([more] if held is None else [held, more])
-    order = np.argsort(joined.object_id, kind="stable")
+    joined = merge_rows(no_instances() if held is None else held, more)
     offered = [*scene.prototypes, *(prototypes[number] for number in used.tolist())]
-    return scene.with_instances(layer, offered, take_rows(joined, order))
+    return scene.with_instances(layer, offered, joined)
 
 
 def without_rows(scene: Scene, layer: str, ids: NDArray[np.uint64]) -> Scene:
@@ -45,5 +44,5 @@ def without_rows(scene: Scene, layer: str, ids: NDArray[np.uint64]) -> Scene:
         if name == layer:
             gone |= np.isin(rows.object_id, ids)
         if gone.any():
-            scene = scene.with_instances(name, scene.prototypes, take_rows(rows, ~gone))
+            scene = scene.with_instances(name, scene.prototypes, leave_rows(rows, gone))
     return scene

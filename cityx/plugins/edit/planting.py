@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.library.models import take_rows
 from cityx.city import City
+from cityx.city.rows import take_rows
 from cityx.errors import UsageError
 from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import UInt64Array, hash_ids

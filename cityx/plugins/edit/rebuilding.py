@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.library.models import take_rows
 from cityx.city.city import City
 from cityx.city.layout import Layout
+from cityx.city.rows import take_rows
 from cityx.city.scene import Scene
 from cityx.geometry.frontage import REACH
 from cityx.plugins.building.design import raised

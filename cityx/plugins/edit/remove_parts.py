@@ -7,8 +7,8 @@ from typing import Annotated
 
 import numpy as np
 
-from cityx.assets.library.models import take_rows
 from cityx.city import City
+from cityx.city.rows import leave_rows
 from cityx.errors import ActionFailed
 from cityx.geometry.identity import id_text
 from cityx.protocol import ObjectName, Port, action
@@ -48,7 +48,7 @@ def remove_parts(city: City, *, objects: Annotated[tuple[str, ...], ObjectName()
         gone = (np.isin(rows.object_id, ids) | np.isin(rows.owner, ids)) & (rows.owner > 0)
         if gone.any():
             found |= np.isin(ids, rows.object_id[gone]) | np.isin(ids, rows.owner[gone])
-            scene = scene.with_instances(layer, scene.prototypes, take_rows(rows, ~gone))
+            scene = scene.with_instances(layer, scene.prototypes, leave_rows(rows, gone))
     if not found.all():
         other = ", ".join(map(id_text, ids[~found][:4].tolist()))
         raise ActionFailed(f"{other} has no parts and is part of nothing; use edit/remove-v1.")

@@ -15,12 +15,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.library.models import take_rows
 from cityx.city.city import City
 from cityx.city.content import differing_ids, hash_instances, hash_mesh, hash_table
 from cityx.city.ground import ROADWAY, Ground
 from cityx.city.layout import SCHEMA, Layout
 from cityx.city.mesh import MeshBatch, concatenate
+from cityx.city.rows import take_rows
 from cityx.city.scene import Instances, Scene
 from cityx.city.terrain import Terrain
 from cityx.geometry.clearance import near_any

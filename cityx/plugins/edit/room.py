@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.library.models import take_rows
 from cityx.city.city import City
 from cityx.city.ground import ROADWAY, SURFACES
+from cityx.city.rows import take_rows
 from cityx.city.scene import Instances, Prototype
 from cityx.errors import ActionFailed
 from cityx.geometry.identity import id_text

@@ -6,8 +6,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.library.models import take_rows
 from cityx.city.city import City
+from cityx.city.rows import take_rows
 from cityx.plugins.edit.room import faults, stand_of
 from cityx.plugins.edit.standing import room_for
 from cityx.plugins.edit.targets import Targets

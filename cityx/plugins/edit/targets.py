@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.library.models import take_rows
 from cityx.city.city import City
+from cityx.city.rows import leave_rows, take_rows
 from cityx.city.scene import Instances
 from cityx.errors import ActionFailed
 from cityx.geometry.identity import id_text
@@ -86,7 +86,7 @@ def with_changed_rows(
         if not mine.any():
             continue
         made = change(take_rows(rows, mine))
-        kept = take_rows(rows, ~mine) if made is None else _written(rows, mine, made)
+        kept = leave_rows(rows, mine) if made is None else _written(rows, mine, made)
         scene = scene.with_instances(layer, scene.prototypes, kept)
     return replace(city, scene=scene)
 

@@ -2,8 +2,8 @@
 
 import pytest
 
+from cityx.checks.counts import counts
 from cityx.checks.predicates import measure, measure_all
-from cityx.checks.report import counts
 from cityx.plugins.dynamic.character import add_characters
 from cityx.plugins.dynamic.vehicle_on_path import add_vehicles
 

@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cityx.assets.library.models import take_rows
 from cityx.checks.predicates.changes import changed_ids
+from cityx.city.rows import take_rows
 from cityx.city.store import read_city, write_city
 from cityx.plugins.edit.renewal import renewed
 from cityx.plugins.edit.streets import streets
