@@ -224,40 +224,28 @@ def triangles_at(
     point, triangle
         (k,) each.
     """
-    spots = np.asarray(xy, float).reshape(-1, 2)
+    from cityx.geometry.triangle_kernel import among_cells
+
+    spots = np.ascontiguousarray(np.asarray(xy, float).reshape(-1, 2))
+    counts = np.zeros(0, bool) if among is None else np.asarray(among, bool)
+    shapes = prepared.vertices, prepared.triangles
     for begin in range(0, len(spots), AT_ONCE):
-        spot, triangle = _candidates(spots[begin : begin + AT_ONCE], prepared)
-        spot += begin
-        if among is not None:
-            spot, triangle = spot[among[triangle]], triangle[among[triangle]]
-        a, b, c = prepared.vertices[prepared.triangles[triangle]].transpose(1, 0, 2)
-        at = spots[spot]
-        turns = np.stack([_turn(a, b, at), _turn(b, c, at), _turn(c, a, at)])
-        hit = (turns >= 0).all(axis=0) | (turns <= 0).all(axis=0)
-        yield spot[hit], triangle[hit]
-
-
-def _candidates(
-    spots: FloatArray, prepared: TriangleCells
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Pairs of points and triangles: small ones of the same cell, large ones whose box holds it."""
-    cell = _cell_number(*_cells(spots).T)
-    first, last = (np.searchsorted(prepared.cell, cell, side=side) for side in ("left", "right"))
-    spot, number = _counted(last - first)
-    held, shape = prepared.tree.query(shapely.points(spots))
-    return (
-        np.concatenate([spot, held]),
-        np.concatenate([prepared.triangle[first[spot] + number], prepared.large[shape]]),
-    )
+        some = spots[begin : begin + AT_ONCE]
+        cell = _cell_number(*_cells(some).T)
+        sides = [np.searchsorted(prepared.cell, cell, side=side) for side in ("left", "right")]
+        parts = [among_cells(some, *sides, prepared.triangle, counts, *shapes)]
+        if len(prepared.large):  # those whose box holds it
+            held, shape = prepared.tree.query(shapely.points(some))
+            order = np.argsort(held, kind="stable")
+            sides = [np.searchsorted(held[order], np.arange(len(some)), side=side)
+                     for side in ("left", "right")]  # fmt: skip
+            large = prepared.large[shape[order]]
+            parts.append(among_cells(some, *sides, large, counts, *shapes))
+        spot, triangle = (np.concatenate(column) for column in zip(*parts, strict=True))
+        yield spot + begin, triangle
 
 
 def _counted(count: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return each row as often as it counts, and the running number within it."""
     row = np.repeat(np.arange(len(count)), count)
     return row, np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
-
-
-def _turn(a: FloatArray, b: FloatArray, p: FloatArray) -> FloatArray:
-    """Twice the area of the triangles a, b, p: positive where they turn left."""
-    return np.asarray((b[:, 0] - a[:, 0]) * (p[:, 1] - a[:, 1])
-                      - (b[:, 1] - a[:, 1]) * (p[:, 0] - a[:, 0]))  # fmt: skip

@@ -26,6 +26,7 @@ APART = 0.5  # metres between the middles of two people, shoulders and what sway
 SQUEEZED = 0.36  # metres, of two who turn their shoulders to get past each other
 CREEP = 0.3  # of the pace at which somebody who is hindered steps aside
 NO_BOXES = np.zeros((0, 6))
+NO_ZONES = np.zeros(0, bool)
 
 
 @dataclass(frozen=True)
@@ -93,8 +94,9 @@ class Crowd:
 
 
 def stepped(
-    crowd: Crowd, others: FloatArray, seconds: float, floor: Floor, boxes: FloatArray = NO_BOXES
-) -> FloatArray:
+    crowd: Crowd, others: FloatArray, seconds: float, floor: Floor, boxes: FloatArray = NO_BOXES,
+    shut: BoolArray = NO_ZONES,
+) -> FloatArray:  # fmt: skip
     """Move a crowd by one step.
 
     Parameters
@@ -111,6 +113,9 @@ def stepped(
         (b, 6) where vehicles are going to be soon, with what people keep from them: middle in
         metres, direction as a unit vector, half of length and width in metres. Nobody steps into
         one, and who is in one leaves it.
+    shut
+        (zones + 1,) by number, zones onto whose rims nobody steps who has no leave, not even in
+        passing; who is on one already may go along it. None are if this is empty.
 
     Returns
     -------
@@ -125,7 +130,6 @@ def stepped(
     moved = crowd_kernel.step(
         crowd.position, others, crowd.target, crowd.pace, crowd.stride, crowd.side, crowd.apart,
         APART, crowd.leave, crowd.awaits, floor.free, floor.zone, floor.rim, floor.west,
-        floor.north, floor.cell,
-        boxes, seconds,
+        floor.north, floor.cell, boxes, shut, seconds,
     )  # fmt: skip
     return np.asarray(moved)

@@ -110,7 +110,7 @@ def depth_in(box: Any, x: float, y: float) -> float:
 def step(
     here: Any, others: Any, target: Any, pace: Any, stride: Any, side: Any, apart: Any,
     keep: float, leave: Any, awaits: Any, free: Any, zone: Any, rim: Any, west: float, north: float,
-    size: float, boxes: Any, seconds: float,
+    size: float, boxes: Any, shut: Any, seconds: float,
 ) -> Any:  # fmt: skip
     """Return (n, 2) places of a crowd after a step; see `cityx.geometry.crowd.stepped`."""
     n = len(here)
@@ -173,7 +173,8 @@ def step(
             if not free[row, column]:
                 continue
             known = over == 0 or over == own or over == leave[i]
-            past = zone[row, column] == 0 and (over == edge or over != awaits[i])
+            kept_off = over == awaits[i] or (over < len(shut) and shut[over])
+            past = zone[row, column] == 0 and (over == edge or not kept_off)
             if not known and (not past or pace[i] <= 0.0):
                 continue
             fits = True

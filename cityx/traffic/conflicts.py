@@ -22,6 +22,7 @@ BoolArray = NDArray[np.bool_]
 HALF_BODY = 1.0  # metres from the middle of a vehicle to its side, with a little air
 STOREY = 2.5  # metres of height that part two streets
 GREEN, MINOR = "G", "g"
+SIGNALLED = "traffic_light"
 
 
 @dataclass(frozen=True)
@@ -34,11 +35,14 @@ class Conflicts:
         (k,) int64, links; the second gives way to the first.
     free
         (l,) float64, metres along each link before it meets any other.
+    turn
+        (l,) int64, whose turn it is where several wait for each other: the lowest goes first.
     """
 
     first: IntArray
     second: IntArray
     free: FloatArray
+    turn: IntArray
 
 
 def conflicts_of(streets: Streets) -> Conflicts:
@@ -46,7 +50,7 @@ def conflicts_of(streets: Streets) -> Conflicts:
     links, ways = streets.links, streets.ways
     none = np.zeros(0, np.int64)
     if not links:
-        return Conflicts(none, none, np.zeros(0))
+        return Conflicts(none, none, np.zeros(0), none)
     source = np.array([link.source for link in links], np.int64)
     target = np.array([link.target for link in links], np.int64)
     junction = np.array([ways[way].target for way in source[:, 0].tolist()])
@@ -70,12 +74,12 @@ def conflicts_of(streets: Streets) -> Conflicts:
     # The street of the higher rank goes first, then who goes straighter; at last the order decides.
     rank = np.array([ways[way].rank for way in source[:, 0].tolist()])
     onto = np.array([ways[way].rank for way in target[:, 0].tolist()])
-    turn = np.round(np.array([_turn(link.shape) for link in links]), 3)
-    key = np.column_stack([-rank, -onto, turn, np.arange(len(links))])
+    bend = np.round(np.array([_bend(link.shape) for link in links]), 3)
+    key = np.column_stack([-rank, -onto, bend, np.arange(len(links))])
     order = np.empty(len(links), np.int64)
     order[np.lexsort(key.T[::-1])] = np.arange(len(links))
     swap = order[one] > order[other]
-    return Conflicts(np.where(swap, other, one), np.where(swap, one, other), free)
+    return Conflicts(np.where(swap, other, one), np.where(swap, one, other), free, order)
 
 
 def _free(lines: NDArray[Any], bodies: NDArray[Any], one: IntArray, other: IntArray) -> FloatArray:
@@ -90,7 +94,7 @@ def _free(lines: NDArray[Any], bodies: NDArray[Any], one: IntArray, other: IntAr
     return np.asarray(free)
 
 
-def _turn(shape: FloatArray) -> float:
+def _bend(shape: FloatArray) -> float:
     """Radians between the directions in which a line begins and ends."""
     first, last = shape[1, :2] - shape[0, :2], shape[-1, :2] - shape[-2, :2]
     cross = first[0] * last[1] - first[1] * last[0]
@@ -98,7 +102,7 @@ def _turn(shape: FloatArray) -> float:
 
 
 def settle(root: Any, conflicts: Conflicts, lane_of: dict[int, str]) -> None:
-    """Write conflicts that SUMO does not know into a network.
+    """Write conflicts that SUMO does not know into a network, and let nobody wait in a circle.
 
     Parameters
     ----------
@@ -137,6 +141,36 @@ def settle(root: Any, conflicts: Conflicts, lane_of: dict[int, str]) -> None:
         elif yields:
             names = names[::-1]
         _one_green(plans, by_via[names[0]], by_via[names[1]])
+    turns: dict[str, dict[int, int]] = {}
+    for link, name in lane_of.items():
+        junction, place = _index(name)
+        turns.setdefault(junction, {})[place] = int(conflicts.turn[link])
+    for junction, turn in turns.items():
+        if junctions[junction].get("type") != SIGNALLED:  # signals let few of them go at once
+            _uncircle(junctions[junction].findall("request"), turn)
+
+
+def _uncircle(requests: list[Any], turn: dict[int, int]) -> None:
+    """Let links that give way to each other in a circle go one after the other.
+
+    Else, once one stands at each of their lines, nobody ever goes.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    places = sorted(turn)
+    pairs = [(i, j) for i in places for j in places if _bit(requests[i].get("response"), j)]
+    if not pairs:
+        return
+    row, column = np.array(pairs).T
+    size = len(requests)
+    graph = coo_array((np.ones(len(row), bool), (row, column)), shape=(size, size))
+    circle = connected_components(graph, connection="strong")[1]
+    for i in places:
+        for j in places:
+            if i == j or circle[i] != circle[j] or not _bit(requests[i].get("foes"), j):
+                continue
+            _set_bit(requests[i], "response", j, "1" if turn[i] > turn[j] else "0")
 
 
 def _one_green(
@@ -161,7 +195,7 @@ def _bit(bits: str, place: int) -> bool:
     return bits[len(bits) - 1 - place] == "1"
 
 
-def _set_bit(request: Any, name: str, place: int) -> None:
+def _set_bit(request: Any, name: str, place: int, bit: str = "1") -> None:
     bits = request.get(name)
     at = len(bits) - 1 - place
-    request.set(name, f"{bits[:at]}1{bits[at + 1 :]}")
+    request.set(name, f"{bits[:at]}{bit}{bits[at + 1 :]}")

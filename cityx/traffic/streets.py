@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,7 +75,7 @@ class Lane:
     closed: bool = False
     tight: bool = False
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Metres."""
         return float(np.linalg.norm(np.diff(self.shape, axis=0), axis=1).sum())
@@ -108,7 +109,7 @@ class Way:
     lanes: tuple[Lane, ...]
     apart: tuple[bool, ...]
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Metres, the mean of its lanes."""
         return float(np.mean([lane.length for lane in self.lanes]))

@@ -17,6 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from cityx.traffic.courtesy import Courtesy
+
 ATTRIBUTES = "id,x,y,angle,speed,pos,lane,edge"
 HISTORY = 10.0  # seconds before the tracks that poses go back, for the way each has come
 NOBODY = "custom1"  # a class that no vehicle has
@@ -303,6 +305,7 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
     teleported: dict[str, float] = {}
     filling = _Filling(libsumo, job["groups"])
     keeping = _Lanes(libsumo, job["tight"])
+    courtesy = Courtesy(libsumo)
     steps = round((job["warm"] + job["duration"]) / job["step"]) + 1
     look = max(1, round(LOOK / job["step"]))
     every = max(1, round(CONTROL / job["step"]))
@@ -312,6 +315,7 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
         libsumo.simulationStep()
         if number % look == 0:
             keeping.step()
+            courtesy.step()
         if number % every == 0:
             filling.renew(haunting.vehicles)
         for name in libsumo.simulation.getStartingTeleportIDList():

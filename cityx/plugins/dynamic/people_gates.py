@@ -25,6 +25,7 @@ FORESEEN = 1.4  # seconds ahead in which people see where vehicles are going to 
 BODY = 0.3  # metres from the middle of a person that are kept from those places
 USUAL = 1.1  # metres per second at which it is reckoned when one could cross
 ON_FOOT = ("pedestrian", "animal")
+CLEARED = 3.0  # seconds before red in which who passes by a crosswalk gets off its rim
 LONG = 120.0  # seconds; whether one waits still longer makes no difference
 NEVER = np.int32(1 << 30)  # ticks
 
@@ -75,6 +76,12 @@ class Gates:
     def waits(self) -> FloatArray:
         """(c,) seconds that one waits before each crosswalk, whenever one comes there."""
         return np.asarray(np.minimum(self._opens_in * self.tick, LONG).mean(axis=1))
+
+    def closing(self, now: float) -> BoolArray:
+        """(c + 1,) by number from 1, crosswalks that signals forbid to step onto, now or soon."""
+        first = self._at(now)
+        last = first + round(CLEARED / self.tick) + 1
+        return np.r_[False, self.shut[:, first:last].any(axis=1)]
 
     def boxes_at(self, now: float) -> FloatArray:
         """(b, 6) where vehicles are from now on for a while."""
