@@ -167,6 +167,35 @@ def poisson_disk(
     return Points(points.xy[inside], points.id[inside])
 
 
+def cells_about(bounds: NDArray[np.float64], edge: float, reach: float) -> NDArray[np.int64]:
+    """Return the cells near things, and some beyond, each once.
+
+    Parameters
+    ----------
+    bounds
+        (n, 4) float, xmin, ymin, xmax, ymax of the things, metres.
+    edge
+        Metres, of the square cells.
+    reach
+        Metres from a thing up to which all cells are returned; some are as far as twice that.
+
+    Returns
+    -------
+    cells
+        (m, 2) int64.
+    """
+    each = int(np.ceil(reach / edge))  # cells along a block
+    low, high = (np.floor(bounds[:, ends] / (each * edge)).astype(np.int64) + side
+                 for ends, side in (((0, 1), -1), ((2, 3), 1)))  # fmt: skip
+    wide = high - low  # (n, 2) blocks
+    blocks = [np.zeros((0, 2), np.int64)]
+    for i, j in np.ndindex(*(wide.max(axis=0, initial=-1) + 1)):
+        blocks.append(low[(wide >= (i, j)).all(axis=1)] + (i, j))
+    block = _unique_cells(np.concatenate(blocks))
+    inner = np.stack(np.meshgrid(np.arange(each), np.arange(each), indexing="ij"), axis=-1)
+    return (block[:, None, :] * each + inner.reshape(1, -1, 2)).reshape(-1, 2)
+
+
 def cells_of_polygons(polygons: ArrayLike, edge: float) -> NDArray[np.int64]:
     """Return the (n, 2) cells of edge `edge`, sorted, that the bounds of any polygon's pieces meet.
 

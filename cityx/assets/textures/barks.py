@@ -49,7 +49,8 @@ def bark_smooth(size: int) -> Relief:
 def bark_flaking(size: int) -> Relief:
     """Draw the bark of planes: plates that came off one after the other, cream, olive and grey."""
     bend = 0.07 * fractal("bark_flaking/bend", size, 7, octaves=4)
-    albedo = np.broadcast_to(np.float32(PLATES[0]), (size, size, 3))
+    plates = np.array(PLATES, np.float32)
+    albedo = np.broadcast_to(plates[0], (size, size, 3))
     height = np.zeros((size, size), np.float32)
     # Each layer leaves patches of the younger bark below it bare.
     for number, (wide, high) in enumerate(((5, 3), (9, 6), (14, 9)), start=1):
@@ -57,7 +58,7 @@ def bark_flaking(size: int) -> Relief:
         kept = np.isin(index % 7, KEPT[number - 1]).astype(np.float32)
         kept = sampled(kept * smooth(0.9, 0.75, near), bend, np.roll(bend, 31 * number, 0))
         edge = smooth(0.25, 0.6, kept)
-        albedo = albedo + edge[..., None] * (np.float32(PLATES[number]) - albedo)
+        albedo = albedo + edge[..., None] * (plates[number] - albedo)
         height = height + 0.0012 * edge
     grain = fractal("bark_flaking/grain", size, 70, 60, octaves=3, gain=0.7)
     clouds = fractal("bark_flaking/clouds", size, 4, octaves=3)

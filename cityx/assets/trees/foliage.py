@@ -199,12 +199,12 @@ def leaves(
     lit = cards.light >= np.quantile(cards.light, 1 - BLADES * (pattern in BROAD))
     parts = []
     for rows, blades in ((lit, True), (~lit, False)):
-        drawn = [given[rows].reshape(-1, 3) for given in (centre, along, broad)]
-        own = color[rows].reshape(-1, 3)
+        middle, tip, side, own = (given[rows].reshape(-1, 3)
+                                  for given in (centre, along, broad, color))  # fmt: skip
         parts.append(
-            shapes.leaf_blades(*drawn, material, own, lobed=lobed, fold=0.3)
+            shapes.leaf_blades(middle, tip, side, material, own, lobed=lobed, fold=0.3)
             if blades
-            else shapes.cards(*drawn, material, own, fold=0.22)
+            else shapes.cards(middle, tip, side, material, own, fold=0.22)
         )
     return parts
 

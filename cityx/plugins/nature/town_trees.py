@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cityx.city import City
 from cityx.geometry.clearance import distance_within, near_any, spots_of
 from cityx.geometry.identity import choose, hash_ids, stable_id, uniform
-from cityx.geometry.scatter import Points, candidates, cells_of_polygons, thin
+from cityx.geometry.scatter import Points, candidates, cells_about, thin
 from cityx.geometry.standing import WALKED
 from cityx.plugins.nature import climate
 from cityx.plugins.nature.climate import band_of
@@ -108,8 +108,7 @@ def in_yards(city: City, mapped: FloatArray) -> list[Stand]:
     urban = houses[np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))]
     if ground is None or not len(urban):
         return []
-    around = shapely.bounds(urban) + YARD_REACH * np.array([-1, -1, 1, 1])
-    cells = cells_of_polygons(shapely.box(*around.T), YARD_SPACING)
+    cells = cells_about(shapely.bounds(urban), YARD_SPACING, YARD_REACH)
     found = thin(candidates(cells, YARD_SPACING, seed=city.seed, purpose=YARD), YARD_SPACING)
     share = np.zeros(len(found.id))
     soft = np.zeros(len(found.id), bool)

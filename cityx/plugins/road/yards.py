@@ -18,7 +18,7 @@ from cityx.geometry.arrangement import Regions, regions
 from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, uniform
 from cityx.geometry.polylines import Polylines, to_linestrings
-from cityx.geometry.scatter import Points, candidates, cells_of_polygons, thin
+from cityx.geometry.scatter import Points, candidates, cells_about, thin
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -86,7 +86,9 @@ class Patches:
         return np.asarray(shapely.polygons(corners))
 
 
-def yard_patches(layout: Layout, network: RoadNetwork, place: str = "") -> Patches:
+def yard_patches(
+    layout: Layout, network: RoadNetwork, place: str = "", *, only: str = ""
+) -> Patches:
     """Draw patches between the houses of towns, clear of walls, streets and paths.
 
     They depend on their place alone, and on what is near.
@@ -99,6 +101,8 @@ def yard_patches(layout: Layout, network: RoadNetwork, place: str = "") -> Patch
         Its roads.
     place
         The kind of place, as of `cityx.plugins.nature.street_rules.place_of`.
+    only
+        The label of the patches that are wanted; all by default.
     """
     buildings = layout.buildings
     houses = buildings.geometry.to_numpy()
@@ -112,8 +116,7 @@ def yard_patches(layout: Layout, network: RoadNetwork, place: str = "") -> Patch
         ((NEAR_SPACING, REACH, NEAR_SIZES), (OPEN_SPACING, OPEN_REACH, OPEN_SIZES))
     ):
         purpose = f"{PURPOSE}/{number}"
-        around = shapely.box(*(shapely.bounds(urban) + reach * np.array([-1, -1, 1, 1])).T)
-        cells = cells_of_polygons(around, spacing)
+        cells = cells_about(shapely.bounds(urban), spacing, reach)
         points = candidates(cells, spacing, seed=0, purpose=purpose)
         # The site's rectangle cuts patches; beyond it nobody sees them.
         xmin, ymin, xmax, ymax = layout.extent
@@ -121,7 +124,10 @@ def yard_patches(layout: Layout, network: RoadNetwork, place: str = "") -> Patch
         inside = (x > xmin - reach) & (x < xmax + reach) & (y > ymin - reach) & (y < ymax + reach)
         points = thin(Points(points.xy[inside], points.id[inside]), spacing)
         kind = choose(0, purpose, points.id, list(weights))
-        some = (kind > 0) & ~near_any(points.xy, houses, REACH if number else FROM_WALL)
+        wanted = np.flatnonzero(kind == LABELS.index(only) if only else kind > 0)
+        points, kind = Points(points.xy[wanted], points.id[wanted]), kind[wanted]
+        near = near_any(points.xy, houses, REACH)
+        some = ~near if number else near & ~near_any(points.xy, houses, FROM_WALL)
         ids, middle, kind = points.id[some], points.xy[some], kind[some]
         drawn = np.column_stack([uniform(0, f"{purpose}/{side}", ids) for side in ("long", "deep")])
         low, high = np.array(sizes)[kind].transpose(2, 0, 1)  # (p, 2) each
