@@ -16,14 +16,16 @@ _TABLES = ("buildings", "roads", "areas")
 def names_of(city: City, text: str) -> tuple[str, ...]:
     """Return the names of things of a city that share a word with a text, longest first.
 
-    Names that say something else, such as "main street", are none. There are thousands in a city.
+    Names that say something else, such as "main street", are none unless they are written just so,
+    as "High Street". There are thousands in a city.
     """
     said = {word.text for word in words_of(text)}
     found: set[str] = set()
     for table in _TABLES:
         found |= {str(name) for name in getattr(city.layout, table)["name"].unique()}
     near = [name for name in found if not said.isdisjoint(map(fold, _PARTS.findall(name)))]
-    return tuple(sorted(filter(_is_name, near), key=lambda name: (-len(name), name)))
+    named = (name for name in near if _is_name(name) or _is_written(name, text))
+    return tuple(sorted(named, key=lambda name: (-len(name), name)))
 
 
 def _is_name(name: str) -> bool:
@@ -35,3 +37,8 @@ def _is_name(name: str) -> bool:
         return False
     phrase = find(words, 0) if words else None
     return phrase is None or phrase[1] < len(words)
+
+
+def _is_written(name: str, text: str) -> bool:
+    """Tell whether a text has a name of several words with its capitals."""
+    return " " in name and not name.islower() and name in text

@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from cityx.agents.brief.changing import PARTS
 from cityx.agents.selecting import Open
 from cityx.assets.materials import srgb_to_linear
 from cityx.checks.predicates.things import Selection
@@ -15,15 +16,6 @@ from cityx.city import City
 from cityx.geometry.identity import id_text
 from cityx.protocol.serving import Slots
 
-# Words for a part -> the first word of the prototypes that are such parts.
-PARTS: Mapping[str, str] = MappingProxyType(
-    {
-        "balcon(?:y|ies)": "balcony", "doors?": "door", "windows?": "window",
-        "chimneys?": "chimney", "awnings?": "awning", "dormers?": "dormer",
-        "shop ?fronts?": "shop", "antennas?": "antenna", "sky ?lights?": "skylight",
-        "solar panels?": "solar", "down ?pipes?": "downpipe", "dishes": "dish",
-    }
-)  # fmt: skip
 _OF = r"\s+(?:of|on|from|off|at)\b"
 # What may be done to parts -> what that is called where actions serve it.
 VERBS: Mapping[str, str] = MappingProxyType({"remove": "remove_parts", "set_color": "paint_parts"})

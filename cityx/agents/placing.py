@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from cityx.agents.brief import Brief, Edit, Question, Selector
 from cityx.agents.brief.measurable import things
 from cityx.agents.planning.asked import air_slots
-from cityx.agents.selecting import MAIN_STREET, Open, choose
+from cityx.agents.selecting import MAIN_STREET, Open, choose, place_selector
 from cityx.checks.predicates.things import Selection
 from cityx.city import City
 from cityx.geometry.identity import id_text
@@ -32,8 +33,7 @@ def slots_of_places(edit: Edit, city: City) -> Slots:
         if slot is None or edit.target is not None:
             continue
         word = str(value)
-        selector = Selector(kind=word, alone=word == MAIN_STREET)
-        selector = selector if things(word) else Selector(ids=(word,))
+        selector = replace(place_selector(word), alone=word == MAIN_STREET)
         ids = tuple(id_text(int(one)) for one in _members(choose(selector, city)))
         found[slot] = ((*found.get(slot, ((),))[0], *ids),)
     return {**found, **air_slots(edit.change)}

@@ -252,9 +252,10 @@ def _placed(selector: Selector, chosen: Selection, facts: Facts) -> BoolArray:
     """(r,) whether things are where the selector says."""
     kept = np.ones(len(chosen.rows), bool)
     if selector.near:
-        kept &= distance_to(selector.near, chosen, facts) <= NEAR
+        kept &= distance_to(selector.near, chosen, facts) <= (selector.reach or NEAR)
     if selector.inside:
-        kept &= _within(selector.inside, chosen, facts)
+        lined = _is_street(selector.inside, facts)  # "the houses on Mill Lane"
+        kept &= (_along if lined else _within)(selector.inside, chosen, facts)
     if selector.along:
         kept &= _along(selector.along, chosen, facts)
     if selector.side:
@@ -275,8 +276,29 @@ def region_of(word: str, facts: Facts) -> Any:
     return shapely.union_all(shapely.make_valid(_place(word, facts).grounds))
 
 
+def place_selector(word: str) -> Selector:
+    """Return what a place is called after: "park", "b03", "Mill Lane" or "tallest building"."""
+    rank, _, kind = word.partition(" ")
+    if things(kind) and (rank in _RANKS or rank in _MOST):
+        return Selector(kind, rank=rank, k=1)
+    return Selector(kind=word) if things(word) else Selector(ids=(word,))
+
+
+def _is_street(word: str, facts: Facts) -> bool:
+    """Tell whether a word is the name of a street, of which nothing but its surface is inside."""
+    if things(word) or kind_named(word):
+        return False
+    try:
+        return KINDS[facts.named(word).layer.kind] == "road"
+    except (Absent, CannotTell):
+        return False
+
+
 def _place(word: str, facts: Facts) -> Selection:
     """Return the things that a place is called after."""
+    own = place_selector(word)
+    if own.rank:
+        return choose(own, facts.city)
     text = things(word)
     try:
         chosen = facts.select(group_of(text)) if text else facts.named(word)
@@ -358,12 +380,16 @@ def _beside(selector: Selector, chosen: Selection, facts: Facts) -> BoolArray:
 def _counted(selector: Selector, chosen: Selection, facts: Facts) -> Selection:
     """Take the part, the first or the n-th of what is chosen."""
     if selector.share is not None:
-        return _first(chosen, _by_hash(chosen, facts), round(selector.share * len(chosen.rows)))
+        part = max(round(selector.share * len(chosen.rows)), 1)
+        return _first(chosen, _by_hash(chosen, facts), part)
     if selector.rank:
         order = _ranked(selector, chosen, facts)
         if selector.nth:
             return _nth(selector, chosen, order)
         return _first(chosen, order, _at_most(selector, chosen) if selector.k else 1)
+    if selector.nth and chosen.count > 1:
+        raise Open(f"Number {selector.nth} of {chosen.count} in which order? Say it as in: the "
+                   "second tallest.", listed(chosen))  # fmt: skip
     if selector.k:
         return _first(chosen, _by_hash(chosen, facts), _at_most(selector, chosen))
     return chosen

@@ -48,7 +48,10 @@ class Selector:
     share
         Part of the objects, 0 to 1.
     near, inside, along, side, of
-        Where the objects are: near, in or along what, on which side (of what).
+        Where the objects are: near, in or along what, on which side (of what). The place may be
+        one of a rank, as in "tallest building".
+    reach
+        Metres that count as near, 0 where nothing is said.
     alone
         Whether the words mean one object, as "the church" does.
     """
@@ -61,6 +64,7 @@ class Selector:
     filters: tuple[str, ...] = ()
     share: float | None = None
     near: str = ""
+    reach: float = 0.0
     inside: str = ""
     along: str = ""
     side: str = ""
@@ -74,7 +78,7 @@ class Selector:
         for one in self.ids:
             yield "target", one
         yield from (("filter", text) for text in self.filters)
-        for key in ("rank", "k", "nth", "share", "near", "inside", "along", "side", "of"):
+        for key in ("rank", "k", "nth", "share", "near", "reach", "inside", "along", "side", "of"):
             value = getattr(self, key)
             if value not in ("", 0, None) and not (key == "k" and self.nth):
                 yield {"inside": "in"}.get(key, key), value

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
+from types import MappingProxyType
 
 # Surface, in OpenStreetMap's words -> triggers.
 SURFACES: Mapping[str, str] = {
@@ -41,3 +43,17 @@ SPECIES: Mapping[str, tuple[str, ...]] = {
     "pine": ("pine", "pine tree"), "spruce": ("fir", "conifer", "evergreen"),
     "cypress": ("cypress",), "palm": ("palm", "palm tree"), "olive": ("olive tree",),
 }  # fmt: skip
+# Words for a part -> the first word of the prototypes that are such parts.
+PARTS: Mapping[str, str] = MappingProxyType(
+    {
+        "balcon(?:y|ies)": "balcony", "doors?": "door", "windows?": "window",
+        "chimneys?": "chimney", "awnings?": "awning", "dormers?": "dormer",
+        "shop ?fronts?": "shop", "antennas?": "antenna", "sky ?lights?": "skylight",
+        "solar panels?": "solar", "down ?pipes?": "downpipe", "dishes": "dish",
+    }
+)  # fmt: skip
+
+
+def part_named(text: str) -> str:
+    """Return the part of a building that a word names, "" for none."""
+    return next((part for word, part in PARTS.items() if re.fullmatch(word, text)), "")

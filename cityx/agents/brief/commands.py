@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 from cityx.agents.brief.brief import Edit, Question, Selector, Span, Value
+from cityx.agents.brief.changing import part_named
 from cityx.agents.brief.conflicts import reconcile
 from cityx.agents.brief.describe import describe
 from cityx.agents.brief.edits import Unclear, edits_of, own_verb
@@ -335,6 +336,7 @@ def _parsed(commands: Commands, clause: list[Item]) -> list[Edit] | None:
         if not terminals or len(terminals) > LONGEST_COMMAND:
             continue
         counted = terminals[0][0] in ("AMOUNT", "COUNT")
+        counted = counted and all(name != "RANK" for name, _ in terminals[:3])
         if (counted and all(name != "BE" for name, _ in terminals)) or _is_new(clause, terminals):
             terminals.insert(0, ("ADD", -1))
         for attempt in _attempts(terminals):
@@ -350,8 +352,33 @@ def _parsed(commands: Commands, clause: list[Item]) -> list[Edit] | None:
                     if item.noun in _PARTS_OF_BUILDINGS:
                         item.state = item.state or READ
                 edits = _made(commands, command, _span(clause))
+                lost = _lost(clause, edits)
+                if lost:
+                    commands.questions.append(_unknown(commands.found.text, clause, lost))
                 return _there(commands, edits) if _says_there(clause) else _noted(commands, edits)
     return None
+
+
+_TAKES_AWAY = ("remove", "replace")
+
+
+def _lost(clause: Sequence[Item], edits: Sequence[Edit]) -> list[Item]:
+    """Return words that name what nobody read, of which a change may be: a name, above all.
+
+    Of what is taken away every such word counts: who says "remove the spire of the church" does
+    not want the church removed. Parts of buildings are read by `cityx.agents.parts`.
+    """
+    left = [item for item in clause if not item.state and not part_named(item.text)]
+    gone = any(edit.verb in _TAKES_AWAY for edit in edits)
+    return [
+        item for item in left
+        if item.kind == "id" or (gone and (item.kind == "unknown" or item.noun))
+    ]  # fmt: skip
+
+
+def _unknown(text: str, clause: Sequence[Item], lost: Sequence[Item]) -> Question:
+    words = ", ".join(f'"{text[slice(*item.span)]}"' for item in lost)
+    return Question(f'What is meant by {words} in "{text[slice(*_span(clause))]}"?')
 
 
 _PLACES = ("in", "on", "along", "around", "near", "path")  # keys of a change that name a place
@@ -452,5 +479,5 @@ def _attempts(terminals: list[Terminal]) -> Iterator[list[Terminal]]:
         yield terminals[:end]
 
 
-_SOFT = ("ATTR", "SIDE", "MODE", "AMOUNT", "OF", "TO", "BY", "WITH", "ON", "IN", "AND", "BE", "IT",
-         "WHOLE", "ALL", "REL", "STYLE", "ORDINAL")  # fmt: skip
+_SOFT = ("ATTR", "SIDE", "MODE", "AMOUNT", "OF", "TO", "BY", "WITH", "ON", "IN", "AND",
+         "BE", "IT", "WHOLE", "ALL", "REL", "STYLE", "ORDINAL")  # fmt: skip

@@ -9,6 +9,7 @@ from dataclasses import replace
 from cityx.agents.brief.brief import Edit, Selector, Value
 from cityx.agents.brief.changing import SPECIES
 from cityx.agents.brief.grammar import Node
+from cityx.agents.brief.measurable import things
 from cityx.agents.brief.scan import Item
 from cityx.agents.brief.selection import (
     IT,
@@ -29,6 +30,11 @@ _LOOKS = {
 }  # fmt: skip
 _FACTORS = {"DOUBLE": 2.0, "TRIPLE": 3.0, "QUADRUPLE": 4.0, "HALVE": 0.5}
 _TIMES = {"twice": 2.0, "thrice": 3.0, "half as": 0.5}
+# Verbs of sizes -> whether they make larger.
+_GROWS = {
+    "enlarge": 1, "upscale": 1, "magnify": 1, "blow": 1, "scale up": 1, "make bigger": 1,
+    "shrink": -1, "downscale": -1, "scale down": -1,
+}  # fmt: skip
 _GENDERS = {"man": "male", "woman": "female"}
 _GAITS = ("run", "walk", "stand", "sit")
 _FLAT = (
@@ -92,8 +98,12 @@ def _each(command: Node, verb: str, change: Sequence[tuple[str, Value]] = ()) ->
 
 
 def own_verb(verb: str, target: Selector) -> str:
-    """Return what a change of height is of a target: of a street, its width."""
-    return verb.replace("height", "width") if target.kind in _FLAT else verb
+    """Return what a change of height is of a target: of a street, its width; of a tree, of all."""
+    if target.kind in _FLAT:
+        return verb.replace("height", "width")
+    known = things(target.kind)
+    piece = bool(known) and not known.startswith("building")
+    return "scale" if piece and verb == "scale_height" else verb
 
 
 # -- what becomes of objects ---------------------------------------------------------------------
@@ -129,6 +139,8 @@ def _attribute(item: Item | None) -> str:
 def _change(word: Node, about: str) -> tuple[str, Pairs]:
     if word.name == "factor":
         named = word.first("ATTR")
+        if word.first("SIZE") is not None:  # "twice as big"
+            return "scale", [("factor", _factor(word))]
         what = named.get("attr") if named is not None else about
         return f"scale_{'width' if what == 'width' else 'height'}", [("factor", _factor(word))]
     item = _item(word)
@@ -291,7 +303,16 @@ def _rotate(command: Node) -> list[Edit]:
 def _scale(command: Node) -> list[Edit]:
     words = command.own("factor", "COUNT", "SHARE")
     holder = words[0] if words[0].name == "factor" else Node("factor", None, tuple(words))
-    return _each(command, "scale", [("factor", _factor(holder))])
+    factor = float(_factor(holder))
+    verb = _item(command.children[0]).text
+    way = _GROWS.get(verb.split()[0], _GROWS.get(verb, 0))
+    share = holder.first("SHARE")
+    if way and share is not None and share.quantity is not None and not share.quantity.relative:
+        to = any(link.first("TO") is not None for link in command.own("link"))
+        factor = factor if to else 1 + way * factor  # "enlarge it by 50 %"
+    elif way < 0 and factor > 1:
+        factor = 1 / factor  # "shrink it by a factor of 2"
+    return _each(command, "scale", [("factor", _whole(factor))])
 
 
 def _close(command: Node) -> list[Edit]:
@@ -309,6 +330,17 @@ def _copy(command: Node) -> list[Edit]:
     count = int(verb.get("copies") or 1) if verb is not None else 1
     change: Pairs = [("count", count)] if count > 1 else []
     return _each(command, "copy", [*change, *(pair for pair in _way(command) if pair[1] != IT)])
+
+
+def _lined(command: Node) -> list[Edit]:
+    """Read "line the main street with bollards"."""
+    places = [
+        Place("", "along", name) for one in targets_of(command) for name in one.ids or (one.kind,)
+    ]
+    things_ = command.branch("things")
+    if things_ is None:
+        return _plant(command, places)
+    return [_added(thing, places) for thing in things_.own("thing")]
 
 
 def _swap(command: Node) -> list[Edit]:
@@ -411,7 +443,7 @@ def _singular(plant: Item) -> str:
     return plant.text.removesuffix("s").replace("cherrie", "cherry")
 
 
-def _plant(command: Node) -> list[Edit]:
+def _plant(command: Node, places: Sequence[Place] = ()) -> list[Edit]:
     plants = command.branch("plants")
     assert plants is not None
     change: Pairs = [("nature", "tree")]
@@ -422,7 +454,7 @@ def _plant(command: Node) -> list[Edit]:
     change += [("count", int(_value(count)))] if count is not None else []
     change += _amount(plants) if every is None else []  # "some trees, one every 8 m"
     change += [("spacing", _whole(_value(every)))] if every is not None else []
-    for place in places_of(_places(command)):
+    for place in places or places_of(_places(command)):
         change += place.items()
     return [Edit("plant", None, tuple(change))]
 
@@ -432,5 +464,5 @@ _RULES: Mapping[str, Callable[[Node], list[Edit]]] = {
     "replace": _replace, "add": _add, "plant": _plant, "move": _move,
     "rotate": _rotate, "scale": _scale, "close": _close, "lights": _lights,
     "pave": _pave, "strip": _strip,
-    "copy": _copy, "fill": _fill, "swap": _swap,
+    "copy": _copy, "fill": _fill, "lined": _lined, "swap": _swap,
 }  # fmt: skip

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 # Terminals are kinds of items, see `cityx.agents.brief.terminals`; the value is the item's index.
 GRAMMAR = """
-start: remove | look | resize | shift | replace | add | plant | move | rotate | scale
+start: remove | look | lined | resize | shift | replace | add | plant | move | rotate | scale
      | close | lights | copy | fill | pave | strip | swap | topic
 topic: targets
 remove: REMOVE targets | targets BE? REMOVE
@@ -25,8 +25,9 @@ roofing: ROOF
 _paint: PAINT | CLAD | MAKE
 attr: ATTR
 change: COLOR | MATERIAL | STYLE | ROOF | FLOORS | LENGTH | LIMIT | LANES | factor | KIND
+    | (COLOR | MATERIAL | STYLE) BUILDING
     | SURFACE ROAD? | ONEWAY ROAD? | CARFREE ROAD? | SPEED | COLOR ATTR | MATERIAL ATTR
-factor: TIMES ATTR? | COUNT SIGN ATTR? | FACTOR COUNT | SHARE ATTR?
+factor: TIMES (ATTR | SIZE)? | COUNT SIGN (ATTR | SIZE)? | FACTOR COUNT | SHARE ATTR?
 resize: _resizing (attr _at?)? targets (way amount)? | _resizing targets attr (way amount)?
 shift: (ADD | REMOVE | RAISE | LOWER) amount link targets
 _resizing: DOUBLE | TRIPLE | QUADRUPLE | HALVE | RAISE | LOWER | WIDEN | NARROW
@@ -37,6 +38,7 @@ replace: REPLACE targets link new | targets BE REPLACE link new
 new: trait* (KIND | THING | AGENT | PLANT | BUILDING) (link* trait)*
 trait: MATERIAL | COLOR | STYLE | ROOF | FLOORS | LENGTH | COUNT | LIMIT | ALL
 fill: FILL targets WITH things
+lined: PLANTS targets WITH (things | plants)
 add: (ADD | MAKE | PLANTS) things (place | destination | _late)*
 _late: link* SPEED | MODE | AXIS | AND? COUNT? EVERY
 things: thing (AND thing)*
@@ -59,8 +61,11 @@ target: _named? ID (TO ID)? filter* | IT
 _named: BUILDING | KIND | THING | PLANT | ROAD
 mod: ALL | COUNT | SHARE | RANK | ORDINAL | REST | MATERIAL | COLOR | STYLE | ROOF | FLOORS
    | OF | SIDE | SIZE
-filter: (WITH | BE | OF)? LIMIT | WITH ROOF | (OF | WITH) MATERIAL | (WITH | OF) FLOORS | place
+filter: bound | within | nearest | WITH ROOF | (OF | WITH) MATERIAL | (WITH | OF) FLOORS | place
       | FROM spot
+bound.2: (WITH | BE | OF)? LIMIT
+within.3: LIMIT OF spot
+nearest: RANK TO spot
 destination: TO spot
 place: where+ spot | where* SIDE (OF spot)?
 where: REL | IN | ON | BY

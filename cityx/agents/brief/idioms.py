@@ -7,12 +7,15 @@ from dataclasses import replace
 from itertools import pairwise
 
 from cityx.agents.brief.brief import Edit, Span
+from cityx.agents.brief.changing import part_named
 from cityx.agents.brief.scan import Item, Quantity
 from cityx.agents.brief.scopes import NEGATED, READ
 from cityx.agents.brief.words import forms_of
 
 _TAKEN = ("take", "tear", "knock", "pull", "cut", "chop", "rip", "throw")  # "take the bench out"
 _CLEARED = ("clear", "strip", "empty", "rid", "free", "relieve", "cleanse")  # "the park of trees"
+_WANTS = ("i want", "i would like", "would like", "i'd like", "want")
+DEGREES = 360.0  # of a whole turn
 _ONE_STOREY = ("one story", "single story")  # folded; of a city that is described, low houses
 _COPIES = frozenset(("copy", "duplicate", "replica", "clone", "twin"))  # "a copy of the church"
 # Words after a share -> whether it is more or less than before.
@@ -33,6 +36,11 @@ def plain(clause: list[Item]) -> None:
     _clear(clause)
     _duplicate(clause)
     _turn(live)
+    for part, link in pairwise(live):
+        if part_named(part.text) and ("rel", "from") in link.senses:
+            link.state = READ  # "the balconies from b03" are those of b03
+    _want(live)
+    _trees(live)
     _fraction(clause)
     for before, item in pairwise(live):
         if before.has("side") and item.quantity is not None and item.quantity.dimension == "part":
@@ -52,6 +60,8 @@ def _clear(clause: list[Item]) -> None:
     if not named or not any(item.noun or item.kind == "id" for item in place):
         return
     end = next((at for at, item in enumerate(gone) if item.kind == "mark"), len(gone))
+    while end and gone[end - 1].get("rel") in ("and", "but"):
+        end -= 1  # what follows is another command
     clause[first].senses, clause[of].senses = (("verb", "REMOVE"),), (("rel", "from"),)
     clause[first + 1 :] = [*gone[:end], clause[of], *place, *gone[end:]]
 
@@ -66,20 +76,45 @@ def _turn(live: list[Item]) -> None:
 
 def _fraction(clause: list[Item]) -> None:
     """Read "a fifth larger" as "20 % larger", by which something is more or less than it was."""
-    for article, part in pairwise(clause):
-        number = part.get("ordinal")
-        if article.text == "a" and number.isdigit():
-            after = clause[clause.index(part) + 1 :][:1]
-            if after and after[0].text in _COMPARED:
-                share = 1.0 / int(number)
-                part.quantity, part.senses = Quantity("share", share, share, unit=0.01), ()
-                article.state = READ
+    for at, (article, part) in enumerate(pairwise(clause)):
+        number = "4" if part.text == "quarter" else part.get("ordinal")
+        if article.text != "a" or not number.isdigit():
+            continue
+        after = clause[at + 2].text if at + 2 < len(clause) else ""
+        by = at > 0 and clause[at - 1].get("rel") == "by"
+        if after == "turn":
+            angle = DEGREES / int(number)
+            part.quantity, clause[at + 2].state = Quantity("angle", angle, angle), READ
+        elif after in _COMPARED or by:
+            part.quantity = Quantity("share", 1.0 / int(number), 1.0 / int(number), unit=0.01)
+        else:
+            continue
+        part.senses, article.state = (), READ
     for part, more in pairwise(clause):
         if part.quantity is not None and part.quantity.dimension == "share":
             sign = _COMPARED.get(more.text, 0)
             if sign and not part.quantity.relative:
                 part.quantity = replace(part.quantity, relative=sign)
                 more.senses, more.state = (), READ
+
+
+def _want(live: Sequence[Item]) -> None:
+    """Read "I want a statue in the park" as "add a statue in the park"."""
+    if len(live) > 2 and live[0].text in _WANTS and live[1].text in ("a", "an", "some", "another"):
+        noun = next((item for item in live[2:] if item.noun), None)
+        if noun is not None and noun.noun_class == "element":
+            live[0].senses = (("verb", "ADD"),)
+
+
+def _trees(live: Sequence[Item]) -> None:
+    """Read "plant rows of trees on both sides of it" as planting trees along it."""
+    if not live or live[0].get("verb") not in ("PLANT", "ADD"):
+        return
+    for item, after in zip(live, [*live[1:], None], strict=True):
+        if item.get("slot") == "nature.trees=many" and "trees" in item.words:
+            item.senses = (("noun", "plant:tree"),)
+            if "sides" in item.words and after is not None and after.get("rel") == "of":
+                after.senses = (("rel", "along"),)
 
 
 def _duplicate(clause: list[Item]) -> None:
@@ -111,14 +146,24 @@ def _join_verb(items: Sequence[Item]) -> None:
     first = next((item for item in items if item.senses), None)
     if first is None or first.text not in _TAKEN or first.state:
         return
+    at = items.index(first) + 1
+    if at < len(items) and _is_measured(items[at]):  # "take two floors off the tower"
+        after = items[at + 1] if at + 1 < len(items) else None
+        if after is not None and (after.get("rel") == "from" or after.text in _AWAY):
+            first.senses, after.senses = (("verb", "REMOVE"),), (("rel", "from"),)
+        return
     named = False
     for item, after in zip(items, [*items[1:], None], strict=True):
-        named |= bool(item.noun) or item.kind == "id"
+        named |= bool(item.noun) or item.kind == "id" or part_named(item.text) != ""
         if named and item.text in _AWAY and (after is None or after.get("rel") != "to"):
             first.senses = (("verb", "REMOVE"),)
             item.senses = (("rel", "from"),) if item.text.endswith("of") else ()
             item.state = "" if item.senses else READ
             return
+
+
+def _is_measured(item: Item) -> bool:
+    return item.quantity is not None and item.quantity.dimension in ("floors", "length")
 
 
 def _deny(items: Sequence[Item]) -> None:

@@ -10,7 +10,8 @@ _SAME = (
     "building", "tree", "park", "garden", "lake", "river", "sea", "beach", "plaza", "fountain",
     "meadow", "playground", "cemetery", "bridge", "railway", "bench", "traffic_light",
     "streetlight", "statue", "vehicle", "bus", "pedestrian", "boat", "green", "water", "road",
-    "sidewalk", "path", "pond", "forest",
+    "sidewalk", "path", "pond", "forest", "waste_basket", "bollard", "planter", "bicycle_stand",
+    "bus_stop", "kiosk", "picnic_table", "hydrant", "flagpole", "post_box", "parasol", "cone",
 )  # fmt: skip
 _RENAMED = {
     "canal": "river", "harbour": "pier", "lawn": "grass", "sports_field": "pitch",

@@ -36,7 +36,7 @@ NOUNS: Book = {
         "office complex, bank building, office slab, commercial building, business building",
         "hotel": "hotel, inn, hostel, resort hotel",
         "shop": "shop, store, boutique, cafe, restaurant, shopping arcade, bar, pub, bakery, "
-        "eatery, kiosk, retail building, shop house, shophouse, diner, bistro, coffee shop",
+        "eatery, retail building, shop house, shophouse, diner, bistro, coffee shop",
         "mall": "mall, shopping mall, shopping center, department store, supermarket, big box "
         "store, hypermarket",
         "warehouse": "warehouse, depot, storage hall, storehouse, storage building, hangar, "
@@ -117,6 +117,20 @@ NOUNS: Book = {
         "bicycle lane",
         "airport": "airport, airfield, runway",
         "bench": "bench, seat, street furniture",
+        "waste_basket": "bin, waste basket, litter bin, trash can, garbage can, rubbish bin, "
+        "waste bin, dustbin, litter basket, trash bin",
+        "bollard": "bollard",
+        "planter": "planter, flower tub, plant tub",
+        "bicycle_stand": "bicycle stand, bike rack, bike stand, cycle stand, bicycle rack, "
+        "bicycle parking, bike parking, cycle rack",
+        "bus_stop": "bus stop, bus shelter",
+        "kiosk": "kiosk, newsstand, news stand",
+        "picnic_table": "picnic table",
+        "hydrant": "hydrant, fire hydrant",
+        "flagpole": "flagpole, flag pole",
+        "post_box": "post box, postbox, mailbox, letter box, pillar box",
+        "parasol": "parasol, sunshade",
+        "cone": "traffic cone, cone",
         "crosswalk": "crosswalk, zebra crossing, pedestrian crossing",
         "traffic_light": "traffic light, traffic signal, stop light, stoplight",
         "streetlight": "street light, streetlight, street lamp, lamp post, lamppost, lamp, "

@@ -280,7 +280,7 @@ def _part(words: Sequence[Word], at: int, share: float, length: int) -> tuple[Qu
     skip = length + (length < len(words) - at and words[at + length].text in ("a", "an", "of"))
     skip += skip < len(words) - at and words[at + skip].text in ("a", "an")
     unit = read_unit(words, at + skip) if at + skip < len(words) else None
-    if unit is not None and unit[0] in ("length", "area"):
+    if unit is not None and unit[0] in ("length", "area", "duration"):
         return Quantity(unit[0], share * unit[1], share * unit[1]), skip + unit[2]
     after = words[at + length].text if at + length < len(words) else ""
     later = words[at + length + 1].text if at + length + 1 < len(words) else ""

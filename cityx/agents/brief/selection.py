@@ -159,6 +159,16 @@ def _filtered(selector: Selector, node: Node) -> Selector:
     spot = node.branch("spot")
     if spot is not None:  # "the benches from the park"
         return replace(selector, inside=_spot(spot))
+    close = node.branch("within") or node.branch("nearest")
+    if close is not None:  # "within 50 m of the church", "closest to the lake"
+        spot = close.branch("spot")
+        assert spot is not None
+        limit, rank = close.first("LIMIT"), close.own("RANK")
+        if rank and rank[0].item is not None:
+            word = rank[0].item.get("rank")
+            return replace(selector, near=_spot(spot), rank=word)
+        far = limit.quantity.high if limit is not None and limit.quantity is not None else None
+        return replace(selector, near=_spot(spot), reach=far or 0.0)
     for item in node.leaves("LIMIT", "ROOF", "MATERIAL", "FLOORS"):
         selector = replace(selector, filters=(*selector.filters, *_conditions(item)))
     return selector
@@ -214,7 +224,7 @@ def _spot(spot: Node) -> str:
     """Return the object a place is about; of "the path around the park" it is the park."""
     item = spot.own(*_SPOTS)[0].item
     if item is None:
-        return "building"  # "near the tallest"
+        return f"{_rank_of(spot)} building".strip()
     if item.get("rel") == IT:
         return IT
     if item.get("slot").startswith("district="):
@@ -223,4 +233,11 @@ def _spot(spot: Node) -> str:
     inner = beyond.branch("spot") if beyond is not None else None
     if inner is not None and item.noun in _THROUGH:
         return _spot(inner)
-    return item.text if item.kind == "id" else kind_of(item)
+    if item.kind == "id":
+        return item.text
+    return f"{_rank_of(spot)} {kind_of(item)}".strip()
+
+
+def _rank_of(spot: Node) -> str:
+    """Return the rank of "the tallest building", "" for none."""
+    return next((item.get("rank") for node in spot.own("RANK") for item in node.leaves()), "")

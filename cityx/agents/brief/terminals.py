@@ -50,6 +50,8 @@ def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
             continue
         first = not found
         name = _verb(item, first and verb_first, found) or _name(item)
+        if found[:1] and found[0][0] == "REMOVE" and ("rel", "from") in item.senses:
+            name = "FROM"  # "remove it from the park", where elsewhere it is "made from"
         if item.has("material") and item.has("noun") and _is_stuff(items, index):
             name = "MATERIAL"  # "clad in wood", which is no wood to walk in
         if not name and not first and item.get("verb") == "MAKE":
@@ -76,7 +78,7 @@ def _with_ranked(found: Sequence[Terminal]) -> list[Terminal]:
         made.append(terminal)
         if terminal[0] == "RANK":
             behind = (name for name, _ in found[at + 1 :] if name not in _BETWEEN)
-            if next(behind, "") not in _RANKED:
+            if next(behind, "") not in (*_RANKED, "TO"):  # "the houses closest to the lake"
                 made.append(("BUILDING", -1))
     return made
 

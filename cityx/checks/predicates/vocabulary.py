@@ -91,7 +91,7 @@ PIECES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "bicycle_stand": ("bicycle_parking",), "flower_bed": ("flower_bed",),
         "picnic_table": ("picnic_table",), "hydrant": ("fire_hydrant",), "flagpole": ("flagpole",),
         "sign": ("sign",), "post_box": ("post_box",), "boat": ("boat",), "swing": ("swing",),
-        "kiosk": ("kiosk",), "parasol": ("parasol",),
+        "kiosk": ("kiosk",), "cone": ("traffic_cone",), "parasol": ("parasol",),
     }
 )  # fmt: skip
 _SYNONYMS: Mapping[str, str] = MappingProxyType(

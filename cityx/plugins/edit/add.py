@@ -29,6 +29,10 @@ WORDS: Mapping[str, str] = MappingProxyType(
         "bench": "bench", "fountain": "fountain", "statue": "statue",
         "streetlight": "street_lamp_post", "traffic_light": "traffic_signal",
         "billboard": "advertising_column", "flower": "planter", "bus": "bus",
+        "waste_basket": "waste_basket", "bollard": "bollard", "planter": "planter",
+        "bicycle_stand": "bicycle_parking", "bus_stop": "bus_stop", "kiosk": "kiosk",
+        "picnic_table": "picnic_table", "hydrant": "fire_hydrant", "flagpole": "flagpole",
+        "post_box": "post_box", "parasol": "parasol", "cone": "traffic_cone",
     }
 )  # fmt: skip
 

@@ -52,6 +52,7 @@ class _Change:
 
     width: float | None
     widen_by: float | None
+    widen_factor: float | None
     lanes: int | None
     lanes_by: int | None
     direction: str | None
@@ -69,12 +70,12 @@ class _Change:
     @property
     def of_section(self) -> bool:
         """Whether the cross-section changes."""
-        values = (self.width, self.widen_by, self.lanes, self.lanes_by, self.direction,
-                  self.parking, self.cycling)  # fmt: skip
+        values = (self.width, self.widen_by, self.widen_factor, self.lanes, self.lanes_by,
+                  self.direction, self.parking, self.cycling)  # fmt: skip
         return any(value is not None for value in values)
 
 
-_UNCHANGED = _Change(None, None, None, None, None, None, None, None, None, None)
+_UNCHANGED = _Change(None, None, None, None, None, None, None, None, None, None, None)
 
 
 @action(
@@ -91,6 +92,7 @@ _UNCHANGED = _Change(None, None, None, None, None, None, None, None, None, None)
     serves=(
         Serves("edit=set_width", "family=road"),
         Serves("edit=raise_width", "family=road"),
+        Serves("edit=scale_width", "family=road"),
         Serves("edit=set_lanes", "family=road"),
         Serves("edit=raise_lanes", "family=road"),
         Serves("edit=set_surface", "family=road"),
@@ -106,7 +108,8 @@ _UNCHANGED = _Change(None, None, None, None, None, None, None, None, None, None)
         Serves("edit=open", "family=road", traffic="cars"),
     ),
     binds={
-        "streets": "objects", "width": "width", "widen_by": "by", "lanes": "lanes",
+        "streets": "objects", "width": "width", "widen_by": "by",
+        "widen_factor": "factor", "lanes": "lanes",
         "lanes_by": "lanes.by",
         "direction": "direction", "speed_kmh": "speed_kmh", "surface": "surface",
         "parking": "parking", "cycling": "cycling",
@@ -119,6 +122,7 @@ def streets(
     streets: Annotated[tuple[str, ...], ObjectName()],
     width: Annotated[float | None, Range(LEAST_WIDTH, WIDEST_STREET)] = None,
     widen_by: Annotated[float | None, Range(-WIDEST_STREET, WIDEST_STREET)] = None,
+    widen_factor: Annotated[float | None, Range(0.1, 10.0)] = None,
     lanes: Annotated[int | None, Range(1, 12)] = None,
     lanes_by: Annotated[int | None, Range(-11, 11)] = None,
     direction: Annotated[str | None, Choice("both", "along", "against")] = None,
@@ -140,6 +144,8 @@ def streets(
         Metres from kerb to kerb.
     widen_by
         Metres that are added to the width of each; negative to narrow it.
+    widen_factor
+        What the width of each is multiplied by.
     lanes
         Lanes, both directions together, each as wide as now.
     lanes_by
@@ -155,8 +161,8 @@ def streets(
     traffic
         Who may use it; "walkers" closes it to cars, "cars" opens it again.
     """
-    change = _Change(width, widen_by, lanes, lanes_by, direction, speed_kmh, surface, parking,
-                     cycling, traffic)  # fmt: skip
+    change = _Change(width, widen_by, widen_factor, lanes, lanes_by, direction, speed_kmh, surface,
+                     parking, cycling, traffic)  # fmt: skip
     table = city.layout.roads
     rows = np.flatnonzero(np.isin(table["id"].to_numpy(np.uint64), find_objects(city, streets)))
     _require_streets(table, rows, streets, change)
@@ -249,6 +255,8 @@ def _changed_bands(bands: Bands, change: _Change, *, left_hand: bool) -> Bands:
     wanted = change.width
     if change.widen_by is not None:
         wanted = carriageway_width(bands) + change.widen_by
+    if change.widen_factor is not None:
+        wanted = carriageway_width(bands) * change.widen_factor
     return bands if wanted is None else widened(bands, wanted, left_hand=left_hand)
 
 

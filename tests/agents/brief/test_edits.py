@@ -98,10 +98,10 @@ def test_a_description_is_no_edit_without_a_city():
 @pytest.mark.parametrize(
     ("text", "verb", "change"),
     [
-        ("Make all the trees 20 % larger.", "scale_height", ("factor", 1.2)),
-        ("Make the trees a fifth larger.", "scale_height", ("factor", 1.2)),
+        ("Make all the trees 20 % larger.", "scale", ("factor", 1.2)),
+        ("Make the trees a fifth larger.", "scale", ("factor", 1.2)),
         ("Make the tallest building a third lower.", "scale_height", ("factor", 0.6667)),
-        ("Make the trees 20 % smaller.", "scale_height", ("factor", 0.8)),
+        ("Make the trees 20 % smaller.", "scale", ("factor", 0.8)),
         ("Turn the tallest tree by 90 degrees.", "rotate", ("angle", 1.5708)),
     ],
 )

@@ -1,0 +1,91 @@
+"""Edits in words: places of a rank, distances, shares, parts, and words that nobody reads."""
+
+import pytest
+
+from cityx.agents.brief.brief import Selector
+from cityx.agents.brief.reading import read_brief
+
+NAMES = ("High Street", "Mill Lane", "City Tower", "Green Park")
+
+
+def one(text):
+    brief = read_brief(text, base=True, names=NAMES)
+    assert not brief.questions, brief.questions
+    (edit,) = brief.edits
+    return edit
+
+
+@pytest.mark.parametrize(
+    ("text", "change"),
+    [
+        ("Put three benches along the main street.", ("along", "main_street")),
+        ("Place a kiosk next to the church.", ("near", "church")),
+        ("Put a fountain in front of the tallest building.", ("near", "tallest building")),
+        ("Set up a bus stop beside the largest park.", ("near", "largest park")),
+        ("I want a statue at the centre of the park.", ("in", "park")),
+        ("Line High Street with bollards.", ("along", "High Street")),
+        ("Line the main street with trees.", ("along", "main_street")),
+        ("Plant trees on both sides of Mill Lane.", ("along", "Mill Lane")),
+        ("Put two bins beside the school.", ("element", "waste_basket")),
+    ],
+)
+def test_what_is_added_stands_where_the_words_say(text, change):
+    edit = one(text)
+    assert edit.target is None
+    assert change in edit.change
+
+
+@pytest.mark.parametrize(
+    ("text", "verb", "change"),
+    [
+        ("Make the church a quarter lower.", "scale_height", ("factor", 0.75)),
+        ("Narrow the main street by a fifth.", "scale_width", ("factor", 0.8)),
+        ("Enlarge the biggest tree by 50 %.", "scale", ("factor", 1.5)),
+        ("Shrink the largest tree to 60 %.", "scale", ("factor", 0.6)),
+        ("Shrink the largest tree by a factor of 2.", "scale", ("factor", 0.5)),
+        ("Make the trees in the park half as big.", "scale", ("factor", 0.5)),
+        ("Make the church twice as big.", "scale", ("factor", 2)),
+        ("Make the church twice as tall.", "scale_height", ("factor", 2)),
+        ("Rotate the school by a quarter turn.", "rotate", ("angle", 1.5708)),
+        ("Take two floors off City Tower.", "raise_floors", ("by", -2)),
+        ("Take 5 m off City Tower.", "raise_height", ("by", -5)),
+        ("Half an hour later.", "shift_time", ("hours", 0.5)),
+        ("Turn the school into an art deco building.", "set_style", ("style", "art_deco")),
+    ],
+)
+def test_how_much_something_changes_is_what_is_said(text, verb, change):
+    edit = one(text)
+    assert (edit.verb, edit.change) == (verb, (change,))
+
+
+@pytest.mark.parametrize(
+    ("text", "target"),
+    [
+        ("The three tallest towers in glass.", Selector("tower", rank="tallest", k=3)),
+        ("Paint buildings taller than 20 m grey.", Selector("building", filters=("height>20",))),
+        ("Colour every building within 50 m of the church red.",
+         Selector("building", near="church", reach=50.0)),
+        ("Paint the two buildings closest to the lake orange.",
+         Selector("building", rank="nearest", k=2, near="lake")),
+        ("Delete the bench nearest to City Tower.",
+         Selector("bench", rank="nearest", near="City Tower", alone=True)),
+        ("Remove five trees from Green Park.", Selector("tree", k=5, inside="Green Park")),
+        ("Take the chimneys off the church.", Selector("church", alone=True)),
+        ("Remove the antennas from City Tower.", Selector(ids=("City Tower",))),
+        ("Clear the park of benches and make it rain.", Selector("bench", inside="park")),
+    ],
+)  # fmt: skip
+def test_an_edit_is_about_what_the_words_name(text, target):
+    assert read_brief(text, base=True, names=NAMES).edits[0].target == target
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("Remove the spire of the church.", "spire"),
+        ("Delete the gargoyles of City Tower.", "gargoyles"),
+    ],
+)
+def test_who_wants_an_unknown_thing_gone_is_asked(text, word):
+    brief = read_brief(text, base=True, names=NAMES)
+    assert f'What is meant by "{word}"' in brief.questions[0].text
