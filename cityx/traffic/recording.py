@@ -240,13 +240,12 @@ def _heights(city: City, xy: FloatArray, mover: IntArray, edge: IntArray) -> Flo
     shapes = to_linestrings(lines)
     last = _carried(left, mover)
     nearest = np.full(len(xy), np.inf)
-    spots = shapely.points(xy)
     for candidate in (edge[:, 0], edge[:, 1], last):
         rows = np.flatnonzero(candidate >= 0)
         rows = rows[(lifted[candidate] | lifted[edge[:, 0]] | lifted[edge[:, 1]])[rows]]
-        own = candidate[rows]
-        off = shapely.distance(shapes[own], spots[rows])
-        along = shapely.line_locate_point(shapes[own], spots[rows])
+        own, spots = candidate[rows], shapely.points(xy[rows])
+        off = shapely.distance(shapes[own], spots)
+        along = shapely.line_locate_point(shapes[own], spots)
         height = values_along(lines, network.z, own, along)
         up = values_along(lines, network.lift, own, along) != 0.0
         better = off < nearest[rows] - 1e-9

@@ -31,21 +31,27 @@ def tight_links(streets: Streets, walls: shapely.STRtree) -> Streets:
     lane_lines = [shapely.LineString(ways[way].lanes[index].shape[:, :2]) for way, index in lanes]
     link_lines = [shapely.LineString(link.shape[:, :2]) for link in links]
     cars = shapely.buffer(np.array(lane_lines + link_lines, object), HALF_BODY, cap_style="flat")
+    # Who comes towards it on its own streets may be as wide, and stands there.
+    stands = shapely.buffer(np.array(lane_lines, object), HALF, cap_style="flat")
     found = conflicts_of(streets)
     pairs = zip(found.first.tolist(), found.second.tolist(), strict=True)
     parted = {frozenset(pair) for pair in pairs}
-    tree = shapely.STRtree(cars)
+    tree = shapely.STRtree(np.concatenate([stands, cars[len(lanes) :]]))
     marked = []
     for number, link in enumerate(links):
         swept = _swept(streets, number)
+        ends = link.source[0], link.target[0]
         tight = swept is not None and len(walls.query(swept, predicate="intersects")) > 0
         for other in (
             tree.query(swept, predicate="intersects").tolist() if swept is not None else ()
         ):
             if other < len(lanes):
-                # Of its own lanes it leaves those beside to others.
-                own = lanes[other][0] in (link.source[0], link.target[0])
-                tight |= own and lanes[other] not in (link.source, link.target)
+                way = lanes[other][0]
+                if way in ends:  # of its own lanes it leaves those beside to others
+                    beside = lanes[other] not in (link.source, link.target)
+                    tight |= beside and bool(shapely.intersects(cars[other], swept))
+                else:
+                    tight |= ways[way].edge in (ways[ends[0]].edge, ways[ends[1]].edge)
                 continue
             place = other - len(lanes)
             same = links[place].source == link.source or links[place].target == link.target

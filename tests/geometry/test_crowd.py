@@ -1,12 +1,14 @@
 """Crowds: nobody walks into anybody, whatever they want."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.distance import pdist
 
-from cityx.geometry.crowd import APART, CREEP, NO_BOXES, SQUEEZED, Crowd, Floor, stepped
+from cityx.geometry.crowd import APART, CREEP, NO_BOXES, NO_ZONES, SQUEEZED, Crowd, Floor, stepped
 
 STEP = 0.1
 NOBODY = np.zeros((0, 2))
@@ -29,22 +31,22 @@ def floor(west=-60.0, south=-60.0, east=60.0, north=60.0, zone=None):
 ANYWHERE = floor()
 
 
-def crowd(position, target, pace=1.4, apart=APART, leave=0):
+def crowd(position, target, pace=1.4, apart=APART, leave=0, awaits=1):
     count = len(position)
     paces = np.broadcast_to(np.asarray(pace, float), count)
     return Crowd(
         np.asarray(position, float), np.asarray(target, float), paces.copy(),
         np.full(count, CREEP * 1.4), np.ones(count), np.full(count, apart),
-        np.full(count, leave), np.full(count, 1),
+        np.full(count, leave), np.full(count, awaits),
     )  # fmt: skip
 
 
-def run(position, target, steps, floor=ANYWHERE, boxes=NO_BOXES, **how):
+def run(position, target, steps, floor=ANYWHERE, boxes=NO_BOXES, shut=NO_ZONES, **how):
     position = np.asarray(position, float)
     track = [position]
     for _ in range(steps):
         made = crowd(track[-1], target, **how)
-        track.append(stepped(made, NOBODY, STEP, floor, boxes))
+        track.append(stepped(made, NOBODY, STEP, floor, boxes, shut))
     return np.stack(track)
 
 
@@ -80,6 +82,24 @@ def test_a_zone_is_entered_with_leave_alone_and_left_without():
     assert let[:, 0, 0].max() > 6.0
     caught = run([(4.5, 0.0)], [(10.0, 0.0)], 60, floor=ruled)
     assert caught[:, 0, 0].max() > 6.0
+
+
+def test_the_rim_of_a_zone_is_passed_over_unless_the_zone_is_shut():
+    ground = floor(zone=(3.0, 6.0))
+    wide = floor(zone=(2.6, 6.0)).rim
+    ground = replace(ground, rim=wide)  # cells before the zone that it reaches into
+    shut = np.array([False, True])
+    # Two abreast go by along the zone; between them and a third there is no room but the rim.
+    start = [(2.4, 0.0), (2.4, 0.9), (2.2, 0.45)]
+    target = [(2.75, 20.0)] * 3
+    passing = {"floor": ground, "awaits": 0}
+    pushed = run(start, target, 80, **passing)
+    kept_off = run(start, target, 80, shut=shut, **passing)
+    assert pushed[:, :, 0].max() > 2.6
+    assert kept_off[:, :, 0].max() <= 2.6
+    assert kept_off[-1, :, 1].min() > 5.0  # they get on all the same
+    on_it = run([(2.7, 0.0)], [(0.0, 0.0)], 20, shut=shut, **passing)
+    assert on_it[-1, 0, 0] < 1.0
 
 
 def test_those_who_wait_let_others_off_a_roadway():

@@ -111,8 +111,8 @@ def with_crowd(
     others = _PlacesOf(walkers, duration)
     steps = walked(trips, walkable, gates, others, duration, side)
     made = tracks_of_people(city, origin, trips.id, steps.trip, steps.time, steps.position)
-    made = made.take(~_met(made, walkers, duration))
-    made = made.take(~_run_into(made, held.take(~held.on_foot)))
+    for standing, every in ((walkers, STEP), (held.take(~held.on_foot), LOOK)):
+        made = made.take(~met(made, standing, every))
     joined = join_tracks([held, made])
     notes = city.notes
     if steps.lost:
@@ -129,21 +129,41 @@ def without_people(city: City, origin: str | None = None) -> Tracks:
     return held.take(~(gone if origin is None else gone & (held.origin == origin)))
 
 
-def _run_into(made: Tracks, driving: Tracks) -> NDArray[np.bool_]:
-    """(n,) who stands or walks where a vehicle sweeps over a walk, as on tight corners."""
-    met = np.zeros(made.count, bool)
-    if not driving.count or not made.count:
-        return met
-    times = np.arange(0.0, driving.duration + LOOK, LOOK)
-    people, vehicles = moments_of(made, times), moments_of(driving, times)
-    boxes = vehicles.boxes(driving.size, NEAR)
-    pairs = zip(people.by_time(len(times)), vehicles.by_time(len(times)), strict=True)
-    for mine, theirs in pairs:
-        spots = shapely.points(people.position[mine, :2])
-        at = shapely.STRtree(spots).query(boxes[theirs], predicate="intersects")
-        level = np.abs(people.position[mine, 2][at[1]] - vehicles.position[theirs, 2][at[0]])
-        met[people.mover[mine][at[1][level < STOREY]]] = True
-    return met
+def met(made: Tracks, others: Tracks, every: float) -> NDArray[np.bool_]:
+    """Tell who comes too near to those who do not give way.
+
+    People are in a vehicle's way where it sweeps over a walk, as on tight corners.
+
+    Parameters
+    ----------
+    made
+        Tracks of n people.
+    others
+        Tracks of those who do not give way.
+    every
+        Seconds between the moments that are looked at.
+
+    Returns
+    -------
+    met
+        (n,) bool.
+    """
+    found = np.zeros(made.count, bool)
+    if not others.count or not made.count:
+        return found
+    times = np.arange(0.0, others.duration + every, every)
+    people, theirs = moments_of(made, times), moments_of(others, times)
+    on_foot = others.on_foot[theirs.mover]
+    shapes = theirs.boxes(others.size)
+    shapes[on_foot] = shapely.points(theirs.position[on_foot, :2])
+    reach = np.where(on_foot, SQUEEZED, NEAR)
+    pairs = zip(people.by_time(len(times)), theirs.by_time(len(times)), strict=True)
+    for mine, yours in pairs:
+        tree = shapely.STRtree(shapely.points(people.position[mine, :2]))
+        other, one = tree.query(shapes[yours], predicate="dwithin", distance=reach[yours])
+        apart = np.abs(people.position[mine[one], 2] - theirs.position[yours[other], 2])
+        found[people.mover[mine[one[apart < STOREY]]]] = True
+    return found
 
 
 class _PlacesOf:
@@ -157,18 +177,3 @@ class _PlacesOf:
     def __call__(self, now: float) -> FloatArray:
         return self.places[min(round(now / STEP), len(self.places) - 1)]
 
-
-def _met(made: Tracks, walkers: Tracks, duration: float) -> NDArray[np.bool_]:
-    """(n,) who was walked into by somebody that does not give way."""
-    from scipy.spatial import cKDTree
-
-    met = np.zeros(made.count, bool)
-    if not walkers.count or not made.count:
-        return met
-    times = np.arange(round(duration / STEP) + 1) * STEP
-    one, other = moments_of(made, times), moments_of(walkers, times)
-    for mine, yours in zip(one.by_time(len(times)), other.by_time(len(times)), strict=True):
-        if len(mine) and len(yours):
-            far, _ = cKDTree(other.position[yours, :2]).query(one.position[mine, :2])
-            met[one.mover[mine][far < SQUEEZED]] = True
-    return met

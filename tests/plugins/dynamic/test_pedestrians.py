@@ -19,7 +19,7 @@ from cityx.city.tracks import GAIT, MOVER, Tracks, join_tracks
 from cityx.city.walkable import walkable_of
 from cityx.errors import ActionFailed
 from cityx.geometry.polylines import Polylines
-from cityx.plugins.dynamic.crowds import _run_into, among
+from cityx.plugins.dynamic.crowds import LOOK, among, met
 from cityx.plugins.dynamic.pedestrian_flow import pedestrian_flow
 from cityx.plugins.dynamic.pedestrians import ACTION, pedestrians
 from cityx.plugins.dynamic.people_gates import Gates, gates_of
@@ -183,7 +183,7 @@ def test_nobody_is_where_a_vehicle_sweeps_over_a_walk(busy):
         passing = driver(30.0, 0.0, 0.0)
         passing = replace(passing, position=np.array([at + aside, at + aside]),
                           heading=np.zeros(2))  # fmt: skip
-        assert (~_run_into(walker, passing)).sum() == kept
+        assert (~met(walker, passing, LOOK)).sum() == kept
 
 
 def test_people_stop_at_red_and_go_at_green(town):
