@@ -34,7 +34,7 @@ LONE = 5.0  # metres to mapped trees
 # Share of the places of yards that have a plant, by what the ground is.
 YARD_SHARES = {"grass": 0.75, "block": 0.45, "bare": 0.9, "courtyard": 0.3, "gravel": 0.3}
 # The same share as a factor, by climate: where land is dear, and where water is.
-GREEN = {"japan": 0.6, "warm": 0.7, "tropic": 0.8}
+GREEN = {"japan": 0.8, "warm": 0.7, "tropic": 0.8}
 BUSH_SHARE = 0.3  # of the plants on lawns
 DOOR_HALF = 1.1  # metres, half the breadth of the way to a door
 

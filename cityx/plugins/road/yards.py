@@ -35,7 +35,7 @@ USUAL_SHARES = (2.0, 5.0, 1.5, 1.0, 3.0)
 SHARES: Mapping[str, tuple[float, ...]] = MappingProxyType({
     "northern/central europe": (1.0, 8.0, 1.5, 1.5, 3.0),
     "british isles": (2.0, 4.0, 2.0, 1.5, 2.5),
-    "japan": (2.0, 1.5, 4.0, 1.0, 4.5), "east asia": (2.0, 2.0, 2.5, 1.0, 4.0),
+    "japan": (1.0, 3.0, 2.5, 1.0, 5.0), "east asia": (2.0, 2.0, 2.5, 1.0, 4.0),
     "mediterranean": (2.5, 2.0, 3.0, 2.5, 3.0),
 })  # fmt: skip
 # Metres along and across, from the least to the largest, about houses and away from them.
