@@ -18,7 +18,7 @@ from cityx.assets.library.commands import assets
 from cityx.bench.commands import bench
 from cityx.comma_lists import words_of
 from cityx.dataset.commands import dataset
-from cityx.errors import CityxError, UsageError
+from cityx.errors import ActionFailed, CityxError, UsageError
 
 # Two threaded libraries on few cores spin against each other unless they sleep while they wait.
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
@@ -236,8 +236,13 @@ def edit(
         from cityx.agents.options import PlannerChoice
 
     choice = PlannerChoice(planner, base_url, record, replay, budget_tokens)
-    with _progress() as say:
-        report = edit_city(folder, text, files=files or (), say=say, choice=choice)
+    try:
+        with _progress() as say:
+            report = edit_city(folder, text, files=files or (), say=say, choice=choice)
+    except ActionFailed as error:
+        if isinstance(error.__cause__, ActionFailed):  # it said why, and broke nothing
+            raise UsageError(f"{error.__cause__} Nothing was changed.") from error
+        raise
     for note in report["notes_of_change"]:
         typer.echo(f"note: {note}")
     _changed(report)

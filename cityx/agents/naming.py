@@ -1,4 +1,4 @@
-"""Naming: what a city calls its streets, buildings and places."""
+"""Naming: what a city calls its streets, buildings, places and drawn curves."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import re
 from cityx.agents.brief.lexicon import find
 from cityx.agents.brief.words import fold, words_of
 from cityx.city import City
+from cityx.city.layout import CURVE
 
 SHORTEST = 4  # letters of a name; shorter ones are words of other meaning, or ids already
 _PARTS = re.compile(r"[^\W_]+(?:['’][^\W_]+)*")
@@ -23,6 +24,8 @@ def names_of(city: City, text: str) -> tuple[str, ...]:
     found: set[str] = set()
     for table in _TABLES:
         found |= {str(name) for name in getattr(city.layout, table)["name"].unique()}
+    lines = city.layout.lines
+    found |= set(map(str, lines["source"][lines["kind"].to_numpy() == CURVE]))
     near = [name for name in found if not said.isdisjoint(map(fold, _PARTS.findall(name)))]
     named = (name for name in near if _is_name(name) or _is_written(name, text))
     return tuple(sorted(named, key=lambda name: (-len(name), name)))

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import shutil
 import tempfile
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import shapely
 
 from cityx.agents.briefs import Request
 from cityx.agents.desk import HISTORY, STORE, Conflict, Desk
@@ -18,9 +19,11 @@ from cityx.agents.edit import renew
 from cityx.agents.loop import Say, quiet
 from cityx.blender.client import run_module
 from cityx.city import City
+from cityx.city.layout import CURVE
 from cityx.errors import EngineError, InputError, UsageError
 from cityx.geometry.identity import id_text
 from cityx.protocol.gate import Call
+from cityx.sources.blend_curves import SLACK, plain_line
 
 BLEND = "city.blend"
 TEXT = "pulled from city.blend"
@@ -41,6 +44,9 @@ class Pull:
         Ids of objects that are gone.
     painted
         Objects ("id") with "surface" and "tint"; see `cityx.plugins.edit.paint_objects`.
+    drawn
+        Curves of the artist's own ("name", "points" in metres) that the city has not just so; who
+        is told to goes along them.
     untaken
         Changes that CityX cannot take back, in words.
     foreign
@@ -51,13 +57,14 @@ class Pull:
     copied: tuple[Mapping[str, Any], ...] = ()
     removed: tuple[str, ...] = ()
     painted: tuple[Mapping[str, Any], ...] = ()
+    drawn: tuple[Mapping[str, Any], ...] = ()
     untaken: tuple[str, ...] = ()
     foreign: tuple[Mapping[str, str], ...] = ()
 
     @property
     def empty(self) -> bool:
         """Whether the city is as the file shows it, but for what cannot be taken."""
-        return not (self.moved or self.copied or self.removed or self.painted)
+        return not (self.moved or self.copied or self.removed or self.painted or self.drawn)
 
     def lines(self, most: int = SHOWN) -> list[str]:
         """Say in words what differs, some of each kind by name."""
@@ -67,7 +74,10 @@ class Pull:
         found += _named("removed", sorted(self.removed), most)
         found += _named("recoloured", [str(c["id"]) for c in self.painted], most)
         found += _named("not taken", list(self.untaken), most)
-        own = [f"{item['name']} ({item['type']})" for item in self.foreign]
+        found += _named("drawn", [str(c["name"]) for c in self.drawn], most)
+        paths = {c["name"] for c in self.drawn}
+        own = [f"{item['name']} ({item['type']})" for item in self.foreign
+               if item["name"] not in paths]  # fmt: skip
         return found + _named("your own, kept in city.blend alone", own, most)
 
 
@@ -83,7 +93,11 @@ def calls_of(found: Pull, city: City) -> list[Call]:
     kept = [change for change in found.moved if owner.get(change["id"]) not in carried]
     painted = [c for c in found.painted if gone.isdisjoint({c["id"], owner.get(c["id"], "")})]
     poses = ("move", "turn", "factor")
-    calls = [Call("edit/copy_objects-v1", same) for same in _grouped(found.copied, poses)]
+    drawn = [Call("edit/draw_curve-v1", dict(curve)) for curve in found.drawn]
+    calls = [
+        *drawn,
+        *(Call("edit/copy_objects-v1", same) for same in _grouped(found.copied, poses)),
+    ]
     whole: list[str] = []
     parts: list[str] = []
     barriers = city.scene.meshes.get("barriers")
@@ -183,6 +197,7 @@ def pull(
         numbers = [*sorted((r.number for r in desk.revisions()), reverse=True)]
         say("reading city.blend")
         found = differences(folder, path, numbers)
+        found = replace(found, drawn=tuple(_new_curves(found, desk.city)))
         _bounded(found, desk, removals)
         calls = calls_of(found, desk.city)
         if dry_run or not calls:
@@ -197,6 +212,18 @@ def pull(
             say("carrying own objects over")
             _carry(kept, folder / BLEND, [item["name"] for item in found.foreign])
         return found, report
+
+
+def _new_curves(found: Pull, city: City) -> Iterator[Mapping[str, Any]]:
+    """Yield the curves that the city has not, or otherwise."""
+    table = city.layout.lines
+    own = table[table["kind"].to_numpy() == CURVE]
+    held = dict(zip(own["source"].tolist(), own.geometry.tolist(), strict=True))
+    for curve in found.drawn:
+        points = plain_line(np.array(curve["points"]))
+        known = held.get(curve["name"])
+        if known is None or not shapely.equals_exact(known, shapely.LineString(points), SLACK):
+            yield {"name": curve["name"], "points": points}
 
 
 def differences(folder: Path, path: Path, numbers: Sequence[int]) -> Pull:

@@ -286,7 +286,7 @@ def place_selector(word: str) -> Selector:
 
 def _is_street(word: str, facts: Facts) -> bool:
     """Tell whether a word is the name of a street, of which nothing but its surface is inside."""
-    if things(word) or kind_named(word):
+    if kind_named(word):
         return False
     try:
         return KINDS[facts.named(word).layer.kind] == "road"

@@ -57,6 +57,7 @@ class Differences:
         self.removed: list[str] = []
         self.painted: list[dict[str, Any]] = []
         self.untaken: list[str] = []
+        self.drawn: list[dict[str, Any]] = []
 
     def pose(self, object_id: int, change: FloatArray, scale: FloatArray, *, copy: bool) -> None:
         """Add a move, if it is one: a rigid change (4, 4) about the foot, and factors."""
@@ -90,6 +91,7 @@ def compare(view: View, scene: bpy.types.Scene) -> dict[str, Any]:
             known.setdefault(str(item[LAYER]), []).append(item)
         elif item.type not in TOOLS and item.get(NAME, "") in {"", *names} - {item.name}:
             foreign.append({"name": item.name, "type": item.type.lower()})
+            _draw(item, scene.unit_settings.scale_length, found)
     for layer, batch in view.scene.meshes.items():
         items = known.pop(layer, [])
         own = layer in OBJECT_LAYERS and batch.count <= MAX_OBJECTS and view.lod > 0
@@ -99,6 +101,18 @@ def compare(view: View, scene: bpy.types.Scene) -> dict[str, Any]:
             _compare_rows(rows, known.pop(layer, []), found)
     foreign += [{"name": i.name, "type": "object"} for items in known.values() for i in items]
     return {**vars(found), "foreign": sorted(foreign, key=lambda item: item["name"])}
+
+
+def _draw(item: bpy.types.Object, metres: float, found: Differences) -> None:
+    """Take the line of an artist's own curve, if it is one that somebody may go along."""
+    from cityx.blender.curves import lines_of
+
+    if item.type == "CURVE":
+        lines = lines_of(item, metres)
+        if len(lines) == 1:
+            found.drawn.append({"name": item.name, "points": lines[0]})
+        else:
+            found.untaken.append(f"{item.name}: a curve of {len(lines)} lines; a path is one")
 
 
 def world_of(item: bpy.types.Object) -> FloatArray:

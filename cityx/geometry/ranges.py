@@ -51,8 +51,10 @@ def equal_rows(values: NDArray[Any], others: NDArray[Any]) -> NDArray[np.bool_]:
 
     Column by column; `numpy.all` along short rows takes several times as long.
     """
-    same = (values == others).reshape(len(values), -1)
     found = np.ones(len(values), bool)
+    if not len(values):
+        return found
+    same = (values == others).reshape(len(values), -1)
     for column in same.T:
         found &= column
     return found

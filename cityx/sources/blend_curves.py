@@ -103,13 +103,13 @@ def read_blend_curves(path: Path) -> BlendCurves:
     if "unreadable" in record:
         raise InputError(f"{path}: {record['unreadable']}.")
     lines = {
-        name: tuple(_plain(np.array(part)) for part in parts)
+        name: tuple(plain_line(np.array(part)) for part in parts)
         for name, parts in record["lines"].items()
     }
     return BlendCurves(path, lines, record["properties"], record["kinds"])
 
 
-def _plain(points: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> Line:
+def plain_line(points: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> Line:
     """Return the places of a line without points that say nothing."""
     line = shapely.simplify(shapely.LineString(points[:, :2]), SLACK)
     return tuple((float(x), float(y)) for x, y in shapely.get_coordinates(line))

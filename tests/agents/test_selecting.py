@@ -7,7 +7,7 @@ from cityx.agents.brief import Edit, Selector, read_brief
 from cityx.agents.briefs import Clarify
 from cityx.agents.changes import slots_of_edits
 from cityx.agents.contradictions import contradictions
-from cityx.agents.selecting import Open, choose, chosen_by
+from cityx.agents.selecting import Open, choose, chosen_by, place_selector
 
 
 def chosen(text, city):
@@ -137,3 +137,40 @@ def test_the_ids_reach_actions_as_slots(scene):
     assert slots["family"] == ("building",)
     table = city.layout.buildings.set_index("name")
     assert int(names[0], 16) == table.loc["b08", "id"]
+
+
+def test_a_place_of_a_rank_is_one_thing(scene):
+    city = scene("grid_s")
+    assert place_selector("tallest building") == Selector("building", rank="tallest", k=1)
+    assert place_selector("park") == Selector("park")
+    assert place_selector("Mill Lane") == Selector(ids=("Mill Lane",))
+    near = choose(Selector("tree", near="tallest building", reach=40.0), city)
+    assert near.ids.tolist() == choose(Selector("tree", near="b05", reach=40.0), city).ids.tolist()
+    brief = read_brief("Put a bench next to the tallest building.", base=True)
+    ((_, slots),) = slots_of_edits(brief, city)
+    assert slots["within"] == ((f"{choose(Selector(ids=('b05',)), city).ids[0]:016x}",),)
+
+
+def test_what_is_within_some_metres_is_no_farther(scene):
+    city = scene("grid_s")
+    found = choose(Selector("building", near="b05", reach=20.0), city)
+    table = city.layout.buildings.set_index("id")
+    middle = table.geometry[choose(Selector(ids=("b05",)), city).ids[0]]
+    assert set(found.ids.tolist()) == set(table.index[table.geometry.distance(middle) <= 20.0])
+
+
+def test_things_on_a_street_told_by_its_name_line_it(scene):
+    city = scene("grid_s")
+    on = choose(Selector("building", inside="x2"), city)
+    along = choose(Selector("building", along="x2"), city)
+    assert on.ids.tolist() == along.ids.tolist()
+    assert on.count
+
+
+def test_a_number_without_a_rank_is_asked_about(scene):
+    with pytest.raises(Open, match="in which order"):
+        choose(Selector("tree", nth=2), scene("grid_s"))
+
+
+def test_a_share_of_few_is_at_least_one(scene):
+    assert choose(Selector("building", share=0.1, near="b05", reach=1.0), scene("grid_s")).count

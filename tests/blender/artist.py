@@ -129,6 +129,25 @@ def add_own(name):
     bpy.context.scene.collection.objects.link(bpy.data.objects.new(name, mesh))
 
 
+def draw(name, points):
+    """Draw a curve through points, or move the one of that name there."""
+    held = bpy.data.objects.get(name)
+    curve = bpy.data.curves.new(name, "CURVE")
+    curve.dimensions = "3D"
+    spline = curve.splines.new("POLY")
+    spline.points.add(len(points) - 1)
+    for point, place in zip(spline.points, points, strict=True):
+        point.co = (*place, 0.0, 1.0)
+    if held is not None:
+        held.data = curve
+        return
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new(name, curve))
+
+
+def move_own(name, move):
+    bpy.data.objects[name].location = move
+
+
 def main():
     bpy.ops.wm.open_mainfile(filepath=sys.argv[1])
     for name, *arguments in json.loads(sys.argv[2]):

@@ -11,7 +11,7 @@ import pytest
 
 from cityx.agents.build import build
 from cityx.agents.desk import Conflict, Desk
-from cityx.agents.edit import undo
+from cityx.agents.edit import planned, undo
 from cityx.agents.options import BuildOptions
 from cityx.agents.pull import pull
 from cityx.city.content import content_hash
@@ -121,6 +121,30 @@ def test_all_an_artist_does_is_one_revision_that_leaves_the_others_alone(folder)
     assert again.empty
     assert again.foreign == found.foreign  # carried over to the new file
     assert undo(folder)["hash"] == content_hash(before).total
+
+
+def curve_of(city, name):
+    table = city.layout.lines
+    return table.geometry[table["source"] == name].iloc[0].coords[:]
+
+
+def test_a_curve_that_is_drawn_or_moved_is_one_of_the_city(folder):
+    points = [[-20, -20], [0, 0], [9, 5]]
+    before, after, found, _ = pulled(folder, ["draw", "artist path", points])
+    assert [curve["name"] for curve in found.drawn] == ["artist path"]
+    assert "drawn: artist path" in found.lines()
+    assert curve_of(after, "artist path") == [(-20, -20), (0, 0), (9, 5)]
+    assert changed(before, after) == set()
+    with Desk(folder) as desk:
+        assert desk.revisions()[-1].actions == ("edit/draw_curve-v1",)
+    again, nothing = pull(folder)
+    assert nothing is None
+    assert again.empty
+    _, moved, *_ = pulled(folder, ["move_own", "artist path", [1, 2, 0]])
+    assert curve_of(moved, "artist path") == [(-19, -18), (1, 2), (10, 7)]
+    with Desk(folder) as desk:
+        _, (item,) = planned(desk, "Let a woman walk along artist path.")
+    assert item.args["path"] == "artist path"
 
 
 def test_a_building_takes_its_windows_and_its_outline_along(folder):

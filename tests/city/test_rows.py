@@ -4,6 +4,7 @@ import numpy as np
 
 from cityx.city.rows import join_rows, leave_rows, merge_rows, take_rows
 from cityx.city.scene import Instances
+from cityx.geometry.ranges import equal_rows
 
 
 def table(ids):
@@ -42,3 +43,11 @@ def test_rows_that_go_leave_the_others_as_they_are():
     for gone in ([1, 0, 0, 1, 1], [0, 0, 0, 0, 0], [1, 1, 1, 1, 1], [0, 1, 0, 1, 0]):
         mask = np.array(gone, bool)
         assert same(leave_rows(held, mask), take_rows(held, ~mask))
+
+
+def test_rows_are_equal_where_every_column_is():
+    one = np.arange(24.0).reshape(4, 3, 2)
+    other = one.copy()
+    other[2, 1, 0] = -1.0
+    assert equal_rows(one, other).tolist() == [True, True, False, True]
+    assert equal_rows(one[:0], other[:0]).tolist() == []

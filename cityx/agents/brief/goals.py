@@ -448,7 +448,7 @@ def _agent_predicates(edit: Edit) -> Iterator[str]:
     where = f", on={place}" if place and "," not in place else ""
     where = where if kind.startswith(("vehicle", "bus")) else ""
     mode = f", mode={change['mode']}" if change.get("mode") in ("walk", "run", "stand") else ""
-    several = f"== {change['count']}" if "count" in change else ">= 1"
+    several = f">= {change['count']}" if "count" in change else ">= 1"
     yield f"n({kind}{mode}{where}) {several}"
     if "speed" in change:
         yield f"stat({kind}{where}, speed, mean) {_around(float(change['speed']), WITHIN)}"

@@ -106,9 +106,9 @@ def find_path(city: City, words: str) -> Path:
         named = _curves_called(city, inner) or _ways_called(city, inner)
         if named:
             return _single(said, named)
-        lands = _lands_called(city, inner)
-        if len(lands):
-            return _beside(city, said, lands, inner)
+    lands = _lands_called(city, inner) if core else ()
+    if len(lands):
+        return _beside(city, said, lands, inner)
     known = _known(city)
     hint = nearest(inner or said, known)
     if not hint:

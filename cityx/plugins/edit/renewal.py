@@ -30,7 +30,7 @@ from cityx.protocol.formats import Format
 from cityx.protocol.gate import Call
 from cityx.protocol.registry import Registry, registry
 from cityx.protocol.run import run_step
-from cityx.protocol.stages import Stage
+from cityx.protocol.stages import Stage, stages_after
 
 BoolArray = NDArray[np.bool_]
 STAGES = (Stage.ROAD, Stage.NATURE)  # of what follows from streets and open ground
@@ -73,7 +73,9 @@ def renewed(
     calls = list(_calls(city, known))
     if not calls:
         return replace(city, layout=layout)
-    plain = replace(city, network=None, heights=None, lanes=None, ground=None, scene=_shells(city))
+    waiting = {late for stage in STAGES for late in stages_after(stage)}  # will be anew, too
+    plain = replace(city, network=None, heights=None, lanes=None, ground=None, scene=_shells(city),
+                    stages_done=city.stages_done - waiting)  # fmt: skip
     was, now = plain, replace(plain, layout=layout)
     for call in calls:
         was, now = run_step(was, call, known), run_step(now, call, known)

@@ -49,7 +49,8 @@ def spots_within(city: City, names: Sequence[str], count: int, stand: Stand) -> 
         middle = shapely.get_coordinates(shapely.centroid(region))[0]
         away = np.round(np.hypot(*(free - middle).T), 6)
         return np.asarray(free[np.lexsort((free[:, 1], free[:, 0], away))[:1]])
-    found = _spread(city, free, count, float(region.area))
+    least = float(np.hypot(*np.asarray(stand.size, float)[:2]))
+    found = _spread(city, free, count, float(region.area), max(least, STEP))
     if len(found) < count:
         raise ActionFailed(f"There is room for {len(found)} of {count} there.")
     return found
@@ -90,19 +91,20 @@ def facing(city: City, xy: FloatArray) -> FloatArray:
     return yaw
 
 
-def _spread(city: City, free: FloatArray, count: int, area: float) -> FloatArray:
-    """Take places in the order of a hash, each apart from those before it."""
+def _spread(city: City, free: FloatArray, count: int, area: float, least: float) -> FloatArray:
+    """Take places in the order of a hash, each apart from those before it by `least` or more."""
     key = hash_ids(city.seed, "edit/spots", np.rint(1000 * free[:, 0]).astype(np.int64).view("u8"),
                    np.rint(1000 * free[:, 1]).astype(np.int64).view("u8"))  # fmt: skip
     order = np.argsort(key, kind="stable")
-    apart = SPREAD * float(np.sqrt(area / max(count, 1)))
+    apart = max(SPREAD * float(np.sqrt(area / max(count, 1))), least)
     found: list[FloatArray] = []
-    while apart > STEP:
+    while True:
         found = []
         for spot in free[order]:
             if all(np.hypot(*(spot - other)) >= apart for other in found):
                 found.append(spot)
             if len(found) == count:
                 return np.array(found)
-        apart *= 0.7
-    return np.array(found).reshape(-1, 2)
+        if apart <= least:
+            return np.array(found).reshape(-1, 2)
+        apart = max(0.7 * apart, least)

@@ -45,6 +45,13 @@ def test_a_wider_street_moves_its_kerbs_and_its_network(grid):
     assert wider.ground.on(inside, "carriageway").all()
 
 
+def test_a_street_changes_after_traffic_was_planned(grid):
+    moving = replace(grid, stages_done=grid.stages_done | {"dynamic"})
+    wider = renewed(moving, widened(grid, "x1"))
+    assert wider.network.half_width.max() > grid.network.half_width.max() - 1e-9
+    assert wider.stages_done == moving.stages_done
+
+
 def test_widened_and_narrowed_again_all_objects_are_the_same(river, objects):
     there = streets(river, streets=("south street",), widen_by=2.0)
     back = renewed(there, river.layout)
