@@ -159,7 +159,8 @@ _SURFACE = {
     "marking_yellow": "road_marking", "apron": "road", "kerb_dropped": "kerb",
     "tactile": "tactile_paving", "tactile_pale": "tactile_paving", "ramp": "sidewalk",
     "cycle_lane": "cycle_lane", "rail": "rail_track", "trail": "path", "furnishing": "sidewalk",
-    "building": "terrain", "void": "other",
+    "building": "terrain", "void": "other", "bed": "soil", "threshold": "road",
+    "edging": "sidewalk",
 }  # fmt: skip
 # Layers of meshes whose objects are all of one class.
 _LAYER = {

@@ -38,6 +38,7 @@ from cityx.plugins.nature.tree_room import (
     Room,
     room_of,
 )
+from cityx.plugins.nature.yard_plants import yard_stands
 from cityx.plugins.road.kerbs import edge_lengths, join_places, places_along
 from cityx.protocol import Port, Range, action
 
@@ -390,7 +391,7 @@ def trees(
     if budget:
         stands += _wooded(city, budget, have)
     if street_trees:
-        stands += _street_trees(city, mapped)
+        stands += _street_trees(city, mapped) + yard_stands(city)
     stand, room = _counted(city, stands, least, most)
     if least > 0:
         city = asked(city, f"{least} trees at least", "n(tree)", least=least)

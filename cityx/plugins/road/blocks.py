@@ -21,7 +21,7 @@ BoolArray = NDArray[np.bool_]
 ROAD = (*ROADWAY, "tramway")
 ON_ROAD = tuple(LABEL[name] for name in (*PAINT, "tramway"))
 HARD = (*ROAD, "kerb", "sidewalk", "path", "plaza", "parking", "building", "courtyard", "trail",
-        "furnishing")  # fmt: skip
+        "furnishing", "edging")  # fmt: skip
 NARROW = 1.5  # metres; narrower islands between carriageways are not built
 BUILT_ISLAND = ("courtyard", "tactile", "tactile_pale")  # refuges and splitters are, however narrow
 DENSE = 0.35  # share of a block that is built over; gardens fill the rest of a looser one
@@ -145,12 +145,12 @@ def _cut_off(
 
 
 def _off_lawns(ground: Ground) -> Ground:
-    """Leave parking bays and bare patches to paved yards: in the open land is as nobody left it."""
+    """Leave bays, beds and bare patches to paved yards: the open land is as nobody left it."""
     left, right = ground.edge_faces.T.astype(np.int64)
     inner = right != BEYOND
     left, right = left[inner], right[inner]
     length = np.hypot(*np.diff(ground.vertices[ground.edges[inner]], axis=1)[:, 0].T)
-    own = ground.labelled("parking", "bare") & (ground.face_object == 0)
+    own = ground.labelled("parking", "bare", "bed") & (ground.face_object == 0)
     open_land = ground.face_label == LABEL["block"]
     size = len(own)
     rim = np.bincount(left, length, minlength=size) + np.bincount(right, length, minlength=size)
@@ -162,7 +162,7 @@ def _off_lawns(ground: Ground) -> Ground:
 
 def _walks_widened(ground: Ground) -> Ground:
     """Give narrow leftovers and scraps beside walks to them, whatever tiles cut them."""
-    court = ground.face_label == LABEL["courtyard"]
+    court = ground.labelled("courtyard", "bed")
     if not court.any():
         return ground
     left, right = ground.edge_faces.T.astype(np.int64)
@@ -171,7 +171,7 @@ def _walks_widened(ground: Ground) -> Ground:
     size = len(court)
     length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
     rim, beside = np.zeros(size), np.zeros(size)
-    walk = ground.labelled("sidewalk", "plaza", "furnishing")
+    walk = ground.labelled("sidewalk", "plaza", "furnishing", "edging")
     for face, other in ((left, right), (right, left)):
         mine = (face != BEYOND) & ~within
         mine[mine] &= court[face[mine]]
@@ -180,7 +180,7 @@ def _walks_widened(ground: Ground) -> Ground:
         np.add.at(beside, piece[face[mine]], length[mine] * walked)
     area = np.bincount(piece, np.where(court, face_areas(ground), 0.0), minlength=size)
     slight = (2 * area < WALK_STRIP * rim) | (area < SCRAP)
-    taken = court & (slight & (beside > BESIDE * rim))[piece]
+    taken = (ground.face_label == LABEL["courtyard"]) & (slight & (beside > BESIDE * rim))[piece]
     label = np.where(taken, LABEL["sidewalk"], ground.face_label).astype(np.uint8)
     return replace(ground, face_label=label)
 
@@ -197,7 +197,7 @@ def _yards(ground: Ground) -> Ground:
     size = len(court)
     length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
     rim, street = np.zeros(size), np.zeros(size)
-    outer = ground.labelled(*ROAD, "kerb", "sidewalk", "plaza", "furnishing")
+    outer = ground.labelled(*ROAD, "kerb", "sidewalk", "plaza", "furnishing", "edging")
     for face, other in ((left, right), (right, left)):
         mine = (face != BEYOND) & ~within
         mine[mine] &= court[face[mine]]
