@@ -13,6 +13,7 @@ from cityx.city.mesh import MeshBatch
 
 DIM = (0.35, 0.34, 0.33)
 YELLOW = (0.85, 0.60, 0.05)
+BULGE = 0.3  # metres before the wall; a house has no more of the pavement
 
 
 def window_pair(glass: str, blind: float, curtain: float) -> Shapes:
@@ -101,9 +102,10 @@ def window_glass_block(glass: str, blind: float, curtain: float) -> Shapes:
 
 
 def _half_drum(radius: float, low: float, high: float, material: str) -> MeshBatch:
-    """Make the half of a drum that stands before the wall."""
-    angle = np.linspace(np.pi, 2 * np.pi, 9)
-    ring = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+    """Make the part of a drum that stands before the wall, `BULGE` metres at most."""
+    back = radius - BULGE  # metres of its middle behind the wall
+    angle = np.linspace(np.pi + np.arcsin(back / radius), 2 * np.pi - np.arcsin(back / radius), 9)
+    ring = np.column_stack([radius * np.cos(angle), back + radius * np.sin(angle)])
     return loft(np.stack([np.column_stack([ring, np.full(9, z)]) for z in (low, high)]), material)
 
 
@@ -123,7 +125,7 @@ def door_lobby() -> Shapes:
     shapes += [
         slab(-3.0, 3.0, 3.4, 3.58, -1.7, "metal_grey"),
         slab(-2.9, 2.9, 3.36, 3.4, -1.6, "frame_paint"),
-        slab(-2.7, 2.7, -0.35, 0.02, -1.4, "concrete"),
+        slab(-2.7, 2.7, -0.35, 0.02, -BULGE, "concrete"),
     ]
     # Hung on rods: posts would stand in the street before a narrow pavement.
     for x in (-2.6, 2.6):
@@ -199,7 +201,7 @@ def door_bronze() -> Shapes:
     bronze = (0.7, 0.55, 0.3)
     shapes: Shapes = [
         pane(-2.3, 2.3, 0.0, 3.45, "glass"),
-        slab(-2.6, 2.6, -0.35, 0.02, -0.9, "stone"),
+        slab(-2.6, 2.6, -0.35, 0.02, -0.5, "stone"),
     ]
     for x in (-2.25, -1.15, -0.05, 1.05, 2.15):
         shapes.append(slab(x, x + 0.1, 0.0, 3.45, -0.12, "metal_panel", bronze))

@@ -21,7 +21,8 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 FOOTWAYS = (
-    "sidewalk", "furnishing", "ramp", "kerb", "kerb_dropped", "tactile", "tactile_pale", "plaza",
+    "sidewalk", "furnishing", "edging", "ramp", "kerb", "kerb_dropped", "tactile", "tactile_pale",
+    "plaza",
     "path", "trail",
 )  # fmt: skip
 # Land beside a roadway that people walk on where there is no pavement.

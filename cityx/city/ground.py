@@ -81,11 +81,14 @@ SURFACES: tuple[Surface, ...] = (
     # Strip along the kerb of a wide walk, in which furniture stands.
     Surface("furnishing", 51, KERB_HEIGHT, "setts", "kerb_stone"),
     Surface("gravel", 6, KERB_HEIGHT, "gravel", "concrete"),  # of yards
+    Surface("bed", 7, KERB_HEIGHT + 0.08, "soil", "kerb_stone"),  # planted, with an edge of stone
+    Surface("edging", 8, KERB_HEIGHT, "kerb_stone", "kerb_stone"),  # at the back of a walk
+    Surface("threshold", 71, 0.0, "kerb_stone", "concrete"),  # row of stones across a carriageway
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
 PAINT = ("marking", "marking_yellow", "cycle_lane")  # lies on a carriageway and is part of it
 ON_ROADWAY = (*PAINT, "tramway")  # whatever a roadway is made of below it
-ROADWAY = ("carriageway", "setts", "gravel_road", "junction", *PAINT)
+ROADWAY = ("carriageway", "setts", "gravel_road", "junction", "threshold", *PAINT)
 
 
 @dataclass(frozen=True)

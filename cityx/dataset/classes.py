@@ -160,6 +160,7 @@ _SURFACE = {
     "tactile": "tactile_paving", "tactile_pale": "tactile_paving", "ramp": "sidewalk",
     "cycle_lane": "cycle_lane", "rail": "rail_track", "trail": "path", "furnishing": "sidewalk",
     "gravel": "yard", "building": "terrain", "void": "other",
+    "bed": "soil", "threshold": "road", "edging": "sidewalk",
 }  # fmt: skip
 # Layers of meshes whose objects are all of one class.
 _LAYER = {

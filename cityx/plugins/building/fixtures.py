@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cityx.assets.facade_styles import Fixture
 from cityx.assets.fixtures import fixture
 from cityx.assets.materials import srgb_to_linear
+from cityx.city.ground import KERB_WIDTH
 from cityx.geometry import facades
 from cityx.geometry.facades import bays_of
 from cityx.geometry.identity import hash_ids, uniform
@@ -35,7 +36,7 @@ GABLE_TURN = 0.97  # cosine between a gable's normal and the ridge
 LEAST_GABLE = 1.0  # metres of roof
 OVERLAP = 0.15  # metres by which a thing may stand out beyond the end of its wall
 HEADROOM = 2.6  # metres above which a thing is in no door's way
-PAVEMENT = 1.5  # metres; what stands out less finds room on the pavement
+PAVEMENT = 0.35  # metres; what stands out less takes nothing from the pavement
 DOOR_GAP = 0.15  # metres between a door and what stands beside it
 FAR = 1e5  # metres; longer than any wall
 SHARP = 0.3  # of the mitre of a right angle; flatter corners bear nothing
@@ -71,11 +72,14 @@ class Site:
         self.roads = roads
 
     @cached_property
-    def carriageways(self) -> tuple[NDArray[Any], FloatArray]:
-        """Centrelines and half widths of the streets that run by on the ground."""
+    def streets(self) -> tuple[NDArray[Any], FloatArray]:
+        """Centrelines of the streets that run by on the ground, and half widths with walks."""
         kind, below = self.roads["kind"].to_numpy(str), self.roads["tunnel"].to_numpy(bool)
         driven = np.isin(kind, list(STREETS)) & (kind != "pedestrian") & ~below
+        walk = np.fmax(*(self.roads[f"sidewalk_{side}"].to_numpy(float)
+                         for side in ("left", "right")))  # fmt: skip
         half = np.nan_to_num(self.roads["width"].to_numpy(float) / 2)
+        half = half + np.where(walk > 0, walk + KERB_WIDTH, 0.0)
         return self.roads.geometry.to_numpy()[driven], half[driven]
 
     @cached_property
@@ -171,7 +175,7 @@ def _place(
             kept |= _clear_of_doors(site, wall, along, reach)
             wall, along, z, index = wall[kept], along[kept], z[kept], index[kept]
     if each.at != "window":
-        clear = _off_carriageways(site, placing, each, wall, along)
+        clear = _off_streets(site, placing, each, wall, along)
         wall, along, z, index = wall[clear], along[clear], z[clear], index[clear]
         size = np.ones(len(wall)), np.ones(len(wall))
     if each.scattered:
@@ -340,10 +344,10 @@ def _has_room(
     return np.asarray(fits & _clear_of_doors(site, wall, along, reach))
 
 
-def _off_carriageways(
+def _off_streets(
     site: Site, placing: Placing, each: Fixture, wall: IntArray, along: FloatArray
 ) -> NDArray[np.bool_]:
-    """(k,) whether what stands far before a wall, as a canopy on posts does, stands in no lane."""
+    """(k,) whether what stands before a wall, as a canopy on posts does, stands on no street."""
     clear = np.ones(len(wall), bool)
     mesh = fixture(each.name, detail=placing.detail).mesh.vertices
     posts = mesh[mesh[:, 2] + each.lift < HEADROOM]
@@ -354,7 +358,7 @@ def _off_carriageways(
     side = float(np.abs(posts[:, 0]).max()) * unit
     foot = site.found.walls.start[wall] + unit * along[:, None]
     ends = [foot - side, foot + side, foot + side + out * normal, foot - side + out * normal]
-    lines, half = site.carriageways
+    lines, half = site.streets
     plans = shapely.STRtree(shapely.polygons(np.stack(ends, axis=1)))
     clear[plans.query(lines, "dwithin", half)[1]] = False
     return clear

@@ -20,7 +20,13 @@ from cityx.plugins.edit.rebuilding import Ids, buildings_of, rebuilt
 FloatArray = NDArray[np.float64]
 
 BETWEEN = 2.0  # metres from a building that finds its own place to the next
-WALKS = ("sidewalk", "kerb", "furnishing", "water")  # what it leaves free besides roadways
+WALKS = (
+    "sidewalk",
+    "kerb",
+    "furnishing",
+    "edging",
+    "water",
+)  # what it leaves free besides roadways
 SHARED = 0.5  # square metres by which buildings may overlap, as in a clean city
 ON_STREET = 1.0  # square metres of a building on a carriageway
 

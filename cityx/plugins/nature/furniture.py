@@ -27,7 +27,7 @@ from cityx.plugins.nature.pieces import (
     walk_rims,
     with_pieces,
 )
-from cityx.plugins.nature.street_rules import TIGHT
+from cityx.plugins.nature.street_rules import TIGHT, place_of
 from cityx.plugins.road.kerbs import (
     edge_lengths,
     edge_lines,
@@ -36,6 +36,8 @@ from cityx.plugins.road.kerbs import (
     yaw_facing,
     yaw_of_compass,
 )
+from cityx.plugins.road.network import arm_bearings, arms_of
+from cityx.plugins.road.signals import signal_rows
 from cityx.protocol import Port, action
 
 ACTION = "nature/furniture-v1"
@@ -69,6 +71,8 @@ DEPTH = {"recycling": 1.0, "telephone": 0.55, "bicycle_parking": 0.95, "fountain
 FEW_LAMPS = 5.0  # per kilometre; a map with fewer has not mapped its lamps
 MOST_PUSH = 3.0  # metres a mapped thing may be moved out of a carriageway
 SIGNAL_REACH = 25.0  # metres from a mapped signal to the junction it belongs to
+ONWARD = np.radians(40.0)  # a way that turns by more does not go straight on
+BEHIND_ZEBRA = 4.8  # metres from a junction to a pole behind its zebra
 FRONT_REACH = 40.0  # metres within which a thing turns to a road
 SHELTER_ROOM = 2.6  # metres of free sidewalk that a shelter needs
 POLE = 0.2  # metres, half the foot of a lamp or a signal
@@ -222,7 +226,7 @@ def _signals(city: City, drive: float) -> Pieces | None:
     """Signals at the kerb corner of every arm of a signalised junction, and at crossings."""
     network = city.network
     table = city.layout.points
-    rows = np.flatnonzero(table["kind"].to_numpy().astype(str) == "traffic_signals")
+    rows, ruling = signal_rows(city.layout)
     if network is None or not network.edge_count or not len(rows):
         return None
     spots = table.geometry.to_numpy()[rows]
@@ -230,8 +234,8 @@ def _signals(city: City, drive: float) -> Pieces | None:
     node_of = np.full(len(rows), -1)
     if len(joint):
         tree = shapely.STRtree(shapely.points(network.node_position[joint]))
-        spot, node = tree.query_nearest(spots, max_distance=SIGNAL_REACH)
-        node_of[spot] = joint[node]
+        spot, node = tree.query_nearest(spots[ruling], max_distance=SIGNAL_REACH)
+        node_of[np.flatnonzero(ruling)[spot]] = joint[node]
     signalled = np.zeros(len(network.node_position), bool)
     signalled[node_of[node_of >= 0]] = True
     roads = city.layout.roads
@@ -248,6 +252,8 @@ def _signals(city: City, drive: float) -> Pieces | None:
         along = setback if end == 0 else length[edge] - setback
         found.append(_beside(lines, network, edge, along, 1.0 if end == 1 else -1.0, drive, main,
                              f"{ACTION}/signal/{end}"))  # fmt: skip
+        if _repeated(city, drive):
+            found.append(_beyond(lines, network, edge, end, drive, f"{ACTION}/signal/far/{end}"))
     lone = np.flatnonzero(node_of < 0)
     if len(lone):
         shapes = to_linestrings(lines)
@@ -260,6 +266,39 @@ def _signals(city: City, drive: float) -> Pieces | None:
             own = table["id"].to_numpy()[rows][lone[spot[ok]]]
             found.append(_beside(lines, network, edge[ok], along[ok] - 2.0 * way, way, drive, main,
                                  f"{ACTION}/signal/mid{way:+.0f}", own))  # fmt: skip
+    return join_pieces(found)
+
+
+def _repeated(city: City, drive: float) -> bool:
+    """Tell whether signals stand behind junctions, too: where one drives left, in North America."""
+    return drive < 0 or place_of(city) == "north america"
+
+
+def _beyond(lines: Any, network: Any, edge: NDArray[np.int64], end: int, drive: float,
+            purpose: str) -> Pieces:  # fmt: skip
+    """Poles behind the junction, beside the arm in which traffic of each edge goes straight on."""
+    node, arm, side = arms_of(lines, network.edge_nodes)
+    bearing = arm_bearings(lines, arm, side)
+    own = arm_bearings(lines, edge, np.full(len(edge), end))
+    low = np.searchsorted(node, network.edge_nodes[edge, end])
+    size = np.searchsorted(node, network.edge_nodes[edge, end], side="right") - low
+    row = np.repeat(np.arange(len(edge)), size)
+    other = low[row] + np.arange(len(row)) - np.repeat(np.cumsum(size) - size, size)
+    turn = np.abs(np.mod(bearing[other] - own[row], 2 * np.pi) - np.pi)
+    order = np.lexsort((other, np.round(turn, 6), row))
+    first = order[np.unique(row[order], return_index=True)[1]]
+    first = first[turn[first] < ONWARD]
+    row, other = row[first], other[first]
+    found = []
+    for far in (0, 1):
+        some = np.flatnonzero(side[other] == far)
+        onto = arm[other[some]]
+        back = network.trim[onto, far] + np.where(network.crossing[onto, far], BEHIND_ZEBRA, 0.6)
+        along = back if far == 0 else edge_lengths(network)[onto] - back
+        # Whoever goes on leaves the junction along this arm.
+        found.append(_beside(lines, network, onto, along, 1.0 if far == 0 else -1.0, drive,
+                             np.zeros(network.edge_count, bool), f"{purpose}/{far}",
+                             network.edge_id[edge[row[some]]]))  # fmt: skip
     return join_pieces(found)
 
 

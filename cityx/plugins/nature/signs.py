@@ -13,6 +13,7 @@ from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import locate
 from cityx.plugins.nature.pieces import FloatArray, Pieces, join_pieces, pieces
 from cityx.plugins.road.kerbs import edge_lengths, edge_lines, yaw_facing
+from cityx.plugins.road.signals import signal_places
 
 PURPOSE = "nature/signs"
 # The lower gives way to the higher.
@@ -50,7 +51,7 @@ def junction_signs(city: City, place: str) -> tuple[Pieces, FloatArray]:
     joint = network.node_degree >= 3
     points = city.layout.points
     what, where = points["kind"].to_numpy().astype(str), points.geometry.to_numpy()
-    signalled = near_any(network.node_position, where[what == "traffic_signals"], SIGNALLED)
+    signalled = near_any(network.node_position, signal_places(city.layout), SIGNALLED)
     told = near_any(network.node_position, where[np.isin(what, ("stop", "give_way"))], TOLD)
     drive = np.where(network.left_hand, -1.0, 1.0)
     length = edge_lengths(network)

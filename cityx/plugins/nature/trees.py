@@ -36,6 +36,7 @@ from cityx.plugins.nature.tree_room import (
     Room,
     room_of,
 )
+from cityx.plugins.nature.bed_plants import bed_stands
 from cityx.protocol import Port, Range, action
 
 ACTION = "nature/trees-v2"
@@ -340,7 +341,7 @@ def trees(
     if budget:
         stands += _wooded(city, budget, have)
     if street_trees:
-        stands += along_streets(city, have)
+        stands += along_streets(city, have) + bed_stands(city)
     if budget:
         stands += in_yards(city, have)
     stand, room = _counted(city, stands, least, most)

@@ -21,7 +21,7 @@ BoolArray = NDArray[np.bool_]
 ROAD = (*ROADWAY, "tramway")
 ON_ROAD = tuple(LABEL[name] for name in (*PAINT, "tramway"))
 HARD = (*ROAD, "kerb", "sidewalk", "path", "plaza", "parking", "building", "courtyard", "trail",
-        "furnishing", "gravel")  # fmt: skip
+        "furnishing", "gravel", "edging")  # fmt: skip
 NARROW = 1.5  # metres; narrower islands between carriageways are not built
 BUILT_ISLAND = ("courtyard", "tactile", "tactile_pale")  # refuges and splitters are, however narrow
 DENSE = 0.35  # share of a block that is built over; gardens fill the rest of a looser one
@@ -151,7 +151,7 @@ def _off_lawns(ground: Ground, dense: BoolArray) -> Ground:
     inner = right != BEYOND
     left, right = left[inner], right[inner]
     length = np.hypot(*np.diff(ground.vertices[ground.edges[inner]], axis=1)[:, 0].T)
-    own = ground.labelled("parking", "bare", "gravel") & (ground.face_object == 0) & ~dense
+    own = ground.labelled("parking", "bare", "gravel", "bed") & (ground.face_object == 0) & ~dense
     lawn = ground.labelled("block", "grass") & ~dense
     patch = components(np.column_stack([left, right])[own[left] & own[right]], len(own))
     rim, green = np.zeros(len(own)), np.zeros(len(own))
@@ -166,7 +166,7 @@ def _off_lawns(ground: Ground, dense: BoolArray) -> Ground:
 
 def _walks_widened(ground: Ground) -> Ground:
     """Give narrow leftovers and scraps beside walks to them, whatever tiles cut them."""
-    court = ground.face_label == LABEL["courtyard"]
+    court = ground.labelled("courtyard", "bed")
     if not court.any():
         return ground
     left, right = ground.edge_faces.T.astype(np.int64)
@@ -175,7 +175,7 @@ def _walks_widened(ground: Ground) -> Ground:
     size = len(court)
     length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
     rim, beside = np.zeros(size), np.zeros(size)
-    walk = ground.labelled("sidewalk", "plaza", "furnishing")
+    walk = ground.labelled("sidewalk", "plaza", "furnishing", "edging")
     for face, other in ((left, right), (right, left)):
         mine = (face != BEYOND) & ~within
         mine[mine] &= court[face[mine]]
@@ -184,7 +184,7 @@ def _walks_widened(ground: Ground) -> Ground:
         np.add.at(beside, piece[face[mine]], length[mine] * walked)
     area = np.bincount(piece, np.where(court, face_areas(ground), 0.0), minlength=size)
     slight = (2 * area < WALK_STRIP * rim) | (area < SCRAP)
-    taken = court & (slight & (beside > BESIDE * rim))[piece]
+    taken = (ground.face_label == LABEL["courtyard"]) & (slight & (beside > BESIDE * rim))[piece]
     label = np.where(taken, LABEL["sidewalk"], ground.face_label).astype(np.uint8)
     return replace(ground, face_label=label)
 
@@ -201,7 +201,7 @@ def _yards(ground: Ground) -> Ground:
     size = len(court)
     length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
     rim, street = np.zeros(size), np.zeros(size)
-    outer = ground.labelled(*ROAD, "kerb", "sidewalk", "plaza", "furnishing")
+    outer = ground.labelled(*ROAD, "kerb", "sidewalk", "plaza", "furnishing", "edging")
     for face, other in ((left, right), (right, left)):
         mine = (face != BEYOND) & ~within
         mine[mine] &= court[face[mine]]

@@ -61,6 +61,7 @@ TURNED = np.radians(185.0)  # beyond it two strips leave a wedge open
 TAPER = 8.0  # metres on both sides of a node along which a kerb passes from width to width
 GORE_REACH = 60.0  # metres from the node within which a gore is paved up to its nose
 HEAD = 2 * KERB_WIDTH  # metres
+EDGING = 0.12  # metres of stone behind a walk
 AGAIN = 0.25  # share by which the curve of a corner may begin further away on arms that bend
 JOINT = GRID  # metres; more would show as a step of the kerb
 HAIR = 0.001  # metres; thinner strips, which come from rounding, would join what lies apart
@@ -523,7 +524,7 @@ def _without_small_holes(shapes: Shapes) -> Shapes:
     return filled
 
 
-def _junction_labels(
+def junction_labels(
     network: RoadNetwork, labels: NDArray[np.uint8], hubs: IntArray, on_ground: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
     """Pave a junction with asphalt if one arm has it; else with stone before gravel."""
@@ -556,8 +557,8 @@ def carriageway_regions(
         pieces(lines, passage, np.zeros(len(passage)), arc_lengths(lines)[1][passage]),
         network.half_width[passage],
     )
-    hub_label = _junction_labels(network, labels, road.node, on_ground)
-    curve_label = _junction_labels(network, labels, road.curve_node, on_ground)
+    hub_label = junction_labels(network, labels, road.node, on_ground)
+    curve_label = junction_labels(network, labels, road.curve_node, on_ground)
     own, bend = labels[road.edge], labels[road.disc_edge]
     return join_regions(
         [
@@ -642,5 +643,10 @@ def _sidewalks(
     twice = np.flatnonzero(np.bincount(ends, minlength=len(least)) == 2)
     centre = shapely.points(network.node_position[twice])
     bands.append(shapely.buffer(centre, least[twice], quad_segs=ROUND))
-    joined = shapely.unary_union(np.concatenate(bands))
-    return regions(joined, LABEL["sidewalk"], SURFACES[LABEL["sidewalk"]].priority)
+    joined = shapely.simplify(shapely.unary_union(np.concatenate(bands)), FINE)
+    label, edging = LABEL["sidewalk"], LABEL["edging"]
+    rim = shapely.buffer(joined, EDGING, join_style="mitre", mitre_limit=MITRE)
+    return join_regions([
+        regions(joined, label, SURFACES[label].priority),
+        regions(rim, edging, SURFACES[edging].priority),
+    ])  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,18 +14,21 @@ from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.drape import RAMP_SLOPE
 from cityx.geometry.polylines import locate
 from cityx.plugins.road.carriageway import Carriageway, joined_by
-from cityx.plugins.road.corners import LEAST_RADIUS
+from cityx.plugins.road.corners import LEAST_RADIUS, RADIUS
 from cityx.plugins.road.marks import Street
+from cityx.plugins.road.network import arm_bearings, arms_of
 from cityx.plugins.road.zebras import Zebras
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 RAMP = RAMP_SLOPE * (KERB_HEIGHT - DROPPED)  # metres
 RIBS = 0.6  # metres of tactile paving behind the kerb (ISO 23599)
 LEAST_WALK = 0.3  # metres left behind a ramp
 FLARE = 0.5  # metres by which the kerb may bend away from its street within a crossing
 END_STONES = SURFACES[LABEL["kerb_dropped"]].priority - 1  # over the kerb, under what is dropped
+LEAST_SINE = 0.4  # of the angle between a drive and its street; a flatter one is no drive
 FREE_SIDE = 0.2  # metres that a drop reaches beyond the bars at both ends
 
 
@@ -78,46 +82,115 @@ def drive_regions(street: Street, road: Carriageway) -> Regions:
 
     Round the corners of the drive the walk rises along the street's kerb, too.
     """
-    drives, walk = _drives(street)
-    rows = np.flatnonzero(walk > 0)
-    if not len(rows):
+    mouths = _mouths(street)
+    if not len(mouths.place):
         return Regions()
-    half = street.network.half_width[drives.edge[rows]]
+    shapes, ends = (_mouth_shapes(mouths, past) for past in (0.0, 2 * RAMP))
     parts = []
-    for sign in (1.0, -1.0):
-        far = half + LEAST_RADIUS + RAMP
-        shapes = patches(street, drives, rows, sign * half, sign * far)
-        ends = patches(street, drives, rows, sign * half, sign * (far + 2 * RAMP))
-        for name, rank, where, width in (
-            ("kerb_dropped", 0, shapes, KERB_WIDTH),
-            ("ramp", END_STONES, ends, KERB_WIDTH),
-            ("ramp", 0, ends, KERB_WIDTH + RAMP),
-        ):
-            priority = rank or SURFACES[LABEL[name]].priority
-            parts.append(regions(along_rims(where, road, width), LABEL[name], priority))
+    for name, rank, where, width in (
+        ("kerb_dropped", 0, shapes, KERB_WIDTH),
+        ("ramp", END_STONES, ends, KERB_WIDTH),
+        ("ramp", 0, ends, KERB_WIDTH + RAMP),
+    ):
+        priority = rank or SURFACES[LABEL[name]].priority
+        parts.append(regions(along_rims(where, road, width), LABEL[name], priority))
     return join_regions(parts)
 
 
-def _drives(street: Street) -> tuple[Zebras, FloatArray]:
-    """Places where service ways cross the walks of streets, and the width of these walks."""
+@dataclass(frozen=True)
+class _Mouths:
+    """Drives where they cross the walk of a street, m of them, in the frame of the street.
+
+    Attributes
+    ----------
+    place, along
+        (m, 2) float: where the drive leaves the street's middle, and the way along the street.
+    away
+        (m,) 1 where the drive goes to the left of that way, -1 to the right.
+    slant
+        (m,) cotangent of the angle between the two.
+    near, far
+        (m,) metres from the street's middle to its kerb, and to the back of its walk.
+    behind, ahead
+        (m,) metres along the street that the mouth takes to both sides of the drive's middle.
+    """
+
+    place: FloatArray
+    along: FloatArray
+    away: FloatArray
+    slant: FloatArray
+    near: FloatArray
+    far: FloatArray
+    behind: FloatArray
+    ahead: FloatArray
+
+
+def _mouths(street: Street) -> _Mouths:
+    """Find the mouths of drives at streets that have walks, where the drive is long enough."""
     network = street.network
     table = street.layout.roads.iloc[network.edge_road]
     walk = np.maximum(
         table["sidewalk_left"].to_numpy(float), table["sidewalk_right"].to_numpy(float)
     )
     service = street.kind == "service"
-    nodes = network.edge_nodes
-    of_node, half = np.zeros(len(network.node_position)), np.zeros(len(network.node_position))
-    for column in nodes[~service].T:
-        np.maximum.at(of_node, column, walk[~service])
-        np.maximum.at(half, column, network.half_width[~service])
-    edge, end = np.nonzero(service[:, None] & (of_node[nodes] > RAMP + LEAST_WALK))
-    node = nodes[edge, end]
-    depth = of_node[node] - FREE_SIDE
-    back = half[node] + KERB_WIDTH + of_node[node] / 2
-    room = back + depth / 2 < street.length[edge]
-    along = np.where(end == 0, back, street.length[edge] - back)
-    return Zebras(edge, along, depth), np.where(room, depth, 0.0)
+    node, edge, end = arms_of(street.lines, network.edge_nodes)
+    bearing = arm_bearings(street.lines, edge, end)
+    count = len(network.node_position)
+    of_node, half = np.zeros(count), np.zeros(count)
+    np.maximum.at(of_node, node[~service[edge]], walk[edge][~service[edge]])
+    np.maximum.at(half, node[~service[edge]], network.half_width[edge][~service[edge]])
+    drive = np.flatnonzero(service[edge] & (of_node[node] > RAMP + LEAST_WALK))
+    other, found = _squarest(node, bearing, ~service[edge], drive)
+    drive, other = drive[found], other[found]
+    at = node[drive]
+    turn = np.round(bearing[drive] - bearing[other], 6)
+    sine, cosine = np.sin(turn), np.cos(turn)
+    away = np.where(sine < 0, -1.0, 1.0)
+    sine = np.maximum(np.abs(sine), LEAST_SINE)
+    near, far = half[at], half[at] + KERB_WIDTH + of_node[at]
+    room = far / sine < street.length[edge[drive]]
+    # The curves of both corners, and the drive itself, along the street.
+    angle = np.arctan2(sine, cosine)  # to the arm ahead
+    wide = network.half_width[edge[drive]] / sine + RAMP
+    of_class = [RADIUS.get(word, LEAST_RADIUS) for word in street.kind[edge[other]].tolist()]
+    radius = (np.array(of_class, float) + LEAST_RADIUS) / 2
+    ahead = wide + radius / np.tan(angle / 2)
+    behind = wide + radius * np.tan(angle / 2)
+    way = bearing[other]
+    along = np.column_stack([np.cos(way), np.sin(way)])
+    found_all = _Mouths(network.node_position[at], along, away, cosine / sine, near, far, behind,
+                        ahead)  # fmt: skip
+    names = _Mouths.__dataclass_fields__
+    return _Mouths(*(getattr(found_all, name)[room] for name in names))
+
+
+def _squarest(
+    node: IntArray, bearing: FloatArray, street: BoolArray, drive: IntArray
+) -> tuple[IntArray, BoolArray]:
+    """(k,) the arm of a street most square to each drive at its node, and whether there is one."""
+    low = np.searchsorted(node, node[drive])
+    size = np.searchsorted(node, node[drive], side="right") - low
+    row = np.repeat(np.arange(len(drive)), size)
+    arm = low[row] + np.arange(len(row)) - np.repeat(np.cumsum(size) - size, size)
+    row, arm = row[street[arm]], arm[street[arm]]
+    slant = np.abs(np.cos(bearing[arm] - bearing[drive[row]]))
+    order = np.lexsort((arm, np.round(slant, 6), row))
+    known, first = np.unique(row[order], return_index=True)
+    other, found = np.zeros(len(drive), np.int64), np.zeros(len(drive), bool)
+    other[known], found[known] = arm[order[first]], True
+    return other, found
+
+
+def _mouth_shapes(mouths: _Mouths, past: float) -> NDArray[Any]:
+    """(m,) the walks before drives, `past` metres more along the street."""
+    left = np.column_stack([-mouths.along[:, 1], mouths.along[:, 0]]) * mouths.away[:, None]
+    corners = []
+    for off, ends in ((mouths.near, (-1, 1)), (mouths.far, (1, -1))):
+        for end in ends:
+            reach = np.where(end < 0, -mouths.behind, mouths.ahead) + end * past
+            along = off * mouths.slant + reach
+            corners.append(mouths.place + left * off[:, None] + mouths.along * along[:, None])
+    return np.asarray(shapely.polygons(np.stack(corners, axis=1)))
 
 
 def along_rims(shapes: NDArray[Any], road: Carriageway, width: float) -> NDArray[Any]:

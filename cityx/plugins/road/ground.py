@@ -31,6 +31,7 @@ from cityx.geometry.driving import keeps_left
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.geometry.surroundings import surroundings
 from cityx.plugins.nature.street_rules import place_of
+from cityx.plugins.road.beds import bed_regions
 from cityx.plugins.road.blocks import pave_blocks, town_regions
 from cityx.plugins.road.carriageway import COARSE as ROAD_COARSE
 from cityx.plugins.road.carriageway import (
@@ -226,6 +227,7 @@ def detailed_regions(
         kerbside_regions(layout, strips),
         garden_regions(layout),
         patch_regions(layout, network, place),
+        bed_regions(layout, network, road),
         building_regions(layout),
         way_regions(layout, ways, strips),
     ])  # fmt: skip

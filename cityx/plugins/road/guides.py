@@ -47,9 +47,9 @@ def guide_lines(
 ) -> tuple[Marks, BoolArray]:
     """Lead the lines of major roads across junctions, and those of cycle lanes.
 
-    Lines between lanes of equal number and beside cycle lanes go on everywhere, that between the
-    directions only where nothing halts their traffic. Where `stems` of equals give way, the road
-    they end at is major too. Also returns which part the two directions.
+    Lines beside cycle lanes go on everywhere, those between lanes of equal number and between the
+    directions only past a single side street where nothing halts their traffic. Where `stems` of
+    equals give way, the road they end at is major too. Also returns which part the two directions.
     """
     major = through.major | (through.tee & stems)
     chosen = np.flatnonzero(major & painted[through.edge].all(axis=1))
@@ -94,8 +94,10 @@ def _continued(
     pair = chosen[row]
     zebra = street.network.crossing[through.edge[pair], through.side[pair]].any(axis=1)
     halted = street.signalled[through.node[pair]] | zebra
-    lanes = ~found.centre[first] & ~found.mixed[first]
-    kept = found.cycle[first] | (found.centre[first] & ~halted) | lanes
+    # Beside a single side street; where roads cross, and under signals, lines end at the junction.
+    passed = (street.network.node_degree[through.node[pair]] == 3) & ~halted
+    lanes = found.centre[first] | ~found.mixed[first]
+    kept = found.cycle[first] | (passed & lanes)
     return first[kept], second[kept], row[kept]
 
 

@@ -18,12 +18,13 @@ from cityx.plugins.road.marks import (
     Marks,
     Street,
     boxes,
-    signals_near,
+    near_any_of,
     spans_of,
     together,
 )
 from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.roundabouts import ring_edges, ring_nodes
+from cityx.plugins.road.signals import signal_places
 from cityx.plugins.road.symbols import give_way_triangle, placed, word
 from cityx.plugins.road.through_roads import Through, stems
 
@@ -49,7 +50,8 @@ def halt_lines(street: Street, chosen: BoolArray, painting: Painting, through: T
     layout, length = street.layout, street.length
     ring, on_ring = ring_edges(layout, network), ring_nodes(layout, network)
     spots = shapely.points(network.node_position)
-    ruled = signals_near(spots, layout, ("traffic_signals", "stop"))
+    signs = layout.points.geometry.to_numpy()[(layout.points["kind"] == "stop").to_numpy()]
+    ruled = near_any_of(spots, np.concatenate([signal_places(layout), signs]))
     ending = stems(street, through) & painting.stems
     found = []
     for end in (0, 1):

@@ -38,6 +38,7 @@ from cityx.plugins.road.zebras import Zebras, zebra_bars
 BAY = 5.5  # metres, length of a parking bay
 WIDE = 7.0  # metres; a narrower residential street has lines only if the map tells its lanes
 EDGE_INSET = 0.35  # metres from the carriageway's edge to its edge line
+TOWN_INSET = 0.5  # metres, the same between kerbs, beside the gutter
 WHOLE = 0.7  # share of a zebra's bars that must have room; otherwise none is painted
 HATCH = (0.4, 1.1, 0.3)  # metres: width, spacing and distance from the sides of a gore's bars
 GORED = (*LONG_DASH, "primary", "primary_link", "secondary_link")
@@ -81,7 +82,8 @@ def marking_regions(
     guides, middle = guide_lines(street, found, through, urban & ~quiet, road, stems=painting.stems)
     bars, crossing = zebra_bars(street, zebras)
     white = [
-        _edge_lines(street, urban & np.isin(kind, LONG_DASH)),
+        _edge_lines(street, urban & np.isin(kind, LONG_DASH), EDGE_INSET),
+        _edge_lines(street, _lined(street, urban & kerbed & painting.edge_lines), TOWN_INSET),
         halt_lines(street, urban, painting, through),
         lane_symbols(street, urban),
         _parking_bays(street, painted & bays),
@@ -116,8 +118,17 @@ def _keep_whole(clear: BoolArray, rows: slice, crossing: IntArray) -> None:
     clear[rows] &= whole[crossing]
 
 
-def _edge_lines(street: Street, chosen: BoolArray) -> Marks:
-    """Paint lines along the sides of fast roads; a shoulder has its line where it meets a lane."""
+def _lined(street: Street, chosen: BoolArray) -> BoolArray:
+    """(e,) which of the chosen edges have a line along their kerbs: those without parked cars."""
+    bands = street.bands
+    taken = np.isin(bands.kind, [KIND[name] for name in ("parking", "cycle", "shoulder")])
+    found = chosen & ~np.isin(street.kind, LONG_DASH)
+    found[bands.edge[taken]] = False
+    return found
+
+
+def _edge_lines(street: Street, chosen: BoolArray, inset: float) -> Marks:
+    """Paint lines along both sides of roads; a shoulder has its line where it meets a lane."""
     network, lines, bands = street.network, street.lines, street.bands
     begin, end = street.free
     usual = chosen & (end - begin > 3.0) & (network.half_width > 2.0)
@@ -128,7 +139,7 @@ def _edge_lines(street: Street, chosen: BoolArray) -> Marks:
         with_shoulder[bands.edge[shouldered & (sign * bands.middle > 0)]] = True
         edge = np.flatnonzero(usual & ~with_shoulder)
         solid = pieces(lines, edge, begin[edge], end[edge])
-        lateral = sign * (network.half_width[edge] - EDGE_INSET)
+        lateral = sign * (network.half_width[edge] - inset)
         shapes.append(line_strips(solid, lateral, LINE))
         edges.append(edge)
     return np.concatenate(shapes), np.concatenate(edges)

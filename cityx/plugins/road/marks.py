@@ -16,6 +16,7 @@ from cityx.city.section import KIND, TRAVELLED
 from cityx.geometry.polylines import Polylines, arc_lengths, locate
 from cityx.plugins.road.roundabouts import ring_edges, ring_nodes
 from cityx.plugins.road.sections import Bands
+from cityx.plugins.road.signals import signal_places
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -100,7 +101,7 @@ class Street:
     def signalled(self) -> BoolArray:
         """(n,) whether streets meet at a node under signals."""
         places = shapely.points(self.network.node_position)
-        return self.joint & signals_near(places, self.layout, ("traffic_signals",))
+        return self.joint & near_any_of(places, signal_places(self.layout))
 
 
 def street_of(layout: Layout, network: RoadNetwork, bands: Bands) -> Street:
@@ -141,10 +142,9 @@ def lane_count(bands: Bands, count: int, direction: int) -> IntArray:
     return np.bincount(bands.edge[cars], minlength=count)
 
 
-def signals_near(spots: Shapes, layout: Layout, kinds: tuple[str, ...]) -> BoolArray:
-    """(k,) whether points of some kinds lie near places, as signals and signs do."""
+def near_any_of(spots: Shapes, places: Shapes) -> BoolArray:
+    """(k,) whether signals or signs at some places rule what lies near them."""
     found = np.zeros(len(spots), bool)
-    places = layout.points.geometry.to_numpy()[layout.points["kind"].isin(kinds).to_numpy()]
     if len(places):
         tree = shapely.STRtree(places)
         found[tree.query(spots, predicate="dwithin", distance=SIGNAL_REACH)[0]] = True

@@ -17,6 +17,7 @@ from cityx.geometry.identity import mix
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, to_linestrings
 from cityx.plugins.road.corners import Arms, Corners, corners_of, trims_of
 from cityx.plugins.road.roundabouts import narrowed_rings, round_rings
+from cityx.plugins.road.signals import signal_places
 from cityx.protocol import Choice, Port, action
 
 if TYPE_CHECKING:
@@ -390,9 +391,8 @@ def _crossings(
             near = from_end[:, side] < trim[edge, side] + NEAR_CROSSING
             near &= degree[edge_nodes[edge, side]] >= 3
             crossing[edge[near], side] = True
-    signals = places[kinds == "traffic_signals"]
     spots = shapely.points(position)
-    signalled = _within(spots, signals, SIGNAL_REACH, 1)
+    signalled = _within(spots, signal_places(layout), SIGNAL_REACH, 1)
     walls = layout.buildings.geometry.to_numpy()
     dense = _within(spots, walls, DENSE_REACH, DENSE_COUNT)
     major = table["kind"].isin(MAJOR).to_numpy()

@@ -51,6 +51,8 @@ class Painting:
         Whether lines along the kerb tell where nobody may park.
     boxes
         Whether junctions under signals are hatched.
+    edge_lines
+        Whether streets between kerbs have lines along their sides.
     """
 
     yellow_centre: bool = False
@@ -61,6 +63,7 @@ class Painting:
     stems: bool = False
     yellow_kerbs: bool = False
     boxes: bool = False
+    edge_lines: bool = False
 
 
 def painting_of(frame: Frame) -> Painting:
@@ -82,4 +85,5 @@ def painting_of(frame: Frame) -> Painting:
         stems=british or within((*NORTH_AMERICA, *JAPAN)),
         yellow_kerbs=british,
         boxes=british,
+        edge_lines=within(JAPAN),
     )

@@ -16,7 +16,7 @@ from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.refuges import refuge_regions
 from cityx.plugins.road.roundabouts import roundabout_regions
 from cityx.plugins.road.sections import bands_of
-from cityx.plugins.road.strips import strip_regions
+from cityx.plugins.road.strips import strip_regions, threshold_regions
 from cityx.plugins.road.verges import verge_regions
 from cityx.plugins.road.zebras import zebras_of
 
@@ -46,6 +46,7 @@ def street_regions(
     found = join_regions([
         carriageway_regions(layout, network, chosen, road),
         strip_regions(layout, network, chosen),
+        threshold_regions(layout, network, chosen),
         verge_regions(network, bands),
         marking_regions(street, zebras, painted, road, painting),
         dropped_regions(street, zebras, road, yellow=painting.yellow_tactile),

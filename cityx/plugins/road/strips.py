@@ -18,7 +18,9 @@ from cityx.geometry.polylines import (
     pieces,
     to_linestrings,
 )
-from cityx.plugins.road.carriageway import FINE, road_labels
+from cityx.plugins.road.carriageway import FINE, junction_labels, road_labels
+from cityx.plugins.road.marks import boxes
+from cityx.plugins.road.network import junction_clusters
 
 GUTTER = 0.30  # metres; two courses of setts
 GUTTERED = ("primary", "secondary", "tertiary", "residential", "unclassified", "living_street")
@@ -28,6 +30,7 @@ STRIP = 1.0  # metres
 BEFORE = 2.5  # metres that the strip ends before a junction
 ZEBRA = 5.0  # metres more where a crossing lies there
 SHORTEST = 4.0  # metres
+THRESHOLD = 0.3  # metres of stones across a carriageway
 
 
 def strip_regions(layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bool_]) -> Regions:
@@ -58,6 +61,44 @@ def strip_regions(layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bo
         priority = SURFACES[LABEL["furnishing"]].priority
         found.append(edge_strips(network, edges, lateral, STRIP, "furnishing", priority, BEFORE))
     return join_regions(found)
+
+
+def threshold_regions(
+    layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bool_]
+) -> Regions:
+    """Lay a row of stones across carriageways where setts meet asphalt, at junctions or between.
+
+    Parameters
+    ----------
+    layout, network
+        The layout and its road network.
+    on_ground
+        (e,) bool, edges that do not run on decks.
+    """
+    lines = Polylines(network.points, network.point_start)
+    length = arc_lengths(lines)[1]
+    own = road_labels(layout.roads["surface"].to_numpy()[network.edge_road])
+    stone = own == LABEL["setts"]
+    if not stone.any():
+        return Regions()
+    cluster = junction_clusters(network)
+    hubs = junction_labels(network, own, cluster[network.edge_nodes].ravel(), on_ground)
+    at_joint = network.node_degree[network.edge_nodes] >= 3
+    laid = (hubs.reshape(-1, 2) == LABEL["setts"]) != stone[:, None]
+    # Between two pieces of a street the one of stone has the row.
+    ends = np.repeat(own != LABEL["gravel_road"], 2) & ~np.repeat(stone, 2)
+    smooth = np.bincount(network.edge_nodes.ravel()[ends], minlength=len(network.node_degree)) > 0
+    passed = (network.node_degree[network.edge_nodes] == 2) & smooth[network.edge_nodes]
+    chosen = np.where(at_joint, laid, passed & stone[:, None])
+    chosen &= (on_ground & (own != LABEL["gravel_road"]))[:, None]
+    chosen &= (length - network.trim.sum(axis=1) > SHORTEST)[:, None]
+    edge, end = np.nonzero(chosen)
+    back = network.trim[edge, end] + THRESHOLD / 2
+    along = np.where(end == 0, back, length[edge] - back)
+    width = 2 * network.half_width[edge]
+    shapes, _ = boxes(lines, edge, along, np.zeros(len(edge)), THRESHOLD, width)
+    label = LABEL["threshold"]
+    return regions(shapes, label, SURFACES[label].priority)
 
 
 def edge_strips(

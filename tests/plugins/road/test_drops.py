@@ -95,3 +95,15 @@ def test_walks_fall_to_a_drive_from_both_sides_without_a_step(layout_of, city_of
     walk = z[z > 0.01]
     assert len(walk) < len(z)
     assert np.abs(np.diff(walk)).max() < 0.05 / 12 + 0.01
+
+
+@pytest.mark.parametrize("far", [(0, 60), (45, 60), (-45, 60)])
+def test_the_kerb_of_a_drive_at_a_slant_is_lowered_across_the_whole_walk(layout_of, city_of, far):
+    drive = {"kind": "service", "width": 3.0, "sidewalk_left": 0.0, "sidewalk_right": 0.0}
+    streets = [CROSS[0], ([(0, 0), far], drive)]
+    city = ground(lanes(network(city_of(layout_of(streets)))))
+    mesh = city.scene.meshes["ground"]
+    x = np.arange(-14.0, 18.0, 0.02)
+    for back in (0.6, 1.3, 2.0, 2.6):  # metres behind the kerb of the street
+        z = stand_on(mesh, np.column_stack([x, 4.0 + KERB_WIDTH + back + 0 * x])).z
+        assert np.abs(np.diff(z)).max() < DROPPED + 0.012

@@ -180,3 +180,16 @@ def test_houses_of_one_family_stand_in_gardens_in_a_town(layout_of):
     found = ground_of(layout)
     assert check_arrangement(found) == (0, 0, 0.0)
     assert areas(found)["grass"] > plain + 400.0
+
+
+def test_a_row_of_stones_lies_where_setts_meet_asphalt(layout_of):
+    streets = [([(-90, 0), (0, 0)], {"surface": "sett"}), ([(0, 0), (90, 0)], {}),
+               ([(0, -90), (0, 0)], {}), ([(0, 0), (0, 90)], {})]  # fmt: skip
+    found = ground_of(layout_of(streets))
+    middle = found.vertices[found.triangles].mean(axis=1)
+    stones = middle[found.face_label[found.triangle_face] == LABEL["threshold"]]
+    assert len(stones)
+    assert stones[:, 0].max() < -5.0  # before the junction, across the street of setts
+    assert np.ptp(stones[:, 0]) < 0.3
+    plain = ground_of(layout_of([(line, {}) for line, _ in streets]))
+    assert not plain.labelled("threshold").any()

@@ -57,6 +57,8 @@ def test_the_middle_line_of_a_major_road_leads_past_a_side_street(layout_of):
         assert (line > 0.1) == stems_yield
     equal, _ = painted(layout_of([(TEE[0], MAIN), ([(0, -90), (0, 0), (0, 90)], MAIN)]), Painting())
     assert shapely.intersection(shapely.union_all(equal), inside).area == 0.0
+    over = layout_of([(TEE[0], MAIN), ([(0, -90), (0, 0), (0, 90)], {})])
+    assert shapely.intersection(shapely.union_all(painted(over, Painting())[0]), inside).area == 0
 
 
 def test_cycle_lanes_are_led_across_signals_and_the_middle_line_is_not(layout_of):
