@@ -57,15 +57,22 @@ def _outlines(letters: Sequence[str], name: str) -> dict[str, Any]:
     made = thing.evaluated_get(depsgraph).to_curve(depsgraph)
     rings = [(spline.character_index // 2, _points(spline)) for spline in made.splines]
     first, second = (min(ring[:, 1].min() for k, ring in rings if k == n) for n in (0, 1))
-    found: dict[str, Any] = {}
+    drawn: dict[str, list[Any]] = {}
     for number, ring in rings:
-        level = ring - [0.0, first + number * (second - first)]
-        shape = shapely.make_valid(shapely.Polygon(level))
-        before = found.get(text[number], shapely.Polygon())
-        found[text[number]] = shape if number < 2 else before.symmetric_difference(shape)
-    if "H" not in letters:
-        del found["H"]
-    return found
+        if number >= 2:
+            level = ring - [0.0, first + number * (second - first)]
+            drawn.setdefault(text[number], []).append(shapely.linearrings(level))
+    return {letter: _filled(np.array(each)) for letter, each in drawn.items()}
+
+
+def _filled(rings: NDArray[Any]) -> Any:
+    """Fill rings where they wind round a place, as fonts do; they may overlap."""
+    faces = shapely.get_parts(shapely.polygonize([shapely.node(shapely.multilinestrings(rings))]))
+    turn = np.where(shapely.is_ccw(rings), 1, -1)
+    inside = shapely.contains(
+        shapely.polygons(rings)[:, None], shapely.point_on_surface(faces)[None, :]
+    )
+    return shapely.union_all(faces[(turn[:, None] * inside).sum(axis=0) != 0])
 
 
 def _points(spline: bpy.types.Spline) -> NDArray[np.float64]:

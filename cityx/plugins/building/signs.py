@@ -191,8 +191,8 @@ class _Text:
     def place(self) -> None:
         """Put all letters on their walls."""
         for (letter, side), rows in sorted(self.rows.items(), key=lambda item: item[0]):
-            wall, along, out, foot, size, ink, index = zip(*rows, strict=True)
-            size = np.array(size)
+            wall, along, out, foot, sizes, ink, index = zip(*rows, strict=True)
+            size = np.array(sizes)
             numbers = np.array(index, np.int64) * 4 + int(side) + 1
             self.placing.add(
                 glyph_name(letter), partial(glyph, letter), np.array(wall), np.array(along),
