@@ -340,53 +340,8 @@ def box_awning() -> Shapes:
     return shapes
 
 
-def letters(
-    purpose: str, reach: float, low: float, high: float, front: float, material: str = "lamp_glow"
-) -> Shapes:
-    """Make stems, bowls and bars of glowing tube that read as a word.
-
-    Parameters
-    ----------
-    purpose
-        What the word is drawn by.
-    reach
-        Half the width that it may take, metres.
-    low, high
-        Its lower and upper edge, metres.
-    front
-        y of the face that it is fixed on, metres.
-    material
-        What glows.
-    """
-    rng = rng_for(0, "assets/letters", len(purpose))
-    shapes: Shapes = []
-    x, tall = -reach, high - low
-    while x < reach - 0.12:
-        wide = float(rng.uniform(0.10, 0.19))
-        if rng.uniform() < 0.12:
-            x += 0.15
-            continue
-        kind, pen = int(rng.integers(4)), 0.020
-        y = front - 0.016
-        if kind == 0:  # a bowl
-            angle = np.linspace(0, 2 * np.pi, 21)
-            path = np.column_stack([x + wide / 2 + (wide / 2 - pen) * np.cos(angle), np.full(21, y),
-                                    (low + high) / 2 + (tall / 2 - pen) * np.sin(angle)]
-            )  # fmt: skip
-            shapes.append(tube(path, pen, material, sides=10))
-        else:
-            stems = [[[x + pen, y, low], [x + pen, y, high]]]
-            if kind > 1:
-                stems.append([[x + wide - pen, y, low], [x + wide - pen, y, high]])
-            bars = {1: (0.02, 0.5, 0.98), 2: (0.5,), 3: (0.98,)}[kind]
-            stems += [[[x, y, low + s * tall], [x + wide, y, low + s * tall]] for s in bars]
-            shapes += [tube(path, pen, material, sides=10) for path in stems]
-        x += wide + 0.05
-    return shapes
-
-
 def sign_fascia() -> Shapes:
-    """Moulded fascia board with a cornice on dentils and raised letters."""
+    """Moulded fascia board with a cornice on dentils."""
     line = soft([(0.0, 0.0), (0.0, 0.5), (-0.14, 0.5), (-0.16, 0.47), (-0.14, 0.44), (-0.14, 0.08),
                  (-0.16, 0.05), (-0.16, 0.0)], 0.008, 3)  # fmt: skip
     top = soft([(0.0, 0.5), (0.0, 0.58), (-0.24, 0.57), (-0.25, 0.55), (-0.22, 0.53), (-0.20,
@@ -396,17 +351,16 @@ def sign_fascia() -> Shapes:
     for x in np.linspace(-1.66, 1.66, 42):
         shapes.append(bevelled((x - 0.022, -0.19, 0.455), (x + 0.022, -0.13, 0.5), "door_paint",
                                bevel=0.003, hidden=("+z",)))  # fmt: skip
-    return shapes + letters("fascia", 0.85, 0.16, 0.36, -0.14)
+    return shapes
 
 
 def sign_box() -> Shapes:
-    """Light box with a rounded rim, letters and its cable."""
+    """Light box with a rounded rim and its cable."""
     rim = soft([(0.0, 0.0), (0.0, -0.22), (0.012, -0.24), (0.03, -0.24), (0.035, -0.232)], 0.004, 3)
     face = rectangle(-1.668, 1.668, 0.052, 0.548)
     return [
         frame(-1.7, 1.7, 0.02, 0.58, rim, "metal_grey"),
         plate(face, -0.232, "sign"),
-        *letters("light box", 1.25, 0.17, 0.45, -0.23),
         tube(
             [[1.6, -0.1, 0.58], [1.6, -0.1, 0.66], [1.6, 0.0, 0.7]], 0.012, "metal_dark", sides=10
         ),
@@ -414,14 +368,14 @@ def sign_box() -> Shapes:
 
 
 def sign_letters() -> Shapes:
-    """Letters on a rail with stand-offs."""
+    """Rails with stand-offs, for letters."""
     shapes: Shapes = [
-        bevelled((-1.1, -0.06, z), (1.1, -0.035, z + 0.035), "metal_dark") for z in (0.10, 0.40)
+        bevelled((-1.1, -0.058, z), (1.1, -0.035, z + 0.03), "metal_dark") for z in (0.16, 0.34)
     ]
     for x in (-1.0, -0.35, 0.35, 1.0):
-        for z in (0.118, 0.418):
+        for z in (0.175, 0.355):
             shapes.append(tube([[x, 0.0, z], [x, -0.05, z]], 0.010, "metal_dark", sides=10))
-    return shapes + letters("rail letters!", 0.95, 0.14, 0.42, -0.06)
+    return shapes
 
 
 def sign_blade() -> Shapes:
@@ -438,9 +392,10 @@ def sign_blade() -> Shapes:
         shapes.append(tube([[0.0, y, 0.57], [0.0, y, 0.66]], 0.005, "metal_dark", sides=8))
     for side in (-1.0, 1.0):
         rim = soft([(0.0, -0.028), (0.0, -0.040), (0.02, -0.042), (0.03, -0.032)], 0.003, 2)
-        face = [moved(part, (0.0, 0.0, 0.0), yaw=side * np.pi / 2)
-                for part in (frame(-0.34, 0.34, 0.01, 0.57, rim, "metal_dark"),
-                             *letters("blade", 0.24, 0.22, 0.34, -0.03))]  # fmt: skip
+        face = [
+            moved(part, (0.0, 0.0, 0.0), yaw=side * np.pi / 2)
+            for part in (frame(-0.34, 0.34, 0.01, 0.57, rim, "metal_dark"),)
+        ]
         shapes += [moved(part, (0.0, -0.56, 0.0)) for part in face]
     return shapes
 
@@ -453,18 +408,13 @@ def sign_tower() -> Shapes:
         shapes.append(bevelled((-0.09, -0.012, z - 0.07), (0.09, 0.0, z + 0.12), "metal_grey"))
     tints: tuple[Color, ...] = (
         (1.0, 1.0, 1.0),
-        (0.45, 0.45, 0.5),
-        (0.9, 0.75, 0.5),
-        (0.6, 0.6, 0.6),
+        (0.93, 0.93, 0.94),
+        (1.0, 1.0, 1.0),
+        (0.93, 0.93, 0.94),
     )
     for row, tint in enumerate(tints):
         z = 0.04 + 1.04 * row
         shapes.append(bevelled((-0.09, -0.98, z), (0.09, -0.26, z + 1.0), "sign", tint, bevel=0.02))
-        for side in (-1.0, 1.0):
-            words = [part for line in range(3)
-                     for part in letters("x" * (3 + line + 4 * row), 0.26, z + 0.12 + 0.29 * line,
-                                          z + 0.30 + 0.29 * line, -0.088)]  # fmt: skip
-            shapes += [moved(part, (0.0, -0.62, 0.0), yaw=side * np.pi / 2) for part in words]
     return shapes
 
 

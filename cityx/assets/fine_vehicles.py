@@ -6,15 +6,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 
-from cityx.assets.shapes import bevelled, loft, tube
-from cityx.city.mesh import MeshBatch
+from cityx.assets.lettering import word
+from cityx.assets.shapes import Color, bevelled, loft, moved, tube
+from cityx.city.mesh import MeshBatch, one_mesh
 
 if TYPE_CHECKING:
     from cityx.assets.vehicles import Body
 
 FloatArray = NDArray[np.float64]
 ARCH_STEPS = 17
+PLATE = "CX 2048"
+CLOTH: Color = (0.16, 0.16, 0.17)  # of seats
 
 
 def rounded(rings: FloatArray, times: int = 2) -> FloatArray:
@@ -28,11 +32,169 @@ def rounded(rings: FloatArray, times: int = 2) -> FloatArray:
 
 def fine_car(body: Body) -> list[MeshBatch]:
     """Make the parts of a car but its wheels; see `cityx.assets.vehicles.car`."""
-    from cityx.assets.vehicles import body_rings, cabin
+    from cityx.assets.vehicles import body_rings
 
-    rings = rounded(body_rings(body, ARCH_STEPS, np.linspace(0.0, 1.0, 33)))
-    parts = [loft(rings[:, ::-1], "car_paint"), *cabin(body)]
+    rings = rounded(body_rings(body, ARCH_STEPS, np.linspace(0.0, 1.0, 49), smooth=True))
+    parts = [loft(rings[:, ::-1], "car_paint"), *greenhouse(body), *interior(body), *_wells(body)]
     return [*parts, *_front(body), *_rear(body), *_sides(body)]
+
+
+def _wells(body: Body) -> list[MeshBatch]:
+    """Line the wheel arches: a dark vault over each wheel and a lip around its opening."""
+    from cityx.assets.vehicles import ARCH_GAP
+
+    parts = []
+    angle = np.linspace(0.08, np.pi - 0.08, 19)
+    radius = body.wheel + ARCH_GAP
+    for share in body.axles:
+        y = share * body.length - body.length / 2
+        for side in (-1.0, 1.0):
+            inner, outer = side * 0.55 * body.width / 2, side * (body.width / 2 - 0.03)
+            arc = np.column_stack(
+                [
+                    y - (radius - 0.012) * np.cos(angle),
+                    0.92 * body.wheel + (radius - 0.012) * np.sin(angle),
+                ]
+            )
+            rows = np.stack(
+                [
+                    np.column_stack([np.full(len(arc), x), arc])
+                    for x in ((inner, outer) if side < 0 else (outer, inner))
+                ]
+            )
+            parts.append(_grid(rows, np.zeros((1, len(arc) - 1), int), ("rubber",)))
+            lip = np.column_stack(
+                [
+                    np.full(len(arc), side * (body.width / 2 - 0.012)),
+                    y - radius * np.cos(angle),
+                    0.92 * body.wheel + radius * np.sin(angle),
+                ]
+            )
+            parts.append(tube(lip, 0.014, "rubber", sides=8))
+    return parts
+
+
+def _grid(points: FloatArray, material: NDArray[np.int64], materials: tuple[str, ...]) -> MeshBatch:
+    """Skin a grid of points, (m, k, 3), with a material for each of its (m - 1, k - 1) quads."""
+    m, k, _ = points.shape
+    at = np.arange(m * k).reshape(m, k)
+    faces = np.stack([at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]], axis=-1).reshape(-1, 4)
+    return one_mesh(0, points.reshape(-1, 3), faces, material=material.ravel(),
+                    materials=materials)  # fmt: skip
+
+
+PAINT, GLASS, SEAL = 0, 1, 2
+CABIN = ("car_paint", "car_pane", "rubber")
+# Shares of the height from the waist to the edge of the roof, and from there to its middle.
+RISE = np.array([0.0, 0.05, 0.30, 0.60, 0.90, 1.0])
+CROWN = np.array([0.06, 0.14, 0.35, 0.65, 1.0])
+
+
+def greenhouse(body: Body) -> list[MeshBatch]:
+    """Make windscreen, windows, pillars and roof as one skin, with seals along the waist."""
+    from cityx.assets.vehicles import waist_of
+
+    line = np.array(body.roof)
+    length, half = body.length, body.width / 2
+    roof_from, roof_to = line[1, 0], line[-2, 0]
+    pillar = 0.028  # of the length
+    middle = 0.5 * (roof_from + roof_to) + 0.01
+    cargo = body.roof[3][0] > 0.9  # a panel van: no windows beside its load
+    cuts = [line[0, 0] + 0.004, line[0, 0] + 0.3 * (roof_from - line[0, 0]), roof_from - 0.01,
+            roof_from, middle - pillar / 2, middle + pillar / 2, roof_to - pillar, roof_to,
+            roof_to + 0.012, line[-1, 0] - 0.012, line[-1, 0]]  # fmt: skip
+    fill = np.linspace(line[0, 0], line[-1, 0], 25)
+    near = np.abs(fill[:, None] - np.array(cuts)).min(axis=1) > 0.012
+    share = np.unique(np.concatenate([[line[0, 0]], cuts, fill[near]]))
+    high = PchipInterpolator(line[:, 0], line[:, 1])(share)
+    wide = PchipInterpolator(line[:, 0], line[:, 2])(share) * half
+    waist = waist_of(body, share) - 0.02
+    high = np.maximum(high, waist + 0.015)
+    foot = np.full(len(share), 0.92 * half)
+    edge = waist + (high - waist) * 0.93
+    y = share * length - length / 2
+    side_x = (
+        foot[:, None]
+        + (wide - foot)[:, None] * RISE
+        + 0.025 * np.sin(np.pi * RISE) * ((edge - waist)[:, None] > 0.2)
+    )
+    side_z = waist[:, None] + (edge - waist)[:, None] * RISE
+    top_x = wide[:, None] * (1 - CROWN)
+    top_z = edge[:, None] + (high - edge)[:, None] * (1 - (1 - CROWN) ** 2.2)
+    bow = 0.10 * (1 - (top_x / np.maximum(wide, 1e-6)[:, None]) ** 2)  # panes bulge outward
+    ends = np.clip((roof_from - share) / (roof_from - line[0, 0]), 0, 1) - np.clip(
+        (share - roof_to) / (line[-1, 0] - roof_to), 0, 1
+    )
+    top_y = y[:, None] - bow * ends[:, None] * 0.6
+    right = np.stack([np.concatenate([side_x, top_x], axis=1),
+                      np.concatenate([np.broadcast_to(y[:, None], side_x.shape), top_y], axis=1),
+                      np.concatenate([side_z, top_z], axis=1)], axis=-1)  # fmt: skip
+    left = right[:, -2::-1] * [-1.0, 1.0, 1.0]
+    at = (share[1:] + share[:-1]) / 2
+    bands = len(RISE) + len(CROWN) - 1  # of one side
+    kind = np.full((len(at), bands), PAINT)
+    screen = (at < roof_from - 0.01) & (at > line[0, 0] + 0.004)
+    rear = (at > roof_to + 0.012) & (at < line[-1, 0] - 0.012)
+    kind[np.ix_(screen | (rear & (not cargo)), np.arange(len(RISE), bands))] = GLASS
+    window = (at > line[0, 0] + 0.3 * (roof_from - line[0, 0])) & (at < roof_to - pillar)
+    window &= np.abs(at - middle) > pillar / 2
+    if cargo:
+        window &= at < middle
+    kind[np.ix_(window, np.arange(1, len(RISE) - 2))] = GLASS
+    kind[:, 0] = SEAL
+    kind[at < line[0, 0] + 0.004] = SEAL
+    both = np.concatenate([kind, kind[:, ::-1]], axis=1)
+    return [_grid(np.concatenate([right, left], axis=1), both, CABIN)]
+
+
+def interior(body: Body) -> list[MeshBatch]:
+    """Make what shows through the windows: a dark floor, seats, the dashboard and the wheel."""
+    from cityx.assets.vehicles import waist_of
+
+    line = np.array(body.roof)
+    length, half = body.length, body.width / 2
+    front, back = line[0, 0] + 0.01, line[-1, 0] - 0.02
+    share = np.linspace(front, back, 9)
+    y, level = share * length - length / 2, waist_of(body, share) + 0.006
+    rows = np.stack(
+        [np.column_stack([np.full(9, x), y, level]) for x in (0.88 * half, -0.88 * half)]
+    )
+    parts = [_grid(rows, np.zeros((1, 8), int), ("rubber",))]
+    roof = float(line[:, 1].max())
+    waist = float(level.mean())
+    tall = 0.58 * (roof - waist)
+
+    def seat(x: float, at: float, wide: float) -> list[MeshBatch]:
+        lean = [[x, at, waist - 0.02], [x, at + 0.05, waist + tall]]
+        shape = np.array([(-wide, -0.05), (wide, -0.05), (wide, 0.06), (-wide, 0.06)])
+        rings = [np.column_stack([base[0] + s * shape[:, 0], base[1] + shape[:, 1],
+                                  np.full(4, base[2])])
+                 for base, s in zip(np.linspace(lean[0], lean[1], 5), (1, 1, 0.97, 0.9, 0.72),
+                                    strict=True)]  # fmt: skip
+        head = bevelled(
+            (x - 0.12, at + 0.03, waist + tall + 0.03),
+            (x + 0.12, at + 0.12, waist + tall + 0.19),
+            "cloth",
+            CLOTH,
+            bevel=0.03,
+        )
+        return [loft(rounded(np.array(rings), 1), "cloth", CLOTH), head]
+
+    driver = (line[1, 0] + 0.10) * length - length / 2
+    for x in (-0.42 * half, 0.42 * half):
+        parts += seat(x, driver, 0.24)
+    bench = min(driver + 0.88, (line[-2, 0] - 0.02) * length - length / 2)
+    if body.roof[3][0] <= 0.9:
+        for x in (-0.42 * half, 0.42 * half):
+            parts += seat(x, bench, 0.30)
+    dash = (line[0, 0] + 0.6 * (line[1, 0] - line[0, 0])) * length - length / 2
+    low, high = (-0.8 * half, dash - 0.25, waist - 0.02), (0.8 * half, dash, waist + 0.07)
+    parts.append(bevelled(low, high, "rubber", bevel=0.02))
+    turn = np.linspace(0.0, 2 * np.pi, 25)
+    rim = np.column_stack([0.42 * half + 0.18 * np.cos(turn), dash + 0.12 + 0.06 * np.sin(turn),
+                           waist + 0.05 + 0.16 * np.sin(turn)])  # fmt: skip
+    parts.append(tube(rim, 0.013, "rubber", sides=8))
+    return parts
 
 
 def fine_wheel(radius: float) -> list[MeshBatch]:
@@ -77,6 +239,7 @@ def _front(body: Body) -> list[MeshBatch]:
         bevelled((-0.78 * half, -end - 0.014, 0.23), (0.78 * half, -end + 0.08, 0.31), "rubber",
             bevel=0.02),
     ]  # fmt: skip
+    parts += word(PLATE, 0.23, nose - 0.345, nose - 0.265, -end - 0.026, "metal_dark", deep=0.002)
     for k in range(7):
         z = nose - 0.225 + 0.022 * k
         parts.append(
@@ -115,6 +278,8 @@ def _rear(body: Body) -> list[MeshBatch]:
             "metal_grey",
              sides=10),
     ]  # fmt: skip
+    text = word(PLATE, 0.23, tail - 0.155, tail - 0.075, -end - 0.02, "metal_dark", deep=0.002)
+    parts += [moved(letter, yaw=np.pi) for letter in text]
     for side in (-1.0, 1.0):
         x = sorted((side * 0.58 * half, side * 0.88 * half))
         parts.append(bevelled((x[0], end - 0.12, tail - 0.04), (x[1], end + 0.014, tail + 0.13),

@@ -154,6 +154,7 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("hedge", (0.06, 0.115, 0.028), 0.9, texture="grass", tile=2.0, porosity=0.0),
     _M("car_paint", (0.80, 0.80, 0.80), 0.25, 0.2, porosity=0.0),
     _M("car_glass", (0.015, 0.018, 0.02), 0.05, 0.0, takes_tint=False, porosity=0.0),
+    _M("car_pane", (0.012, 0.015, 0.017), 0.03, 0.0, takes_tint=False, alpha=0.45, porosity=0.0),
     _M("rubber", (0.02, 0.02, 0.02), 0.9, takes_tint=False, porosity=0.0),
     _M("lamp_glow", (0.90, 0.85, 0.75), 0.5, takes_tint=False, emission=30.0, porosity=0.0),
     _M("signal_red", (0.60, 0.02, 0.02), 0.4, takes_tint=False, emission=2.0, porosity=0.0),

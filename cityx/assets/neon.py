@@ -10,12 +10,20 @@ from contextlib import nullcontext
 from functools import lru_cache
 from types import MappingProxyType
 
-from cityx.assets.fine_shopfronts import letters
+import numpy as np
+
+from cityx.assets.lettering import word
 from cityx.assets.openings import Shapes, slab
-from cityx.assets.shapes import fine_shapes, prototype, tube
+from cityx.assets.shapes import fine_shapes, moved, prototype, tube
 from cityx.city.scene import Prototype
 
 COLORS = ("red", "amber", "green", "cyan", "blue", "violet", "pink")
+# Of a board and of the blade at its end.
+WORDS = {
+    "red": ("OPEN", "HOTEL"), "amber": ("NOODLES", "GRILL"), "green": ("PHARMACY", "24H"),
+    "cyan": ("KARAOKE", "CLUB"), "blue": ("CINEMA", "JAZZ"), "violet": ("ARCADE", "GAMES"),
+    "pink": ("COCKTAILS", "BAR"),
+}  # fmt: skip
 PEN = 0.012  # metres, radius of a tube: 24 mm is the widest that is blown
 LINE = 0.05  # metres, radius of a line of light along the edges of a tower
 FINE = 3  # level of detail from which tubes are round
@@ -33,7 +41,7 @@ def board(material: str) -> Shapes:
     return [
         slab(-1.7, 1.7, 0.0, 0.62, -0.14, "metal_dark"),
         *_frame(1.62, 0.07, 0.55, -0.17, material),
-        *letters(f"neon {material}", 1.35, 0.17, 0.45, -0.14, material),
+        *word(WORDS[material.removeprefix("neon_")][0], 1.35, 0.17, 0.45, -0.14, material),
     ]
 
 
@@ -47,11 +55,11 @@ def blade(material: str) -> Shapes:
     for x in (-0.11, 0.11):
         corners = [(-0.98, 0.08), (-0.98, 3.52), (-0.35, 3.52), (-0.35, 0.08), (-0.98, 0.08)]
         shapes.append(tube([[x, y, z] for y, z in corners], PEN, material, sides=6))
-        for row in range(5):
-            low = 0.32 + 0.62 * row
-            stroke = [(-0.86, low), (-0.48, low), (-0.48, low + 0.36), (-0.86, low + 0.36)]
-            stroke += [(-0.86, low)] if row % 2 else [(-0.86, low + 0.18), (-0.48, low + 0.18)]
-            shapes.append(tube([[x, y, z] for y, z in stroke], PEN, material, sides=6))
+    for side in (-1.0, 1.0):
+        text = WORDS[material.removeprefix("neon_")][1]
+        letters = word(text, 0.27, 0.3, 3.3, -0.09, material, upright=True)
+        # Turned to one side of the board, and out to its middle.
+        shapes += [moved(part, (0.0, -0.66, 0.0), yaw=side * np.pi / 2) for part in letters]
     return shapes
 
 

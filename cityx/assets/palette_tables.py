@@ -52,6 +52,11 @@ REGIONS: Mapping[str, str] = MappingProxyType(
     {
         "north america": "american",
         "british isles": "brick",
+        "central europe": "european",
+        "france": "european",
+        "low countries": "european",
+        "nordic": "european",
+        "eastern europe": "european",
         "northern/central europe": "european",
         "mediterranean": "mediterranean",
         "east asia": "asian",
@@ -63,14 +68,20 @@ REGIONS: Mapping[str, str] = MappingProxyType(
 
 # Weight, material, and colours (sRGB, as seen).
 Surfaces = Sequence[tuple[float, str, tuple[int, ...]]]
+# Lime and mineral paints: creams, ochres, greys and a few greens and reds, none of them loud.
 PLASTERS = (
-    0xE0D3B4, 0xD6B878, 0xC7B69A, 0xD0A56E, 0xC4977A, 0xDDD3C4, 0xADA79B, 0xC98D74, 0xB3BCA4,
-    0xD8C7A0, 0xC2A765, 0xE0DACD, 0xA8937A, 0xB4705C, 0x9FA9AC, 0xD9B79A, 0xE2CD94, 0x9C9C8A,
-    0xCFA9A0, 0x8F8577,
+    0xDDD2BA, 0xD2BF98, 0xC8BBA3, 0xC9B08A, 0xBBA28C, 0xDAD3C8, 0xABA69C, 0xC2A593, 0xB2B8A6,
+    0xD5C8AA, 0xBFAC80, 0xDEDAD0, 0xA8997F, 0xAA8577, 0xA4ABAD, 0xD2BEAA, 0xDACBA4, 0x9D9D92,
+    0xC6AFA6, 0x918A7E, 0xCDC5B4, 0xB9B5AC, 0xE0D9C8, 0xBDB09C,
+)  # fmt: skip
+# Of the decades after the war: sprayed and scraped renders, bleached.
+PALE_PLASTERS = (
+    0xC6C1B2, 0xBBB4A4, 0xC9BD9F, 0xB2AC9D, 0xABA9A1, 0xCCC5B2, 0xBDAF92, 0xA19E94, 0xB1B6A8,
+    0xBBAD9B, 0xC8C5BC, 0xAFA48C,
 )  # fmt: skip
 WARM = (
-    0xE8DEC9, 0xDDBE8E, 0xD7A97C, 0xE6CFA6, 0xCF9474, 0xEAE3D6, 0xD9B9A0, 0xC98E66, 0xE2C7B5,
-    0xD8CDB8, 0xC7A27E, 0xEBD9B4,
+    0xE4DCCB, 0xD8C39E, 0xD0B08C, 0xDFCFAF, 0xC39C82, 0xE8E3D8, 0xD3BCA6, 0xC09B7C, 0xDBC8B8,
+    0xD6CDBB, 0xC2A88A, 0xE4D6B8,
 )  # fmt: skip
 STOCK = (0xA68A66, 0x9C7F5E, 0x8E6A50, 0x8A5543, 0x96594A, 0xA06A52, 0xB1976F, 0x7D5A48, 0x915F4B)
 REDS = (0x8C4A3A, 0x96543F, 0x7C4234, 0xA25F48, 0x86503E, 0x6F4337, 0x9B6A54, 0xA98A70)
@@ -102,6 +113,19 @@ PITCHED: Roofs = MappingProxyType(
         "modern": ((4, "roof_metal", (0x75797C, 0x5D6164)), (3, "slate", SLATES)),
         "industrial": ((4, "roof_metal", (0x85898B, 0x6E7274)), (3, "bitumen", SHINGLES)),
         "house": ((8, "roof_tiles", RED_TILES), (3, "slate", SLATES)),
+    }
+)  # fmt: skip
+# Region -> sloping roofs where they are not those of its style family.
+REGIONAL_ROOFS: Roofs = MappingProxyType(
+    {
+        "central europe": ((10, "roof_tiles", RED_TILES), (1, "slate", SLATES),
+                           (0.6, "roof_metal", (0x7E8486,))),
+        "france": ((7, "slate", SLATES), (3, "roof_metal", (0x8D9396, 0x7E8486)),
+                   (3, "roof_tiles", RED_TILES)),
+        "nordic": ((5, "roof_metal", (0x4E4B4A, 0x6A3B33, 0x5D6164, 0x7E8486)),
+                   (4, "roof_tiles", RED_TILES), (1, "copper", (0xFFFFFF,))),
+        "eastern europe": ((6, "roof_metal", (0x6A4A42, 0x5D6164, 0x85898B, 0x4F5A50)),
+                           (3, "slate", SLATES), (2, "roof_tiles", RED_TILES)),
     }
 )  # fmt: skip
 FLAT: Surfaces = (

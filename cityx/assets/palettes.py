@@ -24,6 +24,7 @@ from cityx.assets.palette_tables import (
     OWN_COLORS,
     PITCHED,
     REGIONAL,
+    REGIONAL_ROOFS,
     REGIONS,
     ROOF_WORDS,
     SELF_COLORED,
@@ -50,6 +51,7 @@ __all__ = [
     "family_of",
     "finishes_for",
     "groups_of",
+    "is_regional",
     "landuse_of",
     "owner_rows",
     "region_of",
@@ -100,6 +102,13 @@ def region_of(latitude: float, longitude: float) -> str:
         ("british isles", 49.8, -11.0, 61.0, 1.8),
         ("mediterranean", 28.0, -19.0, 43.8, 48.0),
         ("mediterranean", 43.8, 6.8, 46.0, 14.0),
+        ("low countries", 50.7, 2.5, 51.9, 6.05),
+        ("low countries", 51.9, 3.0, 53.7, 7.05),
+        ("central europe", 49.3, 6.05, 55.0, 24.2),
+        ("central europe", 46.0, 7.5, 49.3, 22.9),
+        ("nordic", 54.5, 4.0, 72.0, 28.2),
+        ("france", 43.8, -5.5, 51.2, 7.8),
+        ("eastern europe", 43.8, 20.0, 72.0, 66.0),
         ("northern/central europe", 43.8, -6.0, 72.0, 66.0),
         ("north america", 24.0, -170.0, 72.0, -52.0),
         ("east asia", 20.0, 98.0, 54.0, 150.0),
@@ -120,14 +129,20 @@ def family_of(style: str, region: str = "") -> str:
     UsageError
         If there is no such style.
     """
-    word = style.strip().lower().replace(" ", "_")
-    if not word or word in REGIONAL:
+    if is_regional(style):
         return REGIONS.get(region, "european")
+    word = style.strip().lower().replace(" ", "_")
     word = SYNONYMS.get(word, word)
     if word not in STYLES:
         hint = nearest(word, [*STYLES, *SYNONYMS, *REGIONAL])
         raise UsageError(f'There is no style "{style}". Known: {", ".join(STYLES)}.{hint}')
     return word
+
+
+def is_regional(style: str) -> bool:
+    """Tell whether a style word leaves the ways of building to the region."""
+    word = style.strip().lower().replace(" ", "_")
+    return not word or word in REGIONAL
 
 
 def groups_of(layout: Layout, seed: int) -> NDArray[np.int64]:
@@ -268,7 +283,10 @@ def finishes_for(
     wall = np.where(said, np.where(painted == "glass_wall", "plaster", painted), wall)
     wall_rgb = _with_color(wall_rgb, color, bricks=wall == "brick")
 
-    roof, roof_rgb = _roofs(seed, ids, layout, design, generators, family)
+    pitched = PITCHED[family]
+    if is_regional(style):
+        pitched = REGIONAL_ROOFS.get(region, pitched)
+    roof, roof_rgb = _roofs(seed, ids, layout, design, generators, pitched)
     given = _given(parts["roof_material"].to_numpy(str), _ROOF_OF)
     roof, roof_rgb = _with_material(seed, "roof", ids, roof, roof_rgb, given)
     roof_rgb = _with_color(roof_rgb, parts["roof_color"].to_numpy(np.int64))
@@ -336,7 +354,7 @@ def _roofs(
     layout: Layout,
     design: Words,
     generators: Mapping[str, Generator],
-    family: str,
+    pitched: Surfaces,
 ) -> tuple[Words, NDArray[np.float64]]:
     flat = layout.parts["roof_shape"].to_numpy(str) == "flat"
     material = np.full(len(ids), "bitumen", "U16")
@@ -345,7 +363,7 @@ def _roofs(
         kind = generators[key.partition("/")[0]]
         rows = design == key
         for purpose, of, surfaces in (
-            ("roof", np.flatnonzero(rows & ~flat), kind.pitched or PITCHED[family]),
+            ("roof", np.flatnonzero(rows & ~flat), kind.pitched or pitched),
             ("flat roof", np.flatnonzero(rows & flat), kind.flat),
         ):
             if len(of):

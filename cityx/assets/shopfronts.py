@@ -164,46 +164,22 @@ def box_awning() -> Shapes:
     ]
 
 
-def _letters(purpose: str, reach: float, low: float, high: float, front: float) -> Shapes:
-    """Make a row of blocks that reads as a word from across the street."""
-    rng = rng_for(0, "assets/letters", len(purpose))
-    shapes: Shapes = []
-    x = -reach
-    while x < reach - 0.12:
-        width = rng.uniform(0.09, 0.2)
-        if rng.uniform() < 0.14:  # a gap between words
-            x += 0.14
-            continue
-        top = high if rng.uniform() < 0.35 else low + 0.75 * (high - low)
-        shapes.append(slab(x, min(x + width, reach), low, top, front - 0.02, "lamp_glow",
-                           back=front))  # fmt: skip
-        x += width + 0.045
-    return shapes
-
-
 def sign_fascia() -> Shapes:
     """Name board over a shop, 3.4 m wide, its lower edge at z = 0."""
     return [
         slab(-1.7, 1.7, 0.0, 0.5, -0.16, "door_paint"),
         slab(-1.75, 1.75, 0.5, 0.57, -0.24, "trim"),
-        *_letters("fascia", 0.85, 0.14, 0.36, -0.16),
     ]
 
 
 def sign_box() -> Shapes:
     """Light box over a shop."""
-    return [
-        slab(-1.7, 1.7, 0.02, 0.58, -0.24, "sign"),
-        *_letters("light box", 1.25, 0.15, 0.45, -0.24),
-    ]
+    return [slab(-1.7, 1.7, 0.02, 0.58, -0.24, "sign")]
 
 
 def sign_letters() -> Shapes:
-    """Thin rail with letters."""
-    return [
-        slab(-1.1, 1.1, 0.10, 0.14, -0.08, "metal_dark"),
-        *_letters("rail letters!", 0.95, 0.14, 0.42, -0.06),
-    ]
+    """Thin rails for letters."""
+    return [slab(-1.1, 1.1, z, z + 0.03, -0.06, "metal_dark") for z in (0.16, 0.34)]
 
 
 def sign_blade() -> Shapes:
@@ -211,7 +187,6 @@ def sign_blade() -> Shapes:
     return [
         slab(-0.02, 0.02, 0.62, 0.66, -0.95, "metal_dark"),
         slab(-0.03, 0.03, 0.0, 0.60, -0.90, "sign", back=-0.22),
-        slab(-0.04, 0.04, 0.16, 0.30, -0.78, "lamp_glow", back=-0.34),
     ]
 
 
@@ -223,13 +198,10 @@ def sign_tower() -> Shapes:
         slab(-0.03, 0.03, 3.6, 3.65, -0.22, "metal_grey"),
     ]
     for row, tint in enumerate(
-        ((1.0, 1.0, 1.0), (0.45, 0.45, 0.5), (0.9, 0.75, 0.5), (0.6, 0.6, 0.6))
+        ((1.0, 1.0, 1.0), (0.93, 0.93, 0.94), (1.0, 1.0, 1.0), (0.93, 0.93, 0.94))
     ):
         z = 0.04 + 1.04 * row
         shapes.append(slab(-0.09, 0.09, z, z + 1.0, -0.98, "sign", tint, back=-0.26))
-        for line in range(3):
-            low = z + 0.12 + 0.28 * line
-            shapes.append(slab(-0.10, 0.10, low, low + 0.2, -0.80, "lamp_glow", back=-0.44))
     return shapes
 
 

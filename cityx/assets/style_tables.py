@@ -138,6 +138,69 @@ TABLE: Mapping[str, Mapping[str, Weights]] = MappingProxyType(
         },
     }
 )
+# Region -> use group -> generators and weights, in the place of those of its family.
+REGIONAL_TABLE: Mapping[str, Mapping[str, Weights]] = MappingProxyType(
+    {
+        "central europe": {
+            "flats": {
+                "perimeter_block": 12,
+                "panel_slab": 1.4,
+                "mixed_use": 1.3,
+                "brutalist": 0.2,
+                "art_deco": 0.3,
+            },
+            "office": {
+                "office_slab": 5,
+                "perimeter_block": 4,
+                "mixed_use": 2,
+                "glass_tower": 1.5,
+                "postmodern_tower": 1,
+                "brutalist": 0.6,
+            },
+            "retail": {"big_box": 3, "mixed_use": 2, "perimeter_block": 2, "shop_house": 0.5},
+            "civic": {"perimeter_block": 5, "mixed_use": 2, "palazzo": 0.5, "brutalist": 0.8},
+        },
+        "low countries": {
+            "flats": {
+                "perimeter_block": 6,
+                "shop_house": 6,
+                "georgian_terrace": 2,
+                "mixed_use": 3,
+                "panel_slab": 1,
+                "palazzo": 0.3,
+                "art_deco": 0.5,
+            },
+        },
+        "nordic": {
+            "flats": {
+                "perimeter_block": 10,
+                "palazzo": 0.8,
+                "mixed_use": 3,
+                "panel_slab": 2,
+                "art_deco": 0.6,
+            },
+        },
+        "eastern europe": {
+            "flats": {
+                "panel_slab": 9,
+                "perimeter_block": 4,
+                "palazzo": 2,
+                "mixed_use": 2,
+                "brutalist": 0.8,
+            },
+        },
+        "france": {
+            "flats": {
+                "palazzo": 11,
+                "perimeter_block": 3,
+                "mixed_use": 2.5,
+                "panel_slab": 1,
+                "brutalist": 0.3,
+                "art_deco": 0.6,
+            },
+        },
+    }
+)
 ALWAYS: Mapping[str, Weights] = MappingProxyType(
     {
         "industry": {"warehouse": 6, "sawtooth_factory": 1.5},

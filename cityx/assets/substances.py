@@ -63,7 +63,7 @@ SUBSTANCES: Mapping[str, Substance] = MappingProxyType(
             (_BRICK, "brick clinker"),
             (_WOOD, "wood bench_wood bark bark_smooth bark_flaking thatch"),
             (_STEEL, "metal_dark metal_grey metal_panel roof_metal copper rail_steel"),
-            (_GLASS, "glass pane car_glass window_lit glass_wall lamp_glow signal_red "
+            (_GLASS, "glass pane car_glass car_pane window_lit glass_wall lamp_glow signal_red "
              "neon_red neon_amber neon_green neon_cyan neon_blue neon_violet neon_pink"),
             (_PLASTIC, "plastic sign ware_cream ware_red ware_ochre ware_blue ware_green"),
             (_RUBBER, "rubber"),

@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 
 from cityx.assets.kept import kept
 from cityx.assets.materials import srgb_to_linear
@@ -91,6 +92,7 @@ BODIES: Mapping[str, Body] = MappingProxyType(
 BODY_SHARES = np.array([body.share for body in BODIES.values()])
 SILL = 0.20  # metres, lower edge of the body above the road
 ARCH_STEPS = 7
+ARCH_GAP = 0.055  # metres between a tyre and the arch over it
 TYRE = 0.205  # metres, width of a tyre
 TUCKED = 0.012  # metres, from the side of the body to the outer face of a wheel
 FINE = 3  # level of detail from which the fine form is made
@@ -101,8 +103,14 @@ def _lower_body(body: Body) -> MeshBatch:
     return loft(body_rings(body, ARCH_STEPS)[:, ::-1], "car_paint")
 
 
+def waist_of(body: Body, share: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Height of the lower body's upper edge at shares of the length, as fine cars have it."""
+    line = np.array(body.hood)
+    return np.asarray(PchipInterpolator(line[:, 0], line[:, 1])(share))
+
+
 def body_rings(
-    body: Body, arch_steps: int, more: NDArray[np.float64] | None = None
+    body: Body, arch_steps: int, more: NDArray[np.float64] | None = None, *, smooth: bool = False
 ) -> NDArray[np.float64]:
     """Cross-sections (m, 12, 3) of the lower body; the lower edge rises over the wheels.
 
@@ -112,10 +120,12 @@ def body_rings(
         Stations over each wheel.
     more
         Further stations, shares of the length.
+    smooth
+        Whether the upper edge is a curve through its points.
     """
     half, length = body.width / 2, body.length
     axle = np.array(body.axles) * length
-    gap = body.wheel + 0.055  # half of the opening's width
+    gap = body.wheel + ARCH_GAP  # half of the opening's width
     around = np.concatenate([a + gap * -np.cos(np.linspace(0, np.pi, arch_steps)) for a in axle])
     hood = np.array(body.hood)
     places = [around, hood[:, 0] * length]
@@ -125,6 +135,8 @@ def body_rings(
     rings = []
     for y in stations:
         top = float(np.interp(y / length, hood[:, 0], hood[:, 1]))
+        if smooth:
+            top = float(waist_of(body, np.array(y / length)))
         lift = max(0.0, *(np.sqrt(max(gap**2 - (y - a) ** 2, 0.0)) for a in axle))
         sill = max(
             SILL + 0.12 * (y in (stations[0], stations[-1])),

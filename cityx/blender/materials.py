@@ -36,7 +36,7 @@ DRIVEN = frozenset(
 CRACKED = frozenset({"asphalt", "asphalt_light"})
 REPAIRED = CRACKED | {"paving"}  # what is dug up and filled again
 FIELDS = frozenset({"yard"})  # what was laid house by house
-GLAZED = frozenset({"glass", "glass_wall", "car_glass"})
+GLAZED = frozenset({"glass", "glass_wall", "car_glass", "car_pane"})
 GLASS_IOR = 1.9  # a coated double pane mirrors twice as much as plain glass
 # From a material's emission to radiance under a camera opened by three stops, as at night.
 EMISSION_SCALE = 0.15

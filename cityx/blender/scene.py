@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -43,6 +44,7 @@ base colour in one of its slots, or the attribute "tint" of its faces.
 Land and streets are changed by: cityx edit FOLDER "..."
 Objects of your own are named, kept and left alone.
 """
+CREASE = math.radians(32.0)  # between faces of a prototype, from which their edge shows
 SIGNS = ("sign_", "shop_")  # names of prototypes whose signs shine at night begin so
 
 
@@ -414,6 +416,8 @@ def _prototype(prototype: Prototype, index: int, library: MaterialLibrary) -> bp
     mesh = prototype.mesh
     upload = MeshUploader(mesh, library, variant)
     made = upload.mesh(name, slice(0, len(mesh.vertices)), slice(0, len(mesh.faces)), 0.0)
+    made.attributes.remove(made.attributes["sharp_face"])
+    made.set_sharp_from_angle(angle=CREASE)
     item = bpy.data.objects.new(name, made)
     item["kind"] = prototype.kind
     if sheds(prototype.kind, prototype.name, mesh.materials):

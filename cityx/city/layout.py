@@ -130,6 +130,7 @@ POINT_KINDS = (
     "traffic_signals", "crossing", "stop", "give_way", "fire_hydrant", "post_box", "telephone",
     "bicycle_parking", "fountain", "advertising_column", "power_pole", "statue", "entrance",
     "vending_machine", "recycling", "flagpole", "turning_circle", "mini_roundabout",
+    "shop",  # the place of a shop, a restaurant or a bank within a building
 )  # fmt: skip
 
 

@@ -57,13 +57,24 @@ def choice() -> list[str]:
     return lines
 
 
+def regional() -> list[str]:
+    """Return the table of weights of regions that differ from their family."""
+    lines = ["| region | use | in the place of its family's |", "| --- | --- | --- |"]
+    for region, rows in style_tables.REGIONAL_TABLE.items():
+        for group, row in rows.items():
+            cells = ", ".join(f"{n} {w:g}" for n, w in row.items())
+            lines.append(f"| {region} | {group} | {cells} |")
+    return lines
+
+
 def tables() -> str:
-    """Return both tables."""
+    """Return the tables."""
     always = "; ".join(
         f"{group}: " + ", ".join(f"{name} {weight:g}" for name, weight in row.items())
         for group, row in style_tables.ALWAYS.items()
     )
-    return "\n".join([*kinds(), "", *choice(), "", f"In every family: {always}."])
+    last = f"In every family: {always}."
+    return "\n".join([*kinds(), "", *choice(), "", last, "", *regional()])
 
 
 def written(text: str) -> str:

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 import shapely
+from skimage.color import rgb2lab
 
 from cityx.assets.materials import MATERIALS
 from cityx.assets.palettes import REGIONS, STYLES, family_of, finishes_for, region_of
@@ -88,7 +89,13 @@ def test_an_empty_layout_has_no_finishes():
     ("place", "region"),
     [
         ((51.51, -0.13), "british isles"),
-        ((52.47, 13.44), "northern/central europe"),
+        ((52.47, 13.44), "central europe"),
+        ((48.21, 16.37), "central europe"),
+        ((50.94, 6.96), "central europe"),
+        ((48.86, 2.35), "france"),
+        ((52.36, 4.93), "low countries"),
+        ((60.17, 24.94), "nordic"),
+        ((55.75, 37.62), "eastern europe"),
         ((35.69, 139.78), "east asia"),
         ((40.72, -73.98), "north america"),
         ((1.28, 103.86), "south-east asia"),
@@ -98,3 +105,13 @@ def test_an_empty_layout_has_no_finishes():
 )
 def test_places_have_their_region(place, region):
     assert region_of(*place) == region
+
+
+def test_no_plaster_of_a_table_is_loud():
+    looks = [look for each in generators().values() for look in each.looks().values()]
+    drawn = {color for look in looks if look.old for _, material, colors in look.walls
+             if material == "plaster" for color in colors}  # fmt: skip
+    channels = [[color >> 16 & 255, color >> 8 & 255, color & 255] for color in sorted(drawn)]
+    lab = rgb2lab(np.array(channels)[None] / 255)[0]
+    assert len(drawn) > 40
+    assert np.hypot(lab[:, 1], lab[:, 2]).max() < 33

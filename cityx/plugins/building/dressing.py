@@ -8,19 +8,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.materials import srgb_to_linear
 from cityx.assets.openings import DOORS, FINE
-from cityx.assets.shopfronts import fitting
 from cityx.assets.trims import BALCONY_WIDTH, SURROUND_HEIGHT, SURROUND_WIDTH, trim
 from cityx.geometry import facades
 from cityx.geometry.facades import Openings, bays_of
-from cityx.geometry.identity import choose, hash_ids, uniform
+from cityx.geometry.identity import uniform
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.ranges import row_codes
 from cityx.geometry.walls import WallTable
 from cityx.plugins.building.cornices import course_levels
 from cityx.plugins.building.facings import Facing
 from cityx.plugins.building.placing import Placing
+from cityx.plugins.building.signs import signs
 
 if TYPE_CHECKING:
     from cityx.city.city import City
@@ -38,15 +37,6 @@ BLOCK = 3.6  # metres of dressed stone in one piece
 FOOTING = 0.35  # metres; walls that show so much below their lowest floor get a base of stone
 FOOTING_TOP = 0.4  # metres above that floor, below all sills
 FOOTING_SHADE = 0.65  # of the trim's colour; feet of walls are dark
-_SHOP_SRGB = (
-    0x5E2420, 0x1F3B2C, 0x1C2A44, 0x262627, 0x4F3C2A, 0x6C5B30, 0x802B26, 0x2A4C57, 0x3C4A30,
-    0x5B4A60, 0x8C6C34, 0x33302D, 0x9A9890, 0x6F7B80, 0xB0A88E, 0x47586B,
-)  # fmt: skip
-_SHOP_TINTS = np.array([srgb_to_linear(color) for color in _SHOP_SRGB], np.float32) / 0.8
-_CLOTH_SRGB = (0x7A2A24, 0x2C4A38, 0x30405E, 0xB8A888, 0x8A6A3A, 0x3A3A3C, 0xC9C2B2, 0x6A3A44)
-_CLOTH_TINTS = np.array([srgb_to_linear(color) for color in _CLOTH_SRGB], np.float32) / 0.8
-_SIGN_SRGB = (0xB03A2E, 0x2A5A8C, 0x2E6B45, 0xC28A2C, 0x3A3A3C, 0xC8C6BE, 0x7A3A6A, 0xB86A2C)
-_SIGN_TINTS = np.array([srgb_to_linear(color) for color in _SIGN_SRGB], np.float32) / 0.8
 
 
 def opening_ids(placing: Placing, openings: Openings) -> NDArray[np.uint64]:
@@ -55,27 +45,13 @@ def opening_ids(placing: Placing, openings: Openings) -> NDArray[np.uint64]:
     return placing.ids("facade/opening", openings.wall, cell)
 
 
-def tenants(
-    placing: Placing, shops: Openings, seed: int
-) -> tuple[NDArray[np.uint64], NDArray[np.float32]]:
-    """Who rents each shop bay: (k,) key, equal for the two bays of a shop, and (k, 3) colour."""
-    tenant = placing.ids("facade/tenant", shops.wall, shops.bay // 500 * 64 + shops.bay % 500 // 2)
-    return tenant, _pick(_SHOP_TINTS, seed, "facade/shop tint", tenant)
-
-
-def _pick(
-    table: NDArray[np.float32], seed: int, purpose: str, ids: NDArray[np.uint64]
-) -> NDArray[np.float32]:
-    return np.asarray(table[hash_ids(seed, purpose, ids) % np.uint64(len(table))])
-
-
 def dress(placing: Placing, found: Facade, city: City) -> None:
     """Place surrounds, portals, balconies, bands, cornices, signs and fittings."""
     _surrounds(placing, found)
     _portals(placing, found)
     _balconies(placing, found)
     _coolers(placing, found, city.seed)
-    _signs(placing, found, city.seed)
+    signs(placing, found, city)
     _bands(placing, found, city.seed)
 
 
@@ -174,42 +150,6 @@ def _coolers(placing: Placing, found: Facade, seed: int) -> None:
     )  # fmt: skip
 
 
-def _signs(placing: Placing, found: Facade, seed: int) -> None:
-    """Name boards, awnings and hanging signs of shops."""
-    table = found.openings.take(found.openings.role == facades.SHOP)
-    tenant, tint = tenants(placing, table, seed)
-    cell = _cell(table)
-    top = table.low + table.height
-    kind = choose(seed, "facade/sign", tenant, (5, 3, 2))
-    names = np.array(["sign_fascia", "sign_box", "sign_letters"])[kind]
-    sign = _pick(_SIGN_TINTS, seed, "facade/sign tint", tenant)
-    tint = np.where((kind == 0)[:, None], tint, sign)
-    awned = uniform(seed, "facade/awning", tenant) < 0.32
-    cloth = _pick(_CLOTH_TINTS, seed, "facade/cloth", tenant)
-
-    def put(name: str, of: IntArray, z: FloatArray, colors: NDArray[np.float32], *,
-            along: FloatArray, wide: bool = True, out: float = 0.0) -> None:  # fmt: skip
-        width = (table.width[of] + 0.12) / 3.5 if wide else 1.0
-        placing.add(name, partial(fitting, name), table.wall[of], along[of], z[of],
-                    scale=(width, 1.0, 1.0), tint=colors[of], index=cell[of], out=out,
-                    reach=table.width[of] / 2 if wide else 0.1)  # fmt: skip
-
-    for name in ("sign_fascia", "sign_box", "sign_letters"):
-        put(name, np.flatnonzero(names == name), top + 0.03, tint, along=table.along)
-    put("awning", np.flatnonzero(awned), top - 0.02, cloth, along=table.along, out=0.16)
-    edge = table.along + table.width / 2 + 0.1
-    edge = np.minimum(edge, found.walls.length[table.wall] - 0.2)
-    blade = (uniform(seed, "facade/blade", tenant) < 0.5) & (table.bay % 2 == 0) & ~awned
-    put("sign_blade", np.flatnonzero(blade), top - 0.5, sign, along=edge, wide=False, out=0.1)
-    # Stacks of signs up the corners of the trading streets of East Asia.
-    part = found.walls.part[table.wall]
-    tall = found.walls.z_high[table.wall] - top > 5.8
-    stack = (found.designs.style[part] == "asian") & tall & (table.bay == 0)
-    stack &= uniform(seed, "facade/stack", placing.building[table.wall]) < 0.75
-    put("sign_tower", np.flatnonzero(stack), top + 1.4, sign, along=table.along * 0 + 0.35,
-        wide=False)  # fmt: skip
-
-
 def _bands(placing: Placing, found: Facade, seed: int) -> None:
     """Fascias, faced ground floors and rain pipes."""
     walls, part = found.walls, found.walls.part.astype(np.int64)
@@ -302,7 +242,7 @@ def _faced(placing: Placing, found: Facade, wanted: NDArray[np.bool_], level: Fl
     shade = np.where(footed, FOOTING_SHADE, 0.9)[:, None]
     stone = np.flatnonzero(dressed | footed)
     paint = np.flatnonzero(wanted & (base == "paint"))
-    pale = np.isin(found.designs.style[part[paint]], ["georgian", "walkup"])
+    pale = np.isin(found.designs.style[part[paint]], ["georgian_terrace", "walk_up"])
     tint = np.where(
         pale[:, None], found.finishes.trim_tint[part[paint]], 0.72 * wall_tint[part[paint]]
     )

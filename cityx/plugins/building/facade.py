@@ -24,7 +24,7 @@ from cityx.geometry.walls import WallTable
 from cityx.plugins.building.assembly import finishes_of
 from cityx.plugins.building.catalogue import looks
 from cityx.plugins.building.crown import crown, pitched_field
-from cityx.plugins.building.dressing import dress, opening_ids, tenants
+from cityx.plugins.building.dressing import dress, opening_ids
 from cityx.plugins.building.facings import facing_pieces
 from cityx.plugins.building.fixtures import fixtures
 from cityx.plugins.building.fronts import (
@@ -40,6 +40,7 @@ from cityx.plugins.building.niches import Setting, set_back
 from cityx.plugins.building.placing import Placing, used
 from cityx.plugins.building.rooftop import furnish_roofs
 from cityx.plugins.building.selection import designs_of_parts
+from cityx.plugins.building.signs import tenants
 from cityx.plugins.building.strips import strips
 from cityx.plugins.building.volumes import Volumes, volumes_of, walls_of_volumes
 from cityx.protocol import Port, action
@@ -113,7 +114,7 @@ def facade_of(city: City, trade: FloatArray | None = None) -> Facade:
     limits=[
         "Runs at level of detail 2 and above; below it changes nothing.",
         "Openings lie on the walls; at level 3 they are niches. There are no rooms behind them.",
-        "Signs carry no text.",
+        "Signs are in Latin, Greek, Cyrillic and Japanese letters; other names become words.",
     ],
     requires=("layout",),
     takes=(Port("design", "scene_layout", "building_design"),),

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from cityx.assets.facade_styles import Fixture
 from cityx.assets.fixtures import fixture
-from cityx.assets.materials import srgb_to_linear
 from cityx.city.ground import KERB_WIDTH
 from cityx.geometry import facades
 from cityx.geometry.facades import bays_of
@@ -21,6 +20,7 @@ from cityx.plugins.building.catalogue import looks
 from cityx.plugins.building.dressing import corner_reach
 from cityx.plugins.building.fronts import STREETS
 from cityx.plugins.building.placing import Placing
+from cityx.plugins.building.signs import SIGNS
 from cityx.plugins.building.strips import TINTS
 
 if TYPE_CHECKING:
@@ -42,8 +42,6 @@ FAR = 1e5  # metres; longer than any wall
 SHARP = 0.3  # of the mitre of a right angle; flatter corners bear nothing
 BESIDE = 0.35  # cosine between the front's normal and that of a wall beside it, at most
 WINDOWS = (facades.WINDOW, facades.BACK, facades.GROUND, facades.FRENCH)
-_SIGN_SRGB = (0xB03A2E, 0x2A5A8C, 0x2E6B45, 0xC28A2C, 0x3A3A3C, 0xC8C6BE, 0x7A3A6A, 0xB86A2C)
-_SIGNS = np.array([srgb_to_linear(color) for color in _SIGN_SRGB], np.float32) / 0.8
 
 
 def fixtures(placing: Placing, found: Facade, city: City) -> None:
@@ -234,9 +232,7 @@ def _scale(
 def _tint(found: Facade, seed: int, each: Fixture, part: IntArray) -> NDArray[np.float32]:
     if each.tint == "sign":
         ids = found.volumes.building[part]
-        return np.asarray(
-            _SIGNS[hash_ids(seed, "facade/fixture sign", ids) % np.uint64(len(_SIGNS))]
-        )
+        return np.asarray(SIGNS[hash_ids(seed, "facade/fixture sign", ids) % np.uint64(len(SIGNS))])
     if not each.tint:
         return np.ones((len(part), 3), np.float32)
     return np.asarray(getattr(found.finishes, TINTS[each.tint])[part], np.float32)

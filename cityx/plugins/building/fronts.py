@@ -50,6 +50,8 @@ LOWER_PART = 0.2  # share of an opening's height that nothing may stand before
 LOOK = 0.45  # metres before an opening that must be free; it may stand 8 cm out of its wall
 EAVE_ROOM = 0.25  # metres under the eave of a pitched roof, where the overhang hides the wall
 AT_ONCE = 5000  # parts whose neighbours are looked for together, so that pairs take little room
+QUIET = ("residential", "living_street", "service", "track")  # streets that people live on
+MOST_QUIET = 0.26  # share of shops there before the place counts; what the map shows is beside it
 QUARTER = 120.0  # metres around a building in which trade draws trade
 MIN_SHOP_STOREY = 2.9  # metres
 
@@ -196,7 +198,8 @@ def fronts_of(
     door_along[rows] = along
 
     trade = trade_of(layout, seed) if trade is None else trade
-    shop = _shops(city, part, group, mode, worth, share * trade[part], building)
+    share = np.minimum(share * trade[part], np.where(np.isin(kind, QUIET), MOST_QUIET, 1.0))
+    shop = _shops(city, part, group, mode, worth, share, building)
     size = _sizes(designs, building, part, seed)
     levels = (np.maximum(parts["levels"].to_numpy(np.int64), 1) + volumes.cellars)[part]
     tall = (walls.z_high - walls.z_low) / levels
@@ -318,8 +321,20 @@ def _shops(
     share = np.where((group == index["office"])[part], share * 0.8 + 0.05, share)
     no = np.isin(group, [index[name] for name in ("house", "industry", "worship", "civic", "shed")])
     share = np.where(no[part], 0.0, share)
+    share = np.where(_mapped_shops(layout, building), 1.0, share)
     fit = np.isin(mode, [facades.PUNCHED, facades.STRIP, facades.CURTAIN]) & (worth >= 2.0)
     return np.asarray(fit & (uniform(city.seed, "facade/shop", building) < share))
+
+
+def _mapped_shops(layout: Layout, building: NDArray[np.uint64]) -> NDArray[np.bool_]:
+    """(w,) whether the map has a shop within the building of a wall."""
+    points = layout.points
+    spots = points.geometry.to_numpy()[(points["kind"] == "shop").to_numpy()]
+    if not len(spots) or not len(layout.buildings):
+        return np.zeros(len(building), bool)
+    tree = shapely.STRtree(layout.buildings.geometry.to_numpy())
+    row = np.unique(tree.query(spots, predicate="intersects")[1])
+    return np.isin(building, layout.buildings["id"].to_numpy(np.uint64)[row])
 
 
 def trade_of(layout: Layout, seed: int) -> FloatArray:

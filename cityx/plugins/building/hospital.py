@@ -131,7 +131,7 @@ GENERATOR = Generator(
             "ward": _WARD,
             "base": _look(
                 Fixture("canopy_ambulance", "door"),
-                Fixture("letters_board", "front", tint="accent", lift=4.6),
+                Fixture("letters_hospital", "front", tint="accent", lift=4.6),
                 walls=(
                     (3, "metal_panel", (0x8E9498, 0xB9BCBC, 0x4A5056)),
                     (3, "brick", (0x8C4A3A, 0xA98A70, 0x7C4234)),

@@ -77,7 +77,7 @@ def _towered(site: Site, plot: Plot) -> Sequence[Mass]:
     return [*found, *site.masses(room, eave, eave + 2.9 + CAP, "altana", "hipped", CAP)]
 
 
-_WALLS = ((9, "plaster", (*WARM, 0xC76F4A, 0xE0B060, 0xD98B72, 0xF0E6D2)), (1, "stone", STONES))
+_WALLS = ((9, "plaster", (*WARM, 0xBE8368, 0xD2B37C, 0xC79684, 0xECE4D4)), (1, "stone", STONES))
 _FRAMES = (0x5C6E5A, 0x6B4A33, 0x7B8C93, 0xE8E4DA, 0x4F6470, 0x8A6A4A, 0x3F5548)
 _FRONT = FacadeStyle(
     "punched", 3.1, (("window_persiana", 1),), (("door_planks", 1),), sill=0.75,

@@ -127,7 +127,7 @@ _ZONES = {
         (
             (3, "metal_panel", (0x8D9194, 0x6B6E70, 0xA9A79F, 0x7A6A5A, 0x4E5456)),
             (2, "wood", (0x8A7256, 0x9A7B58)),
-            (2, "plaster", (0x5E5C5A, 0x7C7A76, 0xB8793E, 0x6E7F86)),
+            (2, "plaster", (0x5E5C5A, 0x7C7A76, 0xA58F72, 0x6E7F86)),
         ),
         frames=_FRAMES,
         own_trim=True,

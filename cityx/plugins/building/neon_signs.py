@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Annotated
 
@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.lettering import GLYPH
 from cityx.assets.neon import COLORS, neon
 from cityx.city.city import City
 from cityx.city.levels import ground_levels
@@ -24,6 +25,7 @@ LAYER = "neon"
 SIGNS = "trims"  # layer of the signs of shops
 BOARDS = ("sign_fascia", "sign_box", "sign_letters")
 HALF_BOARD = 1.7  # metres from the middle of a board to its end
+BEFORE, BOARD_HIGH = 0.4, 0.7  # metres from a wall to letters on a board, and its height
 BLADE_SHARE = 0.4  # of the boards that have a blade at their end
 BLADE_ABOVE, BLADE_TOP = 1.1, 5.2  # metres from a board to the foot and past the top of its blade
 TALL = 40.0  # metres from which the edges of a building carry lines of light
@@ -69,7 +71,8 @@ def neon_signs(city: City, *, share: Annotated[float, Range(0.0, 1.0)] = 0.7) ->
     signs = city.scene.instances.get(SIGNS)
     scene = city.scene
     if signs is not None:
-        kept = take_rows(signs, ~np.isin(signs.object_id, rows.object_id))
+        gone = np.isin(signs.object_id, rows.object_id)
+        kept = take_rows(signs, ~gone & ~_lettered(scene.prototypes, signs, gone))
         scene = scene.with_instances(SIGNS, scene.prototypes, kept)
     return replace(city, scene=scene.with_instances(LAYER, makers, take_rows(rows, order)))
 
@@ -110,6 +113,24 @@ def _boards(city: City, share: float, makers: list[Prototype]) -> Instances:
         scale=np.ones_like(below.scale),
     )
     return join_rows([boards, blades])
+
+
+def _lettered(
+    prototypes: Sequence[Prototype], signs: Instances, boards: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Tell which rows are letters on some of the boards, (n,)."""
+    letter = np.array([each.name.startswith(GLYPH) for each in prototypes])
+    rows = np.flatnonzero(letter[signs.prototype])
+    board = np.flatnonzero(boards)
+    turn = signs.rotation[board, 2]
+    half = HALF_BOARD * signs.scale[board, :1] * np.column_stack([np.cos(turn), np.sin(turn)])
+    at = signs.position[board, :2]
+    tree = shapely.STRtree(shapely.linestrings(np.stack([at - half, at + half], axis=1)))
+    row, near = tree.query(shapely.points(signs.position[rows, :2]), "dwithin", BEFORE)
+    level = signs.position[rows, 2][row] - signs.position[board, 2][near]
+    found = np.zeros(signs.count, bool)
+    found[rows[row[np.abs(level) < BOARD_HIGH]]] = True
+    return found
 
 
 def _tops(city: City, owner: NDArray[np.uint64]) -> FloatArray:

@@ -1,4 +1,4 @@
-"""European perimeter blocks: rendered housing of 1890 to 1930, with oriels, gables, balconies."""
+"""European perimeter blocks: rendered housing from 1870 to 1965, stuccoed, plain or stripped."""
 
 from __future__ import annotations
 
@@ -9,22 +9,23 @@ from typing import Annotated
 
 from cityx.assets.facade_styles import FacadeStyle, Fixture, Strip
 from cityx.assets.generators import Generator, Look
-from cityx.assets.palette_tables import PLASTERS, REDS
+from cityx.assets.palette_tables import PALE_PLASTERS, PLASTERS, REDS
 from cityx.city.city import City
 from cityx.geometry.massing import Mass, Plot, grow
 from cityx.geometry.massing_rules import courtyard
 from cityx.plugins.building.design import redesign
 from cityx.protocol import Choice, ObjectName, Range, action
 
-FRONTS = ("oriel", "gable", "balcony", "plain")
+FRONTS = ("stucco", "oriel", "gable", "balcony", "plain", "postwar")
+SHARES = (5, 3, 2, 3, 3, 3)
 STEEP = 7.5  # metres; the highest roof
 
 
 def masses(
     plot: Plot, *, front: str = "any", wing: float = 12.0, closed: bool = False
 ) -> tuple[Mass, ...]:
-    """Lay wings around a court, open to the back, behind a front with oriels, gables, balconies."""
-    zone = plot.pick("front", FRONTS, (4, 3, 3, 2)) if front == "any" else front
+    """Lay wings around a court, open to the back, behind a front of one of `FRONTS`."""
+    zone = plot.pick("front", FRONTS, SHARES) if front == "any" else front
     zone = "" if zone == "plain" or plot.levels < 3 else zone
     rise = plot.rise if plot.said else min(plot.rise, STEEP)
     body = replace(plot.body, zone=zone, high=plot.height - plot.rise + rise, rise=rise)
@@ -38,40 +39,69 @@ _WALLS = (
     (9, "plaster", PLASTERS),
     (1.2, "brick", REDS),
 )
-_PLAIN = FacadeStyle(
-    "punched", 2.7, (("window_block", 4), ("window_casement", 3)),
-    (("door_glass", 2), ("door_double", 3)), sill=0.85, ground_storey=3.4,
-    surrounds=(("sill", 2), ("surround_flat", 5)),
-    heads=(("cornice", 2), ("eaves_board", 2)), balcony=0.0, string=0.7,
-    base=(("paint", 4), ("stone", 2), ("", 2)), pipe=True,
+_GARLAND = Fixture("stucco_garland", "window", tint="trim", first=1, last=2, stretch="opening",
+                   street=True, share=0.5)  # fmt: skip
+# Tenements of 1870 to 1900: dressed stones below, pediments in the middle, blocks under the eave.
+_STUCCO = FacadeStyle(
+    "punched", 2.35, (("window_casement", 1),), (("door_double", 1),), sill=0.72,
+    ground_storey=3.9, corner=0.6, scale=(0.96, 1.1),
+    surrounds=(("surround_pediment", 4), ("surround_cap", 3)), heads=(("cornice", 1),),
+    balcony=0.3, balconies=(("balcony_iron", 1),), string=1.0,
+    base=(("paint", 3), ("stone", 2)), pipe=True, quoins=0.25,
+    slabs=(Strip("band_box", 0.14, 0.06, "trim", every=1, share=0.7),),
     fixtures=(
-        Fixture("stucco_garland", "window", tint="trim", first=1, last=2, stretch="opening",
-                street=True, share=0.5),
+        Fixture("palace_blocks", "pier", tint="trim", street=True, share=0.5),
+        Fixture("palace_modillions", "head", tint="trim", stretch="bay", street=True, share=0.7),
+        _GARLAND,
     ),
 )  # fmt: skip
+# The same, or houses of about 1910, whose stucco was struck off: a smooth coat, sills and little
+# else.
+_PLAIN = FacadeStyle(
+    "punched", 2.5, (("window_casement", 3), ("window_block", 2)),
+    (("door_glass", 2), ("door_double", 3)), sill=0.8, ground_storey=3.5,
+    surrounds=(("sill", 5), ("surround_flat", 2)),
+    heads=(("cornice", 1), ("eaves_board", 3)), balcony=0.25,
+    balconies=(("balcony_iron", 2), ("balcony_bars", 2)), string=0.35,
+    base=(("paint", 5), ("", 2)), pipe=True,
+)  # fmt: skip
+# Blocks of 1950 to 1965 in the gaps of the war: low storeys, broad windows, rows of balconies.
+_POSTWAR = FacadeStyle(
+    "punched", 3.1, (("window_single", 3), ("window_panel", 2)), (("door_glass", 1),), sill=0.92,
+    ground_storey=2.9, corner=0.7, surrounds=(("sill", 2), ("sill_metal", 3)),
+    heads=(("eaves_board", 3), ("", 1)), back="sill_metal", balcony=0.3,
+    balconies=(("balcony_solid", 3), ("balcony_bars", 4)),
+    base=(("paint", 3), ("", 2)), pipe=True,
+)  # fmt: skip
+_DRESSED = replace(
+    _STUCCO, bay=2.7, windows=(("window_block", 4), ("window_casement", 3)), sill=0.85,
+    scale=(1.0, 1.0), ground_storey=3.5, surrounds=(("sill", 2), ("surround_flat", 5)),
+    balcony=0.0, heads=(("cornice", 2), ("eaves_board", 2)), quoins=0.0, slabs=(),
+    fixtures=(_GARLAND,),
+)  # fmt: skip
 _ORIEL = replace(
-    _PLAIN,
+    _DRESSED,
     fixtures=(
         Fixture("oriel", "bay", tint="wall", first=1, last=-2, every=3, stretch="storey",
                 street=True),
         Fixture("oriel_foot", "bay", tint="wall", first=1, last=1, every=3, street=True),
         Fixture("oriel_cap", "bay", tint="trim", first=-1, last=-1, every=3, street=True),
-        *_PLAIN.fixtures,
+        _GARLAND,
     ),
 )  # fmt: skip
 _GABLE = replace(
-    _PLAIN, heads=(("cornice", 1),),
+    _DRESSED, heads=(("cornice", 1),),
     slabs=(Strip("band_box", 0.14, 0.09, "trim", lobby=False, share=0.6),),
     fixtures=(
         Fixture("gable_head", "head", tint="wall", every=4, street=True),
         Fixture("gable_saddle", "head", every=4, street=True),
         Fixture("palace_aedicule", "window", tint="trim", first=1, last=1, stretch="opening",
                 street=True, share=0.6),
-        *_PLAIN.fixtures,
+        _GARLAND,
     ),
 )  # fmt: skip
 _BALCONY = replace(
-    _PLAIN, balcony=1.0, string=0.3,
+    _DRESSED, balcony=1.0, string=0.3,
     balconies=(("balcony_iron", 3), ("balcony_solid", 1), ("balcony_bars", 1)),
     fins=(Strip("band_box", 0.4, 0.08, "trim", every=2, share=0.6),), fixtures=(),
 )  # fmt: skip
@@ -87,6 +117,13 @@ GENERATOR = Generator(
     _look(_PLAIN),
     zones=MappingProxyType(
         {
+            "stucco": Look(_STUCCO, ((1, "plaster", PLASTERS),), own_trim=True, old=True),
+            "postwar": Look(
+                _POSTWAR,
+                ((6, "plaster", PALE_PLASTERS), (1, "brick", (*REDS, 0xA98A6A))),
+                frames=(0xEFEDE8, 0xF2F1EE, 0xE6E2D8),
+                own_trim=True,
+            ),
             "oriel": Look(_ORIEL, ((1, "plaster", PLASTERS),), own_trim=True, old=True),
             "gable": Look(_GABLE, ((1, "plaster", PLASTERS),), own_trim=True, old=True),
             "balcony": _look(_BALCONY),
@@ -111,7 +148,7 @@ GENERATOR = Generator(
     "building/perimeter_block-v1",
     limits=["Only footprints of a size that admits such a building change."],
     requires=("layout",),
-    labels=("perimeter", "block", "housing", "flats", "european", "oriel", "berlin"),
+    labels=("perimeter", "block", "tenement", "wilhelminian", "flats", "oriel", "berlin"),
 )
 def perimeter_block(
     city: City,
@@ -124,10 +161,11 @@ def perimeter_block(
     closed: bool = False,
     noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
 ) -> City:
-    """Build European perimeter blocks with oriels, gables or balconies.
+    """Build European perimeter blocks: tenements with stucco, oriels, gables or balconies.
 
-    The rendered housing of 1890 to 1930: bay windows carried out over the pavement from the first
-    floor, ornamental gables at the eaves, steep roofs, and wings around a court on deep plots.
+    The rendered housing of central Europe: stuccoed tenements of the 1880s and those whose stucco
+    was struck off, bay windows and gables of about 1910, and plain blocks of the 1950s, under
+    steep roofs, with wings around a court on deep plots.
 
     Parameters
     ----------
@@ -138,7 +176,7 @@ def perimeter_block(
     building
         The one building to change, or None for all.
     front
-        What stands out of the front.
+        What the front is like.
     wing
         Metres of depth beyond which a court opens behind the front.
     closed

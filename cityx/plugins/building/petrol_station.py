@@ -84,7 +84,7 @@ _SHOP = (
 _SHOP_LOOK = _look(
     _SHOP,
     Fixture("fascia_band", "edge", tint="sign", stretch="wall", lift=-0.1),
-    Fixture("letters_board", "front", tint="sign", lift=3.05),
+    Fixture("letters_garage", "front", tint="sign", lift=3.05),
     Fixture("bollards", "front", lift=0.0),
     Fixture("air_point", "corner", share=0.7),
     scale=(1.05, 1.15), sill=0.35, bay=2.7, heads=(("coping", 1),),

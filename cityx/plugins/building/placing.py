@@ -64,6 +64,7 @@ class Placing:
         index: Any = 0,
         out: Any = 0.0,
         reach: Any = 0.5,
+        turn: float = 0.0,
         ids: NDArray[np.uint64] | None = None,
     ) -> None:
         """Put a prototype on walls.
@@ -84,6 +85,8 @@ class Placing:
             Metres before the wall.
         reach
             Metres to either side over which the thing leans on the wall.
+        turn
+            Radians by which it is turned away from the wall, counter-clockwise.
         ids
             (k,) ids, where they are known.
         """
@@ -103,7 +106,7 @@ class Placing:
         at = self.walls.start[wall] + self.unit[wall] * along[:, None]
         at = at + self.walls.normal[wall] * stand[:, None]
         rotation = np.zeros((size, 3), np.float32)
-        rotation[:, 2] = self.yaw[wall] + lean
+        rotation[:, 2] = self.yaw[wall] + lean + turn
         if ids is None:
             ids = self.ids(name, wall, index)
         factors = np.stack([np.broadcast_to(each, (size,)) for each in scale], axis=1)

@@ -127,7 +127,7 @@ GENERATOR = Generator(
                     heads=(("cornice", 1),), string=1.0, base=(("stone", 1), ("", 1)),
                     fins=(Strip("band_box", 0.45, 0.12, "wall", 1.05),),
                     fixtures=(
-                        Fixture("letters_board", "edge", tint="trim", lift=-0.9, street=True),
+                        Fixture("letters_works", "edge", tint="trim", lift=-0.9, street=True),
                         Fixture("clock_face", "gable", lift=0.7),
                     ),
                 )

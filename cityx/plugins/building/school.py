@@ -123,7 +123,7 @@ GENERATOR = Generator(
             "entrance": _look(
                 Fixture("canopy_slab", "door", tint="frame"),
                 Fixture("flag_pole", "front", lift=0.0, out=2.2),
-                Fixture("letters_board", "foot", tint="accent", lift=3.6, street=True),
+                Fixture("letters_school", "foot", tint="accent", lift=3.6, street=True),
                 Fixture("clock_panel", "edge", lift=-2.0, street=True),
                 walls=(
                     (3, "plaster", (0xC98D4A, 0xB4554A, 0x4F7FA0, 0x7FA06A, 0xE6C45A)),

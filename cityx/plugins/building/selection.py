@@ -1,9 +1,9 @@
 """Selection: which generator a building gets.
 
 By purpose first (what the input's tags say it is), else drawn from the table of its use group and
-the style family of the brief or region. Footprint, storeys and width exclude what makes no sense
-there; words of the brief and the class of the place shift the weights; neighbours wall to wall
-share one draw where their generator builds rows.
+the style family of the brief, or the ways of building of the region. Footprint, storeys and width
+exclude what makes no sense there; words of the brief and the class of the place shift the weights;
+neighbours wall to wall share one draw where their generator builds rows.
 """
 
 from __future__ import annotations
@@ -18,9 +18,16 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.palettes import GROUPS, building_groups, family_of, owner_rows, region_of
+from cityx.assets.palettes import (
+    GROUPS,
+    building_groups,
+    family_of,
+    is_regional,
+    owner_rows,
+    region_of,
+)
 from cityx.assets.style_shares import STRAY, speaking_of
-from cityx.assets.style_tables import ALWAYS, STYLE_WORDS, TABLE, Weights
+from cityx.assets.style_tables import ALWAYS, REGIONAL_TABLE, STYLE_WORDS, TABLE, Weights
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polygons import FloatArray
 from cityx.plugins.building.catalogue import generators
@@ -130,7 +137,8 @@ def choose_generators(layout: Layout, seed: int, *, style: str = "", region: str
     if not len(buildings):
         return np.zeros(0, "U32")
     group = building_groups(layout, seed)
-    base = np.array([_row(family, word, names) for word in GROUPS])
+    local = REGIONAL_TABLE.get(region, {}) if is_regional(style) else {}
+    base = np.array([_row({**TABLE[family], **local}, word, names) for word in GROUPS])
     weight = base[group]
     weight = weight * _favoured(names, buildings["place"].to_numpy(str), PLACES)
     word = style.strip().lower().replace(" ", "_")
@@ -210,8 +218,8 @@ def _said_wall(layout: Layout) -> Words:
     return said
 
 
-def _row(family: str, group: str, names: Words) -> FloatArray:
-    weights = ALWAYS.get(group) or TABLE[family][group]
+def _row(table: Mapping[str, Weights], group: str, names: Words) -> FloatArray:
+    weights = ALWAYS.get(group) or table[group]
     return np.array([weights.get(name, 0.0) for name in names.tolist()])
 
 

@@ -101,15 +101,13 @@ def _cornered(site: Site, plot: Plot, plan: object, eave: float, hand: float) ->
 
 
 _BRICK = ((1, "brick", (*REDS, 0x6A3A30, 0x5E3A32)),)
-_RENDER = ((1, "plaster", (0xE6DCC4, 0xD9C08E, 0xC9D0C6, 0xD2A08A, 0xC4B8A0, 0xB9C4CC, 0xE2CD94)),)
+_RENDER = ((1, "plaster", (0xE4DCCA, 0xD0BE98, 0xC9CEC6, 0xC6A595, 0xC4B8A0, 0xBCC3C8, 0xDACBA4)),)
 _MIXED = (
-    (3, "plaster", (0xE6DCC4, 0xD9C08E, 0xC9B0A0, 0xB4705C, 0x9FA9AC)),
+    (3, "plaster", (0xE4DCCA, 0xD0BE98, 0xC9B5A8, 0xAA8577, 0xA4ABAD)),
     (2, "brick", REDS),
 )
 _FRAMES = (0xEFEDE8, 0xF2F1EE, 0xE6E2D8, 0x2F4438, 0x5A2A24)
 _SHOP = (
-    Fixture("shop_board", "bay", tint="sign", first=1, last=1, stretch="bay", lift=-0.05,
-            street=True, share=0.85),
     Fixture("shop_canvas", "bay", tint="sign", first=1, last=1, stretch="bay", lift=-0.66,
             street=True, share=0.4),
     Fixture("guild_sign", "pier", tint="sign", first=1, last=1, every=3, lift=1.0, street=True,

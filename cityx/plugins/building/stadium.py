@@ -183,7 +183,7 @@ GENERATOR = Generator(
             slabs=(Strip("band_box", 0.7, 0.4, "wall", 0.95),),
             fixtures=(
                 Fixture("turnstile_gate", "foot", tint="", spacing=10.0, street=True),
-                Fixture("letters_board", "edge", tint="sign", lift=-1.2, street=True,
+                Fixture("letters_arena", "edge", tint="sign", lift=-1.2, street=True,
                         scattered=True, share=0.12),
             ),
         ),

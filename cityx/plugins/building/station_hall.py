@@ -101,7 +101,7 @@ def _sheds(site: Site, shed: Any, high: float, spans: int) -> list[Mass]:
 _WALLS = (
     (4, "stone", STONES),
     (4, "brick", (*STOCK, 0x8C4A3A, 0x96543F)),
-    (2, "plaster", (0xE0D3B4, 0xD7C29C, 0xE6CFA6)),
+    (2, "plaster", (0xDDD2BA, 0xD2C3A4, 0xDFCFAF)),
 )
 _FRAMES = (0x38463F, 0x4A3A30, 0x5B4A36, 0x2F3234)
 _ROUND = (("window_station", 1),)

@@ -109,7 +109,7 @@ def _tower(
 _WALLS = (
     (6, "stone", (*STONES, 0xBFA988, 0xB59A7C)),
     (4, "brick", (0x8C4A3A, 0x96543F, 0x7C4234, 0x86503E)),
-    (2, "plaster", (0xE2CD94, 0xDDD3C4, 0xC98D74)),
+    (2, "plaster", (0xDACBA4, 0xDAD3C8, 0xC2A593)),
 )
 _FRAMES = (0x3A3D40, 0x4A3A30, 0xE8E4DA, 0x38463F)
 _FRONT = FacadeStyle(

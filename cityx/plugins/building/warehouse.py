@@ -105,7 +105,7 @@ GENERATOR = Generator(
                     ground_storey=3.4, corner=0.4, surrounds=(("", 1),), heads=(("coping", 1),),
                     back="", slabs=(Strip("band_paint", 0.5, 0.05, "accent"),),
                     fixtures=(
-                        Fixture("letters_board", "edge", tint="sign", lift=-0.95, street=True),
+                        Fixture("letters_logistics", "edge", tint="sign", lift=-0.95, street=True),
                         Fixture("canopy_slab", "door", tint="frame"),
                     ),
                 ),

@@ -91,10 +91,12 @@ DOOR_DEPTH, DOOR_SIDE = 2.0, 0.85  # metres before a door, and to each side of i
 
 def place_of(city: City) -> str:
     """Name the kind of place that rules tell apart: "japan" or a region of `region_of`."""
-    from cityx.assets.palettes import region_of
+    from cityx.assets.palettes import REGIONS, region_of
 
     at = (city.frame.latitude, city.frame.longitude)
     region = region_of(*at)
+    if REGIONS.get(region) == "european":  # whose streets are furnished alike
+        region = "northern/central europe"
     return "japan" if region == "east asia" and drives_on(*at) == "left" and at[0] > 24 else region
 
 

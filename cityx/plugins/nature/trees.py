@@ -17,6 +17,7 @@ from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.scatter import Points, cell_ids, cells_of_polygons, poisson_in, thinned
 from cityx.plugins.layout.wishes import asked
 from cityx.plugins.nature import climate
+from cityx.plugins.nature.bed_plants import bed_stands
 from cityx.plugins.nature.climate import band_of, species_of_tags
 from cityx.plugins.nature.furniture import lamp_places
 from cityx.plugins.nature.stands import (
@@ -36,7 +37,6 @@ from cityx.plugins.nature.tree_room import (
     Room,
     room_of,
 )
-from cityx.plugins.nature.bed_plants import bed_stands
 from cityx.protocol import Port, Range, action
 
 ACTION = "nature/trees-v2"

@@ -179,6 +179,11 @@ LINE_HEIGHT: Mapping[str, float] = {
     "retaining_wall": 1.5, "route": 0.0, "curve": 0.0,
 }  # fmt: skip
 
+# Values of amenity=* that have a front and a sign like a shop.
+LET_TO_TRADE = (
+    "cafe", "restaurant", "fast_food", "bar", "pub", "biergarten", "nightclub", "ice_cream",
+    "pharmacy", "bank", "bureau_de_change", "internet_cafe",
+)  # fmt: skip
 POINT_TABLE: tuple[tuple[str, Mapping[str, str]], ...] = (
     ("natural", {"tree": "tree", "shrub": "shrub"}),
     ("highway", {
@@ -207,6 +212,8 @@ POINT_TABLE: tuple[tuple[str, Mapping[str, str]], ...] = (
     ("building", {"entrance": "entrance"}),
     ("entrance", {"*": "entrance"}),
     ("door", {"*": "entrance"}),
+    ("shop", {"vacant": "", "*": "shop"}),
+    ("amenity", dict.fromkeys(LET_TO_TRADE, "shop")),
 )  # fmt: skip
 # Metres, low and high; a hash of the id chooses between.
 POINT_HEIGHT: Mapping[str, tuple[float, float]] = {
@@ -218,6 +225,7 @@ POINT_HEIGHT: Mapping[str, tuple[float, float]] = {
     "advertising_column": (3.6, 3.6), "power_pole": (8.0, 10.0), "statue": (2.5, 5.0),
     "entrance": (2.1, 2.1), "vending_machine": (1.8, 1.8), "recycling": (1.5, 1.5),
     "flagpole": (7.0, 10.0), "turning_circle": (0.0, 0.0), "mini_roundabout": (0.0, 0.0),
+    "shop": (0.0, 0.0),
 }  # fmt: skip
 
 ROOF_WORDS: Mapping[str, str] = {

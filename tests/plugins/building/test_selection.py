@@ -35,6 +35,7 @@ def test_every_generator_of_the_tables_is_in_the_catalogue():
     rows = [row for family in style_tables.TABLE.values() for row in family.values()]
     rows += [*style_tables.ALWAYS.values(), *style_tables.STYLE_WORDS.values()]
     rows += [*selection.PLACES.values()]
+    rows += [row for region in style_tables.REGIONAL_TABLE.values() for row in region.values()]
     named = {name for row in rows for name in row} | set(selection.PURPOSE.values())
     assert named <= set(NAMES)
     assert set(NAMES) - named <= {"shed"}
@@ -72,6 +73,15 @@ def test_the_region_and_the_style_word_shift_the_choice():
     assert share(layout, "georgian_terrace", region="east asia") == 0.0
     more = share(layout, "brutalist", style="brutalist", region="british isles")
     assert more > 2 * share(layout, "brutalist", region="british isles") + 0.2
+
+
+def test_berlin_is_not_built_of_paris():
+    layout = town(use="apartments")
+    assert share(layout, "palazzo", region="central europe") == 0.0
+    assert share(layout, "perimeter_block", region="central europe") > 0.6
+    assert share(layout, "palazzo", region="france") > 0.4
+    asked = share(layout, "palazzo", region="central europe", style="haussmann")
+    assert asked > 0.6  # a style word of the brief overrules the region
 
 
 def test_houses_of_a_row_mostly_share_a_design():

@@ -1,0 +1,113 @@
+"""Shop names: what stands over every shop, from the map or by kind and language."""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.assets.lettering import is_known, line_of
+from cityx.assets.shop_words import KINDS, USUAL, tongue_of, words_of
+from cityx.geometry.identity import choose, hash_ids
+from cityx.geometry.polygons import FloatArray
+
+if TYPE_CHECKING:
+    from cityx.city.city import City
+
+REACH = 15.0  # metres between a shop on the map and its front
+LONGEST = 11.0  # em; longer names are cut at a word
+_KEYS = ("shop", "amenity", "healthcare", "craft", "office")
+_LATIN = ("name:en", "int_name", "brand:en", "brand")
+
+
+def shop_names(
+    city: City, tenant: NDArray[np.uint64], building: NDArray[np.uint64], place: FloatArray
+) -> NDArray[np.str_]:
+    """Name shops.
+
+    A shop on the map names the nearest front of the building that it lies in, tags of a building
+    name the fronts that are left, and words for what shops usually sell name the others.
+
+    Parameters
+    ----------
+    tenant, building
+        (k,) keys of different shops and of their buildings.
+    place
+        (k, 2) middles of their fronts, scene frame, metres.
+    """
+    tongue = tongue_of(city.frame.latitude, city.frame.longitude)
+    names = np.full(len(tenant), "", object)
+    points = city.layout.points
+    points = points[(points["kind"] == "shop").to_numpy()]
+    if len(points) and len(tenant):
+        fronts, spots = shapely.points(place), points.geometry.to_numpy()
+        spot, front = shapely.STRtree(fronts).query(spots, "dwithin", REACH)
+        # Only of the building that it lies in, so that one building can be made anew alone.
+        own = city.layout.buildings
+        ids = own["id"].to_numpy(np.uint64)
+        row = np.minimum(np.searchsorted(ids, building[front]), len(ids) - 1)
+        kept = ids[row] == building[front]
+        kept &= shapely.intersects(own.geometry.to_numpy()[row], spots[spot])
+        spot, front = spot[kept], front[kept]
+        far = shapely.distance(spots[spot], fronts[front])
+        order = np.lexsort(
+            (tenant[front], points["id"].to_numpy(np.uint64)[spot], np.round(far, 3))
+        )
+        tags = points["tags"].to_numpy(str)
+        used: set[int] = set()
+        for row in order.tolist():
+            at, shop = int(front[row]), int(spot[row])
+            if not names[at] and shop not in used:
+                used.add(shop)
+                names[at] = _said(tags[shop], tongue, int(tenant[at]))
+    tagged = {
+        number: text
+        for number, text in zip(
+            city.layout.buildings["id"].to_numpy(np.uint64).tolist(),
+            city.layout.buildings["tags"].to_numpy(str).tolist(),
+            strict=True,
+        )
+        if '"shop"' in text or '"amenity"' in text
+    }
+    for at in np.flatnonzero(names == "").tolist():
+        text = tagged.get(int(building[at]))
+        if text:
+            names[at] = _said(text, tongue, int(building[at]), vague="")
+    rest = np.flatnonzero(names == "")
+    kinds = list(USUAL)
+    drawn = choose(city.seed, "facade/trade", tenant[rest], list(USUAL.values()))
+    for at, kind in zip(rest.tolist(), drawn.tolist(), strict=True):
+        names[at] = _word(kinds[kind], tongue, int(tenant[at]))
+    return names.astype(str)
+
+
+def _said(text: str, tongue: str, key: int, *, vague: str = "furniture") -> str:
+    """Return the name that tags tell, or a word for their kind of shop; `vague` for none known."""
+    tags = json.loads(text)
+    for each in ("name", *_LATIN):
+        found = cut(str(tags.get(each, "")))
+        if found:
+            return found
+    told = [KINDS[tags[each]] for each in _KEYS if tags.get(each) in KINDS]
+    kind = told[0] if told else vague
+    return _word(kind, tongue, key) if kind else ""
+
+
+def _word(kind: str, tongue: str, key: int) -> str:
+    words = words_of(tongue)[kind]
+    return words[int(hash_ids(0, "facade/word", np.uint64(key)) % np.uint64(len(words)))]
+
+
+def cut(name: str) -> str:
+    """Return a name as a sign shows it: without remarks, at most `LONGEST`; "" if not writable."""
+    bare = re.sub(r"\s*[(\[（].*", "", name.replace("\u3000", " ")).split(";")[0].strip()
+    words = bare.split()
+    while words and is_known(" ".join(words)):
+        if line_of(" ".join(words)).width <= LONGEST:
+            return " ".join(words)
+        words.pop()
+    return ""

@@ -1,0 +1,202 @@
+"""Signs: boards, names, awnings and hanging signs of shops."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.assets.lettering import CAP, DEEP, FIRST_EAST_ASIAN, glyph, glyph_name, line_of
+from cityx.assets.materials import srgb_to_linear
+from cityx.assets.palettes import region_of
+from cityx.assets.shopfronts import fitting
+from cityx.geometry import facades
+from cityx.geometry.facades import Openings
+from cityx.geometry.identity import choose, hash_ids, uniform
+from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.plugins.building.placing import Placing
+from cityx.plugins.building.shop_names import shop_names
+
+if TYPE_CHECKING:
+    from cityx.city.city import City
+    from cityx.plugins.building.facade import Facade
+
+Colors = NDArray[np.float32]
+
+
+def _table(*colors: int) -> Colors:
+    return np.array([srgb_to_linear(color) for color in colors], np.float32) / 0.8
+
+
+_SHOPS = _table(
+    0x5A2A26, 0x223A2E, 0x202B42, 0x262627, 0x4A3D30, 0x5E5338, 0x6E322C, 0x32505A, 0x3F4A38,
+    0x544860, 0x75624A, 0x33302D, 0x9A9890, 0x737F84, 0xACA592, 0x4E5A66,
+)  # fmt: skip
+_CLOTHS = _table(0x6E302B, 0x304839, 0x343F56, 0xB0A48C, 0x7A664A, 0x3A3A3C, 0xC5BFB2, 0x5E4046)
+SIGNS = _table(0x8E3A32, 0x2F4F74, 0x335C46, 0xA88A52, 0x3A3A3C, 0xC8C6BE, 0x5E3F5A, 0xE0DED6)
+BRIGHT, GILT, INK = _table(0xF2EFE6), _table(0xD8C08A), _table(0x262524)
+PALE = 0.3  # luminance of a board from which its letters are dark
+BOARDS = ("sign_fascia", "sign_box", "sign_letters")
+# Of each board: metres from the wall to its face, height of its middle, tallest capitals.
+FACES = np.array([(0.142, 0.26, 0.28), (0.228, 0.30, 0.33), (0.06, 0.28, 0.30)])
+FILLED = 0.86  # share of a board that a name may take
+RELIEF = 0.024  # metres that letters stand out
+BOARD = 3.5  # metres of front that a board was drawn for
+SMALLEST = 0.11  # metres; smaller letters are left out
+BLADE_MIDDLE, BLADE_HALF = 0.56, 0.30  # metres from the wall, of the field of a hanging sign
+STACKED = ("asian_block", "japanese_lowrise", "office_slab")  # looks that have stacks of signs
+STACK_REGIONS = ("east asia", "south-east asia")
+STACK_FIELDS, STACK_STEP = 4, 1.04  # fields of a stack of signs, metres from one to the next
+
+
+def tenants(placing: Placing, shops: Openings, seed: int) -> tuple[NDArray[np.uint64], Colors]:
+    """Who rents each shop bay: (k,) key, equal for the two bays of a shop, and (k, 3) colour."""
+    tenant = placing.ids("facade/tenant", shops.wall, shops.bay // 500 * 64 + shops.bay % 500 // 2)
+    return tenant, _pick(_SHOPS, seed, "facade/shop tint", tenant)
+
+
+def _pick(table: Colors, seed: int, purpose: str, ids: NDArray[np.uint64]) -> Colors:
+    return np.asarray(table[hash_ids(seed, purpose, ids) % np.uint64(len(table))])
+
+
+def signs(placing: Placing, found: Facade, city: City) -> None:
+    """Put up name boards with names, awnings, hanging signs and stacks of signs."""
+    table = found.openings.take(found.openings.role == facades.SHOP)
+    if not table.count:
+        return
+    seed, walls = city.seed, found.walls
+    of_bay, paint_of_bay = tenants(placing, table, seed)
+    tenant, first, shop = np.unique(of_bay, return_index=True, return_inverse=True)
+    low, high = np.full(len(tenant), np.inf), np.full(len(tenant), -np.inf)
+    np.minimum.at(low, shop, table.along - table.width / 2)
+    np.maximum.at(high, shop, table.along + table.width / 2)
+    top = np.full(len(tenant), np.inf)
+    np.minimum.at(top, shop, table.low + table.height)
+    wall, along, wide = table.wall[first], (low + high) / 2, high - low
+    cell = ((table.floor * 4096 + table.bay + 2048) * 16 + table.role)[first]
+    kind = choose(seed, "facade/sign", tenant, (5, 3, 2))
+    color = _pick(SIGNS, seed, "facade/sign tint", tenant)
+    tint = np.where((kind == 0)[:, None], paint_of_bay[first], color)
+    cloth = _pick(_CLOTHS, seed, "facade/cloth", tenant)
+    awned = uniform(seed, "facade/awning", tenant) < 0.32
+
+    def put(name: str, of: IntArray, at: FloatArray, z: FloatArray, colors: Colors,
+            **options: Any) -> None:  # fmt: skip
+        placing.add(name, partial(fitting, name), wall[of], at[of], z[of], tint=colors[of],
+                    index=cell[of], **options)  # fmt: skip
+
+    for number, name in enumerate(BOARDS):
+        of = np.flatnonzero(kind == number)
+        put(name, of, along, top + 0.03, tint, scale=((wide[of] + 0.12) / BOARD, 1.0, 1.0),
+            reach=wide[of] / 2)  # fmt: skip
+    of = np.flatnonzero(awned[shop])
+    placing.add(
+        "awning", partial(fitting, "awning"), table.wall[of], table.along[of],
+        (table.low + table.height)[of] - 0.02, scale=((table.width[of] + 0.12) / BOARD, 1.0, 1.0),
+        tint=cloth[shop[of]], index=table.bay[of], out=0.16, reach=table.width[of] / 2,
+    )  # fmt: skip
+    end = np.minimum(high + 0.1, walls.length[wall] - 0.2)
+    blade = (uniform(seed, "facade/blade", tenant) < 0.35) & ~awned
+    of = np.flatnonzero(blade)
+    put("sign_blade", of, end, top - 0.5, color, out=0.1, reach=0.1)
+    # Stacks of signs up the corners of the trading streets of East Asia.
+    part = walls.part[wall]
+    tall = walls.z_high[wall] - top > 5.8
+    stack = np.isin(found.designs.style[part], STACKED) & tall
+    stack &= table.bay[first] % 500 < 2
+    stack &= region_of(city.frame.latitude, city.frame.longitude) in STACK_REGIONS
+    stack &= uniform(seed, "facade/stack", placing.building[wall]) < 0.6
+    corner = np.full(len(tenant), 0.35)
+    stacks = np.flatnonzero(stack)
+    put("sign_tower", stacks, corner, top + 1.4, color, reach=0.1)
+
+    middle = walls.start[wall] + placing.unit[wall] * along[:, None]
+    names = shop_names(city, tenant, placing.building[wall], middle)
+    dark = _luminance(tint) > PALE
+    dark |= (kind == 2) & (_luminance(found.finishes.wall_tint[part]) > PALE)
+    gilt = (kind == 0) & (uniform(seed, "facade/gilt", tenant) < 0.5)
+    ink = np.where(dark[:, None], INK, np.where(gilt[:, None], GILT, BRIGHT))
+    face = FACES[kind]
+    text = _Text(placing)
+    text.level(names, wall, along, top + 0.03 + face[:, 1], face[:, 0], face[:, 2], FILLED * wide,
+               ink, cell)  # fmt: skip
+    ink = np.where((_luminance(color) > PALE)[:, None], INK, BRIGHT)
+    for side in (-1.0, 1.0):
+        text.level(names[of], wall[of], end[of] + side * 0.036, top[of] - 0.21,
+                   np.full(len(of), BLADE_MIDDLE + 0.1), np.full(len(of), 0.2),
+                   np.full(len(of), 1.8 * BLADE_HALF), ink[of], cell[of], side=side)  # fmt: skip
+        text.stacked(names[stacks], wall[stacks], corner[stacks] + side * 0.092,
+                     top[stacks] + 1.4, 0.62, ink[stacks], cell[stacks], side)  # fmt: skip
+    text.place()
+
+
+def _luminance(tint: Colors) -> FloatArray:
+    return np.asarray(0.8 * tint @ np.array([0.2126, 0.7152, 0.0722]))
+
+
+class _Text:
+    """Letters of all signs of a city, gathered letter by letter.
+
+    A class because many signs add letters before each prototype is placed once.
+    """
+
+    def __init__(self, placing: Placing) -> None:
+        self.placing = placing
+        self.rows: dict[tuple[str, float], list[tuple[Any, ...]]] = {}
+
+    def level(
+        self, names: NDArray[np.str_], wall: IntArray, along: FloatArray, middle: FloatArray,
+        out: FloatArray, tallest: FloatArray, room: FloatArray, ink: Colors, cell: IntArray,
+        *, side: float = 0.0,
+    ) -> None:  # fmt: skip
+        """Set names in lines along walls, or out from them on one `side` of a hanging sign."""
+        for row, name in enumerate(names.tolist()):
+            line = line_of(name)
+            size = min(tallest[row] / CAP, room[row] / max(line.width, 0.1))
+            if CAP * size < SMALLEST:
+                continue
+            foot = middle[row] - 0.5 * CAP * size
+            for number, (letter, x) in enumerate(zip(line.letters, line.middle, strict=True)):
+                shift = size * float(x)
+                place = (along[row], out[row] - side * shift) if side else (
+                    along[row] + shift, out[row]
+                )  # fmt: skip
+                self._add(letter, side, wall[row], *place, foot, size, ink[row],
+                          int(cell[row]) * 256 + number)  # fmt: skip
+
+    def stacked(
+        self, names: NDArray[np.str_], wall: IntArray, along: FloatArray, low: FloatArray,
+        out: float, ink: Colors, cell: IntArray, side: float,
+    ) -> None:  # fmt: skip
+        """Set names upright down a stack of signs, letter below letter."""
+        high = STACK_FIELDS * STACK_STEP
+        for row, name in enumerate(names.tolist()):
+            letters = line_of(name).letters
+            if not letters:
+                continue
+            step = min(high / len(letters), 0.62)
+            asian = ord(letters[0]) >= FIRST_EAST_ASIAN
+            size = min(0.92 * step, 0.56) * (1.0 if asian else 1.15)
+            start = low[row] + high - (high - step * len(letters)) / 2
+            for number, letter in enumerate(letters):
+                foot = start - (number + 0.5) * step - 0.5 * CAP * size
+                self._add(letter, side, wall[row], along[row], out, foot, size, ink[row],
+                          int(cell[row]) * 256 + 128 + number)  # fmt: skip
+
+    def _add(self, letter: str, side: float, *row: Any) -> None:
+        self.rows.setdefault((letter, side), []).append(row)
+
+    def place(self) -> None:
+        """Put all letters on their walls."""
+        for (letter, side), rows in sorted(self.rows.items(), key=lambda item: item[0]):
+            wall, along, out, foot, sizes, ink, index = zip(*rows, strict=True)
+            size = np.array(sizes)
+            numbers = np.array(index, np.int64) * 4 + int(side) + 1
+            self.placing.add(
+                glyph_name(letter), partial(glyph, letter), np.array(wall), np.array(along),
+                np.array(foot), scale=(size, RELIEF / DEEP, size), tint=np.array(ink, np.float32),
+                index=numbers, out=np.array(out),
+                reach=0.05 if side else 0.5, turn=side * np.pi / 2,
+            )  # fmt: skip

@@ -1,0 +1,69 @@
+import numpy as np
+import pytest
+
+from cityx.assets.lettering import CAP, characters, glyph, is_known, line_of, outlines, word
+from cityx.assets.shop_words import KINDS, USUAL, WORDS, WORLD, tongue_of, words_of
+from cityx.geometry.solids import area_vectors
+
+
+@pytest.mark.parametrize("tongue", [*WORDS, ""])
+def test_every_word_can_be_written(tongue):
+    for kind in USUAL:
+        for text in words_of(tongue)[kind]:
+            assert is_known(text), text
+
+
+def test_every_kind_of_shop_has_words():
+    assert set(KINDS.values()) == set(USUAL) == set(WORLD)
+    assert all(set(words) == set(USUAL) for words in WORDS.values())
+
+
+def test_a_letter_reads_from_left_to_right():
+    points = glyph("L").mesh.vertices  # seen from -y: x to the right, z up
+    foot, stem = points[points[:, 2] < 0.1], points[points[:, 2] > 0.5]
+    assert foot[:, 0].max() > stem[:, 0].max() + 0.15
+    assert points[:, 2].max() == pytest.approx(CAP, abs=0.06)
+
+
+def test_a_letter_looks_out_of_the_wall_and_keeps_its_holes():
+    mesh = glyph("O").mesh
+    faces = area_vectors(mesh.vertices, mesh.faces)
+    assert (faces[:, 1] < 0).all()
+    area = -faces[:, 1].sum()
+    assert area == pytest.approx(outlines()["O"].area, rel=1e-3)
+
+
+def test_a_line_is_as_wide_as_its_letters_and_in_their_order():
+    line = line_of("Wine Bar")
+    assert "".join(line.letters) == "WineBar"
+    assert (np.diff(line.middle) > 0.1).all()
+    assert line.middle[0] > -line.width / 2
+    assert line.middle[-1] < line.width / 2
+
+
+def test_letters_of_east_asia_fill_squares():
+    line = line_of("薬局")
+    assert line.width == pytest.approx(2.0, abs=0.1)
+    assert not is_known("薬\u4e02")
+
+
+def test_a_word_keeps_to_its_field():
+    points = np.vstack([part.vertices for part in word("HOSPITAL", 1.2, 0.0, 0.5, -0.1)])
+    assert np.abs(points[:, 0]).max() < 1.25
+    assert points[:, 2].min() > -0.05
+    assert points[:, 2].max() < 0.55
+    assert points[:, 1].max() == pytest.approx(-0.1)
+
+
+def test_outlines_are_kept_of_what_is_asked_for():
+    assert len(set(characters()) - set(outlines())) < 20
+
+
+@pytest.mark.parametrize(
+    ("place", "tongue"),
+    [((52.5, 13.4), "de"), ((48.2, 16.4), "de"), ((48.86, 2.35), "fr"), ((51.5, -0.1), "en"),
+     ((35.7, 139.8), "ja"), ((41.9, 12.5), "it"), ((40.4, -3.7), "es"), ((40.7, -74.0), "en"),
+     ((1.3, 103.9), "")],
+)  # fmt: skip
+def test_places_have_their_language(place, tongue):
+    assert tongue_of(*place) == tongue
