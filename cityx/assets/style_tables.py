@@ -199,6 +199,10 @@ REGIONAL_TABLE: Mapping[str, Mapping[str, Weights]] = MappingProxyType(
                 "art_deco": 0.6,
             },
         },
+        "east asia": {
+            "house": {"japanese_lowrise": 8, "suburban_house": 0.5},
+            "retail": {"japanese_lowrise": 5, "asian_block": 2, "office_slab": 2, "big_box": 2},
+        },
     }
 )
 ALWAYS: Mapping[str, Weights] = MappingProxyType(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.assets.fixtures.houses import MAKERS
+from cityx.assets.fixtures import east_asia, houses
 from cityx.geometry.massing import Plot
 from cityx.plugins.building.design import design
 from cityx.plugins.building.facade import facade
@@ -178,10 +178,19 @@ def test_samples_close_under_the_roofs_they_ask_for_and_have_doors():
     assert set(kinds["id"].tolist()) - temples == doors
 
 
-@pytest.mark.parametrize("name", MAKERS)
+MADE = {**houses.MAKERS, **east_asia.MAKERS}
+
+
+@pytest.mark.parametrize("name", MADE)
 def test_fixtures_stand_at_the_wall_and_in_size(name):
     low, high = (
-        [pick(axis) for axis in zip(*[v for s in MAKERS[name]() for v in s.vertices], strict=True)]
+        [
+            pick(axis)
+            for axis in zip(
+                *[v for s in MADE[name]() for v in s.vertices],
+                strict=True,
+            )
+        ]
         for pick in (min, max)
     )
     assert high[1] < 0.4 or low[1] < -high[1] * 0.9  # before the wall, or about its own middle
