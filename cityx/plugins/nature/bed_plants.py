@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from cityx.city import City
@@ -16,6 +18,7 @@ PURPOSE = "nature/bed_plants"
 BEDS = (("boxwood", 4, 0.8), ("shrub", 3, 1.4), ("tree", 2, 0.8))
 FREE_END = 0.55  # metres of a bed beyond its last plant
 TREE_GAP = 1.0  # metres round a trunk without bushes
+TREES = (4.5, 7.5)  # metres
 LOW = {"boxwood": (0.6, 0.9), "shrub": (0.7, 1.2)}  # metres; over these one sees
 
 
@@ -45,7 +48,7 @@ def _in_beds(city: City) -> list[Stand]:
         if name == "tree":
             aside = aside[np.abs(aside) > TREE_GAP]
             trees = Points(beds.middle[rows], hash_ids(0, PURPOSE, beds.id[rows]))
-            stands.append(stand_of(trees, draw_species(climate.STREET_MIX, city, trees.id)))
+            stands.append(_small_trees(city, climate.STREET_MIX, trees))
         row, place = np.repeat(rows, len(aside)), np.tile(np.arange(len(aside)), len(rows))
         ids = hash_ids(0, PURPOSE, beds.id[row], place + 1)
         xy = beds.middle[row] + beds.along[row] * aside[place][:, None]
@@ -62,6 +65,13 @@ def _at_corners(city: City, beds: Beds) -> Stand:
     xy = (beds.middle[:, None] + aside @ axes).reshape(-1, 2)
     ids = hash_ids(0, PURPOSE, np.repeat(beds.id, len(aside)), np.tile(range(4), len(beds.id)))
     return _bushes(city, "boxwood", Points(xy, ids))
+
+
+def _small_trees(city: City, mix: Mapping[str, Mapping[str, float]], points: Points) -> Stand:
+    """Trees that a bed has room for."""
+    low, high = TREES
+    height = low + (high - low) * uniform(city.seed, f"{PURPOSE}/tree", points.id)
+    return stand_of(points, draw_species(mix, city, points.id), height)
 
 
 def _bushes(city: City, name: str, points: Points) -> Stand:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from cityx.plugins.road.through_roads import Through
 
 DASH, GAP = 1.0, 1.0  # metres of the lines of a road that goes straight on
 CYCLE_DASH, CYCLE_GAP = 0.5, 0.5  # metres beside bicycles that cross (German Furt, Dutch blocks)
+CYCLE_WAY = 1.3  # metres between the two lines
 LONGEST = 60.0  # metres across a junction; farther apart no line leads
 STEPS = 8  # pieces of a line that bends
 CLASSIFIED = 3  # rank of a tertiary road; at signals of such roads the box stays free
@@ -54,13 +56,18 @@ def guide_lines(
     major = through.major | (through.tee & stems)
     chosen = np.flatnonzero(major & painted[through.edge].all(axis=1))
     first, second, row = _continued(street, found, through, chosen)
-    lines = _curves(street, found, through, chosen[row], first, second)
-    length = arc_lengths(lines)[1]
-    good = (length > DASH) & (length < LONGEST)
+    # A lane of bicycles has a line on either side, so that its way across is seen as one.
+    beyond = replace(found, lateral=found.lateral + CYCLE_WAY * np.sign(found.lateral))
+    inner, outer = (
+        _curves(street, each, through, chosen[row], first, second) for each in (found, beyond)
+    )
     shapes, edges, centre = [np.zeros(0, object)], [np.zeros(0, np.int64)], [np.zeros(0, bool)]
-    for cycle, dash, gap, width in (
-        (False, DASH, GAP, LINE), (True, CYCLE_DASH, CYCLE_GAP, 2 * LINE),
+    for lines, cycle, dash, gap, width in (
+        (inner, False, DASH, GAP, LINE), (inner, True, CYCLE_DASH, CYCLE_GAP, 2 * LINE),
+        (outer, True, CYCLE_DASH, CYCLE_GAP, 2 * LINE),
     ):  # fmt: skip
+        length = arc_lengths(lines)[1]
+        good = (length > DASH) & (length < LONGEST)
         own = np.flatnonzero(good & (found.cycle[first] == cycle))
         which, along = every(length[own], dash + gap, dash / 2 + gap / 2)
         own = own[which]
