@@ -193,7 +193,7 @@ def cells_about(bounds: NDArray[np.float64], edge: float, reach: float) -> NDArr
         blocks.append(low[(wide >= (i, j)).all(axis=1)] + (i, j))
     block = _unique_cells(np.concatenate(blocks))
     inner = np.stack(np.meshgrid(np.arange(each), np.arange(each), indexing="ij"), axis=-1)
-    return (block[:, None, :] * each + inner.reshape(1, -1, 2)).reshape(-1, 2)
+    return np.asarray((block[:, None, :] * each + inner.reshape(1, -1, 2)).reshape(-1, 2))
 
 
 def cells_of_polygons(polygons: ArrayLike, edge: float) -> NDArray[np.int64]:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.lettering import CAP, DEEP, FIRST_EAST_ASIAN, glyph, glyph_name, line_of
+from cityx.assets.fonts import CAP, FIRST_EAST_ASIAN
+from cityx.assets.lettering import DEEP, glyph, glyph_name, line_of
 from cityx.assets.materials import srgb_to_linear
 from cityx.assets.palettes import region_of
 from cityx.assets.shopfronts import fitting

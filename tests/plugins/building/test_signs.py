@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.assets.lettering import CAP, GLYPH
+from cityx.assets.fonts import CAP
+from cityx.assets.lettering import GLYPH
 from cityx.city import City, Frame, Layout, make_table
 from cityx.city.content import content_hash
 from cityx.plugins.building.facade import facade

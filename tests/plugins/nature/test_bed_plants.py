@@ -6,8 +6,8 @@ import shapely
 
 from cityx.city import make_table
 from cityx.city.ground import LABEL
-from cityx.plugins.nature.stands import BUSHES, INDEX, join_stands
 from cityx.plugins.nature.bed_plants import bed_stands
+from cityx.plugins.nature.stands import BUSHES, INDEX, join_stands
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.network import network
 
