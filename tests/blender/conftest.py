@@ -62,7 +62,7 @@ def quarter(side=3, *, lod=2):
     post = Prototype(
         "lamp_post", "furniture",
         concatenate([box(1, (-0.08, -0.08, 0), (0.08, 0.08, 5), material=[0, 0, 0, 0, 1],
-                         materials=("metal_dark", "lamp_glow"))]),
+                         materials=("bark", "lamp_glow"))]),
     )  # fmt: skip
     spots = [
         p + np.array([2.0 + 3 * k, 0.0, 1.0 + 3 * f])

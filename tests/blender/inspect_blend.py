@@ -15,7 +15,11 @@ buildings = {o["cityx_id"]: o for o in bpy.data.collections["Buildings"].objects
 first = next(o for o in buildings.values() if o.get("name"))
 mesh = first.data
 heights = [(first.matrix_world @ v.co).z for v in mesh.vertices]
+post = next(m for m in bpy.data.meshes if any(s.name.startswith("bark") for s in m.materials))
 record = {
+    "round": sorted(
+        {(post.materials[f.material_index].name.split(".")[0], f.use_smooth) for f in post.polygons}
+    ),
     "instances": layers,
     "ids": sorted(buildings),
     "names": sorted(o.name for o in buildings.values()),

@@ -62,6 +62,10 @@ def test_meshes_are_valid_flat_and_carry_colour_and_metres(held):
     assert {"Buildings", "Ground", "Windows", "Prototypes", "Cameras"} <= set(record["collections"])
 
 
+def test_bark_is_shaded_round_and_everything_else_flat(held):
+    assert held[0]["round"] == [["bark", True], ["lamp_glow", False]]
+
+
 def test_the_worker_reports_files_times_and_memory(held):
     _, result, folder = held
     assert result.files == (folder / "city.blend", folder / "s.png")
