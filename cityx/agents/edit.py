@@ -9,6 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cityx.agents.ablation import shown_records
 from cityx.agents.brief import Edit
 from cityx.agents.brief.brief import Note
@@ -30,6 +32,7 @@ from cityx.protocol.serving import Slots
 from cityx.sources.blend_curves import SUFFIX, BlendCurves, read_blend_curves
 
 UNDO = "undo"
+SHELLS = "buildings"  # layer of the shells of buildings
 OFFLINE = PlannerChoice()
 
 
@@ -264,7 +267,7 @@ def renew(
     path = folder / "report.json"
     report: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
     goals = request.brief.goals
-    findings = measure_all((goal.predicate for goal in goals), city)
+    findings = measure_all((goal.predicate for goal in goals), _about(request, city))
     report["checks_of"] = report.get("checks_of", report.get("hash", ""))
     report |= {
         "hash": revision.content, "revision": revision.number, "counts": counts(city),
@@ -278,3 +281,27 @@ def renew(
     }  # fmt: skip
     write_report(report, folder)
     return report
+
+
+def _about(request: Request, city: City) -> City:
+    """Return a city whose shells are those that a change names, so that no others are measured.
+
+    It is the city itself where a change is about more than buildings with names or ids.
+    """
+    from cityx.checks.predicates.facts import Facts
+    from cityx.checks.predicates.things import Absent, CannotTell
+
+    batch = city.scene.meshes.get(SHELLS)
+    targets = [edit.target for edit in request.brief.edits]
+    if batch is None or not targets or any(one is None or not one.ids for one in targets):
+        return city
+    facts = Facts(city)
+    words = {word for one in targets if one is not None for word in one.ids}
+    try:
+        ids = np.concatenate([facts.named(word).ids for word in sorted(words)])
+    except (Absent, CannotTell):
+        return city
+    rows = np.flatnonzero(np.isin(batch.object_id, ids))
+    if len(rows) != len(words):
+        return city
+    return replace(city, scene=city.scene.with_mesh(SHELLS, batch.take(rows)))

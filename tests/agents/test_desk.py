@@ -138,3 +138,20 @@ def test_a_city_that_came_without_a_journal_can_be_changed_too(folder):
 def test_a_folder_that_is_none_is_told(tmp_path):
     with pytest.raises(InputError, match="holds no city"):
         Desk(tmp_path / "nowhere")
+
+
+def test_goals_of_a_named_building_are_measured_of_it_alone(scene):
+    from cityx.agents.brief import read_brief
+    from cityx.agents.briefs import Request
+    from cityx.agents.edit import _about
+    from cityx.checks.predicates import measure_all
+
+    city = scene("grid_s")
+    request = Request(brief=read_brief("Make b05 and b07 brick", base=True))
+    less = _about(request, city)
+    assert less.scene.meshes["buildings"].count == 2
+    goals = ("share(b05, material=brick) == 1.0", "share(b05, material=concrete) == 1.0",
+             "stat(b07, height, mean) > 5")  # fmt: skip
+    assert measure_all(goals, less) == measure_all(goals, city)
+    whole = Request(brief=read_brief("Make all towers brick", base=True))
+    assert _about(whole, city) is city

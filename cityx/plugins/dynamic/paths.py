@@ -106,7 +106,7 @@ def find_path(city: City, words: str) -> Path:
         named = _curves_called(city, inner) or _ways_called(city, inner)
         if named:
             return _single(said, named)
-    lands = _lands_called(city, inner) if core else ()
+    lands = _lands_called(city, inner) if core else np.zeros(0, object)
     if len(lands):
         return _beside(city, said, lands, inner)
     known = _known(city)
