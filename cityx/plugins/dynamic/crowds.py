@@ -176,4 +176,3 @@ class _PlacesOf:
 
     def __call__(self, now: float) -> FloatArray:
         return self.places[min(round(now / STEP), len(self.places) - 1)]
-

@@ -196,8 +196,9 @@ class _Walk:
         crowd = Crowd(before, target, pace, CREEP * own, self.side[rows],
                       np.where(tight, SQUEEZED, APART), self.granted[rows],
                       self.coming[self.at[rows]])  # fmt: skip
-        self.position[rows] = stepped(crowd, others, STEP, self.floor, boxes,
-                                       self.gates.closing(now))
+        self.position[rows] = stepped(
+            crowd, others, STEP, self.floor, boxes, self.gates.closing(now)
+        )
         self._lose_patience(rows, before, target, waits | queues, here > 0, now)
         end = self.points[self.last[rows]]
         done = np.hypot(*(self.position[rows] - end).T) < ARRIVED
