@@ -19,6 +19,7 @@ PLACES: dict[str, tuple[str, tuple[float, float] | None, float]] = {
 }
 BLOCK, BLOCKS = 140.0, 9  # metres between streets of the grid, and blocks along a side
 MAIN = 3  # every such street of it is a main one; where two meet are signals
+STOP_ASIDE = 5.0  # metres from the middle of a street to its stops, between which people walk
 METRES = 111_200.0  # of a degree of latitude
 MIDDLE = (52.0, 13.0)
 
@@ -33,12 +34,11 @@ def grid(folder: Path) -> Path:
     count, lines = BLOCKS + 1, ['<osm version="0.6">']
     for i in range(count):
         for j in range(count):
-            at = [middle + size * (place - BLOCKS / 2)
-                  for middle, size, place in zip(MIDDLE, step, (i, j), strict=True)]  # fmt: skip
-            lit = i % MAIN == 0 and j % MAIN == 0
-            tags = '<tag k="highway" v="traffic_signals"/>' if lit else ""
-            lines.append(f'<node id="{1 + i * count + j}" lat="{at[0]:.7f}" lon="{at[1]:.7f}">'
-                         f"{tags}</node>")  # fmt: skip
+            kind = "traffic_signals" if i % MAIN == 0 and j % MAIN == 0 else ""
+            lines.append(_node(1 + i * count + j, (i, j), step, kind))
+            stop = i, min(j + 0.5, BLOCKS - 0.5)  # on the walk amid a block
+            aside = stop[0] + STOP_ASIDE / BLOCK, stop[1]
+            lines.append(_node(10_000 + i * count + j, aside, step, "bus_stop"))
     for number in range(2 * count):
         main, across = number // 2 % MAIN == 0, number % 2
         nodes = [1 + (number // 2 * count + k if across else k * count + number // 2)
@@ -51,6 +51,14 @@ def grid(folder: Path) -> Path:
     file.write_text("\n".join([*lines, "</osm>"]))
     build([file], made, BuildOptions(lod=1, formats=(), render=False))
     return made
+
+
+def _node(number: int, place: tuple[float, float], step: tuple[float, float], kind: str) -> str:
+    """Return a node of the grid as XML."""
+    lat, lon = (middle + size * (along - BLOCKS / 2)
+                for middle, size, along in zip(MIDDLE, step, place, strict=True))  # fmt: skip
+    tags = f'<tag k="highway" v="{kind}"/>' if kind else ""
+    return f'<node id="{number}" lat="{lat:.7f}" lon="{lon:.7f}">{tags}</node>'
 
 
 def built(name: str, kept: Path, *, lod: int) -> Path:

@@ -34,8 +34,7 @@ from cityx.plugins.dynamic.traffic import traffic
 from cityx.traffic import session
 from cityx.traffic.demand import PER_KM
 
-# Vehicles a kilometre that are asked for to have so many of them under way on one.
-EXCESS = 1.6
+EXCESS = 1.6, 1.1  # vehicles and people asked for to have one of them under way at any time
 
 
 def row(
@@ -48,11 +47,12 @@ def row(
     stepping = [_Timed(session, "simulate"), _Timed(crowds, "walked")]
     clock, busy = [time.perf_counter()], [_processor()]
     if count:
-        city = traffic(city, per_km=EXCESS * count / _kilometres(city), duration=seconds)
+        city = traffic(city, per_km=EXCESS[0] * count / _kilometres(city), duration=seconds)
     elif among:
         city = traffic(city, density=among, duration=seconds)
     clock, busy = [*clock, time.perf_counter()], [*busy, _processor()]
-    walked = people.pedestrians(city, density=density, count=count or None, duration=seconds)
+    wanted = round(EXCESS[1] * count) or None
+    walked = people.pedestrians(city, density=density, count=wanted, duration=seconds)
     clock, busy = [*clock, time.perf_counter()], [*busy, _processor()]
     tracks = walked.tracks
     assert tracks is not None
