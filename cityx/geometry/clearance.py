@@ -232,17 +232,23 @@ def triangles_at(
     for begin in range(0, len(spots), AT_ONCE):
         some = spots[begin : begin + AT_ONCE]
         cell = _cell_number(*_cells(some).T)
-        first, last = (np.searchsorted(prepared.cell, cell, side) for side in ("left", "right"))
+        first, last = _span(prepared.cell, cell)
         parts = [among_cells(some, first, last, prepared.triangle, counts, *shapes)]
         if len(prepared.large):  # those whose box holds it
             held, shape = prepared.tree.query(shapely.points(some))
             order = np.argsort(held, kind="stable")
-            each = np.arange(len(some))
-            first, last = (np.searchsorted(held[order], each, side) for side in ("left", "right"))
+            first, last = _span(held[order], np.arange(len(some)))
             large = prepared.large[shape[order]]
             parts.append(among_cells(some, first, last, large, counts, *shapes))
         spot, triangle = (np.concatenate(column) for column in zip(*parts, strict=True))
         yield spot + begin, triangle
+
+
+def _span(
+    ascending: NDArray[np.int64], value: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return where each value begins and ends among ascending ones."""
+    return np.searchsorted(ascending, value, "left"), np.searchsorted(ascending, value, "right")
 
 
 def _counted(count: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

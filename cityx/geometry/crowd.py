@@ -115,7 +115,7 @@ def stepped(
         one, and who is in one leaves it.
     shut
         (zones + 1,) by number, zones onto whose rims nobody steps who has no leave, not even in
-        passing; who is on one already may go along it. None are if this is empty.
+        passing; who is on one already steps off it alone. None are if this is empty.
 
     Returns
     -------

@@ -26,6 +26,7 @@ SLOWER = np.array([1.0, 0.9, 0.9, 0.7, 0.7, 0.5, 0.35])  # pace of each
 LAST = np.radians(np.array([0.0, 35.0, -35.0]))  # turns from where one wants to go, tried last
 FLEEING = 2.0  # metres per second, at least, of who is in the way of a vehicle
 AWAY = np.radians(np.array([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0]))  # turns of who flees
+AWAY_FROM = 0.3  # cosine to straight away of a step that leads off a rim
 NEAR_BOXES = 32  # that one person heeds
 
 
@@ -173,8 +174,10 @@ def step(
             if not free[row, column]:
                 continue
             known = over == 0 or over == own or over == leave[i]
-            kept_off = over == awaits[i] or (over < len(shut) and shut[over])
-            past = zone[row, column] == 0 and (over == edge or not kept_off)
+            closed = over < len(shut) and shut[over]
+            past = zone[row, column] == 0 and (over == edge or (over != awaits[i] and not closed))
+            if past and closed:
+                past = _leads_off(here[i], x, y, zone, over, west, north, size)
             if not known and (not past or pace[i] <= 0.0):
                 continue
             fits = True
@@ -197,6 +200,22 @@ def step(
                 break
     _take_back(here, there, everyone, apart, keep, start, other)
     return there
+
+
+@compiled
+def _leads_off(
+    here: Any, x: float, y: float, zone: Any, number: int, west: float, north: float, size: float
+) -> bool:  # fmt: skip
+    """Tell whether a step of who is on the rim of a zone leads away from it."""
+    row, column = cell_of(here[0], here[1], west, north, size, zone.shape)
+    east, up = 0.0, 0.0
+    for i in range(max(row - 1, 0), min(row + 2, zone.shape[0])):
+        for j in range(max(column - 1, 0), min(column + 2, zone.shape[1])):
+            if zone[i, j] == number:
+                east += j - column
+                up += row - i
+    far = hypot(east, up) * hypot(x - here[0], y - here[1])
+    return bool((x - here[0]) * east + (y - here[1]) * up <= -AWAY_FROM * far)
 
 
 @compiled

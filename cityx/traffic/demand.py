@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cityx.assets.palettes import GROUPS, groups_of
 from cityx.city.city import City
-from cityx.geometry.identity import choose, hash_ids, id_text, uniform
+from cityx.geometry.identity import choose, draw, hash_ids, id_text, uniform
 from cityx.geometry.polylines import Polylines, arc_lengths
 from cityx.traffic.kinds import DRIVING, LARGE, shares_on
 from cityx.traffic.simulation import Group, Look, Trip
@@ -339,13 +339,14 @@ def _trips(
     ids = hash_ids(city.seed, purpose, number)
     ends = _ends(city, net, ids, hour)
     kind = _kinds(city, net, ids)
+    look = _looks(city, looks, every, ids, kind)
     found: list[tuple[Trip, str] | None] = [None] * count
     for large in (False, True):
         rows = np.flatnonzero(np.isin(kind, [list(DRIVING).index(k) for k in LARGE]) == large)
         for variant in range(VARIANTS):
             own = rows[rows % VARIANTS == variant]
             for row, route in _routed(city, net, variant, own, ids, ends, large=large):
-                found[row] = _trip(city, net, looks, every, int(ids[row]), int(kind[row]), route)
+                found[row] = _trip(city, net, int(ids[row]), int(look[row]), route)
     return [trip for trip in found if trip is not None]
 
 
@@ -373,10 +374,10 @@ def _ends(city: City, net: Drivable, ids: NDArray[np.uint64], hour: float) -> _E
     inner_end = homes * (ALL_DAY_HOME + coming) + work * (1.0 - ALL_DAY_HOME + leaving)
     if not inner_start.any():
         inner_start = inner_end = net.length * net.usable
-    draw = uniform(city.seed, "traffic/ends", ids)
+    share = uniform(city.seed, "traffic/ends", ids)
     within = (1.0 - THROUGH) / 2
-    begins = (draw >= THROUGH) & (draw < THROUGH + within)
-    finishes = draw >= THROUGH + within
+    begins = (share >= THROUGH) & (share < THROUGH + within)
+    finishes = share >= THROUGH + within
     if not outer_start.any():
         begins[:] = True
     if not outer_end.any():
@@ -431,20 +432,32 @@ def _routed(
     return found
 
 
+def _looks(
+    city: City, looks: Mapping[str, tuple[tuple[Look, float], ...]], every: tuple[Look, ...],
+    ids: NDArray[np.uint64], kind: IntArray,
+) -> IntArray:  # fmt: skip
+    """(t,) index into all looks, of those of each kind."""
+    found = np.zeros(len(ids), np.int64)
+    for number, name in enumerate(DRIVING):
+        rows = np.flatnonzero(kind == number)
+        if len(rows):
+            places = np.array([every.index(look) for look, _ in looks[name]])
+            shares = [share for _, share in looks[name]]
+            found[rows] = places[choose(city.seed, "traffic/look", ids[rows], shares)]
+    return found
+
+
 def _trip(
-    city: City, net: Drivable, looks: Mapping[str, tuple[tuple[Look, float], ...]],
-    every: tuple[Look, ...], trip_id: int, kind: int, route: tuple[int, ...],
-) -> tuple[Trip, str]:  # fmt: skip
-    choices = looks[list(DRIVING)[kind]]
-    which = choose(city.seed, "traffic/look", [trip_id], [share for _, share in choices])[0]
+    city: City, net: Drivable, trip_id: int, look: int, route: tuple[int, ...]
+) -> tuple[Trip, str]:
     ways = [net.streets.ways[way] for way in route]
     roads: dict[str, float] = {}
     for way in ways:
         roads[net.road(way)] = roads.get(net.road(way), 0.0) + way.length
     most = max(sorted(roads), key=lambda road: roads[road])
     inside = [place for place, way in enumerate(ways) if net.road(way) == most]
-    entry = inside[int(uniform(city.seed, "traffic/entry", [trip_id])[0] * len(inside))]
+    entry = inside[int(draw(city.seed, "traffic/entry", trip_id) * len(inside))]
     rolling = bool(net.entries[route[0]])
     names = tuple(way.name for way in ways)
-    trip = Trip(id_text(trip_id), every.index(choices[which][0]), names, entry, rolling)
+    trip = Trip(id_text(trip_id), look, names, entry, rolling)
     return trip, most

@@ -98,7 +98,9 @@ def test_the_rim_of_a_zone_is_passed_over_unless_the_zone_is_shut():
     assert pushed[:, :, 0].max() > 2.6
     assert kept_off[:, :, 0].max() <= 2.6
     assert kept_off[-1, :, 1].min() > 5.0  # they get on all the same
-    on_it = run([(2.7, 0.0)], [(0.0, 0.0)], 20, shut=shut, **passing)
+    along = run([(2.9, 0.0)], [(2.95, 20.0)], 40, shut=shut, **passing)
+    assert along[:, 0, 0].max() < 2.9 + 1e-9  # nobody comes nearer to the zone
+    on_it = run([(2.9, 0.0)], [(0.0, 0.0)], 20, shut=shut, **passing)
     assert on_it[-1, 0, 0] < 1.0
 
 

@@ -46,12 +46,12 @@ class Street:
             getWaitingTime=lambda name: self.waits if name == "side" else 0.0,
             getLaneID=lambda name: self.lane if name == "side" else "main_0",
             getLanePosition=lambda name: 49.5 if name == "side" else 0.0,
-            getNextLinks=lambda name: [("out_0", False, False, True, ":j1_0_0", state, "l", 9.0)],
-            getJunctionFoes=lambda name, reach: [("main", 4.0, far, 9.0, far + 5.0)],
+            getNextLinks=lambda _: [("out_0", False, False, True, ":j1_0_0", state, "l", 9.0)],
+            getJunctionFoes=lambda *_: [("main", 4.0, far, 9.0, far + 5.0)],
             getSpeed=lambda name: speed if name == "main" else 0.0,
             setSpeedMode=self.set_mode,
         )
-        self.lane_of = SimpleNamespace(getLength=lambda lane: 50.0)
+        self.lane_of = SimpleNamespace(getLength=lambda _: 50.0)
 
     def set_mode(self, name, mode):
         assert name == "side"
@@ -84,6 +84,6 @@ def test_who_was_let_in_heeds_everybody_again():
     courtesy.step()
     assert street.mode == LET_IN
     street.lane = "out_0"
-    street.vehicle.getLanePosition = lambda name: 2.0
+    street.vehicle.getLanePosition = lambda _: 2.0
     courtesy.step()
     assert street.mode == AWARE

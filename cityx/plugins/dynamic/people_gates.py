@@ -81,7 +81,7 @@ class Gates:
         """(c + 1,) by number from 1, crosswalks that signals forbid to step onto, now or soon."""
         first = self._at(now)
         last = first + round(CLEARED / self.tick) + 1
-        return np.asarray(np.r_[False, self.shut[:, first:last].any(axis=1)])
+        return np.concatenate([np.zeros(1, bool), self.shut[:, first:last].any(axis=1)])
 
     def boxes_at(self, now: float) -> FloatArray:
         """(b, 6) where vehicles are from now on for a while."""
