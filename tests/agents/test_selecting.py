@@ -97,7 +97,7 @@ def test_candidates_are_told_by_name_id_height_and_place(scene):
     (edit,) = read_brief("Remove the building", base=True).edits
     with pytest.raises(Open) as caught:
         choose(edit.target, scene("park_s"))
-    assert caught.value.question.candidates[0] == "b01 (0dba11b3fc125c13), 9 m high, at -120, -118"
+    assert caught.value.question.candidates[0] == "b01 (0dba11b3fc125c13), 17 m high, at -120, -118"
     assert caught.value.question.candidates[-1] == "and 14 more"
 
 

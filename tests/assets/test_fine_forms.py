@@ -114,8 +114,8 @@ def test_fine_shapes_end_with_their_block():
     assert box((0, 0, 0), (1, 1, 1), "trim").triangle_count == 12
 
 
-def test_leaves_have_six_triangles_each():
+def test_leaves_have_four_triangles_each():
     ones = np.ones((5, 1))
     made = leaf_blades(np.zeros((5, 3)), ones * [1, 0, 0], ones * [0, 1, 0], "leaf", (1, 1, 1))
-    assert made.triangle_count == 30
+    assert made.triangle_count == 20
     assert (area_vectors(made.vertices, made.faces)[:, 2] < 0).all()

@@ -16,7 +16,7 @@ HEIGHTS = {
 def test_a_piece_is_small_named_and_of_known_materials(name):
     piece = furniture(name)
     assert piece.name == name
-    assert 20 <= piece.mesh.triangle_count <= 900
+    assert 20 <= piece.mesh.triangle_count <= 1200
     assert set(piece.mesh.materials) <= set(MATERIALS)
     assert np.isfinite(piece.mesh.vertices).all()
 

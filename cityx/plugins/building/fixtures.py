@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cityx.assets.facade_styles import Fixture
 from cityx.assets.fixtures import fixture
 from cityx.city.ground import KERB_WIDTH
+from cityx.city.passage import FREE
 from cityx.geometry import facades
 from cityx.geometry.facades import bays_of
 from cityx.geometry.identity import hash_ids, uniform
@@ -37,6 +38,7 @@ LEAST_GABLE = 1.0  # metres of roof
 OVERLAP = 0.15  # metres by which a thing may stand out beyond the end of its wall
 HEADROOM = 2.6  # metres above which a thing is in no door's way
 PAVEMENT = 0.35  # metres; what stands out less takes nothing from the pavement
+STEPS = 2.2  # metres that the steps of a door may take of it
 DOOR_GAP = 0.15  # metres between a door and what stands beside it
 FAR = 1e5  # metres; longer than any wall
 SHARP = 0.3  # of the mitre of a right angle; flatter corners bear nothing
@@ -71,13 +73,13 @@ class Site:
 
     @cached_property
     def streets(self) -> tuple[NDArray[Any], FloatArray]:
-        """Centrelines of the streets that run by on the ground, and half widths with walks."""
+        """Centrelines of streets on the ground, half widths with what stays free of walks."""
         kind, below = self.roads["kind"].to_numpy(str), self.roads["tunnel"].to_numpy(bool)
         driven = np.isin(kind, list(STREETS)) & (kind != "pedestrian") & ~below
         walk = np.fmax(*(self.roads[f"sidewalk_{side}"].to_numpy(float)
                          for side in ("left", "right")))  # fmt: skip
         half = np.nan_to_num(self.roads["width"].to_numpy(float) / 2)
-        half = half + np.where(walk > 0, walk + KERB_WIDTH, 0.0)
+        half = half + np.where(walk > 0, np.fmin(walk, FREE) + KERB_WIDTH, 0.0)
         return self.roads.geometry.to_numpy()[driven], half[driven]
 
     @cached_property
@@ -348,7 +350,9 @@ def _off_streets(
     mesh = fixture(each.name, detail=placing.detail).mesh.vertices
     posts = mesh[mesh[:, 2] + each.lift < HEADROOM]
     out = each.out - float(posts[:, 1].min(initial=0.0))
-    if each.stretch or out < PAVEMENT or not len(wall):
+    # Steps belong to their door, and what hangs above the ground floor is in nobody's way.
+    least = STEPS if each.at == "door" else PAVEMENT
+    if each.stretch or each.first > 0 or out < least or not len(wall):
         return clear
     unit, normal = placing.unit[wall], site.found.walls.normal[wall]
     side = float(np.abs(posts[:, 0]).max()) * unit

@@ -176,13 +176,13 @@ def test_fixtures_are_small_and_stand_before_their_wall(word):
         assert mesh.vertices[:, 1].min() < 0.1
 
 
-def test_a_canopy_on_posts_stands_in_no_carriageway():
+def test_a_canopy_on_posts_stands_on_no_street():
     city = design(sample_city(sheet_of(["hospital"], SEEDS)))  # streets run 7 m before the doors
     found = []
-    for width in (2.0, 8.0):
-        roads = city.layout.roads.assign(width=width)
+    for width, walk in ((2.0, 0.0), (2.0, 3.0), (8.0, 0.0)):
+        roads = city.layout.roads.assign(width=width, sidewalk_left=walk, sidewalk_right=walk)
         trims = facade(shell(replace(city, layout=replace(city.layout, roads=roads)))).scene
         names_of = [prototype.name for prototype in trims.prototypes]
         rows = trims.instances["trims"].prototype.tolist()
         found.append(sum(names_of[row] == "canopy_ambulance" for row in rows))
-    assert found == [len(SEEDS), 0]
+    assert found == [len(SEEDS), 0, 0]
