@@ -17,6 +17,7 @@ Bytes = NDArray[np.uint8]
 CELL = 0.14  # metres per pixel: three across a tyre with its splashes
 MOST = 4096  # pixels along an edge; larger sites get coarser ones
 NEUTRAL = 128  # as worn as everything else
+FORECOURT = 9.0  # metres from a carriageway within which yards are paved as usual
 RIM = -0.75  # tone of the bitumen that seals a repair
 
 
@@ -62,6 +63,11 @@ def ground_wear(
         draw = ImageDraw.Draw(fields)
         for outline, tone in zip(*yard_fields(houses), strict=True):
             draw.polygon(placed(outline), _byte(float(tone)), _byte(RIM))
+        # What lies before a house was paved with its street.
+        for edge, half in enumerate(network.half_width.tolist()):
+            first, last = network.point_start[edge : edge + 2]
+            wide = max(round(2 * (half + FORECOURT) / cell), 1)
+            draw.line(placed(network.points[first:last]), NEUTRAL, wide, "curve")
     tracks = tyre_tracks(network, (xmin, ymin), size, cell)
     picture = np.stack([tracks, np.asarray(repairs), np.asarray(fields)], axis=2)
     picture[[0, -1]] = picture[:, [0, -1]] = (0, NEUTRAL, NEUTRAL)  # what goes on beyond the site

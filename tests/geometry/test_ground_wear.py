@@ -4,7 +4,7 @@ import numpy as np
 import shapely
 
 from cityx.city import RoadNetwork, one_mesh
-from cityx.geometry.ground_wear import NEUTRAL, ground_wear
+from cityx.geometry.ground_wear import FORECOURT, NEUTRAL, ground_wear
 from cityx.geometry.street_repairs import OVER_KERB, PAVER, lane_seams, street_repairs
 from cityx.geometry.yard_fields import REACH, yard_fields
 
@@ -83,3 +83,11 @@ def test_the_picture_is_neutral_at_its_rim_and_coarser_on_a_large_site():
     assert large.shape[1] <= 4096
     assert coarse > 1.0
     assert (large[..., 2] == NEUTRAL).all()
+
+
+def test_what_lies_before_houses_is_paved_with_the_street():
+    picture, cell = ground_wear(LONG, shell(0.0), EXTENT)
+    reach = 3.0 + FORECOURT - 2 * cell
+    low, high = (int((20.0 + sign * reach) / cell) for sign in (-1, 1))
+    across = picture[low:high, int(10.0 / cell) : int(580.0 / cell), 2]
+    assert (across == NEUTRAL).all()
