@@ -25,8 +25,8 @@ pytestmark = [
 ]
 
 
-@pytest.fixture
-def refused(monkeypatch):
+@pytest.fixture(autouse=True)
+def _refused(monkeypatch):
     """Let the first street begin at a junction that there is not."""
 
     def spoilt(streets, frame, folder, name="city"):
@@ -40,14 +40,14 @@ def refused(monkeypatch):
     monkeypatch.setattr(network, "write_plain", spoilt)
 
 
-def test_the_street_is_named_that_netconvert_refuses(refused, tmp_path):
+def test_the_street_is_named_that_netconvert_refuses(tmp_path):
     city = city_of(CROSS)
     streets = streets_of(city, halts_of(city))
     with pytest.raises(EngineError, match=r"street 0[\s\S]*nowhere|nowhere[\s\S]*street 0"):
         make_network(streets, city.frame, tmp_path, said=street_names(city))
 
 
-def test_the_city_is_as_it_was_where_its_network_is_refused(refused, tmp_path, monkeypatch, capsys):
+def test_the_city_is_as_it_was_where_its_network_is_refused(tmp_path, monkeypatch, capsys):
     build_scene("grid_s", tmp_path / "grid")
     before = hashes(tmp_path / "grid")
     monkeypatch.setattr(sys, "argv", ["cityx", "edit", str(tmp_path / "grid"), "Add light traffic"])
