@@ -15,7 +15,8 @@ from cityx.city.roads import RoadNetwork
 from cityx.city.terrain import Terrain
 from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.polylines import Polylines, to_linestrings
-from cityx.plugins.road.carriageway import FINE, MITRE, STONE, plain_carriageways
+from cityx.plugins.road.carriageway import FINE, MITRE
+from cityx.plugins.road.carriageway_regions import STONE, plain_carriageways
 from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.landcover import rail_strips
 from cityx.plugins.road.painting import Painting
