@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.assets.shapes import WHITE, Color, loft, tube
+from cityx.assets.shapes import WHITE, Color, loft, moved, tube
 from cityx.city.mesh import MeshBatch, one_mesh
 
 FloatArray = NDArray[np.float64]
@@ -255,3 +255,23 @@ def scroll(x: float, z: float, y: float, size: float, turn: float, *, start: flo
         ]
     )
     return tube(path, np.linspace(radius, 0.6 * radius, count), material, sides=6)
+
+
+def console(reach: float, tall: float, wide: float) -> Shapes:
+    """Carve a scrolled console that hangs below the origin.
+
+    Parameters
+    ----------
+    reach
+        Metres from the wall to its front.
+    tall, wide
+        Metres down and along the wall.
+    """
+    t = np.linspace(0.0, 1.0, 17)
+    out = 0.05 + (reach - 0.06) * (1 - t) ** 1.6 + 0.012 * np.sin(3 * np.pi * t)
+    line = np.vstack([np.column_stack([-out, -tall * t]), [(0.0, -tall), (0.0, 0.0)]])
+    shapes: Shapes = [ledge(line, -wide / 2, wide / 2, "trim")]
+    for side in (-1.0, 1.0):
+        volute = scroll(0.0, 0.0, 0.0, 0.28 * reach, 1.0, material="trim", radius=0.05 * reach)
+        shapes.append(moved(volute, (side * wide / 2, -0.55 * reach, -0.3 * reach), yaw=np.pi / 2))
+    return shapes

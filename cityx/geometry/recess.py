@@ -14,19 +14,24 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.bands import Chains, Holes, cut_bands
-from cityx.geometry.polygons import STRAIGHT, FloatArray, IntArray, Rings, polygons_of, triangulate
+from cityx.geometry.bands import Holes, cut_bands
+from cityx.geometry.polygons import FloatArray, IntArray, Rings, polygons_of, triangulate
 from cityx.geometry.ranges import ranges
 from cityx.geometry.solids import NO_VERTEX, as_quads
+from cityx.geometry.wall_strips import (
+    ROW,
+    WallStrips,
+    feet_and_heads,
+    in_space,
+    outlines_of,
+    strips_of,
+)
 
 FRONT, SIDE, SILL, HEAD, BACK = range(5)  # kinds of new faces
 EDGE = 0.02  # metres of wall left between a niche and the edge of its strip or another niche
 NEAR = 0.05  # metres; a niche is looked for on the strips this near to its place
 FACING = 0.998  # cosine; a niche and its strip face the same way within 3.6 degrees
-PLANAR = 0.01  # metres; corners of a strip leave its plane by no more than this
 LEVEL = 0.995  # cosine; an edge of a rim within six degrees of level is a sill or a head
-ROW = 1e4  # metres between strips laid side by side on one axis; longer than any wall
-MIN_SIDE = 0.02  # metres; a quad narrower or lower than this takes no niche
 
 
 @dataclass(frozen=True)
@@ -116,37 +121,6 @@ class Recesses:
     uv: NDArray[np.float32]
 
 
-@dataclass(frozen=True)
-class _Strips:
-    """Upright strips of quads, w of them.
-
-    ``face`` lists the quads strip by strip, each from left to right as seen from outside; ``start``
-    are the (w + 1,) offsets. ``origin`` and ``unit`` (w, 2) are the plane's line in plan,
-        ``length``
-    (w,) how far it runs.
-    """
-
-    face: IntArray
-    start: IntArray
-    origin: FloatArray
-    unit: FloatArray
-    length: FloatArray
-
-    @property
-    def count(self) -> int:
-        return len(self.length)
-
-    @property
-    def of_face(self) -> IntArray:
-        return np.repeat(np.arange(self.count), np.diff(self.start))
-
-    def take(self, rows: IntArray) -> _Strips:
-        pick, start = ranges(self.start, rows)
-        return _Strips(
-            self.face[pick], start, self.origin[rows], self.unit[rows], self.length[rows]
-        )
-
-
 def cut_niches(
     vertices: FloatArray,
     faces: IntArray | NDArray[np.int32],
@@ -175,7 +149,7 @@ def cut_niches(
         of two that touch.
     """
     faces = np.asarray(faces, np.int64)
-    strips = _strips_of(vertices, faces, wall, alike, uv)
+    strips = strips_of(vertices, faces, wall, alike, uv)
     if not niches.count or not strips.count:
         return _nothing(np.zeros(niches.count, bool), len(faces))
     strip, along = _strip_of(vertices, faces, niches, strips, group)
@@ -211,124 +185,15 @@ def _nothing(done: NDArray[np.bool_], count: int) -> Recesses:
     )  # fmt: skip
 
 
-def _strips_of(
-    vertices: FloatArray,
-    faces: IntArray,
-    wall: NDArray[np.bool_],
-    alike: IntArray,
-    uv: NDArray[np.float32],
-) -> _Strips:
-    """Find upright quads and chain those that go on in one plane."""
-    rows = np.flatnonzero(wall & (faces[:, 3] != NO_VERTEX))
-    corner = vertices[faces[rows]]  # (q, 4, 3)
-    upright = (corner[:, 0, :2] == corner[:, 3, :2]).all(1)
-    upright &= (corner[:, 1, :2] == corner[:, 2, :2]).all(1)
-    upright &= (corner[:, 3, 2] - corner[:, 0, 2] > MIN_SIDE) & (
-        corner[:, 2, 2] - corner[:, 1, 2] > MIN_SIDE
-    )
-    vector = corner[:, 1, :2] - corner[:, 0, :2]
-    upright &= np.hypot(*vector.T) > MIN_SIDE
-    rows, corner, vector = rows[upright], corner[upright], vector[upright]
-    if not len(rows):
-        none = np.zeros((0, 2))
-        return _Strips(rows, np.zeros(1, np.int64), none, none, np.zeros(0))
-    after = _next_in_plane(faces[rows], vector, alike[rows], uv[rows])
-    chain, rank = _chains(after)
-    order = np.lexsort((rank, chain))
-    _, chain = np.unique(chain[order], return_inverse=True)
-    # A chain that bends out of its plane falls apart into its quads.
-    first = np.flatnonzero(np.diff(chain, prepend=-1) != 0)
-    last = np.append(first[1:], len(chain)) - 1
-    begin, end = corner[order[first], 0, :2], corner[order[last], 1, :2]
-    span = end - begin
-    size = np.maximum(np.hypot(*span.T), 1e-9)
-    offset = corner[order, 1, :2] - begin[chain]
-    aside = np.abs(offset[:, 0] * span[chain, 1] - offset[:, 1] * span[chain, 0]) / size[chain]
-    bent = np.zeros(len(first), bool)
-    bent[chain[aside > PLANAR]] = True
-    starts = bent[chain]
-    starts[first] = True
-    first = np.flatnonzero(starts)
-    last = np.append(first[1:], len(order)) - 1
-    begin, end = corner[order[first], 0, :2], corner[order[last], 1, :2]
-    span = end - begin
-    size = np.maximum(np.hypot(*span.T), 1e-9)
-    start = np.append(first, len(order)).astype(np.int64)
-    return _Strips(rows[order], start, begin, span / size[:, None], size)
-
-
-def _next_in_plane(
-    quads: IntArray, vector: FloatArray, alike: IntArray, uv: NDArray[np.float32]
-) -> IntArray:
-    """(q,) the quad that goes on at the right end of each in its plane, or -1."""
-    found = np.full(len(quads), -1, np.int64)
-    if not len(quads):
-        return found
-    scale = int(quads.max()) + 1
-    left = quads[:, 0] * scale + quads[:, 3]
-    right = quads[:, 1] * scale + quads[:, 2]
-    order = np.argsort(left, kind="stable")
-    at = np.minimum(np.searchsorted(left[order], right), len(order) - 1)
-    other = order[at]
-    length = np.hypot(*vector.T)
-    cross = vector[:, 0] * vector[other, 1] - vector[:, 1] * vector[other, 0]
-    dot = (vector * vector[other]).sum(1)
-    fits = (left[other] == right) & (alike[other] == alike)
-    fits &= (np.abs(cross) < np.sin(STRAIGHT) * length * length[other]) & (dot > 0)
-    fits &= np.abs(uv[other, 0] - uv[:, 1]).max(1) < 1e-3  # the texture runs on
-    found[fits] = other[fits]
-    return found
-
-
-def _chains(after: IntArray) -> tuple[IntArray, IntArray]:
-    """First link of every chain and place in it, (q,) each, by pointer doubling."""
-    count = len(after)
-    before = np.full(count, -1, np.int64)
-    linked = np.flatnonzero(after >= 0)
-    before[after[linked]] = linked
-    jump = np.where(before >= 0, before, np.arange(count))
-    step = (before >= 0).astype(np.int64)
-    for _ in range(count.bit_length()):
-        if not (before[jump] >= 0).any():
-            break
-        step = step + step[jump]
-        jump = jump[jump]
-    # Rings without a beginning are no plane: every quad stands alone.
-    ring = before[jump] >= 0
-    return np.where(ring, np.arange(count), jump), np.where(ring, 0, step)
-
-
-def _outlines(vertices: FloatArray, faces: IntArray, strips: _Strips) -> tuple[Rings, IntArray]:
-    """Outline of every strip in its plane: rings, and the vertex of each point."""
-    size = np.diff(strips.start)
-    total = 2 * (size + 1)
-    start = np.concatenate([[0], np.cumsum(total)]).astype(np.int64)
-    strip = np.repeat(np.arange(strips.count), size)
-    rank = np.arange(len(strip)) - strips.start[:-1][strip]
-    vertex = np.empty(start[-1], np.int64)
-    foot = start[strip] + rank
-    vertex[foot] = faces[strips.face, 0]
-    vertex[foot + 1] = faces[strips.face, 1]
-    head = start[strip + 1] - 1 - rank
-    vertex[head] = faces[strips.face, 3]
-    vertex[head - 1] = faces[strips.face, 2]
-    of_point = np.repeat(np.arange(strips.count), total)
-    offset = vertices[vertex, :2] - strips.origin[of_point]
-    along = (offset * strips.unit[of_point]).sum(1)
-    points = np.column_stack([along, vertices[vertex, 2]])
-    number = np.arange(strips.count)
-    return Rings(points, start, number, np.zeros(strips.count, bool)), vertex
-
-
-def _polygons(vertices: FloatArray, faces: IntArray, strips: _Strips) -> NDArray[Any]:
-    rings, _ = _outlines(vertices, faces, strips)
+def _polygons(vertices: FloatArray, faces: IntArray, strips: WallStrips) -> NDArray[Any]:
+    rings, _ = outlines_of(vertices, faces, strips)
     return polygons_of(rings, strips.count)
 
 
 def _fronts(
     vertices: FloatArray,
     faces: IntArray,
-    strips: _Strips,
+    strips: WallStrips,
     niches: Niches,
     strip: IntArray,
     along: FloatArray,
@@ -354,7 +219,7 @@ def _fronts(
     first = niches.start[:-1][plain]
     used, local = np.unique(strip[plain], return_inverse=True)
     few = strips.take(used)
-    feet, heads = _chains_of(vertices, faces, few)
+    feet, heads = feet_and_heads(vertices, faces, few)
     corner = first[:, None] + np.arange(4)
     holes = Holes(local, rim[first], rim[first + 2], corner + count)
     banded = cut_bands(feet, heads, holes, count + 2 * points)
@@ -399,22 +264,8 @@ def _rectangles(niches: Niches) -> NDArray[np.bool_]:
     return np.asarray(found, bool)
 
 
-def _chains_of(vertices: FloatArray, faces: IntArray, strips: _Strips) -> tuple[Chains, Chains]:
-    """Feet and heads of strips from left to right."""
-    rings, vertex = _outlines(vertices, faces, strips)
-    half = np.diff(rings.start) // 2
-    start = np.concatenate([[0], np.cumsum(half)]).astype(np.int64)
-    rank = np.arange(start[-1]) - np.repeat(start[:-1], half)
-    foot = np.repeat(rings.start[:-1], half) + rank
-    head = np.repeat(rings.start[1:] - 1, half) - rank
-    return (
-        Chains(start, vertex[foot], rings.points[foot]),
-        Chains(start, vertex[head], rings.points[head]),
-    )
-
-
 def _strip_of(
-    vertices: FloatArray, faces: IntArray, niches: Niches, strips: _Strips, group: IntArray
+    vertices: FloatArray, faces: IntArray, niches: Niches, strips: WallStrips, group: IntArray
 ) -> tuple[IntArray, FloatArray]:
     """Strip that wholly contains each niche, or -1, and the place along it, (k,) each."""
     found = np.full(niches.count, -1, np.int64)
@@ -483,7 +334,7 @@ def _apart(niches: Niches, strip: IntArray, along: FloatArray) -> IntArray:
 def _triangles(
     vertices: FloatArray,
     faces: IntArray,
-    strips: _Strips,
+    strips: WallStrips,
     niches: Niches,
     strip: IntArray,
     along: FloatArray,
@@ -499,7 +350,7 @@ def _triangles(
     bad
         (w,) bool, strips that could not be cut.
     """
-    outer, vertex = _outlines(vertices, faces, strips)
+    outer, vertex = outlines_of(vertices, faces, strips)
     rim = _flat_rims(niches, along)
     # Holes run clockwise: each rim backwards.
     size = np.diff(niches.start)
@@ -557,7 +408,7 @@ def _assembled(
     vertices: FloatArray,
     faces: IntArray,
     uv: NDArray[np.float32],
-    strips: _Strips,
+    strips: WallStrips,
     niches: Niches,
     strip: IntArray,
     along: FloatArray,
@@ -573,8 +424,8 @@ def _assembled(
     owner = niches.owner
     flat = _flat_rims(niches, along)
     count, points = len(vertices), len(flat)
-    front = _in_space(vertices, faces, strips, strip[owner], flat)
-    inner = _in_space(vertices, faces, strips, extra_strip, extra)
+    front = in_space(vertices, faces, strips, strip[owner], flat)
+    inner = in_space(vertices, faces, strips, extra_strip, extra)
     inward = np.column_stack([-strips.unit[:, 1], strips.unit[:, 0], np.zeros(strips.count)])
     rear = front + inward[strip[owner]] * niches.depth[owner][:, None]
     # Sides: one quad per edge of a rim, from the wall to the back.
@@ -624,26 +475,6 @@ def _assembled(
         first_face[np.concatenate([strip[owner], strip[owner], extra_strip])], new,
         source, number, kinds, all_uv,
     )  # fmt: skip
-
-
-def _in_space(
-    vertices: FloatArray, faces: IntArray, strips: _Strips, strip: IntArray, flat: FloatArray
-) -> FloatArray:
-    """Lift points of a strip's plane onto its quads, which may leave it by `PLANAR`."""
-    of_face = strips.of_face
-    right = vertices[faces[strips.face, 1], :2] - strips.origin[of_face]
-    normal = np.column_stack([strips.unit[:, 1], -strips.unit[:, 0]])
-    reach = (right * strips.unit[of_face]).sum(1)
-    out = (right * normal[of_face]).sum(1)
-    number = np.arange(strips.count)
-    axis = np.concatenate([ROW * number, ROW * of_face + reach])
-    before = np.concatenate([np.zeros(strips.count), out])
-    order = np.argsort(axis, kind="stable")
-    stand = np.interp(ROW * strip + flat[:, 0], axis[order], before[order])
-    # A straight strip of one quad must not get the rounding of the common axis.
-    stand[np.diff(strips.start)[strip] == 1] = 0.0
-    plan = strips.origin[strip] + strips.unit[strip] * flat[:, :1] + normal[strip] * stand[:, None]
-    return np.column_stack([plan, flat[:, 1]])
 
 
 def _fans(start: IntArray, first: int) -> tuple[IntArray, IntArray]:

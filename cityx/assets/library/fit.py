@@ -17,6 +17,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.library.choice import NONE, Chooser, neighbours_of
 from cityx.assets.library.records import Catalogue
 from cityx.geometry.identity import hash_ids
 from cityx.geometry.polygons import FloatArray, IntArray
@@ -30,9 +31,6 @@ TOLERANCE = 0.3  # metres an asset may stand out of its lot: drawing accuracy of
 SHRINK = (1.0, 0.96, 0.93, 0.9)  # tried in turn where an outline does not fit
 TOUCH = 1e-6  # square metres; neighbours that share a wall overlap by rounding alone
 REPEAT = 100.0  # metres about an asset in which it is not placed again, where there is a choice
-ADJACENT = 8  # nearest neighbours that never are the same asset
-MOST_SHARE = 0.004  # of all lots that one asset stands on, so that ten make no twentieth of a city
-NEIGHBOURS = 24  # looked at within `REPEAT`
 CANDIDATES = 32
 # Weights of the costs, in units of |ln scale|: a quarter off in size is about 0.22.
 ASPECT_COST = 2.0
@@ -63,7 +61,6 @@ REASONS = (
     "every candidate stands nearby already",
 )
 PLACED, SHAPE, SIZE, STOREYS, OVERLAP, REPEATED = range(len(REASONS))
-NONE = -1
 
 
 @dataclass(frozen=True)
@@ -257,8 +254,8 @@ def place(
     reason = np.where((reason == SIZE) & (why == STOREYS), STOREYS, reason)
     fitting = _Fitting(lots, assets, target, obstacles)
     rank = np.argsort(np.argsort(hash_ids(seed, "placement", lots.id), kind="stable"))
-    near, close = _neighbours(target.centre, repeat)
-    chooser = _Chooser(rows, cost, rank, near, close)
+    near, close = neighbours_of(target.centre, repeat)
+    chooser = Chooser(rows, cost, rank, near, close)
     chosen = np.full(count, NONE, np.int64)
     scale = np.full(count, np.nan)
     outline = np.full(count, None, object)
@@ -401,98 +398,6 @@ def _costs(
     good = (rows >= 0) & in_band
     why = np.where(good.any(axis=1) & ~(good & plausible).any(axis=1), STOREYS, SIZE)
     return np.where(good & plausible, cost, np.inf), why
-
-
-def _neighbours(centre: FloatArray, repeat: float) -> tuple[IntArray, IntArray]:
-    """Return (n, k) neighbours within `repeat` and (n, 8) nearest ones, -1 for none."""
-    from scipy.spatial import cKDTree
-
-    count = min(NEIGHBOURS + 1, len(centre))
-    distance, near = cKDTree(centre).query(centre, k=count)
-    distance, near = distance.reshape(len(centre), -1), near.reshape(len(centre), -1)
-    own = near == np.arange(len(centre))[:, None]
-    near = np.where(own, NONE, near).astype(np.int64)
-    close = near[:, : ADJACENT + 1]
-    return np.where(distance <= repeat, near, NONE), close
-
-
-class _Chooser:
-    """Chooses a candidate for every lot so that no asset stands near itself.
-
-    Every lot proposes its cheapest candidate; of two near lots with the same asset the one of
-    lower rank keeps it, the other crosses it out and proposes the next. Candidates are only ever
-    crossed out, so it ends, and as the rank follows from ids, order does not matter. A lot without
-    candidates left gets those back that were crossed out for a repetition beyond the next houses.
-    """
-
-    def __init__(
-        self, rows: IntArray, cost: FloatArray, rank: IntArray, near: IntArray, close: IntArray
-    ) -> None:
-        self.rows, self.rank, self.near, self.close = rows, rank, near, close
-        self.affordable = np.isfinite(cost)
-        self.open = self.affordable.copy()
-        self.refused = np.zeros_like(self.open)  # by the outlines, for good
-        self.lenient = np.zeros(len(rows), bool)  # lots that may repeat beyond the next houses
-        self.repeated = np.zeros(len(rows), bool)
-
-    def choose(self) -> IntArray:
-        """Return (n,) the asset of every lot, -1 for none."""
-        while True:
-            asset = self._proposed()
-            clash = self._clashes(asset)
-            if not len(clash):
-                clash = self._beyond_share(asset)
-            if not len(clash):
-                return asset
-            self._cross_out(clash, asset[clash])
-
-    def refuse(self, lots: IntArray, assets: IntArray) -> None:
-        """Cross an asset out for good, lot by lot."""
-        same = self.rows[lots] == assets[:, None]
-        self.refused[lots] |= same
-        self.open[lots] &= ~same
-
-    def _proposed(self) -> IntArray:
-        first = self.open.argmax(axis=1)
-        row = np.arange(len(self.rows))
-        some = self.open[row, first]
-        return np.where(some, self.rows[row, first], NONE)
-
-    def _clashes(self, asset: IntArray) -> IntArray:
-        """Lots whose asset stands at a neighbour of lower rank."""
-        lower = np.zeros(len(asset), bool)
-        for neighbours, lenient in ((self.near, ~self.lenient), (self.close, True)):
-            other = np.where(neighbours >= 0, asset[neighbours], NONE - 1)
-            same = (other == asset[:, None]) & (asset >= 0)[:, None]
-            # Neighbourhood by count is one-sided: either side's view makes two lots near.
-            mine = same & (self.rank[neighbours] < self.rank[:, None])
-            hit = mine.any(axis=1) & lenient
-            lower |= hit
-            theirs = same & (self.rank[neighbours] > self.rank[:, None])
-            lot, column = np.nonzero(theirs)
-            them = neighbours[lot, column]
-            if neighbours is self.near:
-                them = them[~self.lenient[them]]
-            lower[them] = True
-        return np.flatnonzero(lower)
-
-    def _beyond_share(self, asset: IntArray) -> IntArray:
-        """Lots whose asset stands on so many of lower rank that it is seen too often."""
-        most = max(3, int(MOST_SHARE * len(asset)))
-        order = np.lexsort((self.rank, asset))
-        held = asset[order]
-        first = np.searchsorted(held, held)
-        over = (np.arange(len(held)) - first >= most) & (held >= 0) & ~self.lenient[order]
-        return np.sort(order[over])
-
-    def _cross_out(self, lots: IntArray, assets: IntArray) -> None:
-        same = self.rows[lots] == assets[:, None]
-        self.open[lots] &= ~same
-        empty = lots[~self.open[lots].any(axis=1)]
-        again = empty[~self.lenient[empty]]
-        self.lenient[again] = True
-        self.open[again] = self.affordable[again] & ~self.refused[again]
-        self.repeated[empty] = True
 
 
 class _Fitting:

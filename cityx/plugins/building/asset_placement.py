@@ -10,16 +10,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.library.fit import (
-    NONE,
-    REASONS,
-    Lots,
-    Placement,
-    Targets,
-    assets_of,
-    place,
-    targets_of,
-)
+from cityx.assets.library.choice import NONE
+from cityx.assets.library.fit import REASONS, Lots, Placement, Targets, assets_of, place, targets_of
 from cityx.assets.library.models import Models, turns
 from cityx.assets.library.paper_placement import place_as_paper
 from cityx.assets.library.shelves import Shelf, shelf_of, text_scores

@@ -1,4 +1,4 @@
-"""Carriageways, junction surfaces, kerbs and sidewalks as regions of the ground.
+"""The surfaces of carriageways and junctions, as polygons.
 
 Each edge becomes a strip from one junction to the next; each junction joins its arms up to their
 trims and rounds the corners. The arrangement resolves what overlaps.
@@ -13,11 +13,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
+from cityx.city.ground import KERB_WIDTH
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
-from cityx.geometry.arrangement import GRID, Regions, join_regions, regions
-from cityx.geometry.identity import mix
+from cityx.geometry.arrangement import GRID
 from cityx.geometry.polylines import (
     Polylines,
     arc_lengths,
@@ -26,32 +25,17 @@ from cityx.geometry.polylines import (
     pieces,
     to_linestrings,
 )
-from cityx.plugins.road.corners import (
-    LEAST_RADIUS,
-    NOSE,
-    NOSE_RADIUS,
-    Arms,
-    Corners,
-)
+from cityx.plugins.road.corners import LEAST_RADIUS, NOSE, NOSE_RADIUS, Arms, Corners
 from cityx.plugins.road.network import AIM, junction_clusters, node_corners
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 Shapes = NDArray[Any]
 
-STONE = ("sett", "cobblestone", "unhewn_cobblestone", "paving_stones", "bricks", "brick")
-LOOSE = (
-    "gravel", "fine_gravel", "compacted", "unpaved", "dirt", "earth", "ground", "grass", "mud",
-    "sand", "pebblestone", "rock", "woodchips", "grass_paver",
-)  # fmt: skip
 ROUND = 8  # chords per quarter circle beside bends; 1.5 cm off at a radius of 3 m
-BUILDING_PRIORITY = 74  # a facade wins over a carriageway drawn too wide
-PASSAGE_PRIORITY = 76  # but not where the carriageway runs through the house
 MITRE = 2.0  # longest mitre, in half widths; sharper bends are cut off
-BATCH = 500.0  # metres; carriageways are joined in squares of this size
-FINE, COARSE = 0.01, 1.0  # metres by which centrelines are simplified, in detail and without
+FINE = 0.01  # metres by which centrelines are simplified
 OVERLAP = 0.5  # metres that a carriageway reaches into the junction surface, also where arms curve
-BETWEEN_HOUSES = 20.0  # metres from a centreline to the houses that make its road a street
 SHORTEST = 0.5  # metres; a shorter piece between two junctions belongs to them
 BEND = 0.05  # radians; below it the wedge at a bend is thinner than the kerb's joint
 FLAT = np.radians(150.0)  # between arms whose kerbs run through; and as much beyond 180 degrees
@@ -61,7 +45,6 @@ TURNED = np.radians(185.0)  # beyond it two strips leave a wedge open
 TAPER = 8.0  # metres on both sides of a node along which a kerb passes from width to width
 GORE_REACH = 60.0  # metres from the node within which a gore is paved up to its nose
 HEAD = 2 * KERB_WIDTH  # metres
-EDGING = 0.12  # metres of stone behind a walk
 AGAIN = 0.25  # share by which the curve of a corner may begin further away on arms that bend
 JOINT = GRID  # metres; more would show as a step of the kerb
 HAIR = 0.001  # metres; thinner strips, which come from rounding, would join what lies apart
@@ -69,8 +52,6 @@ LEAST_CURVE = 0.03  # square metres; smaller pieces come from rounding
 NOSE_REACH = 4 * LEAST_RADIUS  # metres behind a junction in which medians have their noses
 NARROW_MEDIAN = 1.5  # metres; what parts two carriageways less is paved
 LEAST_ISLAND = 6.0  # square metres; a smaller hole in a junction is paved
-CURVE_PRIORITY = 68  # below the arms, whose surfaces a curve overlaps
-JUNCTION_PRIORITY = 72  # above every kind of carriageway, whatever the junction is paved with
 
 
 @dataclass(frozen=True)
@@ -123,34 +104,6 @@ class Carriageway:
         )
 
 
-def road_labels(surface: Any) -> NDArray[np.uint8]:
-    """Label of the carriageway for values of the ``surface`` column, (n,)."""
-    words = np.asarray(surface).astype(str)
-    stone, loose = np.isin(words, STONE), np.isin(words, LOOSE)
-    choice = np.where(loose, LABEL["gravel_road"], LABEL["carriageway"])
-    return np.where(stone, LABEL["setts"], choice).astype(np.uint8)
-
-
-def plain_carriageways(
-    layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bool_]
-) -> Regions:
-    """Return carriageways without junctions, one region per kind of surface (detail level 0)."""
-    edges = np.flatnonzero(on_ground)
-    lines = to_linestrings(Polylines(network.points, network.point_start))[edges]
-    strips = shapely.buffer(shapely.simplify(lines, COARSE), network.half_width[edges],
-                            quad_segs=1, join_style="mitre", mitre_limit=MITRE)  # fmt: skip
-    label = road_labels(layout.roads["surface"].to_numpy()[network.edge_road[edges]])
-    # Joined batch by batch: what still overlaps costs less than one large union.
-    middle = (shapely.bounds(strips)[:, :2] + shapely.bounds(strips)[:, 2:]) / 2
-    keys = np.column_stack([label, np.floor(middle / BATCH)])
-    batches, batch = np.unique(keys, axis=0, return_inverse=True)
-    order = np.argsort(batch, kind="stable")
-    parts = np.split(strips[order], np.searchsorted(batch[order], np.arange(1, len(batches))))
-    kinds = batches[:, 0].astype(np.uint8)
-    priority = [SURFACES[kind].priority for kind in kinds]
-    return regions([shapely.unary_union(part) for part in parts], kinds, priority)
-
-
 def build_carriageway(
     layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bool_]
 ) -> Carriageway:
@@ -161,7 +114,7 @@ def build_carriageway(
     edge = np.flatnonzero(on_ground & (end - begin > SHORTEST))
     # A little overlap, so that rounding leaves no crack; the junction wins there.
     centre = pieces(lines, edge, begin[edge] - OVERLAP, end[edge] + OVERLAP)
-    strips = _widened(centre, network.half_width[edge])
+    strips = widened(centre, network.half_width[edge])
     kind = layout.roads["kind"].to_numpy()[network.edge_road]
     arms, corners, _ = node_corners(
         layout, kind, lines, network.edge_nodes, network.node_position, network.half_width
@@ -174,7 +127,16 @@ def build_carriageway(
     return Carriageway(edge, strips, *junctions, discs, disc_edge, *heads, *gores, *bends)
 
 
-def _widened(lines: Polylines, half: Any) -> Shapes:
+def widened(lines: Polylines, half: Any) -> Shapes:
+    """Widen centrelines to strips that end square.
+
+    Parameters
+    ----------
+    lines
+        k centrelines, scene frame, metres.
+    half
+        (k,) half their widths, or one for all, metres.
+    """
     centre = shapely.simplify(to_linestrings(lines), FINE)
     return np.asarray(
         shapely.buffer(centre, half, cap_style="flat", join_style="mitre", mitre_limit=MITRE)
@@ -268,7 +230,7 @@ def _arm_strips(
 ) -> Shapes:
     """Return the carriageways of some arms between two distances from their nodes."""
     part = _arm_lines(lines, arms, rows, near, far)
-    return _widened(part, network.half_width[arms.edge[rows]])
+    return widened(part, network.half_width[arms.edge[rows]])
 
 
 def _arm_lines(lines: Polylines, arms: Arms, rows: IntArray, near: Any, far: Any) -> Polylines:
@@ -358,7 +320,7 @@ def _curves(
         reach = np.maximum(network.trim[edge, end], beyond + tangent) + tangent * AGAIN + SHORTEST
         reach = np.minimum(reach, length[edge])
         begin = np.where(end == 0, 0.0, length[edge] - reach)
-        strips.append(_widened(pieces(lines, edge, begin, begin + reach), network.half_width[edge]))
+        strips.append(widened(pieces(lines, edge, begin, begin + reach), network.half_width[edge]))
     both = shapely.union(*strips)
     added, row = _added(both, _closed(both, radius))
     # A pair also has a notch behind its node, which other arms fill; and bends of its own.
@@ -396,7 +358,7 @@ def _gores(
         edge, end = arms.edge[arm], arms.end[arm]
         begin = np.where(end == 0, 0.0, length[edge] - reach)
         part = pieces(lines, edge, begin, begin + reach)
-        strips.append(_widened(part, network.half_width[edge]))
+        strips.append(widened(part, network.half_width[edge]))
         rims.append(shapely.get_coordinates(to_linestrings(part), return_index=True))
     (points, owner), (others, other_owner) = rims
     ring = np.concatenate([points, others])
@@ -437,7 +399,7 @@ def _bends(
     half = network.half_width[edge]
     reach = (half + LEAST_RADIUS) * np.tan(turn / 2) + LEAST_RADIUS  # the next bend may be near
     begin = np.maximum(along[point] - reach, 0.0)
-    local = _widened(
+    local = widened(
         pieces(lines, edge, begin, np.minimum(along[point] + reach, length[edge])), half
     )
     inside, at = _added(local, _closed(local, np.full(len(local), LEAST_RADIUS)))
@@ -522,131 +484,3 @@ def _without_small_holes(shapes: Shapes) -> Shapes:
                                 np.concatenate([row, np.unique(row)]))  # fmt: skip
         filled[rows] = patched
     return filled
-
-
-def junction_labels(
-    network: RoadNetwork, labels: NDArray[np.uint8], hubs: IntArray, on_ground: NDArray[np.bool_]
-) -> NDArray[np.int64]:
-    """Pave a junction with asphalt if one arm has it; else with stone before gravel."""
-    rank = np.select([labels == LABEL["carriageway"], labels == LABEL["setts"]], [2, 1], default=0)
-    best = np.zeros(len(network.node_position), np.int64)
-    cluster = junction_clusters(network)
-    for side in (0, 1):
-        np.maximum.at(best, cluster[network.edge_nodes[on_ground, side]], rank[on_ground])
-    names = np.array([LABEL["gravel_road"], LABEL["setts"], LABEL["junction"]])
-    return np.asarray(names[best[hubs]])
-
-
-def junction_ids(network: RoadNetwork) -> NDArray[np.uint64]:
-    """(n,) stable id of the junction of each node; edges inside of one join their ends."""
-    x, y = np.rint(network.node_position * 1000).astype(np.int64).T
-    own = np.maximum(mix(mix(x.view(np.uint64)) ^ y.view(np.uint64)), np.uint64(1))
-    return np.asarray(own[junction_clusters(network)])
-
-
-def carriageway_regions(
-    layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bool_], road: Carriageway
-) -> Regions:
-    """Return the regions of carriageways, junctions, passages, kerbs and sidewalks."""
-    table = layout.roads.iloc[network.edge_road]
-    lines = Polylines(network.points, network.point_start)
-    labels, ids = road_labels(table["surface"].to_numpy()), table["id"].to_numpy()
-    priority = np.array([surface.priority for surface in SURFACES])
-    passage = np.flatnonzero(table["passage"].to_numpy() & on_ground)
-    through = _widened(
-        pieces(lines, passage, np.zeros(len(passage)), arc_lengths(lines)[1][passage]),
-        network.half_width[passage],
-    )
-    hub_label = junction_labels(network, labels, road.node, on_ground)
-    curve_label = junction_labels(network, labels, road.curve_node, on_ground)
-    own, bend = labels[road.edge], labels[road.disc_edge]
-    return join_regions(
-        [
-            regions(road.strips, own, priority[own], ids[road.edge]),
-            regions(road.discs, bend, priority[bend], ids[road.disc_edge]),
-            regions(road.heads, labels[road.head_edge], JUNCTION_PRIORITY, ids[road.head_edge]),
-            regions(road.gores, labels[road.gore_edge], CURVE_PRIORITY, ids[road.gore_edge]),
-            regions(road.bends, labels[road.bend_edge], CURVE_PRIORITY, ids[road.bend_edge]),
-            regions(road.stars, hub_label, JUNCTION_PRIORITY, junction_ids(network)[road.node]),
-            regions(
-                road.curves, curve_label, CURVE_PRIORITY, junction_ids(network)[road.curve_node]
-            ),
-            regions(through, labels[passage], PASSAGE_PRIORITY, ids[passage]),
-            _kerbs(network, kerbed_edges(layout, network) & on_ground, road),
-            _sidewalks(network, on_ground, table, lines),
-        ]
-    )
-
-
-def kerbed_edges(layout: Layout, network: RoadNetwork) -> NDArray[np.bool_]:
-    """Tell which edges have kerbs: those with sidewalks, and paved streets between houses."""
-    table = layout.roads.iloc[network.edge_road]
-    walk = table["sidewalk_left"].to_numpy() + table["sidewalk_right"].to_numpy()
-    lines = to_linestrings(Polylines(network.points, network.point_start))
-    near = shapely.STRtree(layout.buildings.geometry.to_numpy()).query(
-        lines, predicate="dwithin", distance=BETWEEN_HOUSES
-    )[0]
-    housed = np.bincount(near, minlength=len(lines)) >= 2
-    paved = road_labels(table["surface"].to_numpy()) != LABEL["gravel_road"]
-    street = ~table["kind"].isin(("motorway", "motorway_link", "track", "service")).to_numpy()
-    return np.asarray((walk > 0) | (housed & paved & street))
-
-
-def _kerbs(network: RoadNetwork, walked: NDArray[np.bool_], road: Carriageway) -> Regions:
-    """Lay a ring of kerb stones round every piece of the kerbed edges."""
-    known = np.zeros(len(network.node_position), bool)
-    known[junction_clusters(network)[network.edge_nodes[walked]]] = True
-    kerbed = [
-        road.strips[walked[road.edge]],
-        road.discs[walked[road.disc_edge]],
-        road.gores[walked[road.gore_edge]],
-        road.bends[walked[road.bend_edge]],
-        road.stars[known[road.node]],
-        road.curves[known[road.curve_node]],
-    ]
-    with np.errstate(divide="ignore", invalid="ignore"):  # a needle's mitre is cut off
-        stones = shapely.buffer(np.concatenate(kerbed), KERB_WIDTH, join_style="mitre")
-    label = LABEL["kerb"]
-    joined = shapely.simplify(shapely.unary_union(stones), GRID)
-    return regions(joined, label, SURFACES[label].priority)
-
-
-def _sidewalks(
-    network: RoadNetwork, on_ground: NDArray[np.bool_], table: Any, lines: Polylines
-) -> Regions:
-    """Lay bands that reach over the carriageways, which win, to the backs of the sidewalks."""
-    left, right = table["sidewalk_left"].to_numpy(), table["sidewalk_right"].to_numpy()
-    shapes = shapely.simplify(to_linestrings(lines), FINE)
-    base = network.half_width + KERB_WIDTH
-    even = np.abs(left - right) < GRID
-    both = np.flatnonzero(on_ground & (left > 0) & even)
-    bands = [
-        shapely.buffer(
-            shapes[both], (base + left)[both], cap_style="flat", join_style="mitre",
-            mitre_limit=MITRE,
-        )
-    ]  # fmt: skip
-    for width, sign in ((left, 1.0), (right, -1.0)):
-        one = np.flatnonzero(on_ground & (width > 0) & ~even)
-        bands.append(
-            shapely.buffer(
-                shapes[one], sign * (base + width)[one], cap_style="flat", single_sided=True,
-                quad_segs=ROUND,
-            )
-        )  # fmt: skip
-    # At a bend the bands leave a wedge open.
-    ends = network.edge_nodes[both].ravel().astype(np.int64)
-    size = np.repeat((base + left)[both], 2)[network.node_degree[ends] == 2]
-    ends = ends[network.node_degree[ends] == 2]
-    least = np.full(len(network.node_position), np.inf)
-    np.minimum.at(least, ends, size)
-    twice = np.flatnonzero(np.bincount(ends, minlength=len(least)) == 2)
-    centre = shapely.points(network.node_position[twice])
-    bands.append(shapely.buffer(centre, least[twice], quad_segs=ROUND))
-    joined = shapely.simplify(shapely.unary_union(np.concatenate(bands)), FINE)
-    label, edging = LABEL["sidewalk"], LABEL["edging"]
-    rim = shapely.buffer(joined, EDGING, join_style="mitre", mitre_limit=MITRE)
-    return join_regions([
-        regions(joined, label, SURFACES[label].priority),
-        regions(rim, edging, SURFACES[edging].priority),
-    ])  # fmt: skip

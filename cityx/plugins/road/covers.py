@@ -15,7 +15,7 @@ from cityx.city.ground import ROADWAY
 from cityx.city.scene import Instances
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
-from cityx.plugins.road.carriageway import kerbed_edges, road_labels
+from cityx.plugins.road.carriageway_regions import kerbed_edges, road_labels
 from cityx.plugins.road.kerbs import KerbPlaces, edge_lines, join_places, places_along
 from cityx.plugins.road.roundabouts import ring_edges, rings_of
 from cityx.protocol import Port, Range, action, has_network

@@ -33,10 +33,8 @@ from cityx.geometry.surroundings import surroundings
 from cityx.plugins.nature.street_rules import place_of
 from cityx.plugins.road.beds import bed_regions
 from cityx.plugins.road.blocks import pave_blocks, town_regions
-from cityx.plugins.road.carriageway import COARSE as ROAD_COARSE
-from cityx.plugins.road.carriageway import (
-    plain_carriageways,
-)
+from cityx.plugins.road.carriageway_regions import COARSE as ROAD_COARSE
+from cityx.plugins.road.carriageway_regions import plain_carriageways
 from cityx.plugins.road.heights import way_heights
 from cityx.plugins.road.joints import courses, seam_lines
 from cityx.plugins.road.landcover import (
@@ -52,12 +50,7 @@ from cityx.plugins.road.park_paths import park_regions
 from cityx.plugins.road.retaining_walls import find_walls
 from cityx.plugins.road.stairs import build_stairs
 from cityx.plugins.road.streets import USUAL, street_regions
-from cityx.plugins.road.structures import (
-    Structures,
-    body_batch,
-    build_structures,
-    grounded_lines,
-)
+from cityx.plugins.road.structures import Structures, body_batch, build_structures, grounded_lines
 from cityx.plugins.road.tiers import cut_network
 from cityx.plugins.road.yards import patch_regions
 from cityx.protocol import Port, action, has_network

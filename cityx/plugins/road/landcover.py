@@ -14,7 +14,8 @@ from cityx.city.ground import LABEL, SURFACES
 from cityx.city.layout import Layout
 from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.polylines import line_strips, pack
-from cityx.plugins.road.carriageway import BUILDING_PRIORITY, MITRE, road_labels
+from cityx.plugins.road.carriageway import MITRE
+from cityx.plugins.road.carriageway_regions import BUILDING_PRIORITY, road_labels
 
 Shapes = NDArray[Any]
 

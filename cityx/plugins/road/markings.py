@@ -14,7 +14,8 @@ from cityx.city.section import KIND
 from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.polylines import every, line_strips, pieces, to_linestrings
 from cityx.plugins.road.arrows import lane_symbols
-from cityx.plugins.road.carriageway import Carriageway, kerbed_edges
+from cityx.plugins.road.carriageway import Carriageway
+from cityx.plugins.road.carriageway_regions import kerbed_edges
 from cityx.plugins.road.guides import box_junctions, guide_lines
 from cityx.plugins.road.halts import halt_lines
 from cityx.plugins.road.kerb_lines import kerb_lines

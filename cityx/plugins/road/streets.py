@@ -7,7 +7,8 @@ import numpy as np
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrangement import Regions, join_regions
-from cityx.plugins.road.carriageway import Carriageway, build_carriageway, carriageway_regions
+from cityx.plugins.road.carriageway import Carriageway, build_carriageway
+from cityx.plugins.road.carriageway_regions import carriageway_regions
 from cityx.plugins.road.drops import drive_regions, dropped_regions
 from cityx.plugins.road.markings import marking_regions
 from cityx.plugins.road.marks import painted_edges, street_of

@@ -18,7 +18,8 @@ from cityx.geometry.polylines import (
     pieces,
     to_linestrings,
 )
-from cityx.plugins.road.carriageway import FINE, junction_labels, road_labels
+from cityx.plugins.road.carriageway import FINE
+from cityx.plugins.road.carriageway_regions import junction_labels, road_labels
 from cityx.plugins.road.marks import boxes
 from cityx.plugins.road.network import junction_clusters
 
