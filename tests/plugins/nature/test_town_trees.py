@@ -12,6 +12,7 @@ from cityx.city.outlines import placed_outlines
 from cityx.city.passage import crowding
 from cityx.plugins.nature.pieces import room_along, walk_rims
 from cityx.plugins.nature.town_trees import (
+    FORECOURT,
     MAPPED_WITHIN,
     TRUNK_WAY,
     YARD_SHARES,
@@ -86,6 +87,14 @@ def test_yards_have_trees_on_lawns_and_beds(courts):
     assert len(stand.id) > 8
     assert courts.ground.on(stand.xy, *YARD_SHARES).all()
     assert in_yards(courts, stand.xy[:1])[0].xy.shape < stand.xy.shape
+
+
+def test_no_tree_grows_from_the_paving_before_houses(courts):
+    (stand,) = in_yards(courts, NOBODY)
+    paved = courts.ground.on(stand.xy, "courtyard", "gravel")
+    streets = shapely.multilinestrings(courts.layout.roads.geometry.to_list())
+    away = shapely.distance(shapely.points(stand.xy[paved]), streets)
+    assert (away >= FORECOURT + courts.network.half_width.min() - 1e-6).all()
 
 
 def test_trees_of_yards_are_the_same_each_time_and_fewer_in_japan(courts):
