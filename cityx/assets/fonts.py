@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
+from importlib.metadata import version
 from importlib.util import find_spec
 from itertools import pairwise
 from math import comb
@@ -20,6 +21,8 @@ import shapely
 from numpy.typing import NDArray
 from shapely.affinity import affine_transform
 
+from cityx.cache import Arrays, cached_arrays
+from cityx.digests import edition_of
 from cityx.errors import EngineError
 
 Point = tuple[float, float]
@@ -41,6 +44,8 @@ class Cut:
         A letter, and its height and foot in em as they are set, before it grows.
     stroke
         Em by which outlines grow: signs are set in bold.
+    block
+        Codes of letters that are kept together.
     """
 
     file: str
@@ -48,18 +53,18 @@ class Cut:
     height: float
     foot: float
     stroke: float
+    block: int
 
 
-LATIN = Cut("Inter.woff2", "H", CAP - 0.044, 0.022, 0.022)
-EAST_ASIAN = Cut("Noto Sans CJK Regular.woff2", "国", 0.88, -0.06, 0.012)
+LATIN = Cut("Inter.woff2", "H", CAP - 0.044, 0.022, 0.022, 128)
+EAST_ASIAN = Cut("Noto Sans CJK Regular.woff2", "国", 0.88, -0.06, 0.012, 16)
 
 
 def has(letter: str) -> bool:
     """Tell whether there is an outline of a letter."""
-    return ord(letter) in _codes(_cut(letter).file)
+    return letter in _block_of(letter)
 
 
-@lru_cache(maxsize=4096)
 def outline(letter: str) -> Any:
     """Return the shape of a letter, a multipolygon in em on its baseline; empty for a space.
 
@@ -68,11 +73,51 @@ def outline(letter: str) -> Any:
     KeyError
         If no font has it.
     """
+    return _block_of(letter)[letter]
+
+
+def _block_of(letter: str) -> Mapping[str, Any]:
     cut = _cut(letter)
+    return _block(cut, ord(letter) // cut.block)
+
+
+@lru_cache(maxsize=4096)
+def _block(cut: Cut, number: int) -> Mapping[str, Any]:
+    """Return the letters of a run of codes, kept from run to run, as opening a font is slow."""
+    key = f"letters-{_edition()}/{Path(cut.file).stem}-{number:04x}"
+    held = cached_arrays(key, lambda: _packed(cut, number))
+    rings = shapely.linearrings(held["points"], indices=held["ring"])
+    pieces = shapely.polygons(rings, indices=held["piece"]) if len(rings) else rings
+    first = np.searchsorted(held["glyph"], np.arange(len(held["code"]) + 1))
+    return {
+        chr(code): shapely.multipolygons(pieces[first[k] : first[k + 1]])
+        for k, code in enumerate(held["code"].tolist())
+    }
+
+
+def _packed(cut: Cut, number: int) -> Arrays:
+    codes = [code for code in range(number * cut.block, (number + 1) * cut.block)
+             if code in _codes(cut.file)]  # fmt: skip
+    shapes = np.array([_drawn(cut, chr(code)) for code in codes], object)
+    pieces, glyph = shapely.get_parts(shapes, return_index=True)
+    rings, piece = shapely.get_rings(pieces, return_index=True)
+    points, ring = shapely.get_coordinates(rings, return_index=True)
+    return {"code": np.array(codes, np.int64), "glyph": glyph, "piece": piece, "ring": ring,
+            "points": points}  # fmt: skip
+
+
+def _drawn(cut: Cut, letter: str) -> Any:
     scale, rise = _setting(cut)
     shape = affine_transform(_filled(_rings(cut.file, letter)), [scale, 0, 0, scale, 0.0, rise])
     bold = shape.buffer(cut.stroke, join_style="mitre", mitre_limit=2.0).simplify(TOLERANCE)
-    return shapely.multipolygons(shapely.get_parts(bold))
+    pieces = shapely.get_parts(bold)
+    return shapely.multipolygons(pieces[~shapely.is_empty(pieces)])
+
+
+@cache
+def _edition() -> str:
+    """Hash of this code and of Blender's version, so that no letter is that of another font."""
+    return f"{edition_of([Path(__file__)])}-{version('bpy')}"
 
 
 def _cut(letter: str) -> Cut:
