@@ -26,6 +26,7 @@ STREET_SPACINGS = (7.0, 8.0, 9.0, 10.0)  # metres between the trees of a street,
 STREET_SHARE, MAIN_SHARE = 0.65, 0.9  # of the streets that are wide enough, of the main ones
 STREET_KINDS = ("residential", "tertiary", "secondary", "primary", "unclassified", "living_street")
 MAIN_KINDS = ("tertiary", "secondary", "primary")
+LEAST_WALK = 2.0  # metres of sidewalk; nobody plants trees along narrower ones
 TRUNK_WAY = 1.7  # metres of walk and paved court from the middle of a trunk, so that 1.2 m are left
 HOUSES_WITHIN = 25.0  # metres; a street has trees only where it has houses on its side
 MAPPED_WITHIN = 45.0  # metres; where the map shows trees it shows all of them
@@ -69,7 +70,7 @@ def along_streets(city: City, mapped: FloatArray) -> list[Stand]:
     for side, column in ((1, "sidewalk_left"), (-1, "sidewalk_right")):
         width = roads[column].to_numpy()[network.edge_road]
         # Trees of both sides stand in turn.
-        wide = width > 0
+        wide = width >= LEAST_WALK
         for number, metres in enumerate(STREET_SPACINGS):
             edges = np.flatnonzero(green & wide & (spacing == number))
             groups.append(

@@ -13,6 +13,7 @@ from cityx.city.passage import crowding
 from cityx.plugins.nature.pieces import room_along, walk_rims
 from cityx.plugins.nature.town_trees import (
     FORECOURT,
+    LEAST_WALK,
     MAPPED_WITHIN,
     TRUNK_WAY,
     YARD_SHARES,
@@ -72,6 +73,12 @@ def test_no_tree_crowds_a_walk_or_stands_in_a_lane(avenue, walk):
     outlines, xy, _ = placed_outlines(city.scene)
     assert not crowding(city, outlines, xy)[1].any()
     assert not in_lanes(city, outlines, xy).any()
+
+
+def test_no_street_with_narrow_walks_is_planted(avenue):
+    roads = avenue.layout.roads.assign(sidewalk_left=LEAST_WALK - 0.1, sidewalk_right=0.0)
+    city = laid(replace(avenue, layout=replace(avenue.layout, roads=roads)))
+    assert not len(along_streets(city, NOBODY)[0].id)
 
 
 def test_where_trees_are_mapped_none_is_planted_beside(avenue):
