@@ -1,6 +1,7 @@
 """Run in a process of its own: print what a .blend file holds, as JSON."""
 
 import json
+import math
 import sys
 
 import bpy  # noqa: TID251
@@ -16,10 +17,18 @@ first = next(o for o in buildings.values() if o.get("name"))
 mesh = first.data
 heights = [(first.matrix_world @ v.co).z for v in mesh.vertices]
 post = next(m for m in bpy.data.meshes if any(s.name.startswith("bark") for s in m.materials))
+normals = {}
+for face in post.polygons:
+    for key in face.edge_keys:
+        normals.setdefault(key, []).append(face.normal)
+creases = {
+    (pair[0].angle(pair[1]) > math.radians(32), edge.use_edge_sharp)
+    for edge in post.edges
+    if len(pair := normals.get(edge.key, ())) == 2
+}
 record = {
-    "round": sorted(
-        {(post.materials[f.material_index].name.split(".")[0], f.use_smooth) for f in post.polygons}
-    ),
+    "round": all(face.use_smooth for face in post.polygons),
+    "creases": sorted(creases),
     "instances": layers,
     "ids": sorted(buildings),
     "names": sorted(o.name for o in buildings.values()),

@@ -62,8 +62,10 @@ def test_meshes_are_valid_flat_and_carry_colour_and_metres(held):
     assert {"Buildings", "Ground", "Windows", "Prototypes", "Cameras"} <= set(record["collections"])
 
 
-def test_bark_is_shaded_round_and_everything_else_flat(held):
-    assert held[0]["round"] == [["bark", True], ["lamp_glow", False]]
+def test_prototypes_are_shaded_round_but_for_their_creases(held):
+    assert held[0]["round"]
+    assert held[0]["creases"]  # pairs of whether an edge is steep and whether it shows
+    assert all(steep == shown for steep, shown in held[0]["creases"])
 
 
 def test_the_worker_reports_files_times_and_memory(held):
