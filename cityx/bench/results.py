@@ -270,19 +270,19 @@ def _all_cities(logs: Path) -> quality.Rows:
 
 def _quality(logs: Path) -> Lines:
     folder = logs / "quality"
-    record = _record(folder / "quality.json")
+    record, groups = _record(folder / "quality.json"), _generated(logs)
     if record is None:
         yield _missing(f"cityx bench quality -o {folder}")
     else:
         yield f"`{record['command']} -o {folder}`\n"
         yield quality.table_of(_towns(folder))
-    if groups := _generated(logs):
+    if groups:
         yield ("\nEvery city that the benchmarks of inputs and agents generated: the median, and "
                "how many of those measured keep the bound.\n")  # fmt: skip
         yield quality.summary_of(groups)
     yield ""
     yield from (f"- {one.name}: {one.meaning}" for one in quality.MEASURES)
-    if _all_cities(logs):
+    if record or groups:
         yield f"\n![A row per measure, a dot per city, the bound as a line]({PLOT})"
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from cityx.city import City
@@ -26,12 +24,6 @@ def bed_stands(city: City) -> list[Stand]:
     """Plant the beds that lie on the ground: hedges, bushes and single trees."""
     if city.ground is None or city.network is None or not city.network.edge_count:
         return []
-    return _in_beds(city)
-
-
-def _in_beds(city: City) -> list[Stand]:
-    assert city.ground is not None
-    assert city.network is not None
     beds = bed_slots(city.layout, city.network)
     beds = beds.take(city.ground.on(beds.middle, "bed"))
     kind = choose(city.seed, PURPOSE, beds.id, [weight for _, weight, _ in BEDS])
@@ -48,7 +40,7 @@ def _in_beds(city: City) -> list[Stand]:
         if name == "tree":
             aside = aside[np.abs(aside) > TREE_GAP]
             trees = Points(beds.middle[rows], hash_ids(0, PURPOSE, beds.id[rows]))
-            stands.append(_small_trees(city, climate.STREET_MIX, trees))
+            stands.append(_small_trees(city, trees))
         row, place = np.repeat(rows, len(aside)), np.tile(np.arange(len(aside)), len(rows))
         ids = hash_ids(0, PURPOSE, beds.id[row], place + 1)
         xy = beds.middle[row] + beds.along[row] * aside[place][:, None]
@@ -67,11 +59,11 @@ def _at_corners(city: City, beds: Beds) -> Stand:
     return _bushes(city, "boxwood", Points(xy, ids))
 
 
-def _small_trees(city: City, mix: Mapping[str, Mapping[str, float]], points: Points) -> Stand:
+def _small_trees(city: City, points: Points) -> Stand:
     """Trees that a bed has room for."""
     low, high = TREES
     height = low + (high - low) * uniform(city.seed, f"{PURPOSE}/tree", points.id)
-    return stand_of(points, draw_species(mix, city, points.id), height)
+    return stand_of(points, draw_species(climate.STREET_MIX, city, points.id), height)
 
 
 def _bushes(city: City, name: str, points: Points) -> Stand:

@@ -14,6 +14,7 @@ from cityx.geometry.arrangement import Regions, regions
 from cityx.geometry.clearance import near_any, spots_of
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, pack
+from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.network import node_corners
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ def bed_slots(layout: Layout, network: RoadNetwork) -> Beds:
 
 def _behind_walks(layout: Layout, network: RoadNetwork) -> list[Beds]:
     """Slots on both sides of streets with walks, and of footways that are walks."""
-    lines = Polylines(network.points, network.point_start)
+    lines = edge_lines(network)
     table = layout.roads.iloc[network.edge_road]
     found = []
     for sign, column in ((1.0, "sidewalk_left"), (-1.0, "sidewalk_right")):
@@ -135,7 +136,7 @@ def _at_corners(layout: Layout, network: RoadNetwork) -> Beds:
     table = layout.roads.iloc[network.edge_road]
     walk = np.column_stack([table[name].to_numpy(float)
                             for name in ("sidewalk_left", "sidewalk_right")])  # fmt: skip
-    lines = Polylines(network.points, network.point_start)
+    lines = edge_lines(network)
     arms, corners, _ = node_corners(
         layout, table["kind"].to_numpy(), lines, network.edge_nodes, network.node_position,
         network.half_width,
