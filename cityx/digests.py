@@ -31,5 +31,5 @@ def arrays_digest(*arrays: Any) -> bytes:
     for array in arrays:
         plain = shapely.get_coordinates(array) if array.dtype == object else array
         digest.update(repr((plain.dtype.str, plain.shape)).encode())
-        digest.update(np.ascontiguousarray(plain))
+        digest.update(plain.tobytes())
     return digest.digest()
