@@ -24,7 +24,6 @@ def edition_of(sources: Iterable[Path]) -> str:
 
 def arrays_digest(*arrays: Any) -> bytes:
     """Return a hash of NumPy arrays, 16 bytes; of shapely geometries their coordinates count."""
-    import numpy as np
     import shapely
 
     digest = hashlib.blake2b(digest_size=16)
