@@ -7,7 +7,6 @@ in a wall; routes and crowds need to ask the raster alone.
 
 from __future__ import annotations
 
-import weakref
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -22,6 +21,7 @@ from cityx.city.ground import ROADWAY, Ground
 from cityx.city.mesh import NO_VERTEX, MeshBatch
 from cityx.city.outlines import FURNITURE, placed_outlines
 from cityx.geometry.raster.grid import Grid
+from cityx.remembered import Remembered
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -139,7 +139,7 @@ class Walkable:
         return np.where(kept[:, None], spots, moved), found | kept
 
 
-_LAST: list[tuple[tuple[weakref.ref[Any], ...], Walkable]] = []
+_LAST: Remembered[Walkable] = Remembered()
 
 
 def walkable_of(city: City) -> Walkable:
@@ -162,17 +162,7 @@ def walkable_of(city: City) -> Walkable:
     parts: list[Any] = [ground, network]
     parts += [scene.instances[name] for name in SOLID if name in scene.instances]
     parts += [scene.meshes[name] for name in WALLS if name in scene.meshes]
-    if _LAST and _same(_LAST[0][0], parts):
-        return _LAST[0][1]
-    found = _made(city, ground)
-    _LAST[:] = [(tuple(map(weakref.ref, parts)), found)]
-    return found
-
-
-def _same(references: tuple[weakref.ref[Any], ...], parts: list[Any]) -> bool:
-    return len(references) == len(parts) and all(
-        reference() is part for reference, part in zip(references, parts, strict=True)
-    )
+    return _LAST.get(lambda: _made(city, ground), parts)
 
 
 @dataclass(frozen=True)
@@ -197,17 +187,12 @@ class WalkAreas:
     verge: Any
 
 
-_LAST_AREAS: list[tuple[tuple[weakref.ref[Any], ...], WalkAreas]] = []
+_LAST_AREAS: Remembered[WalkAreas] = Remembered()
 
 
 def walk_areas(city: City) -> WalkAreas:
     """Return the walkable area of a city with ground and network; the last one is remembered."""
-    parts: list[Any] = [city.ground, city.network, city.layout]
-    if _LAST_AREAS and _same(_LAST_AREAS[0][0], parts):
-        return _LAST_AREAS[0][1]
-    found = _areas(city)
-    _LAST_AREAS[:] = [(tuple(map(weakref.ref, parts)), found)]
-    return found
+    return _LAST_AREAS.get(lambda: _areas(city), [city.ground, city.network, city.layout])
 
 
 def _areas(city: City) -> WalkAreas:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.walkable import CELL, Walkable
 from cityx.geometry.polylines import Polylines, arc_lengths, locate
+from cityx.remembered import Remembered
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -61,16 +61,12 @@ class WalkGraph:
         return np.where(np.isfinite(far), row, -1).astype(np.int64)
 
 
-_LAST: list[tuple[weakref.ref[Walkable], WalkGraph]] = []
+_LAST: Remembered[WalkGraph] = Remembered()
 
 
 def walk_graph(walkable: Walkable) -> WalkGraph:
     """Return the graph of a walkable area; that of the last one is remembered."""
-    if _LAST and _LAST[0][0]() is walkable:
-        return _LAST[0][1]
-    graph = _made(walkable)
-    _LAST[:] = [(weakref.ref(walkable), graph)]
-    return graph
+    return _LAST.get(lambda: _made(walkable), [walkable])
 
 
 def _made(walkable: Walkable) -> WalkGraph:

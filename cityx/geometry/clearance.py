@@ -121,8 +121,8 @@ def push_off(
     return moved, free
 
 
-CELL = 10.0  # metres; points are looked up by such cells
-MOST_CELLS = 16  # that a triangle's box may meet; larger triangles ask a search tree
+CELL = 4.0  # metres; points are looked up by such cells
+MOST_CELLS = 36  # that a triangle's box may meet; larger triangles ask a search tree
 ROWS = np.int64(1 << 24)  # of cells, more than any site has
 AT_ONCE = 20_000  # points looked up at once; each may have hundreds of triangles in its cell
 
@@ -224,31 +224,39 @@ def triangles_at(
     point, triangle
         (k,) each.
     """
-    from cityx.geometry.triangle_kernel import among_cells
-
-    spots = np.ascontiguousarray(np.asarray(xy, float).reshape(-1, 2))
-    counts = np.zeros(0, bool) if among is None else np.asarray(among, bool)
-    shapes = prepared.vertices, prepared.triangles
+    spots = np.asarray(xy, float).reshape(-1, 2)
     for begin in range(0, len(spots), AT_ONCE):
         some = spots[begin : begin + AT_ONCE]
-        cell = _cell_number(*_cells(some).T)
-        first, last = _span(prepared.cell, cell)
-        parts = [among_cells(some, first, last, prepared.triangle, counts, *shapes)]
-        if len(prepared.large):  # those whose box holds it
-            held, shape = prepared.tree.query(shapely.points(some))
-            order = np.argsort(held, kind="stable")
-            first, last = _span(held[order], np.arange(len(some)))
-            large = prepared.large[shape[order]]
-            parts.append(among_cells(some, first, last, large, counts, *shapes))
-        spot, triangle = (np.concatenate(column) for column in zip(*parts, strict=True))
-        yield spot + begin, triangle
+        spot, triangle = _candidates(some, prepared)
+        if among is not None:
+            wanted = np.flatnonzero(among[triangle])
+            spot, triangle = spot[wanted], triangle[wanted]
+        held = _holds(prepared, triangle, some[spot])
+        yield spot[held] + begin, triangle[held]
 
 
-def _span(
-    ascending: NDArray[np.int64], value: NDArray[np.int64]
+def _candidates(
+    spots: FloatArray, prepared: TriangleCells
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return where each value begins and ends among ascending ones."""
-    return np.searchsorted(ascending, value, "left"), np.searchsorted(ascending, value, "right")
+    """Pairs of points and triangles: small ones of the same cell, large ones whose box holds it."""
+    cell = _cell_number(*_cells(spots).T)
+    first, last = (np.searchsorted(prepared.cell, cell, side) for side in ("left", "right"))
+    spot, number = _counted(last - first)
+    triangle = prepared.triangle[first[spot] + number]
+    if not len(prepared.large):
+        return spot, triangle
+    held, shape = prepared.tree.query(shapely.points(spots))
+    return np.concatenate([spot, held]), np.concatenate([triangle, prepared.large[shape]])
+
+
+def _holds(prepared: TriangleCells, triangle: NDArray[np.int64], xy: FloatArray) -> BoolArray:
+    """Tell which triangles have a point in them or on their rim, whichever way round they are."""
+    corner = prepared.triangles[triangle].T
+    x, y = (prepared.vertices[corner, axis] - xy[:, axis] for axis in (0, 1))  # (3, k) each
+    turn = [x[k - 1] * y[k] - y[k - 1] * x[k] for k in range(3)]
+    left = np.logical_and.reduce([side >= 0.0 for side in turn])
+    right = np.logical_and.reduce([side <= 0.0 for side in turn])
+    return np.asarray(left | right)
 
 
 def _counted(count: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -214,10 +214,14 @@ def cells_of_polygons(polygons: ArrayLike, edge: float) -> NDArray[np.int64]:
     row = np.arange(start[-1]) - np.repeat(start[:-1], count)
     owner = np.repeat(np.arange(len(shapes)), count)
     cells = low[owner] + np.column_stack([row // size[owner, 1], row % size[owner, 1]])
-    boxes = shapely.box(*(cells * edge).T, *((cells + 1) * edge).T)
+    # One piece whose bounds are one cell wide or high lies in every cell of them.
+    plain = (size.min(axis=1) == 1) & (shapely.get_type_id(shapes) == shapely.GeometryType.POLYGON)
+    asked = np.flatnonzero(~plain[owner])
+    boxes = shapely.box(*(cells[asked] * edge).T, *((cells[asked] + 1) * edge).T)
     shapely.prepare(shapes)
-    cells = cells[shapely.intersects(shapes[owner], boxes)]
-    return _unique_cells(cells)
+    met = np.ones(len(cells), bool)
+    met[asked] = shapely.intersects(shapes[owner[asked]], boxes)
+    return _unique_cells(cells[met])
 
 
 BLOCK = 8  # radii per block of `poisson_in`: the smaller, the less is drawn beside the polygons

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +11,7 @@ from cityx.city.ground import SURFACES
 from cityx.city.mesh import NO_VERTEX, MeshBatch
 from cityx.geometry.clearance import TriangleCells, cells_of_triangles, triangle_at, triangles_at
 from cityx.geometry.identity import stable_id
+from cityx.remembered import Remembered
 
 FloatArray = NDArray[np.float64]
 NOWHERE = -1  # label beyond the ground, and under buildings, where the mesh is open
@@ -134,14 +134,14 @@ def heights_on(corners: FloatArray, xy: FloatArray) -> FloatArray:
     return np.asarray(a[:, 2] + s * (b - a)[:, 2] + t * (c - a)[:, 2])
 
 
-_LAST: list[tuple[weakref.ref[FloatArray], NDArray[np.int64], TriangleCells]] = []
+_LAST: Remembered[tuple[NDArray[np.int64], TriangleCells]] = Remembered()
 
 
 def _tops(ground: MeshBatch) -> tuple[NDArray[np.int64], TriangleCells]:
     """Return the top faces of the ground, prepared; those of the last ground are remembered."""
-    if _LAST and _LAST[0][0]() is ground.vertices:
-        return _LAST[0][1:]
-    faces = np.flatnonzero(ground.faces[:, 3] == NO_VERTEX)
-    prepared = cells_of_triangles(ground.vertices[:, :2], ground.faces[faces, :3])
-    _LAST[:] = [(weakref.ref(ground.vertices), faces, prepared)]
-    return faces, prepared
+
+    def made() -> tuple[NDArray[np.int64], TriangleCells]:
+        faces = np.flatnonzero(ground.faces[:, 3] == NO_VERTEX)
+        return faces, cells_of_triangles(ground.vertices[:, :2], ground.faces[faces, :3])
+
+    return _LAST.get(made, [ground.vertices])

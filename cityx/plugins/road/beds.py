@@ -16,6 +16,8 @@ from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, pack
 from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.network import node_corners
+from cityx.plugins.road.yards import grounds_digest
+from cityx.remembered import Remembered
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
@@ -74,11 +76,20 @@ class Beds:
         return np.asarray(shapely.polygons(np.round(corners, 3)))
 
 
+_LAST: Remembered[Beds] = Remembered()
+
+
 def bed_slots(layout: Layout, network: RoadNetwork) -> Beds:
     """Draw places for beds along the backs of walks and at corners, clear of houses and paths.
 
-    Some of them lie on what is driven on, or on another walk; the ground tells which.
+    Some of them lie on what is driven on, or on another walk; the ground tells which. Those of the
+    last layout are remembered.
     """
+    parts = layout.roads, layout.areas
+    return _LAST.get(lambda: _drawn(layout, network), parts, grounds_digest(layout, network))
+
+
+def _drawn(layout: Layout, network: RoadNetwork) -> Beds:
     buildings = layout.buildings
     houses = buildings.geometry.to_numpy()
     urban = np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))

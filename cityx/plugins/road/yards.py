@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 from cityx.city.ground import LABEL
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
+from cityx.digests import arrays_digest
 from cityx.geometry.arrangement import Regions, regions
 from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, uniform
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.geometry.scatter import Points, candidates, cells_about, thin
+from cityx.remembered import Remembered
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -86,12 +88,13 @@ class Patches:
         return np.asarray(shapely.polygons(corners))
 
 
-def yard_patches(
-    layout: Layout, network: RoadNetwork, place: str = "", *, only: str = ""
-) -> Patches:
+_LAST: Remembered[Patches] = Remembered()
+
+
+def yard_patches(layout: Layout, network: RoadNetwork, place: str = "") -> Patches:
     """Draw patches between the houses of towns, clear of walls, streets and paths.
 
-    They depend on their place alone, and on what is near.
+    They depend on their place alone, and on what is near. Those of the last layout are remembered.
 
     Parameters
     ----------
@@ -101,9 +104,20 @@ def yard_patches(
         Its roads.
     place
         The kind of place, as of `cityx.plugins.nature.street_rules.place_of`.
-    only
-        The label of the patches that are wanted; all by default.
     """
+    key = place, layout.extent, grounds_digest(layout, network)
+    return _LAST.get(lambda: _drawn(layout, network, place), [layout.roads], *key)
+
+
+def grounds_digest(layout: Layout, network: RoadNetwork) -> bytes:
+    """Return a hash of the houses and streets that what is drawn between them depends on."""
+    houses = layout.buildings
+    urban = np.isin(houses["place"].to_numpy().astype(str), ("urban", "core"))
+    lines = network.points, network.point_start, network.half_width, network.edge_road
+    return arrays_digest(houses.geometry.to_numpy(), urban, network.edge_id, *lines)
+
+
+def _drawn(layout: Layout, network: RoadNetwork, place: str) -> Patches:
     buildings = layout.buildings
     houses = buildings.geometry.to_numpy()
     urban = houses[np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))]
@@ -124,7 +138,7 @@ def yard_patches(
         inside = (x > xmin - reach) & (x < xmax + reach) & (y > ymin - reach) & (y < ymax + reach)
         points = thin(Points(points.xy[inside], points.id[inside]), spacing)
         kind = choose(0, purpose, points.id, list(weights))
-        wanted = np.flatnonzero(kind == LABELS.index(only) if only else kind > 0)
+        wanted = np.flatnonzero(kind)
         points, kind = Points(points.xy[wanted], points.id[wanted]), kind[wanted]
         near = near_any(points.xy, houses, REACH)
         some = ~near if number else near & ~near_any(points.xy, houses, FROM_WALL)
