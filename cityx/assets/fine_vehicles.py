@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from cityx.assets.lettering import word
 from cityx.assets.shapes import Color, bevelled, loft, moved, tube
@@ -92,6 +91,8 @@ CROWN = np.array([0.06, 0.14, 0.35, 0.65, 1.0])
 
 def greenhouse(body: Body) -> list[MeshBatch]:
     """Make windscreen, windows, pillars and roof as one skin, with seals along the waist."""
+    from scipy.interpolate import PchipInterpolator
+
     from cityx.assets.vehicles import waist_of
 
     line = np.array(body.roof)

@@ -24,6 +24,8 @@ from shapely.affinity import affine_transform
 from cityx.cache import Arrays, cached_arrays
 from cityx.digests import edition_of
 from cityx.errors import EngineError
+from cityx.geometry import polygons
+from cityx.geometry.polygons import rings_of, triangulate
 
 Point = tuple[float, float]
 FIRST_EAST_ASIAN = 0x2E80  # code from which characters fill a square
@@ -60,13 +62,32 @@ LATIN = Cut("Inter.woff2", "H", CAP - 0.044, 0.022, 0.022, 128)
 EAST_ASIAN = Cut("Noto Sans CJK Regular.woff2", "国", 0.88, -0.06, 0.012, 16)
 
 
+@dataclass(frozen=True)
+class Letter:
+    """A letter on its baseline, in em.
+
+    Attributes
+    ----------
+    points
+        (m, 2) float, its rings one after the other, outer ones counter-clockwise.
+    start
+        (r + 1,) int, first point of each ring.
+    triangles
+        (t, 3) int, rows of `points`.
+    """
+
+    points: NDArray[np.float64]
+    start: NDArray[np.int64]
+    triangles: NDArray[np.int64]
+
+
 def has(letter: str) -> bool:
     """Tell whether there is an outline of a letter."""
     return letter in _block_of(letter)
 
 
-def outline(letter: str) -> Any:
-    """Return the shape of a letter, a multipolygon in em on its baseline; empty for a space.
+def letter_of(letter: str) -> Letter:
+    """Return a letter; a space has no points.
 
     Raises
     ------
@@ -76,37 +97,9 @@ def outline(letter: str) -> Any:
     return _block_of(letter)[letter]
 
 
-def _block_of(letter: str) -> Mapping[str, Any]:
+def outline(letter: str) -> Any:
+    """Draw the shape of a letter from its font, a multipolygon in em; empty for a space."""
     cut = _cut(letter)
-    return _block(cut, ord(letter) // cut.block)
-
-
-@lru_cache(maxsize=4096)
-def _block(cut: Cut, number: int) -> Mapping[str, Any]:
-    """Return the letters of a run of codes, kept from run to run, as opening a font is slow."""
-    key = f"letters-{_edition()}/{Path(cut.file).stem}-{number:04x}"
-    held = cached_arrays(key, lambda: _packed(cut, number))
-    rings = shapely.linearrings(held["points"], indices=held["ring"])
-    pieces = shapely.polygons(rings, indices=held["piece"]) if len(rings) else rings
-    first = np.searchsorted(held["glyph"], np.arange(len(held["code"]) + 1))
-    return {
-        chr(code): shapely.multipolygons(pieces[first[k] : first[k + 1]])
-        for k, code in enumerate(held["code"].tolist())
-    }
-
-
-def _packed(cut: Cut, number: int) -> Arrays:
-    codes = [code for code in range(number * cut.block, (number + 1) * cut.block)
-             if code in _codes(cut.file)]  # fmt: skip
-    shapes = np.array([_drawn(cut, chr(code)) for code in codes], object)
-    pieces, glyph = shapely.get_parts(shapes, return_index=True)
-    rings, piece = shapely.get_rings(pieces, return_index=True)
-    points, ring = shapely.get_coordinates(rings, return_index=True)
-    return {"code": np.array(codes, np.int64), "glyph": glyph, "piece": piece, "ring": ring,
-            "points": points}  # fmt: skip
-
-
-def _drawn(cut: Cut, letter: str) -> Any:
     scale, rise = _setting(cut)
     shape = affine_transform(_filled(_rings(cut.file, letter)), [scale, 0, 0, scale, 0.0, rise])
     bold = shape.buffer(cut.stroke, join_style="mitre", mitre_limit=2.0).simplify(TOLERANCE)
@@ -114,10 +107,48 @@ def _drawn(cut: Cut, letter: str) -> Any:
     return shapely.multipolygons(pieces[~shapely.is_empty(pieces)])
 
 
+def _block_of(letter: str) -> Mapping[str, Letter]:
+    cut = _cut(letter)
+    return _block(cut, ord(letter) // cut.block)
+
+
+@lru_cache(maxsize=4096)
+def _block(cut: Cut, number: int) -> Mapping[str, Letter]:
+    """Return the letters of a run of codes, kept from run to run, as opening a font is slow."""
+    key = f"letters-{_edition()}/{Path(cut.file).stem}-{number:04x}"
+    held = cached_arrays(key, lambda: _packed(cut, number))
+    points, rings, triangles = held["points"], held["rings"], held["triangles"]
+    found, at = {}, [0, 0, 0]
+    for code, *counts in held["letters"].tolist():
+        end = [first + count for first, count in zip(at, counts, strict=True)]
+        start = np.concatenate([[0], np.cumsum(rings[at[1] : end[1]])])
+        found[chr(code)] = Letter(points[at[0] : end[0]], start, triangles[at[2] : end[2]])
+        at = end
+    return found
+
+
+def _packed(cut: Cut, number: int) -> Arrays:
+    """Draw a block: its letters one after the other, and of each the sizes of what it has."""
+    codes = [code for code in range(number * cut.block, (number + 1) * cut.block)
+             if code in _codes(cut.file)]  # fmt: skip
+    points, sizes, triangles, letters = [np.zeros((0, 2))], [], [np.zeros((0, 3), np.int64)], []
+    for code in codes:
+        flat = shapely.orient_polygons(shapely.get_parts(outline(chr(code))))
+        rings = rings_of(flat)
+        faces = triangulate(flat, rings).triangles.reshape(-1, 3)
+        points.append(rings.points)
+        sizes += np.diff(rings.start).tolist()
+        triangles.append(faces)
+        letters.append((code, len(rings.points), len(rings.polygon), len(faces)))
+    return {"letters": np.array(letters, np.int64).reshape(-1, 4),
+            "points": np.concatenate(points), "rings": np.array(sizes, np.int64),
+            "triangles": np.concatenate(triangles)}  # fmt: skip
+
+
 @cache
 def _edition() -> str:
     """Hash of this code and of Blender's version, so that no letter is that of another font."""
-    return f"{edition_of([Path(__file__)])}-{version('bpy')}"
+    return f"{edition_of([Path(__file__), Path(polygons.__file__)])}-{version('bpy')}"
 
 
 def _cut(letter: str) -> Cut:

@@ -9,14 +9,12 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.fonts import CAP, FIRST_EAST_ASIAN, has, outline
+from cityx.assets.fonts import CAP, FIRST_EAST_ASIAN, has, letter_of
 from cityx.assets.shapes import prototype
 from cityx.city.mesh import NO_VERTEX, MeshBatch, one_mesh
 from cityx.city.scene import Prototype
-from cityx.geometry.polygons import rings_of, triangulate
 
 FINE = 3  # level of detail from which letters have sides
 GAP, SPACE = 0.085, 0.27  # em between letters and between words
@@ -32,7 +30,8 @@ def is_known(text: str) -> bool:
 @lru_cache(maxsize=4096)
 def span(letter: str) -> tuple[float, float]:
     """Return where a letter begins and ends, em; those of East Asia fill a square."""
-    low, _, high, _ = outline(letter).bounds
+    across = letter_of(letter).points[:, 0]
+    low, high = (float(across.min()), float(across.max())) if len(across) else (np.nan, np.nan)
     if ord(letter) >= FIRST_EAST_ASIAN:  # its outline stands in the middle of its square
         return (low + high) / 2 - 0.5, (low + high) / 2 + 0.5
     return low, high
@@ -88,22 +87,18 @@ def glyph(letter: str, *, detail: int = 2) -> Prototype:
 
 def _raised(letter: str, material: str, *, sides: bool) -> MeshBatch:
     """Raise a letter by `DEEP` towards -y, without its back."""
-    shape = outline(letter)
+    shape = letter_of(letter)
     low, high = span(letter)
-    flat = shapely.orient_polygons(shapely.get_parts(shape))
-    rings = rings_of(flat)
-    faces = triangulate(flat, rings).triangles
-    at = rings.points - [(low + high) / 2, 0.0]
+    at = shape.points - [(low + high) / 2, 0.0]
     count = len(at)
     front = np.column_stack([at[:, 0], np.full(count, -DEEP), at[:, 1]])
-    quads = np.column_stack([faces, np.full(len(faces), NO_VERTEX)])
+    quads = np.column_stack([shape.triangles, np.full(len(shape.triangles), NO_VERTEX)])
     if not sides:
         return one_mesh(0, front, quads, materials=(material,))
     back = np.column_stack([at[:, 0], np.zeros(count), at[:, 1]])
     here = np.arange(count)
     after = here + 1
-    last = rings.start[1:] - 1
-    after[last] = rings.start[:-1]
+    after[shape.start[1:] - 1] = shape.start[:-1]
     around = np.column_stack([count + here, count + after, after, here])
     return one_mesh(0, np.vstack([front, back]), np.vstack([quads, around]), materials=(material,))
 

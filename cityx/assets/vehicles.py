@@ -9,7 +9,6 @@ from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from cityx.assets.kept import kept
 from cityx.assets.materials import srgb_to_linear
@@ -105,6 +104,8 @@ def _lower_body(body: Body) -> MeshBatch:
 
 def waist_of(body: Body, share: NDArray[np.float64]) -> NDArray[np.float64]:
     """Height of the lower body's upper edge at shares of the length, as fine cars have it."""
+    from scipy.interpolate import PchipInterpolator  # slow to import, and kept cars need it not
+
     line = np.array(body.hood)
     return np.asarray(PchipInterpolator(line[:, 0], line[:, 1])(share))
 
