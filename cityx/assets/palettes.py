@@ -111,6 +111,10 @@ def region_of(latitude: float, longitude: float) -> str:
         ("eastern europe", 43.8, 20.0, 72.0, 66.0),
         ("northern/central europe", 43.8, -6.0, 72.0, 66.0),
         ("north america", 24.0, -170.0, 72.0, -52.0),
+        # Kyushu and Okinawa, Honshu and Shikoku, Hokkaido: beside Korea and the Russian coast.
+        ("japan", 24.0, 122.9, 34.6, 146.0),
+        ("japan", 34.6, 130.8, 41.6, 146.0),
+        ("japan", 41.6, 139.3, 45.6, 146.0),
         ("east asia", 20.0, 98.0, 54.0, 150.0),
         ("south-east asia", -11.0, 92.0, 20.0, 142.0),
         ("oceania", -48.0, 110.0, -11.0, 180.0),

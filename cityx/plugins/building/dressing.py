@@ -19,11 +19,12 @@ from cityx.geometry.walls import WallTable
 from cityx.plugins.building.cornices import course_levels
 from cityx.plugins.building.facings import Facing
 from cityx.plugins.building.placing import Placing
-from cityx.plugins.building.signs import signs
+from cityx.plugins.building.shops import shops
 
 if TYPE_CHECKING:
     from cityx.city.city import City
     from cityx.plugins.building.facade import Facade
+    from cityx.plugins.building.niches import Setting
 
 PORTALS = {
     "door_panel": "portal_panel", "door_double": "portal_double", "door_house": "portal_house",
@@ -45,13 +46,13 @@ def opening_ids(placing: Placing, openings: Openings) -> NDArray[np.uint64]:
     return placing.ids("facade/opening", openings.wall, cell)
 
 
-def dress(placing: Placing, found: Facade, city: City) -> None:
-    """Place surrounds, portals, balconies, bands, cornices, signs and fittings."""
+def dress(placing: Placing, found: Facade, city: City, setting: Setting) -> None:
+    """Place surrounds, portals, balconies, bands, cornices, shopfronts, signs and fittings."""
     _surrounds(placing, found)
     _portals(placing, found)
     _balconies(placing, found)
     _coolers(placing, found, city.seed)
-    signs(placing, found, city)
+    shops(placing, found, city, setting)
     _bands(placing, found, city.seed)
 
 
