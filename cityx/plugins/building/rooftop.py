@@ -37,6 +37,10 @@ PARTY_ROOM = 0.42  # metres between the middle of a chimney and the party wall i
 NEAR_RIDGE = 0.8  # metres below the ridge at which such a chimney still stands
 CHIMNEY = 3.0  # metres, drawn height of chimneys
 
+HEADED = 110.0  # square metres of a flat roof from which it has the head of a stair
+LIFTED = 6  # storeys from which that is one of a lift
+STAFFED = ("flats", "office", "civic", "retail")
+
 PIECES = tuple(REACH)
 _WEIGHTS = {  # by group; the order of the words is that of REACH
     "flats": {"condenser": 3, "stair_head": 5, "antenna": 4, "dish": 2, "solar_panels": 3,
@@ -172,7 +176,12 @@ def _on_flat(
         piece[of] = choose(seed, "roof/piece", ids[part[of]], table, number[of])
     # One stair head or lift house is enough for a roof of middle size.
     big = np.isin(piece, [PIECES.index("stair_head"), PIECES.index("lift_house")])
-    piece[big & (number > 1)] = PIECES.index("vent")
+    piece[big & (number > 1)] = PIECES.index("ac_row")
+    # A roof that people work on is reached by a stair, a high one by a lift.
+    reached = (number == 0) & (area[part] > HEADED) & np.isin(words[part], STAFFED)
+    levels = city.layout.parts["levels"].to_numpy(int)[part]
+    head = np.where(levels >= LIFTED, PIECES.index("lift_house"), PIECES.index("stair_head"))
+    piece = np.where(reached & (uniform(seed, "roof/head", ids[part]) < 0.8), head, piece)
     reach = np.array(list(REACH.values()))[piece]
     long_axis, short_axis, middle = _axes(volumes.polygons)
     x, y, found = np.zeros(len(part)), np.zeros(len(part)), np.zeros(len(part), bool)
