@@ -81,8 +81,8 @@ def _row(rng: Rng, x0: float, x1: float, z: float, goods: str, y: float = 0.74) 
             x += wide + float(rng.uniform(0.01, 0.05))
         else:
             wide = float(rng.uniform(0.12, 0.26))
-            line = [(0.0, 0.0), (0.5 * wide, 0.03), (0.42 * wide, 0.09), (0.0, 0.12)]
-            shapes.append(moved(lathe(line, "ware_ochre", sides=7), (x + wide / 2, y + 0.1, z)))
+            loaf = [(0.0, 0.0), (0.5 * wide, 0.03), (0.42 * wide, 0.09), (0.0, 0.12)]
+            shapes.append(moved(lathe(loaf, "ware_ochre", sides=7), (x + wide / 2, y + 0.1, z)))
             x += wide + 0.02
     return shapes
 

@@ -29,12 +29,12 @@ def masses(plot: Plot, *, setback: float = 1.5, sloping: float = 0.5) -> tuple[M
     Houses of boards under pitched roofs, and low shops, keep their plain volume.
     """
     lot = lot_of(plot)
-    kind = plot.draw("kind") if plot.levels <= 3 else 1.0
+    kind = plot.draw("kind") if plot.levels <= 3 and plot.noise else 1.0
     if kind < (BOARDED if plot.roof == "flat" else 0.75):
         return (replace(plot.body, zone="boarded"),)
     if kind < KEEPERS:
         return (replace(plot.body, zone="keeper"),)
-    zone = plot.pick("balcony", ("", "glazed", "railed"), (3, 3, 3))
+    zone = plot.pick("balcony", ("", "glazed", "railed"), (3, 3, 3)) if plot.noise else ""
     body = replace(plot.body, zone=zone)
     if not lot.boxy or plot.levels < 2 or setback <= 0:
         return (body,)

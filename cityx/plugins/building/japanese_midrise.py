@@ -28,7 +28,8 @@ INSIDE = 0.08  # metres between walls that stand above one another
 def masses(plot: Plot, *, front: str = "any", setback: float = 0.4) -> tuple[Mass, ...]:
     """Raise a block behind one of `FRONTS`; at times its top storeys stand back from the street."""
     shares = NARROW if plot.plan.area < NARROW_AREA else WIDE
-    zone = plot.pick("front", FRONTS, shares) if front == "any" else front
+    usual = plot.pick("front", FRONTS, shares) if plot.noise else FRONTS[0]
+    zone = usual if front == "any" else front
     zone = "" if zone == "parapet" else zone
     body = replace(plot.body, zone=zone)
     lot = lot_of(plot)
@@ -58,7 +59,7 @@ _FRAMES = (0x9A9C9C, 0x6E6F70, 0x4A4440, 0xB8B8B5, 0x2F3234)
 def _flats(balcony: str) -> FacadeStyle:
     """Divide a front of flats: sliding doors to balconies that run on from flat to flat."""
     return FacadeStyle(
-        "punched", 2.9, (("window_terrace", 1),), (("door_lobby", 1),), sill=0.06,
+        "punched", 2.9, (("window_terrace", 1),), (("door_lobby", 1),), sill=0.2,
         ground_storey=3.1, corner=0.3, scale=(1.0, 1.0), surrounds=(("", 1),), back="sill_metal",
         heads=(("coping", 1),), base=(("stone", 2), ("", 1)), shops=0.3,
         fixtures=(

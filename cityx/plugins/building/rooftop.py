@@ -42,7 +42,7 @@ LIFTED = 6  # storeys from which that is one of a lift
 STAFFED = ("flats", "office", "civic", "retail")
 
 PIECES = tuple(REACH)
-_WEIGHTS = {  # by group; the order of the words is that of REACH
+_WEIGHTS: Mapping[str, Mapping[str, float]] = {  # by group; the order of the words is that of REACH
     "flats": {"condenser": 3, "stair_head": 5, "antenna": 4, "dish": 2, "solar_panels": 3,
               "vent": 4, "skylight": 3, "water_cistern": 1, "roof_patch": 7, "roof_hatch": 3,
               "roof_pipes": 2, "planters": 2, "ac_row": 1.5},

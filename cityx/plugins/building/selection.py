@@ -88,8 +88,10 @@ TOUCH = 0.3  # metres between neighbours wall to wall
 # Generators whose houses stand in rows of one design; next to each other, others differ.
 IN_ROWS = ("georgian_terrace", "walk_up", "shop_house", "suburban_house", "cottage", "bungalow",
            "panel_slab", "warehouse", "shed")  # fmt: skip
-# Generators that stand free on estates, and their weight where a neighbour touches.
-FREE_STANDING: Weights = MappingProxyType({"panel_slab": 0.12, "asian_block": 0.6})
+# Generators that mostly stand free, and their weight where a neighbour touches.
+FREE_STANDING: Weights = MappingProxyType(
+    {"panel_slab": 0.12, "mixed_use": 0.5, "asian_block": 0.6}
+)
 ROW_SHARE = 0.85  # of the houses of a row that follow its design
 ROW_REACH = 6  # neighbours along a row whose design is shared
 ASKED = 3.0  # weight of generators that speak of the style asked for, against a region's usual one
