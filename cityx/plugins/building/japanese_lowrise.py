@@ -144,11 +144,11 @@ _KEEPER = FacadeStyle(
 GENERATOR = Generator(
     "japanese_lowrise",
     "Japanese low-rise",
-    Look(_BODY, _WALLS, frames=_FRAMES, own_trim=True),
+    Look(_BODY, _WALLS, frames=_FRAMES),
     zones=MappingProxyType(
         {
-            "glazed": Look(_with("balcony_glazed"), _WALLS, frames=_FRAMES, own_trim=True),
-            "railed": Look(_with("balcony_railed"), _WALLS, frames=_FRAMES, own_trim=True),
+            "glazed": Look(_with("balcony_glazed"), _WALLS, frames=_FRAMES),
+            "railed": Look(_with("balcony_railed"), _WALLS, frames=_FRAMES),
             "top": Look(_TOP, _WALLS, frames=_FRAMES, own_trim=True),
             "boarded": Look(_BOARDED, _BOARDS, frames=_FRAMES),
             "keeper": Look(_KEEPER, _WALLS, frames=_FRAMES, own_trim=True),

@@ -10,7 +10,7 @@ from typing import Annotated
 from cityx.assets.facade_styles import FacadeStyle, Fixture, Strip
 from cityx.assets.fixtures.japan import UPRIGHT
 from cityx.assets.generators import Generator, Look
-from cityx.assets.palette_tables import GREYS, TILES
+from cityx.assets.palette_tables import GREYS, TILES, Surfaces
 from cityx.city.city import City
 from cityx.geometry.lots import lot_of
 from cityx.geometry.massing import Mass, Plot
@@ -125,8 +125,9 @@ _WINDOWED = FacadeStyle(
 )  # fmt: skip
 
 
-def _look(facade: FacadeStyle, walls: object = _TILED) -> Look:
-    return Look(facade, walls, frames=_FRAMES, own_trim=True)  # type: ignore[arg-type]
+def _look(facade: FacadeStyle, walls: Surfaces = _TILED) -> Look:
+    # Balconies of flats are painted pale, whatever the tiles; offices are of one colour.
+    return Look(facade, walls, frames=_FRAMES, own_trim=walls is _FACED)
 
 
 _ROOFTOP = MappingProxyType(

@@ -108,13 +108,23 @@ def signs(placing: Placing, found: Facade, city: City, shops: Tenants) -> None:
     text.level(names, wall, along, top + 0.03 + face[:, 1], face[:, 0], face[:, 2], FILLED * wide,
                ink, cell)  # fmt: skip
     ink = np.where((_luminance(color) > PALE)[:, None], INK, BRIGHT)
+    brief = np.array([_brief(name, 1.8 * BLADE_HALF) for name in names[of].tolist()], str)
     for side in (-1.0, 1.0):
-        text.level(names[of], wall[of], end[of] + side * 0.036, top[of] - 0.21,
+        text.level(brief, wall[of], end[of] + side * 0.036, top[of] - 0.21,
                    np.full(len(of), BLADE_MIDDLE + 0.1), np.full(len(of), 0.2),
                    np.full(len(of), 1.8 * BLADE_HALF), ink[of], cell[of], side=side)  # fmt: skip
         text.stacked(names[stacks], wall[stacks], corner[stacks] + side * 0.092,
                      top[stacks] + 1.4, 0.62, ink[stacks], cell[stacks], side)  # fmt: skip
     text.place()
+
+
+def _brief(name: str, room: float) -> str:
+    """Return what of a name can be read in a narrow field: all, its first word, or its initial."""
+    most = room * CAP / SMALLEST  # em
+    for text in (name, name.split(" ")[0] if name else ""):
+        if text and line_of(text).width <= most:
+            return text
+    return name[:1].upper()
 
 
 def _luminance(tint: Colors) -> FloatArray:
