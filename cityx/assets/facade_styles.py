@@ -140,6 +140,8 @@ class FacadeStyle:
         Things of real size on walls, roofs and plots.
     entrance
         Whether the main door belongs here rather than in other zones.
+    shops
+        Least share of the buildings at streets that have shops on the ground floor.
     """
 
     mode: str
@@ -164,3 +166,4 @@ class FacadeStyle:
     slabs: tuple[Strip, ...] = ()
     fixtures: tuple[Fixture, ...] = ()
     entrance: bool = False
+    shops: float = 0.0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -28,57 +27,9 @@ from cityx.assets.mouldings import (
 )
 from cityx.assets.shapes import Color, bevelled, lathe, moved, tube
 from cityx.assets.shopfronts import HEIGHT, WIDTH
-from cityx.geometry.identity import rng_for, stable_id
 
 _W = WIDTH / 2
 PANE = 0.070  # metres the panes lie behind the wall
-_WARES = ("ware_cream", "ware_red", "ware_ochre", "ware_blue", "ware_green", "ware_cream")
-# Profiles of what is for sale, radius and height as shares.
-_BOTTLE = ((0.34, 0.0), (0.36, 0.03), (0.36, 0.52), (0.30, 0.62), (0.13, 0.74), (0.11, 0.95),
-           (0.14, 0.96), (0.14, 1.0), (0.0, 1.0))  # fmt: skip
-_VASE = ((0.28, 0.0), (0.30, 0.03), (0.46, 0.25), (0.5, 0.42), (0.42, 0.62), (0.24, 0.78),
-         (0.22, 0.86), (0.32, 0.98), (0.30, 1.0), (0.0, 0.9))  # fmt: skip
-_JAR = ((0.44, 0.0), (0.47, 0.04), (0.47, 0.70), (0.38, 0.80), (0.40, 0.82), (0.42, 0.94), (0.2,
-    1.0),
-        (0.0, 1.02))  # fmt: skip
-_BUST = ((0.5, 0.0), (0.52, 0.05), (0.44, 0.2), (0.56, 0.5), (0.60, 0.62), (0.40, 0.72), (0.18,
-    0.77),
-         (0.17, 0.82), (0.25, 0.88), (0.26, 0.94), (0.16, 0.99), (0.0, 1.0))  # fmt: skip
-
-
-def _wares(key: str, x0: float, x1: float, floor: float, top: float) -> Shapes:
-    """Set out goods on a shelf or two behind a pane, each turned or boxed, no two alike."""
-    rng = rng_for(0, "assets/wares", stable_id(key))
-    shapes: Shapes = []
-    y = 0.5 * (PANE + BACKING) + 0.004
-    flat = 0.052  # all of them stand in the depth of the niche
-    shelves = [floor, floor + 0.62, floor + 1.12] if top - floor > 1.3 else [floor]
-    for number, shelf in enumerate(shelves):
-        if number:
-            shapes.append(bevelled((x0, y - 0.03, shelf - 0.02), (x1, BACKING, shelf), "bench_wood",
-                                   bevel=0.003))  # fmt: skip
-        x = x0 + 0.08
-        while x < x1 - 0.08:
-            material = _WARES[int(rng.integers(len(_WARES)))]
-            size = float(rng.uniform(0.10, 0.24))
-            kind = int(rng.integers(5))
-            height = size * float(rng.uniform(1.3, 2.0))
-            height = min(height, 0.48)
-            if kind == 4:
-                shapes.append(bevelled((x - size / 2.2, y - 0.024, shelf),
-                                       (x + size / 2.2, y + 0.024, shelf + 0.8 * height),
-                                           material))  # fmt: skip
-            else:
-                line = np.array((_BOTTLE, _VASE, _JAR, _BUST)[kind])
-                body = lathe(line * [size, height], material, sides=16)
-                points = body.vertices * [1.0, min(1.0, flat / size), 1.0]
-                shapes.append(moved(replace(body, vertices=points), (x, y, shelf)))
-            x += size * float(rng.uniform(1.05, 1.5))
-    return shapes
-
-
-def _backing(glass: str, top: float = HEIGHT - 0.05) -> Shapes:
-    return [plate(rectangle(-_W + 0.03, _W - 0.03, 0.0, top), BACKING, glass)]
 
 
 def _light(x0: float, x1: float, z0: float, z1: float, material: str, *, stile: float = 0.05,
@@ -121,9 +72,9 @@ def _pilaster(x0: float, x1: float, z0: float, z1: float) -> Shapes:
     return shapes
 
 
-def shop_classic(glass: str) -> Shapes:
+def shop_classic() -> Shapes:
     """Painted timber front: fluted pilasters, panelled stallriser, lights with transoms, door."""
-    shapes = _backing(glass)
+    shapes: Shapes = []
     for side in (-1.0, 1.0):
         ends = sorted((side * _W, side * (_W - 0.22)))
         shapes += _pilaster(ends[0], ends[1], -0.3, HEIGHT)
@@ -140,7 +91,6 @@ def shop_classic(glass: str) -> Shapes:
         sill = soft([(0.12, 0.0), (0.12, 0.06), (0.05, 0.06), (-0.07, 0.035), (-0.085, 0.02),
                      (-0.08, 0.0), (-0.05, -0.01)], 0.008, 3)  # fmt: skip
         shapes.append(ledge(np.asarray(sill) + np.array([0.0, 0.52]), x0, x1, "door_paint"))
-        shapes += _wares("classic" + str(side > 0), x0 + 0.06, x1 - 0.06, 0.63, 2.2)
     shapes += [bevelled((x - 0.04, PANE - 0.05, 0.0), (x + 0.04, 0.12, HEIGHT - 0.1), "door_paint",
                         hidden=("+y",)) for x in (-0.46, 0.46)]  # fmt: skip
     shapes.append(bevelled((-0.42, PANE, 0.02), (0.42, 0.12, 0.80), "door_paint", hidden=("+y",)))
@@ -163,12 +113,12 @@ def shop_classic(glass: str) -> Shapes:
     return shapes
 
 
-def shop_modern(glass: str) -> Shapes:
+def shop_modern() -> Shapes:
     """Metal sections and large panes with a glass door, tiled foot and goods on shelves."""
     section = soft([(0.0, 0.135), (0.0, 0.0), (0.05, 0.0), (0.056, 0.006), (0.056, 0.03), (0.062,
         0.034),
                     (0.062, 0.135)], 0.003, 3)  # fmt: skip
-    shapes = [*_backing(glass), frame(-_W, _W, 0.0, HEIGHT, section, "frame_paint")]
+    shapes = [frame(-_W, _W, 0.0, HEIGHT, section, "frame_paint")]
     shapes += _light(-_W + 0.06, -0.58, 0.18, HEIGHT - 0.06, "frame_paint", stile=0.03)
     shapes += _light(-0.58, 0.62, 0.18, HEIGHT - 0.06, "frame_paint", stile=0.03)
     shapes += _light(0.66, _W - 0.06, 0.02, 2.3, "frame_paint", stile=0.045)
@@ -188,20 +138,18 @@ def shop_modern(glass: str) -> Shapes:
             x = -_W + 0.2 + 0.16 * k
             if abs(x + 0.58) > 0.1:
                 shapes.append(plate(rectangle(x, x + 0.05, z, z + 0.05), PANE - 0.002, "sign"))
-    shapes += _wares("modern left", -_W + 0.1, -0.62, 0.2, 2.2)
-    shapes += _wares("modern right", -0.54, 0.56, 0.2, 2.2)
     for x in np.linspace(-_W + 0.3, _W - 0.3, 7):
         shapes.append(tube([[x, 0.10, HEIGHT - 0.16], [x, 0.085, HEIGHT - 0.24]], [0.022, 0.030],
                            "lamp_glow", sides=14))  # fmt: skip
     return [*shapes, bevelled((-_W, -0.08, -0.3), (_W, 0.1, 0.0), "step_stone", hidden=("+y",))]
 
 
-def shop_window(glass: str) -> Shapes:
+def shop_window() -> Shapes:
     """Display window over a low moulded wall, full of goods on shelves."""
     section = soft([(0.0, 0.0), (0.0, -0.02), (0.03, -0.024), (0.06, -0.02), (0.07, 0.0), (0.09,
         0.02),
                     (0.095, 0.06), (0.095, 0.135)], 0.006, 3)  # fmt: skip
-    shapes = [*_backing(glass), portal(-_W, _W, 0.42, HEIGHT, section, "frame_paint")]
+    shapes = [portal(-_W, _W, 0.42, HEIGHT, section, "frame_paint")]
     shapes.append(bevelled((-_W, -0.02, -0.3), (_W, 0.12, 0.40), "trim", hidden=("+y",)))
     for x0, x1 in pairwise(np.linspace(-_W + 0.04, _W - 0.04, 4)):
         shapes += raised_panel(x0 + 0.03, x1 - 0.03, -0.02, 0.36, -0.02, "trim")
@@ -212,16 +160,15 @@ def shop_window(glass: str) -> Shapes:
     for x0, x1 in ((-_W + 0.095, -0.6), (-0.6, 0.6), (0.6, _W - 0.095)):
         shapes += _light(x0, x1, 0.46, 2.36, "frame_paint", stile=0.035)
         shapes += _light(x0, x1, 2.40, HEIGHT - 0.095, "frame_paint", stile=0.035)
-        shapes += _wares(f"display {x0:.1f}", x0 + 0.06, x1 - 0.06, 0.5, 2.2)
     return shapes
 
 
-def shop_cafe(glass: str) -> Shapes:
+def shop_cafe() -> Shapes:
     """Folding doors of four leaves with panels, bolts and hinges, a menu and lamps."""
     section = soft([(0.0, 0.0), (0.0, -0.02), (0.05, -0.026), (0.07, -0.01), (0.09, 0.0), (0.10,
         0.02),
                     (0.10, 0.135)], 0.006, 3)  # fmt: skip
-    shapes = [*_backing(glass), portal(-_W, _W, 0.0, HEIGHT, section, "door_paint")]
+    shapes = [portal(-_W, _W, 0.0, HEIGHT, section, "door_paint")]
     edges = np.linspace(-_W + 0.1, _W - 0.1, 5)
     for number, (x0, x1) in enumerate(pairwise(edges)):
         a, b = float(x0) + 0.006, float(x1) - 0.006
@@ -252,13 +199,11 @@ def shop_cafe(glass: str) -> Shapes:
         shapes.append(moved(bulb, (x, -0.18, 2.19)))
     board = soft([(0.0, 0.0), (0.0, -0.03), (0.02, -0.035), (0.025, -0.02)], 0.003, 2)
     shapes.append(frame(-_W + 0.02, -_W + 0.10, 1.2, 1.6, board, "bench_wood"))
-    shapes += _wares("cafe", -_W + 0.2, _W - 0.2, 0.55, 1.2)
     return [*shapes, bevelled((-_W, -0.12, -0.3), (_W, 0.1, 0.0), "step_stone", hidden=("+y",))]
 
 
-def shop_shutter(glass: str) -> Shapes:
+def shop_shutter() -> Shapes:
     """Shop with its roller shutter down: curved slats in channels, lock bar and box."""
-    del glass
     section = soft([(0.0, 0.0), (0.0, -0.04), (0.10, -0.04), (0.12, -0.03), (0.12, 0.03)], 0.005, 3)
     shapes: Shapes = [portal(-_W, _W, 0.0, HEIGHT, section, "frame_paint")]
     bow = np.array([(0.05, 0.0), (0.030, 0.004), (0.018, 0.018), (0.014, 0.036), (0.018, 0.056),
@@ -276,7 +221,7 @@ def shop_shutter(glass: str) -> Shapes:
     return shapes
 
 
-FINE_SHOPFRONTS: Mapping[str, Callable[[str], Shapes]] = MappingProxyType(
+FINE_SHOPFRONTS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {
         maker.__name__: maker
         for maker in (shop_classic, shop_modern, shop_window, shop_cafe, shop_shutter)

@@ -59,6 +59,7 @@ REGIONS: Mapping[str, str] = MappingProxyType(
         "eastern europe": "european",
         "northern/central europe": "european",
         "mediterranean": "mediterranean",
+        "japan": "asian",
         "east asia": "asian",
         "south-east asia": "asian",
         "oceania": "american",

@@ -66,6 +66,10 @@ DARKEST = 0.02  # linear; black paint
 PUREST = 0.16  # least share of the weakest channel in the strongest: outdoor paint is no laser
 
 
+AGING = ("roof_tiles", "slate")
+LICHEN, SOOT = (0.12, 0.115, 0.07), (0.075, 0.065, 0.06)  # linear; what grows and settles on them
+
+
 def _lookup(table: Mapping[str, str]) -> dict[str, str]:
     return {word: material for material, text in table.items() for word in text.split()}
 
@@ -111,6 +115,10 @@ def region_of(latitude: float, longitude: float) -> str:
         ("eastern europe", 43.8, 20.0, 72.0, 66.0),
         ("northern/central europe", 43.8, -6.0, 72.0, 66.0),
         ("north america", 24.0, -170.0, 72.0, -52.0),
+        # Kyushu and Okinawa, Honshu and Shikoku, Hokkaido: beside Korea and the Russian coast.
+        ("japan", 24.0, 122.9, 34.6, 146.0),
+        ("japan", 34.6, 130.8, 41.6, 146.0),
+        ("japan", 41.6, 139.3, 45.6, 146.0),
         ("east asia", 20.0, 98.0, 54.0, 150.0),
         ("south-east asia", -11.0, 92.0, 20.0, 142.0),
         ("oceania", -48.0, 110.0, -11.0, 180.0),
@@ -290,6 +298,7 @@ def finishes_for(
     given = _given(parts["roof_material"].to_numpy(str), _ROOF_OF)
     roof, roof_rgb = _with_material(seed, "roof", ids, roof, roof_rgb, given)
     roof_rgb = _with_color(roof_rgb, parts["roof_color"].to_numpy(np.int64))
+    roof_rgb = _aged(seed, ids, roof, roof_rgb, parts["roof_color"].to_numpy(np.int64) >= 0)
 
     trim = _linear(TRIMS)[_index(seed, "trim", ids, len(TRIMS))]
     # Stone dressings of a plastered front are the wall's own colour, a shade lighter or darker.
@@ -409,6 +418,21 @@ def _with_color(
     if bricks is not None:
         given = np.where(bricks[:, None], np.sqrt(given * rgb), given)
     return np.asarray(np.where((color >= 0)[:, None], given, rgb))
+
+
+def _aged(
+    seed: int, ids: NDArray[np.uint64], roof: Words, rgb: NDArray[np.float64],
+    said: NDArray[np.bool_],
+) -> NDArray[np.float64]:  # fmt: skip
+    """Let soot and lichen dull the tiles and slates of old roofs; newly laid ones keep their tone.
+
+    Roofs whose colour is `said` age half as much.
+    """
+    age = uniform(seed, "palette/roof age", ids) ** 1.5 * np.where(said, 0.5, 1.0)
+    age = np.where(np.isin(roof, AGING), age, 0.0)[:, None]
+    grown = uniform(seed, "palette/roof lichen", ids)[:, None]
+    coat = grown * np.array(LICHEN) + (1 - grown) * np.array(SOOT)
+    return np.asarray(rgb * (1 - 0.62 * age) + 0.5 * age * coat)
 
 
 def _weathered(rgb: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -131,6 +131,72 @@ def skylight() -> Shapes:
     ]
 
 
+def ac_row() -> Shapes:
+    """Row of four cooling units on rails, their pipes in a tray."""
+    shapes: Shapes = [
+        box((-1.75, -0.32, SUNK), (1.75, -0.26, 0.16), "metal_grey"),
+        box((-1.75, 0.26, SUNK), (1.75, 0.32, 0.16), "metal_grey"),
+        box((-1.85, 0.5, 0.12), (1.85, 0.68, 0.2), "metal_grey"),
+    ]
+    for k, x in enumerate((-1.3, -0.43, 0.43, 1.3)):
+        tall = (1.0, 1.0, 0.78, 1.0)[k]
+        shapes.append(box((x - 0.38, -0.28, 0.16), (x + 0.38, 0.22, 0.16 + tall), "plastic",
+                          (0.84, 0.84, 0.8)))  # fmt: skip
+        shapes.append(disc((x, -0.29, 0.16 + 0.5 * tall), 0.27, "metal_dark", sides=10,
+                           thickness=0.01))  # fmt: skip
+        shapes.append(box((x + 0.2, 0.2, 0.16), (x + 0.26, 0.6, 0.22), "plastic"))
+    return shapes
+
+
+def roof_patch() -> Shapes:
+    """Mended sheet of a roof, welded on in two strips, a finger high."""
+    return [
+        box((-1.2, -0.8, SUNK), (1.25, 0.05, 0.02), "bitumen"),
+        box((-1.3, -0.02, SUNK), (1.1, 0.85, 0.028), "bitumen", (0.86, 0.86, 0.86)),
+    ]
+
+
+def roof_hatch() -> Shapes:
+    """Hatch with its lid ajar and the top of the ladder."""
+    shapes: Shapes = [
+        box((-0.55, -0.55, SUNK), (0.55, 0.55, 0.38), "metal_grey"),
+        loft(np.array([[(-0.6, -0.6, 0.38), (0.6, -0.6, 0.38), (0.6, 0.6, 0.52), (-0.6, 0.6, 0.52)],
+                       [(-0.6, -0.6, 0.44), (0.6, -0.6, 0.44), (0.6, 0.6, 0.58),
+                        (-0.6, 0.6, 0.58)]]), "metal_panel"),
+    ]  # fmt: skip
+    for x in (-0.24, 0.2):
+        shapes.append(box((x, -0.66, SUNK), (x + 0.04, -0.62, 1.3), "metal_dark"))
+    return shapes
+
+
+def roof_pipes() -> Shapes:
+    """Pipes and a duct on sleepers."""
+    shapes: Shapes = [
+        box((-1.9, 0.05, 0.12), (1.3, 0.45, 0.5), "metal_panel", (0.85, 0.86, 0.87)),
+        box((0.9, 0.05, SUNK), (1.3, 0.45, 0.12), "metal_panel", (0.85, 0.86, 0.87)),
+    ]
+    for y, radius in ((-0.15, 0.07), (-0.35, 0.05), (-0.5, 0.05)):
+        shapes.append(cylinder((-1.9, y, 0.2), (1.9, y, 0.2), radius, "metal_grey", sides=6))
+    for x in (-1.6, -0.4, 0.8, 1.7):
+        shapes.append(box((x, -0.6, SUNK), (x + 0.12, 0.5, 0.12), "concrete"))
+    return shapes
+
+
+def planters() -> Shapes:
+    """Trough of shrubs with a bench, as on terraced roofs."""
+    shapes: Shapes = [
+        box((-1.3, -0.3, SUNK), (1.3, 0.3, 0.5), "wood", (0.55, 0.5, 0.45)),
+        box((-1.0, -0.95, 0.38), (1.0, -0.55, 0.45), "bench_wood"),
+        box((-0.9, -0.9, SUNK), (-0.8, -0.6, 0.38), "metal_dark"),
+        box((0.8, -0.9, SUNK), (0.9, -0.6, 0.38), "metal_dark"),
+    ]
+    for k, x in enumerate((-1.0, -0.5, 0.0, 0.5, 1.0)):
+        high = (0.75, 0.5, 0.9, 0.6, 0.8)[k]
+        shapes.append(cylinder((x, 0.0, 0.42), (x, 0.0, 0.5 + high), 0.32, "hedge", top=0.06,
+                               sides=7))  # fmt: skip
+    return shapes
+
+
 def chimney() -> Shapes:
     """Chimney of brick with three pots, 3 m high, its foot at the origin, its top at z = 3."""
     shapes: Shapes = [
@@ -161,7 +227,8 @@ ROOF_FURNITURE: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
         maker.__name__: maker
         for maker in (
             hvac_unit, condenser, stair_head, lift_house, antenna, dish, solar_panels, vent,
-            water_tank, water_cistern, skylight, chimney, chimney_small,
+            water_tank, water_cistern, skylight, chimney, chimney_small, ac_row, roof_patch,
+            roof_hatch, roof_pipes, planters,
         )
     }
 )  # fmt: skip
@@ -170,7 +237,8 @@ REACH: Mapping[str, float] = MappingProxyType(
     {
         "hvac_unit": 1.6, "condenser": 0.6, "stair_head": 2.7, "lift_house": 2.7, "antenna": 0.8,
         "dish": 0.6, "solar_panels": 2.6, "vent": 0.4, "water_tank": 1.9, "water_cistern": 1.3,
-        "skylight": 1.6, "chimney": 0.75, "chimney_small": 0.55,
+        "skylight": 1.6, "chimney": 0.75, "chimney_small": 0.55, "ac_row": 1.95,
+        "roof_patch": 1.55, "roof_hatch": 0.9, "roof_pipes": 2.0, "planters": 1.6,
     }
 )  # fmt: skip
 

@@ -131,7 +131,7 @@ def shopfront(name: str, *, detail: int = 2) -> Prototype:
     if detail >= FINE:
         from cityx.assets.fine_shopfronts import FINE_SHOPFRONTS
 
-        shapes = FINE_SHOPFRONTS[name](GLASS)
+        shapes = FINE_SHOPFRONTS[name]()
         return prototype(f"{name}_fine", "shopfront", shapes)
     return prototype(name, "shopfront", SHOPFRONTS[name](GLASS))
 

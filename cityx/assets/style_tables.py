@@ -37,8 +37,8 @@ TABLE: Mapping[str, Mapping[str, Weights]] = MappingProxyType(
             "flats": {
                 "georgian_terrace": 12,
                 "palazzo": 2,
-                "mixed_use": 2.5,
-                "panel_slab": 1,
+                "mixed_use": 1.5,
+                "panel_slab": 0.8,
                 "walk_up": 1,
                 "brutalist": 0.8,
                 "shop_house": 1,
@@ -198,6 +198,23 @@ REGIONAL_TABLE: Mapping[str, Mapping[str, Weights]] = MappingProxyType(
                 "brutalist": 0.3,
                 "art_deco": 0.6,
             },
+        },
+        "japan": {
+            "house": {"japanese_lowrise": 8, "suburban_house": 0.3},
+            "flats": {"japanese_midrise": 10, "japanese_lowrise": 5},
+            "office": {
+                "japanese_midrise": 6,
+                "office_slab": 1.5,
+                "glass_tower": 2,
+                "postmodern_tower": 0.5,
+            },
+            "retail": {
+                "japanese_midrise": 5,
+                "japanese_lowrise": 5,
+                "office_slab": 0.5,
+                "big_box": 1,
+            },
+            "civic": {"japanese_midrise": 2, "office_slab": 2, "brutalist": 1},
         },
         "east asia": {
             "house": {"japanese_lowrise": 8, "suburban_house": 0.5},

@@ -296,14 +296,27 @@ def _windows(walls: WallTable, fronts: Fronts, storeys: Storeys, seed: int) -> O
     height, wide = height * smaller, wide * smaller
     gap = uniform(seed, "facade/back gap", building ^ wall_key(walls)[wall], bay) < 0.18
     kept = ~(back & gap & (bays[wall] > 1))
-    # Balconies stand in columns, symmetric about the middle, from the first floor up.
+    # Balconies stand in a rhythm, symmetric about the middle, from the first floor up.
     turn = np.minimum(bay, bays[wall] - 1 - bay)
     phase = (uniform(seed, "facade/balcony phase", building) * 2).astype(np.int64)
+    rhythm = (uniform(seed, "facade/balcony rhythm", building) * 5).astype(np.int64)
+    upper = storey - storeys.first[wall]
+    inner = (upper > 1) & (storey < storeys.count[wall] - 1)
+    having = np.choose(
+        rhythm,
+        [
+            (turn + phase) % 2 == 0,  # every other column
+            turn % 3 == 2 * phase,
+            (turn // 2 + phase) % 2 == 0,  # pairs
+            (turn + phase + upper) % 2 == 0,  # in turn, storey by storey
+            ((turn + phase) % 2 == 0) & inner,
+        ],
+    )
     french = (
         fronts.balcony[wall]
         & (mode == PUNCHED)
         & (storey > storeys.first[wall])
-        & ((turn + phase) % 2 == 0)
+        & having
         & (room > 2.5)
         & (bay_width[wall] > 1.9)
         & (fronts.free[wall] > 4.0)

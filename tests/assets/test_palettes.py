@@ -96,7 +96,7 @@ def test_an_empty_layout_has_no_finishes():
         ((52.36, 4.93), "low countries"),
         ((60.17, 24.94), "nordic"),
         ((55.75, 37.62), "eastern europe"),
-        ((35.69, 139.78), "east asia"),
+        ((35.69, 139.78), "japan"),
         ((40.72, -73.98), "north america"),
         ((1.28, 103.86), "south-east asia"),
         ((41.4, 2.17), "mediterranean"),

@@ -14,6 +14,7 @@ NAMES = (
     "palazzo", "perimeter_block", "georgian_terrace", "walk_up", "mediterranean_house",
     "shop_house", "townhall",
     "suburban_house", "cottage", "bungalow", "japanese_lowrise",
+    "japanese_midrise",
     "mixed_use", "panel_slab", "asian_block", "art_deco",
     "office_slab", "glass_tower", "setback_skyscraper", "postmodern_tower", "brutalist", "parking",
     "church", "mosque", "station_hall", "warehouse", "sawtooth_factory", "big_box", "shed",

@@ -8,27 +8,33 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.fixtures import fixture
 from cityx.assets.openings import DOORS, FINE
 from cityx.assets.trims import BALCONY_WIDTH, SURROUND_HEIGHT, SURROUND_WIDTH, trim
 from cityx.geometry import facades
 from cityx.geometry.facades import Openings, bays_of
-from cityx.geometry.identity import uniform
+from cityx.geometry.identity import choose, uniform
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.ranges import row_codes
 from cityx.geometry.walls import WallTable
 from cityx.plugins.building.cornices import course_levels
 from cityx.plugins.building.facings import Facing
 from cityx.plugins.building.placing import Placing
-from cityx.plugins.building.signs import signs
+from cityx.plugins.building.shops import shops
 
 if TYPE_CHECKING:
     from cityx.city.city import City
     from cityx.plugins.building.facade import Facade
+    from cityx.plugins.building.niches import Setting
 
 PORTALS = {
     "door_panel": "portal_panel", "door_double": "portal_double", "door_house": "portal_house",
     "door_portal": "portal_church",
 }  # fmt: skip
+# What stands on balconies, with shares; the last is nothing.
+THINGS = ("balcony_chairs", "balcony_pots", "balcony_bicycle")
+THING_SHARES = (0.22, 0.24, 0.08, 0.46)
+FURNISHED = 1.7  # metres of width of a balcony that holds them
 # How far a fascia stands out, so that its ends meet round corners.
 HEAD_DEPTH = 0.15
 JOINT = 0.01  # metres by which the pieces of a band overlap where its wall bends
@@ -45,13 +51,13 @@ def opening_ids(placing: Placing, openings: Openings) -> NDArray[np.uint64]:
     return placing.ids("facade/opening", openings.wall, cell)
 
 
-def dress(placing: Placing, found: Facade, city: City) -> None:
-    """Place surrounds, portals, balconies, bands, cornices, signs and fittings."""
+def dress(placing: Placing, found: Facade, city: City, setting: Setting) -> None:
+    """Place surrounds, portals, balconies, bands, cornices, shopfronts, signs and fittings."""
     _surrounds(placing, found)
     _portals(placing, found)
-    _balconies(placing, found)
+    _balconies(placing, found, city.seed)
     _coolers(placing, found, city.seed)
-    signs(placing, found, city)
+    shops(placing, found, city, setting)
     _bands(placing, found, city.seed)
 
 
@@ -117,7 +123,7 @@ def _portals(placing: Placing, found: Facade) -> None:
         )  # fmt: skip
 
 
-def _balconies(placing: Placing, found: Facade) -> None:
+def _balconies(placing: Placing, found: Facade, seed: int) -> None:
     table = found.openings.take(found.openings.role == facades.FRENCH)
     part = found.walls.part[table.wall]
     bay = bays_of(found.storey_walls, found.fronts)[2][table.wall]
@@ -134,6 +140,15 @@ def _balconies(placing: Placing, found: Facade) -> None:
         (width / BALCONY_WIDTH, one, one), found.finishes.trim_tint[part], _cell(table),
         table.width / 2,
     )  # fmt: skip
+    # On those that one can sit on stand chairs, pots or a bicycle.
+    roomy = ~np.isin(name, ["", "balcony_rail", "balcony_iron"]) & (width > FURNISHED)
+    thing = choose(seed, "facade/balcony thing", opening_ids(placing, table), THING_SHARES)
+    for number, word in enumerate(THINGS):
+        of = np.flatnonzero(roomy & (thing == number))
+        placing.add(
+            word, partial(fixture, word), table.wall[of], table.along[of], table.low[of] - 0.03,
+            index=_cell(table)[of], reach=table.width[of] / 2,
+        )  # fmt: skip
 
 
 def _coolers(placing: Placing, found: Facade, seed: int) -> None:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.openings import DOORS, NICHE_DEPTH, WINDOWS, door, window
+from cityx.assets.openings import DOORS, WINDOWS, door, window
 from cityx.assets.palettes import Finishes
-from cityx.assets.shopfronts import HEIGHT, WIDTH, shopfront
 from cityx.city.city import City
 from cityx.city.ground import KERB_HEIGHT
 from cityx.geometry import facades
@@ -22,7 +20,6 @@ from cityx.geometry.polygons import FloatArray
 from cityx.geometry.wall_faces import wall_faces
 from cityx.geometry.walls import WallTable
 from cityx.plugins.building.assembly import finishes_of
-from cityx.plugins.building.catalogue import looks
 from cityx.plugins.building.crown import crown, pitched_field
 from cityx.plugins.building.dressing import dress, opening_ids
 from cityx.plugins.building.facings import facing_pieces
@@ -36,11 +33,10 @@ from cityx.plugins.building.fronts import (
     walled_up,
 )
 from cityx.plugins.building.growth import grown
-from cityx.plugins.building.niches import Setting, set_back
+from cityx.plugins.building.niches import FINE_LOD, Setting, fitted, set_back
 from cityx.plugins.building.placing import Placing, used
 from cityx.plugins.building.rooftop import furnish_roofs
 from cityx.plugins.building.selection import designs_of_parts
-from cityx.plugins.building.signs import tenants
 from cityx.plugins.building.strips import strips
 from cityx.plugins.building.volumes import Volumes, volumes_of, walls_of_volumes
 from cityx.protocol import Port, action
@@ -52,9 +48,6 @@ LAYERS = {
     "trims": "trim",
 }
 MIN_LOD = 2
-FINE_LOD = 3  # from here on openings are set back into the walls and drawn in full
-FLAT_DEPTH = 0.06  # metres to which fine things are squeezed that have no niche
-FLAT_GAP = 0.016  # metres between their backs and the wall
 WINDOW_ROLES = (facades.WINDOW, facades.BACK, facades.GROUND, facades.FRENCH)
 DRESSING_SHARES = (0.52, 0.16, 0.22, 0.10)
 STONE_DOORS = ("door_bronze", "door_parking")  # entrances that are built rather than painted
@@ -148,8 +141,7 @@ def faced(city: City, trade: FloatArray | None = None) -> City:
         notes += (f"Openings: {share:.2%} of {found.openings.count} are set back into the walls.",)
     _place_windows(placing, found, setting, city)
     _place_doors(placing, found, setting, city.seed)
-    _place_shopfronts(placing, found, setting, city)
-    dress(placing, found, city)
+    dress(placing, found, city, setting)
     strips(placing, found, city.seed)
     fixtures(placing, found, city)
     pieces = []
@@ -193,20 +185,6 @@ def _on_the_pavement(city: City, walls: WallTable, openings: Openings) -> Openin
     return replace(openings, low=low, height=height)
 
 
-def _set(
-    placing: Placing, depth: FloatArray, width: FloatArray, height: FloatArray, size: FloatArray
-) -> dict[str, Any]:
-    """Scale and offset of things in openings, drawn for `size` and, if fine, for a niche."""
-    if placing.detail < FINE_LOD:
-        return {"scale": (width / size[:, 0], 1.0, height / size[:, 1])}
-    # What has no niche is squeezed flat and stands before the wall.
-    deep = np.where(depth > 0, depth, FLAT_DEPTH) / NICHE_DEPTH
-    return {
-        "scale": (width / size[:, 0], deep, height / size[:, 1]),
-        "out": np.where(depth > 0, 0.0, FLAT_DEPTH + FLAT_GAP),
-    }
-
-
 def _window_names(found: Facade, table: Openings) -> NDArray[np.str_]:
     """Return the name of the window in each opening."""
     name = found.designs.window[found.walls.part[table.wall]]
@@ -240,7 +218,7 @@ def _place_windows(placing: Placing, found: Facade, setting: Setting, city: City
         placing.add(
             f"{word}_{which}", partial(window, word, which),
             table.wall[of], table.along[of], table.low[of],
-            **_set(placing, setting.depth[rows[of]], table.width[of], table.height[of], size[of]),
+            **fitted(placing, setting.depth[rows[of]], table.width[of], table.height[of], size[of]),
             tint=tint[of], ids=ids[of], reach=table.width[of] / 2,
         )  # fmt: skip
 
@@ -277,36 +255,6 @@ def _place_doors(placing: Placing, found: Facade, setting: Setting, seed: int) -
         size = np.tile(DOORS[word][1:], (len(of), 1))
         placing.add(
             word, partial(door, word), table.wall[of], table.along[of], table.low[of],
-            **_set(placing, setting.depth[rows[of]], table.width[of], table.height[of], size),
-            tint=tint[of], ids=ids[of], reach=table.width[of] / 2,
-        )  # fmt: skip
-
-
-_SHOP_KINDS = ("shop_classic", "shop_modern", "shop_window", "shop_cafe", "shop_shutter")
-_OLD = (0.42, 0.12, 0.20, 0.22, 0.04)
-_NEW = (0.06, 0.52, 0.20, 0.16, 0.06)
-
-
-def _place_shopfronts(placing: Placing, found: Facade, setting: Setting, city: City) -> None:
-    rows = np.flatnonzero(found.openings.role == facades.SHOP)
-    table = found.openings.take(rows)
-    ids = opening_ids(placing, table)
-    part = found.walls.part[table.wall]
-    tenant, tint = tenants(placing, table, city.seed)
-    old = np.isin(found.designs.style[part], [key for key, look in looks().items() if look.old])
-    kind = np.where(
-        old,
-        choose(city.seed, "facade/shop kind", tenant, _OLD),
-        choose(city.seed, "facade/shop kind", tenant, _NEW),
-    )
-    # Of two bays of one shop the second is a display window.
-    kind = np.where((table.bay % 500 % 2 == 1) & (kind < 2), 2, kind)
-    for value in np.unique(kind).tolist():
-        of = np.flatnonzero(kind == value)
-        word = _SHOP_KINDS[value]
-        size = np.tile((WIDTH, HEIGHT), (len(of), 1))
-        placing.add(
-            word, partial(shopfront, word), table.wall[of], table.along[of], table.low[of],
-            **_set(placing, setting.depth[rows[of]], table.width[of], table.height[of], size),
+            **fitted(placing, setting.depth[rows[of]], table.width[of], table.height[of], size),
             tint=tint[of], ids=ids[of], reach=table.width[of] / 2,
         )  # fmt: skip

@@ -199,7 +199,7 @@ def fronts_of(
 
     trade = trade_of(layout, seed) if trade is None else trade
     share = np.minimum(share * trade[part], np.where(np.isin(kind, QUIET), MOST_QUIET, 1.0))
-    shop = _shops(city, part, group, mode, worth, share, building)
+    shop = _shops(city, part, group, mode, worth, share, building, _least_shops(designs.style))
     size = _sizes(designs, building, part, seed)
     levels = (np.maximum(parts["levels"].to_numpy(np.int64), 1) + volumes.cellars)[part]
     tall = (walls.z_high - walls.z_low) / levels
@@ -305,8 +305,9 @@ def _shops(
     worth: FloatArray,
     share: FloatArray,
     building: NDArray[np.uint64],
+    least: FloatArray,
 ) -> NDArray[np.bool_]:
-    """(w,) whether the ground floor behind a wall is let to shops."""
+    """(w,) whether the ground floor behind a wall is let to shops; `least`, (n,), as of styles."""
     layout = city.layout
     owner, described = owner_rows(layout)
     place = np.full(len(layout.parts), "urban", "U8")
@@ -321,9 +322,17 @@ def _shops(
     share = np.where((group == index["office"])[part], share * 0.8 + 0.05, share)
     no = np.isin(group, [index[name] for name in ("house", "industry", "worship", "civic", "shed")])
     share = np.where(no[part], 0.0, share)
+    share = np.maximum(share, np.where(place == "low", 0.0, least)[part])
     share = np.where(_mapped_shops(layout, building), 1.0, share)
     fit = np.isin(mode, [facades.PUNCHED, facades.STRIP, facades.CURTAIN]) & (worth >= 2.0)
     return np.asarray(fit & (uniform(city.seed, "facade/shop", building) < share))
+
+
+def _least_shops(style: Words) -> FloatArray:
+    """Return the least share of shops of the style of each part, (n,)."""
+    known, index = np.unique(style, return_inverse=True)
+    table = np.array([looks()[name].facade.shops for name in known.tolist()], float)
+    return np.asarray(table[index] if len(style) else np.zeros(0))
 
 
 def _mapped_shops(layout: Layout, building: NDArray[np.uint64]) -> NDArray[np.bool_]:

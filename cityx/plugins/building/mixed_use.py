@@ -95,7 +95,7 @@ _FLATS = FacadeStyle(
     "punched", 3.2, (("window_wide", 3), ("window_single", 3), ("window_office", 1)),
     (("door_glass", 1),), sill=0.5, ground_storey=3.6, corner=0.7, scale=(0.85, 1.0),
     surrounds=(("", 3), ("sill_metal", 3)), heads=(("coping", 1),), back="sill_metal",
-    balcony=0.45,
+    balcony=0.45, base=(("stone", 3), ("paint", 2), ("", 1)), string=0.5, shops=0.5,
     balconies=(("balcony_glass", 3), ("balcony_bars", 3), ("balcony_solid", 1)),
 )  # fmt: skip
 _LOGGIAS = replace(
@@ -136,7 +136,7 @@ _ZONES = {
         FacadeStyle(
             "strip", 3.6, (("window_wide", 1),), (("door_glass", 1),), sill=0.35,
             ground_storey=4.2, corner=0.4, surrounds=(("", 1),), heads=(("coping", 1),), back="",
-            fins=(Strip("band_box", 0.4, 0.10, "wall", 0.9, every=2, lobby=False),),
+            shops=1.0, fins=(Strip("band_box", 0.4, 0.10, "wall", 0.9, every=2, lobby=False),),
         ),
         ((3, "stone", (0x5E5A56, 0x8F8A82, 0xA79E90)), (2, "concrete", GREYS),
          (2, "metal_panel", (0x3E4144, 0x55585B)), (1, "brick", (0x5E5048, 0x6D5A50))),

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.openings import rim_of
+from cityx.assets.openings import NICHE_DEPTH, rim_of
 from cityx.city.mesh import MeshBatch
 from cityx.geometry import facades
 from cityx.geometry.identity import uniform
@@ -29,10 +29,14 @@ DEPTHS = {
     "wood": (0.10, 0.13), "metal_panel": (0.10, 0.14), "glass_wall": (0.10, 0.12),
 }  # fmt: skip
 USUAL_DEPTH = (0.12, 0.18)
-SHOP_DEPTH = 0.20
+SHOP_DEPTH = 0.20  # metres that shopfronts take
+ROOM_DEPTH = 1.25  # metres of a shopfront and the room that is seen through it
+FINE_LOD = 3  # from here on openings are set back into the walls and drawn in full
+FLAT_DEPTH = 0.06  # metres to which fine things are squeezed that have no niche
+FLAT_GAP = 0.016  # metres between their backs and the wall
 SHALLOW = 0.10  # metres; tried where a deeper niche would meet another or leave the house
 SOLID = 0.04  # metres of house left behind a niche
-MOST = 0.26  # metres; no niche is deeper
+MOST = 0.26  # metres; no niche but that of a shop is deeper
 SHARED = 0.01  # square metres that parts may share where they touch
 SLACK = 0.004  # metres; outlines that touch are not in each other's way
 
@@ -114,6 +118,20 @@ def set_back(placing: Placing, found: Facade, names: NDArray[np.str_], city: Cit
     return Setting(depth, made.kept, niche_piece(batch, made, tint))
 
 
+def fitted(
+    placing: Placing, depth: FloatArray, width: FloatArray, height: FloatArray, size: FloatArray
+) -> dict[str, Any]:
+    """Scale and offset of things in openings, drawn for `size`, (k, 2), and, if fine, a niche."""
+    if placing.detail < FINE_LOD:
+        return {"scale": (width / size[:, 0], 1.0, height / size[:, 1])}
+    # What has no niche is squeezed flat and stands before the wall.
+    deep = np.where(depth > 0, depth, FLAT_DEPTH) / NICHE_DEPTH
+    return {
+        "scale": (width / size[:, 0], deep, height / size[:, 1]),
+        "out": np.where(depth > 0, 0.0, FLAT_DEPTH + FLAT_GAP),
+    }
+
+
 def _depths(found: Facade, placing: Placing, seed: int) -> FloatArray:
     """Metres each opening is to be set back, one number per building and kind of wall."""
     table = found.openings
@@ -124,11 +142,11 @@ def _depths(found: Facade, placing: Placing, seed: int) -> FloatArray:
     low, high = span[index][part].T if len(part) else np.zeros((2, 0))
     drawn = uniform(seed, "facade/recess", placing.building[table.wall])
     depth = low + (high - low) * drawn
-    return np.where(table.role == facades.SHOP, SHOP_DEPTH, depth)
+    return np.where(table.role == facades.SHOP, ROOM_DEPTH, depth)
 
 
 def _room(placing: Placing, found: Facade, wanted: FloatArray) -> FloatArray:
-    """Metres by which each opening can be set back: the depth wanted, `SHALLOW` or 0."""
+    """Metres by which each opening can be set back: as wanted, a shop's own, `SHALLOW` or 0."""
     table, walls, volumes = found.openings, found.walls, found.volumes
     part = walls.part[table.wall].astype(np.int64)
     depth = wanted.copy()
@@ -136,13 +154,18 @@ def _room(placing: Placing, found: Facade, wanted: FloatArray) -> FloatArray:
     shapely.prepare(solid)
     # Far from every other wall of its part a niche meets nothing; the others are looked at again.
     every = np.arange(table.count)
-    boxes = _footprints(placing, found, every, depth + MOST, wider=MOST)
+    # Beside the rooms of shops there may be less.
+    shops = table.role == facades.SHOP
+    sill = np.full(len(solid), -np.inf)
+    np.maximum.at(sill, part[shops], (table.low + table.height)[shops])
+    most = np.where(table.low < sill[part], ROOM_DEPTH + SOLID, MOST)
+    boxes = _footprints(placing, found, every, depth + most, wider=most)
     close = np.flatnonzero(~shapely.contains_properly(solid[part], boxes))
-    for attempt in (SHALLOW, 0.0):
+    for attempt in (SHOP_DEPTH, SHALLOW, 0.0):
         boxes = _footprints(placing, found, close, depth[close] + SOLID)
         held = shapely.contains_properly(solid[part[close]], boxes)
         depth[close] = np.where(held, depth[close], np.minimum(depth[close], attempt))
-    for attempt in (SHALLOW, 0.0):
+    for attempt in (SHOP_DEPTH, SHALLOW, 0.0):
         first, second = _meetings(placing, found, close[depth[close] > 0], depth)
         later = np.concatenate([first, second]) if attempt else np.maximum(first, second)
         depth[later] = np.minimum(depth[later], attempt)
@@ -173,8 +196,9 @@ def _crossed(polygons: NDArray[np.object_]) -> NDArray[np.bool_]:
 
 
 def _footprints(
-    placing: Placing, found: Facade, rows: IntArray, depth: FloatArray, *, wider: float = SLACK
-) -> NDArray[np.object_]:
+    placing: Placing, found: Facade, rows: IntArray, depth: FloatArray, *,
+    wider: FloatArray | float = SLACK,
+) -> NDArray[np.object_]:  # fmt: skip
     """Rectangles in plan, (k,), that the openings `rows` take when set back by `depth`, (k,)."""
     table, walls = found.openings, found.walls
     wall, along = table.wall[rows], table.along[rows]

@@ -114,8 +114,8 @@ _ZONES = {
     "fins": Look(
         replace(
             _RIBBON,
-            fins=(Strip("band_box", 0.14, 0.62, "trim", 0.95, spacing=1.55, lobby=False),),
-            slabs=(Strip("band_box", 0.3, 0.66, "trim", 0.9, lobby=False),),
+            fins=(Strip("band_box", 0.14, 0.62, "trim", 0.95, spacing=1.55),),
+            slabs=(Strip("band_box", 0.3, 0.66, "trim", 0.9),),
         ),
         _WALLS,
         frames=_FRAMES,
@@ -129,8 +129,8 @@ _ZONES = {
         replace(
             _RIBBON,
             windows=(("window_deep", 1),),
-            fins=(Strip("band_box", 0.32, 0.8, "wall", 1.08, lobby=False),),
-            slabs=(Strip("band_box", 0.42, 0.8, "wall", 1.02, lobby=False),),
+            fins=(Strip("band_box", 0.32, 0.8, "wall", 1.08),),
+            slabs=(Strip("band_box", 0.42, 0.8, "wall", 1.02),),
         ),
         (_WALLS[0], (2, "plaster", (0xE2E0DB, 0xDAD2C4))),
         frames=_FRAMES,

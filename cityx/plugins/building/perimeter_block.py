@@ -41,6 +41,8 @@ _WALLS = (
 )
 _GARLAND = Fixture("stucco_garland", "window", tint="trim", first=1, last=2, stretch="opening",
                    street=True, share=0.5)  # fmt: skip
+_TURRET = Fixture("corner_turret", "corner", tint="wall", stretch="height", lift=3.9, street=True,
+                  share=0.45)  # fmt: skip
 # Tenements of 1870 to 1900: dressed stones below, pediments in the middle, blocks under the eave.
 _STUCCO = FacadeStyle(
     "punched", 2.35, (("window_casement", 1),), (("door_double", 1),), sill=0.72,
@@ -53,6 +55,7 @@ _STUCCO = FacadeStyle(
         Fixture("palace_blocks", "pier", tint="trim", street=True, share=0.5),
         Fixture("palace_modillions", "head", tint="trim", stretch="bay", street=True, share=0.7),
         _GARLAND,
+        _TURRET,
     ),
 )  # fmt: skip
 # The same, or houses of about 1910, whose stucco was struck off: a smooth coat, sills and little
@@ -63,7 +66,7 @@ _PLAIN = FacadeStyle(
     surrounds=(("sill", 5), ("surround_flat", 2)),
     heads=(("cornice", 1), ("eaves_board", 3)), balcony=0.25,
     balconies=(("balcony_iron", 2), ("balcony_bars", 2)), string=0.35,
-    base=(("paint", 5), ("", 2)), pipe=True,
+    base=(("paint", 5), ("stone", 2)), pipe=True,
 )  # fmt: skip
 # Blocks of 1950 to 1965 in the gaps of the war: low storeys, broad windows, rows of balconies.
 _POSTWAR = FacadeStyle(
@@ -71,7 +74,7 @@ _POSTWAR = FacadeStyle(
     ground_storey=2.9, corner=0.7, surrounds=(("sill", 2), ("sill_metal", 3)),
     heads=(("eaves_board", 3), ("", 1)), back="sill_metal", balcony=0.3,
     balconies=(("balcony_solid", 3), ("balcony_bars", 4)),
-    base=(("paint", 3), ("", 2)), pipe=True,
+    base=(("paint", 3), ("stone", 2)), string=0.6, pipe=True,
 )  # fmt: skip
 _DRESSED = replace(
     _STUCCO, bay=2.7, windows=(("window_block", 4), ("window_casement", 3)), sill=0.85,
@@ -87,6 +90,7 @@ _ORIEL = replace(
         Fixture("oriel_foot", "bay", tint="wall", first=1, last=1, every=3, street=True),
         Fixture("oriel_cap", "bay", tint="trim", first=-1, last=-1, every=3, street=True),
         _GARLAND,
+        _TURRET,
     ),
 )  # fmt: skip
 _GABLE = replace(

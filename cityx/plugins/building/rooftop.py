@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from cityx.plugins.building.volumes import Volumes
 
 EDGE = 0.7  # metres between a piece and the inner face of the parapet
-MIN_AREA = 35.0  # square metres; smaller flat roofs stay bare
-PER_PIECE = 65.0  # square metres of flat roof per piece
+MIN_AREA = 28.0  # square metres; smaller flat roofs stay bare
+PER_PIECE = 34.0  # square metres of flat roof per piece
 MOST = 60  # pieces on one roof
 TRIES = 4
 CHIMNEY_TOP = 0.8  # metres a chimney stands above the ridge
@@ -37,16 +37,24 @@ PARTY_ROOM = 0.42  # metres between the middle of a chimney and the party wall i
 NEAR_RIDGE = 0.8  # metres below the ridge at which such a chimney still stands
 CHIMNEY = 3.0  # metres, drawn height of chimneys
 
+HEADED = 110.0  # square metres of a flat roof from which it has the head of a stair
+LIFTED = 6  # storeys from which that is one of a lift
+STAFFED = ("flats", "office", "civic", "retail")
+
 PIECES = tuple(REACH)
-_WEIGHTS = {  # by group; the order of the words is that of REACH
+_WEIGHTS: Mapping[str, Mapping[str, float]] = {  # by group; the order of the words is that of REACH
     "flats": {"condenser": 3, "stair_head": 5, "antenna": 4, "dish": 2, "solar_panels": 3,
-              "vent": 4, "skylight": 3, "water_cistern": 1},
+              "vent": 4, "skylight": 3, "water_cistern": 1, "roof_patch": 7, "roof_hatch": 3,
+              "roof_pipes": 2, "planters": 2, "ac_row": 1.5},
     "office": {"hvac_unit": 7, "condenser": 3, "lift_house": 4, "stair_head": 2, "vent": 4,
-               "skylight": 1, "antenna": 1},
-    "retail": {"hvac_unit": 7, "condenser": 3, "vent": 3, "skylight": 4, "stair_head": 1},
-    "industry": {"skylight": 8, "vent": 6, "hvac_unit": 2},
-    "civic": {"hvac_unit": 3, "stair_head": 3, "vent": 3, "skylight": 4, "solar_panels": 3},
-    "house": {"antenna": 1, "solar_panels": 3, "vent": 2, "dish": 1},
+               "skylight": 1, "antenna": 1, "roof_patch": 6, "roof_hatch": 1, "roof_pipes": 5,
+               "ac_row": 5, "solar_panels": 1},
+    "retail": {"hvac_unit": 7, "condenser": 3, "vent": 3, "skylight": 4, "stair_head": 1,
+               "roof_patch": 6, "roof_pipes": 4, "ac_row": 3, "roof_hatch": 1},
+    "industry": {"skylight": 8, "vent": 6, "hvac_unit": 2, "roof_patch": 5, "roof_pipes": 1},
+    "civic": {"hvac_unit": 3, "stair_head": 3, "vent": 3, "skylight": 4, "solar_panels": 3,
+              "roof_patch": 5, "roof_hatch": 2, "roof_pipes": 2},
+    "house": {"antenna": 1, "solar_panels": 3, "vent": 2, "dish": 1, "roof_patch": 1},
 }  # fmt: skip
 
 
@@ -90,6 +98,10 @@ def furnish_roofs(
     brick = finishes.wall_material[part] == "brick"
     red = np.array([0.42, 0.22, 0.16], np.float32)
     tint = np.where(own[:, None], finishes.wall_tint[part], 1.0).astype(np.float32)
+    # Mended sheets are newer or older than those around them.
+    age = 0.55 + 0.9 * uniform(city.seed, "roof/patch", ids, number)
+    patch = piece == PIECES.index("roof_patch")
+    tint = np.where(patch[:, None], age[:, None], tint).astype(np.float32)
     stack = piece == PIECES.index("chimney")
     tint = np.where(
         stack[:, None], np.where(brick[:, None], finishes.wall_tint[part], red), tint
@@ -164,7 +176,12 @@ def _on_flat(
         piece[of] = choose(seed, "roof/piece", ids[part[of]], table, number[of])
     # One stair head or lift house is enough for a roof of middle size.
     big = np.isin(piece, [PIECES.index("stair_head"), PIECES.index("lift_house")])
-    piece[big & (number > 1)] = PIECES.index("vent")
+    piece[big & (number > 1)] = PIECES.index("ac_row")
+    # A roof that people work on is reached by a stair, a high one by a lift.
+    reached = (number == 0) & (area[part] > HEADED) & np.isin(words[part], STAFFED)
+    levels = city.layout.parts["levels"].to_numpy(int)[part]
+    head = np.where(levels >= LIFTED, PIECES.index("lift_house"), PIECES.index("stair_head"))
+    piece = np.where(reached & (uniform(seed, "roof/head", ids[part]) < 0.8), head, piece)
     reach = np.array(list(REACH.values()))[piece]
     long_axis, short_axis, middle = _axes(volumes.polygons)
     x, y, found = np.zeros(len(part)), np.zeros(len(part)), np.zeros(len(part), bool)
@@ -189,7 +206,9 @@ def _on_flat(
     z = deck[part]
     if len(part):
         found &= ~covered(volumes, part, x, y, reach, z)
-        found &= _clear(part, number, x, y, reach, found)
+        # Things stand on mended sheets as on others.
+        flat_piece = piece == PIECES.index("roof_patch")
+        found &= _clear(part, number, x, y, np.where(flat_piece, -0.3, reach), found)
     yaw = np.arctan2(long_axis[part, 1], long_axis[part, 0])
     # Panels look south, whatever the house does.
     solar = piece == PIECES.index("solar_panels")

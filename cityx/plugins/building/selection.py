@@ -88,6 +88,10 @@ TOUCH = 0.3  # metres between neighbours wall to wall
 # Generators whose houses stand in rows of one design; next to each other, others differ.
 IN_ROWS = ("georgian_terrace", "walk_up", "shop_house", "suburban_house", "cottage", "bungalow",
            "panel_slab", "warehouse", "shed")  # fmt: skip
+# Generators that mostly stand free, and their weight where a neighbour touches.
+FREE_STANDING: Weights = MappingProxyType(
+    {"panel_slab": 0.12, "mixed_use": 0.5, "asian_block": 0.6}
+)
 ROW_SHARE = 0.85  # of the houses of a row that follow its design
 ROW_REACH = 6  # neighbours along a row whose design is shared
 ASKED = 3.0  # weight of generators that speak of the style asked for, against a region's usual one
@@ -141,6 +145,12 @@ def choose_generators(layout: Layout, seed: int, *, style: str = "", region: str
     base = np.array([_row({**TABLE[family], **local}, word, names) for word in GROUPS])
     weight = base[group]
     weight = weight * _favoured(names, buildings["place"].to_numpy(str), PLACES)
+    ids = buildings["id"].to_numpy(np.uint64)
+    touching = _touching(buildings.geometry.to_numpy())
+    joined = np.zeros(len(ids), bool)
+    joined[touching[0]] = True
+    free = np.array([FREE_STANDING.get(name, 1.0) for name in names.tolist()])
+    weight = np.where(joined[:, None], weight * free, weight)
     word = style.strip().lower().replace(" ", "_")
     boost = np.array([STYLE_WORDS.get(word, {}).get(name, 1.0) for name in names.tolist()])
     weight = weight * boost + (boost > 1) * STRAY * boost * (base[group] == 0)
@@ -155,9 +165,10 @@ def choose_generators(layout: Layout, seed: int, *, style: str = "", region: str
         weight[lost & fits[:, column], column] = 1.0
     lost = weight.sum(axis=1) <= 0
     weight[lost, int(np.flatnonzero(names == SPARE[0])[0])] = 1.0
-    found = names[_drawn(weight, uniform(seed, "building/generator", _row_keys(layout, seed)))]
+    found = names[
+        _drawn(weight, uniform(seed, "building/generator", _row_keys(layout, seed, touching)))
+    ]
     single = np.where(np.isin(names, list(IN_ROWS)), 0.0, weight)
-    ids = buildings["id"].to_numpy(np.uint64)
     other = names[_drawn(single, uniform(seed, "building/generator alone", ids))]
     found = np.where(np.isin(found, list(IN_ROWS)) | (single.sum(axis=1) <= 0), found, other)
     purpose = _purposes(layout)
@@ -264,7 +275,15 @@ def _purposes(layout: Layout) -> Words:
     return np.where(small, "", found)
 
 
-def _row_keys(layout: Layout, seed: int) -> NDArray[np.uint64]:
+def _touching(shapes: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Pairs of different buildings wall to wall, each both ways."""
+    a, b = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=TOUCH)
+    return a[a != b], b[a != b]
+
+
+def _row_keys(
+    layout: Layout, seed: int, touching: tuple[NDArray[np.int64], NDArray[np.int64]]
+) -> NDArray[np.uint64]:
     """Key of the draw of each building: its own, or that of its row of houses, (n,).
 
     Rows reach as far as `ROW_REACH` neighbours, so that a tile needs to know no more.
@@ -273,7 +292,7 @@ def _row_keys(layout: Layout, seed: int) -> NDArray[np.uint64]:
     ids = layout.buildings["id"].to_numpy(np.uint64)
     levels = layout.buildings["levels"].to_numpy(int)
     area = shapely.area(shapes)
-    a, b = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=TOUCH)
+    a, b = touching
     # Houses of a row have about the same size and height.
     alike = (np.abs(levels[a] - levels[b]) <= 1) & (area[a] < 1.7 * area[b])
     alike &= area[b] < 1.7 * area[a]

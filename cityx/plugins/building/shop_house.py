@@ -110,8 +110,15 @@ _FRAMES = (0xEFEDE8, 0xF2F1EE, 0xE6E2D8, 0x2F4438, 0x5A2A24)
 _SHOP = (
     Fixture("shop_canvas", "bay", tint="sign", first=1, last=1, stretch="bay", lift=-0.66,
             street=True, share=0.4),
-    Fixture("guild_sign", "pier", tint="sign", first=1, last=1, every=3, lift=1.0, street=True,
-            share=0.7),
+    Fixture("guild_sign", "pier", tint="sign", first=1, last=1, every=9, lift=1.0, street=True,
+            share=0.12),
+    Fixture("guild_shield", "pier", tint="sign", first=1, last=1, every=3, lift=1.0, street=True,
+            share=0.2),
+    Fixture("guild_board", "pier", tint="sign", first=1, last=1, every=5, lift=0.9, street=True,
+            share=0.25),
+    Fixture("guild_lantern", "pier", first=1, last=1, every=7, lift=0.7, street=True, share=0.25),
+    Fixture("house_flag", "pier", tint="sign", first=1, last=1, every=11, lift=1.5, street=True,
+            share=0.25),
 )  # fmt: skip
 _FRONT = FacadeStyle(
     "punched", 1.95, (("window_cross", 1),), (("door_panel", 2), ("door_glass", 1)), sill=0.7,

@@ -26,8 +26,8 @@ _LATIN = ("name:en", "int_name", "brand:en", "brand")
 
 def shop_names(
     city: City, tenant: NDArray[np.uint64], building: NDArray[np.uint64], place: FloatArray
-) -> NDArray[np.str_]:
-    """Name shops.
+) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
+    """Name shops, and tell what kind each is, a key of `USUAL`.
 
     A shop on the map names the nearest front of the building that it lies in, tags of a building
     name the fronts that are left, and words for what shops usually sell name the others.
@@ -40,7 +40,7 @@ def shop_names(
         (k, 2) middles of their fronts, scene frame, metres.
     """
     tongue = tongue_of(city.frame.latitude, city.frame.longitude)
-    names = np.full(len(tenant), "", object)
+    names, kinds = np.full((2, len(tenant)), "", object)
     points = city.layout.points
     points = points[(points["kind"] == "shop").to_numpy()]
     if len(points) and len(tenant):
@@ -63,7 +63,7 @@ def shop_names(
             at, shop = int(front[row]), int(spot[row])
             if not names[at] and shop not in used:
                 used.add(shop)
-                names[at] = _said(tags[shop], tongue, int(tenant[at]))
+                names[at], kinds[at] = _said(tags[shop], tongue, int(tenant[at]))
     tagged = {
         number: text
         for number, text in zip(
@@ -76,25 +76,28 @@ def shop_names(
     for at in np.flatnonzero(names == "").tolist():
         text = tagged.get(int(building[at]))
         if text:
-            names[at] = _said(text, tongue, int(building[at]), vague="")
-    rest = np.flatnonzero(names == "")
-    kinds = list(USUAL)
-    drawn = choose(city.seed, "facade/trade", tenant[rest], list(USUAL.values()))
-    for at, kind in zip(rest.tolist(), drawn.tolist(), strict=True):
-        names[at] = _word(kinds[kind], tongue, int(tenant[at]))
-    return names.astype(str)
+            names[at], kinds[at] = _said(text, tongue, int(building[at]), vague="")
+    usual = list(USUAL)
+    drawn = choose(city.seed, "facade/trade", tenant, list(USUAL.values()))
+    for at in np.flatnonzero(kinds == "").tolist():
+        kinds[at] = usual[int(drawn[at])]
+        names[at] = names[at] or _word(kinds[at], tongue, int(tenant[at]))
+    return names.astype(str), kinds.astype(str)
 
 
-def _said(text: str, tongue: str, key: int, *, vague: str = "furniture") -> str:
-    """Return the name that tags tell, or a word for their kind of shop; `vague` for none known."""
+def _said(text: str, tongue: str, key: int, *, vague: str = "furniture") -> tuple[str, str]:
+    """Return the name that tags tell, or a word for their kind of shop, and that kind.
+
+    Where they tell no known kind it is `vague`.
+    """
     tags = json.loads(text)
+    told = [KINDS[tags[each]] for each in _KEYS if tags.get(each) in KINDS]
+    kind = told[0] if told else vague
     for each in ("name", *_LATIN):
         found = cut(str(tags.get(each, "")))
         if found:
-            return found
-    told = [KINDS[tags[each]] for each in _KEYS if tags.get(each) in KINDS]
-    kind = told[0] if told else vague
-    return _word(kind, tongue, key) if kind else ""
+            return found, kind
+    return (_word(kind, tongue, key) if kind else ""), kind
 
 
 def _word(kind: str, tongue: str, key: int) -> str:

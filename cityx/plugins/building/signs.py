@@ -13,16 +13,14 @@ from cityx.assets.lettering import DEEP, glyph, glyph_name, line_of
 from cityx.assets.materials import srgb_to_linear
 from cityx.assets.palettes import region_of
 from cityx.assets.shopfronts import fitting
-from cityx.geometry import facades
-from cityx.geometry.facades import Openings
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.plugins.building.placing import Placing
-from cityx.plugins.building.shop_names import shop_names
 
 if TYPE_CHECKING:
     from cityx.city.city import City
     from cityx.plugins.building.facade import Facade
+    from cityx.plugins.building.shops import Tenants
 
 Colors = NDArray[np.float32]
 
@@ -31,10 +29,6 @@ def _table(*colors: int) -> Colors:
     return np.array([srgb_to_linear(color) for color in colors], np.float32) / 0.8
 
 
-_SHOPS = _table(
-    0x5A2A26, 0x223A2E, 0x202B42, 0x262627, 0x4A3D30, 0x5E5338, 0x6E322C, 0x32505A, 0x3F4A38,
-    0x544860, 0x75624A, 0x33302D, 0x9A9890, 0x737F84, 0xACA592, 0x4E5A66,
-)  # fmt: skip
 _CLOTHS = _table(0x6E302B, 0x304839, 0x343F56, 0xB0A48C, 0x7A664A, 0x3A3A3C, 0xC5BFB2, 0x5E4046)
 SIGNS = _table(0x8E3A32, 0x2F4F74, 0x335C46, 0xA88A52, 0x3A3A3C, 0xC8C6BE, 0x5E3F5A, 0xE0DED6)
 BRIGHT, GILT, INK = _table(0xF2EFE6), _table(0xD8C08A), _table(0x262524)
@@ -47,39 +41,27 @@ RELIEF = 0.024  # metres that letters stand out
 BOARD = 3.5  # metres of front that a board was drawn for
 SMALLEST = 0.11  # metres; smaller letters are left out
 BLADE_MIDDLE, BLADE_HALF = 0.56, 0.30  # metres from the wall, of the field of a hanging sign
-STACKED = ("asian_block", "japanese_lowrise", "office_slab")  # looks that have stacks of signs
-STACK_REGIONS = ("east asia", "south-east asia")
+STACKED = ("asian_block", "japanese_", "office_slab")  # beginnings of looks with stacks of signs
+STACK_REGIONS = ("japan", "east asia", "south-east asia")
 STACK_FIELDS, STACK_STEP = 4, 1.04  # fields of a stack of signs, metres from one to the next
-
-
-def tenants(placing: Placing, shops: Openings, seed: int) -> tuple[NDArray[np.uint64], Colors]:
-    """Who rents each shop bay: (k,) key, equal for the two bays of a shop, and (k, 3) colour."""
-    tenant = placing.ids("facade/tenant", shops.wall, shops.bay // 500 * 64 + shops.bay % 500 // 2)
-    return tenant, _pick(_SHOPS, seed, "facade/shop tint", tenant)
 
 
 def _pick(table: Colors, seed: int, purpose: str, ids: NDArray[np.uint64]) -> Colors:
     return np.asarray(table[hash_ids(seed, purpose, ids) % np.uint64(len(table))])
 
 
-def signs(placing: Placing, found: Facade, city: City) -> None:
+def signs(placing: Placing, found: Facade, city: City, shops: Tenants) -> None:
     """Put up name boards with names, awnings, hanging signs and stacks of signs."""
-    table = found.openings.take(found.openings.role == facades.SHOP)
-    if not table.count:
-        return
     seed, walls = city.seed, found.walls
-    of_bay, paint_of_bay = tenants(placing, table, seed)
-    tenant, first, shop = np.unique(of_bay, return_index=True, return_inverse=True)
-    low, high = np.full(len(tenant), np.inf), np.full(len(tenant), -np.inf)
-    np.minimum.at(low, shop, table.along - table.width / 2)
-    np.maximum.at(high, shop, table.along + table.width / 2)
+    table, tenant, first, shop = shops.table, shops.tenant, shops.first, shops.shop
+    low, high = shops.low, shops.high
     top = np.full(len(tenant), np.inf)
     np.minimum.at(top, shop, table.low + table.height)
     wall, along, wide = table.wall[first], (low + high) / 2, high - low
     cell = ((table.floor * 4096 + table.bay + 2048) * 16 + table.role)[first]
     kind = choose(seed, "facade/sign", tenant, (5, 3, 2))
     color = _pick(SIGNS, seed, "facade/sign tint", tenant)
-    tint = np.where((kind == 0)[:, None], paint_of_bay[first], color)
+    tint = np.where((kind == 0)[:, None], shops.paint, color)
     cloth = _pick(_CLOTHS, seed, "facade/cloth", tenant)
     awned = uniform(seed, "facade/awning", tenant) < 0.32
 
@@ -105,7 +87,10 @@ def signs(placing: Placing, found: Facade, city: City) -> None:
     # Stacks of signs up the corners of the trading streets of East Asia.
     part = walls.part[wall]
     tall = walls.z_high[wall] - top > 5.8
-    stack = np.isin(found.designs.style[part], STACKED) & tall
+    stack = np.logical_or.reduce(
+        [np.char.startswith(found.designs.style[part], word) for word in STACKED]
+    )
+    stack &= tall
     stack &= table.bay[first] % 500 < 2
     stack &= region_of(city.frame.latitude, city.frame.longitude) in STACK_REGIONS
     stack &= uniform(seed, "facade/stack", placing.building[wall]) < 0.6
@@ -113,8 +98,7 @@ def signs(placing: Placing, found: Facade, city: City) -> None:
     stacks = np.flatnonzero(stack)
     put("sign_tower", stacks, corner, top + 1.4, color, reach=0.1)
 
-    middle = walls.start[wall] + placing.unit[wall] * along[:, None]
-    names = shop_names(city, tenant, placing.building[wall], middle)
+    names = shops.name
     dark = _luminance(tint) > PALE
     dark |= (kind == 2) & (_luminance(found.finishes.wall_tint[part]) > PALE)
     gilt = (kind == 0) & (uniform(seed, "facade/gilt", tenant) < 0.5)
@@ -124,13 +108,23 @@ def signs(placing: Placing, found: Facade, city: City) -> None:
     text.level(names, wall, along, top + 0.03 + face[:, 1], face[:, 0], face[:, 2], FILLED * wide,
                ink, cell)  # fmt: skip
     ink = np.where((_luminance(color) > PALE)[:, None], INK, BRIGHT)
+    brief = np.array([_brief(name, 1.8 * BLADE_HALF) for name in names[of].tolist()], str)
     for side in (-1.0, 1.0):
-        text.level(names[of], wall[of], end[of] + side * 0.036, top[of] - 0.21,
+        text.level(brief, wall[of], end[of] + side * 0.036, top[of] - 0.21,
                    np.full(len(of), BLADE_MIDDLE + 0.1), np.full(len(of), 0.2),
                    np.full(len(of), 1.8 * BLADE_HALF), ink[of], cell[of], side=side)  # fmt: skip
         text.stacked(names[stacks], wall[stacks], corner[stacks] + side * 0.092,
                      top[stacks] + 1.4, 0.62, ink[stacks], cell[stacks], side)  # fmt: skip
     text.place()
+
+
+def _brief(name: str, room: float) -> str:
+    """Return what of a name can be read in a narrow field: all, its first word, or its initial."""
+    most = room * CAP / SMALLEST  # em
+    for text in (name, name.split(" ")[0] if name else ""):
+        if text and line_of(text).width <= most:
+            return text
+    return name[:1].upper()
 
 
 def _luminance(tint: Colors) -> FloatArray:

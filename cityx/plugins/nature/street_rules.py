@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cityx.city.city import City
-from cityx.geometry.driving import drives_on
 
 CLEAR = 1.5  # metres of free walk past whatever stands by rule
 TIGHT = 1.2  # metres past a pole on a narrow walk; below it nothing stands
@@ -90,14 +89,13 @@ DOOR_DEPTH, DOOR_SIDE = 2.0, 0.85  # metres before a door, and to each side of i
 
 
 def place_of(city: City) -> str:
-    """Name the kind of place that rules tell apart: "japan" or a region of `region_of`."""
+    """Name the kind of place that rules tell apart, a region of `region_of`."""
     from cityx.assets.palettes import REGIONS, region_of
 
-    at = (city.frame.latitude, city.frame.longitude)
-    region = region_of(*at)
+    region = region_of(city.frame.latitude, city.frame.longitude)
     if REGIONS.get(region) == "european":  # whose streets are furnished alike
-        region = "northern/central europe"
-    return "japan" if region == "east asia" and drives_on(*at) == "left" and at[0] > 24 else region
+        return "northern/central europe"
+    return region
 
 
 def rates(rule: Rule, place: str) -> tuple[float, float, float, float]:

@@ -14,7 +14,8 @@ from cityx.plugins.building.facade import facade
 from cityx.plugins.building.samples import sample_city, sheet_of
 from cityx.plugins.building.shell import shell
 
-KINDS = ("suburban_house", "cottage", "bungalow", "japanese_lowrise", "asian_block", "temple",
+KINDS = ("suburban_house", "cottage", "bungalow", "japanese_lowrise", "japanese_midrise",
+         "asian_block", "temple",
          "barn", "greenhouse", "shed")  # fmt: skip
 # Masses that a setting of each kind brings, and those that its other end leaves out.
 SETTINGS = {
@@ -22,6 +23,7 @@ SETTINGS = {
     "cottage": ({"outshut": 1.0, "wing": 0.0}, {"outshut": 0.0, "wing": 0.0}),
     "bungalow": ({"porch": 1.0, "carport": 1.0}, {"porch": 0.0, "carport": 0.0}),
     "japanese_lowrise": ({"setback": 2.0}, {"setback": 0.0}),
+    "japanese_midrise": ({"setback": 1.0}, {"setback": 0.0}),
     "asian_block": ({"podium": 4}, {"podium": 0}),
     "temple": ({"tiers": 4}, {"tiers": 1}),
     "barn": ({"lean": 1.0, "both": 1.0}, {"lean": 0.0}),

@@ -41,7 +41,7 @@ def named(city):
     """Return what stands over each of two fronts per house."""
     ids = np.repeat(city.layout.buildings["id"].to_numpy(np.uint64), 2)
     place = np.column_stack([np.arange(2 * COUNT) * 6.0 + 3.0, np.zeros(2 * COUNT)])
-    return shop_names(city, ids + np.tile([0, 1], COUNT).astype(np.uint64), ids, place)
+    return shop_names(city, ids + np.tile([0, 1], COUNT).astype(np.uint64), ids, place)[0]
 
 
 def letters(city):
