@@ -103,6 +103,12 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("pavers", (0.28, 0.275, 0.26), 0.88, texture="clinker", tile=2.0, porosity=0.5),
     _M("road_concrete", (0.34, 0.335, 0.315), 0.88, texture="road_slabs", tile=8.0, porosity=0.5),
     _M("paving", (0.265, 0.257, 0.24), 0.85, texture="paving", tile=2.4, porosity=0.5),
+    _M("flagstones", (0.290, 0.268, 0.232), 0.82, texture="flagstones", tile=4.8, porosity=0.6),
+    _M("mosaic", (0.165, 0.160, 0.155), 0.8, texture="mosaic", tile=2.56, porosity=0.4),
+    _M("slab_walk", (0.235, 0.230, 0.222), 0.82, texture="slab_walk", tile=5.12, porosity=0.4),
+    _M("walk_blocks", (0.238, 0.228, 0.212), 0.88, texture="walk_blocks", tile=3.0, porosity=0.5),
+    _M("guided_blocks", (0.250, 0.230, 0.196), 0.88, texture="guided_blocks", tile=6.0,
+       porosity=0.5),
     # Small blocks, a little darker than the slabs of walks: a plot ends where the walk begins.
     _M("yard", (0.20, 0.192, 0.176), 0.88, texture="clinker", tile=2.0, porosity=0.5),
     _M("kerb_stone", (0.40, 0.39, 0.37), 0.8, texture="concrete", tile=2.0, porosity=0.4),

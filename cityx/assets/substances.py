@@ -115,7 +115,9 @@ CLASSES: Mapping[str, str] = MappingProxyType(
         "waste_basket": "litter_bin", "wheelie_bins": "bin", "recycling": "bin",
         "stone_bench": "bench", "planter": "planter",
         "pot_row": "planter", "car_": "car", "shrub": "shrub",
-        "motor_scooter": "motorcycle", "banner_": "sign",
+        "motor_scooter": "motorcycle", "banner_": "sign", "fire_hydrant": "fire_hydrant",
+        "post_box": "post_box", "bollard": "bollard", "telephone": "telephone",
+        "parking_board": "sign", "wheel_stop": "kerb",
     }
 )  # fmt: skip
 # Pieces that stand by their weight alone. Bicycles are locked, boats moored, posts set in concrete.

@@ -20,12 +20,15 @@ from cityx.city.rooms import WORK
 # Materials of level ground, where rain stands in puddles.
 PUDDLED = frozenset(
     {"asphalt", "asphalt_light", "setts", "paving", "concrete", "bitumen", "pitch", "soil",
-     "cobbles", "clinker", "pavers", "yard", "road_concrete"}
+     "cobbles", "clinker", "pavers", "yard", "road_concrete", "flagstones", "mosaic", "slab_walk",
+     "walk_blocks", "guided_blocks"}
 )  # fmt: skip
 # Materials of outer walls, which weather: splashes above the ground, streaks of rain, blotches.
 AGED = frozenset({"plaster", "brick", "stone", "concrete", "wood", "trim"})
 # Materials of what is round: their faces are shaded as one curved surface.
 ROUND = frozenset({"bark", "bark_smooth", "bark_flaking"})
+CLUMP, STAND = 1.6, 11.0  # metres over which the colour of leaves changes, in a crown and beyond
+THROUGH = 0.46  # share of the light on a leaf that its other side gives off
 LEAVES = frozenset({"leaf", "foliage"})
 FOLIAGE = LEAVES | {"hedge"}  # what catches snow at any slope
 # Carriageways, where tyres press snow to slush.
@@ -34,7 +37,12 @@ DRIVEN = frozenset(
      "marking_yellow"}
 )  # fmt: skip
 CRACKED = frozenset({"asphalt", "asphalt_light"})
-REPAIRED = CRACKED | {"paving"}  # what is dug up and filled again
+REPAIRED = CRACKED | {
+    "paving",
+    "flagstones",
+    "slab_walk",
+    "walk_blocks",
+}  # what is dug up and filled again
 FIELDS = frozenset({"yard"})  # what was laid house by house
 GLAZED = frozenset({"glass", "glass_wall", "car_glass", "car_pane"})
 GLASS_IOR = 1.9  # a coated double pane mirrors twice as much as plain glass
@@ -90,6 +98,8 @@ class MaterialLibrary:
             if variant:
                 tint = nodes.attribute(tree, "tint", instance=True)
                 color = nodes.product(tree, color, tint.outputs["Color"])
+        if record.name in LEAVES:
+            color = _uneven_leaves(tree, color)
         if record.name in GLAZED:
             shader.inputs["IOR"].default_value = GLASS_IOR
             color, normal = _panes(tree, color, normal, variant)
@@ -259,15 +269,24 @@ def _panes(tree: Tree, color: Socket, normal: Socket, variant: str) -> tuple[Soc
     return color, nodes.vector(tree, "NORMALIZE", tilted)
 
 
+def _uneven_leaves(tree: Tree, color: Socket) -> Socket:
+    """Let branches and whole trees differ: some are paler and more yellow, some deep and bluish."""
+    pale = nodes.smoothstep(tree, nodes.noise(tree, CLUMP, 1.0), 0.30, 0.70)
+    tone = nodes.math(tree, "MULTIPLY_ADD", pale, 0.50, 0.76)
+    warm = nodes.smoothstep(tree, nodes.noise(tree, STAND, 1.0), 0.30, 0.70)
+    hue = nodes.mix(tree, warm, (0.84, 0.95, 1.10, 1.0), (1.22, 1.04, 0.80, 1.0))
+    return nodes.product(tree, nodes.product(tree, color, hue), tone)
+
+
 def _let_light_through(tree: Tree, color: Socket) -> None:
     """Leaves are thin: a good part of the light comes out at the other side."""
     shader = tree.nodes["Principled BSDF"]
     through = tree.nodes.new("ShaderNodeBsdfTranslucent")
     through.location = (0, -650)
-    tree.links.new(nodes.product(tree, color, (1.5, 1.6, 0.7, 1.0)), through.inputs["Color"])
+    tree.links.new(nodes.product(tree, color, (1.9, 1.75, 0.62, 1.0)), through.inputs["Color"])
     both = tree.nodes.new("ShaderNodeMixShader")
     both.location = (300, 300)
-    both.inputs[0].default_value = 0.4
+    both.inputs[0].default_value = THROUGH
     tree.links.new(shader.outputs[0], both.inputs[1])
     tree.links.new(through.outputs[0], both.inputs[2])
     sink = tree.nodes["Material Output"]

@@ -83,6 +83,8 @@ SURFACES: tuple[Surface, ...] = (
     Surface("gravel", 6, KERB_HEIGHT, "gravel", "concrete"),  # of yards
     Surface("bed", 7, KERB_HEIGHT + 0.08, "soil", "kerb_stone"),  # planted, with an edge of stone
     Surface("edging", 8, KERB_HEIGHT, "kerb_stone", "kerb_stone"),  # at the back of a walk
+    # What is left between a walk and the houses: paved to the wall, each region in its way.
+    Surface("frontage", 9, KERB_HEIGHT, "paving", "kerb_stone"),
     Surface("threshold", 71, 0.0, "kerb_stone", "concrete"),  # row of stones across a carriageway
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}

@@ -14,7 +14,7 @@ from cityx.geometry.arrangement import BEYOND
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 WALKS = ("sidewalk", "kerb", "plaza", "path", "courtyard", "trail", "furnishing", "gravel",
-         "edging")  # fmt: skip
+         "edging", "frontage")  # fmt: skip
 FREE = 1.2  # metres of walk that a wheelchair and a passer-by need
 BORDER = 3.0  # metres from the site's rectangle, which cuts walks lengthwise
 LOOK = 12.0  # metres to each side of a thing that the walk is followed

@@ -161,6 +161,7 @@ _SURFACE = {
     "cycle_lane": "cycle_lane", "rail": "rail_track", "trail": "path", "furnishing": "sidewalk",
     "gravel": "yard", "building": "terrain", "void": "other",
     "bed": "soil", "threshold": "road", "edging": "sidewalk",
+    "frontage": "sidewalk",
 }  # fmt: skip
 # Layers of meshes whose objects are all of one class.
 _LAYER = {
@@ -174,7 +175,9 @@ _LAYER = {
 _MATERIAL = {
     "asphalt": "road", "asphalt_light": "path", "asphalt_red": "cycle_lane", "setts": "road",
     "cobbles": "road", "clinker": "road", "pavers": "sidewalk", "road_concrete": "road",
-    "paving": "sidewalk", "yard": "yard", "kerb_stone": "kerb", "marking_white": "road_marking",
+    "paving": "sidewalk", "flagstones": "sidewalk", "mosaic": "sidewalk", "slab_walk": "sidewalk",
+    "walk_blocks": "sidewalk", "guided_blocks": "sidewalk", "yard": "yard", "kerb_stone": "kerb",
+    "marking_white": "road_marking",
     "marking_yellow": "road_marking", "grass": "grass", "meadow": "grass", "pitch": "pitch",
     "forest_floor": "forest_floor", "farmland": "farmland", "soil": "soil", "sand": "sand",
     "gravel": "path", "rail_ballast": "rail_track", "rail_steel": "rail_track", "water": "water",

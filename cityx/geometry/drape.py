@@ -26,6 +26,28 @@ RAMP_SLOPE = 12.0  # metres of ramp per metre of rise (ADA 2010, 405.2)
 
 
 @dataclass(frozen=True)
+class Paving:
+    """How the f faces of a ground are paved.
+
+    Attributes
+    ----------
+    along
+        (f, 2) float, unit vectors along which the pattern of each face is laid.
+    shift
+        (f,) float, metres that are added to places across it: patterns with bands begin there.
+    material
+        (f,) int, row of `materials`, -1 for what the face's surface is made of.
+    materials
+        Names of materials.
+    """
+
+    along: FloatArray
+    shift: FloatArray
+    material: IntArray
+    materials: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class _Levels:
     """Heights of faces: each face lies on one level, each level has a height at every vertex."""
 
@@ -114,7 +136,7 @@ def drape(
     flush: bool = False,
     base: FloatArray | None = None,
     layer: str = "ground",
-    courses: FloatArray | None = None,
+    paving: Paving | None = None,
 ) -> MeshBatch:
     """Raise the faces onto the terrain: one object per surface, with its vertical edges.
 
@@ -133,8 +155,8 @@ def drape(
         (n,) heights of the vertices in place of the terrain's, metres.
     layer
         What the surfaces belong to, for their ids.
-    courses
-        (f, 2) unit vectors along which the pattern of each face is laid; east when None.
+    paving
+        How the faces are paved; as their surfaces say, along the east, when None.
 
     Returns
     -------
@@ -146,8 +168,9 @@ def drape(
     levels = _levels(ground, base, flush)
     brightness = 1.0 + TINT_RANGE * (uniform(seed, "ground/tint", ground.face_object) - 0.5)
     brightness[ground.face_object == 0] = 1.0
-    tops = _Tops(ground, levels, base, brightness, courses)
+    tops = _Tops(ground, levels, base, brightness, paving)
     sides = _Sides(ground, levels, base, brightness)
+    laid = paving.materials if paving is not None else ()
     batches = []
     for label, surface in enumerate(SURFACES):
         if label in (LABEL["building"], LABEL["void"]):
@@ -159,7 +182,7 @@ def drape(
         batches.append(
             one_mesh(
                 stable_id(layer, surface.name), vertices, faces, material=material,
-                materials=(surface.material, surface.edge_material), uv=uv, tint=tint,
+                materials=(surface.material, surface.edge_material, *laid), uv=uv, tint=tint,
             )
         )  # fmt: skip
     return concatenate(batches)
@@ -188,9 +211,9 @@ class _Tops:
 
     def __init__(
         self, ground: Ground, levels: _Levels, base: FloatArray, brightness: FloatArray,
-        courses: FloatArray | None,
+        paving: Paving | None,
     ) -> None:  # fmt: skip
-        self.courses = courses
+        self.paving = paving
         self.ground, self.levels, self.base, self.brightness = ground, levels, base, brightness
         label = ground.face_label[ground.triangle_face]
         self.order = np.argsort(label, kind="stable")
@@ -210,10 +233,15 @@ class _Tops:
         faces = np.column_stack([index.reshape(-1, 3), np.full(len(rows), NO_VERTEX)])
         uv = np.zeros((len(rows), 4, 2))
         uv[:, :3] = ground.vertices[corner]
-        if self.courses is not None:
-            uv[:, :3] = _turned(uv[:, :3], self.courses[ground.triangle_face[rows]])
+        material = np.zeros(len(rows), np.int16)
+        if self.paving is not None:
+            face = ground.triangle_face[rows]
+            uv[:, :3] = _turned(uv[:, :3], self.paving.along[face])
+            uv[:, :3, 1] += self.paving.shift[face, None]
+            chosen = self.paving.material[face]
+            material = np.where(chosen >= 0, chosen + 2, 0).astype(np.int16)
         tint = np.repeat(self.brightness[ground.triangle_face[rows]][:, None], 3, axis=1)
-        return vertices, faces, np.zeros(len(rows), np.int16), uv, tint
+        return vertices, faces, material, uv, tint
 
 
 def _turned(places: FloatArray, along: FloatArray) -> FloatArray:

@@ -17,7 +17,7 @@ Bytes = NDArray[np.uint8]
 CELL = 0.14  # metres per pixel: three across a tyre with its splashes
 MOST = 4096  # pixels along an edge; larger sites get coarser ones
 NEUTRAL = 128  # as worn as everything else
-FORECOURT = 9.0  # metres from a carriageway within which yards are paved as usual
+FORECOURT = 3.0  # metres from a carriageway within which yards are paved as usual
 RIM = -0.75  # tone of the bitumen that seals a repair
 
 

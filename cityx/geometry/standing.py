@@ -17,7 +17,7 @@ FloatArray = NDArray[np.float64]
 NOWHERE = -1  # label beyond the ground, and under buildings, where the mesh is open
 # Surfaces people walk on, beside those that cars share.
 WALKED = ("sidewalk", "kerb", "plaza", "path", "courtyard", "trail", "furnishing", "gravel",
-          "edging")  # fmt: skip
+          "edging", "frontage")  # fmt: skip
 LAWNS = ("grass", "park", "meadow", "block")
 EARTH = "grass"  # material of slopes heaped against ramps
 FLAT = 1e-9  # square metres in plan; what covers less stands upright

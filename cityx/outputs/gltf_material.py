@@ -26,7 +26,8 @@ TWO_SIDED = frozenset({"leaf", "foliage", "hedge", "cloth"})
 # Ground that snow whitens; roofs and walls share materials with a tint, which would dye the snow.
 SNOWED = frozenset(
     {"paving", "grass", "meadow", "forest_floor", "farmland", "soil", "sand", "gravel", "pitch",
-     "rail_ballast", "kerb_stone", "yard"}
+     "rail_ballast", "kerb_stone", "yard", "flagstones", "mosaic", "slab_walk", "walk_blocks",
+     "guided_blocks"}
 )  # fmt: skip
 DRIVEN = frozenset(
     {"asphalt", "setts", "cobbles", "clinker", "pavers", "road_concrete"}

@@ -16,7 +16,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.textures import barks, grounds, roads, roofs, walls
+from cityx.assets.textures import barks, grounds, pavements, roads, roofs, walls
 from cityx.assets.textures.relief import (
     Relief,
     exact_mean,
@@ -44,6 +44,8 @@ PATTERNS: Mapping[str, Callable[[int], Relief]] = MappingProxyType(
             grounds.asphalt, grounds.setts, grounds.paving, grounds.grass, grounds.soil,
             grounds.furrows, grounds.ripples,
             roads.asphalt_worn, roads.cobbles, roads.clinker, roads.road_slabs,
+            pavements.flagstones, pavements.mosaic, pavements.slab_walk,
+            pavements.walk_blocks, pavements.guided_blocks,
             barks.bark, barks.bark_smooth, barks.bark_flaking,
         )
     }

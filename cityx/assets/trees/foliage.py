@@ -39,6 +39,9 @@ PATTERNS: Mapping[str, tuple[tuple[float, float, float, float], ...]] = MappingP
                   (-0.45, 0.75, 0.50, 0.22), (-0.55, -0.75, 0.50, 0.22)),
     }
 )  # fmt: skip
+CLOUDS, CLOUD_EDGE = 16, 9.0  # clouds of leaves of a crown, and how sharply each ends
+BARE_TWIGS = 0.14  # share of the twigs that bear next to no leaves
+CORE_SHARE = 0.6  # of the dark cards within, where clouds hide most of it by themselves
 FULLER = 1.22  # leaves cover less than the kite they stand in for
 BROAD = ("alternate", "fan", "palmate")  # patterns of leaves broad enough to show an outline
 BLADES = 0.55  # share of the cards, the best lit, whose leaves have the outline of their species
@@ -88,6 +91,8 @@ def leaf_cards(skeleton: Skeleton, habit: Species, rng: np.random.Generator, cou
     shell = reach / np.maximum(crown_radius(habit, skeleton.position[:, 2]), 0.3)
     weight = np.where(skeleton.radius < 2.2 * TWIG, 1.0, 0.25) * (0.35 + np.clip(shell, 0, 1.1))
     weight[children == 0] *= 1.6
+    weight *= _lit_side(skeleton.position, habit, rng)
+    weight[rng.uniform(size=len(weight)) < BARE_TWIGS] *= 0.12
     bare = (skeleton.radius > THICKEST_TWIG) | (skeleton.position[:, 2] < habit.clear * 0.95)
     weight[bare & ~skeleton.hanging] = 0.0
     edges = np.cumsum(weight)
@@ -129,19 +134,29 @@ def leaf_cards(skeleton: Skeleton, habit: Species, rng: np.random.Generator, cou
     normal = _unit(normal - np.sum(normal * along, axis=1, keepdims=True) * along)
     length = 0.5 * habit.leaf * rng.uniform(0.75, 1.25, (count, 1))
 
-    clump = rng.uniform(0.80, 1.20, len(skeleton.parent))[home]
-    mood = np.clip(rng.normal(0.5, 0.24, len(skeleton.parent))[home]
+    clump = rng.uniform(0.72, 1.28, len(skeleton.parent))[home]
+    mood = np.clip(rng.normal(0.5, 0.28, len(skeleton.parent))[home]
                    + rng.normal(0, 0.10, count), 0, 1)  # fmt: skip
     low = np.clip((centre[:, 2] - habit.clear) / (2 * half), 0, 1)
-    light = (0.50 + 0.50 * depth**2.0) * (0.74 + 0.34 * low) * clump
+    light = (0.60 + 0.40 * depth**2.0) * (0.78 + 0.30 * low) * clump
     light = np.where(hanging, np.maximum(light, 0.75 * clump), light)
     light *= rng.uniform(0.85, 1.15, count)
     return Cards(centre, along * length, normal, np.clip(light, 0.15, 1.25), mood)
 
 
+def _lit_side(place: FloatArray, habit: Species, rng: np.random.Generator) -> FloatArray:
+    """(n,) how dense leaves stand at places of a crown: in clouds, with gaps between."""
+    middle = np.array([0.0, 0.0, 0.5 * (habit.height + habit.clear)])
+    out = _unit((place - middle) / [habit.radius, habit.radius, 0.5 * (habit.height - habit.clear)])
+    lobe = _unit(rng.normal(size=(CLOUDS, 3)) * [1.0, 1.0, 0.7])
+    strength = rng.uniform(0.4, 1.0, CLOUDS)
+    cloud = (strength * np.exp(CLOUD_EDGE * (out @ lobe.T - 1.0))).max(axis=1)
+    return np.asarray(0.30 + np.minimum(cloud, 1.0))
+
+
 def core_cards(habit: Species, rng: np.random.Generator) -> Cards:
     """Put large dark cards deep in the crown, where a real one is too dense to look through."""
-    count = habit.core
+    count = int(CORE_SHARE * habit.core)
     t = np.sqrt(rng.uniform(0.03, 0.82, count))
     z = habit.clear + t * (habit.height - habit.clear)
     reach = 0.58 * np.sqrt(rng.uniform(0, 1, count)) * crown_radius(habit, z)

@@ -36,7 +36,7 @@ def colors(habit: Species, season: str, cards: Cards) -> FloatArray:
     """Return the tint of cards on the material `FOLIAGE`, (n, 3) float."""
     mood = cards.mood[:, None]
     light = cards.light[:, None]
-    summer = np.asarray(habit.summer) * (1 + 0.30 * (mood - 0.5) * np.array([1.0, 0.25, -0.6]))
+    summer = np.asarray(habit.summer) * (1 + 0.46 * (mood - 0.5) * np.array([1.0, 0.30, -0.6]))
     color = summer
     if season == "autumn" and not habit.evergreen:
         first, second = (np.asarray(each) for each in habit.autumn)

@@ -28,6 +28,7 @@ PIPE = 2.4  # exponent of the pipe model: area of a limb is the sum over its bra
 TWIG = 0.006  # metres, radius of a branch tip
 DECIMALS = 4  # of a metre
 GOLDEN = 2.399963  # radians between successive branches on a stem
+LUMPS = 0.14  # of the crown radius by which lobes stand out and recede
 ROUNDS = 80  # of growth at most
 
 
@@ -102,7 +103,7 @@ def _lobes(rng: np.random.Generator, points: FloatArray) -> FloatArray:
     for wave in (1, 2, 3, 5):
         phase, tilt = rng.uniform(0, 2 * np.pi), rng.uniform(-0.8, 0.8)
         total += np.sin(wave * azimuth + phase + tilt * points[:, 2]) / wave
-    return 1.0 + 0.09 * total
+    return 1.0 + LUMPS * total
 
 
 def _attractors(habit: Species, rng: np.random.Generator) -> FloatArray:

@@ -28,7 +28,8 @@ HOUSES = 0.9  # metres from other houses, so that one gets by
 TRUNKS = 0.6  # metres from trees, lamps and benches
 GATE, GATES = 2.5, 40.0  # metres that are left open of a ring, so often along it
 WIDE = 0.4  # metres from the middle of a hedge to its side
-PAVED = (*ROADWAY, "sidewalk", "kerb", "furnishing", "edging", "path", "trail", "parking", "apron")
+PAVED = (*ROADWAY, "sidewalk", "frontage", "kerb", "furnishing", "edging", "path", "trail",
+         "parking", "apron")  # fmt: skip
 SHORTEST = 2.0  # metres of a piece that is worth building
 STANDING = ("trees", "park_pieces", "street_furniture", "street_pieces")
 Shapes = NDArray[Any]

@@ -25,6 +25,7 @@ WALKS = (
     "kerb",
     "furnishing",
     "edging",
+    "frontage",
     "water",
 )  # what it leaves free besides roadways
 SHARED = 0.5  # square metres by which buildings may overlap, as in a clean city

@@ -15,6 +15,7 @@ from cityx.city.mesh import concatenate, empty_batch
 from cityx.geometry.identity import uniform
 from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, pack
 from cityx.geometry.standing import earth_over
+from cityx.plugins.nature.frontages import frontage_edges
 from cityx.protocol import Port, action
 
 ACTION = "nature/barriers-v1"
@@ -57,7 +58,22 @@ KINDS = {
     "retaining_wall": Kind(1.4, 0.4, "stone", _STONE),
     "fence": Kind(1.3, 0.05, "metal_dark", ((1.0, 1.0, 1.0),)),
     "hedge": Kind(1.4, 0.7, "hedge", ((0.95, 1.0, 0.9), (0.8, 0.9, 0.8), (1.15, 1.1, 0.9))),
+    # Edges of plots along walks (`cityx.plugins.nature.frontages`).
+    "front_wall": Kind(0.75, 0.24, "brick", ((0.62, 0.34, 0.26), (0.70, 0.45, 0.32))),
+    "front_hedge": Kind(1.0, 0.55, "hedge", ((0.95, 1.0, 0.9), (0.8, 0.9, 0.8), (1.2, 1.1, 0.9))),
+    "block_wall": Kind(1.15, 0.13, "concrete", ((1.0, 1.0, 0.98), (0.85, 0.84, 0.82))),
+    "planted_wall": Kind(0.42, 0.50, "concrete", ((1.1, 1.08, 1.04), (0.85, 0.80, 0.74))),
+    "rail_fence": Kind(1.05, 0.04, "metal_grey", ((1.0, 1.0, 1.0),)),
+    "railing": Kind(1.05, 0.035, "metal_dark", ((1.0, 1.0, 1.0),)),
 }
+# Rails of a fence as shares of its height, and metres between its posts.
+RAILS = {
+    "fence": (((0.12, 0.16), (0.52, 0.55), (0.93, 0.97)), POSTS),
+    "rail_fence": (((0.10, 0.15), (0.31, 0.34), (0.52, 0.55), (0.73, 0.76), (0.94, 1.0)), 1.6),
+    "railing": (((0.10, 0.14), (0.86, 0.90)), 0.16),
+}
+SLENDER = {"railing": 0.011}  # metres, half of a post
+GREEN_TOP = (0.36, 0.85)  # metres between which plants fill a planted wall
 
 
 def _cut(city: City, lines: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]:
@@ -209,7 +225,7 @@ def _rail(low: float, high: float) -> FloatArray:
 
 def posts(
     city: City, lines: Polylines, ids: NDArray[np.uint64], height: FloatArray, *,
-    spacing: float = POSTS, aside: float = 0.0,
+    spacing: float = POSTS, aside: float = 0.0, half: float = 0.03,
 ) -> MeshBatch:  # fmt: skip
     """Make the posts of fences, under the ids of their fences.
 
@@ -223,28 +239,65 @@ def posts(
         Metres between posts.
     aside
         Metres to the left of the line.
+    half
+        Metres, half of a post.
     """
     line, along = every(arc_lengths(lines)[1], spacing)
     position, ahead = locate(lines, line, along)
     position = position + aside * np.column_stack([-ahead[:, 1], ahead[:, 0]])
-    ends = np.stack([position - 0.03 * ahead, position + 0.03 * ahead], axis=1).reshape(-1, 2)
+    ends = np.stack([position - half * ahead, position + half * ahead], axis=1).reshape(-1, 2)
     short = Polylines(ends, np.arange(0, len(ends) + 1, 2))
     ground = np.repeat(_ground(city, position), 2)
-    size = np.column_stack([np.full(len(line), 0.03), height[line] + 0.06])
+    size = np.column_stack([np.full(len(line), half), height[line] + 0.06])
     return sweep(short, ids[line], ground, _BOX, size, "metal_dark", np.ones((len(line), 3)))
+
+
+def _raised(
+    city: City, name: str, shapes: NDArray[Any], ids: NDArray[np.uint64], given: FloatArray
+) -> list[MeshBatch]:
+    """Build barriers of one kind; ``given`` are (n,) heights in metres, NaN for the usual one."""
+    if not len(shapes):
+        return []
+    kind = KINDS[name]
+    lines = _resampled(shapes)
+    height = np.where(np.isfinite(given) & (given > 0.1), np.clip(given, 0.3, 30.0), kind.height)
+    size = np.column_stack([np.full(len(ids), kind.width / 2), height])
+    pick = (uniform(city.seed, f"{ACTION}/tint", ids) * len(kind.tints)).astype(int)
+    tint = np.array(kind.tints)[pick]
+    ground = _ground(city, lines.points)
+    if name in RAILS:
+        rails, spacing = RAILS[name]
+        found = [sweep(lines, ids, ground, _rail(low, high), size, kind.material, tint)
+                 for low, high in rails]  # fmt: skip
+        half = SLENDER.get(name, 0.03)
+        return [*found, posts(city, lines, ids, height, spacing=spacing, half=half)]
+    profile = _HEDGE if name.endswith("hedge") else _BOX
+    found = [sweep(lines, ids, ground, profile, size, kind.material, tint)]
+    if name == "planted_wall":
+        low, high = GREEN_TOP
+        shown = 0.8 + 0.4 * uniform(city.seed, f"{ACTION}/green", ids)
+        top = np.column_stack([np.full(len(ids), 0.9 * kind.width / 2), shown * (high - low)])
+        green = np.array(KINDS["front_hedge"].tints)[pick]
+        bushes = _HEDGE.copy()
+        bushes[bushes[:, 1] < 0, 1] = 0.0
+        found.append(sweep(lines, ids, ground + low, bushes, top, "hedge", green))
+    return found
 
 
 @action(
     ACTION,
-    limits=["Fences are rails and posts; gates are left open."],
+    limits=[
+        "Fences are rails and posts; gates are left open.",
+        "Plots need facades to have edges.",
+    ],
     requires=("layout",),
-    after=("road/ground-v1",),
+    after=("road/ground-v1", "building/facade-v1"),
     takes=(Port("lines", "line", role="barrier"),),
     gives=(Port("barriers", "complex_geometry", "barriers"),),
     labels=("walls", "fences", "hedges"),
 )
 def barriers(city: City) -> City:
-    """Raise walls, fences and hedges along the terrain.
+    """Raise walls, fences and hedges along the terrain, and those of plots along walks in town.
 
     Parameters
     ----------
@@ -257,32 +310,17 @@ def barriers(city: City) -> City:
     table = city.layout.lines
     kinds = table["kind"].to_numpy().astype(str)
     batches = []
-    for name, kind in KINDS.items():
+    for name in KINDS:
         rows = np.flatnonzero(kinds == name)
-        if not len(rows):
-            continue
         shapes, row = _cut(city, table.geometry.to_numpy()[rows].copy())
-        if not len(shapes):
-            continue
-        lines = _resampled(shapes)
         ids = table["id"].to_numpy()[rows][row]
-        given = table["height"].to_numpy()[rows][row]
-        height = np.where(
-            np.isfinite(given) & (given > 0.1), np.clip(given, 0.3, 30.0), kind.height
-        )
-        size = np.column_stack([np.full(len(ids), kind.width / 2), height])
-        pick = (uniform(city.seed, f"{ACTION}/tint", ids) * len(kind.tints)).astype(int)
-        tint = np.array(kind.tints)[pick]
-        ground = _ground(city, lines.points)
-        if name == "fence":
-            for low, high in ((0.12, 0.16), (0.52, 0.55), (0.93, 0.97)):
-                batches.append(
-                    sweep(lines, ids, ground, _rail(low, high), size, kind.material, tint)
-                )
-            batches.append(posts(city, lines, ids, height))
-            continue
-        profile = _HEDGE if name == "hedge" else _BOX
-        batches.append(sweep(lines, ids, ground, profile, size, kind.material, tint))
+        batches += _raised(city, name, shapes, ids, table["height"].to_numpy()[rows][row])
+    if city.lod > 1:
+        edges = frontage_edges(city)
+        for name in np.unique(edges.kind.astype(str)).tolist():
+            rows = np.flatnonzero(edges.kind == name)
+            shapes, row = _cut(city, edges.lines[rows].copy())
+            batches += _raised(city, name, shapes, edges.id[rows][row], np.full(len(row), np.nan))
     if not batches:
         return replace(city, stages_done=done)
     return replace(

@@ -12,6 +12,7 @@ import json
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from cityx.assets.palettes import region_of
 from cityx.city.frame import Frame
 
 Mix = Mapping[str, float]
@@ -60,11 +61,26 @@ def season_of(day: int, frame: Frame) -> str:
     return "autumn" if autumn <= day < autumn + lasting else "winter"
 
 
+def mix_at(mixes: Mapping[str, Mix], frame: Frame) -> Mix:
+    """Return the mix of a place: that of its region in a temperate climate, else of its climate."""
+    band = band_of(frame)
+    region = region_of(frame.latitude, frame.longitude)
+    return mixes[region] if band == "temperate" and region in mixes else mixes[band]
+
+
 def _mixes(**bands: Mix) -> Mapping[str, Mix]:
     return MappingProxyType(dict(bands))
 
 
+# Regions have street trees of their own where a climate leaves the choice.
+_REGIONAL_STREETS = {
+    "british isles": {"plane": 7.0, "lime": 2.0, "maple": 1.0, "cherry": 0.6, "birch": 0.5},
+    "central europe": {"lime": 7.0, "maple": 2.0, "plane": 1.2, "chestnut": 1.0, "oak": 0.7},
+    "france": {"plane": 6.0, "lime": 2.0, "chestnut": 2.0},
+    "north america": {"maple": 3.0, "oak": 2.5, "plane": 2.0, "lime": 1.5, "ginkgo": 0.8},
+}
 STREET_MIX = _mixes(
+    **_REGIONAL_STREETS,
     north={"lime": 5.0, "maple": 3.0, "birch": 2.0, "oak": 0.8},
     temperate={"lime": 5.0, "plane": 3.0, "maple": 3.0, "chestnut": 1.2, "oak": 0.6},
     japan={"ginkgo": 4.0, "zelkova": 4.0, "camphor": 1.6, "plane": 1.2, "maple": 0.6},

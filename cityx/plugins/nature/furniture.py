@@ -27,7 +27,7 @@ from cityx.plugins.nature.pieces import (
     walk_rims,
     with_pieces,
 )
-from cityx.plugins.nature.street_rules import TIGHT, place_of
+from cityx.plugins.nature.street_rules import TIGHT, local_names, place_of
 from cityx.plugins.road.kerbs import (
     edge_lengths,
     edge_lines,
@@ -373,6 +373,14 @@ def _let_pass(city: City, roads: _Roads, ours: Pieces) -> Pieces:
     return replace(ours, xy=moved).take(keep)
 
 
+def _as_here(city: City, standing: Pieces) -> NDArray[Any]:
+    """(n,) names of pieces as the region builds them, but for hydrants that are said to stand."""
+    points = city.layout.points
+    pillar = points["tags"].str.contains('"fire_hydrant:type": *"pillar"', regex=True)
+    named = np.isin(standing.id, points["id"].to_numpy()[pillar.to_numpy().astype(bool)])
+    return np.where(named, standing.name, local_names(standing.name, place_of(city)))
+
+
 @action(
     ACTION,
     limits=["Bridges and tunnels get no lamps of their own."],
@@ -414,4 +422,5 @@ def furniture(
     tight = (standing.name == "bus_stop") & ~may_stand(city, standing)
     standing = replace(standing, name=np.where(tight, "bus_pole", standing.name))
     standing = standing.take(may_stand(city, standing))
+    standing = replace(standing, name=_as_here(city, standing))
     return with_pieces(replace(city, stages_done=done), "street_furniture", standing)

@@ -37,7 +37,8 @@ ACTION = "nature/shores-v1"
 LAYER = "shore_pieces"
 HARD = ("sidewalk", "kerb", "plaza", "courtyard", "carriageway", "setts", "junction", "parking",
         "railway", "marking")  # fmt: skip
-PEDESTRIAN = ("sidewalk", "kerb", "plaza", "courtyard", "path", "trail", "furnishing", "edging")
+PEDESTRIAN = ("sidewalk", "kerb", "plaza", "courtyard", "path", "trail", "furnishing", "edging",
+              "frontage")  # fmt: skip
 INLAND = 3.0  # metres from the shore within which paving makes it a quay
 BASIN = 160.0  # square metres; smaller water is a basin with a rim
 LEAST = 2.0  # metres; shorter pieces of shore stay as they are

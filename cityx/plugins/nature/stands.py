@@ -14,7 +14,7 @@ from cityx.city import City, Instances, Prototype
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.scatter import Points
 from cityx.geometry.standing import earth_over
-from cityx.plugins.nature.climate import band_of, season_of
+from cityx.plugins.nature.climate import mix_at, season_of
 from cityx.plugins.nature.pieces import heights
 from cityx.plugins.nature.tree_room import Room, beside_street, fitted
 
@@ -81,8 +81,8 @@ def take_trees(stand: Stand, keep: Any) -> Stand:
 def draw_species(
     mixes: Mapping[str, Mapping[str, float]], city: City, ids: NDArray[np.uint64]
 ) -> IntArray:
-    """Draw species by the weights of the place's climate."""
-    mix = mixes[band_of(city.frame)]
+    """Draw species by the weights of the place's region or climate."""
+    mix = mix_at(mixes, city.frame)
     table = np.array([INDEX[name] for name in mix])
     return table[choose(city.seed, "nature/species", ids, list(mix.values()))]
 

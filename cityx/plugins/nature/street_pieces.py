@@ -19,6 +19,7 @@ from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.scatter import Points, candidates, cells_of_polygons, near_pairs, thin
 from cityx.geometry.standing import WALKED, stand_on
+from cityx.plugins.nature.frontages import OWN_FRONTAGE, frontage_edges
 from cityx.plugins.nature.pieces import (
     BoolArray,
     FloatArray,
@@ -48,10 +49,13 @@ from cityx.plugins.nature.street_rules import (
     STREETS,
     TALL,
     TIGHT,
+    local_names,
     place_of,
     rates,
 )
+from cityx.plugins.road.bays import yard_bays
 from cityx.plugins.road.kerbs import join_places, places_along, yaw_facing
+from cityx.plugins.road.yards import yard_patches
 from cityx.protocol import Port, Range, action
 
 ACTION = "nature/street_pieces-v1"
@@ -76,7 +80,13 @@ WALL_GAP = {"bicycle_parking": 1.05, "bicycle": 0.35, "bench": 0.4, "planter_rou
             "vending_machine": 0.48, "wheelie_bins": 0.5, "motor_scooter": 0.45,
             "motor_scooter_red": 0.45, "cartons": 0.35, "street_cabinet": 0.3,
             "garden_shed": 1.0, "bin_store": 0.65, "pot_row": 0.3}  # fmt: skip
-OPEN = ("plaza", "courtyard", "sidewalk", "gravel")  # ground on which things stand apart from kerbs
+OPEN = (
+    "plaza",
+    "courtyard",
+    "sidewalk",
+    "gravel",
+    "frontage",
+)  # ground on which things stand apart from kerbs
 USUAL_GAP = 0.8  # the same for everything else
 # What stands free on plazas, in yards, and at the walls of yards, with weights; "" is nothing.
 PLAZA = {"": 5.0, "bench": 2.0, "stone_bench": 1.5, "planter": 2.0, "waste_basket": 0.8,
@@ -84,6 +94,8 @@ PLAZA = {"": 5.0, "bench": 2.0, "stone_bench": 1.5, "planter": 2.0, "waste_baske
          "bicycle_parking": 0.5, "street_lamp_post": 0.8}  # fmt: skip
 YARD = {"": 1.6, "planter": 1.4, "planter_round": 1.2, "bench": 0.8, "bicycle_parking": 1.8,
         "vegetable_bed": 0.8, "clothes_dryer": 0.8}  # fmt: skip
+YARD_JAPAN = {"": 1.6, "planter": 1.6, "planter_round": 1.8, "bicycle_parking": 2.4,
+              "motor_scooter": 0.8, "motor_scooter_dark": 0.6, "clothes_dryer": 0.3}  # fmt: skip
 YARD_WALL = {"": 1.6, "wheelie_bins": 1.4, "bin_store": 1.4, "garden_shed": 1.0, "pot_row": 1.2,
              "bicycle_parking": 1.6, "planter": 0.8, "bicycle": 1.2, "cartons": 0.6}  # fmt: skip
 YARD_WALL_JAPAN = {**YARD_WALL, "vending_machine": 1.6, "pot_row": 3.0, "garden_shed": 0.5}
@@ -95,7 +107,7 @@ WALK_WALL = {"": 5.0, "bicycle": 2.4, "planter": 1.2, "planter_round": 1.2, "ben
              "cartons": 0.9, "street_cabinet": 0.7}  # fmt: skip
 WALK_WALL_JAPAN = {"": 4.5, "bicycle": 3.2, "planter_round": 1.6, "vending_machine": 2.0,
                    "wheelie_bins": 0.6, "motor_scooter": 0.8, "motor_scooter_red": 0.4,
-                   "cartons": 0.6}  # fmt: skip
+                   "cartons": 0.6, "pot_row": 3.0}  # fmt: skip
 # On walks as wide as squares, as at the corners of large junctions, away from walls and kerbs.
 WALK_OPEN = {"": 3.0, "planter": 1.5, "planter_round": 1.0, "bench": 0.8, "bicycle_parking": 1.4,
              "waste_basket": 0.4}  # fmt: skip
@@ -111,13 +123,15 @@ SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "
         "motor_scooter_red": 0.92, "cartons": 0.65, "street_cabinet": 0.66, "fruit_stand": 0.95,
         "flower_stand": 0.8, "clothes_rail": 0.8, "banner_red": 0.3, "banner_blue": 0.3,
         "garden_shed": 1.35, "bin_store": 1.2, "pot_row": 0.8, "clothes_dryer": 1.35,
-        "vegetable_bed": 1.25, "picnic_table": 1.1,
+        "vegetable_bed": 1.25, "picnic_table": 1.1, "parking_board": 0.75,
         }  # fmt: skip
 # Bollards along the curves of kerbs at junctions: share of corners by place, metres between them,
 # behind the kerb, and of the longest curve (a longer one is no corner but a roundabout).
-CORNER_SHARE = {"british isles": 0.6, "japan": 0.8, "north america": 0.15}
-USUAL_CORNERS = 0.5
-CORNER_SPACING, FROM_CORNER, LONGEST_CORNER = 1.6, 0.35, 30.0
+CORNER_SHARE = {"british isles": 0.45, "japan": 0.3, "north america": 0.15}
+USUAL_CORNERS = 0.3
+CORNER_SPACING, FROM_CORNER, LONGEST_CORNER = 1.8, 0.35, 30.0
+BENT = 1.04  # length over chord from which a kerb is a corner, not the far side of a junction
+FROM_BAY, BOARD_ASIDE = 1.75, 0.75  # metres from a bay's middle to its stop; board to its lot
 PARKED_SHARE = 0.55  # of the places of a bicycle stand that are taken
 
 
@@ -140,6 +154,8 @@ def _site(city: City) -> _Site:
     houses = buildings.geometry.to_numpy()
     urban = np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))
     rims = walk_rims(city.ground) if city.ground is not None else np.zeros(0, object)
+    if city.scene.meshes.get("barriers") is not None:  # their faces are rims as well
+        rims = np.concatenate([rims, frontage_edges(city).lines])
     return _Site(rims, houses, houses[urban], door_zones(city), ways_to_doors(city),
                  _standing(city, "street_furniture"), _standing(city, "trees"),
                  place_of(city))  # fmt: skip
@@ -223,6 +239,8 @@ def _at_corners(city: City, site: _Site) -> Pieces:
     ids = _ids_of_places(shapely.get_coordinates(shapely.line_interpolate_point(curves, long / 2)))
     share = CORNER_SHARE.get(site.place, USUAL_CORNERS)
     chosen = (uniform(city.seed, f"{ACTION}/corner", ids) < share) & (long < LONGEST_CORNER)
+    ends = [shapely.get_point(curves, number) for number in (0, -1)]
+    chosen &= long > BENT * shapely.distance(*ends)
     lines, ids = pack(curves[chosen]), ids[chosen]
     row, along = every(arc_lengths(lines)[1], CORNER_SPACING, CORNER_SPACING / 2)
     foot, way = locate(lines, row, along)
@@ -343,15 +361,17 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
     spots, place = Points(spots.xy[place >= 0], spots.id[place >= 0]), place[place >= 0]
     kept = np.isin(spots.id, thin(spots, OPEN_SPACING).id)
     xy, ids, place = spots.xy[kept], spots.id[kept], place[kept]
-    plaza, yard, walk, gravel, lawn = (place == number for number in range(len(surfaces)))
+    plaza, yard, walk, gravel, before, lawn = (place == n for n in range(len(surfaces)))
     yard |= gravel
+    own = site.place in OWN_FRONTAGE
+    yard, walk = yard | (before & own), walk | (before & (not own))
     lawn &= ~near_any(xy, site.ways, DOOR_SIDE + 0.6)
     rim = distance_within(xy, site.rims, 4.0)
     wall = distance_within(xy, site.houses, WALL_REACH)
     names = np.full(len(ids), "", object)
     for chosen, weights in (
         (plaza & (rim > 1.0), PLAZA),
-        (yard & np.isinf(wall), YARD),
+        (yard & np.isinf(wall), YARD_JAPAN if site.place == "japan" else YARD),
         (yard & np.isfinite(wall), YARD_WALL_JAPAN if site.place == "japan" else YARD_WALL),
         (lawn & np.isinf(wall), LAWN),
         (lawn & np.isfinite(wall), LAWN_WALL),
@@ -387,6 +407,23 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
         left = np.where(walk[rows], *NARROW) if site.place == "japan" else CLEAR + kerb
         keep[rows] &= (length > 0.2) & (lawn[rows] | (room >= 2 * gap + left))
     return pieces(names, xy, ids, turn).take(keep)
+
+
+def _car_parks(city: City) -> tuple[Pieces, Pieces]:
+    """Return stops at the ends of the bays of yards, and the boards of these car parks."""
+    bays = yard_bays(city)
+    ahead = front(bays.yaw)
+    ids = hash_ids(0, f"{ACTION}/stop", bays.id)
+    stops = pieces("wheel_stop", bays.xy + FROM_BAY * ahead, ids, bays.yaw)
+    if city.network is None:
+        return stops, join_pieces([])
+    lots = yard_patches(city.layout, city.network, place_of(city), only="parking")
+    aside = lots.size[:, :1] / 2 + BOARD_ASIDE
+    across = np.column_stack([-lots.along[:, 1], lots.along[:, 0]])
+    xy = lots.middle + aside * lots.along
+    boards = pieces("parking_board", xy, hash_ids(0, f"{ACTION}/board", lots.id),
+                    yaw_facing(across))  # fmt: skip
+    return stops, boards
 
 
 def _bicycles(city: City, stands: Pieces) -> Pieces:
@@ -454,7 +491,7 @@ def _signs(city: City, site: _Site) -> Pieces:
         "Walks narrower than 1.5 m beside the piece get none.",
     ],
     requires=("layout",),
-    after=("nature/trees-v2", "nature/furniture-v1", "building/facade-v1"),
+    after=("nature/trees-v2", "nature/furniture-v1", "nature/barriers-v1", "building/facade-v1"),
     takes=(Port("ground", "surface", role="ground", optional=True),),
     gives=(Port("pieces", "point", role="street_pieces"),),
     labels=("benches", "bins", "planters", "bicycle racks", "cafe tables", "kiosks", "signs"),
@@ -489,14 +526,16 @@ def street_pieces(
     corners = _at_corners(city, site)
     shops = _before_shops(city, site, density)
     open_ = _in_the_open(city, site, density)
-    rest = join_pieces([corners, shops, open_])
+    stops, boards = _car_parks(city) if site.place == "japan" else (join_pieces([]),) * 2
+    rest = join_pieces([corners, shops, open_, boards])
     drawn = join_pieces([kerb, rest])
     other = np.array([SIZE.get(str(name), 0.5) for name in rest.name])
     half = np.concatenate([sizes, np.repeat(other[:, None], 2, axis=1)])
     kept = drawn.take(_free(city, site, drawn, half[:, 0], half[:, 1]))
     stands = kept.take(kept.name == "bicycle_parking")
     bicycles = _bicycles(city, stands)
-    found = join_pieces([posts, kept, bicycles])
+    found = join_pieces([posts, kept, bicycles, stops])
+    found = replace(found, name=local_names(found.name, site.place))
     found = found.take(may_stand(city, found))
     city = replace(city, stages_done=done)
     return with_passage(city, found, posts.id) if len(found) else city

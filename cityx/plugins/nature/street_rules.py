@@ -9,7 +9,12 @@ machines that sell drinks instead.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.assets.regional_pieces import LOCAL
 from cityx.city.city import City
 
 CLEAR = 1.5  # metres of free walk past whatever stands by rule
@@ -70,16 +75,17 @@ KERB_RULES: tuple[Rule, ...] = (
          (*_NOT_JAPAN, ("north america", 0.0))),
     Rule("kiosk", 0.10, 0.0, 0.0, 0.0, 1.50, 1.15, 1.70, (*_NOT_JAPAN, ("north america", 0.3))),
     Rule("post_box", 0.15, 0.12, 0.06, 0.05, 0.55, 0.25, 0.30),
-    Rule("telephone", 0.05, 0.02, 0.0, 0.0, 0.70, 0.48, 0.50, (("british isles", 5.0),)),
-    Rule("fire_hydrant", 0.04, 0.04, 0.04, 0.04, 0.55, 0.22, 0.22,
-         (("north america", 27.0), ("japan", 2.0), ("british isles", 0.0))),
-    Rule("bollard", 2.2, 2.2, 0.0, 0.0, 0.45, 0.25, 0.25,
+    Rule("telephone", 0.05, 0.02, 0.0, 0.0, 0.70, 0.48, 0.50, (("british isles", 8.0),)),
+    Rule("fire_hydrant", 0.04, 0.04, 0.04, 0.04, 0.55, 0.22, 0.35,
+         (("north america", 27.0), ("japan", 8.0), ("british isles", 9.0),
+          ("northern/central europe", 9.0))),
+    Rule("bollard", 0.7, 0.7, 0.0, 0.0, 0.45, 0.25, 0.25,
          (("british isles", 1.6), ("north america", 0.3), ("japan", 0.5))),
     Rule("bicycle", 1.0, 1.4, 0.0, 0.0, 1.05, 0.95, 0.35, (("north america", 0.4),
          ("japan", 1.8), ("northern/central europe", 1.6))),
     Rule("grating", 0.5, 0.0, 0.0, 0.0, 1.10, 0.0, 0.80),
-    Rule("street_cabinet", 0.5, 0.5, 0.15, 0.1, 0.50, 0.21, 0.64),
-    Rule("ticket_machine", 0.4, 0.5, 0.0, 0.0, 0.45, 0.15, 0.17, (("japan", 0.1),)),
+    Rule("street_cabinet", 0.7, 0.7, 0.15, 0.1, 0.50, 0.21, 0.64),
+    Rule("ticket_machine", 0.5, 0.6, 0.0, 0.0, 0.45, 0.15, 0.17, (("japan", 0.1),)),
     *(Rule(piece, 0.3, 0.3, 0.0, 0.0, 1.05, 0.95, 0.35, _SCOOTERS) for piece in SCOOTERS),
 )  # fmt: skip
 TALL = frozenset({"advertising_column", "kiosk", "telephone"})  # hide what comes at junctions
@@ -96,6 +102,12 @@ def place_of(city: City) -> str:
     if REGIONS.get(region) == "european":  # whose streets are furnished alike
         return "northern/central europe"
     return region
+
+
+def local_names(names: NDArray[Any], place: str) -> NDArray[Any]:
+    """Return what stands for (n,) usual pieces at a place."""
+    own = LOCAL.get(place, {})
+    return np.array([own.get(str(name), str(name)) for name in names], object)
 
 
 def rates(rule: Rule, place: str) -> tuple[float, float, float, float]:

@@ -21,7 +21,7 @@ BoolArray = NDArray[np.bool_]
 ROAD = (*ROADWAY, "tramway")
 ON_ROAD = tuple(LABEL[name] for name in (*PAINT, "tramway"))
 HARD = (*ROAD, "kerb", "sidewalk", "path", "plaza", "parking", "building", "courtyard", "trail",
-        "furnishing", "gravel", "edging")  # fmt: skip
+        "furnishing", "gravel", "edging", "frontage")  # fmt: skip
 NARROW = 1.5  # metres; narrower islands between carriageways are not built
 BUILT_ISLAND = ("courtyard", "tactile", "tactile_pale")  # refuges and splitters are, however narrow
 DENSE = 0.35  # share of a block that is built over; gardens fill the rest of a looser one
@@ -32,6 +32,7 @@ ENCLOSED = 0.6  # share of such a strip's rim that pavement or walls take
 WALK_STRIP = 4.0  # metres; narrower leftovers beside a walk belong to it
 SCRAP = 40.0  # square metres of a leftover beside a walk that belongs to it, however broad
 BESIDE = 0.25  # share of its rim along walks from which a leftover belongs to them
+BESIDE_SMALL, SMALL = 0.12, 500.0  # the same of leftovers of so many square metres at most
 TOWN_SHARE = 0.8  # of the area of built blocks that is dense in a town
 TOWN_REACH = 25.0  # metres within which an urban building makes a place a part of the town
 # What the ground of courts enclosed by houses is made of, and how often.
@@ -165,7 +166,7 @@ def _off_lawns(ground: Ground, dense: BoolArray) -> Ground:
 
 
 def _walks_widened(ground: Ground) -> Ground:
-    """Give narrow leftovers and scraps beside walks to them, whatever tiles cut them."""
+    """Make frontage of narrow leftovers and scraps beside walks, whatever tiles cut them."""
     court = ground.labelled("courtyard", "bed")
     if not court.any():
         return ground
@@ -184,8 +185,9 @@ def _walks_widened(ground: Ground) -> Ground:
         np.add.at(beside, piece[face[mine]], length[mine] * walked)
     area = np.bincount(piece, np.where(court, face_areas(ground), 0.0), minlength=size)
     slight = (2 * area < WALK_STRIP * rim) | (area < SCRAP)
-    taken = (ground.face_label == LABEL["courtyard"]) & (slight & (beside > BESIDE * rim))[piece]
-    label = np.where(taken, LABEL["sidewalk"], ground.face_label).astype(np.uint8)
+    least = np.where(area < SMALL, BESIDE_SMALL, BESIDE)
+    taken = (ground.face_label == LABEL["courtyard"]) & (slight & (beside > least * rim))[piece]
+    label = np.where(taken, LABEL["frontage"], ground.face_label).astype(np.uint8)
     return replace(ground, face_label=label)
 
 
@@ -201,7 +203,7 @@ def _yards(ground: Ground) -> Ground:
     size = len(court)
     length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
     rim, street = np.zeros(size), np.zeros(size)
-    outer = ground.labelled(*ROAD, "kerb", "sidewalk", "plaza", "furnishing", "edging")
+    outer = ground.labelled(*ROAD, "kerb", "sidewalk", "plaza", "furnishing", "edging", "frontage")
     for face, other in ((left, right), (right, left)):
         mine = (face != BEYOND) & ~within
         mine[mine] &= court[face[mine]]

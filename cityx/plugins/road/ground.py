@@ -36,7 +36,7 @@ from cityx.plugins.road.blocks import pave_blocks, town_regions
 from cityx.plugins.road.carriageway_regions import COARSE as ROAD_COARSE
 from cityx.plugins.road.carriageway_regions import plain_carriageways
 from cityx.plugins.road.heights import way_heights
-from cityx.plugins.road.joints import courses, seam_lines
+from cityx.plugins.road.joints import seam_lines
 from cityx.plugins.road.landcover import (
     area_regions,
     building_regions,
@@ -47,6 +47,7 @@ from cityx.plugins.road.landcover import (
 from cityx.plugins.road.network import road_network
 from cityx.plugins.road.painting import Painting, painting_of
 from cityx.plugins.road.park_paths import park_regions
+from cityx.plugins.road.pavements import paved
 from cityx.plugins.road.retaining_walls import find_walls
 from cityx.plugins.road.stairs import build_stairs
 from cityx.plugins.road.streets import USUAL, street_regions
@@ -110,9 +111,10 @@ def ground(city: City) -> City:
     base = city.terrain.height_at(arranged.vertices)
     if city.lod > 0:
         base = walls.heights(arranged.vertices, base)
-    laid = courses(arranged, network) if city.lod > 0 else None
+    place = place_of(city)
+    laid = paved(arranged, network, city.layout, city.frame, place) if city.lod > 0 else None
     base = np.round(base, 4)
-    draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0, base=base, courses=laid)
+    draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0, base=base, paving=laid)
     scene = city.scene.with_mesh("ground", draped)
     survey = city.survey
     around = survey.around if survey is not None else None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -12,14 +14,19 @@ from cityx.city.ground import KERB_WIDTH, Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrangement import inner_points
+from cityx.geometry.drape import Paving
 from cityx.geometry.polylines import Polylines, locate, miters, to_linestrings
 from cityx.plugins.road.corners import meeting_of
 from cityx.plugins.road.network import node_corners
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 
-LAID = ("sidewalk", "ramp", "tactile", "tactile_pale", "furnishing", "edging", "setts")
+LAID = ("sidewalk", "ramp", "tactile", "tactile_pale", "furnishing", "edging", "setts",
+        "frontage")  # fmt: skip
+FROM_KERB = ("sidewalk", "ramp", "furnishing")  # laid from the kerb on
+_NOTHING: Mapping[str, str] = MappingProxyType({})
 LAP = np.radians(12.0)  # of turn after which the courses along a curve begin anew
 PAST = 0.1  # metres that a seam reaches beyond the walk, so that rounding leaves none short
 FARTHEST = 20.0  # metres from a street's middle to a face of its walk
@@ -94,22 +101,55 @@ def _at_bends(network: RoadNetwork, lines: Polylines, walk: FloatArray) -> Shape
     return np.concatenate(seams)
 
 
-def courses(ground: Ground, network: RoadNetwork) -> FloatArray:
-    """(f, 2) unit vectors along which faces are paved: as their street runs; east elsewhere."""
-    found = np.tile([1.0, 0.0], (len(ground.face_label), 1))
+def courses(
+    ground: Ground, network: RoadNetwork, laid: Mapping[str, str] = _NOTHING, *,
+    guided: str = "", main: BoolArray | None = None,
+) -> Paving:  # fmt: skip
+    """Return how faces are paved: along their street, walks from their kerb on; east elsewhere.
+
+    Parameters
+    ----------
+    ground, network
+        The ground and the streets on it.
+    laid
+        Surface to the material its faces get instead of its own.
+    guided
+        Material of the walks of main streets, "" for that of the others.
+    main
+        (e,) whether edges are main streets.
+    """
+    size = len(ground.face_label)
+    along, shift = np.tile([1.0, 0.0], (size, 1)), np.zeros(size)
+    names = tuple(dict.fromkeys([*laid.values(), *filter(None, [guided])]))
+    material = np.full(size, -1)
+    for surface, name in laid.items():
+        material[ground.labelled(surface)] = names.index(name)
     rows = np.flatnonzero(ground.labelled(*LAID))
     if not len(rows) or not network.edge_count:
-        return found
+        return Paving(along, shift, material, names)
     lines = Polylines(network.points, network.point_start)
     shapes = to_linestrings(lines)
-    spots = shapely.points(inner_points(ground)[rows])
+    inner = inner_points(ground)[rows]
+    spots = shapely.points(inner)
     row, edge = shapely.STRtree(shapes).query(spots, predicate="dwithin", distance=FARTHEST)
     # Not the street whose middle is nearest, but that whose kerb is.
     off = np.round(shapely.distance(spots[row], shapes[edge]) - network.half_width[edge], 3)
     order = np.lexsort((network.edge_id[edge], off, row))
     row, first = np.unique(row[order], return_index=True)
     edge = edge[order][first]
-    ahead = locate(lines, edge, shapely.line_locate_point(shapes[edge], spots[row]))[1]
+    foot, ahead = locate(lines, edge, shapely.line_locate_point(shapes[edge], spots[row]))
+    face = rows[row]
+    aside = (ahead[:, 0] * (inner[row] - foot)[:, 1]) - (ahead[:, 1] * (inner[row] - foot)[:, 0])
+    walk = ground.labelled(*FROM_KERB)[face]
+    # A walk is laid with its kerb on the right hand, so that both sides mirror each other.
     turned = (ahead[:, 0] < 0) | ((ahead[:, 0] == 0) & (ahead[:, 1] < 0))
-    found[rows[row]] = np.round(np.where(turned[:, None], -ahead, ahead), 6)
-    return found
+    turned = np.where(walk, aside < 0, turned)
+    ahead = np.round(np.where(turned[:, None], -ahead, ahead), 6)
+    along[face] = ahead
+    across = ahead[:, 0] * inner[row][:, 1] - ahead[:, 1] * inner[row][:, 0]
+    kerb = network.half_width[edge] + KERB_WIDTH
+    shift[face] = np.where(walk, np.round(np.abs(aside) - kerb - across, 4), 0.0)
+    if guided and main is not None:
+        told = ground.labelled("sidewalk")[face] & main[edge]
+        material[face[told]] = names.index(guided)
+    return Paving(along, shift, material, names)

@@ -237,7 +237,7 @@ def _build_tier(
     soil = terrain.height_at(deck.vertices)
     surfaces = drape(
         deck, terrain, seed, base=np.round(z, 4), layer=f"structures {number}",
-        courses=courses(deck, part.network) if detail else None,
+        paving=courses(deck, part.network) if detail else None,
     )  # fmt: skip
     solid = deck.face_label != LABEL["void"]
     lift = _of_faces(deck, z - soil)

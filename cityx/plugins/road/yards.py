@@ -29,15 +29,20 @@ PURPOSE = "ground/patch"
 NEAR_SPACING, OPEN_SPACING = 5.5, 13.0  # metres between the middles of patches
 REACH = 12.0  # metres from a house within which its yard lies
 OPEN_REACH = 90.0  # metres from a house of a town up to which land that houses left is its own
-FROM_WALL, FROM_STREET, FROM_PATH = 1.6, 4.5, 2.0  # metres that stay free for those who walk
+# Metres from walls, carriageways and paths that stay free for those who walk.
+USUAL_GAPS = (1.6, 4.5, 2.0)
+# Where land is dear cars stand up to the wall, and right behind the walk.
+GAPS: Mapping[str, tuple[float, float, float]] = MappingProxyType({
+    "japan": (0.7, 3.3, 1.2), "east asia": (1.0, 4.0, 1.5),
+})  # fmt: skip
 # What patches are made of; each hides those before it.
 LABELS = ("", "grass", "gravel", "bare", "parking")
 # How often by the kind of place; lawns are for the north, gravel and cars for where land is dear.
 USUAL_SHARES = (2.0, 5.0, 1.5, 1.0, 3.0)
 SHARES: Mapping[str, tuple[float, ...]] = MappingProxyType({
-    "northern/central europe": (1.0, 8.0, 1.5, 1.5, 3.0),
+    "northern/central europe": (0.6, 9.0, 1.5, 1.5, 1.8),
     "british isles": (2.0, 4.0, 2.0, 1.5, 2.5),
-    "japan": (1.0, 3.0, 2.5, 1.0, 5.0), "east asia": (2.0, 2.0, 2.5, 1.0, 4.0),
+    "japan": (0.8, 2.5, 2.5, 2.2, 4.5), "east asia": (2.0, 2.0, 2.5, 1.0, 4.0),
     "mediterranean": (2.5, 2.0, 3.0, 2.5, 3.0),
 })  # fmt: skip
 # Metres along and across, from the least to the largest, about houses and away from them.
@@ -124,7 +129,7 @@ def _drawn(layout: Layout, network: RoadNetwork, place: str) -> Patches:
     if not len(urban):
         none = np.zeros((0, 2))
         return Patches(np.zeros(0, np.uint64), none, none, none, np.zeros(0, np.int64))
-    weights = SHARES.get(place, USUAL_SHARES)
+    weights, gaps = SHARES.get(place, USUAL_SHARES), GAPS.get(place, USUAL_GAPS)
     found = []
     for number, (spacing, reach, sizes) in enumerate(
         ((NEAR_SPACING, REACH, NEAR_SIZES), (OPEN_SPACING, OPEN_REACH, OPEN_SIZES))
@@ -141,7 +146,7 @@ def _drawn(layout: Layout, network: RoadNetwork, place: str) -> Patches:
         wanted = np.flatnonzero(kind)
         points, kind = Points(points.xy[wanted], points.id[wanted]), kind[wanted]
         near = near_any(points.xy, houses, REACH)
-        some = ~near if number else near & ~near_any(points.xy, houses, FROM_WALL)
+        some = ~near if number else near & ~near_any(points.xy, houses, gaps[0])
         ids, middle, kind = points.id[some], points.xy[some], kind[some]
         drawn = np.column_stack([uniform(0, f"{purpose}/{side}", ids) for side in ("long", "deep")])
         low, high = np.array(sizes)[kind].transpose(2, 0, 1)  # (p, 2) each
@@ -154,17 +159,19 @@ def _drawn(layout: Layout, network: RoadNetwork, place: str) -> Patches:
         found.append(Patches(ids, middle, _long_sides(houses[house])[row], size, label))
     names = ("id", "middle", "along", "size", "label")
     joined = Patches(*(np.concatenate([getattr(part, name) for part in found]) for name in names))
-    return _fitted(joined, layout, network)
+    return _fitted(joined, layout, network, gaps)
 
 
-def _fitted(patches: Patches, layout: Layout, network: RoadNetwork) -> Patches:
+def _fitted(
+    patches: Patches, layout: Layout, network: RoadNetwork, gaps: tuple[float, float, float]
+) -> Patches:
     """Return the patches that have room, each at the largest of its sizes that does."""
     least = _shrunk(patches, SHRUNK[0])
-    fits = _clear(least.shapes, layout, network)
+    fits = _clear(least.shapes, layout, network, gaps)
     patches, fitted = patches.take(fits), least.take(fits)
     for share in SHRUNK[1:]:
         larger = _shrunk(patches, share)
-        fits = _clear(larger.shapes, layout, network)
+        fits = _clear(larger.shapes, layout, network, gaps)
         fitted = replace(fitted, size=np.where(fits[:, None], larger.size, fitted.size))
     return fitted
 
@@ -189,16 +196,19 @@ def _long_sides(shapes: NDArray[Any]) -> FloatArray:
     return np.asarray(long / np.maximum(length.max(axis=1), 1e-9)[:, None])
 
 
-def _clear(shapes: NDArray[Any], layout: Layout, network: RoadNetwork) -> BoolArray:
-    """(p,) whether patches keep their distances."""
+def _clear(
+    shapes: NDArray[Any], layout: Layout, network: RoadNetwork, gaps: tuple[float, float, float]
+) -> BoolArray:
+    """(p,) whether patches keep their distances from walls, streets and paths."""
+    from_wall, from_street, from_path = gaps
     clear = np.ones(len(shapes), bool)
     centre = to_linestrings(Polylines(network.points, network.point_start))
     tree = shapely.STRtree(shapes)
     paths = np.delete(layout.roads.geometry.to_numpy(), np.unique(network.edge_road))
     for things, gap in (
-        (layout.buildings.geometry.to_numpy(), FROM_WALL),
-        (paths, FROM_PATH),
-        (centre, network.half_width + FROM_STREET),
+        (layout.buildings.geometry.to_numpy(), from_wall),
+        (paths, from_path),
+        (centre, network.half_width + from_street),
     ):
         reach = np.broadcast_to(np.asarray(gap, float), len(things))
         clear[tree.query(things, predicate="dwithin", distance=reach)[1]] = False

@@ -2,7 +2,9 @@ from pathlib import Path
 
 import pytest
 
-from cityx.plugins.nature.street_rules import CLEAR, KERB_RULES, rates
+from cityx.assets.furniture import MAKERS
+from cityx.assets.regional_pieces import LOCAL
+from cityx.plugins.nature.street_rules import CLEAR, KERB_RULES, local_names, rates
 
 PAGE = (Path(__file__).parents[3] / "docs" / "furniture.md").read_text()
 
@@ -17,7 +19,17 @@ def test_the_page_tells_the_rates_and_the_room_of_every_rule(rule):
 def test_rates_follow_the_place():
     hydrant = next(rule for rule in KERB_RULES if rule.piece == "fire_hydrant")
     assert rates(hydrant, "north america")[0] == pytest.approx(1.08)
-    assert rates(hydrant, "british isles") == (0.0, 0.0, 0.0, 0.0)
+    assert rates(hydrant, "british isles")[0] == pytest.approx(0.36)
+
+
+def test_pieces_are_those_of_the_region():
+    usual = ["fire_hydrant", "bench", "post_box"]
+    assert local_names(usual, "british isles").tolist() == [
+        "fire_hydrant_plate", "bench", "post_box_pillar",
+    ]  # fmt: skip
+    assert local_names(usual, "northern/central europe")[0] == "fire_hydrant_cover"
+    assert local_names(usual, "north america")[0] == "fire_hydrant"
+    assert {piece for table in LOCAL.values() for piece in table.values()} <= set(MAKERS)
 
 
 def test_every_rule_leaves_the_free_walk_behind_it():

@@ -18,7 +18,7 @@ def test_walks_are_paved_along_their_own_street_up_to_the_corner(layout_of, city
     city = ground(network(city_of(layout_of(CROSS))))
     found = city.ground
     walk = found.labelled("sidewalk") & (face_areas(found) > 0.5)
-    along = courses(found, city.network)[walk]
+    along = courses(found, city.network).along[walk]
     at = inner_points(found)[walk]
     on_first = np.abs(at @ ASIDE) < np.abs(at @ SLANT)  # nearer to the street along the slant
     assert on_first.any()

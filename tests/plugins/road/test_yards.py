@@ -8,7 +8,9 @@ from cityx.city.ground import LABEL, SURFACES
 from cityx.geometry.arrangement import check_arrangement, face_areas
 from cityx.plugins.road.ground import ground_of
 from cityx.plugins.road.network import road_network
-from cityx.plugins.road.yards import FROM_PATH, FROM_STREET, FROM_WALL, yard_patches
+from cityx.plugins.road.yards import USUAL_GAPS, yard_patches
+
+FROM_WALL, FROM_STREET, FROM_PATH = USUAL_GAPS
 
 RING = [([(-80, -80), (80, -80), (80, 80), (-80, 80), (-80, -80)], {})]
 ROWS = [(-70, -70, 70, -58), (-70, 58, 70, 70), (-70, -20, -58, 50), (20, -30, 40, 0)]
@@ -68,7 +70,7 @@ def test_bays_and_bare_patches_lie_in_paved_yards_only(yard, layout_of):
     assert lonely["parking"] == lonely["bare"] == 0.0
 
 
-def test_a_strip_between_a_walk_and_facades_belongs_to_the_walk(layout_of):
+def test_a_strip_between_a_walk_and_facades_is_paved_to_the_facade(layout_of):
     # The walks are 2 m wide and the houses stand 5.15 m from the kerb.
     streets = [([(-90, y), (90, y)], {}) for y in (-60, 60)]
     streets += [([(x, -90), (x, 90)], {}) for x in (-60, 60)]
@@ -78,7 +80,7 @@ def test_a_strip_between_a_walk_and_facades_belongs_to_the_walk(layout_of):
     middle = found.vertices[found.triangles].mean(axis=1)
     strip = (np.abs(middle[:, 1] + 53.0) < 0.9) & (np.abs(middle[:, 0]) < 40)
     assert strip.any()
-    paved = {LABEL["sidewalk"], LABEL["edging"], LABEL["bed"]}
+    paved = {LABEL["sidewalk"], LABEL["frontage"], LABEL["edging"], LABEL["bed"]}
     assert set(found.face_label[found.triangle_face[strip]].tolist()) <= paved
     yard = (np.abs(middle) < 20).all(axis=1)
     assert LABEL["sidewalk"] not in found.face_label[found.triangle_face[yard]]

@@ -1,0 +1,145 @@
+"""Patterns of pavements: flags of sandstone, slabs between bands of small stones, blocks.
+
+Those with bands are drawn for v = 0 at the kerb (`cityx.plugins.road.joints` lays them so).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cityx.assets.textures.courses import lay
+from cityx.assets.textures.noise import (
+    Field,
+    axes,
+    cells,
+    fractal,
+    per_cell,
+    smooth,
+    speckle,
+    value_noise,
+)
+from cityx.assets.textures.relief import Relief
+
+BAND_TILE = 5.12  # metres of walk, from its kerb, after which the bands begin anew
+SLABS = (0.92, 2.92)  # metres from the kerb between which the slabs lie
+GUIDE_TILE = 6.0  # metres, as wide as walks with a line of ribs are
+GUIDE = (0.96, 1.26)  # metres from the kerb of the line of ribs
+
+
+def _spots(key: str, size: int, count: int, share: float) -> Field:
+    """Round spots of gum and oil, 1 at their middles."""
+    near, _, index = cells(key, size, count)
+    reach = 0.04 + 0.16 * per_cell(key, index, 1)
+    there = per_cell(key, index, 2) < share
+    return np.where(there, smooth(1.0, 0.5, near / reach), np.float32(0))
+
+
+def _toned(tone: Field, hue: Field) -> Field:
+    """Grey of a tone, warmer where `hue` is above 0."""
+    color = np.stack([1 + hue, 1 + 0.25 * hue, 1 - hue], axis=2)
+    return np.asarray(tone[..., None] * color, np.float32)
+
+
+def flagstones(size: int) -> Relief:
+    """Draw flags of sandstone 60 cm deep and of many lengths, worn, patched and stained."""
+    wander = 0.006 * fractal("flags/wander", size, 9, octaves=2)
+    walk = lay("flags", size, 4.8, 6, 8, jitter=0.30, warp=(wander, np.roll(wander, 77, 1)))
+    joint = 1 - smooth(0.006, 0.016, walk.edge)
+    arris = 1 - smooth(0.006, 0.045, walk.edge)
+    grain = speckle("flags", size) - np.float32(0.5)
+    bed = fractal("flags/bed", size, 40, octaves=4, gain=0.7)  # of the stone
+    clouds = fractal("flags/clouds", size, 4, octaves=5, gain=0.65)
+    fresh = smooth(0.90, 0.92, walk.draw(5))  # flags that were renewed
+    tone = 1 + 0.34 * (walk.draw(1) - 0.5) + 0.07 * grain + 0.06 * bed + 0.09 * clouds
+    tone = (tone + 0.20 * fresh) * (1 - 0.10 * arris) * (1 - 0.55 * joint)
+    tone = tone * (1 - 0.20 * _spots("flags/gum", size, 22, 0.35))
+    hue = 0.13 * (walk.draw(2) - 0.25) - 0.05 * fresh + 0.03 * clouds
+    lean = (walk.draw(3) - 0.5) * 0.008 * (walk.across - 0.4)
+    height = lean - 0.006 * joint - 0.002 * arris + 0.0012 * bed + 0.0004 * grain
+    return Relief(4.8, _toned(tone, hue), height, 1 + 0.05 * clouds, brightness=0.62)
+
+
+def _mosaic(size: int, tile: float) -> tuple[Field, Field, Field]:
+    """Small stones of 5 to 6 cm: tone, warmth and height."""
+    near, far, index = cells("mosaic", size, round(tile / 0.064), jitter=0.55)
+    face = smooth(0.05, 0.22, far - near)
+    pale = smooth(0.86, 0.87, per_cell("mosaic", index, 3))
+    tone = (0.70 + 0.46 * per_cell("mosaic", index, 1) + 0.25 * pale) * face + 0.62 * (1 - face)
+    hue = 0.16 * (per_cell("mosaic", index, 2) - 0.5) * face + 0.10 * (1 - face)
+    return tone, hue, np.asarray(0.006 * face, np.float32)
+
+
+def mosaic(size: int) -> Relief:
+    """Draw a pavement of small stones, as they lie along houses and between slabs and kerb."""
+    tone, hue, height = _mosaic(size, 2.56)
+    clouds = fractal("mosaic/clouds", size, 3, octaves=4, gain=0.6)
+    return Relief(2.56, _toned(tone * (1 + 0.10 * clouds), hue), height, 1.0, brightness=0.6)
+
+
+def slab_walk(size: int) -> Relief:
+    """Draw two courses of granite slabs between bands of small stones, the first at the kerb."""
+    _, v = axes(size)
+    off = np.broadcast_to(v * np.float32(BAND_TILE), (size, size))
+    small, small_hue, small_height = _mosaic(size, BAND_TILE)
+    # Slabs lie turned by 45 degrees: lozenges of 0.73 m that triangles complete at both rims.
+    u, w = axes(size)
+    count = 5  # lozenges across two tiles; both diagonals close after a whole number of them
+    x = np.broadcast_to((u + w) * np.float32(count), (size, size))
+    y = np.broadcast_to((u - w) * np.float32(count), (size, size))
+    i, j = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
+    metres = np.float32(BAND_TILE / count / 2**0.5)
+    across, up = (x - i) * metres, (y - j) * metres
+    edge = np.minimum(np.minimum(across, metres - across), np.minimum(up, metres - up))
+    low, high = SLABS
+    edge = np.minimum(edge, np.minimum(np.abs(off - low), np.abs(off - high)))
+    # One slab is the same modulo the tile along both axes.
+    index = ((i + j) % (2 * count)) * 2 * count + (i - j) % (2 * count)
+    joint = 1 - smooth(0.004, 0.013, edge.astype(np.float32))
+    grain = speckle("slab_walk", size) - np.float32(0.5)
+    clouds = fractal("slab_walk/clouds", size, 4, octaves=5, gain=0.65)
+    tone = 1.12 + 0.26 * (per_cell("slab_walk", index, 1) - 0.5) + 0.16 * grain + 0.07 * clouds
+    tone = tone * (1 - 0.55 * joint) * (1 - 0.18 * _spots("slab_walk/gum", size, 24, 0.35))
+    hue = 0.08 * (per_cell("slab_walk", index, 2) - 0.4)
+    slab = (off > low) & (off < high)
+    shade = np.where(slab, tone, 0.74 * small * (1 + 0.10 * clouds))
+    warm = np.where(slab, hue, small_hue)
+    height = np.where(slab, 0.006 - 0.005 * joint + 0.0005 * grain, small_height)
+    return Relief(BAND_TILE, _toned(shade, warm), height, 1 + 0.04 * clouds, brightness=0.6)
+
+
+def _blocks(size: int, tile: float) -> tuple[Field, Field, Field]:
+    """Concrete blocks of 10 x 20 cm: tone, warmth and height."""
+    walk = lay("blocks", size, tile, round(tile / 0.2), round(tile / 0.1), jitter=0.0)
+    joint = 1 - smooth(0.002, 0.009, walk.edge)
+    grain = speckle("blocks", size) - np.float32(0.5)
+    clouds = fractal("blocks/clouds", size, 4, octaves=5, gain=0.6)
+    kind = walk.draw(1)
+    dark = smooth(0.72, 0.73, kind)  # a third colour in four
+    tone = 1 + 0.16 * (walk.draw(2) - 0.5) - 0.20 * dark + 0.10 * grain + 0.08 * clouds
+    tone = tone * (1 - 0.45 * joint) * (1 - 0.15 * _spots("blocks/gum", size, 20, 0.25))
+    hue = 0.11 * (walk.draw(3) - 0.4) + 0.05 * dark
+    return tone, hue, np.asarray(-0.004 * joint + 0.0004 * grain, np.float32)
+
+
+def walk_blocks(size: int) -> Relief:
+    """Draw small blocks of concrete in half bond, of three tones."""
+    tone, hue, height = _blocks(size, 3.0)
+    return Relief(3.0, _toned(tone, hue), height, 1.0, brightness=0.66)
+
+
+def guided_blocks(size: int) -> Relief:
+    """Draw the same blocks with a line of ribbed yellow tiles along the kerb, for blind people."""
+    tone, hue, height = _blocks(size, GUIDE_TILE)
+    u, v = axes(size)
+    off = np.broadcast_to(v * np.float32(GUIDE_TILE), (size, size))
+    run = np.broadcast_to(u * np.float32(GUIDE_TILE / 0.3), (size, size)) % 1
+    low, high = GUIDE
+    line = (off > low) & (off < high)
+    rib = np.cos((off - low) * np.float32(2 * np.pi * 4 / (high - low)))
+    joint = smooth(0.03, 0.0, np.minimum(run, 1 - run))
+    worn = value_noise("guide/worn", size, 40)
+    yellow = np.array([1.75, 1.22, 0.14], np.float32) * (0.82 + 0.25 * worn)[..., None]
+    yellow = yellow * (1 - 0.35 * joint)[..., None] * (1 - 0.10 * (rib > 0.2))[..., None]
+    albedo = np.where(line[..., None], yellow, _toned(tone, hue))
+    height = np.where(line, 0.004 * np.clip(-rib, 0, 1), height)
+    return Relief(GUIDE_TILE, albedo, height, 1.0, brightness=0.62)

@@ -1,0 +1,64 @@
+"""What walks and the ground before houses are paved with, by region.
+
+References
+----------
+Senate of Berlin, "Ausführungsvorschriften zu § 7 des Berliner Straßengesetzes über Geh- und
+Radwege", 2013: slabs between an upper and a lower band of small stones.
+Department for Transport, "Manual for Streets 2", 2010: flags to the building line in old centres.
+Ministry of Land, Infrastructure, Transport and Tourism, guideline on guiding blocks, 1985.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.assets.palettes import region_of
+from cityx.city.frame import Frame
+from cityx.city.ground import Ground
+from cityx.city.layout import Layout
+from cityx.city.roads import RoadNetwork
+from cityx.geometry.drape import Paving
+from cityx.plugins.road.joints import courses
+
+# Surface to material, by region; what a region does not name keeps its usual material.
+FLAGS = {"sidewalk": "flagstones", "ramp": "flagstones", "frontage": "flagstones"}
+SLABS = {"sidewalk": "slab_walk", "ramp": "mosaic", "frontage": "mosaic", "furnishing": "mosaic"}
+BLOCKS = {"sidewalk": "walk_blocks", "ramp": "walk_blocks", "frontage": "yard"}
+REGION_PAVING: Mapping[str, Mapping[str, str]] = MappingProxyType({
+    "british isles": FLAGS, "central europe": SLABS, "japan": BLOCKS, "east asia": BLOCKS,
+})  # fmt: skip
+GUIDED = ("japan", "east asia")  # where a line of ribs leads along the walks of main streets
+MAIN = ("primary", "secondary", "tertiary", "trunk")
+LEAST_GUIDED, WIDE = 2.0, 2.8  # metres of walk with such a line, of main streets and of any
+
+
+def paved(ground: Ground, network: RoadNetwork, layout: Layout, frame: Frame, place: str) -> Paving:
+    """Return how the faces of a ground are paved.
+
+    Parameters
+    ----------
+    ground, network, layout
+        The ground, the streets on it, and the layout that they come from.
+    frame
+        Where it lies.
+    place
+        As of `cityx.plugins.nature.street_rules.place_of`.
+    """
+    region = "japan" if place == "japan" else region_of(frame.latitude, frame.longitude)
+    laid = REGION_PAVING.get(region, {})
+    if region not in GUIDED:
+        return courses(ground, network, laid)
+    return courses(ground, network, laid, guided="guided_blocks", main=_guided(layout, network))
+
+
+def _guided(layout: Layout, network: RoadNetwork) -> NDArray[np.bool_]:
+    """(e,) whether the walks of edges have a line of ribs."""
+    table = layout.roads.iloc[network.edge_road]
+    wide = table[["sidewalk_left", "sidewalk_right"]].to_numpy(float).max(axis=1, initial=0.0)
+    return np.asarray(
+        (table["kind"].isin(MAIN).to_numpy() & (wide >= LEAST_GUIDED)) | (wide >= WIDE)
+    )
