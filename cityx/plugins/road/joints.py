@@ -19,7 +19,16 @@ from cityx.plugins.road.network import node_corners
 FloatArray = NDArray[np.float64]
 Shapes = NDArray[Any]
 
-LAID = ("sidewalk", "ramp", "tactile", "tactile_pale", "furnishing", "edging", "setts")
+LAID = (
+    "sidewalk",
+    "ramp",
+    "tactile",
+    "tactile_pale",
+    "tactile_buff",
+    "furnishing",
+    "edging",
+    "setts",
+)
 LAP = np.radians(12.0)  # of turn after which the courses along a curve begin anew
 PAST = 0.1  # metres that a seam reaches beyond the walk, so that rounding leaves none short
 FARTHEST = 20.0  # metres from a street's middle to a face of its walk
