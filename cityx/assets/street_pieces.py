@@ -197,6 +197,16 @@ def sign_no_entry() -> Shapes:
     ]
 
 
+def sign_one_way() -> Shapes:
+    """Tall blue sign with a white arrow upwards, which is ahead."""
+    return [
+        post(2.75),
+        box((-0.21, -0.055, 2.14), (0.21, -0.035, 2.70), "sign", BLUE),
+        box((-0.04, -0.065, 2.21), (0.04, -0.055, 2.48), "sign"),
+        prism([(-0.13, 2.46), (0.13, 2.46), (0.0, 2.63)], -0.065, -0.055, "sign"),
+    ]
+
+
 def sign_crossing() -> Shapes:
     """Square blue sign of a pedestrian crossing."""
     return [
@@ -282,8 +292,8 @@ STREET_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
         maker.__name__: maker
         for maker in (
             planter, planter_round, cafe_set, parasol, shop_board, kiosk, bicycle, wheelie_bins,
-            sign_no_entry, sign_crossing, sign_name, utility_pole, grating, stone_bench,
-            guard_rail_post, traffic_cone,
+            sign_no_entry, sign_one_way, sign_crossing, sign_name, utility_pole, grating,
+            stone_bench, guard_rail_post, traffic_cone,
         )
     }
 )  # fmt: skip

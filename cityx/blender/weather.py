@@ -28,9 +28,10 @@ BALANCE = "Balance of lamps and sky"
 # Splashes above the ground, streaks of rain and blotches on old walls.
 SPLASH_HEIGHT = 1.3  # metres above the ground that rain throws soil up a wall
 SPLASH, STREAK, BLOTCH = 0.26, 0.16, 0.14  # shares of light they take at most
-# Cracks in asphalt, sealed with bitumen in bands a hand wide: metres between them, half the width
-# of a band, the share of light it takes, and the size of the worn stretches that have them.
-CRACK_CELL, CRACK_HALF, CRACK, CRACK_STRETCH = 3.6, 0.022, 0.4, 13.0
+# Hair cracks in asphalt: metres between them, half their width, the share of light they take, and
+# the size of the few worn stretches that have them.
+CRACK_CELL, CRACK_HALF, CRACK, CRACK_STRETCH = 4.7, 0.007, 0.3, 17.0
+CRACKED_FROM = (0.58, 0.66)  # of the noise by which stretches are chosen; about a tenth has any
 # Water in the pores of a surface bends light inward again: wet concrete keeps about half of it, and
 # more of its colour (Lekner and Dorf 1988).
 WET_LOSS = 0.42
@@ -184,7 +185,7 @@ def _dirt(tree: Tree, splash: Socket) -> Socket:
 
 
 def _cracks(tree: Tree) -> Socket:
-    """Return the share of light that sealed cracks take, in stretches that are worn."""
+    """Return the share of light that cracks take, in the few stretches that are worn."""
     place = tree.nodes.new("ShaderNodeNewGeometry").outputs["Position"]
     push = tree.nodes.new("ShaderNodeTexNoise")
     push.inputs["Scale"].default_value = 2.0
@@ -197,7 +198,7 @@ def _cracks(tree: Tree) -> Socket:
     tree.links.new(bent, cells.inputs["Vector"])
     near = CRACK_HALF / CRACK_CELL
     line = nodes.smoothstep(tree, cells.outputs["Distance"], 1.3 * near, 0.7 * near)
-    worn = nodes.smoothstep(tree, nodes.noise(tree, CRACK_STRETCH), 0.43, 0.51)
+    worn = nodes.smoothstep(tree, nodes.noise(tree, CRACK_STRETCH), *CRACKED_FROM)
     return nodes.math(tree, "MULTIPLY", nodes.math(tree, "MULTIPLY", line, worn), CRACK)
 
 

@@ -22,7 +22,7 @@ BoolArray = NDArray[np.bool_]
 
 FOOTWAYS = (
     "sidewalk", "furnishing", "edging", "ramp", "kerb", "kerb_dropped", "tactile", "tactile_pale",
-    "plaza", "path", "trail", "frontage",
+    "tactile_buff", "plaza", "path", "trail", "frontage",
 )  # fmt: skip
 # Land beside a roadway that people walk on where there is no pavement.
 VERGES = ("block", "courtyard", "gravel", "grass", "meadow", "park", "bare", "sand", "farmland",
@@ -35,6 +35,9 @@ APART = 3.0  # metres along a street between two crosswalks
 CORNER = 1.5  # metres from a junction's mouth to the middle of a crosswalk without bars
 USUAL_DEPTH = 2.4  # metres along the road that such a one takes
 WIDEST_BARE = 12.0  # metres of roadway that are crossed without bars
+ROW_DEPTH = (1.5, 5.5)  # metres along the road between the two rows of marks beside a crossing
+ROW_SPACE = 4.5  # metres along the road from one mark to the next of the same crossing at most
+LEAST_MARKS = 6
 BEYOND = 5.0  # metres past the rim of the roadway that the other side is looked for
 STEP = 0.2  # metres between the places looked at
 INTO = 0.4  # metres that a crosswalk reaches into the walks it joins
@@ -130,7 +133,13 @@ def crosswalks_of(ground: Ground, layout: Layout, network: RoadNetwork) -> Cross
 def _candidates(ground: Ground, layout: Layout, network: RoadNetwork) -> _Candidates:
     lines = Polylines(network.points, network.point_start)
     level = _on_ground(network)
-    edge, along, depth = _zebras(ground, network, lines, level)
+    edge, along, depth = (
+        np.concatenate(columns)
+        for columns in zip(
+            _zebras(ground, network, lines, level), _rows(ground, lines, level),
+            strict=True,
+        )
+    )  # fmt: skip
     kind = layout.roads["kind"].to_numpy().astype(str)[network.edge_road]
     quiet = ~np.isin(kind, FAST) & (2 * network.half_width <= WIDEST_BARE) & level
     length = arc_lengths(lines)[1]
@@ -189,6 +198,35 @@ def _zebras(
     at = np.bincount(group, along) / count
     first = np.searchsorted(group, np.arange(len(count)))
     return edge[first][several], at[several], (np.bincount(group, depth) / count)[several]
+
+
+def _rows(
+    ground: Ground, lines: Polylines, level: BoolArray
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Find crossings by the two rows of marks beside them, as `_zebras` does."""
+    none = np.zeros(0, np.int64), np.zeros(0), np.zeros(0)
+    of = ground.labelled("crossing_row")[ground.triangle_face]
+    edges = np.flatnonzero(level)
+    if not of.any() or not len(edges):
+        return none
+    face, row = np.unique(ground.triangle_face[of], return_inverse=True)
+    middle = ground.vertices[ground.triangles[of]].mean(axis=1)
+    count = np.bincount(row)[:, None]
+    spots = shapely.points(
+        np.column_stack([np.bincount(row, middle[:, axis], len(face)) for axis in (0, 1)]) / count
+    )
+    shapes = to_linestrings(lines)[edges]
+    spot, near = shapely.STRtree(shapes).query_nearest(spots, max_distance=25.0, all_matches=False)
+    edge, along = edges[near], shapely.line_locate_point(shapes[near], spots[spot])
+    order = np.lexsort((along, edge))
+    edge, along = edge[order], along[order]
+    begins = np.r_[True, (np.diff(edge) != 0) | (np.diff(along) > ROW_SPACE)][: len(edge)]
+    group = np.cumsum(begins) - 1
+    first = np.flatnonzero(begins)
+    last = np.r_[first[1:], len(edge)] - 1
+    depth = along[last] - along[first]
+    kept = (np.bincount(group) >= LEAST_MARKS) & (depth > ROW_DEPTH[0]) & (depth < ROW_DEPTH[1])
+    return edge[first][kept], ((along[first] + along[last]) / 2)[kept], depth[kept]
 
 
 def _bars(ground: Ground) -> FloatArray:

@@ -86,9 +86,12 @@ SURFACES: tuple[Surface, ...] = (
     # What is left between a walk and the houses: paved to the wall, each region in its way.
     Surface("frontage", 9, KERB_HEIGHT, "paving", "kerb_stone"),
     Surface("threshold", 71, 0.0, "kerb_stone", "concrete"),  # row of stones across a carriageway
+    Surface("tactile_buff", 51, DROPPED, "tactile_buff", "kerb_stone"),
+    Surface("crossing_row", 80, 0.0, "marking_white", "concrete"),  # beside people who cross
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
-PAINT = ("marking", "marking_yellow", "cycle_lane")  # lies on a carriageway and is part of it
+# What lies on a carriageway and is part of it.
+PAINT = ("marking", "marking_yellow", "cycle_lane", "crossing_row")
 ON_ROADWAY = (*PAINT, "tramway")  # whatever a roadway is made of below it
 ROADWAY = ("carriageway", "setts", "gravel_road", "junction", "threshold", *PAINT)
 

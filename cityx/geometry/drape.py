@@ -17,6 +17,7 @@ from cityx.geometry.identity import stable_id, uniform
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+LOWERED = ("kerb_dropped", "tactile", "tactile_pale", "tactile_buff")
 STEP = 0.001  # metres; lower steps between surfaces get no vertical face
 TINT_RANGE = 0.10  # of the brightness of neighbouring pieces of one material
 FLAT_WATER = 2.0  # metres of relief along the shore above which water is a sloping river
@@ -67,7 +68,7 @@ def ramp_heights(ground: Ground) -> FloatArray:
     rise = np.full(len(ground.vertices), KERB_HEIGHT)
     label = ground.face_label
     left, right = ground.edge_faces.T.astype(np.int64)
-    low = np.isin(label, [LABEL[name] for name in ("kerb_dropped", "tactile", "tactile_pale")])
+    low = np.isin(label, [LABEL[name] for name in LOWERED])
     ramp = label == LABEL["ramp"]
     beside = np.maximum(right, 0)
     foot = (right != BEYOND) & ((ramp[left] & low[beside]) | (low[left] & ramp[beside]))

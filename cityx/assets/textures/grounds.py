@@ -16,25 +16,19 @@ from cityx.assets.textures.noise import (
     sampled,
     smooth,
     speckle,
-    value_noise,
 )
 from cityx.assets.textures.relief import Relief
 
 
 def asphalt(size: int) -> Relief:
-    """Draw worn asphalt: aggregate, clouds of wear, hair cracks here and there."""
+    """Draw asphalt in use: aggregate and clouds of wear; cracks would show that tiles repeat."""
     grain = speckle("asphalt", size)
     stones = smooth(0.62, 0.98, blurred(speckle("asphalt/stones", size), 1) * 1.9 - 0.45)
     bright = smooth(0.955, 0.985, speckle("asphalt/bright", size))
     clouds = fractal("asphalt/clouds", size, 3, octaves=5, gain=0.6)
-    bend = 0.02 * fractal("asphalt/bend", size, 10, octaves=3)
-    near, far, _ = cells("asphalt/cracks", size, 5, jitter=1.0)
-    crack = 1 - smooth(0.006, 0.022, sampled(far - near, bend, np.roll(bend, 99, 0)))
-    crack = crack * smooth(0.56, 0.80, value_noise("asphalt/where", size, 4))
     tone = 0.84 + 0.34 * (grain - 0.5) + 0.16 * stones + 0.55 * bright + 0.09 * clouds
-    albedo = tone * (1 - 0.28 * crack)
-    height = 0.0014 * (grain - 0.5) + 0.0022 * stones + 0.0015 * bright - 0.004 * crack
-    return Relief(4.0, albedo, height, 0.97 + 0.05 * clouds, brightness=0.5)
+    height = 0.0014 * (grain - 0.5) + 0.0022 * stones + 0.0015 * bright
+    return Relief(4.0, tone, height, 0.97 + 0.05 * clouds, brightness=0.5)
 
 
 def setts(size: int) -> Relief:

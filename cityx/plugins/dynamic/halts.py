@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from cityx.city import City
-from cityx.plugins.road.marks import BEFORE, RANK, street_of
+from cityx.plugins.road.marks import RANK, street_of
+from cityx.plugins.road.painting import painting_of
 from cityx.plugins.road.sections import bands_of
 from cityx.traffic.streets import Halts
 
@@ -14,9 +15,10 @@ def halts_of(city: City) -> Halts:
     """Return where traffic halts in a city that has a network."""
     network = city.network
     assert network is not None
-    street = street_of(city.layout, network, bands_of(city.layout, network))
-    halt = street.setback + street.depth[:, None] + BEFORE
+    bands = bands_of(city.layout, network)
+    street = street_of(city.layout, network, bands, painting_of(city.frame))
     return Halts(
-        np.where(network.crossing, halt, 0.0), street.signalled, len(RANK) - street.rank,
-        network.crossing, network.trim + street.setback + street.depth[:, None] / 2, street.depth,
+        np.where(street.marked, np.maximum(street.halt, 0.0), 0.0), street.signalled,
+        len(RANK) - street.rank, street.marked,
+        network.trim + street.setback + street.depth[:, None] / 2, street.depth,
     )  # fmt: skip

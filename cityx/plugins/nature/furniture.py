@@ -28,6 +28,7 @@ from cityx.plugins.nature.pieces import (
     with_pieces,
 )
 from cityx.plugins.nature.street_rules import TIGHT, local_names, place_of
+from cityx.plugins.road.crossing_places import BEFORE, FLARE
 from cityx.plugins.road.kerbs import (
     edge_lengths,
     edge_lines,
@@ -36,7 +37,10 @@ from cityx.plugins.road.kerbs import (
     yaw_facing,
     yaw_of_compass,
 )
+from cityx.plugins.road.marks import Street, street_of
 from cityx.plugins.road.network import arm_bearings, arms_of
+from cityx.plugins.road.painting import painting_of
+from cityx.plugins.road.sections import bands_of
 from cityx.plugins.road.signals import signal_rows
 from cityx.protocol import Port, action
 
@@ -72,7 +76,7 @@ FEW_LAMPS = 5.0  # per kilometre; a map with fewer has not mapped its lamps
 MOST_PUSH = 3.0  # metres a mapped thing may be moved out of a carriageway
 SIGNAL_REACH = 25.0  # metres from a mapped signal to the junction it belongs to
 ONWARD = np.radians(40.0)  # a way that turns by more does not go straight on
-BEHIND_ZEBRA = 4.8  # metres from a junction to a pole behind its zebra
+AT_LINE, BEHIND = 0.7, 1.3  # metres from a crossing to a pole at its line, and to one behind it
 FRONT_REACH = 40.0  # metres within which a thing turns to a road
 SHELTER_ROOM = 2.6  # metres of free sidewalk that a shelter needs
 POLE = 0.2  # metres, half the foot of a lamp or a signal
@@ -243,17 +247,19 @@ def _signals(city: City, drive: float) -> Pieces | None:
     main = np.isin(roads["kind"].to_numpy().astype(str)[network.edge_road], MAIN)
     lines = edge_lines(network)
     length = edge_lengths(network)
+    street = street_of(city.layout, network, bands_of(city.layout, network),
+                       painting_of(city.frame))  # fmt: skip
     found = []
     for end in (0, 1):
         # Traffic arrives at the far end of an edge, and at its start unless it is one way.
         edge = np.flatnonzero(signalled[network.edge_nodes[:, end]] & ((end == 1) | ~oneway))
-        edge = edge[length[edge] > network.trim[edge].sum(axis=1) + 4.0]
-        setback = network.trim[edge, end] + np.where(network.crossing[edge, end], 4.2, 0.6)
-        along = setback if end == 0 else length[edge] - setback
-        found.append(_beside(lines, network, edge, along, 1.0 if end == 1 else -1.0, drive, main,
+        long = length[edge] > network.trim[edge].sum(axis=1) + 4.0
+        edge = edge[long | street.marked[edge, end]]
+        found.append(_beside(lines, network, edge, *_poles(street, edge, end, AT_LINE),
+                             1.0 if end == 1 else -1.0, drive, main,
                              f"{ACTION}/signal/{end}"))  # fmt: skip
         if _repeated(city, drive):
-            found.append(_beyond(lines, network, edge, end, drive, f"{ACTION}/signal/far/{end}"))
+            found.append(_beyond(street, edge, end, drive, f"{ACTION}/signal/far/{end}"))
     lone = np.flatnonzero(node_of < 0)
     if len(lone):
         shapes = to_linestrings(lines)
@@ -264,9 +270,22 @@ def _signals(city: City, drive: float) -> Pieces | None:
         for way in (1.0, -1.0):
             ok = (way > 0) | ~oneway[edge]
             own = table["id"].to_numpy()[rows][lone[spot[ok]]]
-            found.append(_beside(lines, network, edge[ok], along[ok] - 2.0 * way, way, drive, main,
+            found.append(_beside(lines, network, edge[ok], along[ok] - 2.0 * way,
+                                 np.zeros(int(ok.sum())), way, drive, main,
                                  f"{ACTION}/signal/mid{way:+.0f}", own))  # fmt: skip
     return join_pieces(found)
+
+
+def _poles(
+    street: Street, edge: NDArray[np.int64], end: int, before: float
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Metres along edges to poles beside their crossings, and how far the kerb has curved away."""
+    trim = street.network.trim[edge, end]
+    beyond = np.where(street.marked[edge, end], street.halt[edge, end] - BEFORE + before, 0.6)
+    inside = np.maximum(-beyond, 0.0) / np.maximum(trim - street.mouth[edge, end], 0.1)
+    along = trim + beyond
+    along = along if end == 0 else street.length[edge] - along
+    return along, FLARE * np.minimum(inside, 1.5) ** 2
 
 
 def _repeated(city: City, drive: float) -> bool:
@@ -274,9 +293,11 @@ def _repeated(city: City, drive: float) -> bool:
     return drive < 0 or place_of(city) == "north america"
 
 
-def _beyond(lines: Any, network: Any, edge: NDArray[np.int64], end: int, drive: float,
-            purpose: str) -> Pieces:  # fmt: skip
+def _beyond(
+    street: Street, edge: NDArray[np.int64], end: int, drive: float, purpose: str
+) -> Pieces:  # fmt: skip
     """Poles behind the junction, beside the arm in which traffic of each edge goes straight on."""
+    lines, network = street.lines, street.network
     node, arm, side = arms_of(lines, network.edge_nodes)
     bearing = arm_bearings(lines, arm, side)
     own = arm_bearings(lines, edge, np.full(len(edge), end))
@@ -293,23 +314,22 @@ def _beyond(lines: Any, network: Any, edge: NDArray[np.int64], end: int, drive: 
     for far in (0, 1):
         some = np.flatnonzero(side[other] == far)
         onto = arm[other[some]]
-        back = network.trim[onto, far] + np.where(network.crossing[onto, far], BEHIND_ZEBRA, 0.6)
-        along = back if far == 0 else edge_lengths(network)[onto] - back
         # Whoever goes on leaves the junction along this arm.
-        found.append(_beside(lines, network, onto, along, 1.0 if far == 0 else -1.0, drive,
+        found.append(_beside(lines, network, onto, *_poles(street, onto, far, BEHIND),
+                             1.0 if far == 0 else -1.0, drive,
                              np.zeros(network.edge_count, bool), f"{purpose}/{far}",
                              network.edge_id[edge[row[some]]]))  # fmt: skip
     return join_pieces(found)
 
 
-def _beside(lines: Any, network: Any, edge: NDArray[np.int64], along: FloatArray, way: float,
-            drive: float, main: NDArray[np.bool_], purpose: str,
+def _beside(lines: Any, network: Any, edge: NDArray[np.int64], along: FloatArray,
+            flare: FloatArray, way: float, drive: float, main: NDArray[np.bool_], purpose: str,
             ids: NDArray[np.uint64] | None = None) -> Pieces:  # fmt: skip
     """Poles on the side one drives on, facing traffic that moves along (`way` +1) or against."""
     position, ahead = locate(lines, edge, along)
     travel = ahead * way
     right = np.column_stack([travel[:, 1], -travel[:, 0]]) * drive
-    xy = position + right * (network.half_width[edge] + POLE_SETBACK)[:, None]
+    xy = position + right * (network.half_width[edge] + flare + POLE_SETBACK)[:, None]
     # Arms reach over the lanes for traffic on the right; elsewhere the plain pole serves.
     wide = main[edge] & (network.half_width[edge] > 4.5) & (drive > 0)
     names = np.where(wide, "traffic_signal_mast", "traffic_signal").astype(object)

@@ -144,7 +144,8 @@ def may_stand(city: City, found: Pieces) -> BoolArray:
     for name in np.unique(found.name.astype(str)).tolist():
         vertices = furniture(name, detail=city.lod).mesh.vertices
         body = vertices[(vertices[:, 2] > ANKLE) & (vertices[:, 2] < HEAD)]
-        body = body if len(body) >= 3 else vertices
+        # A plain pole has no corners between its foot and its top.
+        body = body if len(body) >= 3 else vertices[vertices[:, 2] < HEAD]
         hull = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(body[:, :2])))
         of = np.flatnonzero(found.name.astype(str) == name)
         c, s = np.cos(found.yaw[of])[:, None], np.sin(found.yaw[of])[:, None]

@@ -13,6 +13,9 @@ from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import locate
 from cityx.plugins.nature.pieces import FloatArray, Pieces, join_pieces, pieces
 from cityx.plugins.road.kerbs import edge_lengths, edge_lines, yaw_facing
+from cityx.plugins.road.marks import STRIPED, street_of
+from cityx.plugins.road.painting import painting_of
+from cityx.plugins.road.sections import bands_of
 from cityx.plugins.road.signals import signal_places
 
 PURPOSE = "nature/signs"
@@ -51,6 +54,8 @@ def junction_signs(city: City, place: str) -> tuple[Pieces, FloatArray]:
     joint = network.node_degree >= 3
     points = city.layout.points
     what, where = points["kind"].to_numpy().astype(str), points.geometry.to_numpy()
+    street = street_of(city.layout, network, bands_of(city.layout, network),
+                       painting_of(city.frame))  # fmt: skip
     signalled = near_any(network.node_position, signal_places(city.layout), SIGNALLED)
     told = near_any(network.node_position, where[np.isin(what, ("stop", "give_way"))], TOLD)
     drive = np.where(network.left_hand, -1.0, 1.0)
@@ -64,12 +69,14 @@ def junction_signs(city: City, place: str) -> tuple[Pieces, FloatArray]:
         arrives = (end == 1) | ~oneway
         yields = here & arrives & ~signalled[node] & ~told[node]
         yields &= ((rank < top[node]) | ring[node]) & (rank >= 1)
-        zebra = network.crossing[:, end]
+        zebra = street.crossing[:, end] == STRIPED
         found.append(_at(network, minor, np.flatnonzero(yields), end, BEHIND, drive, True))
         entry = here & oneway & (end == 1)
         found.append(
             _at(network, "sign_no_entry", np.flatnonzero(entry), end, BEHIND + 1.5, -drive, False)
         )
+        into = here & oneway & (end == 0)
+        found.append(_at(network, "sign_one_way", np.flatnonzero(into), end, BEHIND, -drive, False))
         told_zebra = here & arrives & zebra & ~signalled[node] & (place != "japan")
         found.append(
             _at(network, "sign_crossing", np.flatnonzero(told_zebra), end, ZEBRA, drive, True)

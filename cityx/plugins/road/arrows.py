@@ -21,13 +21,17 @@ from cityx.plugins.road.marks import (
 from cityx.plugins.road.symbols import LENGTH, arrow, bicycle, placed, word
 
 EVERY = 60.0  # metres between symbols on a bus or cycle lane
+ONE_WAY, FROM_MOUTH = 45.0, 7.0  # metres between arrows of one-way streets, and to the first
 LEAST_SYMBOL = 1.2  # metres of a lane with a symbol
 FROM_LINE = (1.5, 21.5)  # metres from the stop line to the tips of arrows
 _MOVING = [KIND[name] for name in TRAVELLED]
 
 
-def lane_symbols(street: Street, chosen: BoolArray) -> Marks:
-    """Paint arrows before junctions, and what bus and cycle lanes are for behind them."""
+def lane_symbols(street: Street, chosen: BoolArray, *, one_way: bool = False) -> Marks:
+    """Paint arrows before junctions, and what bus and cycle lanes are for behind them.
+
+    Where `one_way`, arrows in the single lane of one-way streets tell which way that is.
+    """
     network, lines, bands = street.network, street.lines, street.bands
     begin, end = street.free
     lanes = np.flatnonzero(np.isin(bands.kind, _MOVING) & (bands.direction != 0))
@@ -57,6 +61,12 @@ def lane_symbols(street: Street, chosen: BoolArray) -> Marks:
             rows = np.flatnonzero((turns == bits) & junction & (room > back + 2.0))
             paint(arrow(int(bits)), rows, room[rows] - back)
     kind = bands.kind[lanes]
+    if one_way:
+        single = street.layout.roads["oneway"].to_numpy(bool)[network.edge_road]
+        single &= lane_count(bands, network.edge_count, 1) == 1
+        rows = np.flatnonzero((kind == KIND["drive"]) & single[edge] & (turns == 0))
+        which, along = every(room[rows] - LENGTH, ONE_WAY, FROM_MOUTH)
+        paint(arrow(TURN["through"]), rows[which], along)
     for name, outline in (("bus", word("BUS")), ("cycle", bicycle())):
         rows = np.flatnonzero(kind == KIND[name])
         which, along = every(room[rows], EVERY, 6.0)

@@ -24,6 +24,7 @@ LOOSE = (
     "gravel", "fine_gravel", "compacted", "unpaved", "dirt", "earth", "ground", "grass", "mud",
     "sand", "pebblestone", "rock", "woodchips", "grass_paver",
 )  # fmt: skip
+DRIVES = ("service", "track")
 BUILDING_PRIORITY = 74  # a facade wins over a carriageway drawn too wide
 PASSAGE_PRIORITY = 76  # but not where the carriageway runs through the house
 BATCH = 500.0  # metres; carriageways are joined in squares of this size
@@ -74,16 +75,25 @@ def plain_carriageways(
 
 
 def junction_labels(
-    network: RoadNetwork, labels: NDArray[np.uint8], hubs: IntArray, on_ground: NDArray[np.bool_]
+    layout: Layout,
+    network: RoadNetwork,
+    labels: NDArray[np.uint8],
+    hubs: IntArray,
+    on_ground: NDArray[np.bool_],
 ) -> NDArray[np.int64]:
-    """Pave a junction with asphalt if one arm has it; else with stone before gravel."""
+    """Pave a junction with asphalt if one street has it; else with stone before gravel.
+
+    Drives decide only where no street meets them.
+    """
+    street = ~layout.roads["kind"].isin(DRIVES).to_numpy()[network.edge_road]
     rank = np.select([labels == LABEL["carriageway"], labels == LABEL["setts"]], [2, 1], default=0)
+    names = np.array([LABEL["gravel_road"], LABEL["setts"], LABEL["junction"]])
+    rank = rank + len(names) * street
     best = np.zeros(len(network.node_position), np.int64)
     cluster = junction_clusters(network)
     for side in (0, 1):
         np.maximum.at(best, cluster[network.edge_nodes[on_ground, side]], rank[on_ground])
-    names = np.array([LABEL["gravel_road"], LABEL["setts"], LABEL["junction"]])
-    return np.asarray(names[best[hubs]])
+    return np.asarray(names[best[hubs] % len(names)])
 
 
 def junction_ids(network: RoadNetwork) -> NDArray[np.uint64]:
@@ -106,8 +116,8 @@ def carriageway_regions(
         pieces(lines, passage, np.zeros(len(passage)), arc_lengths(lines)[1][passage]),
         network.half_width[passage],
     )
-    hub_label = junction_labels(network, labels, road.node, on_ground)
-    curve_label = junction_labels(network, labels, road.curve_node, on_ground)
+    hub_label = junction_labels(layout, network, labels, road.node, on_ground)
+    curve_label = junction_labels(layout, network, labels, road.curve_node, on_ground)
     own, bend = labels[road.edge], labels[road.disc_edge]
     return join_regions(
         [

@@ -27,12 +27,16 @@ RAMP = RAMP_SLOPE * (KERB_HEIGHT - DROPPED)  # metres
 RIBS = 0.6  # metres of tactile paving behind the kerb (ISO 23599)
 LEAST_WALK = 0.3  # metres left behind a ramp
 FLARE = 0.5  # metres by which the kerb may bend away from its street within a crossing
+FLARED = 2.0  # metres, the same where its curve begins within a crossing
+BENT_RIBS = SURFACES[LABEL["kerb"]].priority + 1  # over the ramp that surrounds them
+MAPPED_APART = 2.4  # metres of a walk that the map draws apart from its street
+_APART = r'"sidewalk(?::both|:left|:right)?": *"separate"'
 END_STONES = SURFACES[LABEL["kerb_dropped"]].priority - 1  # over the kerb, under what is dropped
 LEAST_SINE = 0.4  # of the angle between a drive and its street; a flatter one is no drive
 FREE_SIDE = 0.2  # metres that a drop reaches beyond the bars at both ends
 
 
-def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, yellow: bool) -> Regions:
+def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, ribs: str) -> Regions:
     """Lower the kerbs on both sides of crossings, with ribs and a ramp where there is a walk.
 
     Parameters
@@ -43,35 +47,44 @@ def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, yellow
         The crossings.
     road
         The surfaces along whose rims the kerbs run.
-    yellow
-        Whether the ribs are yellow.
+    ribs
+        Surface of the ribs.
     """
     if not len(zebras.edge):
         return Regions()
     table = street.layout.roads.iloc[street.network.edge_road[zebras.edge]]
     half = street.network.half_width[zebras.edge]
     every = np.arange(len(half))
-    ribs = "tactile" if yellow else "tactile_pale"
     parts = []
+    apart = table["tags"].str.contains(_APART, regex=True).to_numpy().astype(bool)
+    flare = np.where(zebras.flared, FLARED, FLARE)
+    straight, bent = np.flatnonzero(~zebras.flared), np.flatnonzero(zebras.flared)
     for sign, column in ((1.0, "sidewalk_left"), (-1.0, "sidewalk_right")):
         walk = table[column].to_numpy(float)
+        walk = np.where(apart, np.maximum(walk, MAPPED_APART), walk)
         kerb = half + KERB_WIDTH
         sloped = walk > RAMP + LEAST_WALK
         ribbed = walk > RIBS + RAMP + LEAST_WALK
         front = kerb + np.where(ribbed, RIBS, 0.0)
         # The walk falls towards the crossing from three sides, and so do the kerb's end stones.
-        lowered = patches(street, zebras, every, sign * half, sign * (kerb + FLARE))
-        ends = patches(street, zebras, every, sign * half, sign * (kerb + FLARE), RAMP)
+        lowered = patches(street, zebras, every, sign * half, sign * (kerb + flare))
+        ends = patches(street, zebras, every, sign * half, sign * (kerb + flare), RAMP)
         ribbon = patches(street, zebras, every, sign * kerb, sign * front)
         slope = patches(street, zebras, every, sign * kerb, sign * (front + RAMP), RAMP)
         # Where a way bends, patches may cross themselves.
         rest = shapely.difference(shapely.make_valid(slope), shapely.make_valid(ribbon))
         slope = np.where(ribbed, rest, slope)
+        # Before a curve that begins within a crossing ribs and ramp follow the kerb.
+        behind = sign * half, sign * (front + RAMP + FLARED)
+        near, far = (patches(street, zebras, every, *behind, past) for past in (0.0, RAMP))
+        near, far = near[bent][ribbed[bent]], far[bent][sloped[bent]]
         for name, rank, shapes in (
             ("kerb_dropped", 0, along_rims(lowered, road, KERB_WIDTH)),
             ("ramp", END_STONES, along_rims(ends[sloped], road, KERB_WIDTH)),
-            (ribs, 0, ribbon[ribbed]),
-            ("ramp", 0, slope[sloped]),
+            (ribs, 0, ribbon[straight][ribbed[straight]]),
+            ("ramp", 0, slope[straight][sloped[straight]]),
+            (ribs, BENT_RIBS, along_rims(near, road, KERB_WIDTH + RIBS)),
+            ("ramp", 0, along_rims(far, road, KERB_WIDTH + RIBS + RAMP)),
         ):
             parts.append(regions(shapes, LABEL[name], rank or SURFACES[LABEL[name]].priority))
     return join_regions(parts)

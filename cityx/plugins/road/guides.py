@@ -28,6 +28,7 @@ from cityx.plugins.road.through_roads import Through
 
 DASH, GAP = 1.0, 1.0  # metres of the lines of a road that goes straight on
 CYCLE_DASH, CYCLE_GAP = 0.5, 0.5  # metres beside bicycles that cross (German Furt, Dutch blocks)
+CYCLE_LINE = 0.15  # metres, width of these
 CYCLE_WAY = 1.3  # metres between the two lines
 LONGEST = 60.0  # metres across a junction; farther apart no line leads
 STEPS = 8  # pieces of a line that bends
@@ -46,12 +47,13 @@ def guide_lines(
     road: Carriageway,
     *,
     stems: bool,
-) -> tuple[Marks, BoolArray]:
+) -> tuple[Marks, BoolArray, Shapes]:
     """Lead the lines of major roads across junctions, and those of cycle lanes.
 
     Lines beside cycle lanes go on everywhere, those between lanes of equal number and between the
     directions only past a single side street where nothing halts their traffic. Where `stems` of
-    equals give way, the road they end at is major too. Also returns which part the two directions.
+    equals give way, the road they end at is major too. Also returns which part the two directions,
+    and the surfaces between the lines beside cycle lanes.
     """
     major = through.major | (through.tee & stems)
     chosen = np.flatnonzero(major & painted[through.edge].all(axis=1))
@@ -63,8 +65,8 @@ def guide_lines(
     )
     shapes, edges, centre = [np.zeros(0, object)], [np.zeros(0, np.int64)], [np.zeros(0, bool)]
     for lines, cycle, dash, gap, width in (
-        (inner, False, DASH, GAP, LINE), (inner, True, CYCLE_DASH, CYCLE_GAP, 2 * LINE),
-        (outer, True, CYCLE_DASH, CYCLE_GAP, 2 * LINE),
+        (inner, False, DASH, GAP, LINE), (inner, True, CYCLE_DASH, CYCLE_GAP, CYCLE_LINE),
+        (outer, True, CYCLE_DASH, CYCLE_GAP, CYCLE_LINE),
     ):  # fmt: skip
         length = arc_lengths(lines)[1]
         good = (length > DASH) & (length < LONGEST)
@@ -77,7 +79,20 @@ def guide_lines(
         centre.append(found.centre[first[own]])
     marks, middle = np.concatenate(shapes), np.concatenate(centre)
     paved = _paved(marks, road)
-    return (marks[paved], np.concatenate(edges)[paved]), middle[paved]
+    cycle = np.flatnonzero(good & found.cycle[first])
+    between = _between(inner, outer, cycle, road)
+    return (marks[paved], np.concatenate(edges)[paved]), middle[paved], between
+
+
+def _between(inner: Polylines, outer: Polylines, rows: IntArray, road: Carriageway) -> Shapes:
+    """Junction surfaces between two lines of equally many points."""
+    if not len(rows):
+        return np.zeros(0, object)
+    near, far = (each.points.reshape(-1, STEPS + 1, 2)[rows] for each in (inner, outer))
+    rings = np.concatenate([near, far[:, ::-1]], axis=1)
+    shapes = shapely.make_valid(shapely.polygons(rings))
+    row, star = shapely.STRtree(road.stars).query(shapes, predicate="intersects")
+    return np.asarray(shapely.intersection(shapes[row], road.stars[star]))
 
 
 def _continued(
@@ -99,7 +114,7 @@ def _continued(
     first, second = lines[here], other_lines[there]
     row = keys[here] // ROLES
     pair = chosen[row]
-    zebra = street.network.crossing[through.edge[pair], through.side[pair]].any(axis=1)
+    zebra = street.marked[through.edge[pair], through.side[pair]].any(axis=1)
     halted = street.signalled[through.node[pair]] | zebra
     # Beside a single side street; where roads cross, and under signals, lines end at the junction.
     passed = (street.network.node_degree[through.node[pair]] == 3) & ~halted
@@ -150,7 +165,8 @@ def _ends(
     network = street.network
     edge, side = found.edge[line], through.side[pair, arm]
     free = np.where(side == 0, street.free[0][edge], street.length[edge] - street.free[1][edge])
-    back = np.where(network.crossing[edge, side], network.trim[edge, side], free)
+    back = np.where(street.marked[edge, side], network.trim[edge, side], free)
+    back += np.where(street.marked, np.minimum(street.setback, 0.0), 0.0)[edge, side]
     along = np.where(side == 0, back, street.length[edge] - back)
     position, direction = locate(street.lines, edge, along)
     left = np.column_stack([-direction[:, 1], direction[:, 0]])

@@ -32,6 +32,7 @@ from cityx.plugins.road.through_roads import Through, stems
 TOOTH = (0.6, 0.5, 0.4, 0.0)
 GIVE_WAY = (0.3, 0.5, 0.25, 0.0)
 DOUBLE = (0.2, 0.6, 0.3, 0.5)  # TSRGD 2016, diagram 1003
+MOUTH_GAP = 0.2  # metres from the mouth of a minor road to the line
 RING_GAP = 0.3  # metres from a roundabout to the line of those who enter
 YIELDING = 4  # rank of a road to which every lower one gives way
 BEHIND_LINE = 2.1  # metres from the line to a triangle or a word
@@ -59,18 +60,18 @@ def halt_lines(street: Street, chosen: BoolArray, painting: Painting, through: T
         enters = on_ring[node] & ~ring
         minor = (street.rank > street.best[node]) & (street.best[node] <= YIELDING)
         minor = ((minor | ending[:, end]) & ~ring) | enters
-        zebra = network.crossing[:, end]
+        zebra = street.marked[:, end]
         stops = chosen & (network.node_degree[node] >= 3)
         stops &= minor | zebra | street.signalled[node]
         # Only where lanes arrive at this end: not at the start of a one-way street.
         low, high = _arriving(street, end)
         stops &= high > low
-        behind = network.trim[:, end] + np.where(
-            zebra, street.setback[:, end] + street.depth + BEFORE, BEFORE
-        )
+        behind = network.trim[:, end] + np.where(zebra, street.halt[:, end], BEFORE)
         # Where the zebra stands back from a ring, one gives way between the two.
         behind = np.where(enters, network.trim[:, end] + RING_GAP, behind)
         yields = minor & ~ruled[node] & (~zebra | enters)
+        # Those who give way come up to the road they meet.
+        behind = np.where(yields & ~enters, street.mouth[:, end] + MOUTH_GAP, behind)
         plain = stops & ~(yields & (painting.give_way != "stop"))
         for rows, shape in ((plain, "stop"), (stops & ~plain, painting.give_way)):
             edge = np.flatnonzero(rows)

@@ -23,8 +23,8 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 
-LAID = ("sidewalk", "ramp", "tactile", "tactile_pale", "furnishing", "edging", "setts",
-        "frontage")  # fmt: skip
+LAID = ("sidewalk", "ramp", "tactile", "tactile_pale", "tactile_buff", "furnishing", "edging",
+        "setts", "frontage")  # fmt: skip
 FROM_KERB = ("sidewalk", "ramp", "furnishing")  # laid from the kerb on
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 LAP = np.radians(12.0)  # of turn after which the courses along a curve begin anew

@@ -42,7 +42,9 @@ def kerb_lines(street: Street, chosen: BoolArray) -> Marks:
 def _along(street: Street, edge: IntArray, sign: float, gap: float) -> Marks:
     """Lines beside one kerb, from junction to junction but for zebras, in short pieces."""
     network = street.network
-    open_ = np.where(network.crossing, street.setback + street.depth[:, None] + OFF, OFF)
+    open_ = np.where(
+        street.marked, np.maximum(street.setback + street.depth[:, None], 0) + OFF, OFF
+    )
     open_ += network.trim
     begin, end = open_[edge, 0], street.length[edge] - open_[edge, 1]
     count = np.where(end - begin > LEAST, np.ceil((end - begin) / STEP), 0).astype(np.int64)

@@ -8,9 +8,9 @@ import numpy as np
 
 from cityx.city.section import CARRIAGEWAY, KIND
 from cityx.geometry.polylines import Polylines, every, line_strips, pieces
+from cityx.plugins.road.crossing_places import MAIN
 from cityx.plugins.road.marks import (
     LINE,
-    MAIN,
     BoolArray,
     FloatArray,
     IntArray,

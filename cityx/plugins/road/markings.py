@@ -23,23 +23,27 @@ from cityx.plugins.road.lane_lines import LONG_DASH, lane_lines, partings_of
 from cityx.plugins.road.marks import (
     LINE,
     BoolArray,
+    FloatArray,
     IntArray,
     Marks,
     Shapes,
     Street,
     boxes,
     hatched,
+    lane_count,
     together,
 )
+from cityx.plugins.road.no_go_areas import no_go_areas
 from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.roundabouts import mini_discs
 from cityx.plugins.road.through_roads import through_roads
-from cityx.plugins.road.zebras import Zebras, zebra_bars
+from cityx.plugins.road.zebras import Zebras, crossing_rows, zebra_bars
 
 BAY = 5.5  # metres, length of a parking bay
 WIDE = 7.0  # metres; a narrower residential street has lines only if the map tells its lanes
 EDGE_INSET = 0.35  # metres from the carriageway's edge to its edge line
 TOWN_INSET = 0.5  # metres, the same between kerbs, beside the gutter
+LANE = 3.4  # metres between the edge lines of a single lane
 WHOLE = 0.7  # share of a zebra's bars that must have room; otherwise none is painted
 HATCH = (0.4, 1.1, 0.3)  # metres: width, spacing and distance from the sides of a gore's bars
 GORED = (*LONG_DASH, "primary", "primary_link", "secondary_link")
@@ -80,21 +84,27 @@ def marking_regions(
     through = through_roads(street)
     found = partings_of(street, urban & ~quiet, kerbed)
     lines, centre = lane_lines(street, found)
-    guides, middle = guide_lines(street, found, through, urban & ~quiet, road, stems=painting.stems)
-    bars, crossing = zebra_bars(street, zebras)
+    guides, middle, furten = guide_lines(
+        street, found, through, urban & ~quiet, road, stems=painting.stems
+    )
+    bars, crossing = zebra_bars(street, zebras, road)
+    halts = halt_lines(street, urban, painting, through)
     white = [
-        _edge_lines(street, urban & np.isin(kind, LONG_DASH), EDGE_INSET),
-        _edge_lines(street, _lined(street, urban & kerbed & painting.edge_lines), TOWN_INSET),
-        halt_lines(street, urban, painting, through),
-        lane_symbols(street, urban),
+        _edge_lines(street, urban & np.isin(kind, LONG_DASH), np.full(len(kind), EDGE_INSET)),
+        _edge_lines(
+            street, _lined(street, urban & kerbed & painting.edge_lines), _town_insets(street)
+        ),
+        lane_symbols(street, urban, one_way=painting.one_way_arrows),
         _parking_bays(street, painted & bays),
     ]
     kerbs = kerb_lines(street, urban & kerbed & painting.yellow_kerbs)
-    marks, edge = together([lines, bars, *white, kerbs])
+    marks, edge = together([lines, bars, halts, *white, kerbs])
     yellow = np.zeros(len(marks), bool)
     yellow[: len(centre)] = centre & painting.yellow_centre
     yellow[len(marks) - len(kerbs[0]) :] = True
-    clear = _clear(marks, edge, layout, network, road)
+    amid = np.zeros(len(marks), bool)  # crossings and halts lie before kerbs have straightened
+    amid[len(centre) : len(centre) + len(crossing) + len(halts[0])] = True
+    clear = _clear(marks, edge, layout, network, road, amid)
     _keep_whole(clear, slice(len(centre), len(centre) + len(crossing)), crossing)
     dry = ~_in_houses(guides[0], layout)
     shapes = np.concatenate([marks[clear], guides[0][dry]])
@@ -105,10 +115,20 @@ def marking_regions(
         regions(mini_discs(layout, network), label, SURFACES[label].priority),
         _gores(painted & np.isin(kind, GORED), road),
     ]
+    if painting.signal_crossing != "bars":
+        rows, _ = crossing_rows(street, zebras, road, painting.signal_crossing)
+        shown = _clear(*rows, layout, network, road, np.ones(len(rows[0]), bool))
+        row = LABEL["crossing_row"]
+        parts.append(regions(rows[0][shown], row, SURFACES[row].priority))
+    areas = no_go_areas(street, zebras, urban, road)
+    parts.append(regions(areas, label, SURFACES[label].priority))
     if painting.boxes:
         parts.append(box_junctions(street, road))
     if painting.red_cycleways:
         parts.append(_red_lanes(street, painted))
+    if painting.red_furten:
+        red = LABEL["cycle_lane"]
+        parts.append(regions(furten, red, SURFACES[red].priority))
     return join_regions(parts)
 
 
@@ -128,7 +148,16 @@ def _lined(street: Street, chosen: BoolArray) -> BoolArray:
     return found
 
 
-def _edge_lines(street: Street, chosen: BoolArray, inset: float) -> Marks:
+def _town_insets(street: Street) -> FloatArray:
+    """(e,) metres from kerbs to edge lines, which leave a single one-way lane `LANE` at most."""
+    single = street.layout.roads["oneway"].to_numpy(bool)[street.network.edge_road]
+    single &= lane_count(street.bands, len(single), 1) == 1
+    return np.where(
+        single, np.maximum(street.network.half_width - LANE / 2, TOWN_INSET), TOWN_INSET
+    )
+
+
+def _edge_lines(street: Street, chosen: BoolArray, inset: FloatArray) -> Marks:
     """Paint lines along both sides of roads; a shoulder has its line where it meets a lane."""
     network, lines, bands = street.network, street.lines, street.bands
     begin, end = street.free
@@ -140,7 +169,7 @@ def _edge_lines(street: Street, chosen: BoolArray, inset: float) -> Marks:
         with_shoulder[bands.edge[shouldered & (sign * bands.middle > 0)]] = True
         edge = np.flatnonzero(usual & ~with_shoulder)
         solid = pieces(lines, edge, begin[edge], end[edge])
-        lateral = sign * (network.half_width[edge] - inset)
+        lateral = sign * (network.half_width - inset)[edge]
         shapes.append(line_strips(solid, lateral, LINE))
         edges.append(edge)
     return np.concatenate(shapes), np.concatenate(edges)
@@ -197,11 +226,13 @@ def _band(line: Any, left: float, right: float) -> Any:
 
 
 def _clear(
-    marks: Shapes, edge: IntArray, layout: Layout, network: RoadNetwork, road: Carriageway
-) -> BoolArray:
-    """Mark what lies in no junction, on no other road and in no building."""
+    marks: Shapes, edge: IntArray, layout: Layout, network: RoadNetwork, road: Carriageway,
+    amid: BoolArray,
+) -> BoolArray:  # fmt: skip
+    """Mark what lies in no junction, unless it may, on no other road and in no building."""
     clear = ~_in_houses(marks, layout)
-    clear[shapely.STRtree(road.stars).query(marks, predicate="intersects")[0]] = False
+    inside = shapely.STRtree(road.stars).query(marks, predicate="intersects")[0]
+    clear[inside[~amid[inside]]] = False
     mark, strip = shapely.STRtree(road.strips).query(marks, predicate="intersects")
     own, other = network.edge_nodes[edge[mark]], network.edge_nodes[road.edge[strip]]
     # Neighbours along the road touch; anything else that overlaps takes the mark's meaning away.

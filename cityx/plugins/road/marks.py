@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -14,6 +14,24 @@ from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.section import KIND, TRAVELLED
 from cityx.geometry.polylines import Polylines, arc_lengths, locate
+from cityx.plugins.road.crossing_places import (
+    BARE,
+    BARS,
+    BEFORE,
+    DEPTH,
+    RING_SETBACK,
+    SETBACK,
+    SIGNALS,
+    STOP,
+    MappedCrossings,
+    at_ends,
+    crossing_middles,
+    depths,
+    mapped_crossings,
+    mouths,
+)
+from cityx.plugins.road.network import node_corners
+from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.roundabouts import ring_edges, ring_nodes
 from cityx.plugins.road.sections import Bands
 from cityx.plugins.road.signals import signal_places
@@ -24,13 +42,12 @@ BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 Marks = tuple[Shapes, IntArray]  # polygons and the edge each lies on
 
+USUAL = Painting()
 LINE = 0.12  # metres, width of a longitudinal line
-STOP = 0.4  # metres, width of a stop line
-BEFORE = 1.0  # metres from the stop line to the zebra or the junction
-ZEBRA, WIDE_ZEBRA = 3.0, 4.0  # metres along the road, on a street and on a main road
-SETBACK, RING_SETBACK = 0.5, 5.0  # metres from the junction, or a roundabout's, to the zebra
+ZEBRA = DEPTH  # metres along a street
 SIGNAL_REACH = 25.0  # metres from a junction or crossing to the signals or signs that rule it
-MAIN = ("primary", "secondary", "tertiary", "trunk")
+KINDS = ("none", "zebra", "dotted", "bare")  # of crossings
+NONE, STRIPED, DOTTED, PLAIN = range(4)
 QUIET = ("service", "track")  # a drive that meets a street makes no junction of it
 RANK = (
     "motorway", "trunk", "primary", "secondary", "tertiary", "unclassified", "residential",
@@ -52,9 +69,17 @@ class Street:
     kind
         (e,) class of the road.
     setback
-        (e, 2) float, metres from the junctions at both ends to a zebra.
+        (e, 2) float, metres from the junctions at both ends to a crossing; less than 0 where it
+        lies before the curves of the kerbs end.
     depth
-        (e,) float, metres of a zebra along the road.
+        (e,) float, metres of a crossing along the road.
+    crossing
+        (e, 2) into `KINDS`: bars, two rows of short marks, or lowered kerbs alone.
+    mouth
+        (e, 2) float, metres from the nodes at which the kerbs of an arm have left its street by
+        `FLARE` at most.
+    mapped, told
+        Crossings of the map, and the kind of each.
     """
 
     layout: Layout
@@ -65,13 +90,27 @@ class Street:
     bands: Bands
     setback: FloatArray
     depth: FloatArray
+    crossing: IntArray
+    mouth: FloatArray
+    mapped: MappedCrossings
+    told: IntArray
+
+    @property
+    def marked(self) -> BoolArray:
+        """(e, 2) whether a crossing with paint lies at the ends of edges."""
+        return np.isin(self.crossing, (STRIPED, DOTTED))
+
+    @property
+    def halt(self) -> FloatArray:
+        """(e, 2) metres from the junctions to the lines before crossings with paint."""
+        return self.setback + self.depth[:, None] + BEFORE
 
     @property
     def free(self) -> tuple[FloatArray, FloatArray]:
         """Begin and end of the part of each edge that carries longitudinal lines."""
         network = self.network
-        taken = self.setback + self.depth[:, None] + BEFORE + STOP + 0.3
-        room = network.trim + np.where(network.crossing, taken, np.where(network.trim > 0, 1.0, 0))
+        taken = np.maximum(self.halt + STOP + 0.3, 1.0)
+        room = network.trim + np.where(self.marked, taken, np.where(network.trim > 0, 1.0, 0))
         return room[:, 0], self.length - room[:, 1]
 
     @cached_property
@@ -104,25 +143,54 @@ class Street:
         return self.joint & near_any_of(places, signal_places(self.layout))
 
 
-def street_of(layout: Layout, network: RoadNetwork, bands: Bands) -> Street:
+def street_of(
+    layout: Layout, network: RoadNetwork, bands: Bands, painting: Painting = USUAL
+) -> Street:
     """Gather what marks depend on."""
     lines = Polylines(network.points, network.point_start)
     kind = layout.roads["kind"].to_numpy()[network.edge_road].astype(str)
-    main = np.isin(kind, MAIN)
     at_ring = ring_nodes(layout, network)[network.edge_nodes]
     setback = np.where(at_ring & ~ring_edges(layout, network)[:, None], RING_SETBACK, SETBACK)
-    depth = np.where(main, WIDE_ZEBRA, ZEBRA)
+    depth = depths(kind)
     # A short arm has no room for the distance from a ring.
     length = arc_lengths(lines)[1]
     tight = (length - network.trim.sum(axis=1))[:, None] < setback + depth[:, None] + 6.0
-    return Street(
-        layout, network, lines, length, kind, bands, np.where(tight, SETBACK, setback), depth
+    setback = np.where(tight, SETBACK, setback)
+    arms, corners, _ = node_corners(
+        layout, kind, lines, network.edge_nodes, network.node_position, network.half_width
+    )
+    mouth = np.minimum(mouths(arms, corners, network.half_width, len(kind)), network.trim)
+    mapped = mapped_crossings(layout, lines)
+    joint = network.node_degree[network.edge_nodes] >= 3
+    place, told = at_ends(mapped, length, network.trim, joint)
+    middle = crossing_middles(place, mouth, network.trim + setback, depth)
+    setback = middle - depth[:, None] / 2 - network.trim
+    none = np.zeros(told.shape, np.int64)
+    plain = Street(layout, network, lines, length, kind, bands, setback, depth, none, mouth,
+                   mapped, mapped.told)  # fmt: skip
+    ruled = plain.signalled[network.edge_nodes]
+    return replace(
+        plain,
+        crossing=np.where(network.crossing, _kinds(told, ruled, painting), NONE),
+        told=_kinds(mapped.told, mapped.told == SIGNALS, painting),
+    )
+
+
+def _kinds(told: IntArray, ruled: BoolArray, painting: Painting) -> IntArray:
+    """Choose what crossings look like, into `KINDS`, by what the map tells and the signals."""
+    under_signals = STRIPED if painting.signal_crossing == "bars" else DOTTED
+    usual = np.where(ruled, under_signals, STRIPED if painting.zebras else PLAIN)
+    return np.select(
+        [told == BARE, (told == SIGNALS) | ruled, told == BARS],
+        [PLAIN, under_signals, STRIPED],
+        usual,
     )
 
 
 def painted_edges(street: Street, on_ground: BoolArray) -> BoolArray:
     """(e,) edges on the ground, long enough and paved so that paint holds."""
     room = street.length - street.network.trim.sum(axis=1) > 4.0
+    room |= street.network.crossing.any(axis=1)
     surface = street.layout.roads["surface"].to_numpy()[street.network.edge_road].astype(str)
     return np.asarray(on_ground & room & np.isin(surface, ("asphalt", "concrete", "paved", "")))
 

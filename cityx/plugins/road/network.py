@@ -16,8 +16,9 @@ from cityx.geometry.driving import keeps_left
 from cityx.geometry.identity import mix
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, to_linestrings
 from cityx.plugins.road.corners import Arms, Corners, corners_of, trims_of
+from cityx.plugins.road.crossing_places import crossed_ends, mouths
 from cityx.plugins.road.roundabouts import narrowed_rings, round_rings
-from cityx.plugins.road.signals import signal_places
+from cityx.plugins.road.warrants import warranted, with_signals
 from cityx.protocol import Choice, Port, action
 
 if TYPE_CHECKING:
@@ -31,10 +32,6 @@ DRIVABLE = (
     "motorway", "trunk", "primary", "secondary", "tertiary", "unclassified", "residential",
     "living_street", "service", "road", "track", "busway", "bus_guideway", "raceway",
     "motorway_link", "trunk_link", "primary_link", "secondary_link", "tertiary_link",
-)  # fmt: skip
-MAJOR = (
-    "trunk", "primary", "secondary", "tertiary",
-    "trunk_link", "primary_link", "secondary_link", "tertiary_link",
 )  # fmt: skip
 PRIVATE = ("service", "track")  # in a tunnel these lead into garages and mines
 # A change in one of these columns is a change of the cross-section, so an edge ends there.
@@ -52,10 +49,6 @@ SPUR = 3.0  # metres; a shorter dead end is a drawing mistake
 FACADE_CLEARANCE = 0.3  # metres between carriageway and facade
 NARROWEST = 1.2  # metres of half width; the least a car passes through
 AIM = 6.0  # metres from the node at which an arm's direction is taken
-NEAR_CROSSING = 12.0  # metres beyond the junction within which a mapped crossing is at the end
-SIGNAL_REACH = 25.0  # metres from a traffic signal to the junction it controls
-DENSE_REACH = 30.0  # metres within which buildings make a junction urban
-DENSE_COUNT = 4
 
 
 def road_network(layout: Layout, *, left_hand: bool = False) -> RoadNetwork:
@@ -255,10 +248,12 @@ def _assemble(
     edge_id = _edge_ids(table["id"].to_numpy(), lines)
     half = _half_widths(layout, table, lines)
     half = narrowed_rings(lines, table["roundabout"].to_numpy(bool), half)
-    trim, swallowed = _trims(
+    arms, corners, reach = node_corners(
         layout, table["kind"].to_numpy(), lines, edge_nodes, position[used], half
     )
-    crossing = _crossings(layout, table, lines, edge_nodes, degree, position[used], trim, swallowed)
+    trim = trims_of(reach, arc_lengths(lines)[1])[0]
+    mouth = mouths(arms, corners, half, len(road))
+    crossing = crossed_ends(layout, table, lines, edge_nodes, degree, position[used], trim, mouth)
     return RoadNetwork(
         position[used],
         degree.astype(np.int32),
@@ -345,15 +340,6 @@ def node_corners(
     return arms, *corners_of(layout, kind, arms, position, half, length)
 
 
-def _trims(
-    layout: Layout, kind: Any, lines: Polylines, edge_nodes: IntArray, position: FloatArray,
-    half: FloatArray,
-) -> tuple[FloatArray, BoolArray]:  # fmt: skip
-    """Distances at which junction surfaces end, and which edges lie wholly inside of one."""
-    reach = node_corners(layout, kind, lines, edge_nodes, position, half)[2]
-    return trims_of(reach, arc_lengths(lines)[1])
-
-
 def junction_clusters(network: RoadNetwork) -> IntArray:
     """(n,) the lowest node of the junction each node belongs to.
 
@@ -364,56 +350,6 @@ def junction_clusters(network: RoadNetwork) -> IntArray:
     degree = network.node_degree[network.edge_nodes]
     inside = (left < 0.5) & (degree >= 3).all(axis=1)
     return components(network.edge_nodes[inside], len(network.node_position))
-
-
-def _crossings(
-    layout: Layout,
-    table: Any,
-    lines: Polylines,
-    edge_nodes: IntArray,
-    degree: IntArray,
-    position: FloatArray,
-    trim: FloatArray,
-    swallowed: BoolArray,
-) -> BoolArray:
-    """Decide at which ends of which edges pedestrians have a zebra crossing."""
-    length = arc_lengths(lines)[1]
-    crossing = np.zeros((len(edge_nodes), 2), bool)
-    kinds = layout.points["kind"].to_numpy().astype(str)
-    places = layout.points.geometry.to_numpy()
-    shapes = to_linestrings(lines)
-    mapped = places[kinds == "crossing"]
-    if len(mapped):
-        which, edge = shapely.STRtree(shapes).query_nearest(mapped, max_distance=1.0)
-        along = shapely.line_locate_point(shapes[edge], mapped[which])
-        from_end = np.column_stack([along, length[edge] - along])
-        for side in (0, 1):
-            near = from_end[:, side] < trim[edge, side] + NEAR_CROSSING
-            near &= degree[edge_nodes[edge, side]] >= 3
-            crossing[edge[near], side] = True
-    spots = shapely.points(position)
-    signalled = _within(spots, signal_places(layout), SIGNAL_REACH, 1)
-    walls = layout.buildings.geometry.to_numpy()
-    dense = _within(spots, walls, DENSE_REACH, DENSE_COUNT)
-    major = table["kind"].isin(MAJOR).to_numpy()
-    grand = np.zeros(len(position), bool)
-    np.logical_or.at(grand, edge_nodes, major[:, None] & np.ones(2, bool))
-    streets = ~table["kind"].isin(("service", "track")).to_numpy()
-    arms = np.bincount(edge_nodes[streets].ravel(), minlength=len(position))
-    walked = (table["sidewalk_left"].to_numpy() + table["sidewalk_right"].to_numpy()) > 0
-    walked &= ~table["kind"].isin(("service", "track", "living_street")).to_numpy()
-    urban = (arms >= 3) & dense & (signalled | grand)
-    crossing |= urban[edge_nodes] & walked[:, None]
-    # A crossing needs room: 3 m of bars and the stop line before the next junction.
-    room = length - trim.sum(axis=1) > 8.0 * np.maximum(crossing.sum(axis=1), 1)
-    return np.asarray(crossing & (room & ~swallowed)[:, None])
-
-
-def _within(spots: NDArray[Any], things: NDArray[Any], distance: float, count: int) -> BoolArray:
-    if not len(things):
-        return np.zeros(len(spots), bool)
-    found = shapely.STRtree(things).query(spots, predicate="dwithin", distance=distance)[0]
-    return np.bincount(found, minlength=len(spots)) >= count
 
 
 def _graph_without_edges() -> RoadNetwork:
@@ -434,7 +370,10 @@ def _graph_without_edges() -> RoadNetwork:
     gives=(Port("network", "line", role="road_network"),),
 )
 def network(
-    city: City, *, drive_on: Annotated[str, Choice("auto", "left", "right")] = "auto"
+    city: City,
+    *,
+    drive_on: Annotated[str, Choice("auto", "left", "right")] = "auto",
+    signals: bool = True,
 ) -> City:
     """Join the ways that carry cars into a graph of edges and junctions with their widths.
 
@@ -444,6 +383,30 @@ def network(
     ----------
     drive_on
         Side of the road that traffic keeps to; auto follows the country.
+    signals
+        Whether crossings of main roads in dense town get signals that the map leaves out.
     """
     left = keeps_left(city.frame, drive_on)
-    return replace(city, network=road_network(city.layout, left_hand=left))
+    network = road_network(city.layout, left_hand=left)
+    places = warranted(city.layout, network, junction_clusters(network)) if signals else ()
+    if not len(places):
+        return replace(city, network=network)
+    layout = replace(city.layout, points=with_signals(city.layout.points, places))
+    note = f"{len(places)} junctions have signals that the map does not show."
+    return replace(
+        city, layout=layout, network=_crossed_anew(layout, network), notes=(*city.notes, note)
+    )
+
+
+def _crossed_anew(layout: Layout, network: RoadNetwork) -> RoadNetwork:
+    """Decide again where people cross."""
+    lines = Polylines(network.points, network.point_start)
+    table = layout.roads.iloc[network.edge_road]
+    arms, corners, _ = node_corners(
+        layout, table["kind"].to_numpy(), lines, network.edge_nodes, network.node_position,
+        network.half_width,
+    )  # fmt: skip
+    mouth = mouths(arms, corners, network.half_width, network.edge_count)
+    crossing = crossed_ends(layout, table, lines, network.edge_nodes, network.node_degree,
+                            network.node_position, network.trim, mouth)  # fmt: skip
+    return replace(network, crossing=crossing)

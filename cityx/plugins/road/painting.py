@@ -19,6 +19,13 @@ TEETH: Boxes = (
     (35.0, -10.0, 48.0, 45.0), (48.0, -5.5, 51.2, 8.0), (50.7, 3.3, 53.6, 7.2),
     (54.5, 8.0, 71.5, 31.0), (46.8, 9.5, 49.1, 17.2),
 )  # fmt: skip
+GERMANY: Boxes = (
+    (47.6, 7.6, 49.1, 13.0), (49.1, 6.4, 51.0, 12.2), (51.0, 6.1, 53.3, 14.6),
+    (53.3, 7.0, 54.8, 14.3),
+)  # fmt: skip
+# Where crossings that neither signals nor signs rule seldom have bars.
+FEW_ZEBRAS: Boxes = (*GERMANY, *BRITISH_ISLES)
+SIGNAL_CROSSINGS: tuple[tuple[str, Boxes], ...] = (("studs", BRITISH_ISLES), ("lines", GERMANY))
 RED_CYCLEWAYS: Boxes = ((49.4, 2.5, 53.6, 7.2), (54.5, 8.0, 57.8, 12.7))  # Low Countries, Denmark
 # The first that holds the place wins; minor roads of the Americas and of Japan have stop signs.
 GIVE_WAY: tuple[tuple[str, Boxes], ...] = (
@@ -43,6 +50,8 @@ class Painting:
         Whether cycle lanes are coloured.
     yellow_tactile
         Whether the ribs before crossings are yellow.
+    buff_tactile
+        Whether they are of the colour of sandstone.
     stop_word
         What is written behind the stop line of a minor road, or "".
     stems
@@ -53,6 +62,14 @@ class Painting:
         Whether junctions under signals are hatched.
     edge_lines
         Whether streets between kerbs have lines along their sides.
+    zebras
+        Whether crossings have bars that neither signals nor the map rule.
+    signal_crossing
+        What marks crossings under signals: "bars", two broken "lines" or rows of "studs".
+    red_furten
+        Whether the way of cycle lanes across junctions is coloured.
+    one_way_arrows
+        Whether arrows tell on the carriageway that a street is one way.
     """
 
     yellow_centre: bool = False
@@ -64,6 +81,18 @@ class Painting:
     yellow_kerbs: bool = False
     boxes: bool = False
     edge_lines: bool = False
+    buff_tactile: bool = False
+    zebras: bool = True
+    signal_crossing: str = "bars"
+    red_furten: bool = False
+    one_way_arrows: bool = False
+
+    @property
+    def ribs(self) -> str:
+        """Surface of the ribs before crossings."""
+        if self.yellow_tactile:
+            return "tactile"
+        return "tactile_buff" if self.buff_tactile else "tactile_pale"
 
 
 def painting_of(frame: Frame) -> Painting:
@@ -86,4 +115,9 @@ def painting_of(frame: Frame) -> Painting:
         yellow_kerbs=british,
         boxes=british,
         edge_lines=within(JAPAN),
+        buff_tactile=british,
+        zebras=not within(FEW_ZEBRAS),
+        signal_crossing=first(SIGNAL_CROSSINGS, "bars"),
+        red_furten=within((*GERMANY, *RED_CYCLEWAYS)),
+        one_way_arrows=within(JAPAN),
     )

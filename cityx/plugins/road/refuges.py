@@ -33,7 +33,7 @@ WAY_PRIORITY = 53  # above medians and kerbs, below dropped kerbs
 CHORDS = 8  # per quarter circle of an island's end
 
 
-def refuge_regions(street: Street, zebras: Zebras, *, yellow: bool) -> Regions:
+def refuge_regions(street: Street, zebras: Zebras, *, ribs: str) -> Regions:
     """Lay splitters at roundabouts, refuges where the map tells of an island, ways through medians.
 
     Parameters
@@ -42,15 +42,15 @@ def refuge_regions(street: Street, zebras: Zebras, *, yellow: bool) -> Regions:
         The network and what its marks share.
     zebras
         The crossings.
-    yellow
-        Whether the ribs are yellow.
+    ribs
+        Surface of the ribs.
     """
     splitters = _splitter_regions(street)
     if not len(zebras.edge):
         return splitters
-    ribs = LABEL["tactile" if yellow else "tactile_pale"]
+    label = LABEL[ribs]
     return join_regions(
-        [_islands(street, zebras, ribs), _median_ways(street, zebras, ribs), splitters]
+        [_islands(street, zebras, label), _median_ways(street, zebras, label), splitters]
     )
 
 

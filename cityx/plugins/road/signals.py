@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from cityx.city.layout import Layout
 
 # Many maps tell of the signals of a junction by its crossings alone.
-_SIGNALLED = r'"crossing": *"traffic_signals"|"crossing:signals": *"yes"'
+SIGNALLED = r'"crossing": *"traffic_signals"|"crossing:signals": *"yes"'
 COMPANY = 35.0  # metres; a crossing with no other signal so near stands between junctions
 
 
@@ -30,7 +30,7 @@ def signal_rows(layout: Layout) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     kind = points["kind"].to_numpy().astype(str)
     found = kind == "traffic_signals"
     crossing = np.flatnonzero(kind == "crossing")
-    told = points["tags"].iloc[crossing].str.contains(_SIGNALLED, regex=True)
+    told = points["tags"].iloc[crossing].str.contains(SIGNALLED, regex=True)
     found[crossing[told.to_numpy().astype(bool)]] = True
     rows = np.flatnonzero(found)
     places = points.geometry.to_numpy()[rows]

@@ -11,7 +11,7 @@ from cityx.plugins.road.carriageway import Carriageway, build_carriageway
 from cityx.plugins.road.carriageway_regions import carriageway_regions
 from cityx.plugins.road.drops import drive_regions, dropped_regions
 from cityx.plugins.road.markings import marking_regions
-from cityx.plugins.road.marks import painted_edges, street_of
+from cityx.plugins.road.marks import USUAL, painted_edges, street_of
 from cityx.plugins.road.medians import median_regions
 from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.refuges import refuge_regions
@@ -20,8 +20,6 @@ from cityx.plugins.road.sections import bands_of
 from cityx.plugins.road.strips import strip_regions, threshold_regions
 from cityx.plugins.road.verges import verge_regions
 from cityx.plugins.road.zebras import zebras_of
-
-USUAL = Painting()
 
 
 def street_regions(
@@ -41,7 +39,7 @@ def street_regions(
     chosen = np.ones(network.edge_count, bool)
     road = build_carriageway(layout, network, chosen)
     bands = bands_of(layout, network)
-    street = street_of(layout, network, bands)
+    street = street_of(layout, network, bands, painting)
     painted = painted_edges(street, chosen)
     zebras = zebras_of(street, painted)
     found = join_regions([
@@ -50,9 +48,9 @@ def street_regions(
         threshold_regions(layout, network, chosen),
         verge_regions(network, bands),
         marking_regions(street, zebras, painted, road, painting),
-        dropped_regions(street, zebras, road, yellow=painting.yellow_tactile),
+        dropped_regions(street, zebras, road, ribs=painting.ribs),
         drive_regions(street, road),
-        refuge_regions(street, zebras, yellow=painting.yellow_tactile),
+        refuge_regions(street, zebras, ribs=painting.ribs),
         median_regions(layout, network, chosen),
         roundabout_regions(layout, network, chosen),
     ])  # fmt: skip

@@ -83,7 +83,8 @@ def threshold_regions(
     if not stone.any():
         return Regions()
     cluster = junction_clusters(network)
-    hubs = junction_labels(network, own, cluster[network.edge_nodes].ravel(), on_ground)
+    nodes = cluster[network.edge_nodes].ravel()
+    hubs = junction_labels(layout, network, own, nodes, on_ground)
     at_joint = network.node_degree[network.edge_nodes] >= 3
     laid = (hubs.reshape(-1, 2) == LABEL["setts"]) != stone[:, None]
     # Between two pieces of a street the one of stone has the row.

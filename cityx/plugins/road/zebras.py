@@ -1,21 +1,38 @@
-"""Crossings with bars: at the ends of arms, and those of the map between junctions."""
+"""Crossings at the ends of arms, and those of the map between junctions, and what marks them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import shapely
 
-from cityx.geometry.polylines import every, to_linestrings
-from cityx.plugins.road.marks import ZEBRA, BoolArray, FloatArray, IntArray, Marks, Street, boxes
+from cityx.geometry.polylines import every
+from cityx.plugins.road.carriageway import Carriageway, joined_by
+from cityx.plugins.road.crossing_places import BARE, FLARE
+from cityx.plugins.road.marks import (
+    DOTTED,
+    LINE,
+    STRIPED,
+    ZEBRA,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    Marks,
+    Street,
+    boxes,
+)
 
 BAR = 0.5  # metres, width of a zebra bar and of the gap after it
+KERB_GAP = 0.1  # metres between a mark and the kerb
+# Metres across the road: the marks of a row and the gaps between (RMS; TSRGD 2016, diagram 1055.1).
+ROWS = {"lines": (0.5, 0.2), "studs": (0.12, 0.38), "bars": (0.5, 0.2)}
 
 
 @dataclass(frozen=True)
 class Zebras:
-    """Crossings with bars, z of them, and where traffic halts before them.
+    """Crossings, z of them, with bars or without.
 
     Attributes
     ----------
@@ -23,53 +40,105 @@ class Zebras:
         (z,) int64.
     along, depth
         (z,) float, metres from the edge's start to the middle, and metres along the road.
+    kind
+        (z,) int64 into `cityx.plugins.road.marks.KINDS`.
+    flared
+        (z,) bool, whether the kerbs have begun to curve there.
     """
 
     edge: IntArray
     along: FloatArray
     depth: FloatArray
+    kind: IntArray
+    flared: BoolArray
 
 
 def zebras_of(street: Street, chosen: BoolArray) -> Zebras:
-    """Find all crossings with bars: at the ends of arms, and those of the map between junctions."""
+    """Find all crossings: at the ends of arms, and those of the map between junctions."""
     network = street.network
-    edge, end = np.nonzero(network.crossing & chosen[:, None])
+    edge, end = np.nonzero((street.crossing > 0) & chosen[:, None])
     back = network.trim[edge, end] + street.setback[edge, end] + street.depth[edge] / 2
     along = np.where(end == 0, back, street.length[edge] - back)
-    more, there = _mapped_crossings(street, chosen)
+    kind, flared = street.crossing[edge, end], street.setback[edge, end] < 0
+    more, there, told = _between_junctions(street, chosen)
     edge, along = np.concatenate([edge, more]), np.concatenate([along, there])
-    return Zebras(edge, along, street.depth[edge])
+    return Zebras(
+        edge, along, street.depth[edge], np.concatenate([kind, told]),
+        np.concatenate([flared, np.zeros(len(more), bool)]),
+    )  # fmt: skip
 
 
-def zebra_bars(street: Street, zebras: Zebras) -> tuple[Marks, IntArray]:
-    """Paint the bars of crossings; also returns the crossing of each."""
-    width = 2 * street.network.half_width[zebras.edge] - BAR
+def zebra_bars(street: Street, zebras: Zebras, road: Carriageway) -> tuple[Marks, IntArray]:
+    """Paint the bars of crossings from kerb to kerb; also returns the crossing of each."""
+    rows = np.flatnonzero(zebras.kind == STRIPED)
+    edge, width = zebras.edge[rows], _widths(street, zebras, rows) - BAR
     which, lateral = every(width, 2 * BAR, BAR / 2)
     lateral = lateral - width[which] / 2
     size = np.full(len(which), BAR)
-    marks, edge = boxes(street.lines, zebras.edge[which], zebras.along[which], lateral,
-                         zebras.depth[which], size)  # fmt: skip
-    return (marks, edge), which
+    marks, edge = boxes(street.lines, edge[which], zebras.along[rows][which], lateral,
+                        zebras.depth[rows][which], size)  # fmt: skip
+    return _on_road(marks, edge, rows[which], zebras, road)
 
 
-def _mapped_crossings(street: Street, chosen: BoolArray) -> tuple[IntArray, FloatArray]:
-    """Crossings of the map between junctions: edge and distance from its start."""
-    points = street.layout.points
-    mapped = points[(points["kind"] == "crossing").to_numpy()]
-    unmarked = mapped["tags"].str.contains("unmarked", regex=False).to_numpy().astype(bool)
-    places = mapped.geometry.to_numpy()[~unmarked]
-    edges = np.flatnonzero(chosen)
-    if not len(places) or not len(edges):
-        return np.zeros(0, np.int64), np.zeros(0)
-    shapes = to_linestrings(street.lines)[edges]
-    point, row = shapely.STRtree(shapes).query_nearest(places, max_distance=1.0, all_matches=False)
-    along = shapely.line_locate_point(shapes[row], places[point])
-    edge = edges[row]
-    begin, end = street.free
-    clear = (along > begin[edge] + ZEBRA) & (along < end[edge] - ZEBRA)
-    edge, along = edge[clear], along[clear]
+def crossing_rows(
+    street: Street, zebras: Zebras, road: Carriageway, style: str
+) -> tuple[Marks, IntArray]:
+    """Paint the two rows of short marks along crossings under signals; also the crossing of each.
+
+    Parameters
+    ----------
+    street, zebras, road
+        The streets, their crossings and their surfaces.
+    style
+        "lines" or "studs".
+    """
+    size, gap = ROWS[style]
+    rows = np.flatnonzero(zebras.kind == DOTTED)
+    width = _widths(street, zebras, rows)
+    which, lateral = every(width, size + gap, size / 2 + KERB_GAP)
+    lateral = lateral - width[which] / 2
+    own = np.tile(which, 2)
+    side = np.repeat([-0.5, 0.5], len(which))
+    along = zebras.along[rows][own] + side * (zebras.depth[rows][own] - LINE)
+    marks, edge = boxes(street.lines, zebras.edge[rows][own], along, np.tile(lateral, 2), LINE,
+                        np.full(len(own), size))  # fmt: skip
+    return _on_road(marks, edge, rows[own], zebras, road)
+
+
+def _widths(street: Street, zebras: Zebras, rows: IntArray) -> FloatArray:
+    """(k,) metres across which marks are looked for: more where the kerbs curve away."""
+    half = street.network.half_width[zebras.edge[rows]]
+    return np.asarray(2 * (half + np.where(zebras.flared[rows], 1.5 * FLARE, 0.0)))
+
+
+def _on_road(
+    marks: Any, edge: IntArray, crossing: IntArray, zebras: Zebras, road: Carriageway
+) -> tuple[Marks, IntArray]:  # fmt: skip
+    """Leave out marks of flared crossings that reach over a kerb."""
+    kept = np.ones(len(marks), bool)
+    rows = np.flatnonzero(zebras.flared[crossing])
+    if len(rows):
+        driven = road.driven
+        mark, surface = shapely.STRtree(driven).query(marks[rows], predicate="intersects")
+        pair = np.unique(np.stack([crossing[rows[mark]], surface]), axis=1)
+        paved, group = joined_by(driven[pair[1]], pair[0])
+        paved = shapely.buffer(paved, -KERB_GAP)
+        at = np.searchsorted(group, crossing[rows])
+        kept[rows] = shapely.covered_by(marks[rows], paved[np.minimum(at, len(group) - 1)])
+    return (marks[kept], edge[kept]), crossing[kept]
+
+
+def _between_junctions(
+    street: Street, chosen: BoolArray
+) -> tuple[IntArray, FloatArray, IntArray]:  # fmt: skip
+    """Crossings of the map between junctions: edge, distance from its start, and kind."""
+    mapped, (begin, end) = street.mapped, street.free
+    edge, along = mapped.edge, mapped.along
+    clear = chosen[edge] & (mapped.told != BARE)
+    clear &= (along > begin[edge] + ZEBRA) & (along < end[edge] - ZEBRA)
+    edge, along, kind = edge[clear], along[clear], street.told[clear]
     order = np.lexsort((along, edge))
-    edge, along = edge[order], along[order]
+    edge, along, kind = edge[order], along[order], kind[order]
     # Crossings mapped once per lane or island are one crossing.
     apart = np.r_[True, (edge[1:] != edge[:-1]) | (np.diff(along) > 2 * ZEBRA)][: len(edge)]
-    return edge[apart], along[apart]
+    return edge[apart], along[apart], kind[apart]
