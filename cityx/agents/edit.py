@@ -73,6 +73,7 @@ def edit_city(
         If no action does what is asked; nothing is changed.
     """
     with rare_collection(), Desk(folder) as desk:
+        before = desk.city
         request, items = planned(desk, text, files, choice=choice)
         if items is None:
             revision = _undone(desk, request, expected)
@@ -81,7 +82,7 @@ def edit_city(
                 say(f"{place}/{len(items)} {item.action}")
             calls = [item.call for item in items]
             revision = desk.change(calls, text=text, expected=expected, cancelled=cancelled)
-        return renew(folder, desk.city, request, revision, say)
+        return renew(folder, desk.city, request, revision, say, before=before)
 
 
 def planned(
@@ -242,11 +243,13 @@ def undo(folder: Path, to: int | None = None, *, say: Say = quiet) -> dict[str, 
 
 
 def renew(
-    folder: Path, city: City, request: Request, revision: Revision, say: Say = quiet
-) -> dict[str, Any]:
+    folder: Path, city: City, request: Request, revision: Revision, say: Say = quiet, *,
+    before: City | None = None,
+) -> dict[str, Any]:  # fmt: skip
     """Make the views of a changed city anew, those that there are, and its report.
 
-    The checks of the report stay those of the last `cityx check`, of which it tells the hash.
+    The checks of the report stay those of the last `cityx check`, of which it tells the hash. What
+    was added is counted against the city as it was before, if that is given.
     """
     from cityx.agents.views import make_views
     from cityx.checks.counts import counts
@@ -267,7 +270,9 @@ def renew(
     path = folder / "report.json"
     report: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
     goals = request.brief.goals
-    findings = measure_all((goal.predicate for goal in goals), _about(request, city))
+    # Whether all else is the same is known of what was changed; to look at everything takes long.
+    known = before if all(edit.target is None for edit in request.brief.edits) else None
+    findings = measure_all((goal.predicate for goal in goals), _about(request, city), before=known)
     report["checks_of"] = report.get("checks_of", report.get("hash", ""))
     report |= {
         "hash": revision.content, "revision": revision.number, "counts": counts(city),

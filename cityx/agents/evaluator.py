@@ -27,7 +27,7 @@ DECIDED: Mapping[str, tuple[str, ...]] = {
 _LATER_FAMILIES = frozenset({"piece", "lamp", "light", "vehicle", "pedestrian"})
 _LATER_WORDS = frozenset({
     "sun_azimuth", "sun_elev", "style", "material", "color", "roof", "roof_color", "feature",
-    "terrain", "slope", "used_source", "same", "changed", "ratio", "iou", "corr",
+    "terrain", "slope", "used_source", "same", "changed", "ratio", "gained", "iou", "corr",
 })  # fmt: skip
 _AIR = "env."
 
@@ -70,15 +70,15 @@ def _is_later(word: str) -> bool:
     return later or family_of(word) in _LATER_FAMILIES
 
 
-def judged(city: City, goals: Sequence[Goal]) -> Judged:
+def judged(city: City, goals: Sequence[Goal], before: City | None = None) -> Judged:
     """Measure goals on a city, and the checks of buildings, which a layout can fail already.
 
-    What cannot be told is not missed.
+    What cannot be told is not missed; of the state before, nothing can be where there is none.
     """
     from cityx.checks.buildings import check_buildings
     from cityx.checks.predicates import measure_all
 
-    findings = measure_all((goal.predicate for goal in goals), city)
+    findings = measure_all((goal.predicate for goal in goals), city, before=before)
     missed = tuple(
         (goal, finding.evidence)
         for goal, finding in zip(goals, findings, strict=True)

@@ -130,15 +130,15 @@ class Loop:
                 continue
             self._tell_done(item, place)
             place = self._onward(city, item, place)
-        return self._refined(city) if self.goals else city
+        return self._refined(city, start) if self.goals else city
 
-    def _refined(self, city: City) -> City:
+    def _refined(self, city: City, before: City) -> City:
         """Change single objects while that brings about more of what is asked; return the best."""
         # A killed run begins its refinement again: what was best is in no snapshot.
         self.run.hold = True
         best, least, state = city, math.inf, self.run.state
         for round_ in range(ROUNDS + 1):
-            found = judged(city, (*self.goals, *city.goals))
+            found = judged(city, (*self.goals, *city.goals), before)
             body = {"of": "city", "missed": found.texts}
             self.pool.say(Message("evaluator", "verdict", body, parent=self._told))
             if found.weight >= least:

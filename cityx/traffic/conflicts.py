@@ -74,7 +74,7 @@ def conflicts_of(streets: Streets) -> Conflicts:
     # The street of the higher rank goes first, then who goes straighter; at last the order decides.
     rank = np.array([ways[way].rank for way in source[:, 0].tolist()])
     onto = np.array([ways[way].rank for way in target[:, 0].tolist()])
-    bend = np.round(np.array([_bend(link.shape) for link in links]), 3)
+    bend = np.round(np.array([bend_of(link.shape) for link in links]), 3)
     key = np.column_stack([-rank, -onto, bend, np.arange(len(links))])
     order = np.empty(len(links), np.int64)
     order[np.lexsort(key.T[::-1])] = np.arange(len(links))
@@ -94,8 +94,8 @@ def _free(lines: NDArray[Any], bodies: NDArray[Any], one: IntArray, other: IntAr
     return np.asarray(free)
 
 
-def _bend(shape: FloatArray) -> float:
-    """Radians between the directions in which a line begins and ends."""
+def bend_of(shape: FloatArray) -> float:
+    """Return the radians between the directions in which a line begins and ends."""
     first, last = shape[1, :2] - shape[0, :2], shape[-1, :2] - shape[-2, :2]
     cross = first[0] * last[1] - first[1] * last[0]
     return abs(float(np.arctan2(cross, first @ last)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.city.ground import KERB_HEIGHT, LABEL
+from cityx.city.moments import moments_of
 from cityx.city.tracks import GAIT, MOVER, Tracks, no_tracks
 from cityx.geometry.polylines import Polylines, bends, to_linestrings, values_along
 from cityx.geometry.standing import stand_on, surfaces_at
+from cityx.traffic.making_way import Bodies, interpolated, made_way, standing_by
 from cityx.traffic.network import Network
-from cityx.traffic.simulation import Poses
+from cityx.traffic.simulation import STEP, Poses
 from cityx.traffic.streets import Streets
 
 FloatArray = NDArray[np.float64]
@@ -45,7 +47,7 @@ class Mover:
 
 def recorded(
     city: City, streets: Streets, network: Network, poses: Poses,
-    movers: Mapping[str, Mover], origin: str,
+    movers: Mapping[str, Mover], origin: str, others: Tracks | None = None,
 ) -> Tracks:  # fmt: skip
     """Make tracks of the movers among poses.
 
@@ -61,6 +63,8 @@ def recorded(
         What is seen of each, by name.
     origin
         Id of the action that puts them there.
+    others
+        What moves there already; it makes no way for these, None for nothing.
     """
     assert city.lanes is not None
     # The way that movers have come before the tracks begin tells how they lie in bends.
@@ -79,17 +83,21 @@ def recorded(
     length = np.where(on_foot, 0.0, size[:, 0].astype(float))
     xy, heading, middle = bodies(poses.xy[kept], poses.angle[kept], mover, length)
     edge, place = _lanes(city, streets, network, poses, kept)
-    now = poses.time[kept] >= 0.0
-    place, edge, xy, heading, mover = (values[now] for values in
-                                       (place[middle], edge, xy, heading, mover))  # fmt: skip
+    place, edge, time, speed = place[middle], edge[middle], poses.time[kept], poses.speed[kept]
     z = _heights(city, xy, mover, edge)
+    position, heading = np.column_stack([xy, z]), _unwound(heading, mover)
+    if not on_foot.all():
+        at = _made_way(mover, time, position, heading, size, on_foot, others)
+        position, heading, speed = (interpolated(values, at) for values in
+                                    (position, heading, speed))  # fmt: skip
+        place = place[at.astype(np.int64)]
+    now = time >= 0.0
+    mover, time, position, heading, speed, place = (values[now] for values in
+                                                    (mover, time, position, heading, speed, place))  # fmt: skip
     walking = on_foot[mover]
-    footing = stand_on(city.scene.meshes.get("ground"), xy[walking]).z
-    z[walking] = np.where(np.isnan(footing), z[walking] + KERB_HEIGHT, footing)
+    footing = stand_on(city.scene.meshes.get("ground"), position[walking, :2]).z
+    position[walking, 2] = np.where(np.isnan(footing), position[walking, 2] + KERB_HEIGHT, footing)
     place[walking] = 0
-    time, speed = poses.time[kept][now], poses.speed[kept][now]
-    position = np.column_stack([xy, z])
-    heading = _unwound(heading, mover)
     few = thinned(mover, time, position, heading, speed)
     few |= np.r_[True, place[1:] != place[:-1]] if len(place) else few
     start = np.searchsorted(mover[few], np.arange(len(rows) + 1)).astype(np.int64)
@@ -110,6 +118,28 @@ def recorded(
         place[few],
     )
     return tracks.take(np.argsort(ids))
+
+
+def _made_way(
+    mover: IntArray, time: FloatArray, position: FloatArray, heading: FloatArray,
+    size: NDArray[np.float32], on_foot: BoolArray, others: Tracks | None,
+) -> FloatArray:  # fmt: skip
+    """(p,) rows between which movers are, once vehicles have made way."""
+    begun = float(time.min())
+    step = np.rint((time - begun) / STEP).astype(np.int64)
+    first = max(round(-begun / STEP), 0)
+    held = None
+    if others is not None and others.count:
+        moments = moments_of(others, np.arange(int(step.max()) - first + 1) * STEP)
+        held = standing_by(replace(moments, number=moments.number + first), others.size,
+                           others.on_foot)  # fmt: skip
+    half = size[:, :2].astype(float) / 2
+    driving = np.flatnonzero(~on_foot[mover])
+    bodies_ = Bodies(mover[driving], step[driving], position[driving], heading[driving],
+                     half[mover[driving]])  # fmt: skip
+    at = np.arange(len(mover), dtype=float)
+    at[driving] = interpolated(driving.astype(float), made_way(bodies_, first, held))
+    return at
 
 
 def _gaits(walking: BoolArray, speed: FloatArray) -> NDArray[np.uint8]:

@@ -71,7 +71,7 @@ def driven(
         ghosts = ghosts_of(others, streets, network, run)
         outcome = simulate(run, network, ghosts)
         signals = signals_of(city, streets, network, run.warm)
-    tracks = recorded(city, streets, network, outcome.poses, movers, origin)
+    tracks = recorded(city, streets, network, outcome.poses, movers, origin, others)
     return Driven(tracks, signals, outcome)
 
 

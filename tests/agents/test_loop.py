@@ -222,3 +222,28 @@ def test_a_city_is_refined_while_that_helps_and_the_best_is_kept(tmp_path):
     assert city.layout.buildings["height"].min() == 700.0  # the hard goal is met, the other not
     assert run.names[-1].startswith("edit/")
     assert loop.run.state.count("edit/") == 1
+
+
+class Adding(Played):
+    """A run whose city gains so many houses with the first step, and is never changed again."""
+
+    def __init__(self, count):
+        super().__init__()
+        self.count = count
+
+    def do(self, city, call):
+        city = super().do(city, call)
+        houses = example_city().layout.buildings
+        rows = [*range(len(houses))][: self.count]
+        return replace(city, layout=replace(city.layout, buildings=houses.iloc[rows]))
+
+
+@pytest.mark.parametrize(("stood", "there", "missed"), [(0, 3, 0), (3, 3, 1), (1, 4, 0), (0, 4, 1)])
+def test_what_was_to_be_added_is_missed_where_it_stood_already(tmp_path, stood, there, missed):
+    houses = example_city().layout.buildings
+    begun = replace(EMPTY, layout=replace(EMPTY.layout, buildings=houses.iloc[:stood]))
+    loop = loop_of(Adding(there), tmp_path, goals=(Goal("add three", "gained(building) == 3"),),
+                   kinds=("osm",))  # fmt: skip
+    loop.carry_out(begun)
+    told = [message.body["missed"] for message in loop.pool.read("verdict")]
+    assert len(told[-1]) == missed

@@ -348,17 +348,23 @@ def _edit_predicates(edit: Edit) -> Iterator[str]:
     elif edit.verb in ("add_agent", "add_traffic"):
         yield from _agent_predicates(edit)
     elif edit.verb == "plant":
-        yield "changed(tree)"
+        yield _gained("tree", edit)
         spacing = dict(edit.change).get("spacing")
         if spacing is not None:
             yield f"spacing(tree, road) {_around(float(spacing), WITHIN)}"
     elif edit.verb in ("add", "add_building"):
         chosen = things(str(dict(edit.change).get("element", "building")))
         if chosen:
-            yield f"changed({chosen})"
+            yield _gained(chosen, edit)
     else:
         for key, value in edit.change:
             yield from _said(_full(key), str(value), MOST)
+
+
+def _gained(chosen: str, edit: Edit) -> str:
+    """Return how many more things of a kind there must be: as many as asked for, else some."""
+    count = dict(edit.change).get("count")
+    return f"gained({chosen}) >= 1" if count is None else f"gained({chosen}) == {count}"
 
 
 def _full(key: str) -> str:
@@ -448,8 +454,9 @@ def _agent_predicates(edit: Edit) -> Iterator[str]:
     where = f", on={place}" if place and "," not in place else ""
     where = where if kind.startswith(("vehicle", "bus")) else ""
     mode = f", mode={change['mode']}" if change.get("mode") in ("walk", "run", "stand") else ""
-    several = f">= {change['count']}" if "count" in change else ">= 1"
-    yield f"n({kind}{mode}{where}) {several}"
+    yield _gained(f"{kind}{mode}", edit)
+    if where:
+        yield f"n({kind}{where}) >= 1"
     if "speed" in change:
         yield f"stat({kind}{where}, speed, mean) {_around(float(change['speed']), WITHIN)}"
     if kind.startswith("pedestrian") and place and "," not in place:

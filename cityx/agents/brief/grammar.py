@@ -57,19 +57,21 @@ swap: REPLACE _look link _look (_at? targets)?
 _look: MATERIAL | COLOR | STYLE | SURFACE
 targets: target (AND target)*
 target: _named? ID (TO ID)? filter* | IT
-    | mod* (BUILDING | KIND | THING | AGENT | PLANT | ROAD | WHOLE | QUARTER) filter*
+    | mod* _noun filter* | mod* NEAREST mod* _noun filter* reference
+_noun: BUILDING | KIND | THING | AGENT | PLANT | ROAD | WHOLE | QUARTER
+reference.4: (TO | FROM) spot
 _named: BUILDING | KIND | THING | PLANT | ROAD
-mod: ALL | COUNT | SHARE | RANK | ORDINAL | REST | MATERIAL | COLOR | STYLE | ROOF | FLOORS
+mod: ALL | COUNT | SHARE | RANK | NEAREST | ORDINAL | REST | MATERIAL | COLOR | STYLE | ROOF | FLOORS
    | OF | SIDE | SIZE
 filter: bound | within | nearest | WITH ROOF | (OF | WITH) MATERIAL | (WITH | OF) FLOORS | place
       | FROM spot
 bound.2: (WITH | BE | OF)? LIMIT
 within.3: LIMIT OF spot
-nearest: RANK TO spot
+nearest.4: NEAREST (TO | FROM) spot
 destination: TO spot
 place: where+ spot | where* SIDE (OF spot)?
 where: REL | IN | ON | BY
-spot: (ALL | COUNT | RANK | SIDE | SIZE)* _place_noun beyond?
+spot: (ALL | COUNT | RANK | NEAREST | SIDE | SIZE)* _place_noun beyond?
 _place_noun: BUILDING | KIND | THING | ROAD | PLANT | WHOLE | QUARTER | ID | IT
 beyond: REL spot | OF spot
 link: TO | IN | WITH | OF | BY | BE | ON | FROM

@@ -12,7 +12,17 @@ from cityx.agents.brief.scan import Item, Quantity
 from cityx.agents.brief.scopes import NEGATED, READ
 from cityx.agents.brief.words import forms_of
 
-_TAKEN = ("take", "tear", "knock", "pull", "cut", "chop", "rip", "throw")  # "take the bench out"
+_TAKEN = (
+    "take",
+    "tear",
+    "knock",
+    "pull",
+    "cut",
+    "chop",
+    "rip",
+    "throw",
+    "strip",
+)  # "take the bench out"
 _CLEARED = ("clear", "strip", "empty", "rid", "free", "relieve", "cleanse")  # "the park of trees"
 _WANTS = ("i want", "i would like", "would like", "i'd like", "want")
 DEGREES = 360.0  # of a whole turn
@@ -143,7 +153,7 @@ def complaint(items: Sequence[Item]) -> tuple[int, str] | None:
 
 def _join_verb(items: Sequence[Item]) -> None:
     """Read "take all benches out of the park" as "remove all benches from the park"."""
-    first = next((item for item in items if item.senses), None)
+    first = next((item for item in items if item.senses or item.text in _TAKEN), None)
     if first is None or first.text not in _TAKEN or first.state:
         return
     at = items.index(first) + 1
@@ -155,9 +165,11 @@ def _join_verb(items: Sequence[Item]) -> None:
     named = False
     for item, after in zip(items, [*items[1:], None], strict=True):
         named |= bool(item.noun) or item.kind == "id" or part_named(item.text) != ""
-        if named and item.text in _AWAY and (after is None or after.get("rel") != "to"):
+        away = item.text in _AWAY and (after is None or after.get("rel") != "to")
+        if named and (away or item.text in ("from", "off of")):
             first.senses = (("verb", "REMOVE"),)
-            item.senses = (("rel", "from"),) if item.text.endswith("of") else ()
+            leaves = after is not None and ("rel", "from") in item.senses  # "off the hotel"
+            item.senses = (("rel", "from"),) if leaves or item.text.endswith("of") else ()
             item.state = "" if item.senses else READ
             return
 

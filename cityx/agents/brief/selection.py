@@ -17,7 +17,15 @@ MEASURES = {"length": "height", "floors": "floors", "speed": "speed", "area": "a
 _THROUGH = ("path", "center", "road", "sidewalk", "green")  # "the path around the park": the park
 _ROADS = ("main_street", "road", "side_street", "avenue", "ring_road")
 _MOST_IDS = 500  # in one range
-_MANY = ("ALL", "COUNT", "SHARE", "RANK", "ORDINAL", "REST")  # what says how many are meant
+_MANY = (
+    "ALL",
+    "COUNT",
+    "SHARE",
+    "RANK",
+    "NEAREST",
+    "ORDINAL",
+    "REST",
+)  # what says how many are meant
 _SPOTS = ("BUILDING", "KIND", "THING", "ROAD", "PLANT", "WHOLE", "QUARTER", "ID", "IT")
 IT = "it"  # kind of what was named last
 
@@ -91,6 +99,10 @@ def _selector(target: Node) -> Selector:
             selector = _modified(selector, child.children[0])
         elif child.name == "filter":
             selector = _filtered(selector, child)
+        elif child.name == "NEAREST" and child.item is not None:
+            selector = replace(selector, rank=child.item.get("rank"))
+        elif child.name == "reference":  # "the nearest bench to the church"
+            selector = replace(selector, near=_spot(next(child.find("spot"))))
         elif child.name == "ID" and child.item is not None:
             selector = replace(selector, ids=_ids((*selector.ids, child.item.text)))
         elif child.name in ("TO", *_SPOTS) and target.own("ID"):
@@ -103,7 +115,8 @@ def _selector(target: Node) -> Selector:
             selector = replace(selector, kind="building", inside=_quarter(child.item))
         elif child.item is not None:
             selector = _of_kind(selector, child.item)
-            many = any(mod.own(*_MANY) for mod in target.own("mod"))
+            many = bool(target.own("NEAREST"))
+            many |= any(mod.own(*_MANY) for mod in target.own("mod"))
             selector = replace(selector, alone=_is_one(child.item) and not many)
     return selector
 
@@ -143,7 +156,7 @@ def _modified(selector: Selector, word: Node) -> Selector:
         return replace(selector, k=int(item.quantity.low or 0))
     if word.name == "SHARE":
         return replace(selector, share=share_of(item))
-    if word.name == "RANK":
+    if word.name in ("RANK", "NEAREST"):
         return replace(selector, rank=item.get("rank"))
     if word.name == "ORDINAL":
         return replace(selector, nth=int(item.get("ordinal")))
@@ -163,7 +176,7 @@ def _filtered(selector: Selector, node: Node) -> Selector:
     if close is not None:  # "within 50 m of the church", "closest to the lake"
         spot = close.branch("spot")
         assert spot is not None
-        limit, rank = close.first("LIMIT"), close.own("RANK")
+        limit, rank = close.first("LIMIT"), close.own("NEAREST")
         if rank and rank[0].item is not None:
             word = rank[0].item.get("rank")
             return replace(selector, near=_spot(spot), rank=word)
@@ -240,4 +253,6 @@ def _spot(spot: Node) -> str:
 
 def _rank_of(spot: Node) -> str:
     """Return the rank of "the tallest building", "" for none."""
-    return next((item.get("rank") for node in spot.own("RANK") for item in node.leaves()), "")
+    return next(
+        (item.get("rank") for node in spot.own("RANK", "NEAREST") for item in node.leaves()), ""
+    )

@@ -273,7 +273,7 @@ RANKS: Mapping[str, str] = {
     "longest": "longest",
     "oldest": "oldest",
     "nearest": "nearest, closest",
-    "farthest": "farthest, furthest, most distant",
+    "farthest": "farthest, furthest, most distant, farthest away, furthest away",
     "northernmost": "northernmost, most northern, most northerly",
     "southernmost": "southernmost, most southern, most southerly",
     "easternmost": "easternmost, most eastern, most easterly",

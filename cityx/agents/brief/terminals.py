@@ -29,8 +29,10 @@ _STREETS = {"surface": "SURFACE", "direction": "ONEWAY", "strip": "STRIP"}
 _SHARES = {"every other": 1 / 2, "every third": 1 / 3, "every fourth": 1 / 4}
 _AFTER_BE = ("REMOVE", "REPLACE", "PAINT", "CLAD")  # "should be removed"
 # What stands between a rank and what is ranked, or is it.
-_BETWEEN = ("MATERIAL", "COLOR", "STYLE", "ROOF", "FLOORS", "OF", "SIDE", "SIZE", "RANK", "COUNT")
+_BETWEEN = ("MATERIAL", "COLOR", "STYLE", "ROOF", "FLOORS", "OF", "SIDE", "SIZE", "RANK",
+            "NEAREST", "COUNT")  # fmt: skip
 _RANKED = ("BUILDING", "KIND", "THING", "AGENT", "PLANT", "ROAD", "WHOLE", "QUARTER")
+_DISTANCES = ("nearest", "farthest")  # ranks by how far things are from something else
 _WHOLE = ("city", "everything", "landscape")
 
 
@@ -50,7 +52,8 @@ def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
             continue
         first = not found
         name = _verb(item, first and verb_first, found) or _name(item)
-        if found[:1] and found[0][0] == "REMOVE" and ("rel", "from") in item.senses:
+        leaves = any(before in ("REMOVE", "NEAREST") for before, _ in found)
+        if leaves and ("rel", "from") in item.senses:
             name = "FROM"  # "remove it from the park", where elsewhere it is "made from"
         if item.has("material") and item.has("noun") and _is_stuff(items, index):
             name = "MATERIAL"  # "clad in wood", which is no wood to walk in
@@ -76,9 +79,9 @@ def _with_ranked(found: Sequence[Terminal]) -> list[Terminal]:
     made: list[Terminal] = []
     for at, terminal in enumerate(found):
         made.append(terminal)
-        if terminal[0] == "RANK":
+        if terminal[0] in ("RANK", "NEAREST"):
             behind = (name for name, _ in found[at + 1 :] if name not in _BETWEEN)
-            if next(behind, "") not in (*_RANKED, "TO"):  # "the houses closest to the lake"
+            if next(behind, "") not in (*_RANKED, "TO", "FROM"):  # "the houses closest to the lake"
                 made.append(("BUILDING", -1))
     return made
 
@@ -132,7 +135,7 @@ def _name(item: Item) -> str:
             return name
     for kind, name in (("color", "COLOR"), ("material", "MATERIAL"), ("rank", "RANK")):
         if item.has(kind):
-            return name
+            return "NEAREST" if item.get("rank") in _DISTANCES else name
     if "roof=" in slot or "style=" in slot:
         return "ROOF" if "roof=" in slot else "STYLE"
     if item.get("rel") in _RELATIONS:

@@ -8,6 +8,8 @@ What the words leave open is settled so:
   they have. Streets weigh by length, in ``stat`` too; ``by=area`` weighs buildings by footprint.
 - ``inside`` wants one of the first in some of the second, ``crosses`` each of the first over some.
 - ``density`` of what moves is its mean over the time that its tracks last.
+- ``gained`` is how many more there are than before the change, with what stood there left out:
+  ``gained(vehicle) == 20`` holds after twenty were added, however many there had been.
 - ``same(others)`` lets go of what the predicates measured together name one by one, and of kinds of
   which they name none one by one; the ground, which is arranged anew, is no object. With
   ``beyond=15`` it lets go of what lies within 15 m of what is named besides.
@@ -315,6 +317,18 @@ def _ratio(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     )
 
 
+def _gained(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
+    """Count the things that there are now beyond those that there were, fewer where it is negative.
+
+    Things that give way to others of their kind are made up for: what is told is how many more.
+    """
+    counts = [state.select(groups[0]).count for state in (facts.earlier, facts)]
+    return Measured(
+        float(counts[1] - counts[0]),
+        f"of {groups[0]} there were {counts[0]} and there are {counts[1]}",
+    )
+
+
 def _iou(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     layer, path = _layer_and_file(facts, groups)
     value, evidence = overlap_of_layers(facts, layer, path)
@@ -405,6 +419,7 @@ FORMS: Mapping[str, Measure] = {
     "spacing": _spacing, "dist": dist, "overlap": overlap, "inside": inside,
     "crosses": crosses, "around": around, "axis": axis, "spans": spans, "side": side,
     "color": _color, "follows": _follows, "changed": _changed, "same": _same, "ratio": _ratio,
+    "gained": _gained,
     "iou": _iou, "corr": _corr, "each": _each, "clean": _clean, "reply": _replied,
     "mentions": _mentions, "used": _used, "unused": _unused,
     "min": lambda facts, groups, _: _extreme(facts, groups, min),

@@ -195,6 +195,7 @@ FORMS: Mapping[str, Signature] = MappingProxyType(
         "changed": _S((THINGS,), TRUTH),
         "same": _S((THINGS,), TRUTH, {"beyond": ()}),
         "ratio": _S((THINGS, ATTRIBUTE), NUMBER),
+        "gained": _S((THINGS,), NUMBER),
         "iou": _S((LAYER, FILE), NUMBER),
         "corr": _S((LAYER, FILE), NUMBER),
         "each": _S((THINGS, PREDICATE), TRUTH),

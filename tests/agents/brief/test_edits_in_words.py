@@ -89,3 +89,27 @@ def test_an_edit_is_about_what_the_words_name(text, target):
 def test_who_wants_an_unknown_thing_gone_is_asked(text, word):
     brief = read_brief(text, base=True, names=NAMES)
     assert f'What is meant by "{word}"' in brief.questions[0].text
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "rank", "near", "k"),
+    [
+        ("Remove the nearest bench to the church.", "bench", "nearest", "church", 1),
+        ("Remove the bench closest to the church.", "bench", "nearest", "church", 0),
+        ("Delete the three closest trees to the fountain.", "tree", "nearest", "fountain", 3),
+        ("Raise the farthest tower from the lake by 10 m.", "tower", "farthest", "lake", 1),
+        ("Rotate the bench furthest away from the church by 90 degrees.", "bench", "farthest",
+         "church", 0),
+        ("Move the closest tree to the town hall 3 m north.", "tree", "nearest", "town_hall", 1),
+    ],
+)  # fmt: skip
+def test_the_nearest_to_something_may_be_named_before_or_behind(text, kind, rank, near, k):
+    target = one(text).target
+    assert (target.kind, target.rank, target.near, target.k) == (kind, rank, near, k)
+
+
+@pytest.mark.parametrize("off", ["off", "from", "off of"])
+@pytest.mark.parametrize("verb", ["Strip", "Take", "Rip"])
+def test_what_is_taken_off_something_is_removed(verb, off):
+    assert one(f"{verb} the benches {off} the plaza.").verb == "remove"
+    assert one(f"{verb} the balconies {off} the hotel.").verb == "remove"

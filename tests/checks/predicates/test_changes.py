@@ -122,3 +122,19 @@ def test_order_of_rows_is_no_change(city):
     turned = batch.take(np.arange(batch.count)[::-1])
     other = replace(city, scene=city.scene.with_mesh("buildings", turned))
     assert mets(["same(building)", "same(others)"], other, city) == [True, True]
+
+
+def test_what_stood_there_before_is_not_gained(city):
+    two = with_things(city, "people", PERSON, [(150.0, 90.0), (152.0, 90.0)])
+    five = with_things(city, "people", PERSON, [(150.0 + k, 90.0) for k in range(5)])
+    asked = ["gained(pedestrian) == 3", "n(pedestrian) >= 3"]
+    assert mets(asked, five, two) == [True, True]
+    assert mets(asked, five, five) == [False, True]  # they stood there: nobody came
+    assert mets(["gained(pedestrian) == -3"], two, five) == [True]
+    assert measure("gained(pedestrian) == 3", five).met is None  # nothing to compare with
+
+
+def test_what_is_gained_may_be_narrowed(city):
+    more = edited(city, "buildings", "levels", row_of(city, "buildings", "made/b01"), 33)
+    asked = ["gained(building, floors=33) == 1", "gained(building) == 0"]
+    assert mets(asked, more, city) == [True, True]

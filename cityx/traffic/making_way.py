@@ -1,0 +1,224 @@
+"""Vehicles that make way: who would touch another holds back, or gets on, a little on its way.
+
+SUMO parts vehicles by the lanes that they are on; seen from above, bodies that turn sweep over
+corners that belong to others. So one of two that would touch is where it would have been a moment
+earlier or later, as if its driver had seen the other; its way stays the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.city.moments import Moments
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+INTO = 0.01  # metres that bodies may reach into each other
+STOREY = 2.0  # metres of height apart from which nobody meets
+# Metres by which one holds back or, where it is negative, gets on; the least that helps is taken.
+OFFSETS = (
+    0.15,
+    -0.15,
+    0.3,
+    -0.3,
+    0.6,
+    -0.6,
+    1.0,
+    -1.0,
+    1.5,
+    -1.5,
+    2.5,
+    -2.5,
+    4.0,
+    -4.0,
+    6.0,
+    8.0,
+    12.0,
+)
+EASING = 10.0, 3.0  # metres over which one falls back, for each metre; the longer first
+LEAST = 6.0  # metres over which one falls back at least
+ROUNDS = 6  # in which whoever touches then makes way as well
+PERSON = 0.17  # metres from the middle of somebody on foot that vehicles never reach
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """Where bodies are in every step, p rows ordered by mover and time.
+
+    Attributes
+    ----------
+    mover
+        (p,) int64, ascending.
+    step
+        (p,) int64, number of the step, ascending within a mover.
+    position
+        (p, 3) float64, metres, middles.
+    heading
+        (p,) float64, radians counter-clockwise from east.
+    half
+        (p, 2) float64, metres, half of length and width.
+    """
+
+    mover: IntArray
+    step: IntArray
+    position: FloatArray
+    heading: FloatArray
+    half: FloatArray
+
+    @property
+    def boxes(self) -> FloatArray:
+        """(p, 7) of what kernels need: x, y, east, north, half length, half width, height."""
+        return np.column_stack([
+            self.position[:, :2], np.cos(self.heading), np.sin(self.heading), self.half,
+            self.position[:, 2],
+        ])  # fmt: skip
+
+
+def standing_by(found: Moments, size: NDArray[np.float32], on_foot: BoolArray) -> Bodies:
+    """Return movers that make no way for anybody, at steps of their own numbers.
+
+    Parameters
+    ----------
+    found
+        Where they are.
+    size
+        (n, 3) metres, of the movers of their tracks.
+    on_foot
+        (n,) of them as well.
+    """
+    half = size[:, :2].astype(float) / 2
+    half[on_foot] = PERSON
+    return Bodies(found.mover, found.number, found.position, found.heading, half[found.mover])
+
+
+def made_way(bodies: Bodies, begin: int, others: Bodies | None = None) -> FloatArray:
+    """Let vehicles that would touch make way for each other, and for others.
+
+    Parameters
+    ----------
+    bodies
+        Who makes way.
+    begin
+        The step from which on it is looked whether they touch.
+    others
+        Who makes no way, at the same steps; None for nobody.
+
+    Returns
+    -------
+    at
+        (p,) float64, the row of each mover's own, between which it may lie, where it is in that
+        step. Rows in ascending order where nobody touches.
+    """
+    at = np.arange(len(bodies.mover), dtype=float)
+    if not len(at):
+        return at
+    scene = _Scene(bodies, others)
+    for _ in range(ROUNDS):
+        meetings = scene.meetings(begin)
+        if not sum(scene.make_way(*meeting) for meeting in meetings):
+            break
+    return scene.at
+
+
+def interpolated(values: FloatArray, at: FloatArray) -> FloatArray:
+    """Return (p, ...) values at rows between which places may lie."""
+    low = np.floor(at).astype(np.int64)
+    share = (at - low).reshape(-1, *(1,) * (values.ndim - 1))
+    high = np.minimum(low + 1, len(values) - 1)
+    return np.asarray(values[low] + share * (values[high] - values[low]))
+
+
+class _Scene:
+    """Bodies while they make way; a class since it knows where each of them has come to."""
+
+    def __init__(self, bodies: Bodies, others: Bodies | None) -> None:
+        self.bodies, self.count = bodies, len(bodies.mover)
+        self.heading = _unwound(bodies.heading, bodies.mover)
+        self.at = np.arange(self.count, dtype=float)
+        self.start = np.searchsorted(bodies.mover, np.arange(int(bodies.mover[-1]) + 2))
+        self.boxes, self.step, self.mover = bodies.boxes, bodies.step, bodies.mover
+        if others is not None and len(others.mover):
+            self.boxes = np.concatenate([self.boxes, others.boxes])
+            self.step = np.concatenate([self.step, others.step])
+            self.mover = np.concatenate([self.mover, others.mover + int(bodies.mover[-1]) + 1])
+        self.order = np.argsort(self.step, kind="stable")
+        self.by_step = np.searchsorted(self.step[self.order], np.arange(self.step.max() + 2))
+
+    def meetings(self, begin: int) -> list[tuple[int, int, int, int]]:
+        """Return who touches whom, and the first and the last row of the one while it does."""
+        from cityx.traffic.touching import touching
+
+        first, second = touching(self.boxes, self.order, self.by_step[begin:], INTO, STOREY)
+        one, other = np.minimum(first, second), np.maximum(first, second)
+        one, other = one[one < self.count], other[one < self.count]
+        pairs: dict[tuple[int, int], list[tuple[int, int]]] = {}
+        for a, b in zip(one.tolist(), other.tolist(), strict=True):
+            pairs.setdefault((int(self.mover[a]), int(self.mover[b])), []).append((a, b))
+        found = []
+        for _, rows in sorted(pairs.items()):
+            steps = self.step[[row for row, _ in rows]]
+            last = int(np.flatnonzero(np.diff(np.sort(steps), append=steps.max() + 99) > 20)[0])
+            rows = sorted(rows, key=lambda pair: int(self.step[pair[0]]))
+            found.append((*rows[0], *rows[last]))
+        return found
+
+    def make_way(self, one: int, other: int, one_last: int, other_last: int) -> bool:
+        """Let one of two who touch hold back or get on, whichever takes the least."""
+        spans = [span for span in ((one, one_last), (other, other_last)) if span[0] < self.count]
+        return any(
+            self._try(first, last, offset, easing)
+            for offset in OFFSETS for easing in EASING for first, last in spans
+        )  # fmt: skip
+
+    def _try(self, first: int, last: int, offset: float, each: float) -> bool:
+        mover = int(self.mover[first])
+        rows = np.arange(self.start[mover], self.start[mover + 1])
+        place = self.boxes[rows, :2]
+        gone = np.r_[0.0, np.cumsum(np.hypot(*np.diff(place, axis=0).T))]
+        begin, end = gone[first - rows[0]], gone[last - rows[0]]
+        easing = max(each * abs(offset), LEAST)
+        if easing > begin:
+            return False
+        share = np.interp(gone, [begin - easing, begin, end, end + easing], [0.0, 1.0, 1.0, 0.0])
+        wanted = gone - offset * share
+        moved = np.flatnonzero(share > 0.0)
+        # Where one stands many rows are one place: the row is found by the way that is gone.
+        ahead, keep = np.unique(gone, return_index=True)
+        if wanted[moved].min() < 0.0 or wanted[moved].max() > ahead[-1]:
+            return False
+        at = self.at[rows]
+        at[moved] = np.interp(wanted[moved], ahead, at[keep])
+        before = self._touches(rows[moved], self.boxes[rows[moved]])
+        boxes = self._boxes(at[moved], rows[moved])
+        after = self._touches(rows[moved], boxes)
+        span = np.isin(rows[moved], np.arange(first, last + 1))
+        if after[span].any() or after.sum() > max(before.sum() - span.sum(), 0):
+            return False
+        self.at[rows], self.boxes[rows[moved]] = at, boxes
+        return True
+
+    def _boxes(self, at: FloatArray, rows: IntArray) -> FloatArray:
+        """(k, 7) bodies at rows between which places may lie."""
+        place = interpolated(self.bodies.position, at)
+        heading = interpolated(self.heading, at)
+        return np.column_stack([place[:, :2], np.cos(heading), np.sin(heading),
+                                self.bodies.half[rows], place[:, 2]])  # fmt: skip
+
+    def _touches(self, rows: IntArray, boxes: FloatArray) -> BoolArray:
+        """(k,) whether a body at some rows would touch anybody."""
+        from cityx.traffic.touching import touches
+
+        return np.asarray(touches(boxes, rows, self.step, self.mover, self.boxes, self.order,
+                                  self.by_step, INTO, STOREY))  # fmt: skip
+
+
+def _unwound(heading: FloatArray, mover: IntArray) -> FloatArray:
+    """Let headings run on beyond a full turn within each mover."""
+    first = np.r_[0, np.flatnonzero(np.diff(mover)) + 1, len(mover)]
+    parts = [np.unwrap(heading[a:b]) for a, b in zip(first[:-1], first[1:], strict=True)]
+    return np.concatenate(parts)

@@ -1,0 +1,85 @@
+"""Vehicles that would touch make way for each other, each on its own way."""
+
+import numpy as np
+
+from cityx.traffic.making_way import Bodies, interpolated, made_way
+
+LONG, WIDE = 4.5, 1.8
+
+
+def driving(*ways, steps=200, size=(LONG, WIDE)):
+    """Bodies of vehicles that start at a place and go some metres with every step."""
+    parts = []
+    for mover, (start, step) in enumerate(ways):
+        at = np.array(start) + np.arange(steps)[:, None] * np.array(step)
+        heading = np.full(steps, np.arctan2(step[1], step[0]))
+        parts.append((np.full(steps, mover), np.arange(steps), at, heading))
+    mover, step, xy, heading = (np.concatenate(part) for part in zip(*parts, strict=True))
+    half = np.tile(np.array(size) / 2, (len(mover), 1))
+    return Bodies(mover, step, np.column_stack([xy, np.zeros(len(xy))]), heading, half)
+
+
+def moved(bodies, at):
+    return Bodies(bodies.mover, bodies.step, interpolated(bodies.position, at),
+                  interpolated(bodies.heading, at), bodies.half)  # fmt: skip
+
+
+def least_gap(bodies):
+    """Least distance between the bodies of two movers, 0 where they touch."""
+    import shapely
+
+    u = np.column_stack([np.cos(bodies.heading), np.sin(bodies.heading)]) * bodies.half[:, :1]
+    v = np.column_stack([-np.sin(bodies.heading), np.cos(bodies.heading)]) * bodies.half[:, 1:]
+    xy = bodies.position[:, :2]
+    boxes = shapely.polygons(np.stack([xy - u - v, xy + u - v, xy + u + v, xy - u + v], axis=1))
+    first, second = boxes[bodies.mover == 0], boxes[bodies.mover == 1]
+    return float(shapely.distance(first, second).min())
+
+
+CROSSING = driving(((-50.0, 0.0), (1.0, 0.0)), ((0.0, -54.0), (0.0, 1.0)))
+
+
+def test_two_who_would_touch_on_a_crossing_part_on_their_own_ways():
+    at = made_way(CROSSING, 0)
+    after = moved(CROSSING, at)
+    assert least_gap(CROSSING) == 0.0
+    assert least_gap(after) > 0.0
+    assert np.ptp(after.position[after.mover == 0, 1]) == 0.0  # nobody leaves its way
+    assert np.ptp(after.position[after.mover == 1, 0]) == 0.0
+
+
+def test_who_makes_way_never_goes_back_and_is_where_it_was_before_and_after():
+    at = made_way(CROSSING, 0)
+    for mover in (0, 1):
+        rows = np.flatnonzero(CROSSING.mover == mover)
+        assert (np.diff(at[rows]) > 0.0).all()
+        assert at[rows[0]] == rows[0]
+        assert at[rows[-1]] == rows[-1]
+
+
+def test_who_touches_nobody_is_left_alone():
+    bodies = driving(((-50.0, 0.0), (1.0, 0.0)), ((-50.0, 5.0), (1.0, 0.0)))
+    assert np.array_equal(made_way(bodies, 0), np.arange(len(bodies.mover)))
+
+
+def test_bodies_over_a_bridge_do_not_meet_those_under_it():
+    high = CROSSING.position + np.where(CROSSING.mover == 1, 6.0, 0.0)[:, None] * [0.0, 0.0, 1.0]
+    bodies = Bodies(CROSSING.mover, CROSSING.step, high, CROSSING.heading, CROSSING.half)
+    assert np.array_equal(made_way(bodies, 0), np.arange(len(bodies.mover)))
+
+
+def test_those_who_were_there_before_stay_as_they_were():
+    own = CROSSING.mover == 0
+    parts = [
+        Bodies(CROSSING.mover[k] * 0, CROSSING.step[k], CROSSING.position[k], CROSSING.heading[k],
+               CROSSING.half[k])
+        for k in (own, ~own)
+    ]  # fmt: skip
+    at = made_way(parts[0], 0, parts[1])
+    assert len(at) == own.sum()
+    after = moved(parts[0], at)
+    both = [np.concatenate(pair) for pair in (
+        (after.mover, parts[1].mover + 1), (after.step, parts[1].step),
+        (after.position, parts[1].position), (after.heading, parts[1].heading),
+        (after.half, parts[1].half))]  # fmt: skip
+    assert least_gap(Bodies(*both)) > 0.0
