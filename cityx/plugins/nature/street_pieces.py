@@ -417,7 +417,7 @@ def _car_parks(city: City) -> tuple[Pieces, Pieces]:
     stops = pieces("wheel_stop", bays.xy + FROM_BAY * ahead, ids, bays.yaw)
     if city.network is None:
         return stops, join_pieces([])
-    lots = yard_patches(city.layout, city.network, place_of(city), only="parking")
+    lots = yard_patches(city.layout, city.network, place_of(city)).labelled("parking")
     aside = lots.size[:, :1] / 2 + BOARD_ASIDE
     across = np.column_stack([-lots.along[:, 1], lots.along[:, 0]])
     xy = lots.middle + aside * lots.along

@@ -136,8 +136,7 @@ def yard_bays(city: City) -> Bays:
     network, ground = city.network, city.ground
     if network is None or ground is None:
         return _none()
-    patches = yard_patches(city.layout, network, place_of(city))
-    patches = patches.take(patches.label == LABEL["parking"])
+    patches = yard_patches(city.layout, network, place_of(city)).labelled("parking")
     found = [_none()]
     count = np.rint(patches.size[:, 0] / BAY).astype(np.int64)
     for depth in np.unique(patches.size[:, 1]).tolist():

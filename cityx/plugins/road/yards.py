@@ -84,6 +84,10 @@ class Patches:
         return Patches(self.id[rows], self.middle[rows], self.along[rows], self.size[rows],
                        self.label[rows])  # fmt: skip
 
+    def labelled(self, name: str) -> Patches:
+        """Return the patches of one label, by name."""
+        return self.take(self.label == LABEL[name])
+
     @property
     def shapes(self) -> NDArray[Any]:
         """(p,) polygons."""
