@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cityx.assets import shapes
 from cityx.assets.trees.skeletons import TWIG, Skeleton, crown_radius
 from cityx.assets.trees.species import Species
-from cityx.city.mesh import MeshBatch, one_mesh
+from cityx.city.mesh import MeshBatch
 
 FloatArray = NDArray[np.float64]
 
@@ -176,12 +176,10 @@ def few_leaves(
     """Draw two flat leaves for each card, a quad each."""
     centre, along, broad, shade = _spread(cards, np.array(PATTERNS[pattern])[:FEW], rng,
                                           size * FEW_FULLER, FEW_SLIM)  # fmt: skip
-    waist = centre - 0.15 * along  # widest nearer to the stalk
-    corners = np.stack([centre - along, waist + broad, centre + along, waist - broad], axis=2)
-    count = corners.shape[0] * FEW
-    faces = np.arange(4 * count).reshape(-1, 4)
-    colors = (tint[:, None, :] * shade).reshape(-1, 3)
-    return one_mesh(0, corners.reshape(-1, 3), faces, materials=(material,), tint=colors)
+    middle, tip, side, color = (
+        given.reshape(-1, 3) for given in (centre, along, broad, tint[:, None, :] * shade)
+    )
+    return shapes.cards(middle, tip, side, material, color, fold=0.0)
 
 
 def leaves(
