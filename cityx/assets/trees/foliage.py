@@ -207,17 +207,20 @@ def leaves(
     return parts
 
 
-def stalks(
-    cards: Cards, skeleton: Skeleton, material: str, tint: tuple[float, float, float]
-) -> MeshBatch:
-    """Draw what bears the leaves: a thin blade from the nearest twig to the foot of each card."""
+def twig_of(cards: Cards, skeleton: Skeleton) -> NDArray[np.int64]:
+    """Return the node of the skeleton that is nearest to each card, (n,)."""
     from scipy.spatial import cKDTree
 
-    foot = cards.centre + 0.3 * cards.along
-    near = skeleton.position[cKDTree(skeleton.position).query(cards.centre)[1]]
-    half = 0.5 * (foot - near)
+    return np.asarray(cKDTree(skeleton.position).query(cards.centre)[1], np.int64)
+
+
+def stalks(
+    cards: Cards, twig: FloatArray, material: str, tint: tuple[float, float, float]
+) -> MeshBatch:
+    """Draw what bears the leaves: a thin blade from its twig, (n, 3) metres, to each card."""
+    half = 0.5 * (cards.centre + 0.3 * cards.along - twig)
     side = _unit(np.cross(half, cards.normal)) * STALK
-    return shapes.cards(near + half, half, side, material, np.tile(tint, (len(foot), 1)), fold=0.0)
+    return shapes.cards(twig + half, half, side, material, tint, fold=0.0)
 
 
 def _spread(
