@@ -355,7 +355,7 @@ def disc(center: Sequence[float], radius: float, material: str, tint: Color = WH
 
 def cards(centres: NDArray[np.float64], along: NDArray[np.float64], across: NDArray[np.float64],
           material: str, tint: ArrayLike, *, fold: float = 0.25) -> MeshBatch:  # fmt: skip
-    """Make leaf cards: kites folded along their long axis, two triangles each.
+    """Make leaf cards: kites folded along their long axis, a quad of two triangles each.
 
     Parameters
     ----------
@@ -370,20 +370,19 @@ def cards(centres: NDArray[np.float64], along: NDArray[np.float64], across: NDAr
     fold
         How far the sides bend away from the plane, as a share of ``across``.
     """
-    normal = np.cross(along, across)
-    normal /= np.maximum(lengths(normal), GRID)
-    sink = normal * (fold * lengths(across))
+    sink = np.zeros(3)
+    if fold:
+        normal = np.cross(along, across)
+        normal /= np.maximum(lengths(normal), GRID)
+        sink = normal * (fold * lengths(across))
     waist = centres - 0.15 * along  # widest nearer to the stalk
     corners = np.stack(
         [centres - along, waist + across - sink, centres + along, waist - across - sink], axis=1
     )
     count = len(centres)
-    base = 4 * np.arange(count)[:, None]
-    faces = np.vstack([base + np.array([0, 1, 2]), base + np.array([0, 2, 3])])
-    colors = np.broadcast_to(np.asarray(tint, float), (count, 3))
-    return one_mesh(
-        0, corners.reshape(-1, 3), faces, materials=(material,), tint=np.tile(colors, (2, 1))
-    )
+    # The diagonal of a quad, which runs from its first corner to its third, is the fold.
+    faces = np.arange(4 * count).reshape(-1, 4)
+    return one_mesh(0, corners.reshape(-1, 3), faces, materials=(material,), tint=tint)
 
 
 def lengths(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -54,12 +54,13 @@ def test_fused_shapes_are_one_object_with_all_faces():
     assert len(both.faces) == 12
 
 
-def test_a_card_is_two_triangles_that_face_its_normal():
+def test_a_card_is_a_quad_of_two_triangles_that_face_its_normal():
     mesh = cards(np.zeros((1, 3)), np.array([[0, 1.0, 0]]), np.array([[-1.0, 0, 0]]), "leaf",
                  np.ones((1, 3)), fold=0.0)  # fmt: skip
     triangles, _ = mesh.triangles()
     p = mesh.vertices[triangles]
     normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    assert len(mesh.faces) == 1
     assert len(triangles) == 2
     assert (np.abs(normal[:, 2]) > 0).all()
     assert np.sign(normal[0, 2]) == np.sign(normal[1, 2])

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cityx.assets import shapes
 from cityx.assets.trees.skeletons import TWIG, Skeleton, crown_radius
 from cityx.assets.trees.species import Species
-from cityx.city.mesh import MeshBatch, one_mesh
+from cityx.city.mesh import MeshBatch
 
 FloatArray = NDArray[np.float64]
 
@@ -191,12 +191,10 @@ def few_leaves(
     """Draw two flat leaves for each card, a quad each."""
     centre, along, broad, shade = _spread(cards, np.array(PATTERNS[pattern])[:FEW], rng,
                                           size * FEW_FULLER, FEW_SLIM)  # fmt: skip
-    waist = centre - 0.15 * along  # widest nearer to the stalk
-    corners = np.stack([centre - along, waist + broad, centre + along, waist - broad], axis=2)
-    count = corners.shape[0] * FEW
-    faces = np.arange(4 * count).reshape(-1, 4)
-    colors = (tint[:, None, :] * shade).reshape(-1, 3)
-    return one_mesh(0, corners.reshape(-1, 3), faces, materials=(material,), tint=colors)
+    middle, tip, side, color = (
+        given.reshape(-1, 3) for given in (centre, along, broad, tint[:, None, :] * shade)
+    )
+    return shapes.cards(middle, tip, side, material, color, fold=0.0)
 
 
 def leaves(
@@ -224,17 +222,20 @@ def leaves(
     return parts
 
 
-def stalks(
-    cards: Cards, skeleton: Skeleton, material: str, tint: tuple[float, float, float]
-) -> MeshBatch:
-    """Draw what bears the leaves: a thin blade from the nearest twig to the foot of each card."""
+def twig_of(cards: Cards, skeleton: Skeleton) -> NDArray[np.int64]:
+    """Return the node of the skeleton that is nearest to each card, (n,)."""
     from scipy.spatial import cKDTree
 
-    foot = cards.centre + 0.3 * cards.along
-    near = skeleton.position[cKDTree(skeleton.position).query(cards.centre)[1]]
-    half = 0.5 * (foot - near)
+    return np.asarray(cKDTree(skeleton.position).query(cards.centre)[1], np.int64)
+
+
+def stalks(
+    cards: Cards, twig: FloatArray, material: str, tint: tuple[float, float, float]
+) -> MeshBatch:
+    """Draw what bears the leaves: a thin blade from its twig, (n, 3) metres, to each card."""
+    half = 0.5 * (cards.centre + 0.3 * cards.along - twig)
     side = _unit(np.cross(half, cards.normal)) * STALK
-    return shapes.cards(near + half, half, side, material, np.tile(tint, (len(foot), 1)), fold=0.0)
+    return shapes.cards(twig + half, half, side, material, tint, fold=0.0)
 
 
 def _spread(

@@ -43,11 +43,12 @@ TWIG_BARK = (0.52, 0.46, 0.44)
 
 @dataclass(frozen=True)
 class Individual:
-    """One grown tree, without colours."""
+    """One grown tree, without colours; ``twig`` is the node of its skeleton next to each leaf."""
 
     skeleton: Skeleton
     leaves: Cards
     core: Cards
+    twig: NDArray[np.int32]
 
 
 @lru_cache(maxsize=160)
@@ -55,9 +56,13 @@ def individual(species: str, variant: int) -> Individual:
     """Return a grown tree, from the cache where an earlier run has left it."""
     key = f"trees-{_edition()}/{species}-{variant}"
     held = cached_arrays(key, lambda: _grown(species, variant))
-    skeleton = Skeleton(held["place"] * SCALE["place"], held["parent"].astype(np.int64),
-                        held["limb"] * SCALE["limb"], held["hanging"])  # fmt: skip
-    return Individual(skeleton, _unpacked(held, "leaf"), _unpacked(held, "core"))
+    return Individual(_skeleton_of(held), _unpacked(held, "leaf"), _unpacked(held, "core"),
+                      held["twig"])  # fmt: skip
+
+
+def _skeleton_of(held: Arrays) -> Skeleton:
+    return Skeleton(held["place"] * SCALE["place"], held["parent"].astype(np.int64),
+                    held["limb"] * SCALE["limb"], held["hanging"])  # fmt: skip
 
 
 def _grown(species: str, variant: int) -> Arrays:
@@ -75,6 +80,8 @@ def _grown(species: str, variant: int) -> Arrays:
         "hanging": skeleton.hanging,
     }
     arrays |= _packed(foliage.leaf_cards(skeleton, own, rng, count), "leaf")
+    twig = foliage.twig_of(_unpacked(arrays, "leaf"), _skeleton_of(arrays))
+    arrays["twig"] = twig.astype(np.int32)
     return arrays | _packed(foliage.core_cards(own, rng), "core")
 
 
@@ -187,7 +194,8 @@ def _crown(
     shade = seasons.colors(own, season, core)
     parts = [foliage.kites(core, 0.8, shade, FOLIAGE)]
     if form == "fine":
-        stalks = foliage.stalks(leaves, grown.skeleton, "bark", TWIG_BARK)
+        twig = grown.skeleton.position[grown.twig[: len(leaves.centre)]]
+        stalks = foliage.stalks(leaves, twig, "bark", TWIG_BARK)
         return [*parts, stalks, *foliage.leaves(leaves, own.pattern, tint, FOLIAGE, rng,
                                                 lobed=own.lobed)]  # fmt: skip
     if form == "near":

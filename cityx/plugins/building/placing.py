@@ -44,6 +44,7 @@ class Placing:
     prototypes: dict[str, Prototype] = field(default_factory=dict)
     rows: list[tuple[str, Instances]] = field(default_factory=list)
     facings: list[Facing] = field(default_factory=list)
+    _numbers: dict[str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Work out the direction of every wall once."""
@@ -92,9 +93,60 @@ class Placing:
         """
         if not len(wall):
             return
+        number = self._number(name, make)
+        ids = self.ids(name, wall, index) if ids is None else ids
+        rows = self._against(number, ids, wall, along, z, scale, tint, out, reach, turn)
+        self.rows.append((self.prototypes[name].kind, rows))
+
+    def add_each(
+        self,
+        names: NDArray[np.str_],
+        make: Callable[[str], Callable[..., Prototype]],
+        wall: IntArray,
+        along: FloatArray,
+        z: FloatArray,
+        *,
+        index: IntArray,
+        scale: tuple[Any, Any, Any] = (1.0, 1.0, 1.0),
+        tint: Any = 1.0,
+        out: Any = 0.0,
+        reach: Any = 0.5,
+        turn: Any = 0.0,
+    ) -> None:
+        """Put many prototypes of one kind on walls at once, each row its own; see `add`.
+
+        Parameters
+        ----------
+        names
+            (k,) name of the prototype of each row.
+        make
+            Tells how to make the one of a name.
+        """
+        if not len(wall):
+            return
+        known, which = np.unique(names, return_inverse=True)
+        numbers = np.array([self._number(name, make(name)) for name in known.tolist()], np.int32)
+        ids = np.empty(len(wall), np.uint64)
+        order = np.argsort(which, kind="stable")
+        bounds = np.cumsum(np.bincount(which))[:-1]
+        for name, of in zip(known.tolist(), np.split(order, bounds), strict=True):
+            ids[of] = self.ids(name, wall[of], index[of])
+        kind = self.prototypes[str(known[0])].kind
+        rows = self._against(numbers[which], ids, wall, along, z, scale, tint, out, reach, turn)
+        self.rows.append((kind, rows))
+
+    def _number(self, name: str, make: Callable[..., Prototype]) -> int:
+        """Return the number of a prototype, made where it is new."""
         if name not in self.prototypes:
             self.prototypes[name] = make(detail=self.detail)
-        number = list(self.prototypes).index(name)
+            self._numbers[name] = len(self._numbers)
+        return self._numbers[name]
+
+    def _against(
+        self, number: Any, ids: NDArray[np.uint64], wall: IntArray, along: FloatArray, z: Any,
+        scale: tuple[Any, Any, Any], tint: Any, out: Any, reach: Any, turn: Any,
+    ) -> Instances:  # fmt: skip
+        """Return rows of things that lean on walls; arguments as of `add`."""
         size = len(wall)
         along = np.asarray(along, float)
         left = np.clip(along - reach, 0.0, self.walls.length[wall])
@@ -107,11 +159,9 @@ class Placing:
         at = at + self.walls.normal[wall] * stand[:, None]
         rotation = np.zeros((size, 3), np.float32)
         rotation[:, 2] = self.yaw[wall] + lean + turn
-        if ids is None:
-            ids = self.ids(name, wall, index)
         factors = np.stack([np.broadcast_to(each, (size,)) for each in scale], axis=1)
-        rows = Instances(
-            np.full(size, number, np.int32),
+        return Instances(
+            np.broadcast_to(np.asarray(number, np.int32), (size,)).copy(),
             ids,
             self.building[wall],
             np.column_stack([at, np.broadcast_to(z, (size,))]),
@@ -119,7 +169,6 @@ class Placing:
             factors.astype(np.float32),
             np.broadcast_to(np.asarray(tint, np.float32), (size, 3)).copy(),
         )
-        self.rows.append((self.prototypes[name].kind, rows))
 
     def add_free(
         self,
@@ -135,13 +184,12 @@ class Placing:
         """Put a prototype anywhere on buildings: (k,) ids, (k, 3) metres, (k,) radians."""
         if not len(building):
             return
-        if name not in self.prototypes:
-            self.prototypes[name] = make(detail=self.detail)
+        number = self._number(name, make)
         size = len(building)
         rotation = np.zeros((size, 3), np.float32)
         rotation[:, 2] = yaw
         rows = Instances(
-            np.full(size, list(self.prototypes).index(name), np.int32),
+            np.full(size, number, np.int32),
             hash_ids(0, name, building, index),
             building,
             position,
@@ -178,9 +226,9 @@ class Placing:
         size = len(ids)
         if not size:
             return
-        self.prototypes.setdefault(made.name, made)
+        number = self._number(made.name, lambda **_: made)
         rows = Instances(
-            np.full(size, list(self.prototypes).index(made.name), np.int32),
+            np.full(size, number, np.int32),
             ids,
             building,
             position,

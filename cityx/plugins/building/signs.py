@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.fonts import CAP, FIRST_EAST_ASIAN
-from cityx.assets.lettering import DEEP, glyph, glyph_name, line_of
+from cityx.assets.lettering import DEEP, GLYPH, glyph, glyph_name, line_of
 from cityx.assets.materials import srgb_to_linear
 from cityx.assets.palettes import region_of
 from cityx.assets.shopfronts import fitting
@@ -19,6 +20,7 @@ from cityx.plugins.building.placing import Placing
 
 if TYPE_CHECKING:
     from cityx.city.city import City
+    from cityx.city.scene import Prototype
     from cityx.plugins.building.facade import Facade
     from cityx.plugins.building.shops import Tenants
 
@@ -139,7 +141,7 @@ class _Text:
 
     def __init__(self, placing: Placing) -> None:
         self.placing = placing
-        self.rows: dict[tuple[str, float], list[tuple[Any, ...]]] = {}
+        self.rows: list[tuple[Any, ...]] = []
 
     def level(
         self, names: NDArray[np.str_], wall: IntArray, along: FloatArray, middle: FloatArray,
@@ -181,17 +183,22 @@ class _Text:
                           int(cell[row]) * 256 + 128 + number)  # fmt: skip
 
     def _add(self, letter: str, side: float, *row: Any) -> None:
-        self.rows.setdefault((letter, side), []).append(row)
+        self.rows.append((letter, side, *row))
 
     def place(self) -> None:
         """Put all letters on their walls."""
-        for (letter, side), rows in sorted(self.rows.items(), key=lambda item: item[0]):
-            wall, along, out, foot, sizes, ink, index = zip(*rows, strict=True)
-            size = np.array(sizes)
-            numbers = np.array(index, np.int64) * 4 + int(side) + 1
-            self.placing.add(
-                glyph_name(letter), partial(glyph, letter), np.array(wall), np.array(along),
-                np.array(foot), scale=(size, RELIEF / DEEP, size), tint=np.array(ink, np.float32),
-                index=numbers, out=np.array(out),
-                reach=0.05 if side else 0.5, turn=side * np.pi / 2,
-            )  # fmt: skip
+        if not self.rows:
+            return
+        letter, sides, wall, along, out, foot, sizes, ink, index = zip(*self.rows, strict=True)
+        size, side = np.array(sizes), np.array(sides)
+        self.placing.add_each(
+            np.array([glyph_name(one) for one in letter]), _maker, np.array(wall),
+            np.array(along), np.array(foot), scale=(size, RELIEF / DEEP, size),
+            tint=np.array(ink, np.float32),
+            index=np.array(index, np.int64) * 4 + side.astype(int) + 1, out=np.array(out),
+            reach=np.where(side == 0, 0.5, 0.05), turn=side * np.pi / 2,
+        )  # fmt: skip
+
+
+def _maker(name: str) -> Callable[..., Prototype]:
+    return partial(glyph, chr(int(name.removeprefix(GLYPH), 16)))
