@@ -139,6 +139,8 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("ware_ochre", (0.66, 0.46, 0.14), 0.5, takes_tint=False, porosity=0.0),
     _M("ware_blue", (0.16, 0.28, 0.42), 0.4, takes_tint=False, porosity=0.0),
     _M("ware_green", (0.20, 0.34, 0.20), 0.4, takes_tint=False, porosity=0.0),
+    # Walls and ceilings of shops, which lamps light by day as well (`cityx.blender.materials`).
+    _M("room_wall", (0.80, 0.80, 0.80), 0.9, porosity=0.0),
     _M("window_lit", (0.60, 0.45, 0.25), 0.5, emission=6.0, porosity=0.0),
     _M("frame_paint", (0.80, 0.80, 0.80), 0.5, porosity=0.0),
     _M("door_paint", (0.80, 0.80, 0.80), 0.45, porosity=0.0),

@@ -428,7 +428,7 @@ def _aged(
 
     Roofs whose colour is `said` age half as much.
     """
-    age = uniform(seed, "palette/roof age", ids) ** 1.5 * np.where(said, 0.5, 1.0)
+    age = (0.1 + 0.9 * uniform(seed, "palette/roof age", ids)) * np.where(said, 0.5, 1.0)
     age = np.where(np.isin(roof, AGING), age, 0.0)[:, None]
     grown = uniform(seed, "palette/roof lichen", ids)[:, None]
     coat = grown * np.array(LICHEN) + (1 - grown) * np.array(SOOT)

@@ -23,7 +23,7 @@ from cityx.geometry.identity import rng_for, stable_id
 VARIANTS = 2  # arrangements of each trade
 _X, _TOP = WIDTH / 2 - 0.08, HEIGHT - 0.06
 _WARES = ("ware_cream", "ware_red", "ware_ochre", "ware_blue", "ware_green")
-_WALL = "sign"
+_WALL = "room_wall"
 SHADE: Color = (0.7, 0.7, 0.7)
 Rng = np.random.Generator
 
@@ -35,7 +35,7 @@ def _shell(floor: str = "bench_wood") -> Shapes:
         ([[-a, b, 0], [-a, 0, 0], [-a, 0, t], [-a, b, t]], _WALL),
         ([[a, 0, 0], [a, b, 0], [a, b, t], [a, 0, t]], _WALL),
         ([[-a, 0, 0.01], [a, 0, 0.01], [a, b, 0.01], [-a, b, 0.01]], floor),
-        ([[-a, b, t], [a, b, t], [a, 0, t], [-a, 0, t]], "ware_cream"),
+        ([[-a, b, t], [a, b, t], [a, 0, t], [-a, 0, t]], _WALL),
     ]
     shapes: Shapes = [pane(-a, a, 0.0, t, _WALL, (0.9, 0.9, 0.9), y=b)]
     for corners, material in sides:

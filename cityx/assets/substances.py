@@ -58,7 +58,7 @@ SUBSTANCES: Mapping[str, Substance] = MappingProxyType(
         name: substance
         for substance, names in (
             (_CONCRETE, "concrete road_concrete kerb_stone step_stone pavers paving yard"),
-            (_RENDER, "plaster trim"),
+            (_RENDER, "plaster trim room_wall"),
             (_STONE, "stone setts cobbles slate"),
             (_BRICK, "brick clinker"),
             (_WOOD, "wood bench_wood bark bark_smooth bark_flaking thatch"),

@@ -51,6 +51,8 @@ EMISSION_SCALE = 0.15
 # Share of the emission of a lit window that leaves through its curtains.
 ROOM_GLOW = 0.3
 SIGN_GLOW = 1.6
+INDOORS = "room_wall"  # what lamps light by day as well
+INDOOR_GLOW = 0.7  # radiance of a white wall there, against that of the sky at noon
 # What no snow lies on: water, and panes that are warm from inside.
 SNOWLESS = frozenset({"water", "glass", "pane", "window_lit", "lamp_glow"})
 
@@ -182,6 +184,12 @@ class MaterialLibrary:
         self, material: bpy.types.Material, record: Material, variant: str, color: Socket
     ) -> None:
         """Let lamps, lit windows, rooms and signs glow as the group "CityX Lights" says."""
+        if record.name == INDOORS:
+            shader = material.node_tree.nodes["Principled BSDF"]
+            nodes.assign(material.node_tree, shader.inputs["Emission Color"], color)
+            shader.inputs["Emission Strength"].default_value = INDOOR_GLOW
+            material.cycles.emission_sampling = "NONE"
+            return
         room = record.name == "glass" and variant == "room"
         wall = record.name == "glass_wall"
         sign = record.name == "sign" and variant == "sign"

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.assets.facade_styles import FacadeStyle, Weighted
 from cityx.assets.openings import DOORS, WINDOWS
+from cityx.assets.palette_tables import GROUP_OF
 from cityx.assets.palettes import GROUPS, groups_of, landuse_of, owner_rows
 from cityx.city.ground import KERB_HEIGHT
 from cityx.geometry import facades
@@ -322,7 +323,11 @@ def _shops(
     share = np.where((group == index["office"])[part], share * 0.8 + 0.05, share)
     no = np.isin(group, [index[name] for name in ("house", "industry", "worship", "civic", "shed")])
     share = np.where(no[part], 0.0, share)
-    share = np.maximum(share, np.where(place == "low", 0.0, least)[part])
+    # What is only guessed to be a house, by its size, may be a shop in a town that has such.
+    words = layout.buildings["use"].to_numpy(str)[owner] if len(layout.buildings) else place
+    said = described & np.isin(words, list(GROUP_OF))
+    open_ = ~no | ((group == index["house"]) & ~said)
+    share = np.maximum(share, np.where(open_ & (place != "low"), least, 0.0)[part])
     share = np.where(_mapped_shops(layout, building), 1.0, share)
     fit = np.isin(mode, [facades.PUNCHED, facades.STRIP, facades.CURTAIN]) & (worth >= 2.0)
     return np.asarray(fit & (uniform(city.seed, "facade/shop", building) < share))

@@ -92,10 +92,10 @@ def _terraced(plot: Plot, body: Mass, depth: float) -> Sequence[Mass]:
 
 _FRAMES = (0x3A3D40, 0x55585A, 0x2E3032, 0xD8D8D5, 0x6A5D50)
 _FLATS = FacadeStyle(
-    "punched", 3.2, (("window_wide", 3), ("window_single", 3), ("window_office", 1)),
+    "punched", 3.2, (("window_wide", 4), ("window_office", 2), ("window_single", 1)),
     (("door_glass", 1),), sill=0.5, ground_storey=3.6, corner=0.7, scale=(0.85, 1.0),
     surrounds=(("", 3), ("sill_metal", 3)), heads=(("coping", 1),), back="sill_metal",
-    balcony=0.45, base=(("stone", 3), ("paint", 2), ("", 1)), string=0.5, shops=0.5,
+    balcony=0.45, base=(("stone", 3), ("paint", 2), ("", 1)), string=0.5, shops=0.65,
     balconies=(("balcony_glass", 3), ("balcony_bars", 3), ("balcony_solid", 1)),
 )  # fmt: skip
 _LOGGIAS = replace(

@@ -161,14 +161,21 @@ def _room(placing: Placing, found: Facade, wanted: FloatArray) -> FloatArray:
     most = np.where(table.low < sill[part], ROOM_DEPTH + SOLID, MOST)
     boxes = _footprints(placing, found, every, depth + most, wider=most)
     close = np.flatnonzero(~shapely.contains_properly(solid[part], boxes))
+    # What is held, or meets nothing, does so too when others are made shallower.
+    failing = close
     for attempt in (SHOP_DEPTH, SHALLOW, 0.0):
-        boxes = _footprints(placing, found, close, depth[close] + SOLID)
-        held = shapely.contains_properly(solid[part[close]], boxes)
-        depth[close] = np.where(held, depth[close], np.minimum(depth[close], attempt))
+        boxes = _footprints(placing, found, failing, depth[failing] + SOLID)
+        failing = failing[~shapely.contains_properly(solid[part[failing]], boxes)]
+        depth[failing] = np.minimum(depth[failing], attempt)
+    meeting = close
     for attempt in (SHOP_DEPTH, SHALLOW, 0.0):
-        first, second = _meetings(placing, found, close[depth[close] > 0], depth)
+        meeting = meeting[depth[meeting] > 0]
+        if not len(meeting):
+            break
+        first, second = _meetings(placing, found, meeting, depth)
         later = np.concatenate([first, second]) if attempt else np.maximum(first, second)
         depth[later] = np.minimum(depth[later], attempt)
+        meeting = np.unique(np.concatenate([first, second]))
     # Other parts that reach into this one would stand in the niche.
     crossed = _crossed(solid)[part]
     rows = np.flatnonzero(crossed & (depth > 0))

@@ -71,7 +71,7 @@ _PLAIN = FacadeStyle(
 # Blocks of 1950 to 1965 in the gaps of the war: low storeys, broad windows, rows of balconies.
 _POSTWAR = FacadeStyle(
     "punched", 3.1, (("window_single", 3), ("window_panel", 2)), (("door_glass", 1),), sill=0.92,
-    ground_storey=2.9, corner=0.7, surrounds=(("sill", 2), ("sill_metal", 3)),
+    ground_storey=2.9, corner=0.7, surrounds=(("sill", 2), ("sill_metal", 2), ("surround_flat", 2)),
     heads=(("eaves_board", 3), ("", 1)), back="sill_metal", balcony=0.3,
     balconies=(("balcony_solid", 3), ("balcony_bars", 4)),
     base=(("paint", 3), ("stone", 2)), string=0.6, pipe=True,

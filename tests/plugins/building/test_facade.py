@@ -211,3 +211,18 @@ def test_fronts_of_a_real_quarter_are_sane():
     street = found.fronts.street & (walls.length > 4) & (found.fronts.mode == facades.PUNCHED)
     share = glazed[street].sum() / (walls.length * (walls.z_high - walls.z_low))[street].sum()
     assert 0.18 < share < 0.5
+
+
+def test_every_balcony_has_a_door_and_rhythms_differ():
+    city = replace(terrace(), lod=3)
+    found = facade_of(city)
+    balcony = replace(found.fronts, balcony=np.ones(found.walls.count, bool))
+    made = facades.lay_out(found.storey_walls, balcony, city.seed)
+    french = made.take(made.role == facades.FRENCH)
+    assert french.count > 20
+    floor = found.storeys.floor_of(french.wall, french.floor)
+    assert np.allclose(french.low - floor, 0.06)  # one steps out at floor level
+    part = found.walls.part[french.wall]
+    rows = {tuple(zip(french.floor[part == p], french.bay[part == p], strict=True))
+            for p in np.unique(part)}  # fmt: skip
+    assert len(rows) > 2

@@ -124,3 +124,17 @@ def test_what_is_chosen_is_admitted():
     found = choose_generators(layout, 2)
     columns = [list(generators()).index(name) for name in found.tolist()]
     assert admitted(layout)[np.arange(len(found)), columns].all()
+
+
+def test_slabs_of_estates_seldom_stand_in_a_row():
+    free = share(town(2000, levels=6, size=(20.0, 14.0)), "panel_slab", region="eastern europe")
+    row = town(2000, levels=6, size=(20.0, 14.0), gap=0.0)
+    assert free > 0.3
+    assert share(row, "panel_slab", region="eastern europe") < 0.6 * free
+
+
+def test_flats_of_japan_are_not_those_of_hong_kong():
+    layout = town(use="apartments", levels=6)
+    assert share(layout, "japanese_midrise", region="japan") > 0.5
+    assert share(layout, "asian_block", region="japan") == 0.0
+    assert share(layout, "japanese_midrise", region="east asia") == 0.0
