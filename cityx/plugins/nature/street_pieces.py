@@ -131,7 +131,8 @@ CORNER_SHARE = {"british isles": 0.45, "japan": 0.3, "north america": 0.15}
 USUAL_CORNERS = 0.3
 CORNER_SPACING, FROM_CORNER, LONGEST_CORNER = 1.8, 0.35, 30.0
 BENT = 1.04  # length over chord from which a kerb is a corner, not the far side of a junction
-FROM_BAY, BOARD_ASIDE = 1.75, 0.75  # metres from a bay's middle to its stop; board to its lot
+# Metres from the middle of a bay to its stop, and to the next bay; from a lot to its board.
+FROM_BAY, NEXT_BAY, BOARD_ASIDE = 2.62, 2.55, 1.4
 PARKED_SHARE = 0.55  # of the places of a bicycle stand that are taken
 
 
@@ -415,6 +416,7 @@ def _car_parks(city: City) -> tuple[Pieces, Pieces]:
     ahead = front(bays.yaw)
     ids = hash_ids(0, f"{ACTION}/stop", bays.id)
     stops = pieces("wheel_stop", bays.xy + FROM_BAY * ahead, ids, bays.yaw)
+    stops = stops.take(~near_any(stops.xy, shapely.points(bays.xy), NEXT_BAY))
     if city.network is None:
         return stops, join_pieces([])
     lots = yard_patches(city.layout, city.network, place_of(city), only="parking")
@@ -423,7 +425,7 @@ def _car_parks(city: City) -> tuple[Pieces, Pieces]:
     xy = lots.middle + aside * lots.along
     boards = pieces("parking_board", xy, hash_ids(0, f"{ACTION}/board", lots.id),
                     yaw_facing(across))  # fmt: skip
-    return stops, boards
+    return stops, boards.take(~near_any(xy, shapely.points(bays.xy), NEXT_BAY))
 
 
 def _bicycles(city: City, stands: Pieces) -> Pieces:
