@@ -103,4 +103,4 @@ OTHERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
 @lru_cache(maxsize=8)
 def pit(name: str) -> Prototype:
     """Make a tree pit, one of `PITS` or `OTHERS`, about the trunk's place on the paving."""
-    return shapes.prototype(name, "furniture", (PITS | OTHERS)[name]())
+    return shapes.prototype(name, "furniture", ({**PITS, **OTHERS})[name]())

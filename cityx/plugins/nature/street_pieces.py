@@ -80,13 +80,8 @@ WALL_GAP = {"bicycle_parking": 1.05, "bicycle": 0.35, "bench": 0.4, "planter_rou
             "vending_machine": 0.48, "wheelie_bins": 0.5, "motor_scooter": 0.45,
             "motor_scooter_red": 0.45, "cartons": 0.35, "street_cabinet": 0.3,
             "garden_shed": 1.0, "bin_store": 0.65, "pot_row": 0.3}  # fmt: skip
-OPEN = (
-    "plaza",
-    "courtyard",
-    "sidewalk",
-    "gravel",
-    "frontage",
-)  # ground on which things stand apart from kerbs
+# Ground on which things stand apart from kerbs.
+OPEN = ("plaza", "courtyard", "sidewalk", "gravel", "frontage")
 USUAL_GAP = 0.8  # the same for everything else
 # What stands free on plazas, in yards, and at the walls of yards, with weights; "" is nothing.
 PLAZA = {"": 5.0, "bench": 2.0, "stone_bench": 1.5, "planter": 2.0, "waste_basket": 0.8,
