@@ -12,9 +12,11 @@ from cityx.assets import shapes
 from cityx.assets.shapes import box
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
+from cityx.geometry.identity import rng_for
 
 HALF = 0.60  # metres, half an edge of the pit
 FRAME = 0.08  # metres, breadth of the stone edging
+PLANTS, ROOT = 150, 0.24  # plants of a pit, and metres about the trunk without any
 SLOT = 0.022  # metres, breadth of the slots of a grate
 OPENING = 0.34  # metres, half an edge of the hole in a grate, for the trunk to grow
 DEEP = -0.20  # metres below the paving, so that no gap shows on a slope
@@ -63,12 +65,42 @@ def _grate() -> Shapes:
     return parts
 
 
+def _planted() -> Shapes:
+    """Soil in an edging, with low plants about the trunk."""
+    rng = rng_for(0, "assets/tree_pit_planted", 1)
+    place = rng.uniform(-HALF + 0.06, HALF - 0.06, (2 * PLANTS, 2))
+    place = place[np.abs(place).max(axis=1) > ROOT][:PLANTS]
+    count = len(place)
+    up = np.column_stack([rng.normal(0, 0.5, (count, 2)), np.ones(count)])
+    along = up / np.linalg.norm(up, axis=1, keepdims=True) * rng.uniform(0.06, 0.13, (count, 1))
+    side = np.cross(along, rng.normal(size=(count, 3)))
+    side *= 0.045 / np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-6)
+    centre = np.column_stack([place, 0.04 + along[:, 2]])
+    tint = rng.uniform(0.7, 1.3, (count, 1)) * [1.0, 1.0, 0.9]
+    return [*_open(), shapes.cards(centre, along, side, "leaf", tint)]
+
+
+def _staked() -> Shapes:
+    """Soil in an edging, with two stakes that hold a young tree by a band each."""
+    parts = _open()
+    for x in (-0.38, 0.38):
+        parts.append(shapes.cylinder((x, 0.0, DEEP), (x, 0.0, 1.75), 0.035, "bench_wood", sides=6,
+                                     caps=(False, True)))  # fmt: skip
+        low, high = sorted((x, 0.10 * np.sign(x)))
+        parts.append(box((low, -0.012, 1.55), (high, 0.012, 1.61), "rubber"))
+    return parts
+
+
 PITS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {"tree_pit_open": _open, "tree_pit_flush": _flush, "tree_pit_grate": _grate}
+)
+# What some trees of a place have instead.
+OTHERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
+    {"tree_pit_planted": _planted, "tree_pit_staked": _staked}
 )
 
 
 @lru_cache(maxsize=8)
 def pit(name: str) -> Prototype:
-    """Make a tree pit, one of `PITS`, about the trunk's place on the paving."""
-    return shapes.prototype(name, "furniture", PITS[name]())
+    """Make a tree pit, one of `PITS` or `OTHERS`, about the trunk's place on the paving."""
+    return shapes.prototype(name, "furniture", ({**PITS, **OTHERS})[name]())

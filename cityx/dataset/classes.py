@@ -198,7 +198,9 @@ _PIECE = {
     "shop_board": "sign", "rowing_boat": "boat", "motor_boat": "boat", "barge": "boat",
     "mooring_bollard": "bollard", "quay_steps": "stairs", "grating": "street_cover",
     "tree_pit_open": "street_cover", "tree_pit_flush": "street_cover",
-    "tree_pit_grate": "street_cover", "van": "car", "scooter": "motorcycle", "person": "pedestrian",
+    "tree_pit_grate": "street_cover", "tree_pit_planted": "street_cover",
+    "tree_pit_staked": "street_cover",
+    "van": "car", "scooter": "motorcycle", "person": "pedestrian",
     "asset": "building",
 }  # fmt: skip
 _KIND = {"furniture": "street_furniture", "vehicle": "vehicle", "tree": "tree",

@@ -122,8 +122,8 @@ def _with_pits(city: City, ids: UInt64Array) -> City:
     found = pits_of(city, take_rows(trees, np.isin(trees.object_id, ids)))
     if found is None:
         return city
-    prototype, rows = found
-    return replace(city, scene=with_rows(city.scene, "tree_pits", [prototype], rows))
+    prototypes, rows = found
+    return replace(city, scene=with_rows(city.scene, "tree_pits", prototypes, rows))
 
 
 def _species(city: City, name: str | None, ids: UInt64Array, street: bool) -> NDArray[np.int64]:

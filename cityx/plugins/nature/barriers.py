@@ -25,6 +25,7 @@ STEP = 4.0  # metres; a barrier follows the terrain by pieces of this length at 
 BURIED = 0.4  # metres below the ground, so that no light passes under it
 SHORTEST = 0.3  # metres; what is left of a line between two gates and shorter is dropped
 GATE = 0.4  # metres beyond the carriageway that a drive through a barrier leaves open
+PATHS = ("footway", "path", "cycleway", "pedestrian")
 POSTS = 2.5  # metres between the posts of a fence
 MITRE = 3.0  # a corner's offset grows to this many half widths at most
 
@@ -76,8 +77,13 @@ SLENDER = {"railing": 0.011}  # metres, half of a post
 GREEN_TOP = (0.36, 0.85)  # metres between which plants fill a planted wall
 
 
-def _cut(city: City, lines: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """Cut lines at the site and at passing roads; return what is left and the row of each."""
+def _cut(
+    city: City, lines: NDArray[Any], *, beside_paths: bool = False
+) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """Cut lines at the site and at passing roads; return what is left and the row of each.
+
+    With `beside_paths`, paths that merely run along a line cut nothing out of it.
+    """
     owner = np.arange(len(lines))
     lines = shapely.intersection(lines, shapely.box(*city.layout.extent))
     roads = city.layout.roads
@@ -87,6 +93,10 @@ def _cut(city: City, lines: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int6
     half = np.fmax(np.nan_to_num(roads["width"].to_numpy()[passing] / 2, nan=1.0), 0.6) + GATE
     if len(ways) and len(lines):
         way, line = shapely.STRtree(lines).query(ways, predicate="dwithin", distance=half)
+        if beside_paths:
+            crossing = shapely.intersects(ways[way], lines[line])
+            crossing |= ~np.isin(kind[passing][way], PATHS)
+            way, line = way[crossing], line[crossing]
         if len(way):
             order = np.lexsort((way, line))
             way, line = way[order], line[order]
@@ -319,7 +329,7 @@ def barriers(city: City) -> City:
         edges = frontage_edges(city)
         for name in np.unique(edges.kind.astype(str)).tolist():
             rows = np.flatnonzero(edges.kind == name)
-            shapes, row = _cut(city, edges.lines[rows].copy())
+            shapes, row = _cut(city, edges.lines[rows].copy(), beside_paths=True)
             batches += _raised(city, name, shapes, edges.id[rows][row], np.full(len(row), np.nan))
     if not batches:
         return replace(city, stages_done=done)

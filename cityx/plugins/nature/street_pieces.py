@@ -80,13 +80,8 @@ WALL_GAP = {"bicycle_parking": 1.05, "bicycle": 0.35, "bench": 0.4, "planter_rou
             "vending_machine": 0.48, "wheelie_bins": 0.5, "motor_scooter": 0.45,
             "motor_scooter_red": 0.45, "cartons": 0.35, "street_cabinet": 0.3,
             "garden_shed": 1.0, "bin_store": 0.65, "pot_row": 0.3}  # fmt: skip
-OPEN = (
-    "plaza",
-    "courtyard",
-    "sidewalk",
-    "gravel",
-    "frontage",
-)  # ground on which things stand apart from kerbs
+# Ground on which things stand apart from kerbs.
+OPEN = ("plaza", "courtyard", "sidewalk", "gravel", "frontage")
 USUAL_GAP = 0.8  # the same for everything else
 # What stands free on plazas, in yards, and at the walls of yards, with weights; "" is nothing.
 PLAZA = {"": 5.0, "bench": 2.0, "stone_bench": 1.5, "planter": 2.0, "waste_basket": 0.8,
@@ -131,7 +126,8 @@ CORNER_SHARE = {"british isles": 0.45, "japan": 0.3, "north america": 0.15}
 USUAL_CORNERS = 0.3
 CORNER_SPACING, FROM_CORNER, LONGEST_CORNER = 1.8, 0.35, 30.0
 BENT = 1.04  # length over chord from which a kerb is a corner, not the far side of a junction
-FROM_BAY, BOARD_ASIDE = 1.75, 0.75  # metres from a bay's middle to its stop; board to its lot
+# Metres from the middle of a bay to its stop, and to the next bay; from a lot to its board.
+FROM_BAY, NEXT_BAY, BOARD_ASIDE = 2.62, 2.55, 1.4
 PARKED_SHARE = 0.55  # of the places of a bicycle stand that are taken
 
 
@@ -415,6 +411,7 @@ def _car_parks(city: City) -> tuple[Pieces, Pieces]:
     ahead = front(bays.yaw)
     ids = hash_ids(0, f"{ACTION}/stop", bays.id)
     stops = pieces("wheel_stop", bays.xy + FROM_BAY * ahead, ids, bays.yaw)
+    stops = stops.take(~near_any(stops.xy, shapely.points(bays.xy), NEXT_BAY))
     if city.network is None:
         return stops, join_pieces([])
     lots = yard_patches(city.layout, city.network, place_of(city)).labelled("parking")
@@ -423,7 +420,7 @@ def _car_parks(city: City) -> tuple[Pieces, Pieces]:
     xy = lots.middle + aside * lots.along
     boards = pieces("parking_board", xy, hash_ids(0, f"{ACTION}/board", lots.id),
                     yaw_facing(across))  # fmt: skip
-    return stops, boards
+    return stops, boards.take(~near_any(xy, shapely.points(bays.xy), NEXT_BAY))
 
 
 def _bicycles(city: City, stands: Pieces) -> Pieces:

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.tree_pits import PITS, pit
+from cityx.assets.tree_pits import OTHERS, PITS, pit
 from cityx.city import City, Instances, Prototype
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
@@ -16,6 +16,8 @@ from cityx.plugins.road.kerbs import edge_lines
 
 PAVED = ("sidewalk", "plaza")
 BUSHES = ("shrub_", "boxwood_", "grove_")  # prototypes that need no pit
+PLANTED = 0.35  # share of the pits that have plants
+YOUNG = 0.62  # of its grown height, below which a tree is held by stakes
 STREET_REACH = 20.0  # metres to the street a pit is square to
 
 
@@ -33,12 +35,12 @@ def with_pits(city: City, trees: Instances) -> City:
     found = pits_of(city, counted)
     if found is None:
         return city
-    kind, pits = found
-    return replace(city, scene=city.scene.with_instances("tree_pits", [kind], pits))
+    kinds, pits = found
+    return replace(city, scene=city.scene.with_instances("tree_pits", kinds, pits))
 
 
-def pits_of(city: City, trees: Instances) -> tuple[Prototype, Instances] | None:
-    """Return the pits of trees that stand on paving, None where none does.
+def pits_of(city: City, trees: Instances) -> tuple[list[Prototype], Instances] | None:
+    """Return the pits of trees that stand on paving, with their kinds; None where none does.
 
     Parameters
     ----------
@@ -54,7 +56,7 @@ def pits_of(city: City, trees: Instances) -> tuple[Prototype, Instances] | None:
     chosen = np.flatnonzero(on & ~bush[trees.prototype])
     if not len(chosen):
         return None
-    # One kind for the whole place: a city buys its grates once.
+    # One kind for the whole place, as a city buys its grates once; residents plant some of them.
     kind = list(PITS)[int(uniform(city.seed, "nature/tree_pits", np.uint64(1)) * len(PITS))]
     ids = hash_ids(0, "nature/tree_pits", trees.object_id[chosen])
     order = np.argsort(ids)
@@ -62,8 +64,11 @@ def pits_of(city: City, trees: Instances) -> tuple[Prototype, Instances] | None:
     count = len(chosen)
     rotation = np.zeros((count, 3), np.float32)
     rotation[:, 2] = _along_street(city, trees.position[chosen, :2])
-    return pit(kind), Instances(
-        np.zeros(count, np.int32), ids, trees.object_id[chosen], trees.position[chosen], rotation,
+    planted = uniform(city.seed, "nature/tree_pits/planted", trees.object_id[chosen]) < PLANTED
+    young = trees.scale[chosen, 2] < YOUNG
+    number = np.where(young, 2, np.where(planted, 1, 0)).astype(np.int32)
+    return [pit(name) for name in (kind, *OTHERS)], Instances(
+        number, ids, trees.object_id[chosen], trees.position[chosen], rotation,
         np.ones((count, 3), np.float32), np.ones((count, 3), np.float32),
     )  # fmt: skip
 

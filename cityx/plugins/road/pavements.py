@@ -11,6 +11,7 @@ Ministry of Land, Infrastructure, Transport and Tourism, guideline on guiding bl
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -21,16 +22,21 @@ from cityx.city.frame import Frame
 from cityx.city.ground import Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrangement import inner_points
 from cityx.geometry.drape import Paving
+from cityx.geometry.identity import choose, hash_ids
 from cityx.plugins.road.joints import courses
 
 # Surface to material, by region; what a region does not name keeps its usual material.
 FLAGS = {"sidewalk": "flagstones", "ramp": "flagstones", "frontage": "flagstones"}
 SLABS = {"sidewalk": "slab_walk", "ramp": "mosaic", "frontage": "mosaic", "furnishing": "mosaic"}
-BLOCKS = {"sidewalk": "walk_blocks", "ramp": "walk_blocks", "frontage": "yard"}
+BLOCKS = {"sidewalk": "walk_blocks", "ramp": "walk_blocks"}
+# What lies before houses where each was paved by itself, with weights.
+FORECOURTS = {"yard": 3.0, "asphalt_light": 2.0, "pavers": 1.5, "concrete": 1.2, "clinker": 0.6}
 REGION_PAVING: Mapping[str, Mapping[str, str]] = MappingProxyType({
     "british isles": FLAGS, "central europe": SLABS, "japan": BLOCKS, "east asia": BLOCKS,
 })  # fmt: skip
+PURPOSE = "ground/forecourt"
 GUIDED = ("japan", "east asia")  # where a line of ribs leads along the walks of main streets
 MAIN = ("primary", "secondary", "tertiary", "trunk")
 LEAST_GUIDED, WIDE = 2.0, 2.8  # metres of walk with such a line, of main streets and of any
@@ -52,7 +58,15 @@ def paved(ground: Ground, network: RoadNetwork, layout: Layout, frame: Frame, pl
     laid = REGION_PAVING.get(region, {})
     if region not in GUIDED:
         return courses(ground, network, laid)
-    return courses(ground, network, laid, guided="guided_blocks", main=_guided(layout, network))
+    found = courses(ground, network, laid, guided="guided_blocks", main=_guided(layout, network))
+    rows = np.flatnonzero(ground.labelled("frontage"))
+    cell = np.round(inner_points(ground)[rows] * 10).astype(np.int64).view(np.uint64)
+    kind = choose(
+        0, PURPOSE, hash_ids(0, PURPOSE, cell[:, 0], cell[:, 1]), list(FORECOURTS.values())
+    )
+    material = found.material.copy()
+    material[rows] = len(found.materials) + kind
+    return replace(found, material=material, materials=(*found.materials, *FORECOURTS))
 
 
 def _guided(layout: Layout, network: RoadNetwork) -> NDArray[np.bool_]:
