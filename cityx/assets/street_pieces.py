@@ -207,6 +207,20 @@ def sign_one_way() -> Shapes:
     ]
 
 
+def belisha_beacon() -> Shapes:
+    """Pole in black and white bands with an amber globe, beside a zebra on the British Isles."""
+    band = 0.3
+    return [
+        cylinder((0, 0, BURIED), (0, 0, 2.7), 0.048, "plastic", DARK, sides=10),
+        *(
+            cylinder((0, 0, z), (0, 0, z + band), 0.052, "plastic", PALE, sides=10)
+            for z in np.arange(0.3, 2.6, 2 * band).tolist()
+        ),
+        lathe([(0.0, 2.66), (0.11, 2.71), (0.16, 2.85), (0.11, 2.99), (0.0, 3.04)], "plastic",
+              (1.0, 0.42, 0.03), sides=12),
+    ]  # fmt: skip
+
+
 def sign_crossing() -> Shapes:
     """Square blue sign of a pedestrian crossing."""
     return [
@@ -292,8 +306,8 @@ STREET_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
         maker.__name__: maker
         for maker in (
             planter, planter_round, cafe_set, parasol, shop_board, kiosk, bicycle, wheelie_bins,
-            sign_no_entry, sign_one_way, sign_crossing, sign_name, utility_pole, grating,
-            stone_bench, guard_rail_post, traffic_cone,
+            sign_no_entry, sign_one_way, belisha_beacon, sign_crossing, sign_name, utility_pole,
+            grating, stone_bench, guard_rail_post, traffic_cone,
         )
     }
 )  # fmt: skip

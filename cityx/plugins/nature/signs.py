@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ RANK = {"motorway": 6, "trunk": 6, "primary": 5, "secondary": 4, "tertiary": 3, 
         "residential": 2, "living_street": 1, "service": 0}  # fmt: skip
 FROM_KERB = 0.45  # metres from the kerb to a pole
 BEHIND = 0.8  # metres before the junction
+BESIDE = 0.3  # metres from a zebra to a beacon
 ZEBRA = 4.2  # metres that a zebra takes before the junction
 SIGNALLED = 30.0  # metres from a mapped signal within which no sign rules
 TOLD = 15.0  # metres from a mapped sign within which none is added
@@ -54,8 +56,8 @@ def junction_signs(city: City, place: str) -> tuple[Pieces, FloatArray]:
     joint = network.node_degree >= 3
     points = city.layout.points
     what, where = points["kind"].to_numpy().astype(str), points.geometry.to_numpy()
-    street = street_of(city.layout, network, bands_of(city.layout, network),
-                       painting_of(city.frame))  # fmt: skip
+    painting = painting_of(city.frame)
+    street = street_of(city.layout, network, bands_of(city.layout, network), painting)
     signalled = near_any(network.node_position, signal_places(city.layout), SIGNALLED)
     told = near_any(network.node_position, where[np.isin(what, ("stop", "give_way"))], TOLD)
     drive = np.where(network.left_hand, -1.0, 1.0)
@@ -77,10 +79,17 @@ def junction_signs(city: City, place: str) -> tuple[Pieces, FloatArray]:
         )
         into = here & oneway & (end == 0)
         found.append(_at(network, "sign_one_way", np.flatnonzero(into), end, BEHIND, -drive, False))
-        told_zebra = here & arrives & zebra & ~signalled[node] & (place != "japan")
-        found.append(
-            _at(network, "sign_crossing", np.flatnonzero(told_zebra), end, ZEBRA, drive, True)
-        )
+        told_zebra = here & zebra & ~signalled[node] & (place != "japan")
+        if painting.beacons:
+            rows = np.flatnonzero(told_zebra)
+            off = (street.setback[:, end] + street.depth)[rows] + BESIDE
+            sides = [_at(network, "belisha_beacon", rows, end, off, side * drive, True)
+                     for side in (1.0, -1.0)]  # fmt: skip
+            far = hash_ids(0, f"{PURPOSE}/far", sides[1][0].id)
+            found += [sides[0], (replace(sides[1][0], id=far), sides[1][1])]
+        else:
+            rows = np.flatnonzero(told_zebra & arrives)
+            found.append(_at(network, "sign_crossing", rows, end, ZEBRA, drive, True))
         named = here & (roads["name"].to_numpy().astype(str)[network.edge_road] != "")
         # Every other arm tells its name.
         some = uniform(city.seed, f"{PURPOSE}/name", network.edge_id, end) < 0.5
@@ -91,9 +100,12 @@ def junction_signs(city: City, place: str) -> tuple[Pieces, FloatArray]:
     return join_pieces([f[0] for f in found]), np.concatenate([f[1] for f in found])
 
 
-def _at(network: Any, name: str, edge: NDArray[np.int64], end: int, behind: float,
+def _at(network: Any, name: str, edge: NDArray[np.int64], end: int, behind: Any,
         drive: FloatArray, facing: bool) -> tuple[Pieces, FloatArray]:  # fmt: skip
-    """Poles beside the ends of edges; `facing` the traffic that arrives, or who would enter."""
+    """Poles beside the ends of edges, some metres `behind` the junction.
+
+    They are `facing` the traffic that arrives, or who would enter.
+    """
     lines = edge_lines(network)
     setback = network.trim[edge, end] + behind
     along = setback if end == 0 else edge_lengths(network)[edge] - setback

@@ -8,9 +8,9 @@ import numpy as np
 
 from cityx.city.section import KIND, TRAVELLED, TURN
 from cityx.geometry.polylines import every, locate
+from cityx.plugins.road.crossing_places import STOP
 from cityx.plugins.road.lanes import turns_of_lanes
 from cityx.plugins.road.marks import (
-    STOP,
     BoolArray,
     FloatArray,
     IntArray,

@@ -15,6 +15,7 @@ from cityx.geometry.drape import RAMP_SLOPE
 from cityx.geometry.polylines import locate
 from cityx.plugins.road.carriageway import Carriageway, joined_by
 from cityx.plugins.road.corners import LEAST_RADIUS, RADIUS
+from cityx.plugins.road.crossing_places import dense_places
 from cityx.plugins.road.marks import Street
 from cityx.plugins.road.network import arm_bearings, arms_of
 from cityx.plugins.road.zebras import Zebras
@@ -29,7 +30,7 @@ LEAST_WALK = 0.3  # metres left behind a ramp
 FLARE = 0.5  # metres by which the kerb may bend away from its street within a crossing
 FLARED = 2.0  # metres, the same where its curve begins within a crossing
 BENT_RIBS = SURFACES[LABEL["kerb"]].priority + 1  # over the ramp that surrounds them
-MAPPED_APART = 2.4  # metres of a walk that the map draws apart from its street
+DEEP = RIBS + RAMP + LEAST_WALK + 0.05  # metres of a walk with ribs and a ramp
 _APART = r'"sidewalk(?::both|:left|:right)?": *"separate"'
 END_STONES = SURFACES[LABEL["kerb_dropped"]].priority - 1  # over the kerb, under what is dropped
 LEAST_SINE = 0.4  # of the angle between a drive and its street; a flatter one is no drive
@@ -58,11 +59,16 @@ def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, ribs: 
     parts = []
     apart = table["tags"].str.contains(_APART, regex=True).to_numpy().astype(bool)
     flare = np.where(zebras.flared, FLARED, FLARE)
+    town = dense_places(street.layout, locate(street.lines, zebras.edge, zebras.along)[0])
     straight, bent = np.flatnonzero(~zebras.flared), np.flatnonzero(zebras.flared)
     for sign, column in ((1.0, "sidewalk_left"), (-1.0, "sidewalk_right")):
         walk = table[column].to_numpy(float)
-        walk = np.where(apart, np.maximum(walk, MAPPED_APART), walk)
+        walk = np.where(apart, np.maximum(walk, DEEP), walk)
         kerb = half + KERB_WIDTH
+        # In town the ground behind a narrow walk is paved up to the houses.
+        behind = patches(street, zebras, every, sign * kerb, sign * (kerb + flare + DEEP), RAMP)
+        narrow = np.flatnonzero(town & (walk > 0) & (walk < DEEP))
+        walk[narrow[~_built_on(street, behind[narrow])]] = DEEP
         sloped = walk > RAMP + LEAST_WALK
         ribbed = walk > RIBS + RAMP + LEAST_WALK
         front = kerb + np.where(ribbed, RIBS, 0.0)
@@ -88,6 +94,14 @@ def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, ribs: 
         ):
             parts.append(regions(shapes, LABEL[name], rank or SURFACES[LABEL[name]].priority))
     return join_regions(parts)
+
+
+def _built_on(street: Street, shapes: NDArray[Any]) -> BoolArray:
+    """(k,) whether a house stands on a place."""
+    found = np.zeros(len(shapes), bool)
+    tree = shapely.STRtree(street.layout.buildings.geometry.to_numpy())
+    found[tree.query(shapely.make_valid(shapes), predicate="intersects")[0]] = True
+    return found
 
 
 def drive_regions(street: Street, road: Carriageway) -> Regions:

@@ -29,6 +29,7 @@ from cityx.plugins.road.through_roads import Through
 DASH, GAP = 1.0, 1.0  # metres of the lines of a road that goes straight on
 CYCLE_DASH, CYCLE_GAP = 0.5, 0.5  # metres beside bicycles that cross (German Furt, Dutch blocks)
 CYCLE_LINE = 0.15  # metres, width of these
+FURT_GAP = 0.05  # metres between these and the coloured surface between them
 CYCLE_WAY = 1.3  # metres between the two lines
 LONGEST = 60.0  # metres across a junction; farther apart no line leads
 STEPS = 8  # pieces of a line that bends
@@ -90,7 +91,7 @@ def _between(inner: Polylines, outer: Polylines, rows: IntArray, road: Carriagew
         return np.zeros(0, object)
     near, far = (each.points.reshape(-1, STEPS + 1, 2)[rows] for each in (inner, outer))
     rings = np.concatenate([near, far[:, ::-1]], axis=1)
-    shapes = shapely.make_valid(shapely.polygons(rings))
+    shapes = shapely.buffer(shapely.polygons(rings), -CYCLE_LINE / 2 - FURT_GAP)
     row, star = shapely.STRtree(road.stars).query(shapes, predicate="intersects")
     return np.asarray(shapely.intersection(shapes[row], road.stars[star]))
 

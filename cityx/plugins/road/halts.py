@@ -9,9 +9,8 @@ import shapely
 
 from cityx.city.section import KIND, TRAVELLED
 from cityx.geometry.polylines import every, locate
+from cityx.plugins.road.crossing_places import BEFORE, STOP
 from cityx.plugins.road.marks import (
-    BEFORE,
-    STOP,
     BoolArray,
     FloatArray,
     IntArray,

@@ -70,6 +70,8 @@ class Painting:
         Whether the way of cycle lanes across junctions is coloured.
     one_way_arrows
         Whether arrows tell on the carriageway that a street is one way.
+    beacons
+        Whether poles with amber globes stand beside zebras, rather than signs before them.
     """
 
     yellow_centre: bool = False
@@ -86,6 +88,7 @@ class Painting:
     signal_crossing: str = "bars"
     red_furten: bool = False
     one_way_arrows: bool = False
+    beacons: bool = False
 
     @property
     def ribs(self) -> str:
@@ -116,6 +119,7 @@ def painting_of(frame: Frame) -> Painting:
         boxes=british,
         edge_lines=within(JAPAN),
         buff_tactile=british,
+        beacons=british,
         zebras=not within(FEW_ZEBRAS),
         signal_crossing=first(SIGNAL_CROSSINGS, "bars"),
         red_furten=within((*GERMANY, *RED_CYCLEWAYS)),

@@ -9,8 +9,9 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.ground import KERB_WIDTH, LABEL
-from cityx.geometry.arrangement import Regions, join_regions, regions
-from cityx.geometry.polylines import locate
+from cityx.geometry.arrangement import GRID, Regions, join_regions, regions
+from cityx.geometry.polylines import locate, to_linestrings
+from cityx.plugins.road.carriageway import joined_by
 from cityx.plugins.road.drops import FREE_SIDE, RIBS, patches
 from cityx.plugins.road.marks import Street, lane_count, spans_of
 from cityx.plugins.road.medians import NARROW, Twins, twins_of
@@ -26,6 +27,8 @@ LANE_LEFT = 2.5  # metres that each lane for cars keeps beside an island
 SPLITTER = (1.5, 9.0)  # metres from the ring between which the island at an arm lies
 SPLITTER_WIDTH = (1.8, 0.5)  # metres at the ring and at the far end
 LEAST_SPLITTER = 0.8  # metres at the ring; a narrower one is no island
+BESIDE_SPLIT = 0.4  # metres of an island between one-way halves of an arm to the lanes beside it
+LEAST_SPLIT = 2.0  # square metres of such an island
 LEAST_ISLAND, WIDEST_ISLAND = 1.2, 2.0  # metres; room for one person, and for a bicycle
 ISLAND_END = 2.5  # metres of island on both sides of the crossing
 NEAR = 15.0  # metres along the street from a mapped island to the crossing it belongs to
@@ -45,7 +48,7 @@ def refuge_regions(street: Street, zebras: Zebras, *, ribs: str) -> Regions:
     ribs
         Surface of the ribs.
     """
-    splitters = _splitter_regions(street)
+    splitters = join_regions([_splitter_regions(street), _split_arms(street)])
     if not len(zebras.edge):
         return splitters
     label = LABEL[ribs]
@@ -63,6 +66,40 @@ def _splitter_regions(street: Street) -> Regions:
     return join_regions(
         [
             regions(kerbed, LABEL["kerb"], ISLAND_PRIORITY),
+            regions(inner, LABEL["courtyard"], ISLAND_PRIORITY + 1),
+        ]
+    )
+
+
+def _split_arms(street: Street) -> Regions:
+    """Build the islands between the two one-way halves of arms that part before a roundabout."""
+    layout, network = street.layout, street.network
+    ring = ring_edges(layout, network)
+    oneway = layout.roads["oneway"].to_numpy(bool)[network.edge_road]
+    at_ring = ring_nodes(layout, network)[network.edge_nodes]
+    arm = np.flatnonzero(oneway & ~ring & (at_ring.sum(axis=1) == 1))
+    rows = np.concatenate([np.flatnonzero(ring), arm])
+    if not len(arm):
+        return Regions()
+    lines = to_linestrings(street.lines)
+    faces = shapely.get_parts(shapely.polygonize(lines[rows]))
+    beside = shapely.STRtree(lines[arm]).query(faces, predicate="intersects")[0]
+    # Two arms and the ring between them; the ring's own middle touches the arms at points alone.
+    own = shapely.length(
+        shapely.intersection(shapely.boundary(faces), shapely.union_all(lines[arm]))
+    )
+    faces = faces[(own > SPLITTER[1]) & (np.bincount(beside, minlength=len(faces)) >= 2)]
+    face, edge = shapely.STRtree(lines).query(faces, predicate="intersects")
+    driven = shapely.buffer(lines[edge], network.half_width[edge] + BESIDE_SPLIT)
+    taken, group = joined_by(driven, face)
+    free = shapely.difference(faces[group], taken)
+    whole = shapely.buffer(shapely.buffer(free, -LEAST_SPLITTER / 2), LEAST_SPLITTER / 2 - GRID)
+    parts = shapely.get_parts(whole)
+    parts = parts[shapely.area(parts) > LEAST_SPLIT]
+    inner = shapely.buffer(parts, -KERB_WIDTH)
+    return join_regions(
+        [
+            regions(parts, LABEL["kerb"], ISLAND_PRIORITY),
             regions(inner, LABEL["courtyard"], ISLAND_PRIORITY + 1),
         ]
     )

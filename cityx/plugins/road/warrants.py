@@ -103,7 +103,7 @@ def _apart(places: FloatArray, weight: NDArray[np.int64]) -> FloatArray:
     for row in range(len(places)):
         if kept[row]:
             kept[other[(one == row) & (other > row)]] = False
-    return places[kept]
+    return np.asarray(places[kept])
 
 
 def with_signals(points: GeoDataFrame, places: FloatArray) -> GeoDataFrame:

@@ -7,7 +7,7 @@ from cityx.city import one_mesh
 from cityx.city.ground import KERB_HEIGHT
 from cityx.geometry.identity import stable_id
 from cityx.plugins.nature.furniture import furniture
-from cityx.plugins.nature.pieces import heights
+from cityx.plugins.nature.pieces import heights, may_stand, pieces
 
 
 @pytest.fixture(scope="module")
@@ -97,3 +97,9 @@ def test_a_city_without_roads_gets_its_mapped_things(crossroads):
     layout = crossroads.layout
     bare = replace(crossroads, network=None, layout=replace(layout, roads=layout.roads.iloc[:0]))
     assert len(named(furniture(bare), "bench")[0]) == 1
+
+
+def test_a_mast_at_the_kerb_stands_whatever_its_arm_reaches_over(crossroads):
+    xy = np.array([[30.0, 5.6], [30.0, 4.0]])
+    masts = pieces("traffic_signal_mast", xy, np.arange(1, 3, dtype=np.uint64), np.zeros(2))
+    assert may_stand(crossroads, masts).tolist() == [True, False]

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 import shapely
 
+from cityx.checks.junctions import check_junctions
 from cityx.city.city import City
 from cityx.city.crosswalks import crosswalks_of
 from cityx.city.frame import Frame
 from cityx.city.ground import LABEL
+from cityx.geometry.arrangement import face_areas
 from cityx.plugins.road.arrows import lane_symbols
 from cityx.plugins.road.crossing_places import FLARE, SETBACK
 from cityx.plugins.road.ground import ground
@@ -185,3 +187,14 @@ def test_a_drive_does_not_decide_how_the_street_it_meets_is_paved(layout_of):
         layout = layout_of([([(-90, 0), (0, 0), (90, 0)], sett), ([(0, 0), (0, 60)], side)])
         made = ground(network(City("test", Frame(*BERLIN), layout, lod=2)))
         assert made.ground.on(np.array([[0.0, 0.5]]), paved).all()
+
+
+def test_the_red_way_of_a_cycle_lane_leaves_the_junction_one_surface(layout_of):
+    section = "cycle 1.5 - | drive 3.5 - | drive 3.5 + | cycle 1.5 +"
+    main = MAIN | {"width": 10.0, "section": section}
+    layout = layout_of([(CROSS[0][0], main), (CROSS[1][0], {})])
+    made = ground(network(City("test", Frame(*BERLIN), layout, lod=2)))
+    way = made.ground.labelled("cycle_lane")
+    assert face_areas(made.ground)[way].sum() > 8.0
+    checks = {check.name: check for check in check_junctions(made)}
+    assert checks["junction_surfaces"].value == 0.0

@@ -132,3 +132,22 @@ def test_no_chord_of_a_ring_leaves_its_circle_by_more_than_its_sagitta():
         points = shapely.get_coordinates(drawn)
         middles = (points[1:] + points[:-1]) / 2
         assert np.hypot(*middles.T).min() > radius - SAGITTA - 0.001
+
+
+def test_an_island_lies_between_the_one_way_halves_of_an_arm(layout_of):
+    """A street parts 18 m before the ring into a way in and a way out."""
+    half = {"oneway": True, "lanes": 1, "width": 3.5}
+    ring = [(12 * np.cos(a), 12 * np.sin(a)) for a in np.arange(16) * np.pi / 8]
+    fork, way_in, way_out = (30.0, 0.0), ring[15], ring[1]
+    streets = [
+        ([*ring, ring[0]], ONEWAY), ([(90, 0), fork], {"width": 7.0}),
+        ([fork, way_in], half), ([way_out, fork], half), ([ring[8], (-90, 0)], {}),
+    ]  # fmt: skip
+    found = ground_of(layout_of(streets))
+    between = shapely.Polygon([fork, way_in, way_out])
+    floor = shapely.polygons(found.vertices[found.triangles_of("courtyard")])
+    island = shapely.intersection(shapely.union_all(floor), between)
+    assert island.area > 2.0
+    for line in ((fork, way_in), (way_out, fork)):
+        assert shapely.distance(island, shapely.LineString(line)) > 3.5 / 2 + 0.3
+    assert check_arrangement(found) == (0, 0, 0.0)
