@@ -132,6 +132,9 @@ def _read(commands: Commands, text: str, clause: list[Item]) -> None:
         return
     verb = next((item.get("verb") for item in live if item.kind != "function"), "")
     last = {item.get("rel") for item in live} >= {"last", "change"}
+    if verb == "REDO":
+        commands.edits.append(_undo(live, "redo"))
+        return
     if verb == "UNDO" or (last and verb != "APPLY") or (last and live[0].text == "take"):
         commands.edits.append(_undo(live))
         return
@@ -219,12 +222,12 @@ def _span(items: Sequence[Item]) -> Span:
     return min(item.span[0] for item in items), max(item.span[1] for item in items)
 
 
-def _undo(items: Sequence[Item]) -> Edit:
+def _undo(items: Sequence[Item], verb: str = "undo") -> Edit:
     count = next((item.quantity.low for item in items if item.quantity is not None), 1.0)
     every = any(item.get("rel") == "all" or item.noun == "everything" for item in items)
     for item in items:
         item.state = READ
-    return Edit("undo", change=(("undo", "all" if every else int(count or 1)),), span=_span(items))
+    return Edit(verb, change=((verb, "all" if every else int(count or 1)),), span=_span(items))
 
 
 def _ask(commands: Commands, items: Sequence[Item]) -> None:

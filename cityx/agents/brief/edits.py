@@ -21,6 +21,7 @@ from cityx.agents.brief.selection import (
     targets_of,
 )
 from cityx.agents.brief.terminals import share_of
+from cityx.checks.predicates.vocabulary import family_of
 
 Pairs = list[tuple[str, Value]]
 
@@ -290,6 +291,9 @@ def _way(command: Node) -> Pairs:
         change.append(("direction", next(word.leaves()).get("side")))
     for place in places_of(command.own("place")):
         change += [("direction", place.side)] if place.side and not place.spot else place.items()
+    for place in places_of(command.own("destination")):  # into a park, but up to a church
+        within = family_of(place.spot.rpartition(" ")[2]) == "land" and not place.named
+        change.append(("in" if within else "near", place.spot))
     return change
 
 
@@ -304,15 +308,18 @@ def _scale(command: Node) -> list[Edit]:
     words = command.own("factor", "COUNT", "SHARE")
     holder = words[0] if words[0].name == "factor" else Node("factor", None, tuple(words))
     factor = float(_factor(holder))
-    verb = _item(command.children[0]).text
-    way = _GROWS.get(verb.split()[0], _GROWS.get(verb, 0))
+    said = _item(command.children[0]).text
+    way = _GROWS.get(said.split()[0], _GROWS.get(said, 0))
     share = holder.first("SHARE")
     if way and share is not None and share.quantity is not None and not share.quantity.relative:
         to = any(link.first("TO") is not None for link in command.own("link"))
         factor = factor if to else 1 + way * factor  # "enlarge it by 50 %"
     elif way < 0 and factor > 1:
         factor = 1 / factor  # "shrink it by a factor of 2"
-    return _each(command, "scale", [("factor", _whole(factor))])
+    named = holder.first("ATTR")
+    about = named.get("attr") if named is not None else ""
+    verb = f"scale_{about}" if about in _LENGTHS else "scale"  # "shrink it to half its height"
+    return _each(command, verb, [("factor", _whole(factor))])
 
 
 def _close(command: Node) -> list[Edit]:
