@@ -123,7 +123,8 @@ def _look(command: Node) -> list[Edit]:
         verb, pairs = _change(change.children[0], _attribute(of_part or about))
         changes.setdefault(verb, []).extend(pairs)
     if "replace" in changes:  # "into brick houses": the look is that of what is new
-        changes = {"replace": [pair for pairs in changes.values() for pair in pairs]}
+        whole = [pair for pairs in changes.values() for pair in pairs]
+        return _replaced(command, list(dict.fromkeys(whole)))
     return [
         edit
         for verb, pairs in reversed(changes.items())
@@ -264,7 +265,20 @@ def _replace(command: Node) -> list[Edit]:
     assert noun is not None
     key = _NEW.get(noun.noun_class)
     change: Pairs = [(key, kind_of(noun))] if key else []
-    return _each(command, "replace", change + _traits(new))
+    return _replaced(command, change + _traits(new))
+
+
+def _replaced(command: Node, change: Pairs) -> list[Edit]:
+    """Return a replacement; a building that stands for another gets its size when it is there."""
+    plain = [(key.removeprefix("building."), value) for key, value in change]
+    sizes = [(key, value) for key, value in plain if key.startswith(("floors", "height"))]
+    if not sizes or not any(key == "building.type" for key, _ in change):
+        return _each(command, "replace", change)
+    kept = [pair for pair, own in zip(change, plain, strict=True) if own not in sizes]
+    found = _each(command, "replace", kept)
+    for key, value in sizes:
+        found += _each(command, f"set_{key.partition('.')[0]}", [(key, value)])
+    return found
 
 
 def _traits(new: Node) -> Pairs:
@@ -281,7 +295,14 @@ def _traits(new: Node) -> Pairs:
 
 
 def _move(command: Node) -> list[Edit]:
-    return _each(command, "move", _way(command))
+    way = _way(command)
+    far = [pair for pair in way if pair[0] == "by"]
+    towards = [pair for pair in way if pair[0] == "direction"]
+    if len(far) > 1 and len(far) == len(towards) and len(way) == 2 * len(far):
+        # "10 m north and 5 m east" is one after the other
+        steps = zip(far, towards, strict=True)
+        return [edit for step in steps for edit in _each(command, "move", step)]
+    return _each(command, "move", way)
 
 
 def _way(command: Node) -> Pairs:
@@ -381,6 +402,9 @@ def _places(command: Node) -> list[Node]:
     return [*command.find("place"), *command.find("destination")]
 
 
+FULL = 20  # people or vehicles that fill a place where no number is told
+
+
 def _fill(command: Node) -> list[Edit]:
     """Read "fill the plaza with 50 people"."""
     places = [
@@ -388,7 +412,12 @@ def _fill(command: Node) -> list[Edit]:
     ]
     things = command.branch("things")
     assert things is not None
-    return [_added(thing, places) for thing in things.own("thing")]
+    added = [_added(thing, places) for thing in things.own("thing")]
+    return [
+        replace(edit, change=(*edit.change, ("count", FULL)))
+        if edit.verb == "add_agent" and "count" not in dict(edit.change) else edit
+        for edit in added
+    ]  # fmt: skip
 
 
 def _added(thing: Node, places: Sequence[Place]) -> Edit:
