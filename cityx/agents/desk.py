@@ -15,7 +15,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from cityx.agents.journal import DONE, JOURNAL, STARTED, Journal, RunRecord, derivation_key
+from cityx.agents.journal import DONE, JOURNAL, STARTED, Journal, derivation_key
 from cityx.agents.locks import locked
 from cityx.agents.pool import Message, Pool
 from cityx.agents.run import Run
@@ -205,25 +205,55 @@ class Desk:
             As of `change`.
         """
         with self._alone(expected):
-            known = self.journal.done()
-            wanted = self._before(known) if to is None else to
-            if wanted not in known:
-                raise UsageError(
-                    "There is nothing to undo." if to is None else
-                    f"There is no revision {to}; they are {', '.join(map(str, sorted(known)))} "
-                    f"({self.revision} is the last)."
-                )  # fmt: skip
-            number = self._begin(f"back to revision {wanted}", {"same_as": wanted})
-            source = self._store if wanted == self.revision else self.folder / HISTORY / str(wanted)
-            return self._commit(number, read_city(source), source)
+            wanted = self._neighbour(-1, "undo") if to is None else to
+            return self._back_to(wanted)
 
-    def _before(self, known: Mapping[int, RunRecord]) -> int:
-        """Return the revision before the last change, looking through what was undone."""
-        now = self.revision
-        while now in known and "same_as" in known[now].config:
-            now = int(known[now].config["same_as"])
-        earlier = [number for number in known if number < now]
-        return max(earlier, default=-1)
+    def redo(self, to: int | None = None, *, expected: int | None = None) -> Revision:
+        """Make the change that was undone last again; as of `undo`."""
+        with self._alone(expected):
+            wanted = self._neighbour(1, "redo") if to is None else to
+            return self._back_to(wanted)
+
+    def farthest(self, *, back: bool) -> int:
+        """Return the revision that undoing, or redoing, everything leads to."""
+        states, _ = self._line()
+        return states[0 if back else -1] if states else self.revision
+
+    def _back_to(self, wanted: int) -> Revision:
+        known = self.journal.done()
+        if wanted not in known:
+            raise UsageError(
+                f"There is no revision {wanted}; they are {', '.join(map(str, sorted(known)))} "
+                f"({self.revision} is the last)."
+            )
+        number = self._begin(f"back to revision {wanted}", {"same_as": wanted})
+        source = self._store if wanted == self.revision else self.folder / HISTORY / str(wanted)
+        return self._commit(number, read_city(source), source)
+
+    def _neighbour(self, step: int, verb: str) -> int:
+        states, place = self._line()
+        if not 0 <= place + step < len(states):
+            raise UsageError(f"There is nothing to {verb}.")
+        return states[place + step]
+
+    def _line(self) -> tuple[list[int], int]:
+        """Return the revisions that changes led to, one after the other, and where one is in them.
+
+        What was undone when something else was changed is no longer one of them.
+        """
+        known = self.journal.done()
+        states: list[int] = []
+        place = -1
+        for number in sorted(known):
+            state = number
+            while state in known and "same_as" in known[state].config:
+                state = int(known[state].config["same_as"])
+            if state in states:
+                place = states.index(state)
+                continue
+            states = [*states[: place + 1], state]
+            place = len(states) - 1
+        return states, place
 
     @contextmanager
     def _alone(self, expected: int | None) -> Iterator[None]:

@@ -31,7 +31,7 @@ from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.serving import Slots
 from cityx.sources.blend_curves import SUFFIX, BlendCurves, read_blend_curves
 
-UNDO = "undo"
+UNDO, REDO = "undo", "redo"
 SHELLS = "buildings"  # layer of the shells of buildings
 OFFLINE = PlannerChoice()
 
@@ -106,7 +106,7 @@ def planned(
     curves = [read_blend_curves(file) for file in drawings]
     request = _read(desk, text, files, choice, records)
     edits = request.brief.edits
-    if any(edit.verb == UNDO for edit in edits):
+    if any(edit.verb in (UNDO, REDO) for edit in edits):
         if len(edits) > 1:
             raise UsageError("Going back and a change are two things; ask for one at a time.")
         return request, None
@@ -222,9 +222,12 @@ def _named(edit: Edit) -> str:
 
 def _undone(desk: Desk, request: Request, expected: int | None) -> Revision:
     (edit,) = request.brief.edits
-    count = next((int(value) for key, value in edit.change if key == UNDO), 1)
-    for _ in range(max(count, 1)):
-        revision = desk.undo(expected=expected)
+    step = desk.undo if edit.verb == UNDO else desk.redo
+    count = next(value for key, value in edit.change if key == edit.verb)
+    if count == "all":
+        return step(desk.farthest(back=edit.verb == UNDO), expected=expected)
+    for _ in range(max(int(count), 1)):
+        revision = step(expected=expected)
         expected = None
     return revision
 

@@ -47,6 +47,8 @@ class Pull:
     drawn
         Curves of the artist's own ("name", "points" in metres) that the city has not just so; who
         is told to goes along them.
+    erased
+        Names of curves that an earlier pull took, and that are gone.
     untaken
         Changes that CityX cannot take back, in words.
     foreign
@@ -58,13 +60,15 @@ class Pull:
     removed: tuple[str, ...] = ()
     painted: tuple[Mapping[str, Any], ...] = ()
     drawn: tuple[Mapping[str, Any], ...] = ()
+    erased: tuple[str, ...] = ()
     untaken: tuple[str, ...] = ()
     foreign: tuple[Mapping[str, str], ...] = ()
 
     @property
     def empty(self) -> bool:
         """Whether the city is as the file shows it, but for what cannot be taken."""
-        return not (self.moved or self.copied or self.removed or self.painted or self.drawn)
+        return not (self.moved or self.copied or self.removed or self.painted or self.drawn
+                    or self.erased)  # fmt: skip
 
     def lines(self, most: int = SHOWN) -> list[str]:
         """Say in words what differs, some of each kind by name."""
@@ -72,6 +76,7 @@ class Pull:
         for verb, changes in (("moved", self.moved), ("copied", self.copied)):
             found += _named(verb, [f"{c['id']}{_pose_in_words(c)}" for c in changes], most)
         found += _named("removed", sorted(self.removed), most)
+        found += _named("removed", list(self.erased), most)
         found += _named("recoloured", [str(c["id"]) for c in self.painted], most)
         found += _named("not taken", list(self.untaken), most)
         found += _named("drawn", [str(c["name"]) for c in self.drawn], most)
@@ -95,6 +100,7 @@ def calls_of(found: Pull, city: City) -> list[Call]:
     poses = ("move", "turn", "factor")
     drawn = [Call("edit/draw_curve-v1", dict(curve)) for curve in found.drawn]
     calls = [
+        *(Call("edit/erase_curve-v1", {"name": name}) for name in found.erased),
         *drawn,
         *(Call("edit/copy_objects-v1", same) for same in _grouped(found.copied, poses)),
     ]
@@ -197,7 +203,9 @@ def pull(
         numbers = [*sorted((r.number for r in desk.revisions()), reverse=True)]
         say("reading city.blend")
         found = differences(folder, path, numbers)
-        found = replace(found, drawn=tuple(_new_curves(found, desk.city)))
+        held = set(_held_curves(desk.city))
+        erased = tuple(name for name in found.erased if name in held)
+        found = replace(found, drawn=tuple(_new_curves(found, desk.city)), erased=erased)
         _bounded(found, desk, removals)
         calls = calls_of(found, desk.city)
         if dry_run or not calls:
@@ -216,14 +224,19 @@ def pull(
 
 def _new_curves(found: Pull, city: City) -> Iterator[Mapping[str, Any]]:
     """Yield the curves that the city has not, or otherwise."""
-    table = city.layout.lines
-    own = table[table["kind"].to_numpy() == CURVE]
-    held = dict(zip(own["source"].tolist(), own.geometry.tolist(), strict=True))
+    held = _held_curves(city)
     for curve in found.drawn:
         points = plain_line(np.array(curve["points"]))
         known = held.get(curve["name"])
         if known is None or not shapely.equals_exact(known, shapely.LineString(points), SLACK):
             yield {"name": curve["name"], "points": points}
+
+
+def _held_curves(city: City) -> dict[str, shapely.LineString]:
+    """Return the curves of a city by their names."""
+    table = city.layout.lines
+    own = table[table["kind"].to_numpy() == CURVE]
+    return dict(zip(own["source"].tolist(), own.geometry.tolist(), strict=True))
 
 
 def differences(folder: Path, path: Path, numbers: Sequence[int]) -> Pull:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 
-from cityx.blender.pull import opened
+from cityx.blender.pull import CURVES, opened
 from cityx.blender.worker import end_with_parent, save
 
 OWN = "Own objects"  # collection that they come into
@@ -36,6 +36,9 @@ def carry(source: Path, target: Path, names: list[str]) -> None:
         bpy.context.scene.collection.children.link(collection)
     for item in wanted.objects:
         collection.objects.link(item)
+    # A curve that is gone when the file comes back was deleted in it.
+    drawn = [item.name for item in wanted.objects if item.type == "CURVE"]
+    bpy.context.scene[CURVES] = json.dumps(sorted(drawn))
     save(target)
 
 

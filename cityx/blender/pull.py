@@ -43,6 +43,7 @@ NEAR = 1e-3  # metres; float32 is exact to less within 8 km
 EQUAL = 1e-4  # of turns, in radians, and of factors
 SHADE = 2.5 / 255  # of a colour's channel; stored colours are bytes
 WHITE = (1.0, 1.0, 1.0)
+CURVES = "cityx_curves"  # property of a scene: names of the artist's curves that came into it
 REMOVABLE = OBJECT_LAYERS | {"barriers"}  # land, streets and bridges are one piece each
 # What an artist sees of a city, and cannot lose: cameras and lights are tools, not objects.
 TOOLS = frozenset({"CAMERA", "LIGHT", "LIGHT_PROBE", "SPEAKER", "EMPTY"})
@@ -58,6 +59,7 @@ class Differences:
         self.painted: list[dict[str, Any]] = []
         self.untaken: list[str] = []
         self.drawn: list[dict[str, Any]] = []
+        self.erased: list[str] = []
 
     def pose(self, object_id: int, change: FloatArray, scale: FloatArray, *, copy: bool) -> None:
         """Add a move, if it is one: a rigid change (4, 4) about the foot, and factors."""
@@ -92,6 +94,7 @@ def compare(view: View, scene: bpy.types.Scene) -> dict[str, Any]:
         elif item.type not in TOOLS and item.get(NAME, "") in {"", *names} - {item.name}:
             foreign.append({"name": item.name, "type": item.type.lower()})
             _draw(item, scene.unit_settings.scale_length, found)
+    found.erased = sorted({*json.loads(scene.get(CURVES, "[]"))} - names)
     for layer, batch in view.scene.meshes.items():
         items = known.pop(layer, [])
         own = layer in OBJECT_LAYERS and batch.count <= MAX_OBJECTS and view.lod > 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-LONG = 20.0  # seconds of waiting after which the others let one in
+LONG = 8.0  # seconds of waiting after which the others let one in
 LINE = 3.0  # metres before a junction at which one waits to get onto it
 HARD = 3.0  # metres per second squared at which others brake for who is let in
 REACTION = 1.5  # seconds until they do

@@ -65,11 +65,13 @@ def _turning_back_last(links: list[Link]) -> list[Link]:
     They cross all others of a junction, and some of them twice. One stays where nothing else leads
     on from where it begins, or to where it ends.
     """
-    back = [bend_of(link.shape) > BACK for link in links]
-    left = {link.source[0] for link, turns in zip(links, back, strict=True) if not turns}
-    reached = {link.target[0] for link, turns in zip(links, back, strict=True) if not turns}
-    return [link for link, turns in zip(links, back, strict=True)
-            if not turns or link.source[0] not in left or link.target[0] not in reached]  # fmt: skip
+    onward = [link for link in links if bend_of(link.shape) <= BACK]
+    left, reached = {link.source[0] for link in onward}, {link.target[0] for link in onward}
+    return [
+        link for link in links
+        if bend_of(link.shape) <= BACK
+        or link.source[0] not in left or link.target[0] not in reached
+    ]  # fmt: skip
 
 
 def _merged(links: list[Link]) -> tuple[Link, ...]:

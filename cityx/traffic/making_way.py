@@ -8,6 +8,7 @@ earlier or later, as if its driver had seen the other; its way stays the same.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -220,5 +221,5 @@ class _Scene:
 def _unwound(heading: FloatArray, mover: IntArray) -> FloatArray:
     """Let headings run on beyond a full turn within each mover."""
     first = np.r_[0, np.flatnonzero(np.diff(mover)) + 1, len(mover)]
-    parts = [np.unwrap(heading[a:b]) for a, b in zip(first[:-1], first[1:], strict=True)]
+    parts = [np.unwrap(heading[a:b]) for a, b in pairwise(first.tolist())]
     return np.concatenate(parts)

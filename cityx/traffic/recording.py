@@ -92,8 +92,9 @@ def recorded(
                                     (position, heading, speed))  # fmt: skip
         place = place[at.astype(np.int64)]
     now = time >= 0.0
-    mover, time, position, heading, speed, place = (values[now] for values in
-                                                    (mover, time, position, heading, speed, place))  # fmt: skip
+    mover, time, position, heading, speed, place = (
+        values[now] for values in (mover, time, position, heading, speed, place)
+    )
     walking = on_foot[mover]
     footing = stand_on(city.scene.meshes.get("ground"), position[walking, :2]).z
     position[walking, 2] = np.where(np.isnan(footing), position[walking, 2] + KERB_HEIGHT, footing)

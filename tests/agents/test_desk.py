@@ -51,6 +51,23 @@ def test_a_change_is_a_revision_that_can_be_undone_and_done_again(folder):
     assert sorted(path.name for path in (folder / "history").iterdir()) == ["1", "2", "3", "4"]
 
 
+def test_what_was_undone_is_done_again_until_something_else_is_changed(folder):
+    with Desk(folder) as desk:
+        first = content_hash(desk.city).total
+        snow = desk.change([SNOW]).content
+        dusk = desk.change([DUSK]).content
+        assert [desk.undo().content, desk.undo().content] == [snow, first]
+        assert [desk.redo().content, desk.redo().content] == [snow, dusk]
+        with pytest.raises(UsageError, match="nothing to redo"):
+            desk.redo()
+        assert desk.undo(desk.farthest(back=True)).content == first
+        other = desk.change([DUSK]).content
+        with pytest.raises(UsageError, match="nothing to redo"):
+            desk.redo()
+        assert desk.undo().content == first
+        assert desk.redo().content == other
+
+
 def test_what_a_change_leaves_alone_is_not_written_again(folder):
     with Desk(folder) as desk:
         desk.change([SNOW])

@@ -148,6 +148,10 @@ def move_own(name, move):
     bpy.data.objects[name].location = move
 
 
+def delete_own(name):
+    bpy.data.objects.remove(bpy.data.objects[name])
+
+
 def main():
     bpy.ops.wm.open_mainfile(filepath=sys.argv[1])
     for name, *arguments in json.loads(sys.argv[2]):

@@ -15,9 +15,10 @@ from cityx.agents.edit import planned, undo
 from cityx.agents.options import BuildOptions
 from cityx.agents.pull import pull
 from cityx.city.content import content_hash
+from cityx.city.layout import CURVE
 from cityx.city.store import read_city
 from cityx.errors import InputError, UsageError
-from cityx.geometry.identity import id_text
+from cityx.geometry.identity import id_text, stable_id
 from cityx.geometry.turns import matrices
 from cityx.protocol.gate import Call
 
@@ -145,6 +146,14 @@ def test_a_curve_that_is_drawn_or_moved_is_one_of_the_city(folder):
     with Desk(folder) as desk:
         _, (item,) = planned(desk, "Let a woman walk along artist path.")
     assert item.args["path"] == "artist path"
+    before, gone, found, _ = pulled(folder, ["delete_own", "artist path"])
+    assert found.erased == ("artist path",)
+    assert "removed: artist path" in found.lines()
+    assert "artist path" not in gone.layout.lines["source"].tolist()
+    assert changed(before, gone) == {id_text(stable_id(CURVE, "artist path"))}
+    with Desk(folder) as desk:
+        assert desk.revisions()[-1].actions == ("edit/erase_curve-v1",)
+    assert undo(folder)["hash"] == content_hash(before).total
 
 
 def test_a_building_takes_its_windows_and_its_outline_along(folder):

@@ -110,7 +110,7 @@ class Edit:
 
     def items(self) -> Iterator[tuple[str, Value]]:
         """Yield the edit as keys and values, the verb first."""
-        if self.verb == "undo":
+        if self.verb in ("undo", "redo"):
             yield from self.change
             return
         yield "edit", self.verb

@@ -71,8 +71,11 @@ class Commands:
 def read_edits(text: str, items: Sequence[Item]) -> Commands:
     """Read every command of an instruction; what no command takes describes the city."""
     commands = Commands(found=Findings(text))
+    told = False
     for clause in commands_of(items):
-        _read(commands, text, clause)
+        named = len(commands.edits)
+        _read(commands, text, clause, told=told)
+        told = clause[-1:] != [] and clause[-1].is_mark(":") and len(commands.edits) == named
     for span, edits in commands.open:
         if len(commands.edits) == edits:
             commands.questions.append(_how_much(text[slice(*span)]))
@@ -124,7 +127,7 @@ def _has_object(clause: Sequence[Item]) -> bool:
     return any(item.kind == "id" or item.has("noun", "slot", "rel") for item in clause)
 
 
-def _read(commands: Commands, text: str, clause: list[Item]) -> None:
+def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = False) -> None:
     plain(clause)
     live = [item for item in clause if not item.state and item.kind != "mark"]
     if not live:
@@ -132,6 +135,9 @@ def _read(commands: Commands, text: str, clause: list[Item]) -> None:
         return
     verb = next((item.get("verb") for item in live if item.kind != "function"), "")
     last = {item.get("rel") for item in live} >= {"last", "change"}
+    if verb == "REDO":
+        commands.edits.append(_undo(live, "redo"))
+        return
     if verb == "UNDO" or (last and verb != "APPLY") or (last and live[0].text == "take"):
         commands.edits.append(_undo(live))
         return
@@ -154,6 +160,11 @@ def _read(commands: Commands, text: str, clause: list[Item]) -> None:
         if edits is not None:
             commands.edits += edits
             _settle(commands, text, clause)
+            return
+    if told and commands.named and live:  # "b08: flat roof, grey"
+        edits = _parsed(commands, clause, about_it=True)
+        if edits is not None:
+            commands.edits += edits
             return
     _describe(commands, text, clause, live)
 
@@ -219,12 +230,12 @@ def _span(items: Sequence[Item]) -> Span:
     return min(item.span[0] for item in items), max(item.span[1] for item in items)
 
 
-def _undo(items: Sequence[Item]) -> Edit:
+def _undo(items: Sequence[Item], verb: str = "undo") -> Edit:
     count = next((item.quantity.low for item in items if item.quantity is not None), 1.0)
     every = any(item.get("rel") == "all" or item.noun == "everything" for item in items)
     for item in items:
         item.state = READ
-    return Edit("undo", change=(("undo", "all" if every else int(count or 1)),), span=_span(items))
+    return Edit(verb, change=((verb, "all" if every else int(count or 1)),), span=_span(items))
 
 
 def _ask(commands: Commands, items: Sequence[Item]) -> None:
@@ -324,15 +335,24 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
     ]
     unread_command = _named(live) and live[0].has("verb") and not grouped
     nothing = not (inner.slots or inner.kept or inner.negated) or unread_command
+    sides = [item for item in live if not item.state and item.has("side")]
+    if sides and grouped:  # what is said of a part of the city is not for all of it
+        commands.questions.append(_unknown(text, clause, sides))
     if nothing and live[0].get("verb") != "APPLY" and any(i.kind != "function" for i in live):
         words = text[slice(*_span(live))]
         commands.questions.append(Question(f'What should "{words}" change, and how?'))
 
 
-def _parsed(commands: Commands, clause: list[Item]) -> list[Edit] | None:
-    """Parse a command; where it does not fit, leave out one word after the other."""
+def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -> list[Edit] | None:
+    """Parse a command; where it does not fit, leave out one word after the other.
+
+    A command about what was named before a colon says only what becomes of it.
+    """
     for verb_first in (True, False):
         terminals = terminals_of(clause, verb_first=verb_first)
+        if about_it:
+            looks = [terminal for terminal in terminals if terminal[0] != "AND"]
+            terminals = [("MAKE", -1), ("IT", -1), *looks] if looks else []
         if not terminals or len(terminals) > LONGEST_COMMAND:
             continue
         counted = terminals[0][0] in ("AMOUNT", "COUNT")
@@ -344,6 +364,12 @@ def _parsed(commands: Commands, clause: list[Item]) -> list[Edit] | None:
                 return None
             commands.parses += 1
             command = parse(attempt, clause)
+            if command is not None and _adds_the(command, clause):
+                words = commands.found.text[slice(*_span(clause))].rstrip(".!? ")
+                commands.questions.append(
+                    Question(f'What should "{words}" change, and how?')  # it adds none
+                )
+                return [Edit("unspecified", span=_span(clause))]
             if command is not None and (command.name != "topic" or clause[-1].is_mark(":")):
                 for _, index in attempt:
                     if index >= 0:
@@ -362,8 +388,17 @@ def _parsed(commands: Commands, clause: list[Item]) -> list[Edit] | None:
 _TAKES_AWAY = ("remove", "replace")
 
 
+def _adds_the(command: Node, clause: Sequence[Item]) -> bool:
+    """Tell whether a command would make things that it speaks of as those there are."""
+    verb = command.children[0]
+    if command.name != "add" or verb.name != "MAKE" or verb.item is None:
+        return False
+    after = clause[clause.index(verb.item) + 1 :]
+    return bool(after) and after[0].words[0] in ("the", "these", "those", "all")
+
+
 def _lost(clause: Sequence[Item], edits: Sequence[Edit]) -> list[Item]:
-    """Return words that name what nobody read, of which a change may be: a name, above all.
+    """Return words that name what nobody read, of which a change may be: a name, a side, a look.
 
     Of what is taken away every such word counts: who says "remove the spire of the church" does
     not want the church removed. Parts of buildings are read by `cityx.agents.parts`.
@@ -372,7 +407,8 @@ def _lost(clause: Sequence[Item], edits: Sequence[Edit]) -> list[Item]:
     gone = any(edit.verb in _TAKES_AWAY for edit in edits)
     return [
         item for item in left
-        if item.kind == "id" or (gone and (item.kind == "unknown" or item.noun))
+        if item.kind == "id" or item.has("side", *_LOOKS)
+        or (gone and (item.kind == "unknown" or item.noun))
     ]  # fmt: skip
 
 

@@ -21,6 +21,7 @@ from cityx.agents.brief.selection import (
     targets_of,
 )
 from cityx.agents.brief.terminals import share_of
+from cityx.checks.predicates.vocabulary import family_of
 
 Pairs = list[tuple[str, Value]]
 
@@ -122,7 +123,8 @@ def _look(command: Node) -> list[Edit]:
         verb, pairs = _change(change.children[0], _attribute(of_part or about))
         changes.setdefault(verb, []).extend(pairs)
     if "replace" in changes:  # "into brick houses": the look is that of what is new
-        changes = {"replace": [pair for pairs in changes.values() for pair in pairs]}
+        whole = [pair for pairs in changes.values() for pair in pairs]
+        return _replaced(command, list(dict.fromkeys(whole)))
     return [
         edit
         for verb, pairs in reversed(changes.items())
@@ -263,7 +265,20 @@ def _replace(command: Node) -> list[Edit]:
     assert noun is not None
     key = _NEW.get(noun.noun_class)
     change: Pairs = [(key, kind_of(noun))] if key else []
-    return _each(command, "replace", change + _traits(new))
+    return _replaced(command, change + _traits(new))
+
+
+def _replaced(command: Node, change: Pairs) -> list[Edit]:
+    """Return a replacement; a building that stands for another gets its size when it is there."""
+    plain = [(key.removeprefix("building."), value) for key, value in change]
+    sizes = [(key, value) for key, value in plain if key.startswith(("floors", "height"))]
+    if not sizes or not any(key == "building.type" for key, _ in change):
+        return _each(command, "replace", change)
+    kept = [pair for pair, own in zip(change, plain, strict=True) if own not in sizes]
+    found = _each(command, "replace", kept)
+    for key, value in sizes:
+        found += _each(command, f"set_{key.partition('.')[0]}", [(key, value)])
+    return found
 
 
 def _traits(new: Node) -> Pairs:
@@ -280,7 +295,14 @@ def _traits(new: Node) -> Pairs:
 
 
 def _move(command: Node) -> list[Edit]:
-    return _each(command, "move", _way(command))
+    way = _way(command)
+    far = [pair for pair in way if pair[0] == "by"]
+    towards = [pair for pair in way if pair[0] == "direction"]
+    if len(far) > 1 and len(far) == len(towards) and len(way) == 2 * len(far):
+        # "10 m north and 5 m east" is one after the other
+        steps = zip(far, towards, strict=True)
+        return [edit for step in steps for edit in _each(command, "move", step)]
+    return _each(command, "move", way)
 
 
 def _way(command: Node) -> Pairs:
@@ -290,6 +312,9 @@ def _way(command: Node) -> Pairs:
         change.append(("direction", next(word.leaves()).get("side")))
     for place in places_of(command.own("place")):
         change += [("direction", place.side)] if place.side and not place.spot else place.items()
+    for place in places_of(command.own("destination")):  # into a park, but up to a church
+        within = family_of(place.spot.rpartition(" ")[2]) == "land" and not place.named
+        change.append(("in" if within else "near", place.spot))
     return change
 
 
@@ -304,15 +329,18 @@ def _scale(command: Node) -> list[Edit]:
     words = command.own("factor", "COUNT", "SHARE")
     holder = words[0] if words[0].name == "factor" else Node("factor", None, tuple(words))
     factor = float(_factor(holder))
-    verb = _item(command.children[0]).text
-    way = _GROWS.get(verb.split()[0], _GROWS.get(verb, 0))
+    said = _item(command.children[0]).text
+    way = _GROWS.get(said.split()[0], _GROWS.get(said, 0))
     share = holder.first("SHARE")
     if way and share is not None and share.quantity is not None and not share.quantity.relative:
         to = any(link.first("TO") is not None for link in command.own("link"))
         factor = factor if to else 1 + way * factor  # "enlarge it by 50 %"
     elif way < 0 and factor > 1:
         factor = 1 / factor  # "shrink it by a factor of 2"
-    return _each(command, "scale", [("factor", _whole(factor))])
+    named = holder.first("ATTR")
+    about = named.get("attr") if named is not None else ""
+    verb = f"scale_{about}" if about in _LENGTHS else "scale"  # "shrink it to half its height"
+    return _each(command, verb, [("factor", _whole(factor))])
 
 
 def _close(command: Node) -> list[Edit]:
@@ -374,6 +402,9 @@ def _places(command: Node) -> list[Node]:
     return [*command.find("place"), *command.find("destination")]
 
 
+FULL = 20  # people or vehicles that fill a place where no number is told
+
+
 def _fill(command: Node) -> list[Edit]:
     """Read "fill the plaza with 50 people"."""
     places = [
@@ -381,7 +412,12 @@ def _fill(command: Node) -> list[Edit]:
     ]
     things = command.branch("things")
     assert things is not None
-    return [_added(thing, places) for thing in things.own("thing")]
+    added = [_added(thing, places) for thing in things.own("thing")]
+    return [
+        replace(edit, change=(*edit.change, ("count", FULL)))
+        if edit.verb == "add_agent" and "count" not in dict(edit.change) else edit
+        for edit in added
+    ]  # fmt: skip
 
 
 def _added(thing: Node, places: Sequence[Place]) -> Edit:

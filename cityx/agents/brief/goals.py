@@ -205,7 +205,7 @@ def goals_of(
         take(f"keep {slot.value}", [kept_goal] if chosen else [], slot.span)
     for edit in edits:
         text = " ".join(f"{key}={value}" for key, value in edit.items())
-        if edit.verb not in ("undo", "unspecified"):
+        if edit.verb not in ("undo", "redo", "unspecified"):
             take(text, _edit_predicates(edit), edit.span)
     if any(edit.target is not None for edit in edits):
         found.append(GoalText("nothing else changes", "same(others)"))

@@ -46,13 +46,13 @@ thing: own* (AGENT | THING | KIND | BUILDING) (link* MODE | link* trait | link* 
 own: trait | SPEED | AMOUNT | MODE | SIZE
 plant: (PLANTS | ADD | MAKE) plants (place | destination | _late)*
 plants: (trait | AMOUNT | OF | SIZE)* PLANT (link? EVERY)* (AND plants)?
-move: MOVE targets (link? LENGTH | link? direction | place)+
+move: MOVE targets (link? LENGTH | link? direction | place | destination)+
 direction: SIDE
 rotate: ROTATE targets link? (ANGLE | COUNT) CLOCKWISE?
 scale: SCALE targets link? (factor | COUNT | SHARE)
 close: (CLOSE | OPEN) targets (link AGENT)?
 lights: (TURN_ON | TURN_OFF) targets
-copy: COPY targets (link? LENGTH | link? direction | link? place)*
+copy: COPY targets (link? LENGTH | link? direction | link? place | destination)*
 swap: REPLACE _look link _look (_at? targets)?
 _look: MATERIAL | COLOR | STYLE | SURFACE
 targets: target (AND target)*
@@ -61,8 +61,8 @@ target: _named? ID (TO ID)? filter* | IT
 _noun: BUILDING | KIND | THING | AGENT | PLANT | ROAD | WHOLE | QUARTER
 reference.4: (TO | FROM) spot
 _named: BUILDING | KIND | THING | PLANT | ROAD
-mod: ALL | COUNT | SHARE | RANK | NEAREST | ORDINAL | REST | MATERIAL | COLOR | STYLE | ROOF | FLOORS
-   | OF | SIDE | SIZE
+mod: ALL | COUNT | SHARE | RANK | NEAREST | ORDINAL | REST | MATERIAL | COLOR | STYLE | ROOF
+   | FLOORS | OF | SIDE | SIZE
 filter: bound | within | nearest | WITH ROOF | (OF | WITH) MATERIAL | (WITH | OF) FLOORS | place
       | FROM spot
 bound.2: (WITH | BE | OF)? LIMIT

@@ -252,6 +252,8 @@ VERBS: Mapping[str, str] = {
     "FILL": "fill, populate, crowd, people with, stock",
     "UNDO": "undo, reset, revert, roll back, rollback, take back, reverse, step back, go back, "
     "cancel",
+    "REDO": "redo, reapply, undo the undo, undo the last undo, undo that undo, bring back the last "
+    "change, restore the last change",
     "COPY": "copy, duplicate, clone, replicate, repeat, reproduce",
     "TURN_OFF": "turn off, switch off, put out, extinguish, turn out",
     "TURN_ON": "turn on, switch on, light up, illuminate",

@@ -61,6 +61,8 @@ def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
             name = "BE"  # "could b03 get a flat roof"
         if name == "ALL" and index + 1 < len(items) and _is_length(items[index + 1]):
             continue  # "every 10 m"; the length itself is the interval
+        if name == "REMOVE" and item.text == "drop" and _is_another(items, index):
+            name = "ADD"  # "drop a bench on the plaza", but "drop the bench"
         if name == "LENGTH" and _is_interval(items, index):
             name = "EVERY"
         if name in ("BE", "AND", "OF", "TO") and first:
@@ -84,6 +86,12 @@ def _with_ranked(found: Sequence[Terminal]) -> list[Terminal]:
             if next(behind, "") not in (*_RANKED, "TO", "FROM"):  # "the houses closest to the lake"
                 made.append(("BUILDING", -1))
     return made
+
+
+def _is_another(items: Sequence[Item], index: int) -> bool:
+    """Tell whether something is spoken of that is not there yet: "a bench", "another one"."""
+    after = items[index + 1] if index + 1 < len(items) else None
+    return after is not None and after.words[0] in ("a", "an", "another", "some")
 
 
 def _is_stuff(items: Sequence[Item], index: int) -> bool:

@@ -68,7 +68,8 @@ class Wanted:
 @action(
     ACTION,
     limits=[
-        "Characters follow the path and one another; they do not evade what others do.",
+        "Characters follow the path and one another. They set out so that they meet nobody who "
+        "walks already, as far as there are gaps; vehicles they do not evade.",
         "On an open path they leave the city at its end.",
     ],
     requires=("layout", has_ground()),
@@ -178,7 +179,7 @@ def add_characters(
             _looks(city, mine, wanted, style, fine=model_quality == "high_poly", first=not made),
             _tints(city, mine, drawn=random_color),
             begins * way.length / max(line.line.length, 1e-9),
-            GAITS[walk_run], ACTION, found.name, found.roads,
+            GAITS[walk_run], ACTION, found.name, found.roads, APART[walk_run],
         )  # fmt: skip
         city, added = procession(city, way, going, cast, seconds)
         made += added

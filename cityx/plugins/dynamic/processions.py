@@ -12,6 +12,7 @@ from cityx.city.city import City
 from cityx.city.tracks import GAIT, Tracks, join_tracks, no_tracks
 from cityx.geometry.courses import Course, times
 from cityx.geometry.identity import stable_id
+from cityx.plugins.dynamic.evading import set_out
 from cityx.plugins.dynamic.feasible import ground_height
 
 FloatArray = NDArray[np.float64]
@@ -37,6 +38,9 @@ class Cast:
         Of the path, for ids.
     roads
         Rows of ``Layout.roads`` of the path, () for a curve.
+    evades
+        Metres from one to the next of those who set out so that they meet nobody who walks already;
+        0 for those who do not heed others.
     """
 
     look: tuple[str, ...]
@@ -46,6 +50,7 @@ class Cast:
     origin: str
     name: str
     roads: tuple[int, ...] = ()
+    evades: float = 0.0
 
 
 def new_ids(city: City, origin: str, name: str, count: int) -> list[int]:
@@ -86,10 +91,20 @@ def procession(
     """
     height = ground_height(city, way.points, cast.roads)
     moments = times(way, speed) if speed.any() else way.along
+    begin, notes = cast.begin, city.notes
+    if cast.evades and speed.any() and city.tracks is not None and city.tracks.on_foot.any():
+        walkers = city.tracks.take(city.tracks.on_foot)
+        wanted = np.interp(begin, way.along, moments)
+        apart = cast.evades / float(speed.max())
+        found, meeting = set_out(way, height, moments, wanted, apart, walkers, seconds)
+        begin = np.interp(found, moments, way.along)
+        if meeting:
+            notes += (f"{meeting} of {len(begin)} on the path \"{cast.name}\" meet others, since "
+                      "so many walk there that none could wait for a gap.",)  # fmt: skip
     ids = new_ids(city, cast.origin, cast.name, len(cast.look))
     made = [
-        _track(way, height, speed, moments, begin, seconds)
-        for begin in cast.begin.tolist()
+        _track(way, height, speed, moments, place, seconds)
+        for place in begin.tolist()
     ]  # fmt: skip
     lengths = [len(samples[0]) for samples in made]
     columns = [np.concatenate([samples[i] for samples in made]) for i in range(4)]
@@ -110,7 +125,7 @@ def procession(
         np.zeros(total, np.uint64),
     )
     joined = join_tracks([city.tracks or no_tracks(), tracks])
-    return replace(city, tracks=joined), tuple(ids)
+    return replace(city, tracks=joined, notes=notes), tuple(ids)
 
 
 def _track(

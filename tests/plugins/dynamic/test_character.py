@@ -6,7 +6,8 @@ import shapely
 
 from cityx.assets.movers import person_of
 from cityx.city.content import content_hash
-from cityx.city.tracks import GAIT, MOVER
+from cityx.city.moments import moments_of
+from cityx.city.tracks import GAIT, MOVER, join_tracks
 from cityx.errors import ActionFailed
 from cityx.plugins.dynamic.character import SIDEWAYS, add_characters
 from cityx.protocol import registry
@@ -172,3 +173,41 @@ def test_a_path_through_water_is_refused_and_one_over_the_bridge_is_not(river):
         add_characters(river, path="ford", points=((0.0, -40.0), (0.0, 40.0)))
     city, _ = add_characters(river, path="over", points=((-117.0, -29.0), (-117.0, 29.0)))
     assert city.tracks.position[:, 2].min() > -0.5
+
+
+WEST_EAST = ((-40.0, -50.0), (40.0, -50.0))
+SOUTH_NORTH = ((0.0, -75.0), (0.0, -25.0))
+
+
+def gaps(tracks, first, last):
+    """Least distance of the middles of two people of two groups, metres, ten times a second."""
+    found = moments_of(tracks, np.arange(0.0, tracks.duration, 0.1))
+    mine = np.isin(tracks.object_id[found.mover], first)
+    theirs = np.isin(tracks.object_id[found.mover], last)
+    least = np.inf
+    for number in np.unique(found.number):
+        here = found.number == number
+        one, other = found.position[mine & here, :2], found.position[theirs & here, :2]
+        if len(one) and len(other):
+            least = min(least, np.hypot(*(one[:, None] - other[None]).transpose(2, 0, 1)).min())
+    return least
+
+
+def test_crowds_on_crossing_paths_do_not_walk_through_each_other(park):
+    city, first = add_characters(park, path="we", points=WEST_EAST, count=12)
+    alone, other = add_characters(park, path="sn", points=SOUTH_NORTH, count=8)
+    both = join_tracks([city.tracks, alone.tracks])
+    assert gaps(both, first, other) < 0.4  # who does not look walks through the others
+    city, last = add_characters(city, path="sn", points=SOUTH_NORTH, count=8)
+    assert gaps(city.tracks, first, last) >= 0.44
+    assert not [note for note in city.notes if "meet others" in note]
+    for row in range(city.tracks.count):
+        assert arc_speeds(city.tracks, row) == pytest.approx(1.4, rel=0.02)
+    mine = city.tracks.take(np.isin(city.tracks.object_id, last))
+    assert np.abs(mine.position[:, 0]).max() <= 0.36  # nobody has left the path
+
+
+def test_who_cannot_wait_for_a_gap_is_told(park):
+    city, _ = add_characters(park, path="we", points=WEST_EAST, count=20, walk_run="stand")
+    city, _ = add_characters(city, path="we", points=WEST_EAST)
+    assert [note for note in city.notes if "1 of 1 on the path" in note]
