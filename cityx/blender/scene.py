@@ -76,6 +76,13 @@ def build_scene(
     """
     scene = bpy.context.scene
     library = library or MaterialLibrary(textured=view.lod > 0)
+    # Blender walks through all objects whenever a mesh is made or gets a material: those of
+    # prototypes come before all objects.
+    used = {int(n) for rows in view.scene.instances.values() for n in np.unique(rows.prototype)}
+    prototypes = {
+        index: _prototype_mesh(view.scene.prototypes[index], index, library)
+        for index in sorted(used)
+    }
     for layer, batch in view.scene.meshes.items():
         if not batch.count:
             continue
@@ -89,7 +96,7 @@ def build_scene(
             else _tiles(layer, batch, library, plain=view.lod == 0)
         )
         _link(collection, made)
-    _instance_layers(view, library, scene)
+    _instance_layers(view, library, scene, prototypes)
     _describe(scene, view)
     return scene
 
@@ -327,7 +334,10 @@ def _store_ids(mesh: bpy.types.Mesh, name: str, ids: NDArray[np.uint64], domain:
 # --- instances ------------------------------------------------------------------------------------
 
 
-def _instance_layers(view: View, library: MaterialLibrary, scene: bpy.types.Scene) -> None:
+def _instance_layers(
+    view: View, library: MaterialLibrary, scene: bpy.types.Scene,
+    meshes: Mapping[int, bpy.types.Mesh],
+) -> None:  # fmt: skip
     held = view.scene
     layers = {layer: rows for layer, rows in held.instances.items() if rows.count}
     if not layers:
@@ -339,7 +349,7 @@ def _instance_layers(view: View, library: MaterialLibrary, scene: bpy.types.Scen
         sources = _collection(_sources_of(layer), store)
         for index in used.tolist():
             if index not in shared:
-                shared[index] = _prototype(held.prototypes[index], index, library)
+                shared[index] = _prototype(held.prototypes[index], meshes[index], library)
             sources.objects.link(shared[index])
         points = _points(view.seed, held.prototypes, view.objects, layer, rows, local)
         _placed(layer, points, sources, _collection(title(layer), scene.collection))
@@ -370,7 +380,8 @@ def add_layer(
     """
     sources = bpy.data.collections.new(_sources_of(layer))
     for index, prototype in enumerate(prototypes):
-        sources.objects.link(_prototype(prototype, index, library))
+        mesh = _prototype_mesh(prototype, index, library)
+        sources.objects.link(_prototype(prototype, mesh, library))
     collection = _collection(title(layer), scene.collection)
     points = _points(seed, prototypes, {}, layer, rows, rows.prototype)
     return _placed(layer, points, sources, collection)
@@ -407,20 +418,32 @@ def _placed(
     return points
 
 
-def _prototype(prototype: Prototype, index: int, library: MaterialLibrary) -> bpy.types.Object:
-    """Make one prototype; the number in its name keeps Blender's alphabetical order ours."""
-    variant = "room" if prototype.kind in ROOM_KINDS else "instance"
-    if prototype.name.startswith(SIGNS) and variant == "instance":
-        variant = "sign"
-    name = f"{index:04d}_{prototype.name}"
+def _variant(prototype: Prototype) -> str:
+    """Return the variant of its materials that a prototype has."""
+    if prototype.kind in ROOM_KINDS:
+        return "room"
+    return "sign" if prototype.name.startswith(SIGNS) else "instance"
+
+
+def _prototype_mesh(prototype: Prototype, index: int, library: MaterialLibrary) -> bpy.types.Mesh:
+    """Make the mesh of a prototype; the number in its name keeps Blender's order ours."""
     mesh = prototype.mesh
-    upload = MeshUploader(mesh, library, variant)
-    made = upload.mesh(name, slice(0, len(mesh.vertices)), slice(0, len(mesh.faces)), 0.0)
+    upload = MeshUploader(mesh, library, _variant(prototype))
+    every = slice(0, len(mesh.vertices)), slice(0, len(mesh.faces))
+    made = upload.mesh(f"{index:04d}_{prototype.name}", *every, 0.0)
     made.attributes.remove(made.attributes["sharp_face"])
     made.set_sharp_from_angle(angle=CREASE)
-    item = bpy.data.objects.new(name, made)
+    return made
+
+
+def _prototype(
+    prototype: Prototype, mesh: bpy.types.Mesh, library: MaterialLibrary
+) -> bpy.types.Object:
+    """Make the object of a prototype, named as its mesh is."""
+    item = bpy.data.objects.new(mesh.name, mesh)
     item["kind"] = prototype.kind
-    if sheds(prototype.kind, prototype.name, mesh.materials):
+    if sheds(prototype.kind, prototype.name, prototype.mesh.materials):
+        variant = _variant(prototype)
         undress(item, library.get(LEAF, variant), library.get("bark", variant))
     return item
 
