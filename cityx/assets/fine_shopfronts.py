@@ -114,7 +114,7 @@ def shop_classic() -> Shapes:
 
 
 def shop_modern() -> Shapes:
-    """Metal sections and large panes with a glass door, tiled foot and goods on shelves."""
+    """Metal sections and large panes with a glass door and a tiled foot."""
     section = soft([(0.0, 0.135), (0.0, 0.0), (0.05, 0.0), (0.056, 0.006), (0.056, 0.03), (0.062,
         0.034),
                     (0.062, 0.135)], 0.003, 3)  # fmt: skip
@@ -145,7 +145,7 @@ def shop_modern() -> Shapes:
 
 
 def shop_window() -> Shapes:
-    """Display window over a low moulded wall, full of goods on shelves."""
+    """Display window over a low moulded wall."""
     section = soft([(0.0, 0.0), (0.0, -0.02), (0.03, -0.024), (0.06, -0.02), (0.07, 0.0), (0.09,
         0.02),
                     (0.095, 0.06), (0.095, 0.135)], 0.006, 3)  # fmt: skip

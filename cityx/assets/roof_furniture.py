@@ -141,7 +141,7 @@ def ac_row() -> Shapes:
     for k, x in enumerate((-1.3, -0.43, 0.43, 1.3)):
         tall = (1.0, 1.0, 0.78, 1.0)[k]
         shapes.append(box((x - 0.38, -0.28, 0.16), (x + 0.38, 0.22, 0.16 + tall), "plastic",
-                          (0.84, 0.84, 0.8)))  # fmt: skip
+                          (0.6, 0.6, 0.57)))  # fmt: skip
         shapes.append(disc((x, -0.29, 0.16 + 0.5 * tall), 0.27, "metal_dark", sides=10,
                            thickness=0.01))  # fmt: skip
         shapes.append(box((x + 0.2, 0.2, 0.16), (x + 0.26, 0.6, 0.22), "plastic"))

@@ -52,7 +52,7 @@ EMISSION_SCALE = 0.15
 ROOM_GLOW = 0.3
 SIGN_GLOW = 1.6
 INDOORS = "room_wall"  # what lamps light by day as well
-INDOOR_GLOW = 0.7  # radiance of a white wall there, against that of the sky at noon
+INDOOR_GLOW = 0.42  # radiance of a white wall there, against that of the sky at noon
 # What no snow lies on: water, and panes that are warm from inside.
 SNOWLESS = frozenset({"water", "glass", "pane", "window_lit", "lamp_glow"})
 

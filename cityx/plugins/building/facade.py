@@ -106,7 +106,7 @@ def facade_of(city: City, trade: FloatArray | None = None) -> Facade:
     "building/facade-v1",
     limits=[
         "Runs at level of detail 2 and above; below it changes nothing.",
-        "Openings lie on the walls; at level 3 they are niches. There are no rooms behind them.",
+        "Openings lie on the walls; at level 3 they are niches. Only shops have rooms.",
         "Signs are in Latin, Greek, Cyrillic and Japanese letters; other names become words.",
     ],
     requires=("layout",),

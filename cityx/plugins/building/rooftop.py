@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 EDGE = 0.7  # metres between a piece and the inner face of the parapet
 MIN_AREA = 28.0  # square metres; smaller flat roofs stay bare
-PER_PIECE = 34.0  # square metres of flat roof per piece
+PER_PIECE = 24.0  # square metres of flat roof per piece
 MOST = 60  # pieces on one roof
 TRIES = 4
 CHIMNEY_TOP = 0.8  # metres a chimney stands above the ridge
@@ -101,7 +101,8 @@ def furnish_roofs(
     # Mended sheets are newer or older than those around them.
     age = 0.55 + 0.9 * uniform(city.seed, "roof/patch", ids, number)
     patch = piece == PIECES.index("roof_patch")
-    tint = np.where(patch[:, None], age[:, None], tint).astype(np.float32)
+    sheet = finishes.roof_tint[part] * age[:, None]
+    tint = np.where(patch[:, None], sheet, tint).astype(np.float32)
     stack = piece == PIECES.index("chimney")
     tint = np.where(
         stack[:, None], np.where(brick[:, None], finishes.wall_tint[part], red), tint
