@@ -31,6 +31,7 @@ FLARE = 0.5  # metres by which the kerb may bend away from its street within a c
 FLARED = 2.0  # metres, the same where its curve begins within a crossing
 BENT_RIBS = SURFACES[LABEL["kerb"]].priority + 1  # over the ramp that surrounds them
 DEEP = RIBS + RAMP + LEAST_WALK + 0.05  # metres of a walk with ribs and a ramp
+NARROW = 1.2  # metres of a walk in town that is lowered as a whole
 _APART = r'"sidewalk(?::both|:left|:right)?": *"separate"'
 END_STONES = SURFACES[LABEL["kerb_dropped"]].priority - 1  # over the kerb, under what is dropped
 LEAST_SINE = 0.4  # of the angle between a drive and its street; a flatter one is no drive
@@ -65,10 +66,8 @@ def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, ribs: 
         walk = table[column].to_numpy(float)
         walk = np.where(apart, np.maximum(walk, DEEP), walk)
         kerb = half + KERB_WIDTH
-        # In town the ground behind a narrow walk is paved up to the houses.
-        behind = patches(street, zebras, every, sign * kerb, sign * (kerb + flare + DEEP), RAMP)
-        narrow = np.flatnonzero(town & (walk > 0) & (walk < DEEP))
-        walk[narrow[~_built_on(street, behind[narrow])]] = DEEP
+        # In town the ground behind a narrow walk is paved, up to the houses if need be.
+        walk = np.where(town & (walk >= NARROW), np.maximum(walk, DEEP), walk)
         sloped = walk > RAMP + LEAST_WALK
         ribbed = walk > RIBS + RAMP + LEAST_WALK
         front = kerb + np.where(ribbed, RIBS, 0.0)
@@ -94,14 +93,6 @@ def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, ribs: 
         ):
             parts.append(regions(shapes, LABEL[name], rank or SURFACES[LABEL[name]].priority))
     return join_regions(parts)
-
-
-def _built_on(street: Street, shapes: NDArray[Any]) -> BoolArray:
-    """(k,) whether a house stands on a place."""
-    found = np.zeros(len(shapes), bool)
-    tree = shapely.STRtree(street.layout.buildings.geometry.to_numpy())
-    found[tree.query(shapely.make_valid(shapes), predicate="intersects")[0]] = True
-    return found
 
 
 def drive_regions(street: Street, road: Carriageway) -> Regions:

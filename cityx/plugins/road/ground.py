@@ -44,13 +44,14 @@ from cityx.plugins.road.landcover import (
     kerbside_regions,
     way_regions,
 )
+from cityx.plugins.road.marks import USUAL
 from cityx.plugins.road.network import road_network
 from cityx.plugins.road.painting import Painting, painting_of
 from cityx.plugins.road.park_paths import park_regions
 from cityx.plugins.road.pavements import paved
 from cityx.plugins.road.retaining_walls import find_walls
 from cityx.plugins.road.stairs import build_stairs
-from cityx.plugins.road.streets import USUAL, street_regions
+from cityx.plugins.road.streets import street_regions
 from cityx.plugins.road.structures import Structures, body_batch, build_structures, grounded_lines
 from cityx.plugins.road.tiers import cut_network
 from cityx.plugins.road.yards import patch_regions

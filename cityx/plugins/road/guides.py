@@ -80,8 +80,7 @@ def guide_lines(
         centre.append(found.centre[first[own]])
     marks, middle = np.concatenate(shapes), np.concatenate(centre)
     paved = _paved(marks, road)
-    cycle = np.flatnonzero(good & found.cycle[first])
-    between = _between(inner, outer, cycle, road)
+    between = _between(inner, outer, np.flatnonzero(good & found.cycle[first]), road)
     return (marks[paved], np.concatenate(edges)[paved]), middle[paved], between
 
 

@@ -388,7 +388,9 @@ def network(
     """
     left = keeps_left(city.frame, drive_on)
     network = road_network(city.layout, left_hand=left)
-    places = warranted(city.layout, network, junction_clusters(network)) if signals else ()
+    if not signals:
+        return replace(city, network=network)
+    places = warranted(city.layout, network, junction_clusters(network))
     if not len(places):
         return replace(city, network=network)
     layout = replace(city.layout, points=with_signals(city.layout.points, places))

@@ -50,7 +50,7 @@ def no_go_areas(street: Street, zebras: Zebras, painted: BoolArray, road: Carria
     inside = cluster[:, 0] == cluster[:, 1]
     edge, end = np.nonzero((painted & ~inside)[:, None] & np.isin(cluster, road.node[wide]))
     hub = cluster[edge, end]
-    ways = _gates(street, edge, end)
+    place, inward, half = _gates(street, edge, end)
     crossings = _crossing_boxes(street, zebras)
     tree = shapely.STRtree(crossings)
     found = []
@@ -59,7 +59,7 @@ def no_go_areas(street: Street, zebras: Zebras, painted: BoolArray, road: Carria
         if len(rows) < LEAST_ARMS:
             continue
         near = crossings[tree.query(star, predicate="intersects")]
-        area = _area(star, *(column[:, rows] for column in ways), near)
+        area = _area(star, place[:, rows], inward[:, rows], half[:, rows], near)
         if not shapely.is_empty(area):
             found.append(_paint(area))
     return np.array(found, object)

@@ -39,6 +39,7 @@ from cityx.plugins.road.heights import WATER
 from cityx.plugins.road.joints import courses
 from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.landcover import AREA_SURFACE
+from cityx.plugins.road.marks import USUAL
 from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.parapets import (
     CUTTING_WALL,
@@ -49,7 +50,6 @@ from cityx.plugins.road.parapets import (
     rim_walls,
 )
 from cityx.plugins.road.stations import DECK, FOOT_DECK, ON_FOOT, RAILS, way_levels
-from cityx.plugins.road.streets import USUAL
 from cityx.plugins.road.structure_surfaces import open_wells, streets_above, tier_regions
 from cityx.plugins.road.structure_tiers import (
     CEILING,
