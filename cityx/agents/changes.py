@@ -16,7 +16,7 @@ from cityx.agents.brief.measurable import COLORS as NAMED
 from cityx.agents.briefs import Clarify
 from cityx.agents.contradictions import contradictions
 from cityx.agents.parts import with_parts
-from cityx.agents.placing import protected, slots_of_places
+from cityx.agents.placing import left_alone, protected, slots_of_places
 from cityx.agents.selecting import SIDES, Open, chosen_by, region_of
 from cityx.checks.predicates.facts import Facts
 from cityx.checks.predicates.things import Selection
@@ -56,6 +56,7 @@ def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
     for edit in brief.edits:
         try:
             chosen = chosen_by(edit, city)
+            chosen = left_alone(brief, chosen, city) if chosen is not None else None
             meant.append((edit, chosen))
             slots = slots_of_edit(edit, chosen, city)
             slots = with_parts(slots, brief.text[slice(*edit.span)], chosen, city)
