@@ -61,6 +61,7 @@ def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
             slots = slots_of_edit(edit, chosen, city)
             slots = with_parts(slots, brief.text[slice(*edit.span)], chosen, city)
             found.append((edit, {**slots, **slots_of_places(edit, city)}))
+            found += [(size, slots_of_edit(size, chosen, city)) for size in sizes_of(edit)]
         except Open as error:
             questions.append(error.question)
     questions += [*contradictions(meant), *protected(brief, meant, city)]
@@ -88,6 +89,17 @@ def _joined(found: list[tuple[Edit, Slots]]) -> list[tuple[Edit, Slots]]:
             slots = {"speed": speeds[place], **slots}
         kept.append((edit, slots))
     return kept
+
+
+def sizes_of(edit: Edit) -> list[Edit]:
+    """Return the changes by which a building that replaces another gets the floors it should have."""
+    if edit.verb != "replace" or "building.type" not in dict(edit.change):
+        return []
+    said = [(key.removeprefix("building."), value) for key, value in edit.change]
+    return [
+        replace(edit, verb=f"set_{key.partition('.')[0]}", change=((key, value),))
+        for key, value in said if key.partition(".")[0] == "floors"
+    ]  # fmt: skip
 
 
 def slots_of_edit(edit: Edit, chosen: Selection | None, city: City) -> Slots:

@@ -4,6 +4,7 @@ import pytest
 
 from cityx.agents.brief.brief import Selector
 from cityx.agents.brief.reading import read_brief
+from cityx.agents.changes import sizes_of
 
 NAMES = ("High Street", "Mill Lane", "City Tower", "Green Park")
 
@@ -153,10 +154,10 @@ def test_what_is_said_behind_a_colon_is_about_what_stands_before_it():
 
 
 def test_a_building_that_stands_for_another_gets_the_size_that_is_said():
-    first, second = read_brief("Make b01 a 30 storey glass tower.", base=True).edits
-    assert (first.verb, dict(first.change)["material"]) == ("replace", "glass")
-    assert (second.verb, dict(second.change)) == ("set_floors", {"floors": 30})
-    assert first.target == second.target
+    edit = one("Make b01 a 30 storey glass tower.")
+    (size,) = sizes_of(edit)
+    assert (size.verb, size.target, size.change) == ("set_floors", edit.target, (("floors", 30),))
+    assert sizes_of(one("Make b01 a glass tower.")) == []
 
 
 def test_two_ways_are_gone_one_after_the_other():
