@@ -92,7 +92,7 @@ def _joined(found: list[tuple[Edit, Slots]]) -> list[tuple[Edit, Slots]]:
 
 
 def sizes_of(edit: Edit) -> list[Edit]:
-    """Return the changes by which a building that replaces another gets the floors it should have."""
+    """Return the changes by which a building that replaces another gets the floors asked for."""
     if edit.verb != "replace" or "building.type" not in dict(edit.change):
         return []
     said = [(key.removeprefix("building."), value) for key, value in edit.change]
