@@ -16,7 +16,7 @@ from cityx.agents.brief.measurable import COLORS as NAMED
 from cityx.agents.briefs import Clarify
 from cityx.agents.contradictions import contradictions
 from cityx.agents.parts import with_parts
-from cityx.agents.placing import protected, slots_of_places
+from cityx.agents.placing import left_alone, protected, slots_of_places
 from cityx.agents.selecting import SIDES, Open, chosen_by, region_of
 from cityx.checks.predicates.facts import Facts
 from cityx.checks.predicates.things import Selection
@@ -56,10 +56,12 @@ def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
     for edit in brief.edits:
         try:
             chosen = chosen_by(edit, city)
+            chosen = left_alone(brief, chosen, city) if chosen is not None else None
             meant.append((edit, chosen))
             slots = slots_of_edit(edit, chosen, city)
             slots = with_parts(slots, brief.text[slice(*edit.span)], chosen, city)
             found.append((edit, {**slots, **slots_of_places(edit, city)}))
+            found += [(size, slots_of_edit(size, chosen, city)) for size in sizes_of(edit)]
         except Open as error:
             questions.append(error.question)
     questions += [*contradictions(meant), *protected(brief, meant, city)]
@@ -87,6 +89,17 @@ def _joined(found: list[tuple[Edit, Slots]]) -> list[tuple[Edit, Slots]]:
             slots = {"speed": speeds[place], **slots}
         kept.append((edit, slots))
     return kept
+
+
+def sizes_of(edit: Edit) -> list[Edit]:
+    """Return the changes by which a building that replaces another gets the floors asked for."""
+    if edit.verb != "replace" or "building.type" not in dict(edit.change):
+        return []
+    said = [(key.removeprefix("building."), value) for key, value in edit.change]
+    return [
+        replace(edit, verb=f"set_{key.partition('.')[0]}", change=((key, value),))
+        for key, value in said if key.partition(".")[0] == "floors"
+    ]  # fmt: skip
 
 
 def slots_of_edit(edit: Edit, chosen: Selection | None, city: City) -> Slots:

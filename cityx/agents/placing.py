@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from cityx.agents.brief import Brief, Edit, Question, Selector
 from cityx.agents.brief.measurable import things
 from cityx.agents.planning.asked import air_slots
@@ -41,6 +43,20 @@ def slots_of_places(edit: Edit, city: City) -> Slots:
 
 def _members(chosen: Selection) -> Any:
     return chosen.layer.members(chosen.rows)
+
+
+def left_alone(brief: Brief, chosen: Selection, city: City) -> Selection:
+    """Return the things of a larger group that change: those that are kept are none of them."""
+    for slot in brief.kept:
+        word = str(slot.value)
+        try:
+            kept = choose(Selector(kind=word) if things(word) else Selector(ids=(word,)), city)
+        except Open:
+            continue
+        others = ~np.isin(chosen.ids, kept.ids)
+        if others.any():
+            chosen = chosen.where(others)
+    return chosen
 
 
 def protected(

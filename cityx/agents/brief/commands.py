@@ -133,6 +133,15 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
     if not live:
         _settle(commands, text, clause)
         return
+    if _leaves_open(clause):
+        words = text[slice(*_span(clause))]
+        commands.questions.append(Question(
+            f'What does "{words}" leave out? Name it, as in: paint all buildings except b01 red.'
+        ))  # fmt: skip
+        commands.edits.append(Edit("unspecified", span=_span(clause)))
+        for item in clause:
+            item.state = READ
+        return
     verb = next((item.get("verb") for item in live if item.kind != "function"), "")
     last = {item.get("rel") for item in live} >= {"last", "change"}
     if verb == "REDO":
@@ -167,6 +176,13 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
             commands.edits += edits
             return
     _describe(commands, text, clause, live)
+
+
+def _leaves_open(clause: Sequence[Item]) -> bool:
+    """Tell whether a clause leaves something out that it does not name."""
+    at = next((at for at, item in enumerate(clause) if item.has("except")), len(clause))
+    after = next((item for item in clause[at + 1 :] if item.kind != "function"), None)
+    return at < len(clause) and (after is None or not (after.kind == "id" or after.noun))
 
 
 def _complained(commands: Commands, items: list[Item]) -> bool:
@@ -307,7 +323,9 @@ def _resolved(commands: Commands, edit: Edit) -> Iterator[Edit]:
 
 def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item]) -> None:
     """Read a command that names no object: weather, time, style; or one nobody understands."""
+    begins = next((item for item in live if item.kind != "function"), live[0])
     stops = live[0].get("verb") == "REMOVE"
+    gone = stops or next((item.get("verb") for item in live if item.get("verb")), "") == "REMOVE"
     if live[0].has("verb"):
         live[0].state = READ  # "plant" is no factory here
     inner = describe(text, clause)
@@ -335,6 +353,11 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
     ]
     unread_command = _named(live) and live[0].has("verb") and not grouped
     nothing = not (inner.slots or inner.kept or inner.negated) or unread_command
+    if (gone and {"set_color", "set_material", "set_style", "set_roof"} & {*grouped}) or (
+        begins.kind == "unknown" and {*grouped} & {"set_traffic", "set_pedestrians"}
+    ):  # "remove that grey block", "ban cars from it": nothing is to look so, or to drive
+        words = text[slice(*_span(live))]
+        commands.questions.append(Question(f'What should "{words}" change, and how?'))
     sides = [item for item in live if not item.state and item.has("side")]
     if sides and grouped:  # what is said of a part of the city is not for all of it
         commands.questions.append(_unknown(text, clause, sides))

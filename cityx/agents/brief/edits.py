@@ -123,8 +123,7 @@ def _look(command: Node) -> list[Edit]:
         verb, pairs = _change(change.children[0], _attribute(of_part or about))
         changes.setdefault(verb, []).extend(pairs)
     if "replace" in changes:  # "into brick houses": the look is that of what is new
-        whole = [pair for pairs in changes.values() for pair in pairs]
-        return _replaced(command, list(dict.fromkeys(whole)))
+        changes = {"replace": [pair for pairs in changes.values() for pair in pairs]}
     return [
         edit
         for verb, pairs in reversed(changes.items())
@@ -265,20 +264,7 @@ def _replace(command: Node) -> list[Edit]:
     assert noun is not None
     key = _NEW.get(noun.noun_class)
     change: Pairs = [(key, kind_of(noun))] if key else []
-    return _replaced(command, change + _traits(new))
-
-
-def _replaced(command: Node, change: Pairs) -> list[Edit]:
-    """Return a replacement; a building that stands for another gets its size when it is there."""
-    plain = [(key.removeprefix("building."), value) for key, value in change]
-    sizes = [(key, value) for key, value in plain if key.startswith(("floors", "height"))]
-    if not sizes or not any(key == "building.type" for key, _ in change):
-        return _each(command, "replace", change)
-    kept = [pair for pair, own in zip(change, plain, strict=True) if own not in sizes]
-    found = _each(command, "replace", kept)
-    for key, value in sizes:
-        found += _each(command, f"set_{key.partition('.')[0]}", [(key, value)])
-    return found
+    return _each(command, "replace", change + _traits(new))
 
 
 def _traits(new: Node) -> Pairs:

@@ -205,7 +205,8 @@ def goals_of(
         take(f"keep {slot.value}", [kept_goal] if chosen else [], slot.span)
     for edit in edits:
         text = " ".join(f"{key}={value}" for key, value in edit.items())
-        if edit.verb not in ("undo", "redo", "unspecified"):
+        part = bool(kept) and edit.target is not None and not edit.target.ids  # the rest of them
+        if edit.verb not in ("undo", "redo", "unspecified") and not part:
             take(text, _edit_predicates(edit), edit.span)
     if any(edit.target is not None for edit in edits):
         found.append(GoalText("nothing else changes", "same(others)"))

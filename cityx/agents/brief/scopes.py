@@ -43,9 +43,34 @@ def settle_scopes(items: Sequence[Item]) -> None:
         elif item.has("neg") and not item.has("after_neg"):
             item.state = READ
             _mark(_scope(items, at + 1), NEGATED)
-        elif item.has("except"):
-            item.state = READ
-            _mark(_scope(items, at + 1), KEPT)
+        elif item.has("except") or _is_exception(items, at):
+            item.state, item.senses = READ, (("except", "but"),)
+            _mark(_named_after(items, at + 1) or _scope(items, at + 1), KEPT)
+
+
+def _is_exception(items: Sequence[Item], at: int) -> bool:
+    """Tell whether a "but" leaves something out of all: "everything but b01"."""
+    before = [item for item in items[:at] if item.kind != "function"]
+    after = next((item for item in items[at + 1 :] if item.kind != "function"), None)
+    if items[at].get("rel") != "but" or not before or after is None:
+        return False
+    whole = any(item.get("rel") in ("all", "every") or item.noun == "everything" for item in before)
+    thing = before[-1].noun or before[-1].get("rel") == "all"
+    return bool(whole and thing) and (after.kind == "id" or bool(after.noun) or after.has("rank"))
+
+
+def _named_after(items: Sequence[Item], at: int) -> list[Item]:
+    """Return the names in a row from an item on: "b02, b03 and b04"."""
+    found: list[Item] = []
+    for item in items[at:]:
+        if item.kind == "id":
+            found.append(item)
+        elif item.kind != "function" and not item.is_mark(",") and item.get("rel") != "and":
+            break
+    for item in items[at : items.index(found[-1])] if found else ():
+        if item not in found:
+            item.state = item.state or READ
+    return found
 
 
 def _mark(items: Iterable[Item], state: str) -> None:

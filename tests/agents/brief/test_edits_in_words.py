@@ -4,6 +4,7 @@ import pytest
 
 from cityx.agents.brief.brief import Selector
 from cityx.agents.brief.reading import read_brief
+from cityx.agents.changes import sizes_of
 
 NAMES = ("High Street", "Mill Lane", "City Tower", "Green Park")
 
@@ -113,3 +114,53 @@ def test_the_nearest_to_something_may_be_named_before_or_behind(text, kind, rank
 def test_what_is_taken_off_something_is_removed(verb, off):
     assert one(f"{verb} the benches {off} the plaza.").verb == "remove"
     assert one(f"{verb} the balconies {off} the hotel.").verb == "remove"
+
+
+@pytest.mark.parametrize(
+    ("text", "kept"),
+    [
+        ("Remove all buildings except b01.", ["b01"]),
+        ("Paint all buildings except b02 and b03 red.", ["b02", "b03"]),
+        ("Paint everything but b01 and b02 blue.", ["b01", "b02"]),
+    ],
+)
+def test_what_is_left_out_of_a_group_is_kept(text, kept):
+    brief = read_brief(text, base=True)
+    assert [slot.value for slot in brief.kept] == kept
+    assert len(brief.edits) == 1
+    assert not brief.questions
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Make everything but the tallest building white.",
+        "Remove all benches except those in the park.",
+        "Change the style of the east side to brutalist.",
+        "Make all buildings on the east side modern and those on the west side victorian.",
+        "Make the cars drive slower.",
+        "Please remove that ugly grey block.",
+        "Ban cars from the old town.",
+    ],
+)
+def test_what_would_become_another_change_is_asked(text):
+    assert read_brief(text, base=True, names=NAMES).questions
+
+
+def test_what_is_said_behind_a_colon_is_about_what_stands_before_it():
+    edits = read_brief("b08: flat roof, grey.", base=True).edits
+    assert {edit.verb for edit in edits} == {"set_roof", "set_color"}
+    assert {edit.target.ids for edit in edits} == {("b08",)}
+
+
+def test_a_building_that_stands_for_another_gets_the_size_that_is_said():
+    edit = one("Make b01 a 30 storey glass tower.")
+    (size,) = sizes_of(edit)
+    assert (size.verb, size.target, size.change) == ("set_floors", edit.target, (("floors", 30),))
+    assert sizes_of(one("Make b01 a glass tower.")) == []
+
+
+def test_two_ways_are_gone_one_after_the_other():
+    ways = [dict(edit.change) for edit in
+            read_brief("Move b03 10 m north and 5 m east.", base=True).edits]  # fmt: skip
+    assert ways == [{"by": 10, "direction": "north"}, {"by": 5, "direction": "east"}]
