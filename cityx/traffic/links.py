@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from shapely.ops import substring
 
 from cityx.geometry.polylines import Polylines
-from cityx.traffic.conflicts import bend_of
 from cityx.traffic.streets import Link, Way
 
 if TYPE_CHECKING:
@@ -20,7 +19,6 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 LONGEST_CHAIN = 12  # short lanes that one way across a junction runs over at most
-BACK = np.radians(140.0)  # from which on a way across a junction turns back
 
 
 def links_of(
@@ -56,22 +54,7 @@ def links_of(
             source, target = place_of[lane], place_of[goal]
             ends = ways[source[0]].lanes[source[1]].shape, ways[target[0]].lanes[target[1]].shape
             links.append(Link(source, target, _risen(found[goal][1], ends)))
-    return _merged(_turning_back_last(links))
-
-
-def _turning_back_last(links: list[Link]) -> list[Link]:
-    """Leave ways out that turn back, as about the median of a street, where others lead on.
-
-    They cross all others of a junction, and some of them twice. One stays where nothing else leads
-    on from where it begins, or to where it ends.
-    """
-    onward = [link for link in links if bend_of(link.shape) <= BACK]
-    left, reached = {link.source[0] for link in onward}, {link.target[0] for link in onward}
-    return [
-        link for link in links
-        if bend_of(link.shape) <= BACK
-        or link.source[0] not in left or link.target[0] not in reached
-    ]  # fmt: skip
+    return _merged(links)
 
 
 def _merged(links: list[Link]) -> tuple[Link, ...]:
