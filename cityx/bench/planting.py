@@ -20,7 +20,7 @@ from cityx.city import City, Instances, MeshBatch
 from cityx.city.ground import ROADWAY
 from cityx.city.levels import ground_levels
 from cityx.geometry.identity import hash_bits, hash_ids, id_text
-from cityx.geometry.polylines import Polylines, arc_lengths, locate
+from cityx.geometry.polylines import arc_lengths, locate
 from cityx.geometry.solids import area_vectors
 from cityx.plugins.background.sun import sun_of
 from cityx.plugins.background.weather import weather_of
@@ -167,7 +167,7 @@ def _carriageway(city: City, key: int) -> FloatArray | None:
     network = city.network
     if network is None or city.ground is None:
         return None
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     length = arc_lengths(lines)[1]
     places = locate(lines, np.arange(lines.count), length / 2)[0]
     xmin, ymin, xmax, ymax = city.layout.extent

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.check import Check
 from cityx.city import City
-from cityx.geometry.polylines import Polylines, arc_lengths, locate, values_along
+from cityx.geometry.polylines import arc_lengths, locate, values_along
 from cityx.geometry.standing import surfaces_at
 
 FloatArray = NDArray[np.float64]
@@ -56,7 +56,7 @@ def steep_share(city: City) -> float:
     network = city.network
     if network is None or not network.edge_count:
         return 0.0
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     length = arc_lengths(lines)[1]
     count = np.maximum((length / RUN).astype(int), 1)
     edge = np.repeat(np.arange(lines.count), count)
@@ -92,7 +92,7 @@ def carriageway_places(city: City, period: float = EVERY) -> tuple[FloatArray, F
     """
     network = city.network
     assert network is not None
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     length = arc_lengths(lines)[1]
     count = np.maximum((length / period).astype(int), 1)
     edge = np.repeat(np.arange(lines.count), count)

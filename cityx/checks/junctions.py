@@ -187,7 +187,7 @@ def _walks(city: City, ground: Ground) -> Check:
         level = np.ones(network.edge_count, bool)
         level[np.repeat(np.arange(network.edge_count), np.diff(network.point_start))[off]] = False
         on_ground = graph.travelled & level[graph.edge]
-        lines = Polylines(graph.points, graph.point_start)
+        lines = graph.lines
         length = shapely.length(to_linestrings(lines)[on_ground])
         line, along = every(length, SPACING)
         places = locate(lines, np.flatnonzero(on_ground)[line], along)[0]

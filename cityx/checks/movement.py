@@ -161,7 +161,7 @@ def off_lanes(scene: Scene) -> BoolArray:
 
 def _lane_lines(graph: LaneGraph) -> tuple[NDArray[Any], FloatArray]:
     """(l,) middles of lanes and half their widths."""
-    lines = to_linestrings(Polylines(graph.points, graph.point_start))
+    lines = to_linestrings(graph.lines)
     return lines, np.abs(graph.left - graph.right) / 2
 
 

@@ -131,7 +131,7 @@ def crosswalks_of(ground: Ground, layout: Layout, network: RoadNetwork) -> Cross
 
 
 def _candidates(ground: Ground, layout: Layout, network: RoadNetwork) -> _Candidates:
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     level = _on_ground(network)
     edge, along, depth = (
         np.concatenate(columns)
@@ -250,7 +250,7 @@ def _bars(ground: Ground) -> FloatArray:
 
 def _across(found: _Candidates, ground: Ground, network: RoadNetwork) -> Crosswalks:
     """Lead lines square to streets from walk to walk; those that meet none are left out."""
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     middle, ahead = locate(lines, found.edge, found.along)
     across = np.column_stack([-ahead[:, 1], ahead[:, 0]])
     half = network.half_width[found.edge]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.geometry.polylines import Polylines
 from cityx.geometry.ranges import ranges
 
 
@@ -47,6 +48,11 @@ class WayHeights:
     z: NDArray[np.float64]
     ground: NDArray[np.float64]
     half_width: NDArray[np.float64]
+
+    @property
+    def lines(self) -> Polylines:
+        """(w,) centrelines of the pieces."""
+        return Polylines(self.points, self.point_start)
 
     @property
     def count(self) -> int:

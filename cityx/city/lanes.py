@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.section import KIND, TRAVELLED
+from cityx.geometry.polylines import Polylines
 
 MOVEMENTS = ("left", "through", "right", "reverse")
 
@@ -60,6 +61,11 @@ class LaneGraph:
     movement: NDArray[np.uint8]
     curve_start: NDArray[np.int64]
     curve: NDArray[np.float64]
+
+    @property
+    def lines(self) -> Polylines:
+        """(l,) middles of the lanes."""
+        return Polylines(self.points, self.point_start)
 
     @property
     def count(self) -> int:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.geometry.polylines import Polylines
+
 
 @dataclass(frozen=True)
 class RoadNetwork:
@@ -55,6 +57,11 @@ class RoadNetwork:
     left_hand: NDArray[np.bool_]
     z: NDArray[np.float64]
     lift: NDArray[np.float64]
+
+    @property
+    def lines(self) -> Polylines:
+        """(e,) centrelines."""
+        return Polylines(self.points, self.point_start)
 
     @property
     def edge_count(self) -> int:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.identity import uniform
-from cityx.geometry.polylines import Polylines, arc_lengths, locate, pieces, to_linestrings
+from cityx.geometry.polylines import arc_lengths, locate, pieces, to_linestrings
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -69,7 +69,7 @@ class Repairs:
 
 def street_repairs(network: RoadNetwork) -> Repairs:
     """Draw the repairs of all streets; each depends on its street alone."""
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     length = arc_lengths(lines)[1]
     found = [_drawn(network, length, number) for number in range(len(KINDS))]
     columns = zip(*found, strict=True)
@@ -85,7 +85,7 @@ def street_repairs(network: RoadNetwork) -> Repairs:
 
 def lane_seams(network: RoadNetwork) -> list[FloatArray]:
     """Return the joints between the lanes in which streets were laid, (n, 2) each."""
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     length = arc_lengths(lines)[1]
     begin, end = network.trim[:, 0], length - network.trim[:, 1]
     found = []

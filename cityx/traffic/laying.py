@@ -146,7 +146,7 @@ def _lane_lines(network: RoadNetwork, graph: LaneGraph, gap: FloatArray) -> Poly
 
     Where two cars pass each other on a lane for both ways, each keeps to its side of it.
     """
-    lines = Polylines(graph.points, graph.point_start)
+    lines = graph.lines
     side = np.where(_shared(graph) & (graph.left - graph.right >= PASSING), 0.25, 0.0)
     side *= np.where(network.left_hand[graph.edge], 1.0, -1.0) * (graph.left - graph.right)
     owner = lines.line_of_point()

@@ -29,7 +29,7 @@ def links_of(
     onward: dict[int, list[tuple[int, int]]] = {}
     for row, (lane, goal) in enumerate(graph.connection.tolist()):
         onward.setdefault(lane, []).append((goal, row))
-    whole = Polylines(graph.points, graph.point_start)
+    whole = graph.lines
     curves = Polylines(graph.curve, graph.curve_start)
     links = []
     for lane in np.flatnonzero(open_lane).tolist():

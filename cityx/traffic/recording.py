@@ -259,7 +259,7 @@ def _heights(city: City, xy: FloatArray, mover: IntArray, edge: IntArray) -> Flo
     # The mesh of the ground is coarser than the terrain; and who cuts a corner rides up the kerb.
     ridden = np.isfinite(footing.z) & ~np.isin(footing.label, _NOT_RIDDEN)
     z = np.where(ridden, footing.z, z)
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     owner = lines.line_of_point()
     lifted = np.zeros(network.edge_count, bool)
     lifted[owner[network.lift != 0.0]] = True

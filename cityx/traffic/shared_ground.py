@@ -57,7 +57,7 @@ class Heights:
 
     def __init__(self, city: City, network: RoadNetwork) -> None:
         self.terrain = city.terrain
-        self.lines = Polylines(network.points, network.point_start)
+        self.lines = network.lines
         self.network = network
         self.shapes = to_linestrings(self.lines)
 

@@ -20,7 +20,7 @@ from cityx.dataset.plans.streets import stations
 from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Source, Take
 from cityx.errors import InputError
 from cityx.geometry.identity import draw
-from cityx.geometry.polylines import Polylines, to_linestrings, values_along
+from cityx.geometry.polylines import to_linestrings, values_along
 
 FOV = 70.0  # degrees
 EYE = 1.6  # metres above the lane: on the roof of a car
@@ -51,10 +51,10 @@ def drive(site: Site) -> Source:
     graph, network = city.lanes, city.network
     if graph is None or network is None or not cars(graph).any():
         raise InputError(f"nobody can drive in {city.name}: it has no lanes for cars.")
-    lines = Polylines(graph.points, graph.point_start)
+    lines = graph.lines
     length = lane_lengths(graph)
     places = stations(lines, np.flatnonzero(cars(graph) & (length > STEP)))
-    edges = Polylines(network.points, network.point_start)
+    edges = network.lines
     roads = _Roads(graph, network, to_linestrings(edges), *_next_lanes(graph))
 
     def candidates(numbers: IntArray) -> list[Take | Refusal]:
@@ -166,7 +166,7 @@ def _even(
     spot = along_line(points, place)
     of = part[np.clip(np.searchsorted(gone, place, side="right") - 1, 0, len(part) - 1)]
     z = np.full(len(place), np.nan)
-    lines = Polylines(roads.network.points, roads.network.point_start)
+    lines = roads.network.lines
     edge = np.array(own)[of]
     known = np.flatnonzero(edge >= 0)
     on = shapely.line_locate_point(roads.edges[edge[known]], shapely.points(spot[known]))

@@ -65,7 +65,7 @@ def street_lines(
     network: RoadNetwork, extent: tuple[float, float, float, float]
 ) -> tuple[Polylines, IntArray]:
     """Return the centrelines of a network, and which of them lie on the ground and on the site."""
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     if not network.edge_count:
         return lines, np.zeros(0, np.int64)
     lift = np.maximum.reduceat(np.abs(network.lift), network.point_start[:-1])

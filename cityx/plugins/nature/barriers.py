@@ -22,6 +22,9 @@ ACTION = "nature/barriers-v1"
 FloatArray = NDArray[np.float64]
 
 STEP = 4.0  # metres; a barrier follows the terrain by pieces of this length at most
+# Clipped, but not ruled: metres between the points of a hedge near by, how far its face swells and
+# sinks there, and the shade of its leaves.
+TWIG, SWELL, SHADE = 0.4, 0.045, (0.55, 1.35)
 BURIED = 0.4  # metres below the ground, so that no light passes under it
 SHORTEST = 0.3  # metres; what is left of a line between two gates and shorter is dropped
 GATE = 0.4  # metres beyond the carriageway that a drive through a barrier leaves open
@@ -118,10 +121,10 @@ def _ground(city: City, xy: FloatArray) -> FloatArray:
     return np.asarray(np.fmax(land, earth_over(city.scene.meshes.get("structures"), xy)))
 
 
-def _resampled(lines: NDArray[Any]) -> Polylines:
-    """Clean lines and add points so that they can follow the terrain."""
+def _resampled(lines: NDArray[Any], step: float = STEP) -> Polylines:
+    """Clean lines and add points, so that they can follow the terrain."""
     clean = shapely.remove_repeated_points(shapely.force_2d(lines), 0.02)
-    return pack(shapely.segmentize(clean, STEP))
+    return pack(shapely.segmentize(clean, step))
 
 
 def _offsets(lines: Polylines) -> FloatArray:
@@ -223,10 +226,26 @@ def sweep(
     )
 
 
+def _grown(city: City, hedges: MeshBatch) -> MeshBatch:
+    """Let the faces of swept hedges swell and sink, and lie in more light or less."""
+    rows = np.repeat(np.arange(hedges.count), np.diff(hedges.vertex_start))
+    number = np.arange(len(rows)) - hedges.vertex_start[rows]
+    drawn = [uniform(city.seed, f"{ACTION}/swell", hedges.object_id[rows], 3 * number + axis)
+             for axis in range(3)]  # fmt: skip
+    vertices = hedges.vertices + SWELL * (2.0 * np.column_stack(drawn) - 1.0)
+    face = np.repeat(np.arange(hedges.count), np.diff(hedges.face_start))
+    light = uniform(city.seed, f"{ACTION}/shade", hedges.object_id[face],
+                    np.arange(len(face)) - hedges.face_start[face])  # fmt: skip
+    shade = SHADE[0] + (SHADE[1] - SHADE[0]) * light
+    tint = np.asarray(hedges.tint * shade[:, None], np.float32)
+    return replace(hedges, vertices=vertices, tint=tint)
+
+
 # Profiles: across in half widths, up in heights; -BURIED is in metres.
 _BOX = np.array([[1.0, -BURIED], [1.0, 1.0], [-1.0, 1.0], [-1.0, -BURIED]])[::-1]
-_HEDGE = np.array([[0.85, -BURIED], [1.0, 0.45], [0.9, 0.88], [0.55, 1.0], [-0.55, 1.0],
-                   [-0.9, 0.88], [-1.0, 0.45], [-0.85, -BURIED]])[::-1]  # fmt: skip
+_HEDGE = np.array([[0.85, -BURIED], [0.95, 0.2], [1.0, 0.45], [0.97, 0.7], [0.88, 0.92], [0.55, 1.0],
+                   [0.0, 1.02], [-0.55, 1.0], [-0.88, 0.92], [-0.97, 0.7], [-1.0, 0.45],
+                   [-0.95, 0.2], [-0.85, -BURIED]])[::-1]  # fmt: skip
 
 
 def _rail(low: float, high: float) -> FloatArray:
@@ -269,7 +288,8 @@ def _raised(
     if not len(shapes):
         return []
     kind = KINDS[name]
-    lines = _resampled(shapes)
+    near = city.lod > 2 and (name.endswith("hedge") or name == "planted_wall")
+    lines = _resampled(shapes, TWIG if near else STEP)
     height = np.where(np.isfinite(given) & (given > 0.1), np.clip(given, 0.3, 30.0), kind.height)
     size = np.column_stack([np.full(len(ids), kind.width / 2), height])
     pick = (uniform(city.seed, f"{ACTION}/tint", ids) * len(kind.tints)).astype(int)
@@ -283,6 +303,8 @@ def _raised(
         return [*found, posts(city, lines, ids, height, spacing=spacing, half=half)]
     profile = _HEDGE if name.endswith("hedge") else _BOX
     found = [sweep(lines, ids, ground, profile, size, kind.material, tint)]
+    if near and name != "planted_wall":
+        found = [_grown(city, found[0])]
     if name == "planted_wall":
         low, high = GREEN_TOP
         shown = 0.8 + 0.4 * uniform(city.seed, f"{ACTION}/green", ids)
@@ -290,7 +312,8 @@ def _raised(
         green = np.array(KINDS["front_hedge"].tints)[pick]
         bushes = _HEDGE.copy()
         bushes[bushes[:, 1] < 0, 1] = 0.0
-        found.append(sweep(lines, ids, ground + low, bushes, top, "hedge", green))
+        plants = sweep(lines, ids, ground + low, bushes, top, "hedge", green)
+        found.append(_grown(city, plants) if near else plants)
     return found
 
 

@@ -31,7 +31,6 @@ from cityx.plugins.nature.street_rules import TIGHT, local_names, place_of
 from cityx.plugins.road.crossing_places import BEFORE, FLARE
 from cityx.plugins.road.kerbs import (
     edge_lengths,
-    edge_lines,
     join_places,
     places_along,
     yaw_facing,
@@ -92,7 +91,7 @@ class _Roads:
         kind = roads["kind"].to_numpy().astype(str)
         if city.network is not None and city.network.edge_count:
             rows = city.network.edge_road
-            self.lines = to_linestrings(edge_lines(city.network))
+            self.lines = to_linestrings(city.network.lines)
             self.half = city.network.half_width
         else:
             cars = ~np.isin(kind, NOT_FOR_CARS)
@@ -245,7 +244,7 @@ def _signals(city: City, drive: float) -> Pieces | None:
     roads = city.layout.roads
     oneway = roads["oneway"].to_numpy()[network.edge_road]
     main = np.isin(roads["kind"].to_numpy().astype(str)[network.edge_road], MAIN)
-    lines = edge_lines(network)
+    lines = network.lines
     length = edge_lengths(network)
     street = street_of(city.layout, network, bands_of(city.layout, network),
                        painting_of(city.frame))  # fmt: skip

@@ -15,7 +15,6 @@ from cityx.city.ground import KERB_HEIGHT, ROADWAY, Ground
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.polylines import to_linestrings
 from cityx.geometry.standing import WALKED, earth_over, stand_on, surfaces_at
-from cityx.plugins.road.kerbs import edge_lines
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -153,7 +152,7 @@ def may_stand(city: City, found: Pieces) -> BoolArray:
         ring = np.stack([c * x - s * y, s * x + c * y], axis=2) + found.xy[of][:, None]
         outlines[of] = shapely.linestrings(ring)
     outlines = shapely.convex_hull(outlines)
-    lines = to_linestrings(edge_lines(network))
+    lines = to_linestrings(network.lines)
     thing = shapely.STRtree(outlines).query(
         lines, predicate="dwithin", distance=network.half_width
     )[1]
@@ -208,7 +207,7 @@ def in_carriageways(city: City, xy: FloatArray, depth: FloatArray) -> BoolArray:
     reaches = np.zeros(len(xy), bool)
     if network is None or not network.edge_count or not len(xy):
         return reaches
-    lines = to_linestrings(edge_lines(network))
+    lines = to_linestrings(network.lines)
     spots = shapely.points(xy)
     most = network.half_width + float(depth.max())
     line, spot = shapely.STRtree(spots).query(lines, predicate="dwithin", distance=most)

@@ -13,7 +13,7 @@ from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import locate
 from cityx.plugins.nature.pieces import FloatArray, Pieces, join_pieces, pieces
-from cityx.plugins.road.kerbs import edge_lengths, edge_lines, yaw_facing
+from cityx.plugins.road.kerbs import edge_lengths, yaw_facing
 from cityx.plugins.road.marks import STRIPED, street_of
 from cityx.plugins.road.painting import painting_of
 from cityx.plugins.road.sections import bands_of
@@ -106,7 +106,7 @@ def _at(network: Any, name: str, edge: NDArray[np.int64], end: int, behind: Any,
 
     They are `facing` the traffic that arrives, or who would enter.
     """
-    lines = edge_lines(network)
+    lines = network.lines
     setback = network.trim[edge, end] + behind
     along = setback if end == 0 else edge_lengths(network)[edge] - setback
     position, ahead = locate(lines, edge, along)

@@ -17,7 +17,7 @@ from cityx.plugins.nature.climate import band_of
 from cityx.plugins.nature.pieces import room_along, walk_rims, ways_to_doors
 from cityx.plugins.nature.stands import INDEX, Stand, draw_species, stand_of
 from cityx.plugins.nature.tree_room import FACADE_CLEARANCE, KERB_CLEARANCE, SIGHT
-from cityx.plugins.road.kerbs import edge_lines, join_places, places_along
+from cityx.plugins.road.kerbs import join_places, places_along
 
 FloatArray = NDArray[np.float64]
 
@@ -133,7 +133,7 @@ def in_yards(city: City, mapped: FloatArray) -> list[Stand]:
         keep[rows] = ~near_any(found.xy[rows], things, gap)
     if city.network is not None and city.network.edge_count:
         rows = np.flatnonzero(keep & ~soft & ~bed)
-        streets = to_linestrings(edge_lines(city.network))
+        streets = to_linestrings(city.network.lines)
         keep[rows] = ~near_any(found.xy[rows], streets, city.network.half_width + FORECOURT)
     points = Points(found.xy[keep], found.id[keep])
     bush = bed | (soft & (uniform(city.seed, f"{YARD}/bush", found.id) < BUSH_SHARE))

@@ -12,7 +12,6 @@ from cityx.assets.tree_pits import OTHERS, PITS, pit
 from cityx.city import City, Instances, Prototype
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
-from cityx.plugins.road.kerbs import edge_lines
 
 PAVED = ("sidewalk", "plaza")
 BUSHES = ("shrub_", "boxwood_", "grove_")  # prototypes that need no pit
@@ -79,7 +78,7 @@ def _along_street(city: City, xy: NDArray[np.float64]) -> NDArray[np.float64]:
     network = city.network
     if network is None or not network.edge_count:
         return angle
-    lines = to_linestrings(edge_lines(network))
+    lines = to_linestrings(network.lines)
     spots = shapely.points(xy)
     spot, edge = shapely.STRtree(lines).query_nearest(spots, max_distance=STREET_REACH,
                                                       all_matches=False)  # fmt: skip

@@ -19,7 +19,6 @@ from cityx.geometry.clearance import (
     spots_of,
 )
 from cityx.geometry.polylines import to_linestrings
-from cityx.plugins.road.kerbs import edge_lines
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -144,7 +143,7 @@ def _strips(city: City) -> tuple[NDArray[Any], FloatArray, BoolArray]:
     used = np.zeros(len(roads), bool)
     used[city.network.edge_road] = True
     rest = here & ~used
-    lines = to_linestrings(edge_lines(city.network))
+    lines = to_linestrings(city.network.lines)
     return (np.concatenate([shapes[rest], lines]),
             np.concatenate([half[rest], city.network.half_width]),
             np.concatenate([driven[rest], driven[city.network.edge_road]]))  # fmt: skip

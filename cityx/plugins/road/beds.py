@@ -14,7 +14,6 @@ from cityx.geometry.arrangement import Regions, regions
 from cityx.geometry.clearance import near_any, spots_of
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, pack
-from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.network import node_corners
 from cityx.plugins.road.yards import grounds_digest
 from cityx.remembered import Remembered
@@ -108,7 +107,7 @@ def _drawn(layout: Layout, network: RoadNetwork) -> Beds:
 
 def _behind_walks(layout: Layout, network: RoadNetwork) -> list[Beds]:
     """Slots on both sides of streets with walks, and of footways that are walks."""
-    lines = edge_lines(network)
+    lines = network.lines
     table = layout.roads.iloc[network.edge_road]
     found = []
     for sign, column in ((1.0, "sidewalk_left"), (-1.0, "sidewalk_right")):
@@ -147,7 +146,7 @@ def _at_corners(layout: Layout, network: RoadNetwork) -> Beds:
     table = layout.roads.iloc[network.edge_road]
     walk = np.column_stack([table[name].to_numpy(float)
                             for name in ("sidewalk_left", "sidewalk_right")])  # fmt: skip
-    lines = edge_lines(network)
+    lines = network.lines
     arms, corners, _ = node_corners(
         layout, table["kind"].to_numpy(), lines, network.edge_nodes, network.node_position,
         network.half_width,

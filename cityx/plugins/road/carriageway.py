@@ -108,7 +108,7 @@ def build_carriageway(
     layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bool_]
 ) -> Carriageway:
     """Widen the edges on the ground to strips that end where the junction surfaces begin."""
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     length = arc_lengths(lines)[1]
     begin, end = network.trim[:, 0], length - network.trim[:, 1]
     edge = np.flatnonzero(on_ground & (end - begin > SHORTEST))

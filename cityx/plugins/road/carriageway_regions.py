@@ -59,7 +59,7 @@ def plain_carriageways(
 ) -> Regions:
     """Return carriageways without junctions, one region per kind of surface (detail level 0)."""
     edges = np.flatnonzero(on_ground)
-    lines = to_linestrings(Polylines(network.points, network.point_start))[edges]
+    lines = to_linestrings(network.lines)[edges]
     strips = shapely.buffer(shapely.simplify(lines, COARSE), network.half_width[edges],
                             quad_segs=1, join_style="mitre", mitre_limit=MITRE)  # fmt: skip
     label = road_labels(layout.roads["surface"].to_numpy()[network.edge_road[edges]])
@@ -108,7 +108,7 @@ def carriageway_regions(
 ) -> Regions:
     """Return the regions of carriageways, junctions, passages, kerbs and sidewalks."""
     table = layout.roads.iloc[network.edge_road]
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     labels, ids = road_labels(table["surface"].to_numpy()), table["id"].to_numpy()
     priority = np.array([surface.priority for surface in SURFACES])
     passage = np.flatnonzero(table["passage"].to_numpy() & on_ground)
@@ -141,7 +141,7 @@ def kerbed_edges(layout: Layout, network: RoadNetwork) -> NDArray[np.bool_]:
     """Tell which edges have kerbs: those with sidewalks, and paved streets between houses."""
     table = layout.roads.iloc[network.edge_road]
     walk = table["sidewalk_left"].to_numpy() + table["sidewalk_right"].to_numpy()
-    lines = to_linestrings(Polylines(network.points, network.point_start))
+    lines = to_linestrings(network.lines)
     near = shapely.STRtree(layout.buildings.geometry.to_numpy()).query(
         lines, predicate="dwithin", distance=BETWEEN_HOUSES
     )[0]

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from cityx.geometry.identity import id_text
 from cityx.geometry.polylines import to_linestrings
 from cityx.plugins.road.crossings import Crossings
-from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.stations import ON_FOOT, RAILS, Ways, way_levels
 
 if TYPE_CHECKING:
@@ -75,7 +74,7 @@ def _flat(
     """Name streets of one level that cross without a node."""
     if not network.edge_count:
         return ""
-    shapes = to_linestrings(edge_lines(network))
+    shapes = to_linestrings(network.lines)
     one, other = shapely.STRtree(shapes).query(shapes, predicate="crosses")
     road = network.edge_road.astype(np.int64)
     level = way_levels(layout)[road]

@@ -179,11 +179,16 @@ def meeting_of(own: FloatArray, other: FloatArray, gap: FloatArray) -> FloatArra
     return np.asarray((other + own * np.cos(gap)) / sine)
 
 
+def curve_lengths(corners: Corners) -> FloatArray:
+    """Metres along an arm from where its kerb meets the next to where their curve begins."""
+    return np.asarray(corners.radius / np.maximum(np.tan(corners.gap / 2), LEAST_SINE / 2))
+
+
 def _reach(
     corners: Corners, arms: Arms, half: FloatArray, count: int, degree: IntArray
 ) -> FloatArray:
     """(e, 2) metres from the ends of edges to where the curves of their corners begin."""
-    curve = corners.radius / np.maximum(np.tan(corners.gap / 2), LEAST_SINE / 2)
+    curve = curve_lengths(corners)
     reach = np.zeros((count, 2))
     for own, other in ((corners.first, corners.second), (corners.second, corners.first)):
         edge = arms.edge[own]

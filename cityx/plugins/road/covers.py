@@ -16,7 +16,7 @@ from cityx.city.scene import Instances
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
 from cityx.plugins.road.carriageway_regions import kerbed_edges, road_labels
-from cityx.plugins.road.kerbs import KerbPlaces, edge_lines, join_places, places_along
+from cityx.plugins.road.kerbs import KerbPlaces, join_places, places_along
 from cityx.plugins.road.roundabouts import ring_edges, rings_of
 from cityx.protocol import Port, Range, action, has_network
 
@@ -97,7 +97,7 @@ def _round_islands(city: City, xy: FloatArray) -> BoolArray:
     """Mark places on the inner side of roundabouts, from which water runs outward."""
     network = city.network
     assert network is not None
-    lines = to_linestrings(edge_lines(network))[ring_edges(city.layout, network)]
+    lines = to_linestrings(network.lines)[ring_edges(city.layout, network)]
     found = np.zeros(len(xy), bool)
     inner = rings_of(lines).polygon
     found[shapely.STRtree(inner).query(shapely.points(xy), predicate="within")[0]] = True

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.geometry.polylines import Polylines, arc_lengths, to_linestrings
-from cityx.plugins.road.corners import MOST_TRIM, Arms, Corners, meeting_of
+from cityx.plugins.road.corners import MOST_TRIM, Arms, Corners, curve_lengths, meeting_of
 from cityx.plugins.road.signals import SIGNALLED, signal_places
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def at_ends(
 
 def mouths(arms: Arms, corners: Corners, half: FloatArray, count: int) -> FloatArray:
     """(e, 2) metres from the nodes from which both kerbs of arms keep within `FLARE` of them."""
-    curve = corners.radius / np.tan(corners.gap / 2)
+    curve = curve_lengths(corners)
     flare = np.minimum(FLARE, corners.radius)
     inward = np.sqrt(2 * corners.radius * flare - flare**2)
     found = np.zeros((count, 2))

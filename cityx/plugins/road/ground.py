@@ -28,7 +28,7 @@ from cityx.geometry.arrangement import (
 from cityx.geometry.cells import relief_lines, tile_lines
 from cityx.geometry.drape import drape
 from cityx.geometry.driving import keeps_left
-from cityx.geometry.polylines import Polylines, to_linestrings
+from cityx.geometry.polylines import to_linestrings
 from cityx.geometry.surroundings import surroundings
 from cityx.plugins.nature.street_rules import place_of
 from cityx.plugins.road.beds import bed_regions
@@ -178,7 +178,7 @@ def plain_regions(layout: Layout, network: RoadNetwork) -> Regions:
     on_ground = ~tracks[network.edge_road]
     roads, houses = plain_carriageways(layout, network, on_ground), building_regions(layout)
     areas = area_regions(layout, COARSE)
-    lines = to_linestrings(Polylines(network.points, network.point_start))[on_ground]
+    lines = to_linestrings(network.lines)[on_ground]
     tree = shapely.STRtree(houses.polygons)
     reach = network.half_width[on_ground] + ROAD_COARSE + GRID
     near = [tree.query(lines, predicate="dwithin", distance=reach)[1]]

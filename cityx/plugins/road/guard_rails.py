@@ -123,7 +123,7 @@ def _lines(
     """Lead rails beside stretches of edges, on their left (side 1) or right (-1)."""
     network = city.network
     assert network is not None
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     long = end - begin > SHORTEST
     edge, side, begin, end = edge[long], side[long], begin[long], end[long]
     none = _Rails(rail, Polylines(np.zeros((0, 2)), np.zeros(1, np.int64)), np.zeros(0, np.uint64))

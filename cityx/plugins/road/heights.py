@@ -17,7 +17,6 @@ from cityx.geometry.grading import grade_terrain
 from cityx.geometry.polylines import locate, values_along
 from cityx.plugins.road.contradictions import notes_on
 from cityx.plugins.road.crossings import PARTING, Crossings, find_crossings, parting
-from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.stations import EDGE, Ways, collect_ways, nearest_station, stations_around
 from cityx.protocol import Port, action, has_network
 
@@ -468,7 +467,7 @@ def _with_heights(
     moved = np.zeros(network.edge_count, bool)
     station = np.flatnonzero(edge_of >= 0)
     straight = values_along(
-        edge_lines(network),
+        network.lines,
         terrain.height_at(network.points),
         edge_of[station],
         ways.along[station],

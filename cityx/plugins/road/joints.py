@@ -35,7 +35,7 @@ MOST_MITRE = 3.0  # longest seam, in widths of the walk
 
 def seam_lines(layout: Layout, network: RoadNetwork) -> Shapes:
     """Lines across walks at corners of junctions and along bends, from kerb to back, (n,)."""
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     table = layout.roads.iloc[network.edge_road]
     walk = np.column_stack([table[name].to_numpy(float)
                             for name in ("sidewalk_left", "sidewalk_right")])  # fmt: skip
@@ -127,7 +127,7 @@ def courses(
     rows = np.flatnonzero(ground.labelled(*LAID))
     if not len(rows) or not network.edge_count:
         return Paving(along, shift, material, names)
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     shapes = to_linestrings(lines)
     inner = inner_points(ground)[rows]
     spots = shapely.points(inner)

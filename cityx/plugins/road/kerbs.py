@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.roads import RoadNetwork
-from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, values_along
+from cityx.geometry.polylines import arc_lengths, every, locate, values_along
 
 FloatArray = NDArray[np.float64]
 
@@ -52,14 +52,9 @@ class KerbPlaces:
                           self.number[index])  # fmt: skip
 
 
-def edge_lines(network: RoadNetwork) -> Polylines:
-    """Return the centrelines of a network."""
-    return Polylines(network.points, network.point_start)
-
-
 def edge_lengths(network: RoadNetwork) -> FloatArray:
     """(e,) length of each edge, metres."""
-    return arc_lengths(edge_lines(network))[1]
+    return arc_lengths(network.lines)[1]
 
 
 def places_along(
@@ -92,7 +87,7 @@ def places_along(
         Share of the spacing by which all places are moved ahead.
     """
     chosen = np.asarray(edges, np.int64)
-    lines = edge_lines(network)
+    lines = network.lines
     length = arc_lengths(lines)[1]
     free = (length - network.trim.sum(axis=1))[chosen]
     row, along = every(free, spacing, margin)

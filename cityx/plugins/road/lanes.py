@@ -77,7 +77,7 @@ def lane_graph(layout: Layout, network: RoadNetwork) -> LaneGraph:
         lanes on the outside turn off and all lanes go straight on.
     """
     bands = _both_ways(bands_of(layout, network))
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     middle = _middles(network, lines, bands)
     table = layout.roads.iloc[network.edge_road]
     speed = _speeds(table)[bands.edge]
@@ -161,7 +161,7 @@ def _connections(
 
 def turns_of_lanes(layout: Layout, network: RoadNetwork, bands: Bands) -> IntArray:
     """(b,) bits of `cityx.city.section.TURN`: the movements that each band's traffic may take."""
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     origin, _, movement = _connections(layout, network, lines, bands)
     found = np.zeros(len(bands.edge), np.int64)
     np.bitwise_or.at(found, origin, 1 << movement)

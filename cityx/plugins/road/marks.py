@@ -147,7 +147,7 @@ def street_of(
     layout: Layout, network: RoadNetwork, bands: Bands, painting: Painting = USUAL
 ) -> Street:
     """Gather what marks depend on."""
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     kind = layout.roads["kind"].to_numpy()[network.edge_road].astype(str)
     at_ring = ring_nodes(layout, network)[network.edge_nodes]
     setback = np.where(at_ring & ~ring_edges(layout, network)[:, None], RING_SETBACK, SETBACK)

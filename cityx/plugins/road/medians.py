@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city.ground import LABEL, SURFACES
 from cityx.geometry.arrangement import Regions, regions
-from cityx.geometry.polylines import Polylines, arc_lengths, locate, to_linestrings
+from cityx.geometry.polylines import arc_lengths, locate, to_linestrings
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
@@ -57,7 +57,7 @@ def twins_of(layout: Layout, network: RoadNetwork) -> Twins:
     name = table["name"].to_numpy().astype(str)
     ref = table["tags"].str.extract(r'"ref":\s*"([^"]*)"', expand=False).fillna("").to_numpy(str)
     edges = np.flatnonzero(table["oneway"].to_numpy(bool) & ~ring & ((name != "") | (ref != "")))
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     shapes = to_linestrings(lines)
     one, other = shapely.STRtree(shapes[edges]).query(
         shapes[edges], predicate="dwithin", distance=WIDEST
@@ -98,7 +98,7 @@ def median_regions(layout: Layout, network: RoadNetwork, on_ground: NDArray[np.b
     rows = np.flatnonzero(on_ground[twins.first] & on_ground[twins.second] & (twins.gap > 0))
     if not len(rows):
         return Regions()
-    lines = shapely.simplify(to_linestrings(Polylines(network.points, network.point_start)), FINE)
+    lines = shapely.simplify(to_linestrings(network.lines), FINE)
     reach = twins.gap[rows] + network.half_width[twins.first[rows]]
     reach = reach + network.half_width[twins.second[rows]] + 1.0
     sides: list[Any] = [

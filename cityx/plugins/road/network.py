@@ -345,7 +345,7 @@ def junction_clusters(network: RoadNetwork) -> IntArray:
 
     Edges that lie wholly inside of junction surfaces make one junction of their ends.
     """
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     left = arc_lengths(lines)[1] - network.trim.sum(axis=1)
     degree = network.node_degree[network.edge_nodes]
     inside = (left < 0.5) & (degree >= 3).all(axis=1)
@@ -402,7 +402,7 @@ def network(
 
 def _crossed_anew(layout: Layout, network: RoadNetwork) -> RoadNetwork:
     """Decide again where people cross."""
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     table = layout.roads.iloc[network.edge_road]
     arms, corners, _ = node_corners(
         layout, table["kind"].to_numpy(), lines, network.edge_nodes, network.node_position,

@@ -12,7 +12,6 @@ from cityx.city.ground import Ground
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.polylines import Polylines, miters, to_linestrings, values_along
 from cityx.geometry.structures import Bodies, beams, chains_of, rim_edges
-from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.stations import DECK
 from cityx.plugins.road.structure_tiers import (
     CEILING,
@@ -131,7 +130,7 @@ def carriageway_passes(
     found
         (n,) bool.
     """
-    lines = edge_lines(network)
+    lines = network.lines
     shapes, spots = to_linestrings(lines), shapely.points(points)
     found = np.zeros(len(points), bool)
     if not len(shapes) or not len(points):

@@ -17,7 +17,7 @@ from cityx.geometry.polylines import to_linestrings
 from cityx.geometry.standing import earth_over, stand_on
 from cityx.plugins.nature.street_rules import place_of
 from cityx.plugins.road.bays import Bays, join_bays, lot_bays, with_bay_lines, yard_bays
-from cityx.plugins.road.kerbs import edge_lines, join_places, places_along
+from cityx.plugins.road.kerbs import join_places, places_along
 from cityx.protocol import Port, Range, action
 
 ACTION = "road/parked_cars-v1"
@@ -88,7 +88,7 @@ def _near_junctions(city: City, xy: FloatArray, edge: NDArray[np.int64]) -> NDAr
     """Mark cars that stand in the way of another street, where the trims are too short for it."""
     network = city.network
     assert network is not None
-    lines = to_linestrings(edge_lines(network))
+    lines = to_linestrings(network.lines)
     spots = shapely.points(xy)
     line, spot = shapely.STRtree(spots).query(
         lines, predicate="dwithin", distance=network.half_width + 0.6

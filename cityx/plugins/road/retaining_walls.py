@@ -23,7 +23,6 @@ from cityx.geometry.polylines import (
     values_along,
 )
 from cityx.geometry.structures import Bodies, beams
-from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.network import DRIVABLE
 
 FloatArray = NDArray[np.float64]
@@ -108,7 +107,7 @@ def find_walls(layout: Layout, network: RoadNetwork, terrain: Terrain) -> Retain
         With its roads graded.
     """
     reach = CELLS * terrain.cell
-    lines = edge_lines(network)
+    lines = network.lines
     length = arc_lengths(lines)[1]
     if terrain.is_flat or not lines.count:
         return RetainingWalls(
@@ -154,7 +153,7 @@ def _free(
     half = layout.roads["width"].to_numpy(float)[others] / 2 + CLEAR_OF_WAYS
     paths = layout.roads.geometry.to_numpy()[others]
     free[tree.query(paths, predicate="dwithin", distance=half)[1]] = False
-    streets = to_linestrings(edge_lines(network))
+    streets = to_linestrings(network.lines)
     line, place = tree.query(streets, predicate="dwithin", distance=network.half_width + THICK)
     free[place] = False
     strips = network.half_width + VERGE - THICK

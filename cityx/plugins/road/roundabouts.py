@@ -143,7 +143,7 @@ def ring_nodes(layout: Layout, network: RoadNetwork) -> BoolArray:
 
 def roundabout_regions(layout: Layout, network: RoadNetwork, on_ground: BoolArray) -> Regions:
     """Return the islands of roundabouts, and turning circles."""
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     ring = ring_edges(layout, network) & on_ground
     return join_regions(
         [_islands(network, lines, ring), _turning_circles(layout, network, on_ground)]

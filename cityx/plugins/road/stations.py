@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from cityx.geometry.chains import components
 from cityx.geometry.grades import fall_to, slopes_of
 from cityx.geometry.polylines import Polylines, arc_lengths, pack, to_linestrings
-from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.network import DRIVABLE, clip_lines, shared_nodes
 
 if TYPE_CHECKING:
@@ -117,7 +116,7 @@ def collect_ways(layout: Layout, network: RoadNetwork, *, everywhere: bool) -> W
     )
     shapes, rows = clip_lines(shapely.force_2d(roads.geometry.to_numpy()[others]), others,
                               layout.extent)  # fmt: skip
-    cars = to_linestrings(edge_lines(network))
+    cars = to_linestrings(network.lines)
     shapes = np.concatenate([cars, shapes])
     road = np.concatenate([network.edge_road.astype(np.int64), rows])
     edge = np.concatenate([np.arange(len(cars)), np.full(len(rows), -1)])

@@ -11,7 +11,6 @@ from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.polylines import (
-    Polylines,
     arc_lengths,
     line_strips,
     pack,
@@ -76,7 +75,7 @@ def threshold_regions(
     on_ground
         (e,) bool, edges that do not run on decks.
     """
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     length = arc_lengths(lines)[1]
     own = road_labels(layout.roads["surface"].to_numpy()[network.edge_road])
     stone = own == LABEL["setts"]
@@ -108,7 +107,7 @@ def edge_strips(
     label: str, priority: int, before: float,
 ) -> Regions:  # fmt: skip
     """Lay strips along edges, `before` metres short of the junctions and of zebras there."""
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     length = arc_lengths(lines)[1]
     gap = network.trim + (before + ZEBRA * network.crossing) * (before > 0)
     begin, end = gap[:, 0], length - gap[:, 1]

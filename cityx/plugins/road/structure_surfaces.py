@@ -14,10 +14,9 @@ from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.terrain import Terrain
 from cityx.geometry.arrangement import Regions, join_regions, regions
-from cityx.geometry.polylines import Polylines, to_linestrings
+from cityx.geometry.polylines import to_linestrings
 from cityx.plugins.road.carriageway import FINE, MITRE
 from cityx.plugins.road.carriageway_regions import STONE, plain_carriageways
-from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.landcover import rail_strips
 from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.stations import RAILS
@@ -75,7 +74,7 @@ def open_wells(found: Regions, part: Tier, network: RoadNetwork) -> Regions:
     if not len(lawn):
         return found
     polygons = found.polygons[lawn]
-    shapes = to_linestrings(edge_lines(network))
+    shapes = to_linestrings(network.lines)
     well, edge = shapely.STRtree(shapes).query(polygons, predicate="intersects")
     lowest = np.minimum.reduceat(network.z, network.point_start[:-1])
     height = heights_on(part, shapely.get_coordinates(shapely.point_on_surface(polygons)))
@@ -117,7 +116,7 @@ def _ends(part: Tier) -> Regions:
 
 def _shoulders(sub: RoadNetwork) -> Regions:
     """Lay a band of kerb stones along carriageways without walks, for the parapets to stand on."""
-    lines = shapely.simplify(to_linestrings(edge_lines(sub)), FINE)
+    lines = shapely.simplify(to_linestrings(sub.lines), FINE)
     reach = sub.half_width + 2 * KERB_WIDTH
     bands = shapely.buffer(lines, reach, cap_style="flat", join_style="mitre", mitre_limit=MITRE)
     return regions(shapely.unary_union(bands), LABEL["kerb"], 1)
@@ -131,7 +130,7 @@ def _other_regions(layout: Layout, part: Tier) -> Regions:
     kind = layout.roads["kind"].to_numpy().astype(str)[other.road]
     ids = layout.roads["id"].to_numpy()[other.road]
     surface = layout.roads["surface"].to_numpy().astype(str)[other.road]
-    lines = shapely.simplify(to_linestrings(Polylines(other.points, other.point_start)), FINE)
+    lines = shapely.simplify(to_linestrings(other.lines), FINE)
     bands = shapely.buffer(lines, other.half_width, cap_style="flat", join_style="mitre",
                            mitre_limit=MITRE)  # fmt: skip
     rails = np.isin(kind, RAILS)

@@ -37,7 +37,6 @@ from cityx.plugins.road.carriageway import FINE
 from cityx.plugins.road.embankments import Obstacles, embankments
 from cityx.plugins.road.heights import WATER
 from cityx.plugins.road.joints import courses
-from cityx.plugins.road.kerbs import edge_lines
 from cityx.plugins.road.landcover import AREA_SURFACE
 from cityx.plugins.road.marks import USUAL
 from cityx.plugins.road.painting import Painting
@@ -156,7 +155,7 @@ def build_structures(
 
 def _edges(network: RoadNetwork, rows: IntArray) -> RoadNetwork:
     """Return some edges as a network of their own."""
-    length = arc_lengths(edge_lines(network))[1]
+    length = arc_lengths(network.lines)[1]
     off = np.ones(len(rows), bool)
     return cut_network(network, Spans(rows, np.zeros(len(rows)), length[rows], off),
                        np.arange(len(rows)))  # fmt: skip
@@ -164,7 +163,7 @@ def _edges(network: RoadNetwork, rows: IntArray) -> RoadNetwork:
 
 def _strips(network: RoadNetwork, more: float = 0.0) -> Shapes:
     """Carriageways of the edges that lie on the ground, roughly, and `more` metres beside them."""
-    lines = edge_lines(network)
+    lines = network.lines
     level = np.abs(network.lift) < WALL_FROM
     whole = np.ones(network.edge_count, bool)
     np.logical_and.at(whole, lines.line_of_point(), level)
@@ -193,7 +192,7 @@ def _with_room(
     open up a house, are left out.
     """
     houses = layout.buildings.geometry.to_numpy()
-    cars, ways = (Polylines(part.points, part.point_start) for part in (sub, other))
+    cars, ways = (part.lines for part in (sub, other))
     below = [way_levels(layout)[sub.edge_road] < 0, other.level < 0]
     keep, mouths = [], []
     for lines, lift, road in ((cars, sub.lift, sub.edge_road), (ways, other.lift, other.road)):
@@ -306,7 +305,7 @@ def _bent(part: Tier, terrain: Terrain, slack: float) -> BoolArray:
 
 def _passing_edges(part: Tier, network: RoadNetwork) -> Shapes:
     """Lines along carriageways that pass under, between which a deck spans, and of those beside."""
-    lines = edge_lines(network)
+    lines = network.lines
     shapes, own = to_linestrings(lines), to_linestrings(part.lines)
     way, edge = shapely.STRtree(shapes).query(own, predicate="dwithin", distance=part.reach + UNDER)
     highest = np.maximum.reduceat(part.z, part.lines.start[:-1])

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from cityx.city.heights import WayHeights
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.polylines import arc_lengths, pieces, values_along
-from cityx.plugins.road.kerbs import edge_lines
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -44,7 +43,7 @@ def spans_of(network: RoadNetwork, heights: WayHeights) -> Spans:
 
     A junction lies wholly on one structure as soon as one of its arms leaves the ground near it.
     """
-    lines = edge_lines(network)
+    lines = network.lines
     length = arc_lengths(lines)[1]
     own = np.flatnonzero(heights.edge >= 0)
     edge = heights.edge[own].astype(np.int64)
@@ -116,7 +115,7 @@ def cut_network(network: RoadNetwork, spans: Spans, rows: IntArray) -> RoadNetwo
 
     Where an edge is cut it gets a node with nothing beyond; junctions keep their arms' trims.
     """
-    lines = edge_lines(network)
+    lines = network.lines
     length = arc_lengths(lines)[1]
     edge, begin, end = spans.edge[rows], spans.begin[rows], spans.end[rows]
     at_head, at_tail = begin <= 0.0, end >= length[edge]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cityx.city.layout import joined_tables, make_table
 from cityx.geometry.identity import hash_ids
-from cityx.geometry.polylines import Polylines, arc_lengths
+from cityx.geometry.polylines import arc_lengths
 from cityx.plugins.road.crossing_places import MAIN, at_ends, dense_places, mapped_crossings
 from cityx.plugins.road.signals import signal_places
 
@@ -59,8 +59,8 @@ def warranted(layout: Layout, network: RoadNetwork, cluster: NDArray[Any]) -> Fl
     ends = cluster[network.edge_nodes]
     arm = (~np.isin(kind, NO_STREET) & (ends[:, 0] != ends[:, 1]))[:, None] & np.ones(2, bool)
     main = arm & np.isin(kind, MAIN)[:, None]
-    length = arc_lengths(Polylines(network.points, network.point_start))[1]
-    mapped = mapped_crossings(layout, Polylines(network.points, network.point_start))
+    length = arc_lengths(network.lines)[1]
+    mapped = mapped_crossings(layout, network.lines)
     joint = network.node_degree[network.edge_nodes] >= 3
     crossed = arm & np.isfinite(at_ends(mapped, length, network.trim, joint)[0])
     arms, mains, walked = (

@@ -18,7 +18,7 @@ from cityx.digests import arrays_digest
 from cityx.geometry.arrangement import Regions, regions
 from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, uniform
-from cityx.geometry.polylines import Polylines, to_linestrings
+from cityx.geometry.polylines import to_linestrings
 from cityx.geometry.scatter import Points, candidates, cells_about, thin
 from cityx.remembered import Remembered
 
@@ -206,7 +206,7 @@ def _clear(
     """(p,) whether patches keep their distances from walls, streets and paths."""
     from_wall, from_street, from_path = gaps
     clear = np.ones(len(shapes), bool)
-    centre = to_linestrings(Polylines(network.points, network.point_start))
+    centre = to_linestrings(network.lines)
     tree = shapely.STRtree(shapes)
     paths = np.delete(layout.roads.geometry.to_numpy(), np.unique(network.edge_road))
     for things, gap in (

@@ -65,3 +65,14 @@ def test_barriers_follow_the_terrain(crossroads):
     ground = slope.height_at(wall[:, :2]) + KERB_HEIGHT
     assert (wall[:, 2] - ground).max() == pytest.approx(1.6, abs=0.05)
     assert MultiPoint(wall[:, :2]).bounds[2] < -59.0
+
+
+def test_a_hedge_near_by_swells_and_sinks_and_stays_closed(crossroads):
+    from dataclasses import replace
+
+    fine = [barriers(replace(crossroads, lod=3)).scene.meshes["barriers"] for _ in range(2)]
+    hedge = fine[0].take(np.flatnonzero(fine[0].object_id == 52))
+    assert open_edges(fine[0]) == []
+    assert volume(hedge) > 0.01
+    assert len(np.unique(hedge.tint[:, 1])) > 0.4 * len(hedge.faces)  # two pieces, one pattern
+    assert np.array_equal(fine[0].vertices, fine[1].vertices)

@@ -10,7 +10,7 @@ from cityx.checks.streets import bare_places
 from cityx.city.ground import LABEL
 from cityx.city.layout import make_table
 from cityx.city.terrain import Terrain, flat_terrain
-from cityx.geometry.polylines import Polylines, values_along
+from cityx.geometry.polylines import values_along
 from cityx.geometry.solids import check_closed, volume
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.heights import heights, way_heights
@@ -38,7 +38,7 @@ def solved(layout, terrain=None):
 
 
 def lift_at(net, x, y):
-    lines = Polylines(net.points, net.point_start)
+    lines = net.lines
     shapes = np.array([shapely.LineString(net.edge_points(i)) for i in range(net.edge_count)])
     spot = shapely.Point(x, y)
     near = np.flatnonzero(shapely.distance(shapes, spot) < 0.01)
@@ -143,7 +143,7 @@ def test_a_street_over_a_hill_follows_it_between_the_nodes_of_the_map(layout_of)
     hill = Terrain((-450.0, -450.0), 10.0, crest)
     net, _, terrain = solved(layout_of([([(-390, 0), (390, 0)], {})], extent=LONG), hill)
     x = np.linspace(-380, 380, 77)
-    z = values_along(Polylines(net.points, net.point_start), net.z, np.zeros(77, int), x + 390)
+    z = values_along(net.lines, net.z, np.zeros(77, int), x + 390)
     assert np.abs(z - terrain.height_at(np.column_stack([x, 0 * x]))).max() < 0.1
 
 

@@ -3,7 +3,7 @@ import pytest
 import shapely
 
 from cityx.geometry.arrangement import face_areas, inner_points
-from cityx.geometry.polylines import Polylines, to_linestrings
+from cityx.geometry.polylines import to_linestrings
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.joints import courses, seam_lines
 from cityx.plugins.road.network import network, road_network
@@ -56,7 +56,7 @@ def test_a_curve_has_a_seam_every_twelve_degrees(layout_of):
     line = [(60 * np.cos(a) - 30, 60 * np.sin(a) - 30) for a in angle]
     layout = layout_of([(line, {})])
     graph = road_network(layout)
-    drawn = to_linestrings(Polylines(graph.points, graph.point_start))
+    drawn = to_linestrings(graph.lines)
     seams = seam_lines(layout, graph)
     assert len(seams) == pytest.approx(2 * 90 / 12, abs=2)
     off = shapely.distance(drawn[0], shapely.get_point(seams, 0))

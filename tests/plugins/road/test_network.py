@@ -5,7 +5,7 @@ import pytest
 
 from cityx.city.frame import Frame
 from cityx.city.layout import SCHEMA, make_table
-from cityx.geometry.polylines import Polylines, arc_lengths
+from cityx.geometry.polylines import arc_lengths
 from cityx.plugins.road.network import junction_clusters, network, road_network
 
 WEST, EAST, NORTH, SOUTH = (-90, 0), (90, 0), (0, 90), (0, -90)
@@ -13,7 +13,7 @@ MIDDLE = (0, 0)
 
 
 def lengths(network):
-    return arc_lengths(Polylines(network.points, network.point_start))[1]
+    return arc_lengths(network.lines)[1]
 
 
 def test_a_side_street_splits_the_street_it_joins(layout_of):
