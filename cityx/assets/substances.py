@@ -58,7 +58,7 @@ SUBSTANCES: Mapping[str, Substance] = MappingProxyType(
         name: substance
         for substance, names in (
             (_CONCRETE, "concrete road_concrete kerb_stone step_stone pavers paving yard "
-             "walk_blocks guided_blocks"),
+             "walk_blocks guided_blocks tactile_buff"),
             (_RENDER, "plaster trim room_wall"),
             (_STONE, "stone setts cobbles slate flagstones mosaic slab_walk"),
             (_BRICK, "brick clinker"),

@@ -185,11 +185,11 @@ async def test_a_job_that_was_called_off_leaves_the_city_as_it_was(call, owner):
 async def test_what_is_called_off_after_its_last_action_stays_and_says_so(call, owner, monkeypatch):
     plain = edit.renew
 
-    def late(folder, city, request, revision, say):
+    def late(folder, city, request, revision, say, **kept):
         for job in owner.jobs.values():
             job.cancel()
         say("making the views anew")
-        return plain(folder, city, request, revision, say)
+        return plain(folder, city, request, revision, say, **kept)
 
     monkeypatch.setattr(edit, "renew", late)
     begun = await call("run_brief", text="snow")
