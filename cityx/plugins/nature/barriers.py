@@ -243,9 +243,9 @@ def _grown(city: City, hedges: MeshBatch) -> MeshBatch:
 
 # Profiles: across in half widths, up in heights; -BURIED is in metres.
 _BOX = np.array([[1.0, -BURIED], [1.0, 1.0], [-1.0, 1.0], [-1.0, -BURIED]])[::-1]
-_HEDGE = np.array([[0.85, -BURIED], [0.95, 0.2], [1.0, 0.45], [0.97, 0.7], [0.88, 0.92], [0.55, 1.0],
-                   [0.0, 1.02], [-0.55, 1.0], [-0.88, 0.92], [-0.97, 0.7], [-1.0, 0.45],
-                   [-0.95, 0.2], [-0.85, -BURIED]])[::-1]  # fmt: skip
+_HEDGE = np.array([[0.85, -BURIED], [0.95, 0.2], [1.0, 0.45], [0.97, 0.7], [0.88, 0.92],
+                   [0.55, 1.0], [0.0, 1.02], [-0.55, 1.0], [-0.88, 0.92], [-0.97, 0.7],
+                   [-1.0, 0.45], [-0.95, 0.2], [-0.85, -BURIED]])[::-1]  # fmt: skip
 
 
 def _rail(low: float, high: float) -> FloatArray:
