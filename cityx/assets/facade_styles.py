@@ -69,7 +69,8 @@ class Fixture:
     floors
         Of the storeys from `first` on, each so-manyth has one.
     spacing
-        Metres between things along an edge or a plan; 0 for one alone.
+        Metres between things along an edge or a plan; 0 for one alone. Corners nearer than this to
+        one of the same part have none.
     lift, out
         Metres above and before where it would stand.
     stretch

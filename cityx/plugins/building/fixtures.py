@@ -17,6 +17,7 @@ from cityx.geometry import facades
 from cityx.geometry.facades import bays_of
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.scatter import near_pairs
 from cityx.plugins.building.catalogue import looks
 from cityx.plugins.building.dressing import corner_reach
 from cityx.plugins.building.fronts import STREETS
@@ -155,6 +156,7 @@ def _place(
     elif each.at == "corner":
         free = usable & (walls.blind_to < walls.z_low + MARGIN)
         wall = np.flatnonzero(free & (site.reach[0] > SHARP))
+        wall = _apart(walls, wall, each.spacing) if each.spacing else wall
         along, z = np.zeros(len(wall)), found.fronts.foot[wall]
         index = np.zeros(len(wall), np.int64)
     elif each.at == "window":
@@ -194,6 +196,15 @@ def _place(
         each.name, partial(fixture, each.name), wall, along, z + each.lift, scale=scale,
         tint=_tint(found, seed, each, part), index=index, out=each.out, reach=0.3,
     )  # fmt: skip
+
+
+def _apart(walls: facades.Walls, wall: IntArray, spacing: float) -> IntArray:
+    """Leave out corners of a part that lie nearer than `spacing` metres to one before them."""
+    if not len(wall):
+        return wall
+    pairs = np.sort(near_pairs(walls.start[wall], spacing), axis=1)
+    same = walls.part[wall[pairs[:, 0]]] == walls.part[wall[pairs[:, 1]]]
+    return np.delete(wall, pairs[same, 1])
 
 
 def _windows(site: Site, each: Fixture, usable: NDArray[np.bool_]) -> facades.Openings:

@@ -42,7 +42,7 @@ _WALLS = (
 _GARLAND = Fixture("stucco_garland", "window", tint="trim", first=1, last=2, stretch="opening",
                    street=True, share=0.5)  # fmt: skip
 _TURRET = Fixture("corner_turret", "corner", tint="wall", stretch="height", lift=3.9, street=True,
-                  share=0.45)  # fmt: skip
+                  spacing=18.0, share=0.45)  # fmt: skip
 # Tenements of 1870 to 1900: dressed stones below, pediments in the middle, blocks under the eave.
 _STUCCO = FacadeStyle(
     "punched", 2.35, (("window_casement", 1),), (("door_double", 1),), sill=0.72,

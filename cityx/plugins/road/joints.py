@@ -29,6 +29,9 @@ FROM_KERB = ("sidewalk", "ramp", "furnishing")  # laid from the kerb on
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 LAP = np.radians(12.0)  # of turn after which the courses along a curve begin anew
 PAST = 0.1  # metres that a seam reaches beyond the walk, so that rounding leaves none short
+LOOK = 3.0  # metres along a street to both sides of a place
+STRAIGHT = np.cos(np.radians(6.0))  # of the turn within them; bands follow no stronger one
+AT_END = 0.05  # metres from the end of an edge
 FARTHEST = 20.0  # metres from a street's middle to a face of its walk
 MOST_MITRE = 3.0  # longest seam, in widths of the walk
 
@@ -103,7 +106,7 @@ def _at_bends(network: RoadNetwork, lines: Polylines, walk: FloatArray) -> Shape
 
 def courses(
     ground: Ground, network: RoadNetwork, laid: Mapping[str, str] = _NOTHING, *,
-    guided: str = "", main: BoolArray | None = None,
+    guided: str = "", main: BoolArray | None = None, bent: Mapping[str, str] = _NOTHING,
 ) -> Paving:  # fmt: skip
     """Return how faces are paved: along their street, walks from their kerb on; east elsewhere.
 
@@ -117,10 +120,12 @@ def courses(
         Material of the walks of main streets, "" for that of the others.
     main
         (e,) whether edges are main streets.
+    bent
+        Material with bands to that of corners and bends, which straight bands do not follow.
     """
     size = len(ground.face_label)
     along, shift = np.tile([1.0, 0.0], (size, 1)), np.zeros(size)
-    names = tuple(dict.fromkeys([*laid.values(), *filter(None, [guided])]))
+    names = tuple(dict.fromkeys([*laid.values(), *filter(None, [guided]), *bent.values()]))
     material = np.full(size, -1)
     for surface, name in laid.items():
         material[ground.labelled(surface)] = names.index(name)
@@ -137,7 +142,8 @@ def courses(
     order = np.lexsort((network.edge_id[edge], off, row))
     row, first = np.unique(row[order], return_index=True)
     edge = edge[order][first]
-    foot, ahead = locate(lines, edge, shapely.line_locate_point(shapes[edge], spots[row]))
+    place = shapely.line_locate_point(shapes[edge], spots[row])
+    foot, ahead = locate(lines, edge, place)
     face = rows[row]
     aside = (ahead[:, 0] * (inner[row] - foot)[:, 1]) - (ahead[:, 1] * (inner[row] - foot)[:, 0])
     walk = ground.labelled(*FROM_KERB)[face]
@@ -152,4 +158,12 @@ def courses(
     if guided and main is not None:
         told = ground.labelled("sidewalk")[face] & main[edge]
         material[face[told]] = names.index(guided)
+    if bent:
+        before, after = (locate(lines, edge, place + far)[1] for far in (-LOOK, LOOK))
+        straight = (before * after).sum(axis=1) > STRAIGHT
+        # At the end of an edge the walk goes round the corner.
+        end = np.minimum(place, shapely.length(shapes[edge]) - place) < AT_END
+        for banded, plain in bent.items():
+            told = face[(~straight | end) & (material[face] == names.index(banded))]
+            material[told] = names.index(plain)
     return Paving(along, shift, material, names)

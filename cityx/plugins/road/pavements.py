@@ -30,6 +30,7 @@ from cityx.plugins.road.joints import courses
 # Surface to material, by region; what a region does not name keeps its usual material.
 FLAGS = {"sidewalk": "flagstones", "ramp": "flagstones", "frontage": "flagstones"}
 SLABS = {"sidewalk": "slab_walk", "ramp": "mosaic", "frontage": "mosaic", "furnishing": "mosaic"}
+BENT = {"slab_walk": "mosaic"}
 BLOCKS = {"sidewalk": "walk_blocks", "ramp": "walk_blocks"}
 # What lies before houses where each was paved by itself, with weights.
 FORECOURTS = {"yard": 3.0, "asphalt_light": 2.0, "pavers": 1.5, "concrete": 1.2, "clinker": 0.6}
@@ -57,7 +58,7 @@ def paved(ground: Ground, network: RoadNetwork, layout: Layout, frame: Frame, pl
     region = "japan" if place == "japan" else region_of(frame.latitude, frame.longitude)
     laid = REGION_PAVING.get(region, {})
     if region not in GUIDED:
-        return courses(ground, network, laid)
+        return courses(ground, network, laid, bent=BENT if "slab_walk" in laid.values() else {})
     found = courses(ground, network, laid, guided="guided_blocks", main=_guided(layout, network))
     rows = np.flatnonzero(ground.labelled("frontage"))
     cell = np.round(inner_points(ground)[rows] * 10).astype(np.int64).view(np.uint64)

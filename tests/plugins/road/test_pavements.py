@@ -40,3 +40,14 @@ def test_bands_of_both_walks_begin_at_their_kerbs(city_of, layout_of):
     across = np.abs(mesh.vertices[mesh.faces[rows, :3], 1])  # the street is 6 m wide
     assert across.min() == pytest.approx(3.15, abs=0.02)
     assert mesh.uv[rows][:, :3, 1] == pytest.approx(across - 3.15, abs=0.02)
+
+
+def test_bands_end_where_a_street_bends(city_of, layout_of):
+    bent = [([(-90, 0), (0, 0), (3, 0.5), (6, 2), (60, 60)], {})]
+    mesh = laid_at(city_of, layout_of(bent), 52.5, 13.4)
+    names = np.array(mesh.materials)[mesh.material]
+    middle = mesh.vertices[mesh.faces[:, :3]].mean(axis=1)
+    at_bend = np.hypot(*(middle[:, :2] - [3, 0.5]).T) < 6
+    assert "mosaic" in names[at_bend]
+    assert "slab_walk" in names[middle[:, 0] < -30]
+    assert "mosaic" not in names[middle[:, 0] < -30]
