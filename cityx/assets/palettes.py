@@ -426,9 +426,9 @@ def _aged(
 ) -> NDArray[np.float64]:  # fmt: skip
     """Let soot and lichen dull the tiles and slates of old roofs; newly laid ones keep their tone.
 
-    Roofs whose colour is `said` age half as much.
+    Roofs whose colour is `said` age a fifth as much: else what is red looks brown.
     """
-    age = (0.1 + 0.9 * uniform(seed, "palette/roof age", ids)) * np.where(said, 0.5, 1.0)
+    age = (0.1 + 0.9 * uniform(seed, "palette/roof age", ids)) * np.where(said, 0.2, 1.0)
     age = np.where(np.isin(roof, AGING), age, 0.0)[:, None]
     grown = uniform(seed, "palette/roof lichen", ids)[:, None]
     coat = grown * np.array(LICHEN) + (1 - grown) * np.array(SOOT)

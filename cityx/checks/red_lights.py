@@ -35,7 +35,7 @@ def red_runners(city: City) -> BoolArray:
     if signals is None or not signals.count:
         return runs
     for mover, head, begin, end in (*_passing(tracks, signals), *_stepping(city, tracks, signals)):
-        times = np.arange(begin - REACTION, end + EVERY / 2, EVERY)
+        times = np.append(np.arange(begin - REACTION, end, EVERY), end)
         if all(states_at(signals, max(t, 0.0))[head] in RED for t in times.tolist()):
             runs[mover] = True
     return runs

@@ -19,6 +19,7 @@ from cityx.traffic.conflicts import conflicts_of, settle
 from cityx.traffic.coordination import CYCLE, coordinate
 from cityx.traffic.engine import last, run_program
 from cityx.traffic.plain import junction_name, shape_text, write_plain
+from cityx.traffic.stages import restage
 from cityx.traffic.streets import Streets
 from cityx.traffic.turners import let_turners_out
 
@@ -125,6 +126,7 @@ def _with_own_shapes(streets: Streets, file: Path) -> Network:
     links = _set_links(streets, root, found, conflicts.free)
     first = {number: name for name, number in reversed(links.items())}
     settle(root, conflicts, first)
+    restage(root)
     let_turners_out(root)
     coordinate(root)
     crossings = _set_crossings(streets, root)

@@ -130,23 +130,26 @@ def _bearing(step: FloatArray) -> float:
 
 def _edges(streets: Streets) -> Iterable[str]:
     for way in streets.ways:
-        lanes = "\n".join(_lane(way, index) for index in range(len(way.lanes)))
+        lanes = "\n".join(
+            _lane(way, index, left_hand=streets.left_hand) for index in range(len(way.lanes))
+        )
         head = tag("edge", id=way.name, from_=junction_name(way.source),
                    to=junction_name(way.target), numLanes=len(way.lanes), priority=way.rank,
                    spreadType="center", shape=shape_text(way.lanes[-1].shape))  # fmt: skip
         yield f"{head[:-2]}>\n{lanes}\n</edge>"
 
 
-def _lane(way: Way, index: int) -> str:
+def _lane(way: Way, index: int, *, left_hand: bool) -> str:
     lane = way.lanes[index]
     walked = lane.kind == "walk"
     barred = {}
     # Nobody changes over what lies between two lanes; the first lane is the one at the kerb.
+    kerb, middle = ("changeLeft", "changeRight") if left_hand else ("changeRight", "changeLeft")
     short = way.length < CHANGED
     if index and (short or way.apart[index - 1]):
-        barred["changeRight"] = CLOSED
+        barred[kerb] = CLOSED
     if index < len(way.apart) and (short or way.apart[index]):
-        barred["changeLeft"] = CLOSED
+        barred[middle] = CLOSED
     allowed = CLOSED if lane.closed else ALLOWED[lane.kind]
     return tag("lane", index=index, allow=allowed, width=f"{lane.width:.3f}",
                speed=f"{WALKED if walked else lane.speed:.3f}", shape=shape_text(lane.shape),

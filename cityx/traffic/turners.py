@@ -13,6 +13,7 @@ from typing import Any
 
 CLEARING = 3.0  # seconds of yellow, and then of green for those who turn
 LEAST = 12.0  # seconds of green that are left to the others
+SHORTEST = 8.0  # seconds of it where a junction has many stages
 
 
 def let_turners_out(root: Any) -> None:
@@ -66,6 +67,8 @@ def _divide(
         return
     before = phase.getprevious()
     spare = float(phase.get("duration")) - 2 * CLEARING
+    if 0.0 <= spare < SHORTEST and not _held_before(before, held):
+        return
     if spare < 0.0:  # the phase in which people get off the roadway is too short for it
         if before is None or float(before.get("duration")) + spare < LEAST:
             return
@@ -82,6 +85,11 @@ def _divide(
         phase.set("duration", f"{spare:g}")
     else:
         plan.remove(phase)
+
+
+def _held_before(before: Any, links: set[int]) -> bool:
+    """Tell whether some links have green in a phase already."""
+    return before is not None and all(before.get("state")[link] in "gG" for link in links)
 
 
 def _with(state: str, links: set[int], letter: str) -> str:

@@ -187,11 +187,21 @@ class _Lanes:
         vehicle = self.sumo.vehicle
         route, kind = vehicle.getRoute(name), vehicle.getVehicleClass(name)
         place = vehicle.getRouteIndex(name)
-        if place < 0 or self._leads(lane, route[place + 1 : place + 1 + FORESEEN], kind):
+        ahead = route[place + 1 : place + 1 + FORESEEN]
+        if place < 0 or not ahead or (self._leads(lane, ahead, kind) and self._goes_on(name, lane)):
             return
-        edges = self.way(lane, route[-1], kind)
+        # Who fits round no corner ahead takes one that is tight rather than stand for ever.
+        edges = self.way(lane, route[-1], kind) or self.way(lane, route[-1], DRIVER)
         if len(edges) > 1:
             vehicle.setRoute(name, edges)
+
+    def _goes_on(self, name: str, lane: str) -> bool:
+        """Tell whether SUMO lets a vehicle drive on at the end of its lane.
+
+        It does not where lanes far ahead have to be changed over a line that bars it.
+        """
+        best = self.sumo.vehicle.getBestLanes(name)
+        return any(each[0] == lane and len(each[5]) > 1 for each in best)
 
     def _leads(self, lane: str, edges: Sequence[str], kind: str) -> bool:
         """Tell whether one who stays in a lane comes along some edges."""

@@ -11,6 +11,7 @@ from cityx.plugins.dynamic.halts import halts_of
 from cityx.traffic import engine
 from cityx.traffic.laying import PASSING, SHORTEST, streets_of
 from cityx.traffic.network import make_network
+from cityx.traffic.plain import CHANGED, CLOSED
 from cityx.traffic.session import street_names
 
 needs_sumo = pytest.mark.skipif(
@@ -100,6 +101,27 @@ def test_its_lanes_are_ours(name, tmp_path):
                  if own == number]  # fmt: skip
         assert np.allclose(parts[0][0], link.shape[0], atol=1e-3)
         assert np.allclose(parts[-1][-1], link.shape[-1], atol=1e-3)
+
+
+@needs_sumo
+@pytest.mark.parametrize("left_hand", [False, True])
+def test_nobody_changes_lanes_on_a_short_way(left_hand, tmp_path):
+    from lxml import etree
+
+    wide = {"lanes": 6, "lanes_forward": 3, "width": 19.5}
+    streets = [([WEST, MIDDLE, (50, 0), EAST], wide), ([SOUTH, MIDDLE], {}),
+               ([(50, 0), (50, REACH)], {})]  # fmt: skip
+    found, network = made(streets, tmp_path, left_hand=left_hand)
+    root = etree.parse(network.file).getroot()
+    lanes = {lane.get("id"): lane for lane in root.iter("lane")}
+    # SUMO tells left from right by the side of the road: towards the middle is to higher numbers.
+    inward, outward = ("changeRight", "changeLeft") if left_hand else ("changeLeft", "changeRight")
+    short = [way for way in found.ways if way.length < CHANGED and len(way.lanes) == 4]
+    assert short
+    for way in short:
+        bars = [(lanes[f"{way.name}_{k}"].get(inward), lanes[f"{way.name}_{k}"].get(outward))
+                for k in range(4)]  # fmt: skip
+        assert bars == [(CLOSED, None), (CLOSED, CLOSED), (CLOSED, CLOSED), (None, CLOSED)]
 
 
 @needs_sumo

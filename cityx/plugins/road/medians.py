@@ -10,10 +10,13 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.ground import LABEL, SURFACES
+from cityx.city.section import NARROWEST_LANE
 from cityx.geometry.arrangement import Regions, regions
-from cityx.geometry.polylines import arc_lengths, locate, to_linestrings
+from cityx.geometry.polylines import Polylines, arc_lengths, locate, to_linestrings
 
 if TYPE_CHECKING:
+    from geopandas import GeoDataFrame
+
     from cityx.city.layout import Layout
     from cityx.city.roads import RoadNetwork
 
@@ -52,12 +55,62 @@ class Twins:
 
 def twins_of(layout: Layout, network: RoadNetwork) -> Twins:
     """Pair one-way edges closer than 25 m, of one name, that run against each other."""
-    table = layout.roads.iloc[network.edge_road]
+    lines = Polylines(network.points, network.point_start)
+    first, second, distance, side = _opposed(layout.roads.iloc[network.edge_road], lines)
+    gap = np.nanmean(distance, axis=1) if len(first) else np.zeros(0)
+    gap = gap - network.half_width[first] - network.half_width[second]
+    return Twins(first, second, np.round(gap, 3), side)
+
+
+def parted_halves(table: GeoDataFrame, lines: Polylines, half: FloatArray) -> FloatArray:
+    """Narrow the two carriageways of one road where they would lie on each other.
+
+    Maps draw them nearer than their lanes are wide by default; nothing is narrowed beyond what its
+    lanes need.
+
+    Parameters
+    ----------
+    table
+        Roads of the edges, e rows.
+    lines
+        Centrelines of the edges.
+    half
+        (e,) metres, half of their widths.
+
+    Returns
+    -------
+    half
+        (e,) metres.
+    """
+    first, second, distance, _ = _opposed(table, lines)
+    if not len(first):
+        return half
+    share = np.nanmedian(distance, axis=1) / (half[first] + half[second])
+    limit = np.ones(len(half))
+    np.minimum.at(limit, np.concatenate([first, second]), np.tile(share, 2))
+    least = np.maximum(table["lanes"].to_numpy(float), 1.0) * NARROWEST_LANE / 2
+    return np.minimum(half, np.round(np.maximum(half * limit, least), 3))
+
+
+def _opposed(
+    table: GeoDataFrame, lines: Polylines
+) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+    """Find pairs of edges that are the two directions of one road.
+
+    Returns
+    -------
+    first, second
+        (t,) edges.
+    distance
+        (t, 5) metres between their centrelines at `SHARES` of the first, NaN where it is not
+        beside the second.
+    side
+        (t, 2) as of `Twins`.
+    """
     ring = table["roundabout"].to_numpy(bool)
     name = table["name"].to_numpy().astype(str)
     ref = table["tags"].str.extract(r'"ref":\s*"([^"]*)"', expand=False).fillna("").to_numpy(str)
     edges = np.flatnonzero(table["oneway"].to_numpy(bool) & ~ring & ((name != "") | (ref != "")))
-    lines = network.lines
     shapes = to_linestrings(lines)
     one, other = shapely.STRtree(shapes[edges]).query(
         shapes[edges], predicate="dwithin", distance=WIDEST
@@ -68,9 +121,8 @@ def twins_of(layout: Layout, network: RoadNetwork) -> Twins:
     keep = same & (first < second)
     first, second = first[keep], second[keep]
     length = arc_lengths(lines)[1]
-    near = np.zeros(len(first), np.int64)
-    total, side = np.zeros(len(first)), np.zeros((len(first), 2))
-    for share in SHARES:
+    distances, side = np.full((len(first), len(SHARES)), np.nan), np.zeros((len(first), 2))
+    for column, share in enumerate(SHARES):
         place, ahead = locate(lines, first, share * length[first])
         along = shapely.line_locate_point(shapes[second], shapely.points(place))
         foot, against = locate(lines, second, along)
@@ -78,15 +130,12 @@ def twins_of(layout: Layout, network: RoadNetwork) -> Twins:
         distance = np.hypot(*across.T)
         inner = (along > 0.5) & (along < length[second] - 0.5) & (distance < WIDEST)
         inner &= (ahead * against).sum(axis=1) < OPPOSED
-        near += inner
-        total += np.where(inner, distance, 0.0)
+        distances[inner, column] = distance[inner]
         left = ahead[:, 0] * across[:, 1] - ahead[:, 1] * across[:, 0]
         right = against[:, 1] * across[:, 0] - against[:, 0] * across[:, 1]
         side += np.where(inner[:, None], np.sign(np.column_stack([left, right])), 0.0)
-    keep = near >= BESIDE
-    first, second, near = first[keep], second[keep], near[keep]
-    gap = total[keep] / near - network.half_width[first] - network.half_width[second]
-    return Twins(first, second, np.round(gap, 3), np.sign(side[keep]))
+    keep = np.isfinite(distances).sum(axis=1) >= BESIDE
+    return first[keep], second[keep], distances[keep], np.sign(side[keep])
 
 
 def median_regions(layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bool_]) -> Regions:

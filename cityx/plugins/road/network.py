@@ -17,6 +17,7 @@ from cityx.geometry.identity import mix
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, to_linestrings
 from cityx.plugins.road.corners import Arms, Corners, corners_of, trims_of
 from cityx.plugins.road.crossing_places import crossed_ends, mouths
+from cityx.plugins.road.medians import parted_halves
 from cityx.plugins.road.roundabouts import narrowed_rings, round_rings
 from cityx.plugins.road.warrants import warranted, with_signals
 from cityx.protocol import Choice, Port, action
@@ -247,6 +248,7 @@ def _assemble(
     table = layout.roads.iloc[road]
     edge_id = _edge_ids(table["id"].to_numpy(), lines)
     half = _half_widths(layout, table, lines)
+    half = parted_halves(table, lines, half)
     half = narrowed_rings(lines, table["roundabout"].to_numpy(bool), half)
     arms, corners, reach = node_corners(
         layout, table["kind"].to_numpy(), lines, edge_nodes, position[used], half

@@ -30,6 +30,16 @@ def test_two_directions_of_one_road_are_twins(layout_of):
     assert twins.side.tolist() == [[1.0, 1.0]]
 
 
+def test_carriageways_drawn_nearer_than_they_are_wide_share_the_room_between_them(layout_of):
+    twins = twins_of(layout := layout_of(pair(-0.5)), network := road_network(layout))
+    assert twins.gap == pytest.approx([0.0])
+    assert network.half_width.tolist() == pytest.approx([2.75, 2.75])
+    found = ground_of(layout)
+    assert check_arrangement(found) == (0, 0, 0.0)
+    # Two lanes of 2.4 m are the least that each of them keeps.
+    assert road_network(layout_of(pair(-3.0))).half_width.tolist() == pytest.approx([2.4, 2.4])
+
+
 @pytest.mark.parametrize("options", [{"name": "Gasse"}, {"oneway": False}])
 def test_roads_of_other_names_or_both_directions_are_not(layout_of, options):
     layout = layout_of(pair(4.0, **options))
