@@ -18,6 +18,7 @@ from cityx.geometry.facades import bays_of
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.scatter import near_pairs
+from cityx.geometry.walls import WallTable
 from cityx.plugins.building.catalogue import looks
 from cityx.plugins.building.dressing import corner_reach
 from cityx.plugins.building.fronts import STREETS
@@ -198,7 +199,7 @@ def _place(
     )  # fmt: skip
 
 
-def _apart(walls: facades.Walls, wall: IntArray, spacing: float) -> IntArray:
+def _apart(walls: WallTable, wall: IntArray, spacing: float) -> IntArray:
     """Leave out corners of a part that lie nearer than `spacing` metres to one before them."""
     if not len(wall):
         return wall

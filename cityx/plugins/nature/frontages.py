@@ -39,7 +39,8 @@ KINDS: Mapping[str, Mapping[str, float]] = MappingProxyType({
     "north america": {"": 6.0, "front_hedge": 1.5, "rail_fence": 1.5},
 })  # fmt: skip
 USUAL_KINDS = {"": 3.0, "front_hedge": 2.0, "front_wall": 1.5, "rail_fence": 1.5}
-PLOT = 11.0  # metres of street that a plot takes
+PLOT = 12.0  # metres of street that a plot takes at most: edge of the cells of a lattice
+CORNER = 3.173  # metres, where its cells begin; few things lie along their sides
 GATE = 0.65  # metres that stay open at each end of a plot
 LEAST = 1.6  # metres of wall, fence or hedge; shorter ones are not built
 DEEP = 1.7  # metres of private land that an edge needs behind it
@@ -107,32 +108,42 @@ def frontage_edges(city: City) -> Edges:
     return _opened(city, Edges(moved, ids[built], kinds[built]))
 
 
-def _rims(ground: Ground, labels: tuple[str, ...]) -> NDArray[Any]:
-    """(n,) lines along which public walks meet private land."""
+def _rims(ground: Ground, labels: tuple[str, ...]) -> FloatArray:
+    """(n, 2, 2) edges at which public walks meet private land."""
     left, right = ground.edge_faces.T.astype(np.int64)
     public = ground.labelled(*PUBLIC)
     # What the map describes has the edges that the map shows.
     private = ground.labelled(*labels) & (ground.face_object == 0)
     other = np.maximum(right, 0)
     rim = (right != BEYOND) & ((public[left] & private[other]) | (private[left] & public[other]))
-    if not rim.any():
-        return np.zeros(0, object)
-    edges = shapely.multilinestrings(ground.vertices[ground.edges[rim]].tolist())
-    merged = shapely.get_parts(shapely.line_merge(edges))
-    return np.asarray(shapely.simplify(merged[shapely.length(merged) > LEAST + 2 * GATE], FINE))
+    return np.asarray(ground.vertices[ground.edges[rim]])
 
 
-def _plots(rims: NDArray[Any]) -> Polylines:
-    """Cut lines into pieces of about `PLOT`, a gate before each."""
-    lines = pack(rims) if len(rims) else Polylines(np.zeros((0, 2)), np.zeros(1, np.int64))
-    if not lines.count:
-        return lines
+def _plots(rims: FloatArray) -> Polylines:
+    """Join edges within the cells of a lattice, a gate at each end: what changes changes nearby."""
+    none = Polylines(np.zeros((0, 2)), np.zeros(1, np.int64))
+    if not len(rims):
+        return none
+    segments = shapely.linestrings(rims)
+    low, high = (np.floor((each - CORNER) / PLOT).astype(np.int64)
+                 for each in (rims.min(axis=1), rims.max(axis=1)))  # fmt: skip
+    wide = high - low
+    found = []
+    for i, j in np.ndindex(*(wide.max(axis=0) + 1)):
+        rows = np.flatnonzero((wide >= (i, j)).all(axis=1))
+        found.append((rows, low[rows] + (i, j)))
+    row, cell = (np.concatenate(each) for each in zip(*found, strict=True))
+    corner = cell * PLOT + CORNER
+    cut = shapely.intersection(segments[row], shapely.box(*corner.T, *(corner + PLOT).T))
+    kept = np.flatnonzero(shapely.length(cut) > 1e-6)
+    owner = np.unique(cell[kept], axis=0, return_inverse=True)[1]
+    order = np.argsort(owner, kind="stable")
+    joined = shapely.multilinestrings(cut[kept[order]], indices=owner[order])
+    merged = shapely.normalize(shapely.get_parts(shapely.line_merge(joined)))
+    lines = pack(shapely.simplify(merged[shapely.length(merged) > LEAST + 2 * GATE], FINE))
     length = arc_lengths(lines)[1]
-    count = np.maximum(np.rint(length / PLOT), 1).astype(np.int64)
-    row = np.repeat(np.arange(lines.count), count)
-    number = np.arange(len(row)) - np.searchsorted(row, row)
-    each = (length / count)[row]
-    return pieces(lines, row, number * each + GATE, (number + 1) * each - GATE)
+    every_one = np.arange(lines.count)
+    return pieces(lines, every_one, np.full(lines.count, GATE), length - GATE)
 
 
 def _inward(

@@ -55,7 +55,7 @@ class Twins:
 
 def twins_of(layout: Layout, network: RoadNetwork) -> Twins:
     """Pair one-way edges closer than 25 m, of one name, that run against each other."""
-    lines = Polylines(network.points, network.point_start)
+    lines = network.lines
     first, second, distance, side = _opposed(layout.roads.iloc[network.edge_road], lines)
     gap = np.nanmean(distance, axis=1) if len(first) else np.zeros(0)
     gap = gap - network.half_width[first] - network.half_width[second]

@@ -1,6 +1,7 @@
 """Edges between walks and the land before houses."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import shapely
 from cityx.city import Frame, Instances, Prototype, make_table
 from cityx.city.mesh import empty_batch
 from cityx.plugins.nature.barriers import barriers
-from cityx.plugins.nature.frontages import GATE, KINDS, frontage_edges
+from cityx.plugins.nature.frontages import GATE, KINDS, _plots, frontage_edges
 from cityx.plugins.nature.pieces import ways_to_doors
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.network import network
@@ -77,3 +78,15 @@ def test_they_are_the_same_every_time_and_are_built(town):
 def test_without_doors_there_are_none(town):
     bare = replace(town.scene, instances={})
     assert not len(frontage_edges(replace(town, scene=bare)).lines)
+
+
+def test_a_side_that_moves_leaves_the_plots_of_the_other_sides_alone():
+    def plots(width):
+        ring = np.array([(0.0, 0.0), (width, 0.0), (width, 60.0), (0.0, 60.0), (0.0, 0.0)])
+        lines = _plots(np.stack([ring[:-1], ring[1:]], axis=1))
+        return {lines.points[a:b].tobytes() for a, b in pairwise(lines.start)
+                if lines.points[a:b, 0].max() < 70}  # fmt: skip
+
+    before, after = plots(100.0), plots(99.75)
+    assert len(before) >= 14
+    assert before == after
