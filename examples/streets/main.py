@@ -56,7 +56,7 @@ class View:
 
 VIEWS = {
     "junction": View(
-        "sydney_glebe.osm.gz", (-33.874418, 151.182722), (14.0, -21.0, 13.0), 326.0, -28.0
+        "sydney_glebe.osm.gz", (-33.874418, 151.182722), (17.5, -18.5, 10.5), 326.0, -24.0
     ),
     "bridge": View(
         "seattle_i5_exit.osm.gz",
