@@ -23,6 +23,7 @@ from cityx.geometry.identity import choose, hash_ids
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, pieces, to_linestrings
 from cityx.plugins.nature.pieces import BoolArray, FloatArray, ways_to_doors
 from cityx.plugins.nature.street_rules import place_of
+from cityx.remembered import Remembered
 
 PURPOSE = "nature/frontages"
 PUBLIC = ("sidewalk", "furnishing", "edging", "ramp")
@@ -70,14 +71,23 @@ class Edges:
     kind: NDArray[Any]
 
 
+_LAST: Remembered[Edges] = Remembered()
+
+
 def frontage_edges(city: City) -> Edges:
-    """Return the edges that are built between walks and private land.
+    """Return the edges that are built between walks and private land; the last are remembered.
 
     Parameters
     ----------
     city
         City with its ground; facades tell where doors are.
     """
+    doors = city.scene.instances.get("doors")
+    parts = [part for part in (city.ground, city.layout, doors) if part is not None]
+    return _LAST.get(lambda: _found(city), parts, city.seed, place_of(city))
+
+
+def _found(city: City) -> Edges:
     none = Edges(np.zeros(0, object), np.zeros(0, np.uint64), np.zeros(0, object))
     ground = city.ground
     buildings = city.layout.buildings
