@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cityx.agents.brief import Brief, Edit, Question, Selector
+from cityx.agents.brief import Brief, Edit, Question, Selector, Slot
 from cityx.agents.brief.measurable import things
 from cityx.agents.planning.asked import air_slots
 from cityx.agents.selecting import MAIN_STREET, Open, choose, place_selector
@@ -45,14 +45,20 @@ def _members(chosen: Selection) -> Any:
     return chosen.layer.members(chosen.rows)
 
 
-def left_alone(brief: Brief, chosen: Selection, city: City) -> Selection:
-    """Return the things of a larger group that change: those that are kept are none of them."""
+def _kept(brief: Brief, city: City) -> Iterator[tuple[Slot, Selection]]:
+    """Yield what is to stay as it is, with its words; names of nothing are passed over."""
     for slot in brief.kept:
         word = str(slot.value)
         try:
             kept = choose(Selector(kind=word) if things(word) else Selector(ids=(word,)), city)
         except Open:
             continue
+        yield slot, kept
+
+
+def left_alone(brief: Brief, chosen: Selection, city: City) -> Selection:
+    """Return the things of a larger group that change: those that are kept are none of them."""
+    for _, kept in _kept(brief, city):
         others = ~np.isin(chosen.ids, kept.ids)
         if others.any():
             chosen = chosen.where(others)
@@ -66,12 +72,7 @@ def protected(
 
     What is left alone of a larger group is no contradiction: the rest of the group changes.
     """
-    for slot in brief.kept:
-        word = str(slot.value)
-        try:
-            kept = choose(Selector(kind=word) if things(word) else Selector(ids=(word,)), city)
-        except Open:
-            continue
+    for slot, kept in _kept(brief, city):
         for edit, chosen in meant:
             if chosen is not None and set(chosen.ids.tolist()) <= set(kept.ids.tolist()):
                 yield Question(

@@ -14,6 +14,7 @@ from cityx.checks.check import Check, named
 from cityx.city import City
 from cityx.city.bodies import colliders_of
 from cityx.city.levels import ground_levels
+from cityx.city.outlines import placed_rings
 from cityx.city.scene import Instances
 
 FloatArray = NDArray[np.float64]
@@ -84,14 +85,12 @@ def _placed(thing: Thing, rows: Instances, prototype: int) -> Outlines:
     """Return the plans of all instances of one prototype in a layer, upright ones turned by yaw."""
     of = np.flatnonzero(rows.prototype == prototype)
     shapes = colliders_of([thing.collider])
-    yaw, size = rows.rotation[of, 2].astype(float), rows.scale[of].astype(float)
-    c, s = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
+    size = rows.scale[of].astype(float)
     polygons, low, high = [], [], []
     for part in range(len(shapes.form)):
         corners = shapes.corners(part)
         ring = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(corners[:, :2])))
-        x, y = (ring[:, axis] * size[:, axis, None] for axis in (0, 1))
-        turned = np.stack([c * x - s * y, s * x + c * y], axis=2) + rows.position[of, None, :2]
+        turned = placed_rings(ring, rows.position[of, :2], rows.rotation[of, 2], size)
         polygons.append(shapely.buffer(shapely.polygons(turned), -DEEP / 2))
         low.append(rows.position[of, 2] + corners[:, 2].min() * size[:, 2])
         high.append(rows.position[of, 2] + corners[:, 2].max() * size[:, 2])

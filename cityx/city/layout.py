@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -178,6 +179,11 @@ def make_table(name: str, geometry: Any, /, **columns: Any) -> GeoDataFrame:
     order = np.argsort(data["id"], kind="stable")
     data = {key: values[order] for key, values in data.items()}
     return GeoDataFrame(data, geometry=geometry[order])
+
+
+def in_town(buildings: GeoDataFrame) -> NDArray[np.bool_]:
+    """(b,) whether buildings stand in town, among others as dense or denser."""
+    return np.asarray(np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core")))
 
 
 def joined_tables(first: GeoDataFrame, second: GeoDataFrame) -> GeoDataFrame:

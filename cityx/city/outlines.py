@@ -16,6 +16,26 @@ FURNITURE = ("street_furniture", "street_pieces", "park_pieces", "shore_pieces")
 LOW, HIGH = 0.10, 2.0  # metres above the ground between which a thing is in somebody's way
 
 
+def placed_rings(
+    ring: FloatArray, at: FloatArray, yaw: NDArray[Any], scale: NDArray[Any]
+) -> FloatArray:
+    """(n, k, 2) corners of (k, 2) as they are scaled, turned and put at (n, 2) places.
+
+    Parameters
+    ----------
+    ring, at
+        Metres.
+    yaw
+        (n,) radians, counter-clockwise.
+    scale
+        (n, 2 or more) factors along x and y.
+    """
+    angle, size = yaw.astype(float), scale.astype(float)
+    c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    x, y = (ring[:, k] * size[:, k : k + 1] for k in (0, 1))
+    return np.asarray(np.stack([c * x - s * y, s * x + c * y], axis=2) + at[:, None])
+
+
 def placed_outlines(
     scene: Scene, layers: Sequence[str] = FURNITURE
 ) -> tuple[NDArray[Any], FloatArray, NDArray[np.uint64]]:
@@ -54,11 +74,8 @@ def placed_outlines(
             if len(hull) < 4:
                 continue
             of = rows.prototype == index
-            angle, size = rows.rotation[of, 2].astype(float), rows.scale[of].astype(float)
-            c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
-            x, y = (hull[:, k] * size[:, k : k + 1] for k in (0, 1))
             at = rows.position[of][:, :2]
-            ring = np.stack([c * x - s * y, s * x + c * y], axis=2) + at[:, None]
+            ring = placed_rings(hull, at, rows.rotation[of, 2], rows.scale[of])
             shapes.append(shapely.polygons(ring))
             spots.append(at)
             ids.append(rows.object_id[of])

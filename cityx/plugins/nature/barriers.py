@@ -227,7 +227,9 @@ def sweep(
 
 
 def _grown(city: City, hedges: MeshBatch) -> MeshBatch:
-    """Let the faces of swept hedges swell and sink, and lie in more light or less."""
+    """Let the faces of swept hedges near by swell and sink, and lie in more light or less."""
+    if city.lod <= 2:
+        return hedges
     rows = np.repeat(np.arange(hedges.count), np.diff(hedges.vertex_start))
     number = np.arange(len(rows)) - hedges.vertex_start[rows]
     drawn = [uniform(city.seed, f"{ACTION}/swell", hedges.object_id[rows], 3 * number + axis)
@@ -288,8 +290,9 @@ def _raised(
     if not len(shapes):
         return []
     kind = KINDS[name]
-    near = city.lod > 2 and (name.endswith("hedge") or name == "planted_wall")
-    lines = _resampled(shapes, TWIG if near else STEP)
+    hedge = name.endswith("hedge")
+    leafy = hedge or name == "planted_wall"
+    lines = _resampled(shapes, TWIG if leafy and city.lod > 2 else STEP)
     height = np.where(np.isfinite(given) & (given > 0.1), np.clip(given, 0.3, 30.0), kind.height)
     size = np.column_stack([np.full(len(ids), kind.width / 2), height])
     pick = (uniform(city.seed, f"{ACTION}/tint", ids) * len(kind.tints)).astype(int)
@@ -301,10 +304,9 @@ def _raised(
                  for low, high in rails]  # fmt: skip
         half = SLENDER.get(name, 0.03)
         return [*found, posts(city, lines, ids, height, spacing=spacing, half=half)]
-    profile = _HEDGE if name.endswith("hedge") else _BOX
-    found = [sweep(lines, ids, ground, profile, size, kind.material, tint)]
-    if near and name != "planted_wall":
-        found = [_grown(city, found[0])]
+    if hedge:
+        return [_grown(city, sweep(lines, ids, ground, _HEDGE, size, kind.material, tint))]
+    found = [sweep(lines, ids, ground, _BOX, size, kind.material, tint)]
     if name == "planted_wall":
         low, high = GREEN_TOP
         shown = 0.8 + 0.4 * uniform(city.seed, f"{ACTION}/green", ids)
@@ -313,7 +315,7 @@ def _raised(
         bushes = _HEDGE.copy()
         bushes[bushes[:, 1] < 0, 1] = 0.0
         plants = sweep(lines, ids, ground + low, bushes, top, "hedge", green)
-        found.append(_grown(city, plants) if near else plants)
+        found.append(_grown(city, plants))
     return found
 
 

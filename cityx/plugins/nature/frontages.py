@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from cityx.city import City
 from cityx.city.ground import Ground
+from cityx.city.layout import in_town
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, hash_ids
@@ -92,7 +93,7 @@ def _found(city: City) -> Edges:
     ground = city.ground
     buildings = city.layout.buildings
     houses = buildings.geometry.to_numpy()
-    urban = houses[np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))]
+    urban = houses[in_town(buildings)]
     if ground is None or not len(urban) or "doors" not in city.scene.instances:
         return none
     place = place_of(city)

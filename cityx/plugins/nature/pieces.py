@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cityx.city import City, Instances
 from cityx.city.ground import KERB_HEIGHT, ROADWAY, Ground
+from cityx.city.outlines import placed_rings
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.polylines import to_linestrings
 from cityx.geometry.standing import WALKED, earth_over, stand_on, surfaces_at
@@ -147,9 +148,8 @@ def may_stand(city: City, found: Pieces) -> BoolArray:
         body = body if len(body) >= 3 else vertices[vertices[:, 2] < HEAD]
         hull = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(body[:, :2])))
         of = np.flatnonzero(found.name.astype(str) == name)
-        c, s = np.cos(found.yaw[of])[:, None], np.sin(found.yaw[of])[:, None]
-        x, y = (hull[:, k] * found.scale[of, None] for k in (0, 1))
-        ring = np.stack([c * x - s * y, s * x + c * y], axis=2) + found.xy[of][:, None]
+        scale = np.repeat(found.scale[of, None], 2, axis=1)
+        ring = placed_rings(hull, found.xy[of], found.yaw[of], scale)
         outlines[of] = shapely.linestrings(ring)
     outlines = shapely.convex_hull(outlines)
     lines = to_linestrings(network.lines)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city import City
 from cityx.city.ground import KERB_WIDTH, LABEL, Ground
+from cityx.city.layout import in_town
 from cityx.city.outlines import placed_outlines
 from cityx.city.passage import crowding
 from cityx.geometry.arrangement import BEYOND
@@ -148,7 +149,7 @@ class _Site:
 def _site(city: City) -> _Site:
     buildings = city.layout.buildings
     houses = buildings.geometry.to_numpy()
-    urban = np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))
+    urban = in_town(buildings)
     rims = walk_rims(city.ground) if city.ground is not None else np.zeros(0, object)
     if city.scene.meshes.get("barriers") is not None:  # their faces are rims as well
         rims = np.concatenate([rims, frontage_edges(city).lines])

@@ -7,6 +7,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
+from cityx.city.layout import in_town
 from cityx.geometry.clearance import distance_within, near_any, spots_of
 from cityx.geometry.identity import choose, hash_ids, stable_id, uniform
 from cityx.geometry.polylines import to_linestrings
@@ -108,7 +109,7 @@ def in_yards(city: City, mapped: FloatArray) -> list[Stand]:
     ground = city.ground
     buildings = city.layout.buildings
     houses = buildings.geometry.to_numpy()
-    urban = houses[np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))]
+    urban = houses[in_town(buildings)]
     if ground is None or not len(urban):
         return []
     cells = cells_about(shapely.bounds(urban), YARD_SPACING, YARD_REACH)

@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
+from cityx.city.layout import in_town
 from cityx.geometry.arrangement import Regions, regions
 from cityx.geometry.clearance import near_any, spots_of
 from cityx.geometry.identity import hash_ids, uniform
@@ -91,7 +92,7 @@ def bed_slots(layout: Layout, network: RoadNetwork) -> Beds:
 def _drawn(layout: Layout, network: RoadNetwork) -> Beds:
     buildings = layout.buildings
     houses = buildings.geometry.to_numpy()
-    urban = np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))
+    urban = in_town(buildings)
     found = [*_behind_walks(layout, network), _at_corners(layout, network)]
     names = Beds.__dataclass_fields__
     beds = Beds(*(np.concatenate([getattr(some, name) for some in found]) for name in names))

@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.ground import LABEL, PAINT, ROADWAY, SURFACES, Ground
-from cityx.city.layout import Layout
+from cityx.city.layout import Layout, in_town
 from cityx.geometry.arrangement import BEYOND, Regions, face_areas, regions
 from cityx.geometry.chains import components
 from cityx.geometry.identity import choose, mix
@@ -54,7 +54,7 @@ def pave_blocks(ground: Ground, layout: Layout) -> Ground:
 def town_regions(layout: Layout) -> Regions:
     """Return dense ground as cells of a grid, for an arrangement that holds no houses."""
     buildings = layout.buildings
-    urban = np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))
+    urban = in_town(buildings)
     shapes = buildings.geometry.to_numpy()[urban]
     if not len(shapes):
         return Regions()
@@ -114,15 +114,15 @@ def _paved(ground: Ground, layout: Layout, block: IntArray) -> tuple[Ground, Boo
     area = face_areas(ground)
     house = ground.face_label == LABEL["building"]
     ids = layout.buildings["id"].to_numpy()
-    urban = np.isin(layout.buildings["place"].to_numpy().astype(str), ("urban", "core"))
+    urban = in_town(layout.buildings)
     at = np.minimum(np.searchsorted(ids, ground.face_object), max(len(ids) - 1, 0))
     town = house & urban[at] & (ids[at] == ground.face_object) if len(ids) else house
     open_area = np.where(ground.labelled(*ROAD), 0.0, area)
     whole = np.maximum(np.bincount(block, open_area, minlength=size), 1e-6)
     built = np.bincount(block, np.where(house, area, 0.0), minlength=size)
-    in_town = np.bincount(block, np.where(town, area, 0.0), minlength=size)
+    built_up = np.bincount(block, np.where(town, area, 0.0), minlength=size)
     cover = built / whole
-    dense = (cover > DENSE) | ((cover > DENSE_URBAN) & (in_town > 0.5 * built))
+    dense = (cover > DENSE) | ((cover > DENSE_URBAN) & (built_up > 0.5 * built))
     dense |= _cut_off(ground, block, dense, whole, built > 0)
     dense &= whole < LARGEST
     paved = (ground.face_label == LABEL["block"]) & dense[block]

@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.ground import LABEL
-from cityx.city.layout import Layout
+from cityx.city.layout import Layout, in_town
 from cityx.city.roads import RoadNetwork
 from cityx.digests import arrays_digest
 from cityx.geometry.arrangement import Regions, regions
@@ -121,7 +121,7 @@ def yard_patches(layout: Layout, network: RoadNetwork, place: str = "") -> Patch
 def grounds_digest(layout: Layout, network: RoadNetwork) -> bytes:
     """Return a hash of the houses and streets that what is drawn between them depends on."""
     houses = layout.buildings
-    urban = np.isin(houses["place"].to_numpy().astype(str), ("urban", "core"))
+    urban = in_town(houses)
     lines = network.points, network.point_start, network.half_width, network.edge_road
     return arrays_digest(houses.geometry.to_numpy(), urban, network.edge_id, *lines)
 
@@ -129,7 +129,7 @@ def grounds_digest(layout: Layout, network: RoadNetwork) -> bytes:
 def _drawn(layout: Layout, network: RoadNetwork, place: str) -> Patches:
     buildings = layout.buildings
     houses = buildings.geometry.to_numpy()
-    urban = houses[np.isin(buildings["place"].to_numpy().astype(str), ("urban", "core"))]
+    urban = houses[in_town(buildings)]
     if not len(urban):
         none = np.zeros((0, 2))
         return Patches(np.zeros(0, np.uint64), none, none, none, np.zeros(0, np.int64))
