@@ -53,12 +53,13 @@ class Fixture:
     at
         "door": at the main door. "front": once, in the middle of the wall of the main door.
         "bay": in every bay of the storeys `first` to `last`. "pier": between the bays. "corner":
-        at free outer corners. "top": on the middle of the roof of each part. "edge": along the
-        walls' upper ends. "foot": along their feet, clear of doors. "gable": at the eaves in the
-        middle of the walls under the ends of a ridge along the longer side. "ground": in a row over
-        the middle of the plan, on the ground. "window": at the foot of the windows of the storeys
-        `first` to `last`. "head": over the bays, at the upper end of the wall. "side": along the
-        upper ends of the walls beside the front, whether or not a neighbour covers them.
+        at free outer corners, those with `street` where both walls face one. "top": on the middle
+        of the roof of each part. "edge": along the walls' upper ends. "foot": along their feet,
+        clear of doors. "gable": at the eaves in the middle of the walls under the ends of a ridge
+        along the longer side. "ground": in a row over the middle of the plan, on the ground.
+        "window": at the foot of the windows of the storeys `first` to `last`. "head": over the
+        bays, at the upper end of the wall. "side": along the upper ends of the walls beside the
+        front, whether or not a neighbour covers them.
     tint
         Whose colour it has: "wall", "trim", "frame", "accent", "sign" (a colour of its own per
         building) or "" for its own.

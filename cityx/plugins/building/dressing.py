@@ -291,14 +291,13 @@ def _faced(placing: Placing, found: Facade, wanted: NDArray[np.bool_], level: Fl
           height=level[paint] - low[paint])  # fmt: skip
 
 
-def corner_reach(walls: WallTable) -> tuple[FloatArray, FloatArray]:
-    """How far things that stand out must run past the start and the end of a wall.
+def following_walls(walls: WallTable) -> tuple[IntArray, NDArray[np.bool_]]:
+    """Wall that begins where a wall of the same part ends.
 
     Returns
     -------
-    before, after
-        (w,) as a share of how far they stand out: 1 at an outer corner, 0 where the wall goes on
-        straight, at an inner corner, and where a neighbour's wall begins.
+    following, joined
+        (w,) row of the next wall, any where there is none, and (w,) whether there is one.
     """
     place = np.rint(np.stack([walls.start, walls.end], axis=1) * 1000).astype(np.int64)  # (w, 2, 2)
     part = np.repeat(walls.part.astype(np.int64)[:, None], 2, axis=1)
@@ -308,7 +307,19 @@ def corner_reach(walls: WallTable) -> tuple[FloatArray, FloatArray]:
     order = np.argsort(start_code, kind="stable")
     at = np.minimum(np.searchsorted(start_code[order], end_code), max(walls.count - 1, 0))
     following = order[at] if walls.count else np.zeros(0, np.int64)
-    joined = start_code[following] == end_code
+    return following, start_code[following] == end_code
+
+
+def corner_reach(walls: WallTable) -> tuple[FloatArray, FloatArray]:
+    """How far things that stand out must run past the start and the end of a wall.
+
+    Returns
+    -------
+    before, after
+        (w,) as a share of how far they stand out: 1 at an outer corner, 0 where the wall goes on
+        straight, at an inner corner, and where a neighbour's wall begins.
+    """
+    following, joined = following_walls(walls)
     turn = (
         walls.normal[:, 0] * walls.normal[following, 1]
         - walls.normal[:, 1] * walls.normal[following, 0]

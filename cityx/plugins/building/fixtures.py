@@ -20,7 +20,7 @@ from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.scatter import near_pairs
 from cityx.geometry.walls import WallTable
 from cityx.plugins.building.catalogue import looks
-from cityx.plugins.building.dressing import corner_reach
+from cityx.plugins.building.dressing import corner_reach, following_walls
 from cityx.plugins.building.fronts import STREETS
 from cityx.plugins.building.placing import Placing
 from cityx.plugins.building.signs import SIGNS
@@ -90,6 +90,14 @@ class Site:
         return corner_reach(self.found.walls)
 
     @cached_property
+    def before_streets(self) -> NDArray[np.bool_]:
+        """(w,) whether the wall before a wall of its part faces a street."""
+        following, joined = following_walls(self.found.walls)
+        before = np.zeros(self.found.walls.count, bool)
+        before[following[joined]] = self.found.fronts.street[joined]
+        return before
+
+    @cached_property
     def bays(self) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
         """As of `bays_of`."""
         return bays_of(self.found.storey_walls, self.found.fronts)
@@ -156,7 +164,10 @@ def _place(
         index = np.zeros(len(wall), np.int64)
     elif each.at == "corner":
         free = usable & (walls.blind_to < walls.z_low + MARGIN)
-        wall = np.flatnonzero(free & (site.reach[0] > SHARP))
+        free &= site.reach[0] > SHARP
+        if each.street:
+            free &= site.before_streets
+        wall = np.flatnonzero(free)
         wall = _apart(walls, wall, each.spacing) if each.spacing else wall
         along, z = np.zeros(len(wall)), found.fronts.foot[wall]
         index = np.zeros(len(wall), np.int64)
