@@ -22,7 +22,7 @@ from cityx.agents.views import render_views
 SHARED = Path(__file__).parents[2] / ".." / "shared"
 CAMERAS = SHARED / "reference" / "cameras.json"
 VIEWS = ("street", "junction", "aerial")
-LIFE = "medium traffic, 300 pedestrians"  # of every place
+LIFE = "heavy traffic, 700 pedestrians"  # of every place
 WIDTH, HEIGHT, GAP, TITLE = 480, 270, 8, 24
 
 
