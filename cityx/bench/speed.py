@@ -28,6 +28,8 @@ MAPS = (
     "london_soho.osm.gz", "tokyo_ichigaya.osm.gz", "tokyo_kanda.osm.gz", "krems.osm.gz",
     "liechtenstein_2013.osm.bz2", "liechtenstein_latest.osm.gz",
 )  # fmt: skip
+# Actions of streets, ground, nature and weather; the rest are of buildings and of what moves.
+OUTSIDE = ("road/", "nature/", "background/")
 NO_BYTECODE = "PYTHONDONTWRITEBYTECODE"
 RECORD, PARTIAL = "speed.json", "speed.partial.jsonl"
 BEGIN, END = "<!-- begin: cityx bench speed -->", "<!-- end: cityx bench speed -->"
@@ -85,6 +87,7 @@ def row_of(path: Path, lod: int, reports: Sequence[Mapping[str, Any]]) -> dict[s
     other = ("import", PARSE, "store", "glb", "check", "blender")
     actions = [step for step in report["cpu_s"] if not step.startswith(other)]
     buildings = max(report["counts"]["buildings"], 1)
+    outside = [step for step in actions if step.startswith(OUTSIDE)]
     parse, generate = _median(reports, PARSE), _median(reports, *actions)
     mesh = _median(reports, "store", "blender read", "blender setup")
     save = _median(reports, "blender save")
@@ -102,6 +105,7 @@ def row_of(path: Path, lod: int, reports: Sequence[Mapping[str, Any]]) -> dict[s
         "save s": f"{save:.2f}",
         "ms/building": f"{1000 * total / buildings:.2f}",
         "s/km2": f"{total / report['area_km2']:.2f}",
+        "streets, nature s/km2": f"{_median(reports, *outside) / report['area_km2']:.2f}",
         "peak MB": f"{max(r['peak_rss_mb'] for r in reports):.0f}",
         ".blend MB": f"{report['blend_mb']:.1f}",
         "triangles unique": f"{report['triangles']['unique']:,}",

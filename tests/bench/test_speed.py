@@ -10,7 +10,16 @@ import pytest
 from cityx.bench import speed
 from cityx.bench.inputs import write_osm
 from cityx.bench.peers import PEERS, Peer, peer_once, peers_named
-from cityx.bench.speed import BEGIN, END, content_of, maps_in, measure_speed, text_of, write_into
+from cityx.bench.speed import (
+    BEGIN,
+    END,
+    content_of,
+    maps_in,
+    measure_speed,
+    row_of,
+    text_of,
+    write_into,
+)
 from cityx.errors import EngineError, InputError, MissingExtra, UsageError
 
 READER = """
@@ -52,6 +61,17 @@ def test_a_map_is_built_and_stands_beside_a_peer(town, tmp_path):
     last = [cell.strip() for cell in theirs.splitlines()[-1].split("|")[1:-1]]
     assert last[1] == "reader"
     assert float(last[4]) == pytest.approx(1.0, abs=0.2)
+
+
+def test_streets_and_nature_are_timed_apart_from_buildings(town):
+    taken = {"import": 9.0, "layout/inputs": 0.5, "road/ground": 2.0, "nature/trees": 1.0,
+             "background/sun": 0.25, "building/facade": 4.0, "store": 0.25}  # fmt: skip
+    report = {
+        "cpu_s": taken, "counts": {"buildings": 10}, "area_km2": 0.5, "peak_rss_mb": 1.0,
+        "blend_mb": 1.0, "triangles": {"unique": 8, "instanced": 80},
+    }  # fmt: skip
+    row = row_of(town, 2, [report])
+    assert (row["streets, nature s/km2"], row["s/km2"]) == ("6.50", "16.00")
 
 
 def test_a_peer_reads_the_map_unpacked(town, tmp_path):
