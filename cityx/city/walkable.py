@@ -35,6 +35,7 @@ MOST_CELLS = 150_000_000  # of a raster: 6 km2, some 2 GB while it is made
 SOLID = (*FURNITURE, "trees", "vehicles")  # layers of the scene that stand in the way
 WALLS = ("barriers", "structures")  # layers of meshes that do
 FARTHEST = 12.0  # metres of clearance that are told apart
+CROSSES = 0.5  # square metres of roadway that a crosswalk covers at least, or shares at most
 STRIP = 2000  # rows of the raster whose clearance is measured at once
 
 
@@ -201,7 +202,7 @@ def _areas(city: City) -> WalkAreas:
     crosswalks = crosswalks_of(city.ground, city.layout, city.network)
     walks, road = _polygon(city.ground, FOOTWAYS), _polygon(city.ground, ROADWAY)
     verge = _verges(city.ground, road, walks)
-    crosswalks, over = _used(crosswalks, shapely.intersection(crosswalks.regions(), road))
+    crosswalks, over = _parted(crosswalks, shapely.intersection(crosswalks.regions(), road))
     whole = shapely.union_all([walks, verge, *over], grid_size=0.001)
     whole = shapely.intersection(whole, shapely.box(*city.layout.extent))
     parts = shapely.get_parts(whole)
@@ -261,10 +262,31 @@ def _verges(ground: Ground, road: Any, walks: Any) -> Any:
     ])  # fmt: skip
 
 
-def _used(crosswalks: Crosswalks, over: NDArray[Any]) -> tuple[Crosswalks, NDArray[Any]]:
-    """Return the crosswalks that cross something, and what they cover of the roadway."""
-    kept = shapely.area(over) > 0.5
-    return crosswalks.take(kept), np.asarray(over[kept], object)
+def _parted(crosswalks: Crosswalks, over: NDArray[Any]) -> tuple[Crosswalks, NDArray[Any]]:
+    """Return the crosswalks that cross something, and what each alone covers of the roadway.
+
+    Where two lie on one another one would step from one onto the other amid the roadway, and not
+    know whose signal counts. What a path alone tells gives way to a crosswalk with bars, and a
+    crosswalk that is guessed to a path; those of two arms that meet at a corner share it out.
+    """
+    kept = shapely.area(over) > CROSSES
+    crosswalks, over = crosswalks.take(kept), np.asarray(over[kept], object)
+    path = crosswalks.edge < 0
+    rank = np.lexsort((crosswalks.id, ~path, ~crosswalks.marked))
+    crosswalks, over, path = crosswalks.take(rank), over[rank], path[rank]
+    kept = np.ones(len(over), bool)
+    pairs = np.sort(shapely.STRtree(over).query(over, predicate="intersects"), axis=0)
+    for one, other in np.unique(pairs, axis=1).T.tolist():
+        if one == other or not kept[one] or not kept[other]:
+            continue
+        common = shapely.area(shapely.intersection(over[one], over[other]))
+        if common > CROSSES and (path[one] or path[other]):
+            kept[other] = False
+        elif common > 0:
+            over[other] = shapely.difference(over[other], over[one], grid_size=0.001)
+    back = np.argsort(rank)
+    rows = back[kept[back]]  # in the order in which they were
+    return crosswalks.take(rows), over[rows]
 
 
 def _solids(city: City, ground: Ground) -> NDArray[Any]:

@@ -3,14 +3,16 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 import shapely
 from crossing_town import HOUSES, PLAZA, crossing_town, with_post
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cityx.city import make_table
 from cityx.city.crosswalks import FOOTWAYS, crosswalks_of
-from cityx.city.walkable import BODY, CELL, walkable_of
+from cityx.city.walkable import BODY, CELL, walk_areas, walkable_of
 
 
 @pytest.fixture(scope="module")
@@ -77,6 +79,19 @@ def test_crosswalks_stay_when_streets_are_listed_the_other_way(town):
     assert turned.roads["id"].tolist() == [2, 1]
     found = crosswalks_of(town.ground, turned, town.network)
     assert set(found.id) == set(crosswalks_of(town.ground, town.layout, town.network).id)
+
+
+@pytest.mark.parametrize(("begins", "kept"), [(8.0, 4), (9.7, 5), (14.0, 5)])
+def test_no_two_crosswalks_share_roadway(town, begins, kept):
+    line = shapely.LineString([(begins, -4.4), (begins + 7.0, 4.4)])
+    path = make_table("roads", [line], id=[3], kind=["footway"], width=[2.0])
+    roads = pd.concat([town.layout.roads, path], ignore_index=True)
+    area = walk_areas(replace(town, layout=replace(town.layout, roads=roads)))
+    assert area.crosswalks.count == kept  # the path's, and what is guessed and apart from it
+    assert (area.crosswalks.edge < 0).sum() == 1
+    one, other = shapely.STRtree(area.over).query(area.over, predicate="intersects")
+    common = shapely.area(shapely.intersection(area.over[one], area.over[other]))
+    assert common[one != other].max(initial=0.0) < 1e-3
 
 
 def test_land_beside_a_street_without_pavement_is_walked_on():

@@ -131,6 +131,7 @@ class _Walk:
         self.hand, self.side = side, np.full(count, side)
         self.keep = KEEP[0] + (KEEP[1] - KEEP[0]) * _share(trips)
         self.granted = np.full(count, 0)  # number of the crosswalk that each may be on
+        self.on = np.full(count, 0)  # that each is on, or has been and is on the rim of still
         self.stuck = np.zeros(count)
         self.turned = np.full(count, -ONWARD)  # when each last turned back
         self.floor = Floor(walkable.free, walkable.crosswalk, walkable.rim, walkable.grid.west,
@@ -270,6 +271,24 @@ class _Walk:
         turn = right[:, 0] * along[:, 1] - right[:, 1] * along[:, 0]
         return np.asarray(turn > 0, np.int64)
 
+    def _leaves(self, rows: IntArray, here: IntArray) -> BoolArray:
+        """(r,) whether each gets off the roadway that its way is on.
+
+        The way may be past the middle of a roadway when the walker is not on it: the nearest point
+        of the way is there for who stands beside a crosswalk, or turns back before it.
+        """
+        rim = self.walkable.at(self.walkable.rim, self.position[rows]).astype(np.int64)
+        was = self.on[rows]
+        self.on[rows] = np.where(here > 0, here, np.where(rim == was, was, 0))
+        leaves = self.leaving[self.at[rows]]
+        off = np.flatnonzero(leaves & (self.on[rows] != self.over[self.at[rows]]))
+        point = self.at[rows[off]]
+        number = self.over[point] - 1
+        gone = self.position[rows[off]] - self.walkable.crosswalks.ends[number].mean(axis=1)
+        forth = 2.0 * self._forth(number, point) - 1.0
+        leaves[off] = forth * (gone * self.axes[number]).sum(axis=1) > 0.0
+        return leaves
+
     def _wait(self, rows: IntArray, here: IntArray, now: float) -> tuple[BoolArray, BoolArray]:
         """(r,) whether each stands before a roadway that may not be stepped onto, or in a queue."""
         at = self.at[rows]
@@ -277,9 +296,10 @@ class _Walk:
         crosswalk = self.over[ahead]
         far = (ahead - at) * SPACING
         # Until one is on it leave may be taken back; once on it, nobody stops.
-        leaves = self.leaving[at]
+        leaves = self._leaves(rows, here)
         queues: BoolArray = (crosswalk > 0) & (crosswalk != here) & (far <= QUEUE) & ~leaves
-        self.granted[rows] = np.where(leaves, self.over[at], here)
+        self.granted[rows] = np.where(leaves & (self.on[rows] == self.over[at]),
+                                      self.over[at], here)  # fmt: skip
         near = np.flatnonzero(queues)
         number = crosswalk[near] - 1
         way = self.walkable.crosswalks.length[number] + BEFORE

@@ -24,7 +24,8 @@ from cityx.plugins.dynamic.pedestrian_flow import pedestrian_flow
 from cityx.plugins.dynamic.pedestrians import ACTION, pedestrians
 from cityx.plugins.dynamic.people_gates import Gates, gates_of
 from cityx.plugins.dynamic.people_room import FLOW, LEAST, Room
-from cityx.plugins.dynamic.people_trips import DAYS, activity
+from cityx.plugins.dynamic.people_trips import DAYS, Trips, activity
+from cityx.plugins.dynamic.people_walk import _Walk
 from cityx.protocol import Serves, registry
 from cityx.protocol.catalogue import known_records
 from cityx.protocol.example_city import example_city
@@ -206,6 +207,32 @@ def test_people_stop_at_red_and_go_at_green(town):
     assert over[at.time > 20.0].any()
     free = pedestrian_flow(town, count=8, places=((-30.0, 4.4), (30.0, 4.4)), duration=40.0)
     assert values(replace(free, signals=red_first))["ran_red"] > 0
+
+
+@pytest.mark.parametrize(
+    ("y", "was_on", "waits", "may_be_on"),
+    [(3.8, False, True, 0), (-3.8, False, False, 0), (-3.8, True, False, 0), (-1.0, True, False, 1),
+     (3.8, True, True, 0)],
+)  # fmt: skip
+def test_who_is_beside_a_crosswalk_is_not_taken_for_one_on_it(town, y, was_on, waits, may_be_on):
+    area = walkable_of(town)
+    x = float(area.crosswalks.ends[1, 0, 0])
+    way = np.column_stack([np.full(21, x), np.linspace(5.0, -5.0, 21)])  # from north to south
+    walks = Polylines(way, np.array([0, 21]))
+    trips = Trips(np.array([7], np.uint64), np.zeros(1, np.int64), walks, np.ones(1), np.zeros(1))
+    shut = np.ones((area.crosswalks.count, 100), bool)
+    gates = Gates(0.2, shut, ~shut, np.full(len(shut), 6.0), np.zeros((0, 6)),
+                  np.zeros(101, np.int64))  # fmt: skip
+    walk = _Walk(trips, area, gates, 1.0)
+    walk.begin(np.zeros((0, 2)))
+    # The way is past the middle of the roadway, wherever the walker is: it turned back, or fled.
+    walk.at[:], walk.position[:] = 13, (x, y)
+    number = int(walk.over[13])
+    walk.on[:] = number if was_on else 0
+    here = area.at(area.crosswalk, walk.position).astype(np.int64)
+    waiting, _ = walk._wait(walk.present, here, 1.0)
+    assert waiting.tolist() == [waits]
+    assert walk.granted.tolist() == [number * may_be_on]
 
 
 def test_a_flow_goes_from_place_to_place_and_adds_to_what_moves(busy):
