@@ -18,7 +18,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cityx.allocator import keep_freed_memory
+from cityx.allocator import keep_freed_memory, rare_collection
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 
@@ -103,7 +103,7 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
         library = MaterialLibrary(textured=view.lod > 0)
         scene = scenes.build_scene(held, objects=job["objects"], library=library)
         if animated:
-            animate(scene, view, MaterialLibrary(textured=view.lod > 0))
+            animate(scene, view, library)
         lighting = Lighting(scene, view)
         lighting.set(environment)
         cameras = [render.add_camera(scene, camera) for camera, _ in pictures]
@@ -223,12 +223,15 @@ def main(arguments: list[str]) -> int:
         with clock.step("import"):
             import bpy
             import rasterio  # noqa: F401  the store reads terrain with it
+            from PIL import ImageDraw, ImageFilter, TgaImagePlugin  # noqa: F401
 
-            from cityx.blender import light, render, scene  # noqa: F401
+            from cityx.assets import textures  # noqa: F401
+            from cityx.blender import animation, compression, studio  # noqa: F401
             from cityx.city.store import read_view
-        with clock.step("read"):
-            view = read_view(Path(job["store"]))
-        result = perform(job, view, clock, say)
+        with rare_collection():
+            with clock.step("read"):
+                view = read_view(Path(job["store"]))
+            result = perform(job, view, clock, say)
         result["blender"] = bpy.app.version_string
     except ImportError as error:
         result, status = {"missing": str(error)}, 3

@@ -43,8 +43,9 @@ def tyre_tracks(
         half = float(network.half_width[edge])
         if len(points) < 2 or half < 1.3:  # footways
             continue
+        left = _left_of(points)
         for offset in wheel_offsets(half):
-            path = _beside(points, offset / cell)
+            path = points + offset / cell * left
             draw.line([tuple(point) for point in path.tolist()], 255, round(WIDTH / cell), "curve")
     return np.asarray(picture.filter(ImageFilter.GaussianBlur(0.08 / cell)))
 
@@ -56,8 +57,8 @@ def wheel_offsets(half: float) -> list[float]:
     return [float(m + side * GAUGE / 2) for m in middles for side in (-1, 1)]
 
 
-def _beside(points: NDArray[np.float64], offset: float) -> NDArray[np.float64]:
-    """Move a line of (n, 2) points to its left."""
+def _left_of(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n, 2) unit vectors to the left of a line at each of its points."""
     way = np.gradient(points, axis=0)
     way /= np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9)
-    return points + offset * np.column_stack([-way[:, 1], way[:, 0]])
+    return np.column_stack([-way[:, 1], way[:, 0]])

@@ -60,12 +60,14 @@ def yard_fields(houses: MeshBatch) -> tuple[FloatArray, FloatArray]:
 
 def _long_walls(houses: MeshBatch) -> FloatArray:
     """(k, 2) unit vectors along the longest level edge of each shell."""
-    ends = houses.vertices[houses.faces[:, :2]]  # (f, 2, 3)
-    edge = ends[:, 1] - ends[:, 0]
+    first, second = (houses.vertices[houses.faces[:, corner]] for corner in (0, 1))  # (f, 3) each
+    edge = second - first
     length = np.hypot(edge[:, 0], edge[:, 1]) * (np.abs(edge[:, 2]) < LEVEL)
+    most = np.maximum.reduceat(length, houses.face_start[:-1])
     house = np.repeat(np.arange(houses.count), np.diff(houses.face_start))
-    order = np.lexsort((length, house))
-    longest = order[houses.face_start[1:] - 1]
+    longest = np.zeros(houses.count, np.int64)
+    reaching = np.flatnonzero(length == most[house])
+    longest[house[reaching]] = reaching  # the last of equal ones
     way = edge[longest, :2]
     size = np.maximum(length[longest], 1e-9)[:, None]
     return np.asarray(np.where(length[longest, None] > 0, way / size, (1.0, 0.0)))
