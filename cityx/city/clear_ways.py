@@ -65,4 +65,4 @@ def _lane_strips(city: City, over: float) -> NDArray[Any]:
         lines = Polylines(lanes.points[index], start)
         found.append(line_strips(lines, np.zeros(lines.count), wide))
     strips = np.concatenate(found)
-    return strips[shapely.is_valid(strips)]
+    return np.asarray(strips[shapely.is_valid(strips)])
