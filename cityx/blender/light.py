@@ -46,7 +46,7 @@ class Lighting:
         self.lamps = lamp_positions(view.scene)
         if view.network is not None and view.lod > 0:
             houses = view.scene.meshes.get("buildings")
-            picture, cell = ground_wear(view.network, houses, view.extent)
+            picture, cell = ground_wear(view.network, houses, view.extent, view.lanes)
             show_wear(picture, view.extent[:2], cell)
 
     def set(self, environment: Environment) -> None:

@@ -36,6 +36,7 @@ DRIVEN = frozenset(
     {"asphalt", "setts", "cobbles", "clinker", "pavers", "road_concrete", "marking_white",
      "marking_yellow"}
 )  # fmt: skip
+PAINTED = frozenset({"marking_white", "marking_yellow"})
 CRACKED = frozenset({"asphalt", "asphalt_light"})
 REPAIRED = CRACKED | {
     "paving",
@@ -116,6 +117,7 @@ class MaterialLibrary:
         weather.inputs["Traffic"].default_value = float(record.root in DRIVEN and not variant)
         weather.inputs["Cracks"].default_value = float(record.root in CRACKED and not variant)
         weather.inputs["Repairs"].default_value = float(record.root in REPAIRED and not variant)
+        weather.inputs["Paint"].default_value = float(record.root in PAINTED and not variant)
         weather.inputs["Fields"].default_value = float(record.root in FIELDS and not variant)
         weather.inputs["Snow cover"].default_value = float(record.name not in SNOWLESS)
         weather.inputs["Foliage"].default_value = float(record.name in FOLIAGE)

@@ -51,6 +51,11 @@ SNOW_SAMPLES = 12  # the share of open sky is compared with a threshold: few wou
 WEAR, WEAR_CORNER, WEAR_SCALE = "Ground wear", "Corner of the wear", "Scale of the wear"
 WORN = "Worn"  # 1 once the picture is there
 RUBBER, REPAIRED, FIELD = 0.36, 0.40, 0.55
+# Paint wears off where tyres run, and in spots all over, on some streets more than on others:
+# metres over which streets differ, of spots and of flakes; shares worn at least and at most.
+PAINT_AGE, PAINT_SPOT, PAINT_FLAKE = 38.0, 0.55, 0.045
+PAINT_WORN, PAINT_RUBBED = (0.10, 0.50), 0.42
+BARE_ROAD = (0.10, 0.10, 0.104, 1.0)
 BRICK_HUE = (1.02, 0.58, 0.44, 1.0)  # of fields of brick, on the colour of the other blocks
 # Kelvin: bulbs and lamps of homes; tubes at work and in shops.
 HOME_KELVIN, WORK_KELVIN = (2700.0, 3700.0), (3300.0, 5000.0)
@@ -93,7 +98,7 @@ def weather_group() -> Tree:
     inputs = {
         "Color": (0.8, 0.8, 0.8, 1.0), "Roughness": 0.8, "Metallic": 0.0, "Porosity": 0.5,
         "Puddles": 0.0, "Snow cover": 1.0, "Traffic": 0.0, "Variation": 0.0, "Age": 0.0,
-        "Foliage": 0.0, "Cracks": 0.0, "Repairs": 0.0, "Fields": 0.0,
+        "Foliage": 0.0, "Cracks": 0.0, "Repairs": 0.0, "Fields": 0.0, "Paint": 0.0,
         "Normal": (0.0, 0.0, 0.0),
     }  # fmt: skip
     outputs = {"Color": "Color", "Roughness": "Float", "Metallic": "Float", "Normal": "Vector"}
@@ -118,6 +123,7 @@ def weather_group() -> Tree:
     color = nodes.product(tree, color, nodes.math(tree, "SUBTRACT", 1.0, cracks))
 
     wheels, repaired, field = _wear(tree)
+    color = nodes.mix(tree, _bare_of_paint(tree, wheels, given["Paint"]), color, BARE_ROAD)
     brick = nodes.smoothstep(tree, field, BRICK - 0.06, BRICK - 0.02)
     brick = nodes.math(tree, "MULTIPLY", brick, given["Fields"])
     color = nodes.mix(tree, brick, color, nodes.product(tree, color, BRICK_HUE))
@@ -200,6 +206,22 @@ def _cracks(tree: Tree) -> Socket:
     line = nodes.smoothstep(tree, cells.outputs["Distance"], 1.3 * near, 0.7 * near)
     worn = nodes.smoothstep(tree, nodes.noise(tree, CRACK_STRETCH), *CRACKED_FROM)
     return nodes.math(tree, "MULTIPLY", nodes.math(tree, "MULTIPLY", line, worn), CRACK)
+
+
+def _bare_of_paint(tree: Tree, wheels: Socket, flag: Socket) -> Socket:
+    """Return where paint has gone: in flakes, of which there are more where wheels run."""
+    aged = nodes.smoothstep(tree, nodes.noise(tree, PAINT_AGE), 0.32, 0.68)
+    least, most = PAINT_WORN
+    share = nodes.math(tree, "MULTIPLY_ADD", aged, most - least, least)
+    spots = nodes.math(tree, "SUBTRACT", nodes.noise(tree, PAINT_SPOT, 3.0), 0.5)
+    share = nodes.math(tree, "MULTIPLY_ADD", spots, 0.7, share)
+    rubbed = nodes.math(tree, "MULTIPLY", wheels, nodes.math(tree, "ADD", aged, 0.35))
+    share = nodes.math(tree, "MULTIPLY_ADD", rubbed, PAINT_RUBBED, share)
+    flakes = nodes.noise(tree, PAINT_FLAKE, 4.0)
+    # Noise stays near its middle: a share of it lies below these heights.
+    height = nodes.math(tree, "MULTIPLY_ADD", share, 0.42, 0.24)
+    gone = nodes.smoothstep(tree, nodes.math(tree, "SUBTRACT", height, flakes), -0.03, 0.05)
+    return nodes.math(tree, "MULTIPLY", gone, flag)
 
 
 def _pools(tree: Tree, up: Socket, wetness: Socket, flag: Socket) -> Socket:

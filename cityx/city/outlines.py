@@ -36,6 +36,24 @@ def placed_rings(
     return np.asarray(np.stack([c * x - s * y, s * x + c * y], axis=2) + at[:, None])
 
 
+def solid_ring(vertices: FloatArray) -> FloatArray:
+    """Return the ring round what of a thing is in somebody's way, (k, 2) metres, in its own frame.
+
+    Parameters
+    ----------
+    vertices
+        (n, 3) of the thing. Of one that is low or high throughout the ring has less than four
+        points.
+    """
+    body = vertices[(vertices[:, 2] > LOW) & (vertices[:, 2] < HIGH)]
+    # A post has vertices at its ends alone.
+    foot = vertices[vertices[:, 2] <= LOW]
+    solid = foot if len(body) < 3 and vertices[:, 2].max() > LOW else body
+    return np.asarray(
+        shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(solid[:, :2])))
+    )
+
+
 def placed_outlines(
     scene: Scene, layers: Sequence[str] = FURNITURE
 ) -> tuple[NDArray[Any], FloatArray, NDArray[np.uint64]]:
@@ -54,7 +72,7 @@ def placed_outlines(
         (n,) convex polygons round what of them lies between ankle and head, (n, 2) metres where
         they stand, and (n,) uint64. What is lower or higher throughout is left out.
     """
-    hulls: dict[int, Any] = {}
+    hulls: dict[int, FloatArray] = {}
     shapes, spots = [np.zeros(0, object)], [np.zeros((0, 2))]
     ids = [np.zeros(0, np.uint64)]
     for layer in layers:
@@ -63,14 +81,8 @@ def placed_outlines(
             continue
         for index in np.unique(rows.prototype).tolist():
             if index not in hulls:
-                vertices = scene.prototypes[index].mesh.vertices
-                body = vertices[(vertices[:, 2] > LOW) & (vertices[:, 2] < HIGH)]
-                # A post has vertices at its ends alone.
-                tall = vertices[:, 2].max() > LOW
-                foot = vertices[vertices[:, 2] <= LOW]
-                solid = body if len(body) >= 3 else foot if tall else body
-                hulls[index] = shapely.convex_hull(shapely.multipoints(solid[:, :2]))
-            hull = shapely.get_coordinates(hulls[index])
+                hulls[index] = solid_ring(scene.prototypes[index].mesh.vertices)
+            hull = hulls[index]
             if len(hull) < 4:
                 continue
             of = rows.prototype == index

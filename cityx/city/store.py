@@ -67,6 +67,7 @@ class View:
     scene: Scene
     environment: Environment
     network: RoadNetwork | None
+    lanes: LaneGraph | None
     terrain: Terrain
     tracks: Tracks | None
     signals: Signals | None
@@ -86,6 +87,7 @@ def view_of(city: City) -> View:
         city.scene,
         city.environment,
         city.network,
+        city.lanes,
         city.terrain,
         city.tracks,
         city.signals,
@@ -309,6 +311,7 @@ def read_view(folder: Path) -> View:
         _read_scene(folder, record),
         Environment(**record["environment"]),
         _read_value(folder / "network.npz", RoadNetwork),
+        _read_value(folder / "lanes.npz", LaneGraph),
         _read_terrain(folder / "terrain.tif", record["terrain"]),
         _read_value(folder / "tracks.npz", Tracks),
         _read_value(folder / "signals.npz", Signals),

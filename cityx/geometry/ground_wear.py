@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.city.lanes import LaneGraph
 from cityx.city.mesh import MeshBatch
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.street_repairs import SEAM_TONE, lane_seams, street_repairs
@@ -22,7 +23,10 @@ RIM = -0.75  # tone of the bitumen that seals a repair
 
 
 def ground_wear(
-    network: RoadNetwork, houses: MeshBatch | None, extent: tuple[float, float, float, float]
+    network: RoadNetwork,
+    houses: MeshBatch | None,
+    extent: tuple[float, float, float, float],
+    lanes: LaneGraph | None = None,
 ) -> tuple[Bytes, float]:
     """Draw what happened to the ground of a site.
 
@@ -34,6 +38,8 @@ def ground_wear(
         Shells of the houses, None where there are none.
     extent
         (xmin, ymin, xmax, ymax), metres.
+    lanes
+        The lane graph, whose lanes and turns tell where wheels run.
 
     Returns
     -------
@@ -68,7 +74,7 @@ def ground_wear(
             first, last = network.point_start[edge : edge + 2]
             wide = max(round(2 * (half + FORECOURT) / cell), 1)
             draw.line(placed(network.points[first:last]), NEUTRAL, wide, "curve")
-    tracks = tyre_tracks(network, (xmin, ymin), size, cell)
+    tracks = tyre_tracks(network, lanes, (xmin, ymin), size, cell)
     picture = np.stack([tracks, np.asarray(repairs), np.asarray(fields)], axis=2)
     picture[[0, -1]] = picture[:, [0, -1]] = (0, NEUTRAL, NEUTRAL)  # what goes on beyond the site
     return picture, cell

@@ -11,8 +11,9 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.city import City, Instances
-from cityx.city.ground import KERB_HEIGHT, ROADWAY, Ground
-from cityx.city.outlines import placed_rings
+from cityx.city.clear_ways import in_lanes
+from cityx.city.ground import KERB_HEIGHT, Ground
+from cityx.city.outlines import placed_rings, solid_ring
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.polylines import to_linestrings
 from cityx.geometry.standing import WALKED, earth_over, stand_on, surfaces_at
@@ -21,7 +22,6 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 DOOR_WAY = 9.0  # metres before a door that its path takes
-ANKLE, HEAD = 0.1, 2.0  # metres above the ground between which a thing is in somebody's way
 
 
 @dataclass(frozen=True)
@@ -134,30 +134,15 @@ def may_stand(city: City, found: Pieces) -> BoolArray:
     """
     from cityx.assets.furniture import furniture
 
-    network = city.network
     free = np.isnan(earth_over(city.scene.meshes.get("structures"), found.xy))
-    if city.ground is not None:
-        free &= ~city.ground.on(found.xy, *ROADWAY)
-    if network is None or not network.edge_count or not len(found):
-        return free
     outlines = np.empty(len(found), object)
     for name in np.unique(found.name.astype(str)).tolist():
-        vertices = furniture(name, detail=city.lod).mesh.vertices
-        body = vertices[(vertices[:, 2] > ANKLE) & (vertices[:, 2] < HEAD)]
-        # A plain pole has no corners between its foot and its top.
-        body = body if len(body) >= 3 else vertices[vertices[:, 2] < HEAD]
-        hull = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(body[:, :2])))
         of = np.flatnonzero(found.name.astype(str) == name)
+        ring = solid_ring(furniture(name, detail=city.lod).mesh.vertices)
         scale = np.repeat(found.scale[of, None], 2, axis=1)
-        ring = placed_rings(hull, found.xy[of], found.yaw[of], scale)
-        outlines[of] = shapely.linestrings(ring)
-    outlines = shapely.convex_hull(outlines)
-    lines = to_linestrings(network.lines)
-    thing = shapely.STRtree(outlines).query(
-        lines, predicate="dwithin", distance=network.half_width
-    )[1]
-    free[thing] = False
-    return free
+        ring = ring if len(ring) else np.zeros((1, 2))
+        outlines[of] = shapely.multipoints(placed_rings(ring, found.xy[of], found.yaw[of], scale))
+    return free & ~in_lanes(city, shapely.convex_hull(outlines), found.xy)
 
 
 def walk_rims(ground: Ground, labels: Sequence[str] = WALKED) -> NDArray[Any]:

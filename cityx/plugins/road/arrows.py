@@ -11,6 +11,7 @@ from cityx.geometry.polylines import every, locate
 from cityx.plugins.road.crossing_places import STOP
 from cityx.plugins.road.lanes import turns_of_lanes
 from cityx.plugins.road.marks import (
+    STRIPED,
     BoolArray,
     FloatArray,
     IntArray,
@@ -18,19 +19,24 @@ from cityx.plugins.road.marks import (
     Street,
     lane_count,
 )
-from cityx.plugins.road.symbols import LENGTH, arrow, bicycle, placed, word
+from cityx.plugins.road.symbols import LENGTH, arrow, bicycle, diamond, placed, word
 
 EVERY = 60.0  # metres between symbols on a bus or cycle lane
 ONE_WAY, FROM_MOUTH = 45.0, 7.0  # metres between arrows of one-way streets, and to the first
 LEAST_SYMBOL = 1.2  # metres of a lane with a symbol
 FROM_LINE = (1.5, 21.5)  # metres from the stop line to the tips of arrows
+CLASSIFIED = 3  # rank of a tertiary road
+AHEAD = (30.0, 50.0)  # metres from a crossing to the lozenges that tell of it
 _MOVING = [KIND[name] for name in TRAVELLED]
 
 
-def lane_symbols(street: Street, chosen: BoolArray, *, one_way: bool = False) -> Marks:
+def lane_symbols(
+    street: Street, chosen: BoolArray, *, one_way: bool = False, diamonds: bool = False
+) -> Marks:
     """Paint arrows before junctions, and what bus and cycle lanes are for behind them.
 
-    Where `one_way`, arrows in the single lane of one-way streets tell which way that is.
+    Where `one_way`, arrows in the single lane of one-way streets tell which way that is; `diamonds`
+    tell of zebras without signals at the end of a lane.
     """
     network, lines, bands = street.network, street.lines, street.bands
     begin, end = street.free
@@ -61,6 +67,12 @@ def lane_symbols(street: Street, chosen: BoolArray, *, one_way: bool = False) ->
             rows = np.flatnonzero((turns == bits) & junction & (room > back + 2.0))
             paint(arrow(int(bits)), rows, room[rows] - back)
     kind = bands.kind[lanes]
+    if diamonds:
+        side = ahead.astype(np.int64)
+        told = (street.crossing[edge, side] == STRIPED) & ~street.signalled[at_node]
+        for far in AHEAD:
+            rows = np.flatnonzero((kind == KIND["drive"]) & told & (room > far + 2.0))
+            paint(diamond(), rows, room[rows] - far)
     if one_way:
         single = street.layout.roads["oneway"].to_numpy(bool)[network.edge_road]
         single &= lane_count(bands, network.edge_count, 1) == 1
@@ -76,8 +88,15 @@ def lane_symbols(street: Street, chosen: BoolArray, *, one_way: bool = False) ->
     return np.concatenate(shapes), np.concatenate(edges).astype(np.int64)
 
 
+def _junction_of_main_roads(street: Street) -> BoolArray:
+    """(n,) whether classified roads meet at a node, so that their lanes part there."""
+    main = street.rank <= CLASSIFIED
+    arms = np.bincount(street.network.edge_nodes[main].ravel(), minlength=len(street.joint))
+    return street.joint & (arms >= 3)
+
+
 def _meant(street: Street, chosen: BoolArray) -> IntArray:
-    """(b,) turns that lanes of cars allow under signals where no tag of their arm tells any.
+    """(b,) turns that lanes of cars allow at main junctions where no tag of their arm tells any.
 
     Only where cars arrive in several lanes, since one lane alone serves all.
     """
@@ -85,7 +104,8 @@ def _meant(street: Street, chosen: BoolArray) -> IntArray:
     meant = np.zeros(len(bands.edge), np.int64)
     drive = bands.kind == KIND["drive"]
     for end, direction in ((0, -1), (1, 1)):
-        asked = street.signalled[network.edge_nodes[:, end]] & chosen
+        asked = (street.signalled | _junction_of_main_roads(street))[network.edge_nodes[:, end]]
+        asked &= chosen
         asked &= lane_count(bands, network.edge_count, direction) >= 2
         along = bands.direction == direction
         asked[bands.edge[(bands.turns > 0) & along]] = False

@@ -1,16 +1,12 @@
-"""Lines that lead across junctions, and boxes that stay free."""
+"""Lines of major roads and of cycle lanes that lead across junctions."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import shapely
 
-from cityx.city.ground import LABEL, SURFACES
-from cityx.city.roads import RoadNetwork
-from cityx.geometry.arrangement import Regions, regions
 from cityx.geometry.polylines import Polylines, arc_lengths, every, line_strips, locate, pieces
 from cityx.plugins.road.carriageway import Carriageway
 from cityx.plugins.road.lane_lines import Partings
@@ -22,7 +18,6 @@ from cityx.plugins.road.marks import (
     Marks,
     Shapes,
     Street,
-    hatched,
 )
 from cityx.plugins.road.through_roads import Through
 
@@ -33,10 +28,6 @@ FURT_GAP = 0.05  # metres between these and the coloured surface between them
 CYCLE_WAY = 1.3  # metres between the two lines
 LONGEST = 60.0  # metres across a junction; farther apart no line leads
 STEPS = 8  # pieces of a line that bends
-CLASSIFIED = 3  # rank of a tertiary road; at signals of such roads the box stays free
-BOX_INSET, BOX_FLARE = 0.4, 2.0  # metres from the arms, and of kerb curves left out
-BOX_LINE, BOX_SPACING = 0.2, 2.5  # metres (TSRGD 2016, diagram 1043)
-LARGEST_BOX = 900.0  # square metres
 ROLES = 4096  # what the lines of a road part, told apart by number
 
 
@@ -180,42 +171,3 @@ def _paved(marks: Shapes, road: Carriageway) -> BoolArray:
     for surfaces in (road.stars, road.strips):
         paved[shapely.STRtree(surfaces).query(marks, predicate="covered_by")[0]] = True
     return paved
-
-
-def box_junctions(street: Street, road: Carriageway) -> Regions:
-    """Hatch the middle of junctions under signals where classified roads meet."""
-    network = street.network
-    classified = np.bincount(network.edge_nodes[street.rank <= CLASSIFIED].ravel(),
-                             minlength=len(network.node_position))  # fmt: skip
-    node = np.flatnonzero(street.signalled & (classified >= 3))
-    if not len(node) or not len(road.stars):
-        return Regions()
-    places = shapely.points(network.node_position[node])
-    at, star = shapely.STRtree(road.stars).query(places, predicate="within")
-    star, first = np.unique(star, return_index=True)
-    shapes = [
-        _box(road.stars[own], _direction(network, int(node[at[row]])))
-        for own, row in zip(star.tolist(), first.tolist(), strict=True)
-        if road.stars[own].area < LARGEST_BOX
-    ]
-    label = LABEL["marking_yellow"]
-    return regions(np.array(shapes, object), label, SURFACES[label].priority)
-
-
-def _direction(network: RoadNetwork, node: int) -> FloatArray:
-    """Return the unit vector along the widest road that meets at a node."""
-    edge = np.flatnonzero((network.edge_nodes == node).any(axis=1))
-    widest = int(edge[np.argmax(network.half_width[edge])])
-    ends = network.node_position[network.edge_nodes[widest]]
-    step = ends[1] - ends[0]
-    return np.asarray(step / max(float(np.hypot(*step)), 1e-9))
-
-
-def _box(star: Any, along: FloatArray) -> Any:
-    """Rim and crossed bars of one box, at 45 degrees to the road."""
-    opened = shapely.buffer(star, -BOX_INSET - BOX_FLARE, join_style="mitre")
-    shape = shapely.buffer(opened, BOX_FLARE, join_style="mitre")
-    rim = shapely.difference(shape, shapely.buffer(shape, -BOX_LINE, join_style="mitre"))
-    turn = np.sqrt(0.5) * np.array([[1.0, -1.0], [1.0, 1.0]])
-    bars = [hatched(shape, way @ along, BOX_SPACING, BOX_LINE) for way in (turn, turn.T)]
-    return shapely.union_all([rim, *bars])

@@ -84,7 +84,7 @@ def lane_graph(layout: Layout, network: RoadNetwork) -> LaneGraph:
     speed = np.where(bands.kind == KIND["cycle"], np.minimum(speed, CYCLE_KMH), speed)
     ids = _lane_ids(network, bands)
     origin, target, movement = _connections(layout, network, lines, bands)
-    curve = _curves(middle, origin, target)
+    curve = ways_between(middle, origin, target)
     return LaneGraph(
         bands.edge.astype(np.int32), bands.kind, bands.direction, bands.left, bands.right,
         bands.turns, speed.astype(np.float32), ids, middle.start, middle.points,
@@ -379,7 +379,7 @@ def _matched(
     return pairs
 
 
-def _curves(middle: Polylines, origin: IntArray, target: IntArray) -> Polylines:
+def ways_between(middle: Polylines, origin: IntArray, target: IntArray) -> Polylines:
     """Cubic curves from the ends of lanes to the starts of others, along the lanes at both ends."""
     count = len(origin)
     if not count:

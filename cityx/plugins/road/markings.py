@@ -14,10 +14,13 @@ from cityx.city.section import KIND
 from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.polylines import every, line_strips, pieces, to_linestrings
 from cityx.plugins.road.arrows import lane_symbols
+from cityx.plugins.road.box_junctions import box_junctions
 from cityx.plugins.road.carriageway import Carriageway
 from cityx.plugins.road.carriageway_regions import kerbed_edges
-from cityx.plugins.road.guides import box_junctions, guide_lines
+from cityx.plugins.road.centre_marks import centre_marks
+from cityx.plugins.road.guides import guide_lines
 from cityx.plugins.road.halts import halt_lines
+from cityx.plugins.road.junction_ways import junction_ways
 from cityx.plugins.road.kerb_lines import kerb_lines
 from cityx.plugins.road.lane_lines import LONG_DASH, lane_lines, partings_of
 from cityx.plugins.road.marks import (
@@ -33,10 +36,10 @@ from cityx.plugins.road.marks import (
     lane_count,
     together,
 )
-from cityx.plugins.road.no_go_areas import no_go_areas
 from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.roundabouts import mini_discs
 from cityx.plugins.road.through_roads import through_roads
+from cityx.plugins.road.turn_guides import turn_guides
 from cityx.plugins.road.zebras import Zebras, crossing_rows, zebra_bars
 
 BAY = 5.5  # metres, length of a parking bay
@@ -94,7 +97,7 @@ def marking_regions(
         _edge_lines(
             street, _lined(street, urban & kerbed & painting.edge_lines), _town_insets(street)
         ),
-        lane_symbols(street, urban, one_way=painting.one_way_arrows),
+        lane_symbols(street, urban, one_way=painting.one_way_arrows, diamonds=painting.diamonds),
         _parking_bays(street, painted & bays),
     ]
     kerbs = kerb_lines(street, urban & kerbed & painting.yellow_kerbs)
@@ -106,8 +109,14 @@ def marking_regions(
     amid[len(centre) : len(centre) + len(crossing) + len(halts[0])] = True
     clear = _clear(marks, edge, layout, network, road, amid)
     _keep_whole(clear, slice(len(centre), len(centre) + len(crossing)), crossing)
-    dry = ~_in_houses(guides[0], layout)
-    shapes = np.concatenate([marks[clear], guides[0][dry]])
+    ways = junction_ways(street)
+    amid_ways = [centre_marks(street, ways, road)] if painting.centre_marks else []
+    taken = np.concatenate([furten, guides[0], *amid_ways])
+    amid_ways.append(turn_guides(street, ways, zebras, road, taken, painting.turn_guides)[0])
+    across = np.concatenate([guides[0], *amid_ways])
+    dry = ~_in_houses(across, layout)
+    middle = np.concatenate([middle, np.zeros(len(across) - len(middle), bool)])
+    shapes = np.concatenate([marks[clear], across[dry]])
     yellow = np.concatenate([yellow[clear], middle[dry] & painting.yellow_centre])
     label, other = LABEL["marking"], LABEL["marking_yellow"]
     parts = [
@@ -120,10 +129,8 @@ def marking_regions(
         shown = _clear(*rows, layout, network, road, np.ones(len(rows[0]), bool))
         row = LABEL["crossing_row"]
         parts.append(regions(rows[0][shown], row, SURFACES[row].priority))
-    areas = no_go_areas(street, zebras, urban, road)
-    parts.append(regions(areas, label, SURFACES[label].priority))
     if painting.boxes:
-        parts.append(box_junctions(street, road))
+        parts.append(box_junctions(street, ways, road))
     if painting.red_cycleways:
         parts.append(_red_lanes(street, painted))
     if painting.red_furten:

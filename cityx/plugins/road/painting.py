@@ -36,6 +36,12 @@ GIVE_WAY: tuple[tuple[str, Boxes], ...] = (
 STOP_WORDS: tuple[tuple[str, Boxes], ...] = (("STOP", NORTH_AMERICA), ("止まれ", JAPAN))
 
 
+TURN_GUIDES: tuple[tuple[str, Boxes], ...] = (
+    ("both", JAPAN),
+    ("outer", (*GERMANY, *TEETH, *RED_CYCLEWAYS, *NORTH_AMERICA)),
+)
+
+
 @dataclass(frozen=True)
 class Painting:
     """What differs from country to country.
@@ -72,6 +78,12 @@ class Painting:
         Whether arrows tell on the carriageway that a street is one way.
     beacons
         Whether poles with amber globes stand beside zebras, rather than signs before them.
+    turn_guides
+        Which sides of ways have lines across large junctions: "both", the "outer" of turns, or "".
+    centre_marks
+        Whether the middles of junctions have marks.
+    diamonds
+        Whether lozenges tell of zebras ahead.
     """
 
     yellow_centre: bool = False
@@ -89,6 +101,9 @@ class Painting:
     red_furten: bool = False
     one_way_arrows: bool = False
     beacons: bool = False
+    turn_guides: str = ""
+    centre_marks: bool = False
+    diamonds: bool = False
 
     @property
     def ribs(self) -> str:
@@ -124,4 +139,7 @@ def painting_of(frame: Frame) -> Painting:
         signal_crossing=first(SIGNAL_CROSSINGS, "bars"),
         red_furten=within((*GERMANY, *RED_CYCLEWAYS)),
         one_way_arrows=within(JAPAN),
+        turn_guides="" if british else first(TURN_GUIDES, ""),
+        centre_marks=within(JAPAN),
+        diamonds=within(JAPAN),
     )

@@ -18,6 +18,7 @@ LETTER = (2.4, 0.5)  # metres, long and wide: letters are drawn long for eyes th
 WORD = 2.2  # metres, the widest word
 SIGN, SIGN_GAP = (1.4, 1.2), 0.4  # metres, of Japanese signs, long and wide, and between two
 TRIANGLE = (3.75, 1.25, 0.15)  # metres, long and wide, and of its rim
+DIAMOND = (5.0, 1.5, 0.25)  # metres, long and wide, and of its rim
 WHEEL = 0.34  # metres, radius
 
 
@@ -69,6 +70,14 @@ _GLYPHS: dict[str, tuple[tuple[tuple[float, float], ...], ...]] = {
 }  # fmt: skip
 WORDS = ("BUS", "STOP", "止まれ")
 COLUMNS = ("止まれ",)
+
+
+@lru_cache(maxsize=1)
+def diamond() -> Any:
+    """Return the lozenge that tells of a crossing ahead, its foot at the origin."""
+    long, wide, rim = DIAMOND
+    shape = shapely.Polygon([(0, 0), (long / 2, wide / 2), (long, 0), (long / 2, -wide / 2)])
+    return shapely.difference(shape, shapely.buffer(shape, -rim, join_style="mitre"))
 
 
 @lru_cache(maxsize=8)

@@ -2,12 +2,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 
-from cityx.city import one_mesh
+from cityx.checks.furniture import check_furniture
+from cityx.city import City, Frame, Layout, make_table, one_mesh
 from cityx.city.ground import KERB_HEIGHT
 from cityx.geometry.identity import stable_id
 from cityx.plugins.nature.furniture import furniture
-from cityx.plugins.nature.pieces import heights, may_stand, pieces
+from cityx.plugins.nature.pieces import heights, may_stand, pieces, with_pieces
+from cityx.plugins.road.ground import ground
+from cityx.plugins.road.lanes import lanes
 
 
 @pytest.fixture(scope="module")
@@ -103,3 +107,26 @@ def test_a_mast_at_the_kerb_stands_whatever_its_arm_reaches_over(crossroads):
     xy = np.array([[30.0, 5.6], [30.0, 4.0]])
     masts = pieces("traffic_signal_mast", xy, np.arange(1, 3, dtype=np.uint64), np.zeros(2))
     assert may_stand(crossroads, masts).tolist() == [True, False]
+
+
+def test_what_may_stand_at_a_bend_is_what_the_check_lets_stand():
+    # A drive that turns back on itself: its lane has a mitre far outside of its centreline.
+    way = shapely.LineString([(-40, 0), (0, 0), (-32, 16)])
+    roads = make_table(
+        "roads", [way], id=[1], kind=["service"], width=[6.0], lanes=[1], oneway=[True]
+    )
+    layout = Layout((-60.0, -60.0, 60.0, 60.0), roads=roads)
+    city = City("bend", Frame(52.5, 13.4), layout, stages_done=frozenset({"layout", "terrain"}))
+    city = ground(lanes(city))
+    xy = np.stack(np.meshgrid(np.arange(0.0, 9.0, 0.25), np.arange(-6.0, 6.0, 0.25)), axis=2)
+    xy = xy.reshape(-1, 2)
+    sheds = pieces("garden_shed", xy, np.arange(1, len(xy) + 1, dtype=np.uint64), np.zeros(len(xy)))
+    free = may_stand(city, sheds)
+    assert 0 < free.sum() < len(free)
+    standing = with_pieces(city, "street_pieces", sheds.take(free))
+    found = {check.name: check.value for check in check_furniture(standing)}
+    assert found["furniture_in_lanes"] == 0
+    all_of_them = with_pieces(city, "street_pieces", sheds)
+    found = {check.name: check.value for check in check_furniture(all_of_them)}
+    assert found["furniture_in_lanes"] <= (~free).sum()
+    assert found["furniture_in_lanes"] > 0.8 * (~free).sum()

@@ -5,8 +5,9 @@ import pytest
 import shapely
 
 from cityx.assets.furniture import furniture as piece
-from cityx.checks.furniture import check_furniture, in_lanes
+from cityx.checks.furniture import check_furniture
 from cityx.city import Frame, make_table
+from cityx.city.clear_ways import in_lanes
 from cityx.city.ground import KERB_WIDTH
 from cityx.city.outlines import placed_outlines
 from cityx.city.passage import crowding

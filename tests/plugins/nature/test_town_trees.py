@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.checks.furniture import in_lanes
 from cityx.city import Frame, make_table
+from cityx.city.clear_ways import in_lanes
 from cityx.city.outlines import placed_outlines
 from cityx.city.passage import crowding
 from cityx.plugins.nature.pieces import room_along, walk_rims

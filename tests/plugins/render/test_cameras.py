@@ -62,7 +62,7 @@ def town(houses, roads=None, trees=()):
     extent = (-300.0, -300.0, 300.0, 300.0)
     empty = Environment()
     return View(
-        "T", Frame(0, 0), extent, 0, 2, scene, empty, roads, flat_terrain(), None, None, 0.0,
+        "T", Frame(0, 0), extent, 0, 2, scene, empty, roads, None, flat_terrain(), None, None, 0.0,
         (), {},
     )  # fmt: skip
 

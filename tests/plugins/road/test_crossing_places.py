@@ -164,22 +164,6 @@ def test_arrows_tell_of_one_way_streets_where_the_country_has_them(layout_of):
                                 one_way=True)[0])  # fmt: skip
 
 
-def test_what_no_way_leads_over_amid_a_wide_junction_is_hatched(layout_of):
-    one_way = {"oneway": True, "lanes": 1, "width": 4.8}
-    angles = np.radians([0, 50, 85, 170, 215, 265])
-    ends = [tuple(np.round(90 * np.array([np.cos(a), np.sin(a)]), 3)) for a in angles]
-    streets = [([(0, 0), end] if n % 3 else [end, (0, 0)], one_way) for n, end in enumerate(ends)]
-    layout = layout_of(streets)
-    regions, road = street_regions(layout, road_network(layout))
-    white = shapely.union_all(regions.polygons[regions.label == LABEL["marking"]])
-    hatched = shapely.intersection(white, shapely.union_all(road.stars))
-    assert hatched.area > 3.0
-    small = layout_of([(line, {}) for line, _ in CROSS])
-    regions, road = street_regions(small, road_network(small))
-    white = shapely.union_all(regions.polygons[regions.label == LABEL["marking"]])
-    assert shapely.intersection(white, shapely.union_all(road.stars)).area == 0.0
-
-
 def test_a_drive_does_not_decide_how_the_street_it_meets_is_paved(layout_of):
     sett = {"surface": "sett"}
     drive = {"kind": "service", "width": 3.0, "sidewalk_left": 0.0, "sidewalk_right": 0.0}

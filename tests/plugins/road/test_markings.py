@@ -7,9 +7,10 @@ import shapely
 from cityx.city.frame import Frame
 from cityx.city.ground import LABEL
 from cityx.plugins.road.arrows import lane_symbols
+from cityx.plugins.road.box_junctions import box_junctions
 from cityx.plugins.road.carriageway import build_carriageway
-from cityx.plugins.road.guides import box_junctions
 from cityx.plugins.road.halts import halt_lines
+from cityx.plugins.road.junction_ways import junction_ways
 from cityx.plugins.road.kerb_lines import kerb_lines
 from cityx.plugins.road.lane_lines import SOLID, lane_lines, partings_of
 from cityx.plugins.road.marks import street_of
@@ -164,7 +165,7 @@ def test_a_box_is_hatched_under_signals_of_classified_roads_only(layout_of):
         layout = layout_of([(line, options) for line in cross], points=points)
         found = street(layout)
         road = build_carriageway(layout, found.network, everywhere(found))
-        return box_junctions(found, road).polygons
+        return box_junctions(found, junction_ways(found), road).polygons
 
     assert len(box({}, signals)) == 0
     assert len(box(MAIN, [])) == 0

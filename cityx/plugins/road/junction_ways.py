@@ -1,0 +1,118 @@
+"""Ways across junctions from arm to arm, also where a junction has several nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+import shapely
+
+from cityx.city.lanes import MOVEMENTS, LaneGraph
+from cityx.city.section import KIND
+from cityx.geometry.polylines import Polylines, to_linestrings
+from cityx.geometry.ranges import ranges
+from cityx.plugins.road.lanes import LEFT, RIGHT, STRAIGHT, THROUGH, lane_graph, ways_between
+from cityx.plugins.road.marks import BoolArray, FloatArray, IntArray, Shapes, Street
+from cityx.plugins.road.network import junction_clusters
+
+MOST_LANES = 5  # short lanes in a row within one junction
+CARS = [KIND[name] for name in ("drive", "bus")]
+
+
+@dataclass(frozen=True)
+class JunctionWays:
+    """Ways of cars across junctions, w of them.
+
+    Attributes
+    ----------
+    hub
+        (w,) lowest node of the junction, of `cityx.plugins.road.network.junction_clusters`.
+    origin, target
+        (w,) lanes of the lane graph.
+    edge, end
+        (w,) the edge that they come from, and its end at the junction.
+    movement
+        (w,) into `cityx.city.lanes.MOVEMENTS`, by the turn from arm to arm.
+    width
+        (w,) float, metres of the lane they come from.
+    line
+        The ways, in the direction of travel.
+    """
+
+    hub: IntArray
+    origin: IntArray
+    target: IntArray
+    edge: IntArray
+    end: IntArray
+    movement: IntArray
+    width: FloatArray
+    line: Polylines
+
+    def take(self, rows: Any) -> JunctionWays:
+        """Return the given ways (indices or mask)."""
+        index = np.arange(len(self.hub))[rows]
+        point, start = ranges(self.line.start, index)
+        chosen = {column.name: getattr(self, column.name)[index] for column in fields(self)[:-1]}
+        return JunctionWays(**chosen, line=Polylines(self.line.points[point], start))
+
+
+def junction_ways(street: Street) -> JunctionWays:
+    """Find the ways of cars across the junctions of a network."""
+    graph = lane_graph(street.layout, street.network)
+    cluster = junction_clusters(street.network)
+    ends = cluster[street.network.edge_nodes[graph.edge]]
+    inside = (ends[:, 0] == ends[:, 1]) if graph.count else np.zeros(0, bool)
+    pairs = _pairs(graph, inside)
+    origin, target = (np.array(column, np.int64) for column in zip(*pairs, strict=True)) if pairs \
+        else (np.zeros(0, np.int64),) * 2  # fmt: skip
+    line = ways_between(graph.lines, origin, target)
+    edge = graph.edge[origin].astype(np.int64)
+    end = (graph.direction[origin] > 0).astype(np.int64)
+    hub = cluster[street.network.edge_nodes[edge, end]]
+    return JunctionWays(hub, origin, target, edge, end, _movements(line),
+                        (graph.left - graph.right)[origin], line)  # fmt: skip
+
+
+def conflicts(ways: JunctionWays) -> Shapes:
+    """Return where ways from different arms into different ones cross, points and lines."""
+    lines = to_linestrings(ways.line)
+    one, other = shapely.STRtree(lines).query(lines, predicate="intersects")
+    apart = (one < other) & (ways.edge[one] != ways.edge[other])
+    apart &= ways.target[one] != ways.target[other]
+    return np.asarray(shapely.intersection(lines[one[apart]], lines[other[apart]]))
+
+
+def _pairs(graph: LaneGraph, inside: BoolArray) -> list[tuple[int, int]]:
+    """Lanes that lead into a junction and those that one leaves it by, in order."""
+    onward: dict[int, list[int]] = {}
+    cars = np.isin(graph.kind, CARS)
+    driven = cars[graph.connection].all(axis=1) & (graph.movement != MOVEMENTS.index("reverse"))
+    for origin, target in graph.connection[driven].tolist():
+        onward.setdefault(origin, []).append(target)
+    found: set[tuple[int, int]] = set()
+    for origin in sorted(onward):
+        if inside[origin]:
+            continue
+        reached, border = {origin}, [origin]
+        for _ in range(MOST_LANES):
+            beyond = [lane for last in border for lane in onward.get(last, ())]
+            found.update((origin, lane) for lane in beyond if not inside[lane])
+            border = [lane for lane in dict.fromkeys(beyond) if inside[lane]]
+            border = [lane for lane in border if lane not in reached]
+            reached.update(border)
+    edge = graph.edge
+    return sorted((one, other) for one, other in found if edge[one] != edge[other])
+
+
+def _movements(line: Polylines) -> IntArray:
+    """(w,) into `MOVEMENTS`, by how far each way turns between its ends."""
+    if not line.count:
+        return np.zeros(0, np.int64)
+    first, last = line.start[:-1], line.start[1:] - 1
+    ahead = line.points[first + 1] - line.points[first]
+    onward = line.points[last] - line.points[last - 1]
+    cross = ahead[:, 0] * onward[:, 1] - ahead[:, 1] * onward[:, 0]
+    angle = np.arctan2(cross, (ahead * onward).sum(axis=1))
+    turned = np.where(angle > 0, LEFT, RIGHT)
+    return np.asarray(np.where(np.abs(angle) < STRAIGHT, THROUGH, turned))

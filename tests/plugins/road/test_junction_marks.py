@@ -1,0 +1,141 @@
+"""What is painted amid junctions: guides of turns, boxes, centre marks."""
+
+import numpy as np
+import pytest
+import shapely
+
+from cityx.city.lanes import MOVEMENTS
+from cityx.plugins.road.arrows import lane_symbols
+from cityx.plugins.road.box_junctions import box_junctions
+from cityx.plugins.road.carriageway import build_carriageway
+from cityx.plugins.road.centre_marks import centre_marks
+from cityx.plugins.road.junction_ways import conflicts, junction_ways
+from cityx.plugins.road.marks import street_of
+from cityx.plugins.road.network import junction_clusters, road_network
+from cityx.plugins.road.painting import Painting
+from cityx.plugins.road.sections import bands_of
+from cityx.plugins.road.turn_guides import WIDTH, turn_guides
+from cityx.plugins.road.zebras import zebras_of
+
+WIDE = {"kind": "secondary", "width": 14.0, "lanes": 4, "lanes_forward": 2, "lane_width": 3.5}
+ONE_WAY = {"kind": "tertiary", "oneway": True, "lanes": 1, "width": 5.0}
+CROSS = [[(-90, 0), (0, 0), (90, 0)], [(0, -90), (0, 0), (0, 90)]]
+SIGNALS = [((0, 0), "traffic_signals")]
+NONE = np.zeros(0, object)
+
+
+def built(layout, **painting):
+    network = road_network(layout, left_hand=painting.pop("left_hand", False))
+    street = street_of(layout, network, bands_of(layout, network), Painting(**painting))
+    every = np.ones(network.edge_count, bool)
+    road = build_carriageway(layout, network, every)
+    return street, junction_ways(street), zebras_of(street, every), road
+
+
+def star_of():
+    """Six streets that meet, every second one towards the middle."""
+    angles = np.radians([0, 50, 100, 180, 230, 280])
+    ends = [tuple(np.round(90 * np.array([np.cos(a), np.sin(a)]), 3)) for a in angles]
+    return [([end, (0, 0)] if n < 3 else [(0, 0), end], ONE_WAY) for n, end in enumerate(ends)]
+
+
+def test_every_arm_has_ways_to_the_three_others(layout_of):
+    street, ways, _, _ = built(layout_of([(line, {}) for line in CROSS]))
+    assert len(ways.hub) == 12
+    assert np.bincount(ways.movement, minlength=4).tolist() == [4, 4, 4, 0]
+    assert (street.network.node_position[ways.hub] == 0).all()
+
+
+def test_a_way_leads_through_all_nodes_of_a_junction_in_one_piece(layout_of):
+    # Two carriageways of 7 m apart: both crossings are one junction.
+    lines = [[(-90, 4), (0, 4), (90, 4)], [(90, -4), (0, -4), (-90, -4)]]
+    one_way = {"oneway": True, "lanes": 1, "width": 5.0}
+    streets = [(line, one_way) for line in lines] + [([(0, -90), (0, -4), (0, 4), (0, 90)], {})]
+    street, ways, _, _ = built(layout_of(streets))
+    cluster = junction_clusters(street.network)
+    assert len(np.unique(ways.hub)) == 1
+    ends = cluster[street.network.edge_nodes[ways.edge]]
+    assert (ends[:, 0] != ends[:, 1]).all()
+    first, last = ways.line.start[:-1], ways.line.start[1:] - 1
+    onward = ways.line.points[last][:, 1] - ways.line.points[first][:, 1] > 20
+    assert (onward & (ways.movement == MOVEMENTS.index("through"))).sum() == 1
+
+
+def test_ways_cross_where_arms_do(layout_of):
+    _, ways, _, _ = built(layout_of([(line, {}) for line in CROSS]))
+    places = conflicts(ways)
+    assert len(places)
+    assert shapely.bounds(shapely.union_all(places)) == pytest.approx([-4, -4, 4, 4], abs=2)
+
+
+def test_who_turns_from_a_lane_of_its_own_is_led_across_signals(layout_of):
+    streets = [(line, WIDE) for line in CROSS]
+    street, ways, zebras, road = built(layout_of(streets, points=SIGNALS))
+    bits = np.isin(ways.movement, [MOVEMENTS.index("left")])
+    # Without arrows of the map the innermost lane also goes straight on: nobody has its own.
+    assert bits.any()
+    assert not len(turn_guides(street, ways, zebras, road, NONE, "both")[0])
+    alone = ways.take(~((ways.movement == MOVEMENTS.index("through")) & np.isin(
+        ways.origin, ways.origin[bits])))  # fmt: skip
+    outer = turn_guides(street, alone, zebras, road, NONE, "outer")[0]
+    both = turn_guides(street, alone, zebras, road, NONE, "both")[0]
+    assert 8 <= len(outer) < len(both)
+    assert shapely.covered_by(both, shapely.union_all(road.stars)).all()
+    assert shapely.area(both).max() < 1.5 * WIDTH
+    assert shapely.area(both).min() > 0.5 * WIDTH
+    gap = shapely.distance(both[:, None], both[None])
+    assert (gap[~np.eye(len(both), dtype=bool)] > 0.2).all()
+    assert not len(turn_guides(street, alone, zebras, road, NONE, "")[0])
+
+
+def test_among_six_arms_those_who_go_on_are_led(layout_of):
+    street, ways, zebras, road = built(layout_of(star_of(), points=SIGNALS))
+    marks, edge = turn_guides(street, ways, zebras, road, NONE, "both")
+    assert len(marks) > 12
+    assert len(np.unique(edge)) >= 2
+    street, ways, zebras, road = built(layout_of(star_of()))
+    assert not len(turn_guides(street, ways, zebras, road, NONE, "both")[0])
+
+
+def test_guides_keep_off_what_is_taken(layout_of):
+    street, ways, zebras, road = built(layout_of(star_of(), points=SIGNALS))
+    all_of_them = turn_guides(street, ways, zebras, road, NONE, "both")[0]
+    taken = np.array([shapely.box(-3, -90, 3, 90)], object)
+    left = turn_guides(street, ways, zebras, road, taken, "both")[0]
+    assert 0 < len(left) < len(all_of_them)
+    assert not shapely.intersects(left, taken[0]).any()
+
+
+def test_a_box_covers_what_ways_cross_and_stays_in_the_junction(layout_of):
+    main = {"kind": "secondary", "width": 7.0, "lane_width": 3.5}
+    street, ways, _, road = built(layout_of([(line, main) for line in CROSS], points=SIGNALS))
+    (box,) = box_junctions(street, ways, road).polygons
+    (star,) = road.stars
+    assert star.contains(box)
+    hull = shapely.convex_hull(box)
+    assert hull.contains(shapely.union_all(conflicts(ways)))
+    assert hull.area < 0.75 * star.area
+
+
+def test_a_lozenge_lies_amid_signals_and_a_cross_amid_minor_streets(layout_of):
+    street, ways, _, road = built(layout_of([(line, WIDE) for line in CROSS], points=SIGNALS))
+    (lozenge,) = centre_marks(street, ways, road)
+    assert shapely.distance(lozenge, shapely.Point(0, 0)) < 1.0
+    street, ways, _, road = built(layout_of([(line, {}) for line in CROSS]))
+    (cross,) = centre_marks(street, ways, road)
+    assert cross.area == pytest.approx(4 * 0.9 * 0.15 - 0.15**2, abs=0.01)
+    street, ways, _, road = built(layout_of([(line, WIDE) for line in CROSS]))
+    assert not len(centre_marks(street, ways, road))
+
+
+def test_lozenges_tell_of_zebras_ahead_but_not_of_signals(layout_of):
+    crossing = [((12, 0), "crossing")]
+
+    def diamonds(points):
+        street, *_ = built(layout_of([(line, {}) for line in CROSS], points=points))
+        every = np.ones(street.network.edge_count, bool)
+        with_them = lane_symbols(street, every, diamonds=True)[0]
+        return len(with_them) - len(lane_symbols(street, every)[0])
+
+    assert diamonds(crossing) == 2
+    assert diamonds(crossing + SIGNALS) == 0
