@@ -110,7 +110,7 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("guided_blocks", (0.250, 0.230, 0.196), 0.88, texture="guided_blocks", tile=6.0,
        porosity=0.5),
     # Small blocks, a little darker than the slabs of walks: a plot ends where the walk begins.
-    _M("yard", (0.20, 0.192, 0.176), 0.88, texture="clinker", tile=2.0, porosity=0.5),
+    _M("yard", (0.158, 0.150, 0.138), 0.88, texture="clinker", tile=2.0, porosity=0.5),
     _M("kerb_stone", (0.40, 0.39, 0.37), 0.8, texture="concrete", tile=2.0, porosity=0.4),
     _M("tactile_buff", (0.40, 0.30, 0.155), 0.85, texture="concrete", tile=2.0, porosity=0.4),
     _M("marking_white", (0.70, 0.70, 0.68), 0.7, texture="paint", tile=2.0, porosity=0.1),

@@ -352,6 +352,7 @@ def barriers(city: City) -> City:
         batches += _raised(city, name, shapes, ids, table["height"].to_numpy()[rows][row])
     if city.lod > 1:
         edges = frontage_edges(city)
+        edges = edges.take(edges.kind != "")
         for name in np.unique(edges.kind.astype(str)).tolist():
             rows = np.flatnonzero(edges.kind == name)
             shapes, row = _cut(city, edges.lines[rows].copy(), beside_paths=True)

@@ -30,7 +30,14 @@ PURPOSE = "nature/frontages"
 PUBLIC = ("sidewalk", "furnishing", "edging", "ramp")
 PRIVATE = ("courtyard", "grass", "gravel", "bare", "block")
 OWN_FRONTAGE = ("japan", "east asia")  # where what lies before a house is not open to all
-# How plots are closed off, with weights, by the kind of place; "" is open.
+# How plots are closed off, with weights, by the kind of place; "" is open. Hedges grow from soil:
+# where the plot is paved, others stand.
+SOFT = ("grass", "bare", "gravel", "block")
+PAVED_KINDS: Mapping[str, Mapping[str, float]] = MappingProxyType({
+    "japan": {"": 6.0, "block_wall": 0.5, "rail_fence": 1.2, "planted_wall": 0.8},
+    "british isles": {"": 5.0, "railing": 3.0, "front_wall": 0.5},
+})  # fmt: skip
+USUAL_PAVED = {"": 6.0, "rail_fence": 0.7, "planted_wall": 0.6}
 KINDS: Mapping[str, Mapping[str, float]] = MappingProxyType({
     "japan": {"": 1.5, "block_wall": 1.8, "rail_fence": 2.2, "front_hedge": 1.6,
               "planted_wall": 2.0},
@@ -64,19 +71,26 @@ class Edges:
     id
         (n,) uint64.
     kind
-        (n,) what each is built as.
+        (n,) what each is built as, "" for one that is open.
+    side
+        (n,) where the plot lies: +1 on the left of the line, -1 on the right.
     """
 
     lines: NDArray[Any]
     id: NDArray[np.uint64]
     kind: NDArray[Any]
+    side: FloatArray
+
+    def take(self, rows: Any) -> Edges:
+        """Return some of the edges, by mask or by index."""
+        return Edges(self.lines[rows], self.id[rows], self.kind[rows], self.side[rows])
 
 
 _LAST: Remembered[Edges] = Remembered()
 
 
 def frontage_edges(city: City) -> Edges:
-    """Return the edges that are built between walks and private land; the last are remembered.
+    """Return the edges between walks and private land; the last are remembered.
 
     Parameters
     ----------
@@ -89,7 +103,8 @@ def frontage_edges(city: City) -> Edges:
 
 
 def _found(city: City) -> Edges:
-    none = Edges(np.zeros(0, object), np.zeros(0, np.uint64), np.zeros(0, object))
+    nothing = np.zeros(0, object)
+    none = Edges(nothing, np.zeros(0, np.uint64), nothing, np.zeros(0))
     ground = city.ground
     buildings = city.layout.buildings
     houses = buildings.geometry.to_numpy()
@@ -111,12 +126,18 @@ def _found(city: City) -> Edges:
         return none
     cell = np.round(middle[kept] * 10).astype(np.int64).view(np.uint64)
     ids = hash_ids(0, PURPOSE, cell[:, 0], cell[:, 1])
-    weights = KINDS.get(place, USUAL_KINDS)
-    kinds = np.array(list(weights), object)[choose(city.seed, PURPOSE, ids, list(weights.values()))]
-    built = kinds != ""
-    side = inward[kept][built]
-    moved = shapely.offset_curve(lines[built], BACK * side, join_style="mitre")
-    return _opened(city, Edges(moved, ids[built], kinds[built]))
+    side = inward[kept]
+    soft = ground.on(middle[kept] + (DEEP / 2 * side)[:, None] * left[kept], *SOFT)
+    kinds = np.full(len(ids), "", object)
+    for chosen, weights in (
+        (soft, KINDS.get(place, USUAL_KINDS)),
+        (~soft, PAVED_KINDS.get(place, USUAL_PAVED)),
+    ):
+        words = np.array(list(weights), object)
+        drawn = words[choose(city.seed, PURPOSE, ids, list(weights.values()))]
+        kinds[chosen] = drawn[chosen]
+    moved = shapely.offset_curve(lines, BACK * side, join_style="mitre")
+    return _opened(city, Edges(moved, ids, kinds, side))
 
 
 def _rims(ground: Ground, labels: tuple[str, ...]) -> FloatArray:
@@ -174,8 +195,8 @@ def _opened(city: City, edges: Edges) -> Edges:
     ground = city.ground
     lines, owner = edges.lines, np.arange(len(edges.lines))
     doors = ways_to_doors(city)
-    if len(doors) and len(lines):
-        door, line = shapely.STRtree(lines).query(doors, predicate="dwithin", distance=DOOR_HALF)
+    door, line = shapely.STRtree(lines).query(doors, predicate="dwithin", distance=DOOR_HALF)
+    if len(line):
         order = np.lexsort((door, line))
         door, line = door[order], line[order]
         hit, start = np.unique(line, return_index=True)
@@ -194,4 +215,5 @@ def _opened(city: City, edges: Edges) -> Edges:
         if len(things) and len(parts):
             found = shapely.STRtree(things).query(parts, predicate="dwithin", distance=gap)[0]
             free[found] = False
-    return Edges(parts[free], edges.id[owner[free]], edges.kind[owner[free]])
+    rows = owner[free]
+    return Edges(parts[free], edges.id[rows], edges.kind[rows], edges.side[rows])

@@ -36,6 +36,7 @@ from cityx.plugins.nature.pieces import (
     ways_to_doors,
     with_pieces,
 )
+from cityx.plugins.nature.plot_edges import along_plots
 from cityx.plugins.nature.poles import utility_poles
 from cityx.plugins.nature.signs import junction_signs
 from cityx.plugins.nature.street_rules import (
@@ -152,7 +153,8 @@ def _site(city: City) -> _Site:
     urban = in_town(buildings)
     rims = walk_rims(city.ground) if city.ground is not None else np.zeros(0, object)
     if city.scene.meshes.get("barriers") is not None:  # their faces are rims as well
-        rims = np.concatenate([rims, frontage_edges(city).lines])
+        edges = frontage_edges(city)
+        rims = np.concatenate([rims, edges.lines[edges.kind != ""]])
     return _Site(rims, houses, houses[urban], door_zones(city), ways_to_doors(city),
                  _standing(city, "street_furniture"), _standing(city, "trees"),
                  place_of(city))  # fmt: skip
@@ -525,7 +527,8 @@ def street_pieces(
     shops = _before_shops(city, site, density)
     open_ = _in_the_open(city, site, density)
     stops, boards = _car_parks(city) if site.place == "japan" else (join_pieces([]),) * 2
-    rest = join_pieces([corners, shops, open_, boards])
+    plots = along_plots(city, site.place)
+    rest = join_pieces([corners, shops, plots, open_, boards])
     drawn = join_pieces([kerb, rest])
     other = np.array([SIZE.get(str(name), 0.5) for name in rest.name])
     half = np.concatenate([sizes, np.repeat(other[:, None], 2, axis=1)])

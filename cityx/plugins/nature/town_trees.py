@@ -10,7 +10,6 @@ from cityx.city import City
 from cityx.city.layout import in_town
 from cityx.geometry.clearance import distance_within, near_any, spots_of
 from cityx.geometry.identity import choose, hash_ids, stable_id, uniform
-from cityx.geometry.polylines import to_linestrings
 from cityx.geometry.scatter import Points, candidates, cells_about, thin
 from cityx.geometry.standing import WALKED
 from cityx.plugins.nature import climate
@@ -33,10 +32,11 @@ HOUSES_WITHIN = 25.0  # metres; a street has trees only where it has houses on i
 MAPPED_WITHIN = 45.0  # metres; where the map shows trees it shows all of them
 YARD_SPACING = 6.5  # metres between the trees of yards
 YARD_REACH = 60.0  # metres from a house of a town
-FORECOURT = 14.0  # metres from a carriageway within which none grows from the paving of a yard
+FROM_EDGE = 1.5  # metres from a trunk in paving to where the paving ends
 LONE = 5.0  # metres to mapped trees
 # Share of the places of yards that have a plant, by what the ground is.
-YARD_SHARES = {"grass": 0.75, "block": 0.45, "bare": 0.9, "courtyard": 0.3, "gravel": 0.3}
+YARD_SHARES = {"grass": 0.75, "block": 0.45, "bare": 0.9, "courtyard": 0.3, "frontage": 0.35,
+               "gravel": 0.3}  # fmt: skip
 # The same share as a factor, by climate: where land is dear, and where water is.
 GREEN = {"japan": 0.8, "warm": 0.7, "tropic": 0.8}
 BUSH_SHARE = 0.3  # of the plants on lawns
@@ -132,10 +132,8 @@ def in_yards(city: City, mapped: FloatArray) -> list[Stand]:
     ):  # fmt: skip
         rows = np.flatnonzero(keep)
         keep[rows] = ~near_any(found.xy[rows], things, gap)
-    if city.network is not None and city.network.edge_count:
-        rows = np.flatnonzero(keep & ~soft & ~bed)
-        streets = to_linestrings(city.network.lines)
-        keep[rows] = ~near_any(found.xy[rows], streets, city.network.half_width + FORECOURT)
+    rows = np.flatnonzero(keep & ~soft & ~bed)
+    keep[rows] = ~near_any(found.xy[rows], walk_rims(ground), FROM_EDGE)
     points = Points(found.xy[keep], found.id[keep])
     bush = bed | (soft & (uniform(city.seed, f"{YARD}/bush", found.id) < BUSH_SHARE))
     species = np.where(bush[keep], INDEX["shrub"], draw_species(climate.PARK_MIX, city, points.id))

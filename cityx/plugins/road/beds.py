@@ -16,7 +16,7 @@ from cityx.geometry.clearance import near_any, spots_of
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, pack
 from cityx.plugins.road.network import node_corners
-from cityx.plugins.road.yards import grounds_digest
+from cityx.plugins.road.yards import grounds_digest, other_ways, told_areas, yard_patches
 from cityx.remembered import Remembered
 
 if TYPE_CHECKING:
@@ -39,7 +39,6 @@ LEAST_WALK = 1.5  # metres before a bed behind a footway of its own
 FROM_HOUSE = 3.0  # metres; less before a facade is a wide pavement, and stays free
 FROM_PATH = 0.2  # metres
 TOWN_REACH = 30.0  # metres within which an urban building makes land a yard
-UNTOLD = ("residential", "commercial", "retail", "industrial", "mixed")  # use, and no surface
 SHARP = np.radians(140.0)  # arms that meet flatter leave no corner
 
 
@@ -115,7 +114,7 @@ def _behind_walks(layout: Layout, network: RoadNetwork) -> list[Beds]:
         walk = table[column].to_numpy(float)
         chosen = np.flatnonzero(walk > 0)
         off = network.half_width + KERB_WIDTH + walk
-        found.append(_slots(lines, network.edge_id, chosen, sign, off, walk))
+        found.append(_slots(lines, network.edge_id, chosen, sign, off, walk, network.trim))
     roads = layout.roads
     told = roads["tags"].str.contains('"footway": *"sidewalk"', regex=True).to_numpy().astype(bool)
     told &= (roads["kind"] == "footway").to_numpy() & ~roads["tunnel"].to_numpy(bool)
@@ -130,11 +129,16 @@ def _behind_walks(layout: Layout, network: RoadNetwork) -> list[Beds]:
 
 def _slots(
     lines: Polylines, ids: NDArray[np.uint64], chosen: IntArray, sign: float, off: FloatArray,
-    walk: FloatArray,
+    walk: FloatArray, trim: FloatArray | None = None,
 ) -> Beds:  # fmt: skip
-    row, at = every(arc_lengths(lines)[1][chosen], SLOT, SLOT / 2)
+    """Slots along lines; `trim` is what junctions take of their ends, (n, 2) metres."""
+    length = arc_lengths(lines)[1]
+    row, at = every(length[chosen], SLOT, SLOT / 2)
     number = np.arange(len(row)) - np.searchsorted(row, row)
     row = chosen[row]
+    if trim is not None:
+        straight = (at > trim[row, 0] + SLOT / 2) & (at < length[row] - trim[row, 1] - SLOT / 2)
+        row, at, number = row[straight], at[straight], number[straight]
     middle, ahead = locate(lines, row, at)
     left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
     xy = middle + left * (sign * (off[row] + BEHIND + DEPTH / 2))[:, None]
@@ -172,19 +176,16 @@ def _clear(beds: Beds, layout: Layout, network: RoadNetwork, houses: NDArray[Any
     """(b,) whether beds keep their distances, and lie on land that no map describes."""
     clear = np.ones(len(beds.id), bool)
     tree = shapely.STRtree(beds.shapes)
-    other = np.ones(len(layout.roads), bool)
-    other[network.edge_road] = False
-    paths = layout.roads.geometry.to_numpy()[other]
-    half = np.fmax(layout.roads["width"].to_numpy(float)[other], 1.2) / 2
-    areas = layout.areas
-    told = areas.geometry.to_numpy()[~areas["kind"].isin(UNTOLD).to_numpy()]
-    for things, gap in ((houses, FROM_HOUSE), (paths, half + FROM_PATH), (told, 0.0)):
+    paths, half = other_ways(layout, network)
+    for things, gap in ((houses, FROM_HOUSE), (paths, half + FROM_PATH), (told_areas(layout), 0.0)):
         clear[tree.query(things, predicate="dwithin", distance=gap)[1]] = False
     return clear
 
 
-def bed_regions(layout: Layout, network: RoadNetwork, road: Carriageway) -> Regions:
-    """Return the beds that lie behind walks, not on them, as regions of the ground."""
+def bed_regions(
+    layout: Layout, network: RoadNetwork, road: Carriageway, place: str = ""
+) -> Regions:
+    """Return the beds that lie behind walks, not on them nor before bays, as regions."""
     if not network.edge_count:
         return Regions()
     beds = bed_slots(layout, network)
@@ -192,5 +193,7 @@ def bed_regions(layout: Layout, network: RoadNetwork, road: Carriageway) -> Regi
     bed, _ = shapely.STRtree(road.driven).query(shapes, predicate="dwithin", distance=gap)
     free = np.ones(len(shapes), bool)
     free[bed] = False
+    bays = yard_patches(layout, network, place).labelled("parking").shapes
+    free[shapely.STRtree(shapes).query(bays, predicate="dwithin", distance=PASS)[1]] = False
     label = LABEL["bed"]
     return regions(shapes[free], label, SURFACES[label].priority)

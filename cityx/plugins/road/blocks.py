@@ -35,8 +35,8 @@ BESIDE = 0.25  # share of its rim along walks from which a leftover belongs to t
 BESIDE_SMALL, SMALL = 0.12, 500.0  # the same of leftovers of so many square metres at most
 TOWN_SHARE = 0.8  # of the area of built blocks that is dense in a town
 TOWN_REACH = 25.0  # metres within which an urban building makes a place a part of the town
-# What the ground of courts enclosed by houses is made of, and how often.
-YARDS = (("grass", 9), ("courtyard", 4), ("gravel", 3), ("parking", 2), ("bare", 1))
+# What lies about the lawns of courts enclosed by houses, and how often.
+YARDS = (("courtyard", 6), ("grass", 3))
 OPEN_YARD = 0.15  # share of its rim along streets from which a court belongs to the street
 LEAST_YARD = 25.0  # square metres
 LARGEST = 60_000.0  # square metres; more is open country with a town in it, not a block

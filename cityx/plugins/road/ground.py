@@ -223,7 +223,7 @@ def detailed_regions(
         kerbside_regions(layout, strips),
         garden_regions(layout),
         patch_regions(layout, network, place),
-        bed_regions(layout, network, road),
+        bed_regions(layout, network, road, place),
         building_regions(layout),
         way_regions(layout, ways, strips),
     ])  # fmt: skip

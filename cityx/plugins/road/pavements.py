@@ -33,7 +33,8 @@ SLABS = {"sidewalk": "slab_walk", "ramp": "mosaic", "frontage": "mosaic", "furni
 BENT = {"slab_walk": "mosaic"}
 BLOCKS = {"sidewalk": "walk_blocks", "ramp": "walk_blocks"}
 # What lies before houses where each was paved by itself, with weights.
-FORECOURTS = {"yard": 3.0, "asphalt_light": 2.0, "pavers": 1.5, "concrete": 1.2, "clinker": 0.6}
+FORECOURTS = {"yard": 2.0, "asphalt_light": 3.0, "pavers": 0.3, "road_concrete": 0.3,
+              "clinker": 1.2}  # fmt: skip
 REGION_PAVING: Mapping[str, Mapping[str, str]] = MappingProxyType({
     "british isles": FLAGS, "central europe": SLABS, "japan": BLOCKS, "east asia": BLOCKS,
 })  # fmt: skip

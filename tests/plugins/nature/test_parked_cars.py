@@ -79,7 +79,7 @@ def test_cars_stand_on_the_ground_where_its_faces_leave_the_terrain(crossroads):
 def test_yards_have_cars_in_their_bays_and_nowhere_else(crossroads):
     yards = [(x, y) for x in (-94, 12) for y in (-94, 12)]
     wings = [shapely.box(x, y, x + 82, y + 82) for x, y in yards]
-    walls = shapely.difference(wings, shapely.buffer(wings, -8, join_style="mitre"))
+    walls = shapely.buffer(wings, -16, join_style="mitre")  # behind forecourts
     ids = np.arange(21, 25)
     houses = make_table("buildings", walls, id=ids, place=["core"] * 4)
     parts = make_table("parts", walls, id=ids, building=ids, base=[0.0] * 4, top=[9.0] * 4,

@@ -12,7 +12,7 @@ from cityx.city.outlines import placed_outlines
 from cityx.city.passage import crowding
 from cityx.plugins.nature.pieces import room_along, walk_rims
 from cityx.plugins.nature.town_trees import (
-    FORECOURT,
+    FROM_EDGE,
     LEAST_WALK,
     MAPPED_WITHIN,
     TRUNK_WAY,
@@ -99,9 +99,9 @@ def test_yards_have_trees_on_lawns_and_beds(courts):
 def test_no_tree_grows_from_the_paving_before_houses(courts):
     (stand,) = in_yards(courts, NOBODY)
     paved = courts.ground.on(stand.xy, "courtyard", "gravel")
-    streets = shapely.multilinestrings(courts.layout.roads.geometry.to_list())
-    away = shapely.distance(shapely.points(stand.xy[paved]), streets)
-    assert (away >= FORECOURT + courts.network.half_width.min() - 1e-6).all()
+    rims = shapely.multilinestrings(list(walk_rims(courts.ground)))
+    away = shapely.distance(shapely.points(stand.xy[paved]), rims)
+    assert (away >= FROM_EDGE - 1e-6).all()
 
 
 def test_trees_of_yards_are_the_same_each_time_and_fewer_in_japan(courts):

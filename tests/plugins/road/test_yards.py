@@ -1,4 +1,4 @@
-"""Patches in yards, and what becomes of leftovers beside walks."""
+"""Plots along streets, courts behind houses, and what becomes of leftovers beside walks."""
 
 import numpy as np
 import pytest
@@ -8,9 +8,7 @@ from cityx.city.ground import LABEL, SURFACES
 from cityx.geometry.arrangement import check_arrangement, face_areas
 from cityx.plugins.road.ground import ground_of
 from cityx.plugins.road.network import road_network
-from cityx.plugins.road.yards import USUAL_GAPS, yard_patches
-
-FROM_WALL, FROM_STREET, FROM_PATH = USUAL_GAPS
+from cityx.plugins.road.yards import FINE, FROM_PATH, USUAL_GAP, court_zones, yard_patches
 
 RING = [([(-80, -80), (80, -80), (80, 80), (-80, 80), (-80, -80)], {})]
 ROWS = [(-70, -70, 70, -58), (-70, 58, 70, 70), (-70, -20, -58, 50), (20, -30, 40, 0)]
@@ -27,38 +25,60 @@ def areas(found):
     return {surface.name: total[label] for label, surface in enumerate(SURFACES)}
 
 
-def test_patches_keep_clear_of_walls_streets_and_paths(yard):
+def shapes_of(layout):
+    return yard_patches(layout, road_network(layout)).shapes
+
+
+def test_plots_keep_clear_of_walls_streets_and_paths(yard):
     patches = yard_patches(yard, road_network(yard))
     shapes = patches.shapes
     assert len(shapes) > 8
     assert len(np.unique(patches.label)) >= 2
     houses, roads = yard.buildings.geometry.to_numpy(), yard.roads.geometry.to_numpy()
-    for things, gap in ((houses, FROM_WALL), (roads[1:], FROM_PATH), (roads[:1], FROM_STREET + 3)):
+    for things, gap in ((houses, USUAL_GAP), (roads[1:], 1.0 + FROM_PATH), (roads[:1], 3.0)):
         for thing in things:
             assert shapely.distance(shapes, thing).min() > gap - 0.1
 
 
-def test_patches_lie_along_the_nearest_house_when_all_is_turned(layout_of):
+def test_plots_lie_side_by_side_along_their_street_when_all_is_turned(layout_of):
     turn = np.radians(30.0)
-    c, s = np.cos(turn), np.sin(turn)
-    layout = layout_of(RING, houses=ROWS)
+    spin = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    ring = [(np.array(points) @ spin, tags) for points, tags in RING]
+    layout = layout_of(ring, houses=ROWS)
     houses = layout.buildings.geometry.to_numpy()
-    spun = [shapely.transform(h, lambda p: p @ np.array([[c, s], [-s, c]])) for h in houses]
-    layout.buildings["geometry"] = spun
-    along = yard_patches(layout, road_network(layout)).along
-    quarter = np.mod(np.arctan2(along[:, 1], along[:, 0]), np.pi / 2)
-    assert quarter == pytest.approx(np.full(len(along), turn), abs=1e-6)
+    layout.buildings["geometry"] = [shapely.transform(h, lambda p: p @ spin) for h in houses]
+    patches = yard_patches(layout, road_network(layout))
+    assert len(patches.id) > 8
+    quarter = np.mod(np.arctan2(patches.along[:, 1], patches.along[:, 0]), np.pi / 2)
+    assert quarter == pytest.approx(np.full(len(quarter), turn), abs=1e-6)
+    street = layout.roads.geometry.to_numpy()[0]
+    front = shapely.distance(patches.shapes, street)
+    assert len(np.unique(np.round(front, 1))) == 2  # each side's begin behind its walk
+    one, other = shapely.STRtree(patches.shapes).query(patches.shapes, predicate="intersects")
+    assert (one == other).all()
 
 
-def test_patches_do_not_depend_on_the_order_of_houses(layout_of):
-    first, second = (
-        yard_patches(layout, road_network(layout))
-        for layout in (layout_of(RING, houses=ROWS), layout_of(RING, houses=ROWS[::-1]))
-    )
-    assert shapely.equals_exact(
-        shapely.normalize(shapely.multipolygons(first.shapes)),
-        shapely.normalize(shapely.multipolygons(second.shapes)), 1e-9,
-    )  # fmt: skip
+def test_plots_and_courts_do_not_depend_on_the_order_of_houses(layout_of):
+    layouts = [layout_of(RING, houses=houses) for houses in (ROWS, ROWS[::-1])]
+    plots = [shapes_of(layout) for layout in layouts]
+    courts = [court_zones(layout, road_network(layout), "")[0] for layout in layouts]
+    assert len(courts[0])
+    for first, second in (plots, courts):
+        assert shapely.equals_exact(
+            shapely.normalize(shapely.multipolygons(first)),
+            shapely.normalize(shapely.multipolygons(second)), 1e-9,
+        )  # fmt: skip
+
+
+def test_courts_leave_paving_along_walls_and_before_plots(yard):
+    network = road_network(yard)
+    zones, kind = court_zones(yard, network, "")
+    assert len(zones) == len(kind)
+    assert shapely.area(zones).sum() > 500.0
+    for house in yard.buildings.geometry:
+        assert shapely.distance(zones, house).min() > USUAL_GAP - FINE - 0.01
+    plots = shapely.union_all(yard_patches(yard, network).shapes)
+    assert shapely.distance(zones, plots).min() > 1.2 - FINE - 0.01
 
 
 def test_bays_and_bare_patches_lie_in_paved_yards_only(yard, layout_of):
