@@ -17,12 +17,13 @@ from cityx.agents.briefs import Clarify
 from cityx.agents.contradictions import contradictions
 from cityx.agents.parts import with_parts
 from cityx.agents.placing import left_alone, protected, slots_of_places
-from cityx.agents.selecting import SIDES, Open, chosen_by, region_of
+from cityx.agents.selecting import Open, chosen_by, region_of
 from cityx.checks.predicates.facts import Facts
 from cityx.checks.predicates.things import Selection
 from cityx.checks.predicates.vocabulary import KINDS
 from cityx.checks.predicates.words import COLORS
 from cityx.city import City
+from cityx.geometry.compass import SIDES
 from cityx.geometry.identity import id_text
 from cityx.protocol.serving import Slots
 
@@ -165,9 +166,9 @@ def _way(edit: Edit, chosen: Selection, city: City) -> Found:
     place = _place(edit.change, chosen, city)
     if place is None:
         return {}
-    middle = _middle(chosen)
-    step = place - middle
-    return {"offset": ((float(step[0]), float(step[1])),), "settle": (SETTLE,)}
+    step = place - _middle(chosen)
+    settle = 0.0 if "off" in change else SETTLE
+    return {"offset": ((float(step[0]), float(step[1])),), "settle": (settle,)}
 
 
 def _middle(chosen: Selection) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
@@ -198,7 +199,8 @@ def _place(
         way = way / np.hypot(*way)
         xmin, ymin, xmax, ymax = region.bounds
         reach = np.array([xmax - xmin, ymax - ymin]) / 2
-        off = float(np.abs(way) @ reach) + GAP + half
+        gap = GAP + half if "off" not in said else float(said["off"])
+        off = float(np.abs(way) @ reach) + gap
         return np.asarray(np.array([(xmin + xmax) / 2, (ymin + ymax) / 2]) + way * off)
     return None
 

@@ -18,7 +18,8 @@ from cityx.geometry.identity import id_text
 from cityx.protocol.serving import Slots
 
 # Words of a change that name a place -> the slot with the ids of what is meant.
-_PLACES = {"along": "beside", "around": "beside", "in": "within", "on": "within", "near": "within"}
+_PLACES = {"along": "beside", "around": "beside", "in": "within", "on": "within", "near": "within",
+           "of": "from"}  # fmt: skip
 
 
 def slots_of_places(edit: Edit, city: City) -> Slots:
@@ -34,6 +35,9 @@ def slots_of_places(edit: Edit, city: City) -> Slots:
         slot = _PLACES.get(key)
         if slot is None or edit.target is not None:
             continue
+        if slot == "from" and edit.verb != "add":
+            verb = edit.verb.replace("_", " ")
+            raise Open(f"{verb} takes no side of {value}; say near, in or along what.")
         word = str(value)
         selector = replace(place_selector(word), alone=word == MAIN_STREET)
         ids = tuple(id_text(int(one)) for one in _members(choose(selector, city)))

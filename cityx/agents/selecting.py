@@ -23,6 +23,7 @@ from cityx.checks.predicates.things import Absent, CannotTell, Selection
 from cityx.checks.predicates.vocabulary import KINDS, Group, kind_named, split_arguments
 from cityx.city import City
 from cityx.errors import nearest
+from cityx.geometry.compass import SIDES
 from cityx.geometry.identity import hash_ids, id_text
 
 FloatArray = NDArray[np.float64]
@@ -46,13 +47,6 @@ MOST_BY_FILE = 0.2  # of the things of a kind, that a file may have removed or r
 MAIN_STREET = "main_street"
 TAKES_AWAY = ("remove", "replace")
 LOOKS = ("set_style", "set_material", "set_color", "set_roof")
-SIDES: Mapping[str, tuple[float, float]] = MappingProxyType(
-    {
-        "north": (0.0, 1.0), "east": (1.0, 0.0), "south": (0.0, -1.0), "west": (-1.0, 0.0),
-        "northeast": (1.0, 1.0), "southeast": (1.0, -1.0),
-        "southwest": (-1.0, -1.0), "northwest": (-1.0, 1.0),
-    }
-)  # fmt: skip
 # Rank -> what is measured, and whether the greatest come first.
 _RANKS: Mapping[str, tuple[str, bool]] = MappingProxyType(
     {

@@ -358,7 +358,7 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
     ):  # "remove that grey block", "ban cars from it": nothing is to look so, or to drive
         words = text[slice(*_span(live))]
         commands.questions.append(Question(f'What should "{words}" change, and how?'))
-    sides = [item for item in live if not item.state and item.has("side")]
+    sides = [i for i in live if not i.state and (i.kind == "id" or i.has("side"))]
     if sides and grouped:  # what is said of a part of the city is not for all of it
         commands.questions.append(_unknown(text, clause, sides))
     if nothing and live[0].get("verb") != "APPLY" and any(i.kind != "function" for i in live):
@@ -402,6 +402,8 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                         item.state = item.state or READ
                 edits = _made(commands, command, _span(clause))
                 lost = _lost(clause, edits)
+                lost += [clause[at] for name, at in terminals if name == "AGAIN"
+                         and clause[at].state != READ and clause[at] not in lost]  # fmt: skip
                 if lost:
                     commands.questions.append(_unknown(commands.found.text, clause, lost))
                 return _there(commands, edits) if _says_there(clause) else _noted(commands, edits)
@@ -424,14 +426,17 @@ def _lost(clause: Sequence[Item], edits: Sequence[Edit]) -> list[Item]:
     """Return words that name what nobody read, of which a change may be: a name, a side, a look.
 
     Of what is taken away every such word counts: who says "remove the spire of the church" does
-    not want the church removed. Parts of buildings are read by `cityx.agents.parts`.
+    not want the church removed; of what is new, things and plants do. Parts of buildings are read
+    by `cityx.agents.parts`.
     """
     left = [item for item in clause if not item.state and not part_named(item.text)]
     gone = any(edit.verb in _TAKES_AWAY for edit in edits)
+    new = any(edit.verb in ("add", "plant") for edit in edits)
     return [
         item for item in left
         if item.kind == "id" or item.has("side", *_LOOKS)
         or (gone and (item.kind == "unknown" or item.noun))
+        or (new and item.noun_class in ("element", "plant"))
     ]  # fmt: skip
 
 
@@ -506,14 +511,17 @@ def _put(edit: Edit, relation: str, spot: str) -> Edit:
 
 
 def _is_new(clause: Sequence[Item], terminals: Sequence[Terminal]) -> bool:
-    """Tell whether somebody is told of who is not there yet: "a jogging woman circles the park"."""
+    """Tell whether what is not there yet is told of: "a woman circles the park", "a bench by x"."""
     first = next((item for item in clause if not item.state or item.kind == "function"), None)
     names = [name for name, _ in terminals]
-    at = names.index("AGENT") if "AGENT" in names else len(names)
-    goes = any(name in ("MODE", "REL", "ON", "IN", "TO", "BY") for name in names[at + 1 :])
+    at = next((at for at, name in enumerate(names) if name in ("AGENT", "THING")), len(names))
+    goes = any(name in _GOES for name in names[at + 1 :])
     goes = goes and "BE" not in names  # "a car is parked on x1"
     introduced = first is not None and first.words[0] in ("a", "an", "another", "some")
     return introduced and goes and set(names[:at]) <= {"MODE", "SIZE", "SPEED"}
+
+
+_GOES = ("MODE", "REL", "ON", "IN", "TO", "BY", "AWAY")
 
 
 def _made(commands: Commands, command: Node, span: Span) -> list[Edit]:
@@ -523,9 +531,10 @@ def _made(commands: Commands, command: Node, span: Span) -> list[Edit]:
     try:
         edits = [replace(edit, span=span) for edit in edits_of(command)]
         return [known for edit in edits for known in _resolved(commands, edit)]
-    except Unclear:
+    except Unclear as error:
         words = commands.found.text[slice(*span)]
-        commands.questions.append(_how_much(words))
+        asked = Question(str(error)) if error.args else _how_much(words)
+        commands.questions.append(asked)
         return [Edit("unspecified", span=span)]
 
 

@@ -36,6 +36,8 @@ _GROWS = {
     "enlarge": 1, "upscale": 1, "magnify": 1, "blow": 1, "scale up": 1, "make bigger": 1,
     "shrink": -1, "downscale": -1, "scale down": -1,
 }  # fmt: skip
+_ROWS = {"behind": "behind", "in front of": "before"}  # else one is beside the other
+_WHERE = ("in", "on", "near", "along", "around", "side", "of", "off", "path")  # keys of places
 _GENDERS = {"man": "male", "woman": "female"}
 _GAITS = ("run", "walk", "stand", "sit")
 _FLAT = (
@@ -47,7 +49,7 @@ _NEW = {"type": "building.type", "element": "element", "plant": "nature"}
 
 
 class Unclear(Exception):
-    """A command names what to change and not by how much."""
+    """A command names what to change and not by how much; or what else is open, as a question."""
 
 
 def edits_of(command: Node) -> list[Edit]:
@@ -182,7 +184,7 @@ def _of_street(item: Item) -> tuple[str, Pairs] | None:
 
 
 def _pave(command: Node) -> list[Edit]:
-    """Read "put cobbles on every street"."""
+    """Read "put cobbles on every street" and "cobble the street"."""
     surface = command.first("SURFACE")
     assert surface is not None
     return _each(command, "set_surface", [("surface", surface.get("surface"))])
@@ -334,8 +336,13 @@ def _close(command: Node) -> list[Edit]:
 
 
 def _lights(command: Node) -> list[Edit]:
+    """Read "turn off the lamps"; those of one place alone are told by what is meant."""
     state = "off" if command.children[0].name == "TURN_OFF" else "on"
-    return [Edit("set_lights", None, (("lights", state),))]
+    return [
+        Edit("set_lights", None if one == Selector(one.kind, alone=one.alone) else one,
+             (("lights", state),))
+        for one in targets_of(command)
+    ]  # fmt: skip
 
 
 def _copy(command: Node) -> list[Edit]:
@@ -378,14 +385,39 @@ def _add(command: Node) -> list[Edit]:
     late = command.own("SPEED", "MODE", "EVERY", "AXIS")
     things = command.branch("things")
     assert things is not None
-    return [
+    added = [
         _added(replace(thing, children=(*thing.children, *late)), places)
         for thing in things.own("thing")
     ]
+    return _again(added, command)
+
+
+def _again(added: list[Edit], command: Node) -> list[Edit]:
+    """Read "and another behind it", a row of the same, and "and another near b02", one more."""
+    again = command.branch("again")
+    if again is None:
+        return added
+    last, said = added[-1], again.first("COUNT")
+    more = int(_value(said)) if said is not None else 1
+    places = places_of([*again.own("place"), *again.own("destination")])
+    if any(place.spot != IT for place in places):
+        kept = [pair for pair in last.change if pair[0] not in _WHERE and pair[0] != "count"]
+        own = [pair for place in places for pair in place.items()]
+        count = [("count", more)] if more > 1 else []
+        return [*added, replace(last, change=(*kept, *count, *own))]
+    if last.verb != "add":
+        raise Unclear('Where is "it"? Name the place of each.')
+    change = dict(last.change)
+    where = again.first("REL")
+    row = _ROWS.get(where.text, "beside") if where is not None else "beside"
+    change |= {"count": int(change.get("count", 1)) + more, "row": row}
+    return [*added[:-1], replace(last, change=tuple(change.items()))]
 
 
 def _places(command: Node) -> list[Node]:
-    return [*command.find("place"), *command.find("destination")]
+    inner = [child for child in command.children if child.name != "again"]
+    held = Node(command.name, None, tuple(inner))
+    return [*held.find("place"), *held.find("destination")]
 
 
 FULL = 20  # people or vehicles that fill a place where no number is told
@@ -478,7 +510,7 @@ def _plant(command: Node, places: Sequence[Place] = ()) -> list[Edit]:
     change += [("spacing", _whole(_value(every)))] if every is not None else []
     for place in places or places_of(_places(command)):
         change += place.items()
-    return [Edit("plant", None, tuple(change))]
+    return _again([Edit("plant", None, tuple(change))], command)
 
 
 _RULES: Mapping[str, Callable[[Node], list[Edit]]] = {

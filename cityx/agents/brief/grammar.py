@@ -39,12 +39,13 @@ new: trait* (KIND | THING | AGENT | PLANT | BUILDING) (link* trait)*
 trait: MATERIAL | COLOR | STYLE | ROOF | FLOORS | LENGTH | COUNT | LIMIT | ALL
 fill: FILL targets WITH things
 lined: PLANTS targets WITH (things | plants)
-add: (ADD | MAKE | PLANTS) things (place | destination | _late)*
+add: (ADD | MAKE | PLANTS) things (place | destination | _late)* again?
+again: AND? (AGAIN | COUNT AMOUNT) THING? (REL IT | place | destination)
 _late: link* SPEED | MODE | AXIS | AND? COUNT? EVERY
 things: thing (AND thing)*
 thing: own* (AGENT | THING | KIND | BUILDING) (link* MODE | link* trait | link* SPEED | EVERY)*
 own: trait | SPEED | AMOUNT | MODE | SIZE
-plant: (PLANTS | ADD | MAKE) plants (place | destination | _late)*
+plant: (PLANTS | ADD | MAKE) plants (place | destination | _late)* again?
 plants: (trait | AMOUNT | OF | SIZE)* PLANT (link? EVERY)* (AND plants)?
 move: MOVE targets (link? LENGTH | link? direction | place | destination)+
 direction: SIDE
@@ -69,13 +70,14 @@ bound.2: (WITH | BE | OF)? LIMIT
 within.3: LIMIT OF spot
 nearest.4: NEAREST (TO | FROM) spot
 destination: TO spot
-place: where+ spot | where* SIDE (OF spot)?
+place: where+ spot | where* SIDE (OF spot)? | away
+away: where* AWAY SIDE OF spot
 where: REL | IN | ON | BY
 spot: (ALL | COUNT | RANK | NEAREST | SIDE | SIZE)* _place_noun beyond?
 _place_noun: BUILDING | KIND | THING | ROAD | PLANT | WHOLE | QUARTER | ID | IT
 beyond: REL spot | OF spot
 link: TO | IN | WITH | OF | BY | BE | ON | FROM
-pave: (ADD | MAKE) SURFACE (_at | TO)+ targets | CLAD targets (WITH | IN) SURFACE
+pave: (ADD | MAKE) SURFACE (_at | TO)+ targets | CLAD targets (WITH | IN) SURFACE | SURFACE targets
 strip: (ADD | MAKE | REMOVE | OPEN | CLOSE) ALL? STRIP (_at | TO | FROM)+ targets
 """
 

@@ -257,9 +257,11 @@ SLOTS: Book = {
         "street lamps lit, lanterns glow, lamps glow, lights glow, lamps shine, lanterns shine, "
         "windows glow, street lights on, glowing windows, lit, brightly lit, lamps burning, "
         "lights are on, lit street lamps, glowing street lamps, city lights, illuminated windows, "
-        "street lights lit, lamp lit, well lit, lanterns lit, lamplight, lights glowing",
+        "street lights lit, lamp lit, well lit, lanterns lit, lamplight, lights glowing, lamps on, "
+        "lamps are on, street lamps on, street lamps are on, street lights are on",
         "off": "lights off, lamps off, blackout, power cut, unlit, lights out, "
-        "street lights off, power outage, lights are off, in darkness, without lighting",
+        "street lights off, power outage, lights are off, in darkness, without lighting, "
+        "lamps are off, street lamps off, street lamps are off, street lights are off",
     },
     "wetness": {
         "high": "wet street, wet asphalt, wet road, wet pavement, wet ground, puddle, "

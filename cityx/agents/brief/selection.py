@@ -27,6 +27,7 @@ _MANY = (
     "REST",
 )  # what says how many are meant
 _SPOTS = ("BUILDING", "KIND", "THING", "ROAD", "PLANT", "WHOLE", "QUARTER", "ID", "IT")
+ABOUT = 1.5  # times the metres told to something, within which it is looked for
 IT = "it"  # kind of what was named last
 
 
@@ -40,12 +41,15 @@ class Place:
         Words for them, "" for none.
     named
         Whether the object is told by a name or an id rather than by its kind.
+    off
+        Metres from the object, on the side; None where none are told.
     """
 
     side: str
     relation: str
     spot: str
     named: bool = False
+    off: float | None = None
 
     def items(self) -> Iterator[tuple[str, Value]]:
         """Yield the place as keys and values."""
@@ -53,6 +57,8 @@ class Place:
             yield "side", self.side
             if self.spot:
                 yield "of", self.spot
+            if self.off is not None:
+                yield "off", self.off
         else:
             own = self.relation in ("along", "in", "on", "around")
             to = "in" if self.relation == "to" else "near"
@@ -209,6 +215,9 @@ def _conditions(item: Item) -> Iterator[str]:
 
 
 def _placed(selector: Selector, place: Place) -> Selector:
+    if place.off is not None:  # "the bench 10 m north of b05"
+        near, reach = place.spot, ABOUT * place.off
+        return replace(selector, side=place.side, of=place.spot, near=near, reach=reach)
     if place.side:
         return replace(selector, side=place.side, of=place.spot)
     if place.relation == "along" or (place.relation == "on" and place.spot in _ROADS):
@@ -219,6 +228,7 @@ def _placed(selector: Selector, place: Place) -> Selector:
 
 
 def _place(node: Node) -> Place:
+    node = node.branch("away") or node
     side = next((child.item for child in node.own("SIDE")), None)
     where = next(node.find("where"), None)
     relation = (
@@ -230,7 +240,14 @@ def _place(node: Node) -> Place:
         relation.get("rel") if relation is not None else "",
         _spot(spot) if spot is not None else "",
         spot is not None and any(item.kind == "id" for item in spot.leaves()),
+        next((_metres(far) for far in node.own("AWAY")), None),
     )
+
+
+def _metres(far: Node) -> float:
+    quantity = far.item.quantity if far.item is not None else None
+    assert quantity is not None
+    return round(quantity.exact or 0.0, 4)
 
 
 def _spot(spot: Node) -> str:

@@ -59,12 +59,18 @@ def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
             name = "MATERIAL"  # "clad in wood", which is no wood to walk in
         if not name and not first and item.get("verb") == "MAKE":
             name = "BE"  # "could b03 get a flat roof"
+        if item.text == "another" and not name and _is_again(items, index, found):
+            name = "AGAIN"  # "and another behind it"
+        if name == "COUNT" and found and found[-1][0] == "AGAIN":
+            continue  # "another one"
         if name == "ALL" and index + 1 < len(items) and _is_length(items[index + 1]):
             continue  # "every 10 m"; the length itself is the interval
         if name == "REMOVE" and item.text == "drop" and _is_another(items, index):
             name = "ADD"  # "drop a bench on the plaza", but "drop the bench"
         if name == "LENGTH" and _is_interval(items, index):
             name = "EVERY"
+        if name == "LENGTH" and _is_away(items, index):
+            name = "AWAY"
         if name in ("BE", "AND", "OF", "TO") and first:
             continue
         if item.is_mark("-–") and found and found[-1][0] == "ID":
@@ -86,6 +92,14 @@ def _with_ranked(found: Sequence[Terminal]) -> list[Terminal]:
             if next(behind, "") not in (*_RANKED, "TO", "FROM"):  # "the houses closest to the lake"
                 made.append(("BUILDING", -1))
     return made
+
+
+def _is_again(items: Sequence[Item], index: int, found: Sequence[Terminal]) -> bool:
+    """Tell whether there is to be another of what was said: "and another (bench) behind it"."""
+    after = (item for item in items[index + 1 :] if item.get("rel") or item.noun)
+    noun = getattr(next(after, None), "noun", "")
+    said = [items[at].noun for name, at in found if name == "THING"]
+    return bool(found) and (not noun or noun in said)
 
 
 def _is_another(items: Sequence[Item], index: int) -> bool:
@@ -163,6 +177,13 @@ def _measure_name(item: Item) -> str:
 
 def _is_length(item: Item) -> bool:
     return item.quantity is not None and item.quantity.dimension == "length"
+
+
+def _is_away(items: Sequence[Item], index: int) -> bool:
+    """Tell whether a length is how far off something is: "10 m | north of b05"."""
+    quantity, after = items[index].quantity, items[index + 1 : index + 3]
+    known = quantity is not None and not quantity.attribute and not quantity.relative
+    return known and len(after) == 2 and after[0].has("side") and after[1].get("rel") == "of"
 
 
 def _is_interval(items: Sequence[Item], index: int) -> bool:

@@ -280,7 +280,7 @@ class _Walk:
         rim = self.walkable.at(self.walkable.rim, self.position[rows]).astype(np.int64)
         was = self.on[rows]
         self.on[rows] = np.where(here > 0, here, np.where(rim == was, was, 0))
-        leaves = self.leaving[self.at[rows]]
+        leaves = np.asarray(self.leaving[self.at[rows]])
         off = np.flatnonzero(leaves & (self.on[rows] != self.over[self.at[rows]]))
         point = self.at[rows[off]]
         number = self.over[point] - 1

@@ -13,10 +13,11 @@ from cityx.assets.furniture import MAKERS, furniture
 from cityx.city.city import City
 from cityx.city.scene import Instances
 from cityx.errors import ActionFailed
+from cityx.geometry.compass import SIDES
 from cityx.geometry.identity import stable_id
 from cityx.plugins.building.splicing import with_rows
 from cityx.plugins.edit.room import faults, refuse, stand_of
-from cityx.plugins.edit.spots import facing, spots_within
+from cityx.plugins.edit.spots import ROWS, facing, spots_beyond, spots_within
 from cityx.plugins.nature.pieces import heights
 from cityx.protocol import Choice, ObjectName, Points, Port, Range, action
 from cityx.protocol.serving import Serves
@@ -47,9 +48,18 @@ WORDS: Mapping[str, str] = MappingProxyType(
     gives=(Port("object", "complex_geometry"),),
     labels=("add", "place", "put", "bench", "fountain", "statue", "lamp"),
     serves=tuple(
-        Serves("edit=add", f"element={word}", "within", thing=name) for word, name in WORDS.items()
+        Serves("edit=add", f"element={word}", place, thing=name)
+        for word, name in WORDS.items()
+        for place in ("within", "from")
     ),
-    binds={"within": "within", "count": "count"},
+    binds={
+        "within": "within",
+        "count": "count",
+        "beyond": "from",
+        "side": "side",
+        "off": "off",
+        "row": "row",
+    },
 )
 def add(
     city: City,
@@ -57,7 +67,11 @@ def add(
     thing: Annotated[str, Choice(*sorted(MAKERS))],
     at: Annotated[tuple[tuple[float, ...], ...] | None, Points(1, MOST)] = None,
     within: Annotated[tuple[str, ...] | None, ObjectName()] = None,
+    beyond: Annotated[tuple[str, ...] | None, ObjectName()] = None,
+    side: Annotated[str, Choice(*SIDES)] = "south",
+    off: Annotated[float | None, Range(0.0, 500.0)] = None,
     count: Annotated[int, Range(1, MOST)] = 1,
+    row: Annotated[str | None, Choice(*ROWS)] = None,
     angle: Annotated[float | None, Range(-2 * np.pi, 2 * np.pi)] = None,
 ) -> City:
     """Add things that stand about: benches, lamps, a fountain.
@@ -72,8 +86,16 @@ def add(
         Where they stand, scene frame, metres; one for each.
     within
         Squares and parks that they stand in, or objects that they stand near, instead.
+    beyond
+        Objects that they stand beyond a side of, instead.
+    side
+        Which side, where they do.
+    off
+        Metres from the edge there to their middle; as near as there is room when left out.
     count
         How many, where no places are given.
+    row
+        Where each stands from the one before, looking as that does; anywhere when left out.
     angle
         Radians counter-clockwise by which their front is turned from the south; towards the nearest
         way when left out.
@@ -83,10 +105,13 @@ def add(
     if at is not None:
         xy = np.array([point[:2] for point in at], float)
     elif within is not None:
-        xy = spots_within(city, within, count, stand)
+        xy = spots_within(city, within, count, stand, row=row or "")
+    elif beyond is not None:
+        xy = spots_beyond(city, beyond, side, off, count, stand, row=row or "")
     else:
         raise ActionFailed("Nothing is said of the place: points, or what they are to be in.")
-    yaw = facing(city, xy) if angle is None else np.full(len(xy), angle)
+    yaw = facing(city, xy[:1] if row else xy) if angle is None else np.array([angle])
+    yaw = np.broadcast_to(yaw, len(xy)) if len(yaw) == 1 else yaw
     for place, why in enumerate(faults(city, stand, xy, yaw, but=np.zeros(0, np.uint64))):
         if why:
             none = np.zeros(0, np.uint64)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.errors import ActionFailed
+from cityx.geometry.compass import SIDES
 from cityx.geometry.identity import hash_ids
 from cityx.plugins.edit.room import Stand, faults
 from cityx.protocol.objects import find_objects
@@ -22,13 +23,19 @@ MANY = 4000  # places looked at in one square or park
 AROUND = 12.0  # metres from something to what is put near it
 MARGIN = 0.8  # metres that things keep from the border of where they are put
 SPREAD = 0.55  # of the distance that things would have if all lay even, kept between them
+BEYOND = 4.0  # metres at least from a side of something to what is put there
+IN_A_ROW = 0.6  # metres from one thing of a row to the next
+ROWS = ("behind", "before", "beside")  # where in a row the next thing stands, as one looks from it
 LOOK = 60.0  # metres to the farthest way that a thing faces
 
 
-def spots_within(city: City, names: Sequence[str], count: int, stand: Stand) -> FloatArray:
+def spots_within(
+    city: City, names: Sequence[str], count: int, stand: Stand, *, row: str = ""
+) -> FloatArray:
     """Find places for some things, spread over what they are put in, (count, 2).
 
-    One alone stands as near to the middle as there is room.
+    One alone stands as near to the middle as there is room, and so does the first of a row, from
+    which the others stand as one of `ROWS` says.
 
     Raises
     ------
@@ -42,13 +49,12 @@ def spots_within(city: City, names: Sequence[str], count: int, stand: Stand) -> 
     spots = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     shapely.prepare(region)
     spots = spots[shapely.intersects_xy(region, spots)]
-    yaw = facing(city, spots)
-    why = faults(city, stand, spots, yaw, but=np.zeros(0, np.uint64)) if len(spots) else []
-    free = spots[np.array([not text for text in why], bool)] if len(spots) else spots
-    if count == 1 and len(free):
-        middle = shapely.get_coordinates(shapely.centroid(region))[0]
-        away = np.round(np.hypot(*(free - middle).T), 6)
-        return np.asarray(free[np.lexsort((free[:, 1], free[:, 0], away))[:1]])
+    middle = shapely.get_coordinates(shapely.centroid(region))[0]
+    away = np.round(np.hypot(*(spots - middle).T), 6)
+    spots = spots[np.lexsort((spots[:, 1], spots[:, 0], away))]
+    if count == 1 or row:
+        return _first_row(city, spots, count, stand, row)
+    free = spots[_are_free(city, stand, spots, facing(city, spots))]
     least = float(np.hypot(*np.asarray(stand.size, float)[:2]))
     found = _spread(city, free, count, float(region.area), max(least, STEP))
     if len(found) < count:
@@ -56,25 +62,121 @@ def spots_within(city: City, names: Sequence[str], count: int, stand: Stand) -> 
     return found
 
 
+def spots_beyond(
+    city: City, names: Sequence[str], side: str, off: float | None, count: int, stand: Stand, *,
+    row: str = "",
+) -> FloatArray:  # fmt: skip
+    """Find places for some things on a side of something, (count, 2).
+
+    Parameters
+    ----------
+    city
+        The city.
+    names
+        What they stand beside.
+    side
+        One of `SIDES`.
+    off
+        Metres from its outermost edge there to the middle of the things; None for as near as there
+        is room.
+    count, stand
+        How many, and how they stand.
+    row
+        As of `spots_within`; without, they stand beside each other along that side.
+
+    Raises
+    ------
+    ActionFailed
+        If there is no room.
+    """
+    region = shapely.union_all(_shapes(city, find_objects(city, names), 0.0))
+    way = np.array(SIDES[side]) / np.hypot(*SIDES[side])
+    across = np.array([way[1], -way[0]])
+    middle = shapely.get_coordinates(shapely.centroid(region))[0]
+    corners = shapely.get_coordinates(region) - middle
+    half = max(float(np.abs(corners @ across).max()), AROUND)
+    far = float((corners @ way).max())
+    t = far + (np.array([off]) if off is not None else np.arange(BEYOND, AROUND + STEP, STEP))
+    u = np.arange(-np.floor(half / STEP), np.floor(half / STEP) + 1) * STEP
+    ahead, aside = (grid.ravel() for grid in np.meshgrid(t, u))
+    order = np.lexsort((aside, np.round(np.abs(aside) + ahead, 6)))
+    spots = middle + ahead[order, None] * way + aside[order, None] * across
+    if count == 1 or row:
+        return _first_row(city, spots, count, stand, row)
+    found: list[FloatArray] = []
+    least = float(np.hypot(*np.asarray(stand.size, float)[:2])) + IN_A_ROW
+    for spot in spots[_are_free(city, stand, spots, facing(city, spots))]:
+        if len(found) < count and all(np.hypot(*(spot - other)) >= least for other in found):
+            found.append(spot)
+    if len(found) < count:
+        raise ActionFailed(f"There is room for {len(found)} of {count} there.")
+    return np.array(found)
+
+
+def _first_row(
+    city: City, spots: FloatArray, count: int, stand: Stand, row: str
+) -> FloatArray:  # fmt: skip
+    """Return the first of some places from which a row of things has room, (count, 2).
+
+    Raises
+    ------
+    ActionFailed
+        If there is none.
+    """
+    yaw = facing(city, spots)
+    step = stand.size[0 if row == "beside" else 1] + IN_A_ROW
+    back = np.column_stack([-np.sin(yaw), np.cos(yaw)])  # a thing that is not turned looks south
+    way = {"before": -back, "beside": np.column_stack([np.cos(yaw), np.sin(yaw)])}.get(row, back)
+    free = np.ones(len(spots), bool)
+    for number in range(count):
+        left = np.flatnonzero(free)
+        free[left] = _are_free(city, stand, (spots + number * step * way)[left], yaw[left])
+    if not free.any():
+        raise ActionFailed(f"There is no room for {'one' if count == 1 else count} there.")
+    first = int(np.argmax(free))
+    return np.asarray(spots[first] + step * np.arange(count)[:, None] * way[first])
+
+
+def _are_free(
+    city: City, stand: Stand, spots: FloatArray, yaw: FloatArray
+) -> NDArray[np.bool_]:  # fmt: skip
+    """(n,) whether a thing can stand at places."""
+    if not len(spots):
+        return np.zeros(0, bool)
+    why = faults(city, stand, spots, yaw, but=np.zeros(0, np.uint64))
+    return np.array([not text for text in why], bool)
+
+
 def region_around(city: City, names: Sequence[str]) -> Any:
     """Return the ground of areas, and that around other objects."""
-    ids = find_objects(city, names)
+    shapes = _shapes(city, find_objects(city, names), AROUND)
+    return shapely.union_all(shapely.make_valid(np.array(shapes, object)))
+
+
+def _shapes(city: City, ids: NDArray[np.uint64], around: float) -> list[Any]:
+    """Return areas, less a margin, and what is so far around other objects.
+
+    Raises
+    ------
+    ActionFailed
+        If none of them has any ground.
+    """
     layout = city.layout
     shapes: list[Any] = []
     areas = np.isin(layout.areas["id"].to_numpy(np.uint64), ids)
     for shape in layout.areas.geometry.to_numpy()[areas]:
         inner = shapely.buffer(shape, -MARGIN)
-        shapes.append(shape if shapely.is_empty(inner) else inner)
+        shapes.append(shape if not around or shapely.is_empty(inner) else inner)
     for table in ("buildings", "roads", "points"):
         rows = getattr(layout, table)
         own = rows.geometry.to_numpy()[np.isin(rows["id"].to_numpy(np.uint64), ids)]
-        shapes += shapely.buffer(own, AROUND).tolist()
+        shapes += shapely.buffer(own, around).tolist() if around else own.tolist()
     for rows in city.scene.instances.values():
-        at = rows.position[np.isin(rows.object_id, ids), :2]
-        shapes += shapely.buffer(shapely.points(at), AROUND).tolist()
+        at = shapely.points(rows.position[np.isin(rows.object_id, ids), :2])
+        shapes += shapely.buffer(at, around).tolist() if around else at.tolist()
     if not shapes:
         raise ActionFailed("What things are to be put into has no ground.")
-    return shapely.union_all(shapely.make_valid(np.array(shapes, object)))
+    return shapes
 
 
 def facing(city: City, xy: FloatArray) -> FloatArray:

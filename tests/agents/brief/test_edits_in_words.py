@@ -2,7 +2,7 @@
 
 import pytest
 
-from cityx.agents.brief.brief import Selector
+from cityx.agents.brief.brief import Edit, Selector
 from cityx.agents.brief.reading import read_brief
 from cityx.agents.changes import sizes_of
 
@@ -164,3 +164,70 @@ def test_two_ways_are_gone_one_after_the_other():
     ways = [dict(edit.change) for edit in
             read_brief("Move b03 10 m north and 5 m east.", base=True).edits]  # fmt: skip
     assert ways == [{"by": 10, "direction": "north"}, {"by": 5, "direction": "east"}]
+
+
+@pytest.mark.parametrize(
+    ("text", "change"),
+    [
+        ("Put a bench near b05 and another behind it.",
+         {"element": "bench", "near": "b05", "count": 2, "row": "behind"}),
+        ("Place a statue in the park and another one in front of it.",
+         {"element": "statue", "in": "park", "count": 2, "row": "before"}),
+        ("Add two bins beside the school and one more next to them.",
+         {"element": "waste_basket", "near": "school", "count": 3, "row": "beside"}),
+        ("A statue 10 m north of b05",
+         {"element": "statue", "side": "north", "of": "b05", "off": 10}),
+        ("Put two benches 5 m south-west of b05.",
+         {"element": "bench", "count": 2, "side": "southwest", "of": "b05", "off": 5}),
+        ("Add a bench north of b05.", {"element": "bench", "side": "north", "of": "b05"}),
+    ],
+)  # fmt: skip
+def test_what_is_added_stands_beyond_a_side_or_in_a_row(text, change):
+    edit = one(text)
+    assert (edit.verb, dict(edit.change)) == ("add", change)
+
+
+def test_another_stands_where_its_own_words_say():
+    brief = read_brief("Put two benches near b05 and another near b02.", base=True)
+    assert [dict(edit.change) for edit in brief.edits] == [
+        {"element": "bench", "count": 2, "near": "b05"}, {"element": "bench", "near": "b02"},
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Remove b03 and another behind it.", "Add a bench near b05 and a statue behind it.",
+     "Plant a tree near b05 and another behind it.", "Lamps off on x1."],
+)  # fmt: skip
+def test_a_second_clause_that_nobody_reads_is_asked_for(text):
+    assert read_brief(text, base=True).questions
+
+
+def test_moved_so_far_from_something_is_no_move_by_so_much():
+    assert dict(one("Move the bench 10 m north of b05.").change) == {
+        "side": "north", "of": "b05", "off": 10,
+    }  # fmt: skip
+    assert dict(one("Move the bench 10 m north.").change) == {"by": 10, "direction": "north"}
+
+
+@pytest.mark.parametrize(
+    ("text", "target", "surface"),
+    [
+        ("Cobble the street.", "road", "cobblestone"),
+        ("Cobble the main street.", "main_street", "cobblestone"),
+        ("Gravel every side street.", "side_street", "gravel"),
+        ("Asphalt the main street.", "main_street", "asphalt"),
+    ],
+)
+def test_a_surface_is_a_verb_as_well(text, target, surface):
+    edit = one(text)
+    assert (edit.verb, edit.target.kind) == ("set_surface", target)
+    assert edit.change == (("surface", surface),)
+
+
+@pytest.mark.parametrize(
+    "text", ["Turn the lamps off.", "Lamps off", "Switch off the street lamps.",
+             "The street lamps are off."]
+)  # fmt: skip
+def test_lamps_go_off(text):
+    assert one(text) == Edit("set_lights", None, (("lights", "off"),), one(text).span)

@@ -6,6 +6,7 @@ from cityx.checks.predicates.changes import changed_ids
 from cityx.errors import UsageError
 from cityx.plugins.background.weather import weather
 from cityx.plugins.edit.air import air
+from cityx.plugins.edit.lamps import lamps
 from cityx.plugins.edit.moment import clock_text, moment
 
 
@@ -65,3 +66,12 @@ def test_wet_streets_under_a_clear_sky(park):
 def test_more_of_what_there_is_none_of_is_refused(park, kind):
     with pytest.raises(UsageError, match=f"There is no {kind} to begin with"):
         air(park, weather=kind)
+
+
+def test_lamps_go_on_and_off_alone_and_by_the_hour_again(park):
+    lit = lamps(park, state="on")
+    assert lit.environment == replace(park.environment, lamps=1.0)
+    assert lamps(lit, state="off").environment == park.environment
+    assert moment(lamps(moment(park, time="23:00"), state="off"), time="23:30").environment.lamps
+    with pytest.raises(UsageError, match="The lamps are off already"):
+        lamps(park, state="off")
