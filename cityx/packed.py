@@ -9,12 +9,13 @@ from __future__ import annotations
 import io
 import mmap
 import os
+import re
 import struct
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, BinaryIO
+from typing import Any
 from zlib import crc32
 
 import numpy as np
@@ -26,6 +27,13 @@ LOCAL_NAME = 26  # bytes from the start of an entry of an archive to the lengths
 LOCAL_HEADER, LARGE_FILE = 30, 20  # bytes before the name, and after it for sizes of 64 bits
 ALIGNED = 64  # bytes; arrays that start at multiples of it may be used where they lie in the file
 PADDING, PADDING_HEAD = 0xD935, 4  # the archive's word for padding, and the bytes that say so
+# The header of an array as `write_arrays` writes it; NumPy asks a parser of Python, which takes
+# longer than to read a small array.
+USUAL_HEADER = 128
+_USUAL = re.compile(
+    rb"\x93NUMPY\x01\x00v\x00\{'descr': '([<|][bfiuU]\d+)', 'fortran_order': False, "
+    rb"'shape': \(([\d, ]*)\), \} *\n\Z"
+)
 _HEADERS: Mapping[tuple[int, int], Callable[..., Any]] = MappingProxyType(
     {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
 )
@@ -113,18 +121,22 @@ def read_arrays(
     return found
 
 
-def _content(file: BinaryIO, *, mapped: bool, checked: bool) -> mmap.mmap | bytearray | None:
+def _content(
+    file: io.BufferedReader, *, mapped: bool, checked: bool
+) -> mmap.mmap | bytearray | None:
     """Return all bytes of a file, None where its arrays are to be read one by one."""
     if checked:
+        held = bytearray(os.fstat(file.fileno()).st_size)
         file.seek(0)
-        return bytearray(file.read())
+        file.readinto(held)
+        return held
     if mapped and os.name == "posix":
         return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_COPY)
     return None
 
 
 def _found_header(
-    file: BinaryIO, entry: zipfile.ZipInfo, path: Path
+    file: io.BufferedReader, entry: zipfile.ZipInfo, path: Path
 ) -> tuple[np.dtype[Any], tuple[int, ...]]:
     """Go to the content of an array and return its type and shape."""
     file.seek(entry.header_offset + LOCAL_NAME)
@@ -133,6 +145,11 @@ def _found_header(
     fault = InputError(f"{path} holds {entry.filename} in a form of no store of CityX.")
     if entry.compress_type != zipfile.ZIP_STORED:
         raise fault
+    begin = file.tell()
+    usual = _USUAL.match(file.read(USUAL_HEADER))
+    if usual is not None:
+        return np.dtype(usual[1].decode()), tuple(map(int, usual[2].replace(b",", b" ").split()))
+    file.seek(begin)
     version = np.lib.format.read_magic(file)  # type: ignore[no-untyped-call]
     shape, fortran, kind = _HEADERS[version](file)
     if fortran or kind.hasobject:

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.geometry.clearance import TriangleCells, cells_of_triangles, triangle_at
+from cityx.geometry.clearance import TriangleCells, cells_of_triangles, triangle_at, triangles_at
 
 KERB_WIDTH = 0.15  # metres
 KERB_HEIGHT = 0.12  # metres; the usual upstand of a city kerb
@@ -142,3 +142,18 @@ class Ground:
         """Tell which of (n, 2) points lie in or on a face of some surfaces, by name."""
         wanted = self.labelled(*names)[self.triangle_face]
         return np.asarray(triangle_at(xy, self._cells, wanted) >= 0)
+
+    def first_of(self, xy: ArrayLike, *names: str) -> NDArray[np.int64]:
+        """Tell which of some surfaces (n, 2) points lie in or on, by its number among the names.
+
+        Where surfaces meet the first one counts; -1 stands for none.
+        """
+        rank = np.full(len(LABEL) + 1, len(names))
+        for number, name in reversed(list(enumerate(names))):
+            rank[LABEL[name]] = number
+        spots = np.asarray(xy, float).reshape(-1, 2)
+        rank_of = rank[self.face_label[self.triangle_face]]
+        found = np.full(len(spots), len(names))
+        for spot, triangle in triangles_at(spots, self._cells, rank_of < len(names)):
+            np.minimum.at(found, spot, rank_of[triangle])
+        return np.where(found < len(names), found, -1)

@@ -196,6 +196,9 @@ def cells_about(bounds: NDArray[np.float64], edge: float, reach: float) -> NDArr
     return np.asarray((block[:, None, :] * each + inner.reshape(1, -1, 2)).reshape(-1, 2))
 
 
+NEARLY = 1e-3  # metres; places of candidates are rounded to less
+
+
 def cells_of_polygons(polygons: ArrayLike, edge: float) -> NDArray[np.int64]:
     """Return the (n, 2) cells of edge `edge`, sorted, that the bounds of any polygon's pieces meet.
 
@@ -206,14 +209,8 @@ def cells_of_polygons(polygons: ArrayLike, edge: float) -> NDArray[np.int64]:
     shapes = shapes[~shapely.is_empty(shapes)]
     if not len(shapes):
         return np.zeros((0, 2), np.int64)
-    low = np.floor(shapely.bounds(shapes)[:, :2] / edge).astype(np.int64)
-    high = np.floor(shapely.bounds(shapes)[:, 2:] / edge).astype(np.int64)
-    size = high - low + 1
-    count = size[:, 0] * size[:, 1]
-    start = np.concatenate([[0], np.cumsum(count)])
-    row = np.arange(start[-1]) - np.repeat(start[:-1], count)
-    owner = np.repeat(np.arange(len(shapes)), count)
-    cells = low[owner] + np.column_stack([row // size[owner, 1], row % size[owner, 1]])
+    bounds = shapely.bounds(shapes)
+    cells, owner, size = _cells_of_boxes(bounds[:, :2], bounds[:, 2:], edge)
     # One piece whose bounds are one cell wide or high lies in every cell of them.
     plain = (size.min(axis=1) == 1) & (shapely.get_type_id(shapes) == shapely.GeometryType.POLYGON)
     asked = np.flatnonzero(~plain[owner])
@@ -222,6 +219,40 @@ def cells_of_polygons(polygons: ArrayLike, edge: float) -> NDArray[np.int64]:
     met = np.ones(len(cells), bool)
     met[asked] = shapely.intersects(shapes[owner[asked]], boxes)
     return _unique_cells(cells[met])
+
+
+def cells_of_triangles(corners: NDArray[np.float64], edge: float) -> NDArray[np.int64]:
+    """Return the (n, 2) cells of edge `edge`, sorted, that any of (t, 3, 2) triangles meets.
+
+    Triangles turn left. Cells that one misses by less than `NEARLY` are among them.
+    """
+    cells, owner, size = _cells_of_boxes(corners.min(axis=1), corners.max(axis=1), edge)
+    met = np.ones(len(cells), bool)
+    # Where the bounds are more than one cell wide and high, a side may part them from a cell.
+    asked = np.flatnonzero((size.min(axis=1) > 1)[owner])
+    middle = (cells[asked] + 0.5) * edge
+    for k in range(3):
+        foot, side = corners[:, k], corners[:, (k + 1) % 3] - corners[:, k]
+        reach = (edge / 2 + NEARLY) * np.abs(side).sum(axis=1)  # of a cell, square to the side
+        way, past = side[owner[asked]], middle - foot[owner[asked]]
+        inside = way[:, 0] * past[:, 1] - way[:, 1] * past[:, 0] + reach[owner[asked]] >= 0
+        met[asked[~inside]] = False
+        asked, middle = asked[inside], middle[inside]
+    return _unique_cells(cells[met])
+
+
+def _cells_of_boxes(
+    least: NDArray[np.float64], most: NDArray[np.float64], edge: float
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Cells of (k, 2) boxes one after the other, the box of each cell, (k, 2) cells by box."""
+    low = np.floor(least / edge).astype(np.int64)
+    size = np.floor(most / edge).astype(np.int64) - low + 1
+    count = size[:, 0] * size[:, 1]
+    start = np.concatenate([[0], np.cumsum(count)])
+    row = np.arange(start[-1]) - np.repeat(start[:-1], count)
+    owner = np.repeat(np.arange(len(low)), count)
+    cells = low[owner] + np.column_stack([row // size[owner, 1], row % size[owner, 1]])
+    return cells, owner, size
 
 
 BLOCK = 8  # radii per block of `poisson_in`: the smaller, the less is drawn beside the polygons

@@ -5,7 +5,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
-from cityx.geometry.scatter import near_pairs, poisson_disk, poisson_in, thinned
+from cityx.geometry.scatter import (
+    cells_of_polygons,
+    cells_of_triangles,
+    near_pairs,
+    poisson_disk,
+    poisson_in,
+    thinned,
+)
 
 WHOLE = (-200.0, -200.0, 200.0, 200.0)
 
@@ -117,3 +124,14 @@ def test_a_square_kilometre_takes_little_time():
     count = len(poisson_disk((0, 0, 1000, 1000), 3.0, seed=0, purpose="t").id)
     assert count > 50_000
     assert time.process_time() - start == pytest.approx(0, abs=6.0)  # 1 s here; a wide margin
+
+
+def test_cells_of_triangles_are_those_that_hold_a_point_of_one():
+    rng = np.random.default_rng(5)
+    corners = rng.uniform(-40, 40, (60, 1, 2)) + rng.uniform(-15, 15, (60, 3, 2))
+    a, b, c = corners.transpose(1, 0, 2)
+    turned = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
+    corners[turned] = corners[turned][:, ::-1]
+    found = cells_of_triangles(corners, 4.0)
+    assert np.array_equal(found, cells_of_polygons(shapely.polygons(corners), 4.0))
+    assert len(cells_of_triangles(np.zeros((0, 3, 2)), 4.0)) == 0

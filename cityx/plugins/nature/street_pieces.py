@@ -18,7 +18,7 @@ from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.clearance import distance_within, near_any
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
-from cityx.geometry.scatter import Points, candidates, cells_of_polygons, near_pairs, thin
+from cityx.geometry.scatter import Points, candidates, cells_of_triangles, near_pairs, thin
 from cityx.geometry.standing import WALKED, stand_on
 from cityx.plugins.nature.frontages import OWN_FRONTAGE, frontage_edges
 from cityx.plugins.nature.pieces import (
@@ -343,7 +343,7 @@ def _scattered(city: City, ground: Ground) -> Points:
     lawn = ground.labelled("grass") & (ground.face_object == 0)
     faces = ground.labelled(*OPEN) | lawn
     triangles = ground.triangles[faces[ground.triangle_face]]
-    cells = cells_of_polygons(shapely.polygons(ground.vertices[triangles]), OPEN_SPACING)
+    cells = cells_of_triangles(ground.vertices[triangles], OPEN_SPACING)
     found = candidates(cells, OPEN_SPACING, seed=city.seed, purpose=ACTION)
     one = found.id % np.uint64(3) == 0  # about one per cell are enough for things so far apart
     return Points(found.xy[one], found.id[one])
@@ -356,7 +356,7 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
         return join_pieces([])
     spots = _scattered(city, ground)
     surfaces = (*OPEN, "grass")
-    place = np.select([ground.on(spots.xy, name) for name in surfaces], range(len(surfaces)), -1)
+    place = ground.first_of(spots.xy, *surfaces)
     spots, place = Points(spots.xy[place >= 0], spots.id[place >= 0]), place[place >= 0]
     kept = np.isin(spots.id, thin(spots, OPEN_SPACING).id)
     xy, ids, place = spots.xy[kept], spots.id[kept], place[kept]

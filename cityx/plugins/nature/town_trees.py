@@ -114,14 +114,10 @@ def in_yards(city: City, mapped: FloatArray) -> list[Stand]:
         return []
     cells = cells_about(shapely.bounds(urban), YARD_SPACING, YARD_REACH)
     found = thin(candidates(cells, YARD_SPACING, seed=city.seed, purpose=YARD), YARD_SPACING)
-    share = np.zeros(len(found.id))
-    soft = np.zeros(len(found.id), bool)
-    bed = np.zeros(len(found.id), bool)
-    for name, part in YARD_SHARES.items():
-        on = ground.on(found.xy, name)
-        share[on] = part
-        soft |= on & (name in ("grass", "block"))
-        bed |= on & (name == "bare")
+    number = ground.first_of(found.xy, *YARD_SHARES)  # -1, the last of each, stands for none
+    name = np.array([*YARD_SHARES, ""])[number]
+    share = np.array([*YARD_SHARES.values(), 0.0])[number]
+    soft, bed = np.isin(name, ("grass", "block")), name == "bare"
     share *= GREEN.get(band_of(city.frame), 1.0)
     keep = uniform(city.seed, f"{YARD}/some", found.id) < share
     # Land that the map describes has the trees that it is said to have.

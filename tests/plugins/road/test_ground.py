@@ -35,6 +35,15 @@ def test_a_crossroads_has_every_part_of_a_street(layout_of):
     assert roads == pytest.approx(180 * 8 + 180 * 6 - 48 + curves, rel=0.002)
 
 
+def test_the_first_of_some_surfaces_under_a_point_is_found(layout_of):
+    found = ground_of(layout_of(CROSS, houses=HOUSES))
+    xy = np.random.default_rng(3).uniform(-95, 95, (500, 2))
+    names = ("sidewalk", "carriageway", "junction", "building")
+    of = found.first_of(xy, *names)
+    assert set(of.tolist()) == {-1, 0, 1, 2, 3}
+    assert np.array_equal(of, np.select([found.on(xy, n) for n in names], range(4), -1))
+
+
 def test_houses_win_over_carriageways_but_not_over_passages(layout_of):
     street = [(-90, 0), (90, 0)]
     blocked = areas(ground_of(layout_of([(street, {})], houses=[(-10, -20, 10, 20)])))
