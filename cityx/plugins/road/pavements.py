@@ -31,7 +31,7 @@ from cityx.plugins.road.joints import courses
 FLAGS = {"sidewalk": "flagstones", "ramp": "flagstones", "frontage": "flagstones"}
 SLABS = {"sidewalk": "slab_walk", "ramp": "mosaic", "frontage": "mosaic", "furnishing": "mosaic"}
 BENT = {"slab_walk": "mosaic"}
-BLOCKS = {"sidewalk": "walk_blocks", "ramp": "walk_blocks"}
+BLOCKS = {"sidewalk": "walk_blocks", "ramp": "walk_blocks", "gutter": "gutter_slabs"}
 # What lies before houses where each was paved by itself, with weights.
 FORECOURTS = {"yard": 3.0, "asphalt_light": 2.0, "pavers": 1.5, "concrete": 1.2, "clinker": 0.6}
 REGION_PAVING: Mapping[str, Mapping[str, str]] = MappingProxyType({
