@@ -58,9 +58,9 @@ SUBSTANCES: Mapping[str, Substance] = MappingProxyType(
         name: substance
         for substance, names in (
             (_CONCRETE, "concrete road_concrete kerb_stone step_stone pavers paving yard "
-             "walk_blocks guided_blocks tactile_buff"),
+             "walk_blocks guided_blocks tactile_buff gutter_slabs"),
             (_RENDER, "plaster trim room_wall"),
-            (_STONE, "stone setts cobbles slate flagstones mosaic slab_walk"),
+            (_STONE, "stone setts gutter_stones cobbles slate flagstones mosaic slab_walk"),
             (_BRICK, "brick clinker"),
             (_WOOD, "wood bench_wood bark bark_smooth bark_flaking thatch"),
             (_STEEL, "metal_dark metal_grey metal_panel roof_metal copper rail_steel"),

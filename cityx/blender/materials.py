@@ -19,7 +19,8 @@ from cityx.city.rooms import WORK
 
 # Materials of level ground, where rain stands in puddles.
 PUDDLED = frozenset(
-    {"asphalt", "asphalt_light", "setts", "paving", "concrete", "bitumen", "pitch", "soil",
+    {"asphalt", "asphalt_light", "setts", "gutter_stones", "gutter_slabs", "paving",
+     "concrete", "bitumen", "pitch", "soil",
      "cobbles", "clinker", "pavers", "yard", "road_concrete", "flagstones", "mosaic", "slab_walk",
      "walk_blocks", "guided_blocks"}
 )  # fmt: skip
@@ -33,12 +34,15 @@ LEAVES = frozenset({"leaf", "foliage"})
 FOLIAGE = LEAVES | {"hedge"}  # what catches snow at any slope
 # Carriageways, where tyres press snow to slush.
 DRIVEN = frozenset(
-    {"asphalt", "setts", "cobbles", "clinker", "pavers", "road_concrete", "marking_white",
+    {"asphalt", "setts", "gutter_stones", "gutter_slabs", "cobbles",
+     "clinker", "pavers", "road_concrete", "marking_white",
      "marking_yellow"}
 )  # fmt: skip
 PAINTED = frozenset({"marking_white", "marking_yellow"})
 CRACKED = frozenset({"asphalt", "asphalt_light"})
 REPAIRED = CRACKED | {
+    "setts",
+    "cobbles",
     "paving",
     "flagstones",
     "slab_walk",

@@ -88,12 +88,14 @@ SURFACES: tuple[Surface, ...] = (
     Surface("threshold", 71, 0.0, "kerb_stone", "concrete"),  # row of stones across a carriageway
     Surface("tactile_buff", 51, DROPPED, "tactile_buff", "kerb_stone"),
     Surface("crossing_row", 80, 0.0, "marking_white", "concrete"),  # beside people who cross
+    Surface("gutter", 71, 0.0, "gutter_stones", "concrete"),  # along kerbs, part of the carriageway
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
 # What lies on a carriageway and is part of it.
 PAINT = ("marking", "marking_yellow", "cycle_lane", "crossing_row")
 ON_ROADWAY = (*PAINT, "tramway")  # whatever a roadway is made of below it
-ROADWAY = ("carriageway", "setts", "gravel_road", "junction", "threshold", *PAINT)
+ROADWAY = ("carriageway", "setts", "gravel_road", "junction", "threshold", "gutter",
+           *PAINT)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -162,7 +162,7 @@ _SURFACE = {
     "tactile_buff": "tactile_paving", "ramp": "sidewalk",
     "cycle_lane": "cycle_lane", "rail": "rail_track", "trail": "path", "furnishing": "sidewalk",
     "gravel": "yard", "building": "terrain", "void": "other",
-    "bed": "soil", "threshold": "road", "edging": "sidewalk",
+    "bed": "soil", "threshold": "road", "gutter": "road", "edging": "sidewalk",
     "frontage": "sidewalk",
 }  # fmt: skip
 # Layers of meshes whose objects are all of one class.
@@ -176,6 +176,7 @@ _LAYER = {
 # By the material that most of an object is made of: ground beyond the labels, barriers.
 _MATERIAL = {
     "asphalt": "road", "asphalt_light": "path", "asphalt_red": "cycle_lane", "setts": "road",
+    "gutter_stones": "road", "gutter_slabs": "road",
     "cobbles": "road", "clinker": "road", "pavers": "sidewalk", "road_concrete": "road",
     "paving": "sidewalk", "flagstones": "sidewalk", "mosaic": "sidewalk", "slab_walk": "sidewalk",
     "walk_blocks": "sidewalk", "guided_blocks": "sidewalk", "yard": "yard", "kerb_stone": "kerb",

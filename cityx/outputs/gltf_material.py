@@ -30,7 +30,16 @@ SNOWED = frozenset(
      "guided_blocks"}
 )  # fmt: skip
 DRIVEN = frozenset(
-    {"asphalt", "setts", "cobbles", "clinker", "pavers", "road_concrete"}
+    {
+        "asphalt",
+        "setts",
+        "gutter_stones",
+        "gutter_slabs",
+        "cobbles",
+        "clinker",
+        "pavers",
+        "road_concrete",
+    }
 )  # where tyres leave slush
 _SNOW = np.array([0.80, 0.82, 0.86])
 _SLUSH_SHARE = 0.35

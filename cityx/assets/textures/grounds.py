@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cityx.assets.textures.courses import lay
+from cityx.assets.textures.courses import Courses, lay
 from cityx.assets.textures.noise import (
     Field,
     axes,
@@ -32,22 +32,55 @@ def asphalt(size: int) -> Relief:
 
 
 def setts(size: int) -> Relief:
-    """Draw granite setts, 10 x 17 cm, crowned, with sandy joints."""
-    wander = 0.010 * fractal("setts/wander", size, 12, octaves=2)
-    road = lay("setts", size, 2.0, 12, 20, jitter=0.16, warp=(wander, 0.8 * np.roll(wander, 61, 0)))
-    grain = fractal("setts/grain", size, 110, octaves=2, gain=0.8)
-    crown = smooth(0.001, 0.034, road.edge)
-    joint = 1 - smooth(0.004, 0.012, road.edge)
-    tone = 1 + 0.42 * (road.draw(1) - 0.5) + 0.10 * grain
-    hue = (road.draw(2) - 0.5) * 0.16
-    stone = tone * (0.55 + 0.45 * crown)
+    """Draw granite setts of many quarries, 10 x 17 cm, crowned, with sandy joints."""
+    wander = 0.010 * fractal("setts/wander", size, 24, octaves=2)
+    road = lay("setts", size, 4.0, 24, 40, jitter=0.16, warp=(wander, 0.8 * np.roll(wander, 61, 0)))
+    return _granite("setts", road, size, 4.0, crowned=0.034, joint=(0.004, 0.012))
+
+
+def gutter_stones(size: int) -> Relief:
+    """Draw courses of long stones, 16 cm across: u runs along the kerb, v = 0 is at the kerb."""
+    wander = 0.005 * fractal("gutter/wander", size, 14, octaves=2)
+    row = lay("gutter", size, 2.56, 8, 16, jitter=0.22, warp=(wander, 0.5 * np.roll(wander, 61, 0)))
+    return _granite("gutter", row, size, 2.56, crowned=0.025, joint=(0.004, 0.011))
+
+
+def gutter_slabs(size: int) -> Relief:
+    """Draw slabs of concrete, 60 x 40 cm, with mortared joints and a film of dirt."""
+    row = lay("gutter_slabs", size, 2.4, 4, 6, bond=0.0)
+    joint = 1 - smooth(0.003, 0.009, row.edge)
+    grain = speckle("gutter_slabs", size) - np.float32(0.5)
+    clouds = fractal("gutter_slabs/clouds", size, 7, octaves=5, gain=0.65)
+    tone = 1 + 0.16 * (row.draw(1) - 0.5) + 0.10 * grain + 0.14 * clouds
+    height = (row.draw(2) - 0.5) * 0.003 - 0.004 * joint + 0.0006 * grain
+    return Relief(2.4, tone * (1 - 0.6 * joint), height, 1 + 0.04 * clouds, brightness=0.7)
+
+
+def _granite(
+    key: str, stones: Courses, size: int, tile: float, *, crowned: float,
+    joint: tuple[float, float],
+) -> Relief:  # fmt: skip
+    """Blocks of granite, grey, bluish, reddish and yellow, each of its own, in joints of sand."""
+    grain = fractal(f"{key}/grain", size, round(55 * tile), octaves=2, gain=0.8)
+    clouds = fractal(f"{key}/clouds", size, 5, octaves=4, gain=0.65)
+    crown = smooth(0.001, crowned, stones.edge)
+    gap = 1 - smooth(*joint, stones.edge)
+    dark = smooth(0.88, 0.90, stones.draw(4))
+    tone = 1 + 0.52 * (stones.draw(1) - 0.5) - 0.30 * dark + 0.10 * grain + 0.12 * clouds
+    kind = stones.draw(2)
+    # Most are grey; a tenth is red, a tenth yellow, a fifth blue.
+    red, yellow = smooth(0.90, 0.91, kind), smooth(0.80, 0.81, kind) - smooth(0.90, 0.91, kind)
+    blue = 1 - smooth(0.20, 0.21, kind)
+    hue = np.stack([1 + 0.16 * red + 0.11 * yellow - 0.05 * blue,
+                    1 - 0.03 * red + 0.04 * yellow - 0.01 * blue,
+                    1 - 0.10 * red - 0.13 * yellow + 0.07 * blue], axis=2)  # fmt: skip
     sand = np.array([0.52, 0.46, 0.38], np.float32) * (1 + 0.2 * grain)[..., None]
-    albedo = stone[..., None] * np.stack([1 + hue, np.ones_like(hue), 1 - hue], axis=2)
-    albedo = albedo * (1 - joint[..., None]) + sand * joint[..., None]
-    lean = (road.draw(3) - 0.5) * 0.05 * (road.up - 0.05)
+    albedo = (tone * (0.55 + 0.45 * crown))[..., None] * hue
+    albedo = albedo * (1 - gap[..., None]) + sand * gap[..., None]
+    lean = (stones.draw(3) - 0.5) * 0.05 * (stones.up - 0.05)
     height = 0.012 * crown + lean * crown + 0.0008 * grain
-    roughness = np.asarray(1 - 0.12 * crown * (1 - joint), dtype=np.float32)
-    return Relief(2.0, albedo, height, roughness, brightness=0.6)
+    polish = np.asarray(1 - 0.12 * crown * (1 - gap), dtype=np.float32)
+    return Relief(tile, albedo, height, polish, brightness=0.6)
 
 
 def paving(size: int) -> Relief:

@@ -9,8 +9,10 @@ import shapely
 
 from cityx.city.section import KIND, TRAVELLED
 from cityx.geometry.polylines import every, locate
+from cityx.plugins.road.carriageway import Carriageway
 from cityx.plugins.road.crossing_places import BEFORE, STOP
 from cityx.plugins.road.marks import (
+    LINE,
     BoolArray,
     FloatArray,
     IntArray,
@@ -18,6 +20,7 @@ from cityx.plugins.road.marks import (
     Street,
     boxes,
     near_any_of,
+    paved_share,
     spans_of,
     together,
 )
@@ -34,13 +37,18 @@ DOUBLE = (0.2, 0.6, 0.3, 0.5)  # TSRGD 2016, diagram 1003
 MOUTH_GAP = 0.2  # metres from the mouth of a minor road to the line
 RING_GAP = 0.3  # metres from a roundabout to the line of those who enter
 YIELDING = 4  # rank of a road to which every lower one gives way
+BEFORE_LINE, LEAST_BEFORE = 1.2, 1.0  # metres from the line to the middle one, and of that
+FLARED = 0.8  # metres that a line at a mouth is longer for the curves of its kerbs
+WHOLE = 0.97  # share of a mark that lies on the carriageway
 BEHIND_LINE = 2.1  # metres from the line to a triangle or a word
 LEAST_ROOM = 12.0  # metres of street that a triangle or a word needs
 LEAST_LANE = 2.4  # metres of a lane with a triangle or a word
 _MOVING = [KIND[name] for name in TRAVELLED]
 
 
-def halt_lines(street: Street, chosen: BoolArray, painting: Painting, through: Through) -> Marks:
+def halt_lines(
+    street: Street, chosen: BoolArray, painting: Painting, through: Through, road: Carriageway
+) -> Marks:
     """Lines where traffic that arrives halts or gives way.
 
     A stop line lies before signals, stop signs and the zebras of a junction; at the mouths of
@@ -71,11 +79,24 @@ def halt_lines(street: Street, chosen: BoolArray, painting: Painting, through: T
         yields = minor & ~ruled[node] & (~zebra | enters)
         # Those who give way come up to the road they meet.
         behind = np.where(yields & ~enters, street.mouth[:, end] + MOUTH_GAP, behind)
+        # Where kerbs have begun to curve, the line reaches as far as they do.
+        flared = yields & ~enters & (painting.give_way != "stop")
+        outer = np.where(street.network.left_hand == (end == 0), -FLARED, FLARED)
+        low = np.where(flared & (outer < 0), low + outer, low)
+        high = np.where(flared & (outer > 0), high + outer, high)
         plain = stops & ~(yields & (painting.give_way != "stop"))
         for rows, shape in ((plain, "stop"), (stops & ~plain, painting.give_way)):
             edge = np.flatnonzero(rows)
             span = behind[edge], low[edge], high[edge]
-            found.append(_line_across(street, edge, end, *span, shape))
+            marks, of = _line_across(street, edge, end, *span, shape)
+            if shape != "stop":
+                paved = paved_share(marks, road.stars, road.strips, road.curves) > WHOLE
+                marks, of = marks[paved], of[paved]
+            found.append((marks, of))
+        low = np.where(flared & (outer < 0), low - outer, low)
+        high = np.where(flared & (outer > 0), high - outer, high)
+        if painting.give_way == "double dashes":
+            found.append(_line_before(street, stops & flared, end, behind, low, high))
         roomy = length - network.trim.sum(axis=1) > LEAST_ROOM
         roomy &= stops & yields & ~enters & (high > low + LEAST_LANE)
         edge, middle = _arriving_lanes(street, end, roomy, low, high)
@@ -138,6 +159,22 @@ def _line_across(
     base = across * (size / 2)
     corners = np.stack([centre + tip, centre - tip + base, centre - tip - base], axis=1)
     return np.asarray(shapely.polygons(corners)), edge
+
+
+def _line_before(
+    street: Street, chosen: BoolArray, end: int, behind: FloatArray, low: FloatArray,
+    high: FloatArray,
+) -> Marks:  # fmt: skip
+    """Lead the middle line of minor roads, which ends at the junction, up to their line."""
+    network = street.network
+    leaving = spans_of(street.bands, network.edge_count, -1 if end == 1 else 1)
+    near = behind + BEFORE_LINE
+    size = network.trim[:, end] + 1.0 - near
+    edge = np.flatnonzero(chosen & (leaving[1] > leaving[0]) & (size > LEAST_BEFORE))
+    inner = np.where(street.network.left_hand == (end == 0), high, low)[edge]
+    back = (near + size / 2)[edge]
+    along = back if end == 0 else street.length[edge] - back
+    return boxes(street.lines, edge, along, inner, size[edge], np.full(len(edge), LINE))
 
 
 def _told(

@@ -1,12 +1,16 @@
-"""Yellow lines along kerbs where nobody may park."""
+"""Yellow lines along kerbs where nobody may park, and round the corners of junctions."""
 
 from __future__ import annotations
 
 import numpy as np
+import shapely
 
 from cityx.city.section import KIND
-from cityx.geometry.polylines import line_strips, pieces
-from cityx.plugins.road.marks import BoolArray, IntArray, Marks, Street, together
+from cityx.geometry.polylines import arc_lengths, line_strips, pack, pieces
+from cityx.plugins.road.carriageway import Carriageway, joined_by, widened
+from cityx.plugins.road.marks import QUIET, BoolArray, IntArray, Marks, Shapes, Street, together
+from cityx.plugins.road.network import junction_clusters
+from cityx.plugins.road.roundabouts import ring_nodes
 
 WIDTH = 0.1  # metres (TSRGD 2016, diagrams 1017 and 1018.1)
 FROM_KERB = (0.25, 0.45)  # metres from the kerb to the middles of the two lines
@@ -15,6 +19,8 @@ NARROW = 6.5  # metres; on a narrower street a parked car is in the way at any t
 STEP = 12.0  # metres of one mark, so that what crosses one leaves the others
 LEAST = 1.0  # metres
 OFF = 1.0  # metres from junctions and zebras
+PIECE, LEAST_PIECE = 3.0, 0.4  # metres of one mark round a corner
+BEYOND = 6.0  # metres of its arms that a junction is looked at with
 _FORBIDDEN = '"parking:(?:left|right|both)(?::restriction)?": *"no'
 
 
@@ -24,10 +30,8 @@ def kerb_lines(street: Street, chosen: BoolArray) -> Marks:
     Two stand for no waiting at any time: on classified roads, on narrow streets, and where the map
     forbids parking.
     """
-    network, bands = street.network, street.bands
-    table = street.layout.roads.iloc[network.edge_road]
-    forbidden = table["tags"].str.contains(_FORBIDDEN, regex=True).to_numpy().astype(bool)
-    double = ~np.isin(street.kind, SINGLE) | (2 * network.half_width < NARROW) | forbidden
+    bands = street.bands
+    double = _double(street)
     parked = bands.kind == KIND["parking"]
     found = []
     for sign in (1.0, -1.0):
@@ -37,6 +41,77 @@ def kerb_lines(street: Street, chosen: BoolArray) -> Marks:
             edge = np.flatnonzero(free & (double if number else True))
             found.append(_along(street, edge, sign, gap))
     return together(found)
+
+
+def corner_lines(street: Street, chosen: BoolArray, road: Carriageway) -> Marks:
+    """Lead the lines along kerbs round the corners of junctions whose streets are all chosen.
+
+    They are two where any of the arms has two.
+    """
+    network = street.network
+    cluster = junction_clusters(network)
+    ends = cluster[network.edge_nodes]
+    other = ~chosen & ~np.isin(street.kind, QUIET)
+    none = np.bincount(ends[other].ravel(), minlength=len(cluster)) == 0
+    none &= np.bincount(cluster[ring_nodes(street.layout, network)], minlength=len(cluster)) == 0
+    star = np.flatnonzero(none[road.node])
+    edge, end = np.nonzero(np.isin(ends, road.node[star]) & (ends[:, :1] != ends[:, 1:]))
+    if not len(edge):
+        return np.zeros(0, object), np.zeros(0, np.int64)
+    hub = ends[edge, end]
+    short, long = (_arms(street, edge, end, beyond) for beyond in (OFF, BEYOND))
+    bent = np.isin(road.curve_node, road.node[star])
+    inner = np.concatenate([road.stars[star], road.curves[bent]])
+    node = np.concatenate([road.node[star], road.curve_node[bent]])
+    zones, hubs = joined_by(np.concatenate([inner, short]), np.concatenate([node, hub]))
+    whole, _ = joined_by(np.concatenate([inner, long]), np.concatenate([node, hub]))
+    double = np.zeros(len(cluster), bool)
+    double[hub[_double(street)[edge]]] = True
+    first = np.zeros(len(cluster), np.int64)
+    first[hub[::-1]] = edge[::-1]
+    found = []
+    for number, gap in enumerate(FROM_KERB):
+        rows = np.flatnonzero(double[hubs]) if number else np.arange(len(hubs))
+        # One line each: what lies at that distance from the kerbs of the junction and its arms.
+        rims = shapely.boundary(shapely.buffer(whole[rows], -gap, quad_segs=16))
+        rims = shapely.line_merge(shapely.intersection(rims, zones[rows]))
+        parts, row = shapely.get_parts(rims, return_index=True)
+        line = shapely.get_type_id(parts) == 1
+        found.append((_cut(parts[line]), first[hubs[rows[row[line]]]]))
+    marks = [mark for cut, _ in found for mark in cut]
+    owner = [np.repeat(of, [len(mark) for mark in cut]) for cut, of in found]
+    return np.concatenate([np.zeros(0, object), *marks]), np.concatenate(owner)
+
+
+def _arms(street: Street, edge: IntArray, end: IntArray, beyond: float) -> Shapes:
+    """Carriageways of arms from their nodes to `beyond` metres behind the junction."""
+    far = np.minimum(street.network.trim[edge, end] + beyond, street.length[edge])
+    begin = np.where(end == 0, 0.0, street.length[edge] - far)
+    return widened(pieces(street.lines, edge, begin, begin + far), street.network.half_width[edge])
+
+
+def _cut(lines: Shapes) -> list[Shapes]:
+    """Paint lines in pieces, so that what crosses one leaves the others."""
+    found = []
+    for line in lines.tolist():
+        whole = pack([line])
+        length = float(arc_lengths(whole)[1][0])
+        count = max(int(np.ceil(length / PIECE)), 1)
+        at = np.linspace(0.0, length, count + 1)
+        none = np.zeros(count, np.int64)
+        cut = pieces(whole, none, at[:-1], at[1:])
+        strips = line_strips(cut, np.zeros(count), WIDTH)
+        found.append(strips[shapely.is_valid(strips) & (length > LEAST_PIECE)])
+    return found
+
+
+def _double(street: Street) -> BoolArray:
+    """(e,) whether nobody may wait at any time."""
+    network = street.network
+    table = street.layout.roads.iloc[network.edge_road]
+    forbidden = table["tags"].str.contains(_FORBIDDEN, regex=True).to_numpy().astype(bool)
+    narrow = 2 * network.half_width < NARROW
+    return np.asarray(~np.isin(street.kind, SINGLE) | narrow | forbidden)
 
 
 def _along(street: Street, edge: IntArray, sign: float, gap: float) -> Marks:

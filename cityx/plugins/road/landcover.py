@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
@@ -10,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city.ground import LABEL, SURFACES
+from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
 from cityx.city.layout import Layout
 from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.polylines import line_strips, pack
@@ -50,6 +51,7 @@ TRAM_BED = 2.9
 NEAR_STREET = 9.0  # metres from a kerb within which a footway belongs to the street
 GAUGE = 1.435
 RAIL_WIDTH = 0.07
+DRIVEN_SHARE = 0.3  # of a road area that carriageways of streets with kerbs take
 ROUND = 2  # chords per quarter circle at the ends of paths
 FINE = 0.06  # metres by which paths are simplified
 
@@ -63,6 +65,8 @@ def area_regions(layout: Layout, simplify: float = 0.0) -> Regions:
         return Regions()
     names = [AREA_SURFACE[word] for word in kind]
     label = np.array([LABEL[name] for name in names])
+    road = np.flatnonzero(kind == "road_area")
+    label[road] = road_labels(_told_surfaces(layout.areas["tags"].to_numpy()[known][road]))
     priority = [
         AREA_PRIORITY.get(w, SURFACES[k].priority) for w, k in zip(kind, label, strict=True)
     ]
@@ -72,6 +76,29 @@ def area_regions(layout: Layout, simplify: float = 0.0) -> Regions:
     if simplify:
         shapes = shapely.simplify(shapes, simplify)
     return regions(shapes, label, ranks, layout.areas["id"].to_numpy()[known])
+
+
+def _told_surfaces(tags: NDArray[Any]) -> list[str]:
+    """Surfaces that tags tell, "" where they tell none."""
+    return [str(json.loads(text or "{}").get("surface", "")) for text in tags.tolist()]
+
+
+def road_area_kerbs(layout: Layout, kerbed: Shapes) -> Regions:
+    """Return kerb stones round the road areas of the map that kerbed carriageways run through.
+
+    Such an area is drawn from kerb to kerb, and is often wider than the carriageway.
+    """
+    areas = layout.areas.geometry.to_numpy()[(layout.areas["kind"] == "road_area").to_numpy()]
+    if not len(areas) or not len(kerbed):
+        return Regions()
+    met, strip = shapely.STRtree(areas).query(kerbed, predicate="intersects")[::-1]
+    common = shapely.area(shapely.intersection(areas[met], kerbed[strip]))
+    share = np.bincount(met, common, minlength=len(areas)) / np.maximum(shapely.area(areas), 1e-9)
+    chosen = areas[share > DRIVEN_SHARE]
+    rims = shapely.simplify(shapely.unary_union(chosen), FINE)
+    stones = shapely.buffer(rims, KERB_WIDTH, join_style="mitre", mitre_limit=MITRE)
+    label = LABEL["kerb"]
+    return regions(stones, label, SURFACES[label].priority)
 
 
 def kerbside_regions(layout: Layout, strips: Shapes) -> Regions:

@@ -21,10 +21,11 @@ from cityx.plugins.road.centre_marks import centre_marks
 from cityx.plugins.road.guides import guide_lines
 from cityx.plugins.road.halts import halt_lines
 from cityx.plugins.road.junction_ways import junction_ways
-from cityx.plugins.road.kerb_lines import kerb_lines
+from cityx.plugins.road.kerb_lines import corner_lines, kerb_lines
 from cityx.plugins.road.lane_lines import LONG_DASH, lane_lines, partings_of
 from cityx.plugins.road.marks import (
     LINE,
+    PLAIN,
     BoolArray,
     FloatArray,
     IntArray,
@@ -39,7 +40,7 @@ from cityx.plugins.road.marks import (
 from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.roundabouts import mini_discs
 from cityx.plugins.road.through_roads import through_roads
-from cityx.plugins.road.turn_guides import turn_guides
+from cityx.plugins.road.turn_guides import crossing_boxes, turn_guides
 from cityx.plugins.road.zebras import Zebras, crossing_rows, zebra_bars
 
 BAY = 5.5  # metres, length of a parking bay
@@ -91,7 +92,7 @@ def marking_regions(
         street, found, through, urban & ~quiet, road, stems=painting.stems
     )
     bars, crossing = zebra_bars(street, zebras, road)
-    halts = halt_lines(street, urban, painting, through)
+    halts = halt_lines(street, urban, painting, through, road)
     white = [
         _edge_lines(street, urban & np.isin(kind, LONG_DASH), np.full(len(kind), EDGE_INSET)),
         _edge_lines(
@@ -110,14 +111,18 @@ def marking_regions(
     clear = _clear(marks, edge, layout, network, road, amid)
     _keep_whole(clear, slice(len(centre), len(centre) + len(crossing)), crossing)
     ways = junction_ways(street)
-    amid_ways = [centre_marks(street, ways, road)] if painting.centre_marks else []
-    taken = np.concatenate([furten, guides[0], *amid_ways])
-    amid_ways.append(turn_guides(street, ways, zebras, road, taken, painting.turn_guides)[0])
-    across = np.concatenate([guides[0], *amid_ways])
+    centres = centre_marks(street, ways, road) if painting.centre_marks else np.zeros(0, object)
+    taken = np.concatenate([furten, guides[0], centres])
+    turns, _ = turn_guides(street, ways, zebras, road, taken, painting.turn_guides)
+    corners, _ = corner_lines(street, urban & kerbed & painting.yellow_kerbs, road)
+    corners = corners[~_in_any(corners, crossing_boxes(street, zebras)[zebras.kind != PLAIN])]
+    across = np.concatenate([guides[0], centres, turns, corners])
+    ochre = np.zeros(len(across), bool)
+    ochre[: len(middle)] = middle & painting.yellow_centre
+    ochre[len(across) - len(corners) :] = True
     dry = ~_in_houses(across, layout)
-    middle = np.concatenate([middle, np.zeros(len(across) - len(middle), bool)])
     shapes = np.concatenate([marks[clear], across[dry]])
-    yellow = np.concatenate([yellow[clear], middle[dry] & painting.yellow_centre])
+    yellow = np.concatenate([yellow[clear], ochre[dry]])
     label, other = LABEL["marking"], LABEL["marking_yellow"]
     parts = [
         regions(shapes, np.where(yellow, other, label), SURFACES[label].priority),
@@ -248,11 +253,15 @@ def _clear(
     return clear
 
 
+def _in_any(marks: Shapes, things: Shapes) -> BoolArray:
+    """Mark what meets one of some shapes."""
+    found = np.zeros(len(marks), bool)
+    found[shapely.STRtree(things).query(marks, predicate="intersects")[0]] = True
+    return found
+
+
 def _in_houses(marks: Shapes, layout: Layout) -> BoolArray:
     """Mark what a house stands on."""
     parts = layout.parts
     low = (parts["base"].to_numpy() < 0.5) & parts["walls"].to_numpy()
-    found = np.zeros(len(marks), bool)
-    tree = shapely.STRtree(parts.geometry.to_numpy()[low])
-    found[tree.query(marks, predicate="intersects")[0]] = True
-    return found
+    return _in_any(marks, parts.geometry.to_numpy()[low])

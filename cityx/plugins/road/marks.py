@@ -219,6 +219,16 @@ def near_any_of(spots: Shapes, places: Shapes) -> BoolArray:
     return found
 
 
+def paved_share(marks: Shapes, *surfaces: Shapes) -> FloatArray:
+    """(k,) share of each mark that lies on surfaces, which overlap little."""
+    on = np.zeros(len(marks))
+    for shapes in surfaces:
+        mark, surface = shapely.STRtree(shapes).query(marks, predicate="intersects")
+        common = shapely.intersection(marks[mark], shapes[surface])
+        on += np.bincount(mark, shapely.area(common), minlength=len(marks))
+    return np.asarray(on / np.maximum(shapely.area(marks), 1e-9))
+
+
 def together(marks: list[Marks]) -> Marks:
     """Join marks in their order."""
     return np.concatenate([mark for mark, _ in marks]), np.concatenate([edge for _, edge in marks])

@@ -84,6 +84,8 @@ class Painting:
         Whether the middles of junctions have marks.
     diamonds
         Whether lozenges tell of zebras ahead.
+    gutters
+        Whether stones lie along kerbs, rather than asphalt up to them.
     """
 
     yellow_centre: bool = False
@@ -104,6 +106,7 @@ class Painting:
     turn_guides: str = ""
     centre_marks: bool = False
     diamonds: bool = False
+    gutters: bool = True
 
     @property
     def ribs(self) -> str:
@@ -142,4 +145,5 @@ def painting_of(frame: Frame) -> Painting:
         turn_guides="" if british else first(TURN_GUIDES, ""),
         centre_marks=within(JAPAN),
         diamonds=within(JAPAN),
+        gutters=not british,
     )

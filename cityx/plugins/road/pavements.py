@@ -31,7 +31,7 @@ from cityx.plugins.road.joints import courses
 FLAGS = {"sidewalk": "flagstones", "ramp": "flagstones", "frontage": "flagstones"}
 SLABS = {"sidewalk": "slab_walk", "ramp": "mosaic", "frontage": "mosaic", "furnishing": "mosaic"}
 BENT = {"slab_walk": "mosaic"}
-BLOCKS = {"sidewalk": "walk_blocks", "ramp": "walk_blocks"}
+BLOCKS = {"sidewalk": "walk_blocks", "ramp": "walk_blocks", "gutter": "gutter_slabs"}
 # What lies before houses where each was paved by itself, with weights.
 FORECOURTS = {"yard": 2.0, "asphalt_light": 3.0, "pavers": 0.3, "road_concrete": 0.3,
               "clinker": 1.2}  # fmt: skip

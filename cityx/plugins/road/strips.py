@@ -1,6 +1,8 @@
-"""Strips along kerbs: gutters of setts in the carriageway, paving for furniture on wide walks."""
+"""Strips along kerbs: gutters in the carriageway, paving for furniture on wide walks."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import shapely
@@ -18,13 +20,19 @@ from cityx.geometry.polylines import (
     to_linestrings,
 )
 from cityx.plugins.road.carriageway import FINE
-from cityx.plugins.road.carriageway_regions import junction_labels, road_labels
+from cityx.plugins.road.carriageway_regions import (
+    junction_labels,
+    kerbed_edges,
+    road_labels,
+)
 from cityx.plugins.road.marks import boxes
 from cityx.plugins.road.network import junction_clusters
 
-GUTTER = 0.30  # metres; two courses of setts
+GUTTER = 0.32  # metres; two courses of stones
 GUTTERED = ("primary", "secondary", "tertiary", "residential", "unclassified", "living_street")
 GUTTER_PRIORITY = 71  # above the carriageway, below junctions
+RIM_PRIORITY = 55  # above road areas of the map, below carriageways
+INSIDE = 0.6  # metres within a road area where its carriageway has no kerb
 WIDE = 2.9  # metres of walk from which a strip at the kerb is paved apart
 STRIP = 1.0  # metres
 BEFORE = 2.5  # metres that the strip ends before a junction
@@ -33,7 +41,9 @@ SHORTEST = 4.0  # metres
 THRESHOLD = 0.3  # metres of stones across a carriageway
 
 
-def strip_regions(layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bool_]) -> Regions:
+def strip_regions(
+    layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bool_], *, gutters: bool = True
+) -> Regions:
     """Return gutters and strips for furniture beside the edges that lie on the ground.
 
     Parameters
@@ -42,25 +52,48 @@ def strip_regions(layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bo
         The layout and its road network.
     on_ground
         (e,) bool, edges that do not run on decks.
+    gutters
+        Whether carriageways have gutters.
     """
     roads = layout.roads
     row = network.edge_road
     kind = roads["kind"].to_numpy().astype(str)
     open_air = ~(roads["tunnel"].to_numpy() | roads["passage"].to_numpy())
     street = on_ground & (np.isin(kind, GUTTERED) & open_air)[row]
-    asphalt = road_labels(roads["surface"].to_numpy())[row] == LABEL["carriageway"]
+    paved = road_labels(roads["surface"].to_numpy())[row] != LABEL["gravel_road"]
     ring = roads["roundabout"].to_numpy()[row]  # between whose arms a gutter is cut into stubs
-    found = []
+    guttered = np.flatnonzero(
+        street & paved & kerbed_edges(layout, network) & ~ring & np.bool_(gutters)
+    )
+    wider = _wider_areas(layout)
+    found = [_rims(wider, network, guttered)]
     for sign, column in ((1.0, "sidewalk_left"), (-1.0, "sidewalk_right")):
         walk = roads[column].to_numpy()[row]
-        edges = np.flatnonzero(street & asphalt & (walk > 0) & ~ring)
         lateral = sign * (network.half_width - GUTTER / 2)
-        found.append(edge_strips(network, edges, lateral, GUTTER, "setts", GUTTER_PRIORITY, 0.0))
+        found.append(edge_strips(network, guttered, lateral, GUTTER, "gutter", GUTTER_PRIORITY,
+                                 0.0, without=shapely.buffer(wider, -INSIDE)))  # fmt: skip
         edges = np.flatnonzero(street & (walk >= WIDE))
         lateral = sign * (network.half_width + KERB_WIDTH + STRIP / 2)
         priority = SURFACES[LABEL["furnishing"]].priority
         found.append(edge_strips(network, edges, lateral, STRIP, "furnishing", priority, BEFORE))
     return join_regions(found)
+
+
+def _wider_areas(layout: Layout) -> NDArray[Any]:
+    """Road areas of the map, drawn from kerb to kerb, as one or several polygons."""
+    areas = layout.areas
+    chosen = areas.geometry.to_numpy()[(areas["kind"] == "road_area").to_numpy()]
+    return np.asarray(shapely.get_parts(shapely.unary_union(chosen)))
+
+
+def _rims(areas: NDArray[Any], network: RoadNetwork, edges: NDArray[np.int64]) -> Regions:
+    """Gutters along the rims of road areas through which some edges run."""
+    lines = to_linestrings(network.lines)[edges]
+    met = np.unique(shapely.STRtree(areas).query(lines, predicate="intersects")[1])
+    if not len(met):
+        return Regions()
+    inner = shapely.buffer(areas[met], -GUTTER, join_style="mitre")
+    return regions(shapely.difference(areas[met], inner), LABEL["gutter"], RIM_PRIORITY)
 
 
 def threshold_regions(
@@ -104,9 +137,12 @@ def threshold_regions(
 
 def edge_strips(
     network: RoadNetwork, edges: NDArray[np.int64], lateral: NDArray[np.float64], width: float,
-    label: str, priority: int, before: float,
+    label: str, priority: int, before: float, *, without: Any = None,
 ) -> Regions:  # fmt: skip
-    """Lay strips along edges, `before` metres short of the junctions and of zebras there."""
+    """Lay strips along edges, `before` metres short of the junctions and of zebras there.
+
+    What lies in polygons `without` is left out.
+    """
     lines = network.lines
     length = arc_lengths(lines)[1]
     gap = network.trim + (before + ZEBRA * network.crossing) * (before > 0)
@@ -116,4 +152,7 @@ def edge_strips(
         return Regions()
     middle = shapely.simplify(to_linestrings(pieces(lines, edges, begin[edges], end[edges])), FINE)
     strips = line_strips(pack(middle), lateral[edges], width)
-    return regions(strips[shapely.is_valid(strips)], LABEL[label], priority)
+    strips = strips[shapely.is_valid(strips)]
+    if without is not None and len(without):
+        strips = shapely.difference(strips, shapely.union_all(without))
+    return regions(strips, LABEL[label], priority)

@@ -26,7 +26,7 @@ def test_gullies_lie_at_the_kerb_and_manholes_in_the_lanes(layout_of, city_of):
     assert (names == "gully").sum() > 10
     assert (names == "manhole").sum() > 5
     found = city.ground
-    labels = ("carriageway", "junction", "marking", "setts")  # gutters are of setts
+    labels = ("carriageway", "junction", "marking", "gutter")
     road = np.isin(found.face_label, [LABEL[name] for name in labels])
     triangles = found.triangles[road[found.triangle_face]]
     surface = shapely.union_all(shapely.polygons(found.vertices[triangles][..., :2]))

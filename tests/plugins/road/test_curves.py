@@ -32,7 +32,7 @@ from cityx.protocol.values import make_lines
 
 EAST = [(-80, 0), (80, 0)]
 NORTH = [(0, -80), (0, 80)]
-KERBED = ("carriageway", "setts", "gravel_road", "junction", "marking", "marking_yellow",
+KERBED = ("carriageway", "setts", "gutter", "gravel_road", "junction", "marking", "marking_yellow",
           "cycle_lane")  # fmt: skip
 
 

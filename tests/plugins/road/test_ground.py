@@ -30,7 +30,7 @@ def test_a_crossroads_has_every_part_of_a_street(layout_of):
     for name in ("carriageway", "junction", "kerb", "sidewalk", "marking", "building"):
         assert area[name] > 1.0, name
     assert area["building"] == pytest.approx(4 * 2500)
-    roads = area["carriageway"] + area["setts"] + area["junction"] + area["marking"]
+    roads = area["carriageway"] + area["gutter"] + area["junction"] + area["marking"]
     curves = 4 * 6.0**2 * (1 - np.pi / 4)  # a secondary road, 8 m, and a residential one, 4 m
     assert roads == pytest.approx(180 * 8 + 180 * 6 - 48 + curves, rel=0.002)
 
@@ -202,3 +202,22 @@ def test_a_row_of_stones_lies_where_setts_meet_asphalt(layout_of):
     assert np.ptp(stones[:, 0]) < 0.3
     plain = ground_of(layout_of([(line, {}) for line, _ in streets]))
     assert not plain.labelled("threshold").any()
+
+
+def test_a_mapped_road_area_is_paved_as_it_is_told_and_has_kerbs(layout_of):
+    layout = layout_of([([(-90, 0), (90, 0)], {"surface": "sett"})],
+                       areas=[((-60, -5, 60, 4), "road_area")])  # fmt: skip
+    layout.areas["tags"] = '{"area:highway": "residential", "surface": "sett"}'
+    found = ground_of(layout)
+    middle = found.vertices[found.triangles].mean(axis=1)
+    label = found.face_label[found.triangle_face]
+    beside = (np.abs(middle[:, 0]) < 55) & (middle[:, 1] < -3.2) & (middle[:, 1] > -4.6)
+    assert beside.any()
+    assert set(label[beside].tolist()) == {LABEL["setts"]}
+    stones = (np.abs(middle[:, 0]) < 55) & (middle[:, 1] < -5.02) & (middle[:, 1] > -5.13)
+    assert set(label[stones].tolist()) == {LABEL["kerb"]}
+
+
+def test_streets_of_setts_have_gutters_of_long_stones(layout_of):
+    area = areas(ground_of(layout_of([([(-90, 0), (90, 0)], {"surface": "sett"})])))
+    assert area["gutter"] == pytest.approx(2 * 0.32 * 180, rel=0.03)

@@ -11,7 +11,7 @@ from cityx.plugins.road.box_junctions import box_junctions
 from cityx.plugins.road.carriageway import build_carriageway
 from cityx.plugins.road.halts import halt_lines
 from cityx.plugins.road.junction_ways import junction_ways
-from cityx.plugins.road.kerb_lines import kerb_lines
+from cityx.plugins.road.kerb_lines import corner_lines, kerb_lines
 from cityx.plugins.road.lane_lines import SOLID, lane_lines, partings_of
 from cityx.plugins.road.marks import street_of
 from cityx.plugins.road.network import road_network
@@ -43,7 +43,8 @@ def painted(layout, painting):
 
 def halts(layout, painting):
     found = street(layout)
-    return halt_lines(found, everywhere(found), painting, through_roads(found))[0]
+    road = build_carriageway(layout, found.network, everywhere(found))
+    return halt_lines(found, everywhere(found), painting, through_roads(found), road)[0]
 
 
 def test_the_middle_line_of_a_major_road_leads_past_a_side_street(layout_of):
@@ -101,9 +102,12 @@ def test_a_stem_of_equals_gives_way_where_the_country_says_so(layout_of):
     box = shapely.bounds(marks)
     assert len(marks) > 4
     assert (box[:, 3] < 0).all()  # all on the stem
-    rows = np.unique(np.round(box[:-1, 1], 2))
-    assert len(rows) == 2  # of dashes; the last mark is the triangle
-    assert box[-1, 3] - box[-1, 1] > 3.0
+    dashes = box[shapely.area(marks) < 0.13]
+    assert len(np.unique(np.round(dashes[:, 1], 2))) == 2
+    middle, triangle = box[shapely.area(marks) > 0.13]
+    assert middle[3] - middle[1] > 1.0
+    assert middle[3] < dashes[:, 1].min() - 0.5
+    assert triangle[3] - triangle[1] > 3.0
     # One keeps to the right: those who arrive from the south do so east of the middle.
     assert (box[:, 0] > -0.1).all()
 
@@ -155,6 +159,28 @@ def test_yellow_lines_follow_kerbs_without_parked_cars(layout_of):
     marks, _ = kerb_lines(wide, everywhere(wide))
     assert shapely.area(marks).sum() == pytest.approx(158 * 0.1)  # one, at the right
     assert (shapely.bounds(marks)[:, 3] < 0).all()
+
+
+def test_yellow_lines_go_round_corners_at_their_distance_from_the_kerb(layout_of):
+    tight = {"kind": "tertiary", "width": 6.0}
+    found = street(layout_of([(line, tight) for line in TEE]))
+    road = build_carriageway(found.layout, found.network, everywhere(found))
+    marks, _ = corner_lines(found, everywhere(found), road)
+    surfaces = np.concatenate([road.strips, road.stars, road.curves])
+    kerbs = shapely.boundary(shapely.union_all(shapely.buffer(surfaces, 0.01)))
+    off = shapely.distance(shapely.centroid(marks), kerbs)
+    assert (np.abs(off[:, None] - [0.25, 0.45]).min(axis=1) < 0.12).all()
+    # Two lines round each of two corners of 6 m, and straight on along the other side.
+    assert shapely.area(marks).sum() / 0.1 > 2 * 2 * 8 + 2 * 15
+    assert not len(corner_lines(found, ~everywhere(found), road)[0])
+
+
+def test_dashes_to_give_way_reach_from_the_middle_to_the_curved_kerb(layout_of):
+    british = Painting(give_way="double dashes", stems=True)
+    marks = halts(layout_of([(line, {}) for line in TEE]), british)
+    bounds = shapely.bounds(marks[shapely.area(marks) < 0.13])
+    assert bounds[:, 0].min() == pytest.approx(0.2, abs=0.2)
+    assert bounds[:, 2].max() == pytest.approx(3.6, abs=0.4)
 
 
 def test_a_box_is_hatched_under_signals_of_classified_roads_only(layout_of):

@@ -53,7 +53,7 @@ def test_parallel_one_way_streets_in_one_direction_are_not(layout_of):
 
 
 @pytest.mark.parametrize(
-    ("gap", "label"), [(0.8, "setts"), (2.0, "plaza"), (4.0, "grass"), (12.0, "grass")]
+    ("gap", "label"), [(0.8, "gutter"), (2.0, "plaza"), (4.0, "grass"), (12.0, "grass")]
 )
 def test_what_lies_between_them_follows_the_width(layout_of, gap, label):
     rungs = [([(x, 0), (x, 6.0 + gap)], {}) for x in (-90, 90)]
