@@ -231,12 +231,12 @@ def _along_kerbs(city: City, site: _Site, density: float) -> tuple[Pieces, Float
     single, sizes = pieces(names, xy, ids, yaw).take(fits), asked[fits, 2:]
     # One bollard keeps nobody off: they stand in threes.
     posts, ahead = single.name == "bollard", slots.ahead[fits]
-    rows = [single, *(
+    placed = [single, *(
         replace(single, xy=single.xy + shift * ahead,
                 id=hash_ids(0, f"{ACTION}/beside/{shift:+.1f}", single.id)).take(posts)
         for shift in (-BESIDE, BESIDE)
     )]  # fmt: skip
-    return join_pieces(rows), np.concatenate([sizes, sizes[posts], sizes[posts]])
+    return join_pieces(placed), np.concatenate([sizes, sizes[posts], sizes[posts]])
 
 
 def _at_corners(city: City, site: _Site) -> Pieces:
