@@ -64,12 +64,12 @@ def deck_rows(
         along = (np.arange(count) - (count - 1) / 2) * (wide + 0.3)
         room = shapely.buffer(volumes.polygons[row], -EDGE, join_style="mitre")
         yaw = float(np.arctan2(u[1], u[0]))
-        for number, (t, turn) in enumerate(lines):
+        for line, (t, turn) in enumerate(lines):
             for place, s in enumerate(along.tolist()):
                 at = middle[row] + s * u + t * v
                 a, b = u * wide / 2, v * DECK_STALL / 2
                 if room.contains(shapely.Polygon([at - a - b, at + a - b, at + a + b, at - a + b])):
-                    found.append((row, at[0], at[1], yaw + turn, FIRST + number * 200 + place))
+                    found.append((row, at[0], at[1], yaw + turn, FIRST + line * 200 + place))
     table = np.array(found, float).reshape(-1, 5)
     part, number = table[:, 0].astype(np.int64), table[:, 4].astype(np.int64)
     x, y, yaws = table[:, 1], table[:, 2], table[:, 3]
