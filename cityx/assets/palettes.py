@@ -67,6 +67,8 @@ PUREST = 0.16  # least share of the weakest channel in the strongest: outdoor pa
 
 
 AGING = ("roof_tiles", "slate")
+SETTLED = (0.40, 0.85)  # what dust leaves of the lightness of level roofs, from and to
+BARE_CONCRETE = 0.7  # the same besides, of concrete that algae grow on
 LICHEN, SOOT = (0.12, 0.115, 0.07), (0.075, 0.065, 0.06)  # linear; what grows and settles on them
 
 
@@ -377,6 +379,11 @@ def _roofs(
         ):
             if len(of):
                 material[of], rgb[of] = _draw(seed, purpose, ids[of], surfaces)
+    # Rain leaves its dust on level roofs: few are as pale as they were laid.
+    low, high = SETTLED
+    dust = low + (high - low) * uniform(seed, "palette/roof dust", ids[flat])
+    dust = np.where(material[flat] == "concrete", BARE_CONCRETE * dust, dust)
+    rgb[flat] *= np.where(material[flat] == "grass", 1.0, dust)[:, None]
     return material, rgb
 
 

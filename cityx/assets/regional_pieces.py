@@ -10,11 +10,14 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cityx.assets.furniture_parts import BLUE, BURIED, DARK, PALE, RED, YELLOW, Shapes, post
-from cityx.assets.shapes import Color, box, cylinder, disc, lathe, prism, tube
+from cityx.assets.lettering import word
+from cityx.assets.shapes import Color, box, cylinder, disc, lathe, loft, moved, prism, tube
 
 GOLD: Color = (0.62, 0.44, 0.10)
+CRIMSON: Color = (0.62, 0.025, 0.02)
 MAGENTA: Color = (0.72, 0.02, 0.22)
 STEEL: Color = (1.0, 1.0, 1.0)
 
@@ -149,6 +152,44 @@ def telephone_post() -> Shapes:
     ]
 
 
+def telephone_kiosk() -> Shapes:
+    """Red kiosk of cast iron with a domed crown, its word on four sides and panes on three."""
+    parts: Shapes = [
+        box((-0.46, -0.46, BURIED), (0.46, 0.46, 0.08), "plastic", DARK),
+        box((-0.45, -0.45, 0.08), (0.45, 0.45, 0.30), "plastic", CRIMSON),
+        box((-0.45, -0.45, 2.02), (0.45, 0.45, 2.32), "plastic", CRIMSON),
+        loft(_ring(0.48, 2.32, 0.48, 2.36), "plastic", CRIMSON),
+        loft(_ring(0.42, 2.36, 0.33, 2.50), "plastic", CRIMSON),
+        loft(_ring(0.33, 2.50, 0.12, 2.58), "plastic", CRIMSON),
+        box((-0.40, 0.36, 0.30), (0.40, 0.43, 2.02), "plastic", (0.75, 0.73, 0.68)),
+        box((-0.18, 0.18, 1.05), (0.18, 0.36, 1.62), "metal_dark"),
+        box((-0.06, 0.10, 1.28), (0.02, 0.18, 1.50), "plastic", DARK),
+        box((-0.38, -0.36, 0.30), (0.38, 0.36, 0.33), "concrete"),
+    ]
+    for turn in range(4):
+        yaw = turn * np.pi / 2
+        side: Shapes = [
+            box((-0.45, -0.45, 0.30), (-0.37, -0.37, 2.02), "plastic", CRIMSON),
+            box((-0.33, -0.462, 2.08), (0.33, -0.45, 2.25), "sign", (1.1, 1.06, 0.95)),
+            *word("TELEPHONE", 0.30, 2.11, 2.22, -0.462, "metal_dark", deep=0.004),
+        ]
+        if turn != 2:  # glazed but at the back
+            side.append(box((-0.37, -0.425, 0.30), (0.37, -0.42, 2.02), "pane"))
+            side += [box((x - 0.012, -0.44, 0.30), (x + 0.012, -0.405, 2.02), "plastic", CRIMSON)
+                     for x in (-0.23, 0.23)]  # fmt: skip
+            side += [box((-0.37, -0.44, z - 0.011), (0.37, -0.405, z + 0.011), "plastic", CRIMSON)
+                     for z in np.linspace(0.515, 1.805, 7)]  # fmt: skip
+        parts += [moved(shape, (0.0, 0.0, 0.0), yaw=yaw) for shape in side]
+    return parts
+
+
+def _ring(half: float, low: float, half_above: float, high: float) -> NDArray[np.float64]:
+    """Corners of two squares, one over the other."""
+    square = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+    return np.stack([np.column_stack([square * size, np.full(4, z)])
+                     for size, z in ((half, low), (half_above, high))])  # fmt: skip
+
+
 def wheel_stop() -> Shapes:
     """Two low blocks of concrete at the end of a parking bay, along x."""
     ring = [(-0.07, 0.0), (0.07, 0.0), (0.05, 0.11), (-0.05, 0.11)]
@@ -182,7 +223,7 @@ REGIONAL_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
         for maker in (
             fire_hydrant_cover, fire_hydrant_plate, fire_hydrant_sign, post_box_pillar,
             post_box_red, post_box_blue, waste_basket_black, waste_basket_mesh, bollard_steel,
-            bollard_stone, telephone_post, wheel_stop, parking_board,
+            bollard_stone, telephone_post, telephone_kiosk, wheel_stop, parking_board,
         )
     }
 )  # fmt: skip
@@ -190,7 +231,7 @@ REGIONAL_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
 # What stands for a usual piece, by the kind of place; other places have the usual one.
 LOCAL: Mapping[str, Mapping[str, str]] = MappingProxyType({
     "british isles": {"fire_hydrant": "fire_hydrant_plate", "post_box": "post_box_pillar",
-                      "waste_basket": "waste_basket_black"},
+                      "waste_basket": "waste_basket_black", "telephone": "telephone_kiosk"},
     "japan": {"fire_hydrant": "fire_hydrant_sign", "post_box": "post_box_red",
               "bollard": "bollard_steel", "telephone": "telephone_post",
               "waste_basket": "waste_basket_mesh"},

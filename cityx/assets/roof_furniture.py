@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import lru_cache
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache, partial
 from types import MappingProxyType
 
 import numpy as np
@@ -222,6 +223,40 @@ def chimney_small() -> Shapes:
     ]
 
 
+DECK_BAY, DECK_STALL = 2.5, 5.0  # metres, width and length of a bay of a parking deck
+# Cars in the four bays of a row: which body stands in each, and which paint it has.
+_PARKED = {
+    "deck_bays": (("hatchback", 0), ("", 0), ("sedan", 2), ("", 0)),
+    "deck_bays_full": (("sedan", 4), ("suv", 1), ("", 0), ("hatchback", 6)),
+    "deck_bays_free": (("", 0), ("", 0), ("", 0), ("suv", 3)),
+}
+
+
+def _deck_row(cars: Sequence[tuple[str, int]]) -> Shapes:
+    """Four marked bays of a parking deck, open towards -y, with the cars that stand in them."""
+    from cityx.assets.vehicles import PAINTS
+    from cityx.assets.vehicles import car as made
+
+    half, deep = 2 * DECK_BAY, DECK_STALL / 2
+    shapes: Shapes = [box((-half, deep - 0.1, SUNK), (half, deep, 0.012), "marking_white")]
+    for number in range(5):
+        x = -half + number * DECK_BAY
+        shapes.append(box((x - 0.05, -deep, SUNK), (x + 0.05, deep, 0.012), "marking_white"))
+    for number, (body, paint) in enumerate(cars):
+        if not body:
+            continue
+        mesh = made(body).mesh
+        painted = np.array([name == "car_paint" for name in mesh.materials])[mesh.material]
+        tint = np.where(painted[:, None], mesh.tint * PAINTS[paint], mesh.tint)
+        place = (-half + (number + 0.5) * DECK_BAY, 0.0, 0.0)
+        parked = replace(mesh, tint=tint.astype(np.float32))
+        shapes.append(moved(parked, place, yaw=np.pi * (number % 2)))
+    return shapes
+
+
+DECK_ROWS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
+    {name: partial(_deck_row, cars) for name, cars in _PARKED.items()}
+)
 ROOF_FURNITURE: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {
         maker.__name__: maker
@@ -231,6 +266,7 @@ ROOF_FURNITURE: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
             roof_hatch, roof_pipes, planters,
         )
     }
+    | dict(DECK_ROWS)
 )  # fmt: skip
 # Half diagonal of the plan of each piece, metres, for keeping it on its roof.
 REACH: Mapping[str, float] = MappingProxyType(
@@ -239,6 +275,7 @@ REACH: Mapping[str, float] = MappingProxyType(
         "dish": 0.6, "solar_panels": 2.6, "vent": 0.4, "water_tank": 1.9, "water_cistern": 1.3,
         "skylight": 1.6, "chimney": 0.75, "chimney_small": 0.55, "ac_row": 1.95,
         "roof_patch": 1.55, "roof_hatch": 0.9, "roof_pipes": 2.0, "planters": 1.6,
+        "deck_bays": 5.6, "deck_bays_full": 5.6, "deck_bays_free": 5.6,
     }
 )  # fmt: skip
 

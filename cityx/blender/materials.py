@@ -29,7 +29,7 @@ AGED = frozenset({"plaster", "brick", "stone", "concrete", "wood", "trim"})
 # Materials of what is round: their faces are shaded as one curved surface.
 ROUND = frozenset({"bark", "bark_smooth", "bark_flaking"})
 CLUMP, STAND = 1.6, 11.0  # metres over which the colour of leaves changes, in a crown and beyond
-THROUGH = 0.46  # share of the light on a leaf that its other side gives off
+THROUGH = 0.52  # share of the light on a leaf that its other side gives off
 LEAVES = frozenset({"leaf", "foliage"})
 FOLIAGE = LEAVES | {"hedge"}  # what catches snow at any slope
 # Carriageways, where tyres press snow to slush.

@@ -16,7 +16,8 @@ HEIGHTS = {
 def test_a_piece_is_small_named_and_of_known_materials(name):
     piece = furniture(name)
     assert piece.name == name
-    assert 20 <= piece.mesh.triangle_count <= 1200
+    most = 2500 if name == "telephone_kiosk" else 1200  # which bears its word four times
+    assert 20 <= piece.mesh.triangle_count <= most
     assert set(piece.mesh.materials) <= set(MATERIALS)
     assert np.isfinite(piece.mesh.vertices).all()
 

@@ -40,7 +40,7 @@ PATTERNS: Mapping[str, tuple[tuple[float, float, float, float], ...]] = MappingP
     }
 )  # fmt: skip
 CLOUDS, CLOUD_EDGE = 16, 9.0  # clouds of leaves of a crown, and how sharply each ends
-BARE_TWIGS = 0.14  # share of the twigs that bear next to no leaves
+BARE_TWIGS = 0.09  # share of the twigs that bear next to no leaves
 CORE_SHARE = 0.6  # of the dark cards within, where clouds hide most of it by themselves
 FULLER = 1.22  # leaves cover less than the kite they stand in for
 BROAD = ("alternate", "fan", "palmate")  # patterns of leaves broad enough to show an outline
@@ -138,7 +138,7 @@ def leaf_cards(skeleton: Skeleton, habit: Species, rng: np.random.Generator, cou
     mood = np.clip(rng.normal(0.5, 0.28, len(skeleton.parent))[home]
                    + rng.normal(0, 0.10, count), 0, 1)  # fmt: skip
     low = np.clip((centre[:, 2] - habit.clear) / (2 * half), 0, 1)
-    light = (0.60 + 0.40 * depth**2.0) * (0.78 + 0.30 * low) * clump
+    light = (0.68 + 0.36 * depth**2.0) * (0.86 + 0.24 * low) * clump
     light = np.where(hanging, np.maximum(light, 0.75 * clump), light)
     light *= rng.uniform(0.85, 1.15, count)
     return Cards(centre, along * length, normal, np.clip(light, 0.15, 1.25), mood)
@@ -151,7 +151,7 @@ def _lit_side(place: FloatArray, habit: Species, rng: np.random.Generator) -> Fl
     lobe = _unit(rng.normal(size=(CLOUDS, 3)) * [1.0, 1.0, 0.7])
     strength = rng.uniform(0.4, 1.0, CLOUDS)
     cloud = (strength * np.exp(CLOUD_EDGE * (out @ lobe.T - 1.0))).max(axis=1)
-    return np.asarray(0.30 + np.minimum(cloud, 1.0))
+    return np.asarray(0.38 + np.minimum(cloud, 1.0))
 
 
 def core_cards(habit: Species, rng: np.random.Generator) -> Cards:

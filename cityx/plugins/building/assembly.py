@@ -31,6 +31,9 @@ def finishes_of(city: City) -> Finishes:
     )
 
 
+LEVEL, SOILED = 0.95, 0.45  # copings and ledges this level keep so much of their lightness
+
+
 def assemble(solids: Solids, building: NDArray[np.uint64], finishes: Finishes) -> MeshBatch:
     """Group parts into objects, one per building, sorted by id.
 
@@ -65,16 +68,22 @@ def assemble(solids: Solids, building: NDArray[np.uint64], finishes: Finishes) -
         ]
     )  # (4, n, 3), in the order of the roles
     material, names = _used(material_of[role, part], names)
+    vertices, tint = solids.vertices[vertex_order], tints[role, part]
+    trims = np.flatnonzero(role == TRIM)
+    one, two, three = vertices[faces[trims, :3]].transpose(1, 0, 2)
+    normal = np.cross(two - one, three - one)
+    level = normal[:, 2] > LEVEL * np.linalg.norm(normal, axis=1)
+    tint[trims[level]] *= SOILED
     return MeshBatch(
         ids,
         _starts(vertex_owner, len(ids)),
         _starts(face_owner, len(ids)),
-        solids.vertices[vertex_order],
+        vertices,
         faces,
         material,
         names,
         solids.uv[face_order],
-        tints[role, part],
+        tint,
     )
 
 

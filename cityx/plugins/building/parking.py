@@ -209,7 +209,7 @@ GENERATOR = Generator(
     "building/parking-v1",
     limits=[
         "Only footprints of a size that admits such a building change.",
-        "No cars stand on the decks.",
+        "Cars stand on the uppermost deck alone.",
     ],
     requires=("layout",),
     labels=("parking", "garage", "deck", "ramp", "multi-storey"),

@@ -17,6 +17,7 @@ from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polygons import FloatArray
 from cityx.plugins.building.catalogue import generators
 from cityx.plugins.building.fronts import reserve_of
+from cityx.plugins.building.parking_decks import deck_rows
 from cityx.plugins.building.volumes import covered
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ CHIMNEY = 3.0  # metres, drawn height of chimneys
 
 HEADED = 110.0  # square metres of a flat roof from which it has the head of a stair
 LIFTED = 6  # storeys from which that is one of a lift
+DECKED = "parking"  # generator whose roofs one parks on
 STAFFED = ("flats", "office", "civic", "retail")
 
 PIECES = tuple(REACH)
@@ -216,10 +218,15 @@ def _on_flat(
     quarter = np.round((0.0 - yaw) / (np.pi / 2)) * np.pi / 2
     yaw = np.where(solar, yaw + quarter, yaw)
     keep = found
-    return (
+    placed = (
         part[keep], piece[keep], x[keep], y[keep], z[keep], np.ones(int(keep.sum())), yaw[keep],
         number[keep],
     )  # fmt: skip
+    decks = np.flatnonzero(flat & volumes.walls & (area > MIN_AREA) & (own == DECKED))
+    if not len(decks):
+        return placed
+    bays = deck_rows(seed, volumes, ids, decks, deck, (long_axis, short_axis, middle))
+    return tuple(np.concatenate(pair) for pair in zip(placed, bays, strict=True))
 
 
 def _tables(city: City) -> dict[str, Mapping[str, float]]:

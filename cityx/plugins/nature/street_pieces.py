@@ -102,7 +102,7 @@ LAWN_WALL = {"": 3.0, "garden_shed": 1.2, "pot_row": 1.0, "planter": 0.5, "bench
 # At the walls of wide walks; bicycles lean along them.
 WALK_WALL = {"": 5.0, "bicycle": 2.4, "planter": 1.2, "planter_round": 1.2, "bench": 1.0,
              "cartons": 0.9, "street_cabinet": 0.7}  # fmt: skip
-WALK_WALL_JAPAN = {"": 4.5, "bicycle": 3.2, "planter_round": 1.6, "vending_machine": 2.0,
+WALK_WALL_JAPAN = {"": 2.5, "bicycle": 3.2, "planter_round": 1.6, "vending_machine": 2.0,
                    "wheelie_bins": 0.6, "motor_scooter": 0.8, "motor_scooter_red": 0.4,
                    "cartons": 0.6, "pot_row": 3.0}  # fmt: skip
 # On walks as wide as squares, as at the corners of large junctions, away from walls and kerbs.
@@ -126,6 +126,7 @@ SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "
 # behind the kerb, and of the longest curve (a longer one is no corner but a roundabout).
 CORNER_SHARE = {"british isles": 0.45, "japan": 0.3, "north america": 0.15}
 USUAL_CORNERS = 0.3
+BESIDE = 1.5  # metres between the bollards of a kerb
 CORNER_SPACING, FROM_CORNER, LONGEST_CORNER = 1.8, 0.35, 30.0
 BENT = 1.04  # length over chord from which a kerb is a corner, not the far side of a junction
 # Metres from the middle of a bay to its stop, and to the next bay; from a lot to its board.
@@ -226,7 +227,16 @@ def _along_kerbs(city: City, site: _Site, density: float) -> tuple[Pieces, Float
     # One sits with the back to the traffic as often as facing it; everything else faces it.
     turned = (names == "bench") & (uniform(city.seed, f"{ACTION}/back", ids) < 0.5)
     yaw = yaw_facing(np.where(turned[:, None], out, -out))
-    return pieces(names, xy, ids, yaw).take(fits), asked[fits, 2:]
+    yaw = yaw + np.where(np.isin(names, LEANING), np.pi / 2, 0.0)  # along the kerb, off the walk
+    single, sizes = pieces(names, xy, ids, yaw).take(fits), asked[fits, 2:]
+    # One bollard keeps nobody off: they stand in threes.
+    posts, ahead = single.name == "bollard", slots.ahead[fits]
+    placed = [single, *(
+        replace(single, xy=single.xy + shift * ahead,
+                id=hash_ids(0, f"{ACTION}/beside/{shift:+.1f}", single.id)).take(posts)
+        for shift in (-BESIDE, BESIDE)
+    )]  # fmt: skip
+    return join_pieces(placed), np.concatenate([sizes, sizes[posts], sizes[posts]])
 
 
 def _at_corners(city: City, site: _Site) -> Pieces:
@@ -292,6 +302,8 @@ def _before_shops(city: City, site: _Site, density: float) -> Pieces:
         level = np.isin(below.label, _labels(WALKED))
         level &= np.abs(np.nan_to_num(below.z, nan=1e9) - rows.position[:, 2]) < LEVEL
         room = 0.3 + room_along(step, out, site.rims, REACH)
+        left = NARROW[0] if site.place == "japan" else CLEAR  # kerbs of narrow walks bear poles
+        kerb = 0.0 if site.place == "japan" else STRIP
 
         def drawn(purpose: str, share: Any, *, layer: str = layer, rows: Any = rows) -> BoolArray:
             key = f"{ACTION}/{layer}/{purpose}"
@@ -313,22 +325,22 @@ def _before_shops(city: City, site: _Site, density: float) -> Pieces:
             tables = cafe & ~wide & (room >= 0.95 + 0.85 + STRIP + CLEAR)
             put("cafe_set", tables, 0.95, -0.95, 0.8)
             put("cafe_set", tables, 0.95, 0.95, 0.8)
-            board = level & ~cafe & drawn("board", BOARD_SHARE) & (room >= 0.6 + STRIP + CLEAR)
+            board = level & ~cafe & drawn("board", BOARD_SHARE) & (room >= 0.6 + kerb + left)
             put("shop_board", board, 0.55, 0.9, 0.7)
             words = np.array(list(WARES), object)
             wares = words[
                 choose(city.seed, f"{ACTION}/wares", rows.object_id, list(WARES.values()))
             ]
             for name in words[1:]:
-                laid = level & ~cafe & ~board & (wares == name) & (room >= 0.8 + CLEAR)
+                laid = level & ~cafe & ~board & (wares == name) & (room >= 0.8 + left)
                 put(str(name), laid & drawn("wares", 1.0), 0.42, -0.75)
             if site.place == "japan":
                 for number, name in enumerate(BANNERS):
                     flown = level & (rows.object_id % np.uint64(2) == number)
-                    flown &= drawn("banner", BANNER_SHARE) & (room >= 0.5 + CLEAR)
+                    flown &= drawn("banner", BANNER_SHARE) & (room >= 0.5 + left)
                     put(name, flown, 0.3, 1.45, 0.6)
                 machine = level & ~cafe & ~board & drawn("machine", MACHINE_SHARE)
-                put("vending_machine", machine & (room >= 0.9 + CLEAR), 0.48, -1.0)
+                put("vending_machine", machine & (room >= 0.9 + left), 0.48, -1.0)
         else:
             tubs = level & drawn("tubs", TUB_SHARE) & (room >= 0.8 + STRIP + CLEAR)
             tubs &= np.isin(names, ("door_lobby", "door_glass", "door_panel", "door_sidelight"))

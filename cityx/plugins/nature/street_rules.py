@@ -81,12 +81,12 @@ KERB_RULES: tuple[Rule, ...] = (
           ("northern/central europe", 9.0))),
     Rule("bollard", 0.7, 0.7, 0.0, 0.0, 0.45, 0.25, 0.25,
          (("british isles", 1.6), ("north america", 0.3), ("japan", 0.5))),
-    Rule("bicycle", 1.0, 1.4, 0.0, 0.0, 1.05, 0.95, 0.35, (("north america", 0.4),
+    Rule("bicycle", 1.0, 1.4, 0.0, 0.0, 0.45, 0.30, 0.95, (("north america", 0.4),
          ("japan", 1.8), ("northern/central europe", 1.6))),
     Rule("grating", 0.5, 0.0, 0.0, 0.0, 1.10, 0.0, 0.80),
     Rule("street_cabinet", 0.7, 0.7, 0.15, 0.1, 0.50, 0.21, 0.64),
     Rule("ticket_machine", 0.5, 0.6, 0.0, 0.0, 0.45, 0.15, 0.17, (("japan", 0.1),)),
-    *(Rule(piece, 0.3, 0.3, 0.0, 0.0, 1.05, 0.95, 0.35, _SCOOTERS) for piece in SCOOTERS),
+    *(Rule(piece, 0.3, 0.3, 0.0, 0.0, 0.50, 0.35, 0.98, _SCOOTERS) for piece in SCOOTERS),
 )  # fmt: skip
 TALL = frozenset({"advertising_column", "kiosk", "telephone"})  # hide what comes at junctions
 SIGHT = 10.0  # metres from junctions that tall things keep

@@ -17,7 +17,7 @@ from cityx.plugins.nature.climate import band_of
 from cityx.plugins.nature.pieces import room_along, walk_rims, ways_to_doors
 from cityx.plugins.nature.stands import INDEX, Stand, draw_species, stand_of
 from cityx.plugins.nature.tree_room import FACADE_CLEARANCE, KERB_CLEARANCE, SIGHT
-from cityx.plugins.road.kerbs import join_places, places_along
+from cityx.plugins.road.kerbs import KerbPlaces, join_places, places_along
 
 FloatArray = NDArray[np.float64]
 
@@ -27,7 +27,10 @@ STREET_SHARE, MAIN_SHARE = 0.65, 0.9  # of the streets that are wide enough, of 
 STREET_KINDS = ("residential", "tertiary", "secondary", "primary", "unclassified", "living_street")
 MAIN_KINDS = ("tertiary", "secondary", "primary")
 LEAST_WALK = 2.0  # metres of sidewalk; nobody plants trees along narrower ones
+WIDE_WAY = 2.1  # metres from trunks where walks are not told but measured, some 3 m in all
 TRUNK_WAY = 1.7  # metres of walk and paved court from the middle of a trunk, so that 1.2 m are left
+# Metres behind a trunk along the kerb, and nearer to it, of the bushes between trees; their height.
+BUSHES_AT, BUSHES_OUT, BUSH_HEIGHT = (1.5, 2.3, 3.1, 3.9), 0.2, (0.45, 0.65)
 HOUSES_WITHIN = 25.0  # metres; a street has trees only where it has houses on its side
 MAPPED_WITHIN = 45.0  # metres; where the map shows trees it shows all of them
 YARD_SPACING = 6.5  # metres between the trees of yards
@@ -68,10 +71,11 @@ def along_streets(city: City, mapped: FloatArray) -> list[Stand]:
     green &= np.isin(kind, STREET_KINDS) & flat[network.edge_road]
     spacing = choose(city.seed, STREET, key, [1.0] * len(STREET_SPACINGS), 1)
     groups = []
-    for side, column in ((1, "sidewalk_left"), (-1, "sidewalk_right")):
-        width = roads[column].to_numpy()[network.edge_road]
+    walks = roads[["sidewalk_right", "sidewalk_left"]].to_numpy(float)[network.edge_road]
+    told = walks >= LEAST_WALK
+    for side in (1, -1):
         # Trees of both sides stand in turn.
-        wide = width >= LEAST_WALK
+        wide = told[:, int(side > 0)] | np.isin(kind, MAIN_KINDS)
         for number, metres in enumerate(STREET_SPACINGS):
             edges = np.flatnonzero(green & wide & (spacing == number))
             groups.append(
@@ -88,12 +92,31 @@ def along_streets(city: City, mapped: FloatArray) -> list[Stand]:
     if city.ground is not None:
         rims = walk_rims(city.ground)
         room = room_along(places.xy, -places.toward_road, rims, 2 * TRUNK_WAY)
-        places = places.take((room >= TRUNK_WAY) & city.ground.on(places.xy, *WALKED))
+        least = np.where(told[places.edge, (places.side > 0).astype(int)], TRUNK_WAY, WIDE_WAY)
+        places = places.take((room >= least) & city.ground.on(places.xy, *WALKED))
     ids = hash_ids(0, STREET, network.edge_id[places.edge],
                    2 * places.number + (places.side > 0))  # fmt: skip
     species = draw_species(climate.STREET_MIX, city, key[places.edge])
-    return [stand_of(Points(places.xy, ids), species, line=network.edge_id[places.edge],
-                     place=2 * places.number + (places.side > 0))]  # fmt: skip
+    rows = stand_of(Points(places.xy, ids), species, line=network.edge_id[places.edge],
+                    place=2 * places.number + (places.side > 0))  # fmt: skip
+    return [rows, _between(city, places, ids)]
+
+
+def _between(city: City, places: KerbPlaces, ids: NDArray[np.uint64]) -> Stand:
+    """Clipped bushes along the kerb behind each trunk, where that is the custom."""
+    shown = city.ground is not None and band_of(city.frame) == "japan"
+    aside = np.array(BUSHES_AT if shown else ())
+    xy = (places.xy[:, None] + aside[:, None] * places.ahead[:, None]).reshape(-1, 2)
+    own = hash_ids(0, f"{STREET}/bush", np.repeat(ids, len(aside)),
+                   np.tile(np.arange(len(aside)), len(ids)))  # fmt: skip
+    if shown and city.ground is not None and len(xy):
+        xy = xy + BUSHES_OUT * np.repeat(places.toward_road, len(aside), axis=0)
+        on = city.ground.on(xy, "sidewalk", "furnishing", "courtyard", "frontage")
+        xy, own = xy[on], own[on]
+    height = BUSH_HEIGHT[0] + (BUSH_HEIGHT[1] - BUSH_HEIGHT[0]) * uniform(
+        city.seed, f"{STREET}/bush height", own
+    )
+    return stand_of(Points(xy, own), INDEX["boxwood"], height, mapped=True, light=True)
 
 
 def in_yards(city: City, mapped: FloatArray) -> list[Stand]:

@@ -13,7 +13,7 @@ from cityx.city import City, Instances, Prototype
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
 
-PAVED = ("sidewalk", "plaza", "frontage", "courtyard")
+PAVED = ("sidewalk", "furnishing", "plaza", "frontage", "courtyard")
 BUSHES = ("shrub_", "boxwood_", "grove_")  # prototypes that need no pit
 PLANTED = 0.35  # share of the pits that have plants
 YOUNG = 0.62  # of its grown height, below which a tree is held by stakes

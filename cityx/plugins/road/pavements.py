@@ -33,8 +33,7 @@ SLABS = {"sidewalk": "slab_walk", "ramp": "mosaic", "frontage": "mosaic", "furni
 BENT = {"slab_walk": "mosaic"}
 BLOCKS = {"sidewalk": "walk_blocks", "ramp": "walk_blocks", "gutter": "gutter_slabs"}
 # What lies before houses where each was paved by itself, with weights.
-FORECOURTS = {"yard": 2.0, "asphalt_light": 3.0, "pavers": 0.3, "road_concrete": 0.3,
-              "clinker": 1.2}  # fmt: skip
+FORECOURTS = {"yard": 2.0, "asphalt_light": 3.0, "mosaic": 0.8, "clinker": 1.2}
 REGION_PAVING: Mapping[str, Mapping[str, str]] = MappingProxyType({
     "british isles": FLAGS, "central europe": SLABS, "japan": BLOCKS, "east asia": BLOCKS,
 })  # fmt: skip

@@ -1,0 +1,59 @@
+"""Bays on the decks of car parks."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import shapely
+
+from cityx.assets.roof_furniture import DECK_BAY, DECK_ROWS, DECK_STALL, REACH
+from cityx.plugins.building.parking_decks import AISLE, EDGE, deck_rows
+from cityx.plugins.building.rooftop import _axes
+
+TURN = np.radians(20.0)
+
+
+@pytest.fixture
+def volumes():
+    """A deck of 60 m by 36 m, turned, with a tower of stairs in a corner; a small one beside it."""
+    spin = np.array([[np.cos(TURN), np.sin(TURN)], [-np.sin(TURN), np.cos(TURN)]])
+    boxes = [shapely.box(-30, -18, 30, 18), shapely.box(24, 12, 30, 18), shapely.box(50, 0, 60, 10)]
+    shapes = np.array([shapely.transform(each, lambda p: p @ spin) for each in boxes], object)
+    return SimpleNamespace(polygons=shapes, top=np.array([6.0, 9.0, 6.0]))
+
+
+def laid(volumes):
+    decks = np.array([0, 2])
+    deck = np.array([5.8, 9.0, 5.8])
+    return deck_rows(
+        1, volumes, np.arange(3, dtype=np.uint64), decks, deck, _axes(volumes.polygons)
+    )
+
+
+def test_rows_of_bays_lie_within_the_deck_in_pairs_with_aisles(volumes):
+    part, piece, x, y, z, height, yaw, number = laid(volumes)
+    assert len(part) > 10
+    assert set(part.tolist()) == {0}  # nobody drives on so small a one
+    assert set(np.array(list(REACH))[piece].tolist()) == set(DECK_ROWS)
+    assert (z == 5.8).all()
+    assert (height == 1).all()
+    assert len(np.unique(number)) == len(number)
+    u = np.column_stack([np.cos(yaw), np.sin(yaw)])
+    v = np.column_stack([-u[:, 1], u[:, 0]])
+    middle = np.column_stack([x, y])
+    half = np.array([2 * DECK_BAY, DECK_STALL / 2])
+    corners = np.stack([middle + i * half[0] * u + j * half[1] * v
+                        for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))], axis=1)  # fmt: skip
+    bays = shapely.polygons(corners)
+    inside = shapely.buffer(volumes.polygons[0], -EDGE + 1e-6, join_style="mitre")
+    assert shapely.covers(inside, bays).all()
+    assert not shapely.intersects(bays, volumes.polygons[1]).any()
+    one, other = shapely.STRtree(bays).query(bays, predicate="intersects")
+    assert (one == other).all()
+    across = np.unique(np.round(middle @ [-np.sin(TURN), np.cos(TURN)], 3))
+    assert np.diff(across).max() == pytest.approx(DECK_STALL + AISLE, abs=0.01)
+
+
+def test_decks_are_the_same_each_time(volumes):
+    for one, again in zip(laid(volumes), laid(volumes), strict=True):
+        assert one.tobytes() == again.tobytes()
