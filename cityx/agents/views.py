@@ -19,6 +19,7 @@ from cityx.blender.client import (
 from cityx.city.camera import Camera
 from cityx.city.store import View, read_view
 from cityx.errors import UsageError, nearest
+from cityx.geometry.identity import id_text
 
 if TYPE_CHECKING:
     from cityx.city import City
@@ -136,8 +137,10 @@ def blender_views(
     timings, peak_rss_mb
         Step to its "wall_s" and "cpu_s"; peak memory of the Blender process.
     """
-    cameras = cameras_of(read_view(store), views, size) if views else []
+    view = read_view(store) if views else None
+    cameras = cameras_of(view, views, size) if view is not None else []
     requests = tuple(RenderRequest(c, renders / f"{c.name}.png", samples) for c in cameras)
+    requests = _at_free_moments(view, requests, say) if view is not None else ()
     job = BlenderJob(store, blend=blend, renders=requests)
     result = run_worker(job, timeout_s=TIMEOUT_S, progress=lambda _, text: say(text))
     return {name: dict(times) for name, times in result.timings.items()}, result.peak_rss_mb
@@ -158,6 +161,9 @@ def render_views(
 ) -> list[Path]:
     """Render pictures of a built city into its folder ``renders``.
 
+    Vehicles parked within two and a half metres before a lens are left out of all pictures of the
+    call, which says so.
+
     Another time or weather changes the light alone: nothing is built again, the stored city stays
     as it is, and the pictures carry both words in their names.
 
@@ -172,7 +178,8 @@ def render_views(
     time, weather
         Instead of the city's own, as of `cityx.plugins.background.weather.lit_anew`; "" keeps them.
     moment
-        Seconds into the tracks that are shown; the city's own when None.
+        Seconds into the tracks that are shown; when None the city's own, or for each picture the
+        next at which nothing that moves is within five metres before the lens.
     frames
         "FROM:TO" or "FROM:TO:STEP", a span of frames of which each becomes a picture, 25 a second;
         "" for none.
@@ -218,10 +225,43 @@ def render_views(
         )
         for item in cameras
     )
+    if moment is None and span is None:
+        requests = _at_free_moments(view, requests, say)
     job = BlenderJob(
-        folder / "city", renders=requests, environment=environment, moment=moment, frames=span
-    )
+        folder / "city", renders=requests, environment=environment, moment=moment, frames=span,
+        hidden=_hidden(view, cameras, say),
+    )  # fmt: skip
     return list(run_worker(job, timeout_s=TIMEOUT_S, progress=lambda _, text: say(text)).files)
+
+
+def _at_free_moments(
+    view: View, requests: Sequence[RenderRequest], say: Say
+) -> tuple[RenderRequest, ...]:  # fmt: skip
+    """Let each picture show a moment at which nothing that moves stands before its lens."""
+    from cityx.plugins.render.free_view import free_moment
+
+    found = []
+    for request in requests:
+        moment = free_moment(view, request.camera)
+        if moment != view.moment:
+            say(f"{request.camera.name}: shown at {moment:g} s, when the view is free")
+            request = replace(request, moment=moment)
+        found.append(request)
+    return tuple(found)
+
+
+def _hidden(view: View, cameras: Sequence[Camera], say: Say) -> tuple[int, ...]:
+    """Return the parked vehicles that would fill a picture, and say which are left out."""
+    from cityx.plugins.render.free_view import in_the_way
+
+    found: list[int] = []
+    for camera in cameras:
+        own = in_the_way(view, camera).tolist()
+        if own:
+            names = ", ".join(id_text(one) for one in own)
+            say(f"{camera.name}: parked right before the lens and left out: {names}")
+        found += own
+    return tuple(sorted(set(found)))
 
 
 def _span(view: View, moment: float | None, frames: str) -> tuple[int, int, int] | None:

@@ -82,9 +82,14 @@ def animate(scene: bpy.types.Scene, view: View, library: MaterialLibrary) -> int
     stage = _Stage(tracks, library, max(view.lod, 2), collections)
     for row in range(tracks.count):
         stage.add(row)
-    moment = frame_of(view.moment)
-    scene.frame_set(int(moment), subframe=moment % 1.0)
+    set_moment(scene, view.moment)
     return tracks.count
+
+
+def set_moment(scene: bpy.types.Scene, moment: float) -> None:
+    """Show the frame of a moment of the tracks, in seconds."""
+    frame = frame_of(moment)
+    scene.frame_set(int(frame), subframe=frame % 1.0)
 
 
 @dataclass(frozen=True)

@@ -127,6 +127,8 @@ class BlenderJob:
     frames
         First and last frame of a span that is rendered and the step from one to the next,
         `FRAME_RATE` a second; None renders the moment.
+    hidden
+        Ids of instances that no picture shows.
     ahead
         Complete pictures that may lie there, not yet taken away, while the next is rendered; None
         does not wait for anybody.
@@ -140,6 +142,7 @@ class BlenderJob:
     gpu: bool = True
     moment: float | None = None
     frames: tuple[int, int, int] | None = None
+    hidden: tuple[int, ...] = ()
     ahead: int | None = None
 
 
@@ -314,6 +317,7 @@ def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
         "gpu": job.gpu,
         "moment": job.moment,
         "frames": job.frames,
+        "hidden": [str(one) for one in job.hidden],
         "ahead": job.ahead,
         "result": str(answer),
         "parent": os.getpid(),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from cityx.blender import grass
+from cityx.blender.animation import set_moment
 from cityx.blender.leaf_fall import show_twigs
 from cityx.blender.light import Lighting
 from cityx.blender.materials import MaterialLibrary
@@ -38,6 +39,8 @@ class Studio:
         Its materials.
     staged
         Whether movers come and go with the moment; if not, the scene holds those of the view.
+    animated
+        Whether movers have keyframes, so that a moment is a frame.
     """
 
     def __init__(
@@ -48,9 +51,10 @@ class Studio:
         library: MaterialLibrary,
         *,
         staged: bool,
+        animated: bool = False,
     ) -> None:
         self.scene, self.view, self.lighting, self.library = scene, view, lighting, library
-        self.staged = staged
+        self.staged, self.animated = staged, animated
         self.moment: float | None = None
         self.outskirts: Outskirts | None = None
 
@@ -69,7 +73,9 @@ class Studio:
         wanted = self.view.moment if moment is None else moment
         if self.staged and wanted != self.moment:
             show_movers(self.scene, self.view, wanted, self.library)
-            self.moment = wanted
+        elif self.animated:
+            set_moment(self.scene, wanted)
+        self.moment = wanted
         self.lighting.set(environment)
         self.lighting.set_for(environment, camera)
         grass.sow(self.scene, replace(self.view, environment=environment), camera, self.library)

@@ -87,6 +87,7 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
     from cityx.blender.materials import MaterialLibrary
     from cityx.blender.operators import call
     from cityx.blender.studio import Studio
+    from cityx.city.rows import without_objects
 
     environment = _environment(job["environment"]) or view.environment
     pictures = [(Camera(**{**r["camera"], "position": tuple(r["camera"]["position"])}), r)
@@ -96,9 +97,11 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
         call("wm.read_homefile", use_empty=True, use_factory_startup=True, load_ui=False)
         if job["moment"] is not None:
             view = replace(view, moment=job["moment"])
+        if job["hidden"]:
+            view = replace(view, scene=without_objects(view.scene, map(int, job["hidden"])))
         # Keyframes are for who opens the file, or plays a span of it; a picture needs a moment.
         animated = bool(job["blend"] or job["frames"])
-        staged = any(request["moment"] is not None for _, request in pictures)
+        staged = not animated and any(r["moment"] is not None for _, r in pictures)
         held = view if animated or staged else with_movers(view)
         library = MaterialLibrary(textured=view.lod > 0)
         scene = scenes.build_scene(held, objects=job["objects"], library=library)
@@ -118,7 +121,7 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
         with clock.step("save"):
             record["blend_mb"] = save(Path(job["blend"]))
         record["files"].append(job["blend"])
-    studio = Studio(scene, view, lighting, library, staged=staged)
+    studio = Studio(scene, view, lighting, library, staged=staged, animated=animated)
     for index, ((camera, request), item) in enumerate(zip(pictures, cameras, strict=True)):
         share = 0.15 + 0.85 * index / len(pictures)
         tell(share, f"rendering {camera.name}")

@@ -1,3 +1,4 @@
+import json
 import re
 from dataclasses import replace
 from math import tan
@@ -106,3 +107,24 @@ def test_a_city_in_which_nothing_moves_has_no_moment(built):
     with pytest.raises(UsageError, match="Nothing moves in this city"):
         views.render_views(folder, "top", moment=1.0, say=print)
     assert not jobs
+
+
+def test_each_picture_shows_a_moment_at_which_its_view_is_free(built):
+    folder, city, jobs = built
+    cut = (1, "car_sedan", "car", "ride", (25.0, 25.0, 0.0), 0.0, 4.0)
+    write_city(replace(city, tracks=moving(cut).tracks), folder / "city")
+    file = folder / "cameras.json"
+    file.write_text(json.dumps({"cameras": {
+        "near": {"position": [25.0, 25.0, 1.7], "heading_deg": 90.0, "pitch_deg": 0.0,
+                 "hfov_deg": 60.0},
+        "far": {"position": [5.0, 45.0, 1.7], "heading_deg": 0.0, "pitch_deg": 0.0,
+                "hfov_deg": 60.0},
+    }}))  # fmt: skip
+    told = []
+    views.render_views(folder, str(file), say=told.append)
+    moments = {request.camera.name: request.moment for request in jobs[0].renders}
+    assert moments["far"] is None
+    assert 1.5 <= moments["near"] <= 3.0
+    assert f"near: shown at {moments['near']:g} s, when the view is free" in told
+    views.render_views(folder, str(file), moment=0.5, say=told.append)
+    assert [request.moment for request in jobs[1].renders] == [None, None]

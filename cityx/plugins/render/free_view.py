@@ -1,0 +1,84 @@
+"""Free views: moments at which nothing that moves stands right before the lens, and what is hidden.
+
+A car that drives past a metre before the eye fills the picture, whatever the city is like. A person
+with a camera waits until it is gone; what stays they step around, or it is left out.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.camera import Camera
+from cityx.city.moments import moments_of
+from cityx.city.outlines import placed_outlines
+
+if TYPE_CHECKING:
+    from cityx.city.store import View
+
+NEAR = 5.0  # metres before the lens that movers keep free
+TOUCHING = 2.5  # metres within which what is parked is left out
+EVERY = 0.5  # seconds between the moments that are looked at
+ARC = 9  # corners of the outer edge of what a lens sees
+PARKED = ("vehicles",)  # layers of the scene
+
+
+def free_moment(view: View, camera: Camera) -> float:
+    """Return the moment that a picture shows: the one next to the city's own with a free view.
+
+    Parameters
+    ----------
+    view
+        The city with its tracks.
+    camera
+        Of the picture.
+
+    Returns
+    -------
+    moment
+        Seconds into the tracks. The city's own where nothing moves, or nothing moves within `NEAR`
+        metres before the lens; where something always does, the moment at which it is farthest.
+    """
+    tracks = view.tracks
+    if tracks is None or not tracks.count:
+        return view.moment
+    times = np.arange(0.0, tracks.duration + EVERY / 2, EVERY)
+    times = np.append(times[times <= tracks.duration], view.moment)
+    order = np.argsort(times, kind="stable")
+    found = moments_of(tracks, times[order])
+    size = tracks.size[found.mover].astype(float)
+    eye = np.array(camera.position)
+    reach = NEAR + np.hypot(size[:, 0], size[:, 1]) / 2
+    beside = np.hypot(*(found.position[:, :2] - eye[:2]).T) <= reach
+    above = np.maximum(eye[2] - found.position[:, 2] - size[:, 2], found.position[:, 2] - eye[2])
+    rows = np.flatnonzero(beside & (above < NEAR))
+    away = np.full(len(times), NEAR)
+    np.minimum.at(away, order[found.number[rows]],
+                  _before(camera, found.boxes(tracks.size)[rows], NEAR))  # fmt: skip
+    wait = np.round(np.abs(times - view.moment), 6)
+    best = np.lexsort((times, wait, -np.round(away, 2)))[0]
+    return float(times[best])
+
+
+def in_the_way(view: View, camera: Camera) -> NDArray[np.uint64]:
+    """Return the ids of parked vehicles that fill a picture: about the lens, or right before it."""
+    shapes, _, ids = placed_outlines(view.scene, PARKED)
+    if not len(ids):
+        return np.zeros(0, np.uint64)
+    eye = np.array(camera.position)
+    if eye[2] - float(view.terrain.height_at(eye[None, :2])[0]) > NEAR:
+        return np.zeros(0, np.uint64)
+    return np.asarray(np.unique(ids[_before(camera, shapes, TOUCHING) < TOUCHING]))
+
+
+def _before(camera: Camera, shapes: NDArray[Any], reach: float) -> NDArray[np.float64]:
+    """(n,) metres from the lens to what of shapes it sees within reach, `reach` for none."""
+    eye = np.array(camera.position[:2])
+    turn = camera.heading + camera.hfov * np.linspace(-0.5, 0.5, ARC)
+    arc = eye + reach * np.column_stack([np.sin(turn), np.cos(turn)])
+    seen = shapely.intersection(shapely.Polygon([eye, *arc]), shapes)
+    away = shapely.distance(shapely.Point(eye), seen)
+    return np.where(shapely.is_empty(seen), reach, np.minimum(away, reach))

@@ -1,0 +1,74 @@
+"""Moments with nothing before the lens, and parked cars that would fill a picture."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from moving_city import CAR, MAN, moving
+
+from cityx.assets.movers import size_of
+from cityx.city.camera import Camera
+from cityx.city.mesh import one_mesh
+from cityx.city.rows import without_objects
+from cityx.city.scene import Instances, Prototype
+from cityx.city.store import view_of
+from cityx.plugins.render.free_view import NEAR, free_moment, in_the_way
+
+EAST, WEST = np.pi / 2, -np.pi / 2
+
+
+def lens(x, y, heading=EAST, height=1.7):
+    return Camera("street", (x, y, height), heading, 0.0)
+
+
+def at(city, moment):
+    return view_of(replace(city, moment=moment))
+
+
+def test_a_picture_waits_until_a_car_is_so_far_ahead():
+    view = at(moving(CAR), 1.0)  # its middle is 5 m before the lens, its rear less
+    moment = free_moment(view, lens(0.0, 0.0))
+    rear = 5.0 * moment - size_of("car_sedan")[0] / 2
+    assert NEAR <= rear < NEAR + 0.5 * 5.0
+    assert free_moment(view, lens(0.0, 0.0)) == moment
+
+
+@pytest.mark.parametrize(
+    "camera", [lens(0.0, 0.0, WEST), lens(0.0, 9.0), lens(0.0, 0.0, height=30.0)]
+)
+def test_what_is_not_before_the_lens_changes_nothing(camera):
+    assert free_moment(at(moving(CAR), 1.0), camera) == 1.0
+
+
+def test_where_something_always_stands_it_is_as_far_as_it_gets():
+    slow = (*MAN[:4], (2.0, 0.0, 0.0), 0.0, 0.2)  # walks from 2 m to 4 m ahead
+    assert free_moment(at(moving(slow), 0.0), lens(0.0, 0.0)) == 10.0
+
+
+def test_a_city_where_nothing_moves_keeps_its_moment():
+    still = replace(moving(CAR), tracks=None)
+    assert free_moment(at(still, 3.0), lens(0.0, 0.0)) == 3.0
+
+
+def parked(*places):
+    """Return a view with cars, boxes of 4 by 1.8 m."""
+    corners = [(-2.0, -0.9), (2.0, -0.9), (2.0, 0.9), (-2.0, 0.9)]
+    mesh = one_mesh(1, [(x, y, z) for z in (0.0, 0.8, 1.4) for x, y in corners], [[8, 9, 10, 11]])
+    n = len(places)
+    rows = Instances(
+        np.zeros(n, np.int32), np.arange(1, n + 1, dtype=np.uint64), np.zeros(n, np.uint64),
+        np.array(places, float), np.zeros((n, 3), np.float32), np.ones((n, 3), np.float32),
+        np.ones((n, 3), np.float32),
+    )  # fmt: skip
+    city = replace(moving(CAR), tracks=None)
+    prototype = Prototype("car", "vehicle", mesh)
+    return view_of(replace(city, scene=city.scene.with_instances("vehicles", [prototype], rows)))
+
+
+def test_parked_cars_about_the_lens_or_right_before_it_are_left_out():
+    view = parked((0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (12.0, 0.0, 0.0), (-5.0, 0.0, 0.0))
+    found = in_the_way(view, lens(0.0, 0.0))
+    assert found.tolist() == [1, 2]
+    left = without_objects(view.scene, found.tolist())
+    assert left.instances["vehicles"].object_id.tolist() == [3, 4]
+    assert not len(in_the_way(view, lens(0.0, 0.0, height=40.0)))
