@@ -11,6 +11,7 @@ Mueller, Wonka, Haegler, Ulmer and Van Gool, "Procedural modeling of buildings",
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -99,7 +100,7 @@ class Fronts:
     door_width: FloatArray
     door_height: FloatArray
 
-    @property
+    @cached_property
     def foot(self) -> FloatArray:
         """(w,) height of the ground where it is highest."""
         return np.asarray(self.pavement.max(axis=1))

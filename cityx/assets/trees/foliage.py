@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cityx.assets import shapes
 from cityx.assets.trees.skeletons import TWIG, Skeleton, crown_radius
 from cityx.assets.trees.species import Species
-from cityx.city.mesh import MeshBatch
+from cityx.city.mesh import MeshBatch, one_mesh
 
 FloatArray = NDArray[np.float64]
 
@@ -44,8 +44,8 @@ BARE_TWIGS = 0.09  # share of the twigs that bear next to no leaves
 CORE_SHARE = 0.6  # of the dark cards within, where clouds hide most of it by themselves
 FULLER = 1.22  # leaves cover less than the kite they stand in for
 BROAD = ("alternate", "fan", "palmate")  # patterns of leaves broad enough to show an outline
-BLADES = 0.55  # share of the cards, the best lit, whose leaves have the outline of their species
-STALK = 0.0035  # metres, half the breadth of the stalk that bears a twig's leaves
+BLADES = 0.4  # share of the cards, the best lit, whose leaves have the outline of their species
+STALK = 0.0035  # metres, half the breadth of the stalk that bears a twig's leaves, at its foot
 FEW = 2  # leaves per card in the plainer form
 FEW_FULLER, FEW_SLIM = 1.96, 0.30  # they are larger, and never thinner than this
 
@@ -232,10 +232,12 @@ def twig_of(cards: Cards, skeleton: Skeleton) -> NDArray[np.int64]:
 def stalks(
     cards: Cards, twig: FloatArray, material: str, tint: tuple[float, float, float]
 ) -> MeshBatch:
-    """Draw what bears the leaves: a thin blade from its twig, (n, 3) metres, to each card."""
-    half = 0.5 * (cards.centre + 0.3 * cards.along - twig)
-    side = _unit(np.cross(half, cards.normal)) * STALK
-    return shapes.cards(twig + half, half, side, material, tint, fold=0.0)
+    """Draw what bears the leaves: a thin wedge from its twig, (n, 3) metres, to each card."""
+    tip = cards.centre + 0.3 * cards.along
+    side = _unit(np.cross(tip - twig, cards.normal)) * STALK
+    corners = np.stack([twig - side, twig + side, tip], axis=1)
+    faces = np.arange(corners.size // 3).reshape(-1, 3)
+    return one_mesh(0, corners.reshape(-1, 3), faces, materials=(material,), tint=tint)
 
 
 def _spread(

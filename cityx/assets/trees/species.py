@@ -19,7 +19,7 @@ from types import MappingProxyType
 Color = tuple[float, float, float]
 SEASONS = ("spring", "summer", "autumn", "winter")
 STREET_CLEAR = 5.0  # metres of clear stem of a tree grown beside a carriageway
-PARK_FORMS, STREET_FORMS = 3, 6  # individuals of each
+PARK_FORMS = STREET_FORMS = 3  # individuals of each
 
 # Linear reflectance of leaves in full light.
 GREEN: Color = (0.095, 0.170, 0.035)

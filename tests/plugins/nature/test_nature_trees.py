@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.assets.trees import size_of
+from cityx.assets.trees import STREET_FORMS, size_of
 from cityx.checks.predicates import measure
 from cityx.city import Environment, Frame, Scene, make_table
 from cityx.errors import ActionFailed, UsageError
@@ -176,7 +176,7 @@ def test_neighbours_in_a_street_are_other_individuals(crossroads):
             continue
         seen += 1
         near = np.hypot(*(made.position[:, :2] - [50.0, 0.0]).T) < 50.0
-        assert len(np.unique(made.prototype[near])) >= min(6, near.sum())
+        assert len(np.unique(made.prototype[near])) >= min(STREET_FORMS, near.sum())
     assert seen
 
 
