@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from cityx.city.lanes import LaneGraph
 from cityx.city.mesh import MeshBatch
 from cityx.city.roads import RoadNetwork
-from cityx.geometry.street_repairs import SEAM_TONE, lane_seams, street_repairs
+from cityx.geometry.street_repairs import SEAM_TONE, lane_seams, mouth_seams, street_repairs
 from cityx.geometry.tyre_tracks import tyre_tracks
 from cityx.geometry.yard_fields import yard_fields
 
@@ -60,7 +60,7 @@ def ground_wear(
     def placed(points: FloatArray) -> list[tuple[float, ...]]:
         return [tuple(point) for point in ((points - (xmin, ymin)) / cell).tolist()]
 
-    for seam in lane_seams(network):
+    for seam in (*lane_seams(network), *mouth_seams(network)):
         draw.line(placed(seam), _byte(SEAM_TONE), 1)
     found = street_repairs(network)
     for outline, tone in zip(found.outline, found.tone.tolist(), strict=True):

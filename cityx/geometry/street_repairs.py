@@ -99,6 +99,18 @@ def lane_seams(network: RoadNetwork) -> list[FloatArray]:
     return [shapely.get_coordinates(seam) for seam in found if not shapely.is_empty(seam)]
 
 
+def mouth_seams(network: RoadNetwork) -> FloatArray:
+    """Return the joints across arms where the surfaces of junctions begin, (n, 2, 2)."""
+    lines = network.lines
+    length = arc_lengths(lines)[1]
+    paved = (network.half_width > CARRIAGEWAY) & (network.trim.sum(axis=1) < length)
+    edge, end = np.nonzero((network.trim > 0) & paved[:, None])
+    along = np.where(end == 0, network.trim[edge, end], length[edge] - network.trim[edge, end])
+    middle, ahead = locate(lines, edge, along)
+    left = np.column_stack([-ahead[:, 1], ahead[:, 0]]) * network.half_width[edge][:, None]
+    return np.stack([middle - left, middle + left], axis=1)
+
+
 def _drawn(network: RoadNetwork, length: FloatArray, number: int) -> tuple[
     IntArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray
 ]:  # fmt: skip

@@ -5,7 +5,13 @@ import shapely
 
 from cityx.city import RoadNetwork, one_mesh
 from cityx.geometry.ground_wear import FORECOURT, NEUTRAL, ground_wear
-from cityx.geometry.street_repairs import OVER_KERB, PAVER, lane_seams, street_repairs
+from cityx.geometry.street_repairs import (
+    OVER_KERB,
+    PAVER,
+    lane_seams,
+    mouth_seams,
+    street_repairs,
+)
 from cityx.geometry.yard_fields import REACH, yard_fields
 
 EXTENT = (0.0, 0.0, 600.0, 40.0)
@@ -91,3 +97,10 @@ def test_what_lies_before_houses_is_paved_with_the_street():
     low, high = (int((20.0 + sign * reach) / cell) for sign in (-1, 1))
     across = picture[low:high, int(10.0 / cell) : int(580.0 / cell), 2]
     assert (across == NEUTRAL).all()
+
+
+def test_junctions_have_joints_across_their_mouths():
+    seams = mouth_seams(replace(LONG, trim=np.array([[9.0, 0.0]])))
+    assert seams.shape == (1, 2, 2)
+    assert np.allclose(seams[0, :, 0], 14.0)
+    assert np.allclose(sorted(seams[0, :, 1]), [17.0, 23.0])

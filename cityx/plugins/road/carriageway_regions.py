@@ -96,11 +96,16 @@ def junction_labels(
     return np.asarray(names[best[hubs] % len(names)])
 
 
+def node_ids(network: RoadNetwork) -> NDArray[np.uint64]:
+    """(n,) stable id of each node, of its place."""
+    x, y = np.rint(network.node_position * 1000).astype(np.int64).T
+    own = mix(mix(x.view(np.uint64)) ^ y.view(np.uint64))
+    return np.asarray(np.maximum(own, np.uint64(1)))
+
+
 def junction_ids(network: RoadNetwork) -> NDArray[np.uint64]:
     """(n,) stable id of the junction of each node; edges inside of one join their ends."""
-    x, y = np.rint(network.node_position * 1000).astype(np.int64).T
-    own = np.maximum(mix(mix(x.view(np.uint64)) ^ y.view(np.uint64)), np.uint64(1))
-    return np.asarray(own[junction_clusters(network)])
+    return np.asarray(node_ids(network)[junction_clusters(network)])
 
 
 def carriageway_regions(

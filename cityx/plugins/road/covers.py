@@ -15,7 +15,7 @@ from cityx.city.ground import ROADWAY
 from cityx.city.scene import Instances
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
-from cityx.plugins.road.carriageway_regions import kerbed_edges, road_labels
+from cityx.plugins.road.carriageway_regions import kerbed_edges, node_ids, road_labels
 from cityx.plugins.road.kerbs import KerbPlaces, join_places, places_along
 from cityx.plugins.road.roundabouts import ring_edges, rings_of
 from cityx.protocol import Port, Range, action, has_network
@@ -31,6 +31,7 @@ LEAST_HALF = 2.4  # metres of half carriageway that has manholes
 SLACK = 0.5  # share of their spacing by which manholes leave their places
 MARGIN = 3.0  # metres behind the junction
 REACH = 2.0  # metres that a gully is moved to its kerb
+AMID = (5.0, 1.2)  # metres from the node of a junction to its further manholes, and the first
 SHORTEST = 0.1  # metres; shorter pieces of a kerb do not tell its direction
 
 
@@ -47,7 +48,7 @@ def covers(
     gullies: Annotated[float, Range(8.0, 200.0)] = 26.0,
     manholes: Annotated[float, Range(10.0, 500.0)] = 44.0,
 ) -> City:  # fmt: skip
-    """Set gullies along the kerbs of streets and manholes into their lanes.
+    """Set gullies along the kerbs of streets, and manholes into their lanes and junctions.
 
     Parameters
     ----------
@@ -74,6 +75,7 @@ def covers(
         for side, phase in ((1, 0.0), (-1, 0.5))
     ))  # fmt: skip
     grates = grates.take(~_round_islands(city, grates.xy))
+    middle, turn, middle_ids = _amid_junctions(city, wide)
     ids = [
         hash_ids(0, f"{ACTION}/{name}", network.edge_id[places.edge],
                  2 * places.number + (places.side > 0))
@@ -85,12 +87,32 @@ def covers(
     xy = holes.xy + holes.ahead * (reach * moved)[:, None]
     xy = xy + holes.toward_road * (0.5 * aside)[:, None]
     along, ahead, found = _at_kerbs(city, grates)
-    places = np.concatenate([xy, along])
-    ahead = np.concatenate([holes.ahead, ahead])
-    kind = np.repeat([0, 1], [len(xy), len(along)])
-    inside = _inside(places, city.layout.extent) & np.concatenate([np.ones(len(xy), bool), found])
+    places = np.concatenate([xy, middle, along])
+    ahead = np.concatenate([holes.ahead, turn, ahead])
+    kind = np.repeat([0, 1], [len(xy) + len(middle), len(along)])
+    inside = _inside(places, city.layout.extent)
+    inside[len(xy) + len(middle) :] &= found
+    ids = [ids[0], middle_ids, ids[1]]
     return _with_covers(city, places[inside], ahead[inside], kind[inside],
                         np.concatenate(ids)[inside])  # fmt: skip
+
+
+def _amid_junctions(
+    city: City, wide: NDArray[np.int64]
+) -> tuple[FloatArray, FloatArray, NDArray[np.uint64]]:
+    """Manholes where sewers of streets meet: position, direction and id, the more the more arms."""
+    network = city.network
+    assert network is not None
+    arms = np.bincount(network.edge_nodes[wide].ravel(), minlength=len(network.node_position))
+    node = np.repeat(np.arange(len(arms)), np.where(arms >= 3, arms - 2, 0))
+    number = np.arange(len(node)) - np.searchsorted(node, node)
+    ids = hash_ids(0, f"{ACTION}/junction", node_ids(network)[node], number)
+    angle = 2 * np.pi * uniform(city.seed, f"{ACTION}/angle", ids)
+    far = np.where(number > 0, *AMID) * np.sqrt(uniform(city.seed, f"{ACTION}/far", ids))
+    way = np.column_stack([np.cos(angle), np.sin(angle)])
+    xy = np.round(network.node_position[node] + way * far[:, None], 3)
+    on = np.ones(len(xy), bool) if city.ground is None else city.ground.on(xy, "junction")
+    return xy[on], way[on], ids[on]
 
 
 def _round_islands(city: City, xy: FloatArray) -> BoolArray:

@@ -85,3 +85,12 @@ def test_gullies_follow_the_kerb_round_corners(layout_of, city_of):
     kerb = shapely.union_all(shapely.polygons(found.vertices[stones][..., :2]))
     gap = shapely.distance(kerb, shapely.points(rows.position[names == "gully", :2]))
     assert np.allclose(gap, 0.2, atol=0.02)
+
+
+def test_a_junction_has_manholes_where_its_sewers_meet(layout_of, city_of):
+    rows, names = made(covers(ground(network(city_of(layout_of(STREETS))))))
+    near = np.hypot(*rows.position[:, :2].T) < 5.5
+    assert (near & (names == "manhole")).sum() == 2
+    single = layout_of([([(-90, 0), (90, 0)], {"kind": "secondary", "width": 8.0})])
+    rows, names = made(covers(ground(network(city_of(single)))))
+    assert not np.isin(names[np.hypot(*rows.position[:, :2].T) < 1.2], "manhole").any()
