@@ -64,7 +64,7 @@ class Tenants:
     shop
         (k,) row of its tenant.
     tenant
-        (t,) uint64 key.
+        (t,) uint64 key: the id of the front of its first bay.
     first
         (t,) the first of its bays.
     low, high
@@ -103,7 +103,9 @@ def tenants_of(placing: Placing, found: Facade, city: City) -> Tenants:
     opening = np.flatnonzero(found.openings.role == facades.SHOP)
     table = found.openings.take(opening)
     key = placing.ids("facade/tenant", table.wall, table.bay // 500 * 64 + table.bay % 500 // 2)
-    tenant, first, shop = np.unique(key, return_index=True, return_inverse=True)
+    _, first, shop = np.unique(key, return_index=True, return_inverse=True)
+    # A tenant goes by the front of its first bay, so that whoever sees the front knows the tenant.
+    tenant = _ids(placing, table)[first]
     low, high = np.full(len(tenant), np.inf), np.full(len(tenant), -np.inf)
     np.minimum.at(low, shop, table.along - table.width / 2)
     np.maximum.at(high, shop, table.along + table.width / 2)
@@ -112,6 +114,12 @@ def tenants_of(placing: Placing, found: Facade, city: City) -> Tenants:
     name, kind = shop_names(city, tenant, placing.building[wall], middle)
     paint = _PAINTS[hash_ids(city.seed, "facade/shop tint", tenant) % np.uint64(len(_PAINTS))]
     return Tenants(table, opening, shop, tenant, first, low, high, paint, name, kind)
+
+
+def _ids(placing: Placing, table: Openings) -> NDArray[np.uint64]:
+    """(k,) ids of the fronts of bays."""
+    number = (table.floor * 4096 + table.bay + 2048) * 16 + table.role
+    return placing.ids("facade/opening", table.wall, number)
 
 
 def _fronts(
@@ -129,9 +137,7 @@ def _fronts(
     )
     # Of two bays of one shop the second is a display window.
     kind = np.where((table.bay % 500 % 2 == 1) & (kind < 2), 2, kind)
-    ids = placing.ids(
-        "facade/opening", table.wall, (table.floor * 4096 + table.bay + 2048) * 16 + table.role
-    )
+    ids = _ids(placing, table)
     depth = np.minimum(setting.depth[tenants.opening], SHOP_DEPTH)
     for value in np.unique(kind).tolist():
         of = np.flatnonzero(kind == value)

@@ -20,6 +20,7 @@ from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.scatter import Points, candidates, cells_of_triangles, near_pairs, thin
 from cityx.geometry.standing import WALKED, stand_on
+from cityx.plugins.building.shop_names import shop_names
 from cityx.plugins.nature.frontages import OWN_FRONTAGE, frontage_edges
 from cityx.plugins.nature.pieces import (
     BoolArray,
@@ -69,19 +70,22 @@ ZEBRA_GAP = 5.0  # metres behind a junction's trim that a zebra and its dropped 
 CROSSING_GAP = 4.0  # metres round a mapped crossing
 TOWN = 25.0  # metres within which an urban building makes a kerb a kerb in town
 STRIP = 0.9  # metres at the kerb that other furniture may take
-CAFE_SHARE = {"shop_cafe": 0.75, "shop_classic": 0.10, "shop_modern": 0.08}
-BOARD_SHARE, TUB_SHARE, MACHINE_SHARE = 0.2, 0.2, 0.25
-# What a shop puts before its window, with weights; "" is nothing.
-WARES = {"": 7.0, "fruit_stand": 1.0, "flower_stand": 1.0, "clothes_rail": 1.0}
+# Trades that serve on the walk, and what others put before their windows; with shares of them.
+CAFE_SHARE = {"cafe": 0.8, "restaurant": 0.55, "bar": 0.5, "bakery": 0.3, "quick": 0.2}
+GOODS = {"grocer": "fruit_stand", "flowers": "flower_stand", "clothes": "clothes_rail"}
+GOODS_SHARE = 0.7
+# Fronts of first bays of shops, by whose ids one knows the trade (`cityx.plugins.building.shops`).
+KNOWN_FRONTS = ("shop_classic", "shop_modern")
+BOARD_SHARE, TUB_SHARE, MACHINE_SHARE, POT_SHARE = 0.2, 0.2, 0.25, 0.4
 BANNERS, BANNER_SHARE = ("banner_red", "banner_blue"), 0.3  # of the shops of Japan
 LEVEL = 1.2  # metres between the ground and the foot of a shopfront that opens onto it
 OPEN_SPACING = 6.0  # metres between things on plazas and in yards
 WALL_REACH = 3.5  # metres from a wall within which a thing is moved to it
 # Metres from a wall to the middle of what stands at it.
-WALL_GAP = {"bicycle_parking": 1.05, "bicycle": 0.35, "bench": 0.4, "planter_round": 0.45,
+WALL_GAP = {"bicycle_parking": 1.05, "bicycle": 0.31, "bench": 0.4, "planter_round": 0.45,
             "vending_machine": 0.48, "wheelie_bins": 0.5, "motor_scooter": 0.45,
             "motor_scooter_red": 0.45, "cartons": 0.35, "street_cabinet": 0.3,
-            "garden_shed": 1.0, "bin_store": 0.65, "pot_row": 0.3}  # fmt: skip
+            "garden_shed": 1.0, "bin_store": 0.65, "pot_row": 0.24}  # fmt: skip
 # Ground on which things stand apart from kerbs.
 OPEN = ("plaza", "courtyard", "sidewalk", "gravel", "frontage")
 USUAL_GAP = 0.8  # the same for everything else
@@ -110,7 +114,7 @@ WALK_OPEN = {"": 3.0, "planter": 1.5, "planter_round": 1.0, "bench": 0.8, "bicyc
              "waste_basket": 0.4}  # fmt: skip
 # Metres left to pass on walks and in yards of Japan: bicycles and machines stand at the walls of
 # narrow walks, whose kerbs bear poles alone.
-NARROW = (TIGHT + 0.1, CLEAR)
+NARROW = (TIGHT, CLEAR)
 LEANING = ("bicycle", *SCOOTERS)  # along the wall, not square to it
 # Half the size of a piece that stands free, metres.
 SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "cafe_set": 0.95,
@@ -119,7 +123,7 @@ SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "
         "vending_machine": 0.6, "bicycle": 0.9, "bollard": 0.12, "motor_scooter": 0.92,
         "motor_scooter_red": 0.92, "cartons": 0.65, "street_cabinet": 0.66, "fruit_stand": 0.95,
         "flower_stand": 0.8, "clothes_rail": 0.8, "banner_red": 0.3, "banner_blue": 0.3,
-        "garden_shed": 1.35, "bin_store": 1.2, "pot_row": 0.8, "clothes_dryer": 1.35,
+        "garden_shed": 1.75, "bin_store": 1.4, "pot_row": 0.8, "clothes_dryer": 1.35,
         "vegetable_bed": 1.25, "picnic_table": 1.1, "parking_board": 0.75,
         }  # fmt: skip
 # Bollards along the curves of kerbs at junctions: share of corners by place, metres between them,
@@ -318,7 +322,9 @@ def _before_shops(city: City, site: _Site, density: float) -> Pieces:
             found.append(pieces(name, foot[at] + away * out[at] + aside * side[at], ids, yaw))
 
         if layer == "shopfronts":
-            share = np.array([CAFE_SHARE.get(str(name), 0.0) for name in names])
+            trade = shop_names(city, rows.object_id, rows.owner, foot)[1]
+            trade = np.where(np.isin(names, KNOWN_FRONTS), trade, "")
+            share = np.array([CAFE_SHARE.get(word, 0.0) for word in trade.tolist()])
             cafe = level & drawn("cafe", share)
             wide = cafe & (room >= 2.0 + 1.2 + STRIP + CLEAR)
             put("parasol", wide, 1.75, 0.0)
@@ -326,20 +332,18 @@ def _before_shops(city: City, site: _Site, density: float) -> Pieces:
             put("cafe_set", tables, 0.95, -0.95, 0.8)
             put("cafe_set", tables, 0.95, 0.95, 0.8)
             board = level & ~cafe & drawn("board", BOARD_SHARE) & (room >= 0.6 + kerb + left)
-            put("shop_board", board, 0.55, 0.9, 0.7)
-            words = np.array(list(WARES), object)
-            wares = words[
-                choose(city.seed, f"{ACTION}/wares", rows.object_id, list(WARES.values()))
-            ]
-            for name in words[1:]:
-                laid = level & ~cafe & ~board & (wares == name) & (room >= 0.8 + left)
-                put(str(name), laid & drawn("wares", 1.0), 0.42, -0.75)
+            put("shop_board", board, 0.55 if kerb else 0.35, 0.9, 0.7)
+            for word, name in GOODS.items():
+                laid = level & ~cafe & ~board & (trade == word) & (room >= 0.8 + left)
+                put(name, laid & drawn("goods", GOODS_SHARE), 0.42, -0.75)
             if site.place == "japan":
                 for number, name in enumerate(BANNERS):
                     flown = level & (rows.object_id % np.uint64(2) == number)
                     flown &= drawn("banner", BANNER_SHARE) & (room >= 0.5 + left)
                     put(name, flown, 0.3, 1.45, 0.6)
                 machine = level & ~cafe & ~board & drawn("machine", MACHINE_SHARE)
+                pots = level & ~cafe & ~machine & drawn("pots", POT_SHARE)
+                put("pot_row", pots & (room >= 0.48 + left), 0.24, -1.0)
                 put("vending_machine", machine & (room >= 0.9 + left), 0.48, -1.0)
         else:
             tubs = level & drawn("tubs", TUB_SHARE) & (room >= 0.8 + STRIP + CLEAR)

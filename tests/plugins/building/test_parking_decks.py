@@ -48,8 +48,9 @@ def test_rows_of_bays_lie_within_the_deck_in_pairs_with_aisles(volumes):
     inside = shapely.buffer(volumes.polygons[0], -EDGE + 1e-6, join_style="mitre")
     assert shapely.covers(inside, bays).all()
     assert not shapely.intersects(bays, volumes.polygons[1]).any()
-    one, other = shapely.STRtree(bays).query(bays, predicate="intersects")
-    assert (one == other).all()
+    held = shapely.buffer(bays, -0.01)  # rows back to back touch
+    one, _ = shapely.STRtree(held).query(held, predicate="intersects")
+    assert len(one) == len(bays)
     across = np.unique(np.round(middle @ [-np.sin(TURN), np.cos(TURN)], 3))
     assert np.diff(across).max() == pytest.approx(DECK_STALL + AISLE, abs=0.01)
 

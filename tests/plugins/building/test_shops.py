@@ -11,6 +11,8 @@ from cityx.city.content import content_hash
 from cityx.plugins.building.facade import facade
 from cityx.plugins.building.niches import ROOM_DEPTH
 from cityx.plugins.building.shell import shell
+from cityx.plugins.building.shop_names import shop_names
+from cityx.plugins.nature.street_pieces import KNOWN_FRONTS
 
 SOLD = ("books", "bakery", "hairdresser", "wine", "clothes", "florist")
 
@@ -53,6 +55,21 @@ def test_a_room_lies_behind_every_front_without_a_shutter():
     deep = rows.scale[rooms, 1]
     assert (deep > 0).all()
     assert 1.0 < deep.max() < ROOM_DEPTH
+
+
+def test_who_sees_the_front_of_a_first_bay_knows_its_trade():
+    city = row_of_shops()  # some of which the map tells, some not
+    fronts = city.scene.instances["shopfronts"]
+    kinds = np.array([p.name.removesuffix("_fine") for p in city.scene.prototypes])
+    first = np.flatnonzero(np.isin(kinds[fronts.prototype], KNOWN_FRONTS))
+    assert len(first) > 2
+    foot = fronts.position[:, :2]
+    trade = shop_names(city, fronts.object_id, fronts.owner, foot)[1][first]
+    rows, rooms, names = rooms_of(city)
+    near = np.hypot(*(rows.position[rooms, None, :2] - foot[first]).transpose(2, 0, 1)).argmin(0)
+    shown = [name.split("_")[1] for name in names[rooms[near]].tolist()]
+    known = [(ROOM_OF[word], room) for word, room in zip(trade, shown, strict=True)]
+    assert all(one == other or other == "empty" for one, other in known)
 
 
 def test_a_shop_of_the_map_has_the_room_of_its_trade():

@@ -13,6 +13,7 @@ from cityx.city.outlines import placed_outlines
 from cityx.city.passage import crowding
 from cityx.city.scene import Instances, Prototype
 from cityx.geometry.standing import WALKED, stand_on
+from cityx.plugins.building.shop_names import shop_names
 from cityx.plugins.nature.furniture import furniture
 from cityx.plugins.nature.pieces import (
     front,
@@ -22,7 +23,13 @@ from cityx.plugins.nature.pieces import (
     walk_rims,
     with_pieces,
 )
-from cityx.plugins.nature.street_pieces import FROM_CORNER, LAYER, street_pieces
+from cityx.plugins.nature.street_pieces import (
+    FROM_CORNER,
+    GOODS,
+    LAYER,
+    WALL_GAP,
+    street_pieces,
+)
 from cityx.plugins.nature.street_rules import KERB_RULES, SCOOTERS, rates
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.lanes import lanes
@@ -110,9 +117,25 @@ def test_shops_put_wares_out_and_in_japan_banners(avenue):
         values = {check.name: check.value for check in check_furniture(made)}
         assert values == {"furniture_in_lanes": 0.0, "furniture_on_walkway": 0.0}
         found[place] = set(names_of(made))
-    assert wares & found["europe"]
+    assert wares & (found["europe"] | found["japan"])
     assert banners <= found["japan"]
     assert not banners & found["europe"]
+
+
+def test_goods_stand_before_shops_that_sell_them(avenue):
+    city = trading(avenue, 52.5, 13.4)
+    made = street_pieces(city, density=3.0)
+    rows, names = made.scene.instances[LAYER], names_of(made)
+    shops = city.scene.instances["shopfronts"]
+    foot = shops.position[:, :2]
+    trade = shop_names(city, shops.object_id, shops.owner, foot)[1]
+    seen = 0
+    for word, name in GOODS.items():
+        at = rows.position[names == name, :2]
+        near = np.hypot(*(at[:, None] - foot).transpose(2, 0, 1)).argmin(axis=1)
+        assert set(trade[near].tolist()) <= {word}
+        seen += len(at)
+    assert seen
 
 
 def test_more_scooters_stand_where_it_is_warm():
@@ -165,7 +188,7 @@ def test_things_at_the_walls_of_wide_walks_touch_them_and_leave_the_walk(avenue)
     at_wall = (gap < 0.46) & avenue.ground.on(rows.position[:, :2], "sidewalk")
     leaning = at_wall & (names == "bicycle")
     assert leaning.any()
-    assert gap[leaning] == pytest.approx(0.35, abs=0.01)
+    assert gap[leaning] == pytest.approx(WALL_GAP["bicycle"], abs=0.01)
     # The houses' walls run east and north, and so do the bicycles.
     assert np.abs(np.sin(2 * rows.rotation[leaning, 2])).max() < 1e-5
     assert {check.name: check.value for check in check_furniture(found)}[
