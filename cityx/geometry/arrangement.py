@@ -29,6 +29,7 @@ PER_METRE = 100  # grid steps per metre
 SLIVER_AREA = 0.02  # square metres; smaller faces take the label of their longest neighbour
 SLIVER_WIDTH = 0.02  # metres; so do thinner ones
 BEYOND = OUTSIDE  # the face on the far side of the site's border
+LENGTHWISE = 0.25  # share of its rim that a face has in common with what it was cut from
 
 IntArray = NDArray[np.int64]
 
@@ -234,7 +235,8 @@ def owners(ground: Ground, label: int, over: tuple[str, ...]) -> NDArray[np.int6
     label
         Of the surfaces, each known by its object.
     over
-        Names of what may lie on them; it belongs to what it shares most of its rim with.
+        Names of what may lie on them; it belongs to what it shares most of its rim with. Lines of
+        what lies below may have cut it into faces, which count as one if cut lengthwise.
 
     Returns
     -------
@@ -250,15 +252,40 @@ def owners(ground: Ground, label: int, over: tuple[str, ...]) -> NDArray[np.int6
     left, right = left[inner], right[inner]
     length = np.hypot(*np.diff(ground.vertices[ground.edges[inner]], axis=1)[:, 0].T)
     paint = ground.labelled(*over)
-    rim = np.bincount(left, length, len(owner)) + np.bincount(right, length, len(owner))
+    group = _mended(ground.face_label, paint, left, right, length)
+    apart = group[left] != group[right]
+    left, right, length = left[apart], right[apart], length[apart]
+    size = len(owner)
+    rim = np.bincount(group[left], length, size) + np.bincount(group[right], length, size)
     for _ in range(3):  # rails cross each other inside of a junction
-        held, other = np.zeros(len(owner)), np.zeros(len(owner), np.int64)
+        held, other = np.zeros(size), np.zeros(size, np.int64)
         for a, b in ((left, right), (right, left)):
             rows = np.flatnonzero(paint[a] & (owner[a] == 0) & (owner[b] > 0))
-            np.add.at(held, a[rows], length[rows])
-            other[a[rows]] = owner[b[rows]]
-        owner = np.where((held > 0.5 * rim) & (owner == 0), other, owner)
+            np.add.at(held, group[a[rows]], length[rows])
+            other[group[a[rows]]] = owner[b[rows]]
+        found = np.where(held > 0.5 * rim, other, 0)[group]
+        owner = np.where(paint & (owner == 0), found, owner)
     return owner
+
+
+def _mended(
+    label: NDArray[Any], chosen: NDArray[np.bool_], left: IntArray, right: IntArray,
+    length: NDArray[np.float64],
+) -> IntArray:  # fmt: skip
+    """(f,) a number for each face, one for those of a label that were one and have been cut.
+
+    A cut lengthwise is what takes a good part of the rim of the smaller face.
+    """
+    size = len(label)
+    rim = np.bincount(left, length, size) + np.bincount(right, length, size)
+    same = chosen[left] & (label[left] == label[right])
+    pairs = np.sort(np.column_stack([left, right])[same], axis=1)
+    if not len(pairs):
+        return np.arange(size, dtype=np.int64)
+    pairs, index = np.unique(pairs, axis=0, return_inverse=True)
+    shared = np.bincount(index.ravel(), length[same], len(pairs))
+    cut = shared > LENGTHWISE * rim[pairs].min(axis=1)
+    return np.asarray(components(pairs[cut], size), np.int64)
 
 
 def absorb_scraps(ground: Ground, label: int, area: float, over: tuple[str, ...]) -> Ground:

@@ -13,6 +13,7 @@ from cityx.geometry.arrangement import (
     check_arrangement,
     face_areas,
     join_regions,
+    owners,
     regions,
 )
 
@@ -146,3 +147,24 @@ def test_any_heap_of_turned_boxes_leaves_no_gap_and_no_overlap(boxes):
     assert check_arrangement(ground) == (0, 0, 0.0)
     covered = shapely.intersection(shapely.unary_union(shapes), shapely.box(*SITE)).area
     assert abs(area_of(ground, PARK) - covered) < 2.0
+
+
+def test_a_band_that_lines_have_cut_lengthwise_still_belongs_to_its_junction():
+    junction, red = LABEL["junction"], LABEL["cycle_lane"]
+    given_ = join_regions([
+        regions([shapely.box(20, 0, 60, 80)], junction, 1, 5),
+        regions([shapely.box(40, 0, 41.2, 80)], red, 2),
+        regions([shapely.box(60, 0, 61.2, 80)], red, 2),
+    ])  # fmt: skip
+    cuts = [
+        shapely.LineString([(40.5, 0), (40.6, 80)]),
+        shapely.LineString([(60.5, 0), (60.6, 80)]),
+    ]
+    ground = arrange(given_, SITE, lines=cuts)
+    owner = owners(ground, junction, ("cycle_lane",))
+    x = np.array([ground.vertices[ground.triangles[ground.triangle_face == face]][..., 0].mean()
+                  for face in range(len(owner))])  # fmt: skip
+    inside = (x > 39) & (x < 42)
+    assert inside.sum() >= 2
+    assert (owner[inside] == 1).all()
+    assert not owner[x > 60.6].any()

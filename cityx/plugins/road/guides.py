@@ -83,7 +83,9 @@ def _between(inner: Polylines, outer: Polylines, rows: IntArray, road: Carriagew
     rings = np.concatenate([near, far[:, ::-1]], axis=1)
     shapes = shapely.buffer(shapely.polygons(rings), -CYCLE_LINE / 2 - FURT_GAP)
     row, star = shapely.STRtree(road.stars).query(shapes, predicate="intersects")
-    return np.asarray(shapely.intersection(shapes[row], road.stars[star]))
+    # Two nodes of one junction lead the same lane across, each a little otherwise.
+    cut = shapely.intersection(shapes[row], road.stars[star])
+    return np.asarray(shapely.get_parts(shapely.unary_union(cut)))
 
 
 def _continued(

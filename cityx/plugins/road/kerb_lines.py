@@ -19,7 +19,7 @@ NARROW = 6.5  # metres; on a narrower street a parked car is in the way at any t
 STEP = 12.0  # metres of one mark, so that what crosses one leaves the others
 LEAST = 1.0  # metres
 OFF = 1.0  # metres from junctions and zebras
-PIECE, LEAST_PIECE = 3.0, 0.4  # metres of one mark round a corner
+PIECE, LEAST_PIECE = 3.0, 0.25  # metres of one mark round a corner
 BEYOND = 6.0  # metres of its arms that a junction is looked at with
 _FORBIDDEN = '"parking:(?:left|right|both)(?::restriction)?": *"no'
 
@@ -69,6 +69,7 @@ def corner_lines(street: Street, chosen: BoolArray, road: Carriageway) -> Marks:
     double[hub[_double(street)[edge]]] = True
     first = np.zeros(len(cluster), np.int64)
     first[hub[::-1]] = edge[::-1]
+    surface, _ = joined_by(inner, node)
     found = []
     for number, gap in enumerate(FROM_KERB):
         rows = np.flatnonzero(double[hubs]) if number else np.arange(len(hubs))
@@ -77,10 +78,14 @@ def corner_lines(street: Street, chosen: BoolArray, road: Carriageway) -> Marks:
         rims = shapely.line_merge(shapely.intersection(rims, zones[rows]))
         parts, row = shapely.get_parts(rims, return_index=True)
         line = shapely.get_type_id(parts) == 1
-        found.append((_cut(parts[line]), first[hubs[rows[row[line]]]]))
-    marks = [mark for cut, _ in found for mark in cut]
-    owner = [np.repeat(of, [len(mark) for mark in cut]) for cut, of in found]
-    return np.concatenate([np.zeros(0, object), *marks]), np.concatenate(owner)
+        marks, of = _cut(parts[line])
+        at = rows[row[line]][of]
+        # None lies on the junction and on an arm at once, so that each stays one surface.
+        halves = (shapely.intersection(marks, surface[at]), shapely.difference(marks, surface[at]))
+        for cut in halves:
+            kept = shapely.area(cut) > LEAST_PIECE * WIDTH
+            found.append((cut[kept], first[hubs[at[kept]]]))
+    return together(found)
 
 
 def _arms(street: Street, edge: IntArray, end: IntArray, beyond: float) -> Shapes:
@@ -90,10 +95,10 @@ def _arms(street: Street, edge: IntArray, end: IntArray, beyond: float) -> Shape
     return widened(pieces(street.lines, edge, begin, begin + far), street.network.half_width[edge])
 
 
-def _cut(lines: Shapes) -> list[Shapes]:
-    """Paint lines in pieces, so that what crosses one leaves the others."""
-    found = []
-    for line in lines.tolist():
+def _cut(lines: Shapes) -> tuple[Shapes, IntArray]:
+    """Paint lines in pieces, so that what crosses one leaves the others; also the line of each."""
+    found, owner = [np.zeros(0, object)], [np.zeros(0, np.int64)]
+    for row, line in enumerate(lines.tolist()):
         whole = pack([line])
         length = float(arc_lengths(whole)[1][0])
         count = max(int(np.ceil(length / PIECE)), 1)
@@ -101,8 +106,9 @@ def _cut(lines: Shapes) -> list[Shapes]:
         none = np.zeros(count, np.int64)
         cut = pieces(whole, none, at[:-1], at[1:])
         strips = line_strips(cut, np.zeros(count), WIDTH)
-        found.append(strips[shapely.is_valid(strips) & (length > LEAST_PIECE)])
-    return found
+        found.append(strips[shapely.is_valid(strips)])
+        owner.append(np.full(len(found[-1]), row))
+    return np.concatenate(found), np.concatenate(owner)
 
 
 def _double(street: Street) -> BoolArray:

@@ -116,6 +116,7 @@ def marking_regions(
     turns, _ = turn_guides(street, ways, zebras, road, taken, painting.turn_guides)
     corners, _ = corner_lines(street, urban & kerbed & painting.yellow_kerbs, road)
     corners = corners[~_in_any(corners, crossing_boxes(street, zebras)[zebras.kind != PLAIN])]
+    clear[: len(marks) - len(kerbs[0])] &= ~_in_any(marks[: len(marks) - len(kerbs[0])], corners)
     across = np.concatenate([guides[0], centres, turns, corners])
     ochre = np.zeros(len(across), bool)
     ochre[: len(middle)] = middle & painting.yellow_centre
