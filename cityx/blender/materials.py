@@ -14,6 +14,7 @@ from cityx.assets.materials import MATERIALS, Material
 from cityx.assets.surface_states import material_named
 from cityx.blender import nodes
 from cityx.blender.nodes import Socket, Tree
+from cityx.blender.weather import INDOORS as WHEN_OPEN
 from cityx.blender.weather import lights_group, weather_group
 from cityx.city.rooms import WORK
 
@@ -56,7 +57,7 @@ EMISSION_SCALE = 0.15
 # Share of the emission of a lit window that leaves through its curtains.
 ROOM_GLOW = 0.3
 SIGN_GLOW = 1.6
-INDOORS = "room_wall"  # what lamps light by day as well
+INDOORS = "room_wall"  # what lamps light by day as well, while shops are open
 INDOOR_GLOW = 0.42  # radiance of a white wall there, against that of the sky at noon
 # What no snow lies on: water, and panes that are warm from inside.
 SNOWLESS = frozenset({"water", "glass", "pane", "window_lit", "lamp_glow"})
@@ -191,9 +192,13 @@ class MaterialLibrary:
     ) -> None:
         """Let lamps, lit windows, rooms and signs glow as the group "CityX Lights" says."""
         if record.name == INDOORS:
-            shader = material.node_tree.nodes["Principled BSDF"]
-            nodes.assign(material.node_tree, shader.inputs["Emission Color"], color)
-            shader.inputs["Emission Strength"].default_value = INDOOR_GLOW
+            tree = material.node_tree
+            shader = tree.nodes["Principled BSDF"]
+            nodes.assign(tree, shader.inputs["Emission Color"], color)
+            lights = tree.nodes.new("ShaderNodeGroup")
+            lights.node_tree = self.lights
+            lights.inputs["Strength"].default_value = INDOOR_GLOW
+            tree.links.new(lights.outputs[WHEN_OPEN], shader.inputs["Emission Strength"])
             material.cycles.emission_sampling = "NONE"
             return
         room = record.name == "glass" and variant == "room"

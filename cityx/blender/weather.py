@@ -60,6 +60,8 @@ BRICK_HUE = (1.02, 0.58, 0.44, 1.0)  # of fields of brick, on the colour of the 
 # Kelvin: bulbs and lamps of homes; tubes at work and in shops.
 HOME_KELVIN, WORK_KELVIN = (2700.0, 3700.0), (3300.0, 5000.0)
 
+INDOORS = "Indoors"  # knob of the glow of shops' rooms
+
 # Knob to the field of the environment that it shows, by group.
 KNOBS: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
@@ -88,6 +90,7 @@ def turn_knobs(environment: Environment) -> None:
         burning = environment.lamps > 0 or any(environment.rooms_lit)
         balance = lamp_balance(environment) if burning else 0.0
         lights.nodes[BALANCE].outputs[0].default_value = balance
+        lights.nodes[INDOORS].outputs[0].default_value = environment.shop_glow
 
 
 def weather_group() -> Tree:
@@ -377,7 +380,7 @@ def lights_group() -> Tree:
     Input "Use" is 0 for homes, 1 for workplaces, 2 for shops (`cityx.city.rooms`).
     """
     inputs = {"Seed": 0.0, "Use": 0.0, "Strength": 1.0}
-    outputs = {"Lamp": "Float", "Room": "Float", "Room color": "Color"}
+    outputs = {"Lamp": "Float", "Room": "Float", "Room color": "Color", INDOORS: "Float"}
     tree, source, sink = nodes.group(LIGHTS, inputs, outputs)
     seed, use = source.outputs["Seed"], source.outputs["Use"]
     home, work, shop = (
@@ -403,5 +406,8 @@ def lights_group() -> Tree:
     tree.links.new(nodes.math(tree, "MULTIPLY", bright, strength), sink.inputs["Room"])
     tree.links.new(nodes.math(tree, "MULTIPLY", lamps, given), sink.inputs["Lamp"])
     tree.links.new(kelvin.outputs[0], sink.inputs["Room color"])
+    shops = nodes.knob(tree, INDOORS, 1.0)
+    tree.links.new(nodes.math(tree, "MULTIPLY", shops, source.outputs["Strength"]),
+                   sink.inputs[INDOORS])  # fmt: skip
     nodes.spread(tree)
     return tree

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import date as calendar
 
+OPENING = (8.0, 20.0)  # hours between which shops are open by day
+AFTER_DARK = 0.5  # share of the light in shops that is left to see once lamps are on
+
 
 @dataclass(frozen=True)
 class Environment:
@@ -74,3 +77,13 @@ class Environment:
     def rooms_lit(self) -> tuple[float, float, float]:
         """Shares of windows lit by use of the room: homes, work, shops."""
         return self.night_lights, self.work_lights, self.shop_lights
+
+    @property
+    def shop_glow(self) -> float:
+        """Brightness of the rooms of shops, as a share of that of an open shop by day.
+
+        Under lamps cameras open by some stops, so that less of it looks as bright.
+        """
+        if self.lamps > 0:
+            return AFTER_DARK * self.shop_lights
+        return 1.0 if OPENING[0] <= self.hour < OPENING[1] else 0.0
