@@ -334,6 +334,13 @@ def fetch(
     typer.echo(str(path))
 
 
+def _moment(word: str | None) -> float | str | None:
+    try:
+        return None if word is None else float(word)
+    except ValueError:
+        return word  # refused where it means nothing
+
+
 @app.command()
 def render(
     folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
@@ -343,7 +350,7 @@ def render(
     time: Annotated[str | None, typer.Option(help="As of build; the city stays as it is.")] = None,
     weather: Annotated[str | None, typer.Option(help="As of build, or two: storm dusk.")] = None,
     moment: Annotated[
-        float | None, typer.Option(min=0.0, help="Seconds into what moves, if it is shown so.")
+        str | None, typer.Option(help='Seconds into what moves, or "busiest" of each picture.')
     ] = None,
     frames: Annotated[
         str | None, typer.Option(help="A picture per frame, FROM:TO[:STEP], 25 a second.")
@@ -363,7 +370,7 @@ def render(
             size=_pixels(size) if size else None,
             time=time or "",
             weather=weather or "",
-            moment=moment,
+            moment=_moment(moment),
             frames=frames or "",
             exact=exact,
             say=say,

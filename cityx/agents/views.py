@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 VIEWS = ("street", "aerial", "top")  # in the order of the report
 PICTURE = (960, 540)  # pixels
+BUSIEST = "busiest"  # instead of a moment
 # A picture of a square kilometre takes a minute or two on two cores; this is a hang.
 TIMEOUT_S = 6 * 3600.0
 
@@ -154,7 +155,7 @@ def render_views(
     size: tuple[int, int] | None = None,
     time: str = "",
     weather: str = "",
-    moment: float | None = None,
+    moment: float | str | None = None,
     frames: str = "",
     exact: bool = False,
     say: Say,
@@ -179,7 +180,8 @@ def render_views(
         Instead of the city's own, as of `cityx.plugins.background.weather.lit_anew`; "" keeps them.
     moment
         Seconds into the tracks that are shown; when None the city's own, or for each picture the
-        next at which nothing that moves is within five metres before the lens.
+        next at which nothing that moves is within five metres before the lens. "busiest" takes, of
+        all such moments, the one at which most that moves is seen within sixty metres.
     frames
         "FROM:TO" or "FROM:TO:STEP", a span of frames of which each becomes a picture, 25 a second;
         "" for none.
@@ -225,26 +227,28 @@ def render_views(
         )
         for item in cameras
     )
-    if moment is None and span is None:
-        requests = _at_free_moments(view, requests, say)
+    if moment in (None, BUSIEST) and span is None:
+        requests = _at_free_moments(view, requests, say, busiest=moment == BUSIEST)
+    shown = None if isinstance(moment, str) else moment
     job = BlenderJob(
-        folder / "city", renders=requests, environment=environment, moment=moment, frames=span,
+        folder / "city", renders=requests, environment=environment, moment=shown, frames=span,
         hidden=_hidden(view, cameras, say),
     )  # fmt: skip
     return list(run_worker(job, timeout_s=TIMEOUT_S, progress=lambda _, text: say(text)).files)
 
 
 def _at_free_moments(
-    view: View, requests: Sequence[RenderRequest], say: Say
+    view: View, requests: Sequence[RenderRequest], say: Say, *, busiest: bool = False
 ) -> tuple[RenderRequest, ...]:  # fmt: skip
     """Let each picture show a moment at which nothing that moves stands before its lens."""
     from cityx.plugins.render.free_view import free_moment
 
     found = []
     for request in requests:
-        moment = free_moment(view, request.camera)
+        moment = free_moment(view, request.camera, busiest=busiest)
         if moment != view.moment:
-            say(f"{request.camera.name}: shown at {moment:g} s, when the view is free")
+            how = "busiest" if busiest else "free"
+            say(f"{request.camera.name}: shown at {moment:g} s, when the view is {how}")
             request = replace(request, moment=moment)
         found.append(request)
     return tuple(found)
@@ -264,7 +268,7 @@ def _hidden(view: View, cameras: Sequence[Camera], say: Say) -> tuple[int, ...]:
     return tuple(sorted(set(found)))
 
 
-def _span(view: View, moment: float | None, frames: str) -> tuple[int, int, int] | None:
+def _span(view: View, moment: float | str | None, frames: str) -> tuple[int, int, int] | None:
     """Read a span of frames and refuse what lies outside the tracks.
 
     Raises
@@ -281,7 +285,9 @@ def _span(view: View, moment: float | None, frames: str) -> tuple[int, int, int]
         faults.append("Nothing moves in this city: it has no moment and no frames to show.")
     if moment is not None and frames:
         faults.append("--moment shows one moment and --frames a span; give one of them.")
-    if moment is not None and duration and not 0 <= moment <= duration:
+    if isinstance(moment, str) and moment != BUSIEST:
+        faults.append(f'--moment "{moment}" is neither a number of seconds nor {BUSIEST}.')
+    if not isinstance(moment, str | None) and duration and not 0 <= moment <= duration:
         faults.append(f"--moment {moment:g} is outside 0 to {duration:g} seconds of the tracks.")
     read = re.fullmatch(r"(\d+):(\d+)(?::([1-9]\d*))?", frames) if frames else None
     if frames and read is None:

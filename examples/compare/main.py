@@ -22,7 +22,7 @@ from cityx.agents.views import render_views
 SHARED = Path(__file__).parents[2] / ".." / "shared"
 CAMERAS = SHARED / "reference" / "cameras.json"
 VIEWS = ("street", "junction", "aerial")
-LIFE = "heavy traffic, 700 pedestrians"  # of every place
+LIFE = "heavy traffic, 1500 pedestrians"  # of every place
 WIDTH, HEIGHT, GAP, TITLE = 480, 270, 8, 24
 
 
@@ -31,7 +31,7 @@ def render_place(name: str, osm: Path, work: Path, samples: int) -> dict[str, Pa
     out = work / name
     options = BuildOptions(lod=3, formats=("blend",), render=False, text=LIFE)
     build([osm], out, options, say=print)
-    paths = render_views(out, str(CAMERAS), samples=samples, say=print)
+    paths = render_views(out, str(CAMERAS), samples=samples, moment="busiest", say=print)
     return {path.stem: path for path in paths}
 
 

@@ -87,6 +87,8 @@ def test_a_moment_and_a_span_of_frames_reach_blender(built):
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
+        ({"moment": "noon"}, '--moment "noon" is neither a number of seconds nor busiest.'),
+        ({"moment": "busiest", "frames": "0:1"}, "--moment shows one moment and --frames a span"),
         ({"moment": 11.0}, "--moment 11 is outside 0 to 10 seconds of the tracks."),
         ({"frames": "0:300"}, "--frames 0:300 is outside 0 to 250, the frames of the tracks."),
         ({"frames": "9:3"}, "--frames 9:3 ends before it begins."),
@@ -128,3 +130,7 @@ def test_each_picture_shows_a_moment_at_which_its_view_is_free(built):
     assert f"near: shown at {moments['near']:g} s, when the view is free" in told
     views.render_views(folder, str(file), moment=0.5, say=told.append)
     assert [request.moment for request in jobs[1].renders] == [None, None]
+    views.render_views(folder, str(file), moment="busiest", say=told.append)
+    assert jobs[2].moment is None
+    assert jobs[2].renders[0].moment == moments["near"]
+    assert f"near: shown at {moments['near']:g} s, when the view is busiest" in told

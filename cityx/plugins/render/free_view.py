@@ -20,13 +20,14 @@ if TYPE_CHECKING:
     from cityx.city.store import View
 
 NEAR = 5.0  # metres before the lens that movers keep free
+SEEN = 60.0  # metres before the lens within which movers make a picture busy
 TOUCHING = 2.5  # metres within which what is parked is left out
 EVERY = 0.5  # seconds between the moments that are looked at
 ARC = 9  # corners of the outer edge of what a lens sees
 PARKED = ("vehicles",)  # layers of the scene
 
 
-def free_moment(view: View, camera: Camera) -> float:
+def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     """Return the moment that a picture shows: the one next to the city's own with a free view.
 
     Parameters
@@ -35,6 +36,9 @@ def free_moment(view: View, camera: Camera) -> float:
         The city with its tracks.
     camera
         Of the picture.
+    busiest
+        Whether to take, of the moments with a free view, the one that shows most of what moves:
+        each mover within `SEEN` metres counts by how near it is.
 
     Returns
     -------
@@ -49,17 +53,20 @@ def free_moment(view: View, camera: Camera) -> float:
     times = np.append(times[times <= tracks.duration], view.moment)
     order = np.argsort(times, kind="stable")
     found = moments_of(tracks, times[order])
+    reach = SEEN if busiest else NEAR
     size = tracks.size[found.mover].astype(float)
     eye = np.array(camera.position)
-    reach = NEAR + np.hypot(size[:, 0], size[:, 1]) / 2
-    beside = np.hypot(*(found.position[:, :2] - eye[:2]).T) <= reach
+    beside = np.hypot(*(found.position[:, :2] - eye[:2]).T)
+    beside = beside <= reach + np.hypot(size[:, 0], size[:, 1]) / 2
     above = np.maximum(eye[2] - found.position[:, 2] - size[:, 2], found.position[:, 2] - eye[2])
-    rows = np.flatnonzero(beside & (above < NEAR))
+    rows = np.flatnonzero(beside & (above < reach))
+    far = _before(camera, found.boxes(tracks.size)[rows], reach)
+    moment, low = order[found.number[rows]], above[rows] < NEAR
     away = np.full(len(times), NEAR)
-    np.minimum.at(away, order[found.number[rows]],
-                  _before(camera, found.boxes(tracks.size)[rows], NEAR))  # fmt: skip
+    np.minimum.at(away, moment[low], np.minimum(far, NEAR)[low])
+    life = np.bincount(moment, 1.0 - far / reach, len(times)) if busiest else np.zeros(len(times))
     wait = np.round(np.abs(times - view.moment), 6)
-    best = np.lexsort((times, wait, -np.round(away, 2)))[0]
+    best = np.lexsort((times, wait, -np.round(life, 2), -np.round(away, 2)))[0]
     return float(times[best])
 
 

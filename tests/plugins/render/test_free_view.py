@@ -45,6 +45,14 @@ def test_where_something_always_stands_it_is_as_far_as_it_gets():
     assert free_moment(at(moving(slow), 0.0), lens(0.0, 0.0)) == 10.0
 
 
+def test_the_busiest_moment_shows_most_that_moves_and_keeps_the_lens_free():
+    view = at(moving(CAR), 9.0)  # far ahead by then
+    moment = free_moment(view, lens(0.0, 0.0), busiest=True)
+    assert moment == free_moment(at(moving(CAR), 1.0), lens(0.0, 0.0))  # as near as may be
+    assert free_moment(view, lens(0.0, 0.0)) == 9.0
+    assert free_moment(view, lens(0.0, 0.0, WEST), busiest=True) == 9.0
+
+
 def test_a_city_where_nothing_moves_keeps_its_moment():
     still = replace(moving(CAR), tracks=None)
     assert free_moment(at(still, 3.0), lens(0.0, 0.0)) == 3.0
