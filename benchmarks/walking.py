@@ -34,7 +34,7 @@ from cityx.plugins.dynamic.traffic import traffic
 from cityx.traffic import session
 from cityx.traffic.demand import PER_KM
 
-EXCESS = 1.5, 1.0  # vehicles and people asked for to have one of them under way at any time
+EXCESS = 1.6, 1.1  # vehicles and people asked for to have one of them under way at any time
 
 
 def row(

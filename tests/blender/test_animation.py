@@ -82,3 +82,17 @@ def test_a_span_of_frames_is_a_picture_each_and_they_differ(tmp_path):
     assert np.abs(first - last).max() > 20
     still = run_worker(BlenderJob(tmp_path / "city", renders=(request,)), timeout_s=300)
     assert [path.name for path in still.files] == ["side.png"]
+
+
+def test_a_picture_has_a_moment_of_its_own_with_keyframes_or_without(tmp_path):
+    write_city(replace(moving(CAR, MAN), moment=2.0), tmp_path / "city")
+
+    def pictures(name, blend=None, moment=1.0):
+        request = RenderRequest(SIDE, tmp_path / f"{name}.png", 8, moment=moment)
+        job = BlenderJob(tmp_path / "city", blend=blend, renders=(request,))
+        run_worker(job, timeout_s=300)
+        return np.asarray(Image.open(request.path)).astype(float)[..., :3]
+
+    staged, keyed = pictures("staged"), pictures("keyed", tmp_path / "city.blend")
+    assert np.abs(staged - keyed).mean() < 3.0
+    assert np.abs(staged - pictures("own", moment=None)).mean() > 3.0
