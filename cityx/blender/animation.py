@@ -166,7 +166,7 @@ class _Stage:
         if key not in self._meshes:
             upload = MeshUploader(batch, self.library)
             vertices, faces = slice(0, len(batch.vertices)), slice(0, len(batch.faces))
-            self._meshes[key] = upload.mesh(name, vertices, faces, 0.0)
+            self._meshes[key] = upload.mesh(name, vertices, faces)
         return self._meshes[key]
 
     # --- vehicles ---------------------------------------------------------------------------------

@@ -164,30 +164,46 @@ def encoded(tint: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.column_stack([curve, np.ones(len(curve), np.float32)])
 
 
+def _about(batch: MeshBatch, origins: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Return the vertices of each object about its own origin."""
+    return np.asarray(
+        batch.vertices - np.repeat(origins, np.diff(batch.vertex_start), axis=0), np.float32
+    )
+
+
 class MeshUploader:
     """Cuts meshes out of one batch and hands them to Blender.
 
     A class because the flattened arrays of the whole batch are shared by thousands of small meshes.
-    Plain meshes have no texture coordinates.
+    Plain meshes have no texture coordinates. With origins, (k, 3) metres, the vertices of each
+    object are about its own.
     """
 
     def __init__(
-        self, batch: MeshBatch, library: MaterialLibrary, suffix: str = "", *, plain: bool = False
+        self,
+        batch: MeshBatch,
+        library: MaterialLibrary,
+        suffix: str = "",
+        *,
+        plain: bool = False,
+        origins: NDArray[np.float64] | None = None,
     ) -> None:
         corners = _corners(batch)
         self.vertex, self.uv, self.corner_start = corners.vertex, corners.uv, corners.start
-        self.points = batch.vertices
+        self.points = batch.vertices if origins is None else _about(batch, origins)
         self.material = batch.material.astype(np.int32)
         self.plain = plain
         self.tint = encoded(batch.tint)
         self.materials = [library.get(name, suffix) for name in batch.materials]
-        self.round = np.array([material_named(name).root in ROUND for name in batch.materials])
+        round_ = np.array([material_named(name).root in ROUND for name in batch.materials], bool)
+        self.flat = ~round_[self.material]
 
-    def mesh(self, name: str, vertices: slice, faces: slice, origin: Any) -> bpy.types.Mesh:
-        """Make the mesh of consecutive vertices and faces, about its own origin."""
+    def mesh(self, name: str, vertices: slice, faces: slice, origin: Any = None) -> bpy.types.Mesh:
+        """Make the mesh of consecutive vertices and faces, about an origin where one is given."""
         mesh = bpy.data.meshes.new(name)
         first, last = int(self.corner_start[faces.start]), int(self.corner_start[faces.stop])
-        points = (self.points[vertices] - origin).astype(np.float32)
+        points = self.points[vertices]
+        points = (points if origin is None else points - origin).astype(np.float32, copy=False)
         mesh.vertices.add(len(points))
         mesh.attributes["position"].data.foreach_set("vector", points.ravel())
         mesh.loops.add(last - first)
@@ -211,7 +227,7 @@ class MeshUploader:
         color = mesh.attributes.new("tint", "BYTE_COLOR", "FACE")
         color.data.foreach_set("color_srgb", self.tint[faces].ravel())
         flat = mesh.attributes.new("sharp_face", "BOOLEAN", "FACE")
-        flat.data.foreach_set("value", ~self.round[material])
+        flat.data.foreach_set("value", self.flat[faces])
         mesh.update(calc_edges=True)
         return mesh
 
@@ -223,9 +239,9 @@ def _separate(
     library: MaterialLibrary,
 ) -> Iterator[bpy.types.Object]:
     """One object per thing, its origin at the middle of its foot, named by its id."""
-    upload = MeshUploader(batch, library)
     filled = np.flatnonzero(np.diff(batch.vertex_start) > 0)
-    origins = feet(batch)[filled].astype(np.float32).astype(float)  # as Blender keeps it
+    feet_of = feet(batch).astype(np.float32).astype(float)  # as Blender keeps it
+    upload, origins = MeshUploader(batch, library, origins=feet_of), feet_of[filled]
     kind = layer.removesuffix("s")
     vertex_start, face_start = batch.vertex_start.tolist(), batch.face_start.tolist()
     ids = batch.object_id[filled].tolist()
@@ -235,9 +251,8 @@ def _separate(
             f"{kind}_{id_text(object_id)}",
             slice(vertex_start[index], vertex_start[index + 1]),
             slice(face_start[index], face_start[index + 1]),
-            origin,
         )
-        for index, object_id, origin in zip(filled.tolist(), ids, origins, strict=True)
+        for index, object_id in zip(filled.tolist(), ids, strict=True)
     ]
     make = bpy.data.objects.new
     for object_id, origin, mesh in zip(ids, origins.tolist(), meshes, strict=True):
@@ -430,7 +445,7 @@ def _prototype_mesh(prototype: Prototype, index: int, library: MaterialLibrary) 
     mesh = prototype.mesh
     upload = MeshUploader(mesh, library, _variant(prototype))
     every = slice(0, len(mesh.vertices)), slice(0, len(mesh.faces))
-    made = upload.mesh(f"{index:04d}_{prototype.name}", *every, 0.0)
+    made = upload.mesh(f"{index:04d}_{prototype.name}", *every)
     made.attributes.remove(made.attributes["sharp_face"])
     made.set_sharp_from_angle(angle=CREASE)
     return made

@@ -46,11 +46,13 @@ def crowding(
     rows = np.flatnonzero(on_walk & (edge > BORDER))
     left, right = ground.edge_faces.T.astype(np.int64)
     beyond = np.where(right == BEYOND, False, walk[np.maximum(right, 0)])
-    rims = shapely.linestrings(ground.vertices[ground.edges[walk[left] != beyond]])
+    ends = ground.vertices[ground.edges[walk[left] != beyond]]  # (r, 2, 2)
+    rims = shapely.linestrings(ends)
     if not len(rows) or not len(rims):
         return rows, np.zeros(len(rows), bool)
     spots = shapely.points(xy[rows])
-    near = shapely.STRtree(rims).query_nearest(spots, all_matches=False)[1]
+    tree = shapely.STRtree(rims)
+    near = tree.query_nearest(spots, all_matches=False)[1]
     foot = shapely.get_coordinates(
         shapely.line_interpolate_point(rims[near], shapely.line_locate_point(rims[near], spots))
     )
@@ -58,9 +60,8 @@ def crowding(
     size = np.hypot(*away.T)
     away = np.where(size[:, None] > 0.02, away / np.maximum(size, 1e-9)[:, None], [1.0, 0.0])
     across = shapely.linestrings(np.stack([xy[rows] - LOOK * away, xy[rows] + LOOK * away], axis=1))
-    line, rim = shapely.STRtree(rims).query(across, predicate="intersects")
-    met = shapely.get_coordinates(shapely.centroid(shapely.intersection(across[line], rims[rim])))
-    at = ((met - xy[rows][line]) * away[line]).sum(axis=1)
+    line, rim = tree.query(across, predicate="intersects")
+    at = _met(ends[rim] - xy[rows][line][:, None], away[line])
     low, high = np.full(len(rows), -LOOK), np.full(len(rows), LOOK)
     np.maximum.at(low, line[at <= 0], at[at <= 0])
     np.minimum.at(high, line[at > 0], at[at > 0])
@@ -82,6 +83,20 @@ def crowding(
         reached[row] = np.maximum(reached[row], cut[of, 1])
     free = np.maximum(free, high - reached)
     return rows, free < FREE
+
+
+def _met(ends: FloatArray, way: FloatArray) -> FloatArray:
+    """(n,) metres along unit vectors from the origin at which segments, (n, 2, 2), are met.
+
+    Of a segment that lies along the way it is the middle of what is within `LOOK`.
+    """
+    ahead = (ends * way[:, None]).sum(axis=2)  # (n, 2)
+    aside = ends[..., 1] * way[:, None, 0] - ends[..., 0] * way[:, None, 1]
+    across = aside[:, 0] - aside[:, 1]
+    along = np.abs(across) < 1e-9
+    share = aside[:, 0] / np.where(along, 1.0, across)
+    middle = np.clip(ahead, -LOOK, LOOK).mean(axis=1)
+    return np.where(along, middle, ahead[:, 0] + share * (ahead[:, 1] - ahead[:, 0]))
 
 
 def _along(shapes: NDArray[Any], origin: FloatArray, axis: FloatArray) -> NDArray[Any]:

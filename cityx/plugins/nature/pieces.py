@@ -17,6 +17,7 @@ from cityx.city.outlines import placed_rings, solid_ring
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.polylines import to_linestrings
 from cityx.geometry.standing import WALKED, earth_over, stand_on, surfaces_at
+from cityx.remembered import Remembered
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -162,10 +163,18 @@ def room_along(
     if not len(start) or not len(rims):
         return room
     rays = shapely.linestrings(np.stack([start, start + reach * direction], axis=1))
-    ray, rim = shapely.STRtree(rims).query(rays, predicate="intersects")
+    ray, rim = _tree_of(rims).query(rays, predicate="intersects")
     met = shapely.intersection(rays[ray], rims[rim])
     np.minimum.at(room, ray, shapely.distance(shapely.points(start[ray]), met))
     return room
+
+
+_TREE: Remembered[Any] = Remembered()
+
+
+def _tree_of(rims: NDArray[Any]) -> Any:
+    """Return a search tree over segments, which several questions in turn are about."""
+    return _TREE.get(lambda: shapely.STRtree(rims), (rims,))
 
 
 def ways_to_doors(city: City) -> NDArray[Any]:
