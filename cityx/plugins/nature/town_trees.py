@@ -38,7 +38,7 @@ YARD_REACH = 60.0  # metres from a house of a town
 FROM_EDGE = 1.5  # metres from a trunk in paving to where the paving ends
 LONE = 5.0  # metres to mapped trees
 # Share of the places of yards that have a plant, by what the ground is.
-YARD_SHARES = {"grass": 0.75, "block": 0.45, "bare": 0.9, "courtyard": 0.3, "frontage": 0.35,
+YARD_SHARES = {"grass": 0.75, "block": 0.45, "bare": 0.9, "courtyard": 0.35, "frontage": 0.5,
                "gravel": 0.3}  # fmt: skip
 # The same share as a factor, by climate: where land is dear, and where water is.
 GREEN = {"japan": 0.8, "warm": 0.7, "tropic": 0.8}
