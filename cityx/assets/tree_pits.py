@@ -22,6 +22,10 @@ OPENING = 0.34  # metres, half an edge of the hole in a grate, for the trunk to 
 DEEP = -0.20  # metres below the paving, so that no gap shows on a slope
 TOP = 0.012  # metres above it, enough to hide the paving beneath
 
+STRIP, STRIP_HALF = 1.6, 0.28  # metres, length of a strip between trees and half its breadth
+HEDGE = 0.46  # metres, height of the clipped bushes of a strip
+SPRAYS = 420  # leaf cards on them
+
 Shapes = list[MeshBatch]
 
 
@@ -38,6 +42,35 @@ def _edging(high: float) -> Shapes:
 
 def _soil(high: float) -> MeshBatch:
     return box((-HALF, -HALF, DEEP), (HALF, HALF, high), "soil", bottom=False)
+
+
+def _strip() -> Shapes:
+    """Soil between two rows of edging stones, with a low clipped hedge."""
+    rng = rng_for(0, "assets/tree_strip", 1)
+    half = np.array([STRIP / 2 - 0.02, STRIP_HALF - 0.05])
+    stones = [
+        box((-STRIP / 2, y - 0.05, DEEP), (STRIP / 2, y + 0.05, 0.09), "kerb_stone", bottom=False)
+        for y in (-STRIP_HALF + 0.05, STRIP_HALF - 0.05)
+    ]
+    soil = box((-STRIP / 2, 0.1 - STRIP_HALF, DEEP), (STRIP / 2, STRIP_HALF - 0.1, 0.04), "soil",
+               bottom=False)  # fmt: skip
+    core = box((-half[0] + 0.06, -half[1] + 0.05, 0.1), (half[0] - 0.06, half[1] - 0.05,
+               HEDGE - 0.05), "hedge", (0.45, 0.45, 0.45))  # fmt: skip
+    # Half a barrel along x, its ends rounded.
+    x = rng.uniform(-1, 1, SPRAYS)
+    angle = np.pi * rng.uniform(0, 1, SPRAYS)
+    across, up = (np.sign(v) * np.abs(v) ** 0.5 for v in (np.cos(angle), np.sin(angle)))
+    swell = 1 + 0.08 * np.sin(7 * x + 1.3) + rng.normal(0, 0.04, SPRAYS)
+    centre = np.column_stack([half[0] * x, half[1] * across * swell,
+                              0.12 + (HEDGE - 0.12) * up * swell])  # fmt: skip
+    normal = np.column_stack([0.3 * x, across, up]) + 0.45 * rng.normal(size=(SPRAYS, 3))
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    along = np.cross(normal, rng.normal(size=(SPRAYS, 3)))
+    along *= 0.085 * rng.uniform(0.7, 1.3, (SPRAYS, 1)) / np.linalg.norm(along, axis=1)[:, None]
+    shade = rng.uniform(0.7, 1.2, (SPRAYS, 1)) * (0.55 + 0.45 * up[:, None])
+    leaves = shapes.cards(centre, along, np.cross(normal, along) * 0.9, "leaf",
+                          shade * [0.80, 0.88, 0.70])  # fmt: skip
+    return [*stones, soil, core, leaves]
 
 
 def _open() -> Shapes:
@@ -99,8 +132,11 @@ OTHERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {"tree_pit_planted": _planted, "tree_pit_staked": _staked}
 )
 
+TREE_STRIP = "tree_strip"
+
 
 @lru_cache(maxsize=8)
 def pit(name: str) -> Prototype:
-    """Make a tree pit, one of `PITS` or `OTHERS`, about the trunk's place on the paving."""
-    return shapes.prototype(name, "furniture", ({**PITS, **OTHERS})[name]())
+    """Make a tree pit, one of `PITS` or `OTHERS`, about the trunk's place, or a `TREE_STRIP`."""
+    makers = {**PITS, **OTHERS, TREE_STRIP: _strip}
+    return shapes.prototype(name, "furniture", makers[name]())

@@ -161,7 +161,8 @@ def _site(city: City) -> _Site:
         edges = frontage_edges(city)
         rims = np.concatenate([rims, edges.lines[edges.kind != ""]])
     return _Site(rims, houses, houses[urban], door_zones(city), ways_to_doors(city),
-                 _standing(city, "street_furniture"), _standing(city, "trees"),
+                 _standing(city, "street_furniture"),
+                 np.concatenate([_standing(city, layer) for layer in ("trees", "tree_pits")]),
                  place_of(city))  # fmt: skip
 
 

@@ -16,8 +16,8 @@ from cityx.plugins.nature import climate
 from cityx.plugins.nature.climate import band_of
 from cityx.plugins.nature.pieces import room_along, walk_rims, ways_to_doors
 from cityx.plugins.nature.stands import INDEX, Stand, draw_species, stand_of
-from cityx.plugins.nature.tree_room import FACADE_CLEARANCE, KERB_CLEARANCE, SIGHT
-from cityx.plugins.road.kerbs import KerbPlaces, join_places, places_along
+from cityx.plugins.nature.tree_room import CLIPPED, custom_of
+from cityx.plugins.road.kerbs import join_places, places_along
 
 FloatArray = NDArray[np.float64]
 
@@ -29,8 +29,9 @@ MAIN_KINDS = ("tertiary", "secondary", "primary")
 LEAST_WALK = 2.0  # metres of sidewalk; nobody plants trees along narrower ones
 WIDE_WAY = 2.1  # metres from trunks where walks are not told but measured, some 3 m in all
 TRUNK_WAY = 1.7  # metres of walk and paved court from the middle of a trunk, so that 1.2 m are left
-# Metres behind a trunk along the kerb, and nearer to it, of the bushes between trees; their height.
-BUSHES_AT, BUSHES_OUT, BUSH_HEIGHT = (1.5, 2.3, 3.1, 3.9), 0.2, (0.45, 0.65)
+# The same in Japan, whose clipped trees are slender; there each street that bears a name has some.
+CLIPPED_WALK, CLIPPED_WAY, CLIPPED_WIDE_WAY = 1.8, 1.35, 1.7
+VERGES = ("grass", "block")  # ground beside carriageways where trees leave the walk alone
 HOUSES_WITHIN = 25.0  # metres; a street has trees only where it has houses on its side
 MAPPED_WITHIN = 45.0  # metres; where the map shows trees it shows all of them
 YARD_SPACING = 6.5  # metres between the trees of yards
@@ -66,57 +67,44 @@ def along_streets(city: City, mapped: FloatArray) -> list[Stand]:
     name = roads["name"].to_numpy().astype(str)[network.edge_road]
     key = np.array([stable_id("street", n) if n else int(i)
                     for n, i in zip(name, road_id, strict=True)], np.uint64)  # fmt: skip
-    share = np.where(np.isin(kind, MAIN_KINDS), MAIN_SHARE, STREET_SHARE)
+    custom = custom_of(city.frame)
+    clipped = custom == CLIPPED
+    major = np.isin(kind, MAIN_KINDS) | (clipped & (name != ""))
+    share = np.where(major, MAIN_SHARE, STREET_SHARE)
     green = uniform(city.seed, STREET, key) < share
     green &= np.isin(kind, STREET_KINDS) & flat[network.edge_road]
     spacing = choose(city.seed, STREET, key, [1.0] * len(STREET_SPACINGS), 1)
     groups = []
     walks = roads[["sidewalk_right", "sidewalk_left"]].to_numpy(float)[network.edge_road]
-    told = walks >= LEAST_WALK
+    told = walks >= (CLIPPED_WALK if clipped else LEAST_WALK)
+    way, wide_way = (CLIPPED_WAY, CLIPPED_WIDE_WAY) if clipped else (TRUNK_WAY, WIDE_WAY)
     for side in (1, -1):
         # Trees of both sides stand in turn.
-        wide = told[:, int(side > 0)] | np.isin(kind, MAIN_KINDS)
+        wide = (walks[:, int(side > 0)] >= LEAST_WALK) | major
         for number, metres in enumerate(STREET_SPACINGS):
             edges = np.flatnonzero(green & wide & (spacing == number))
             groups.append(
-                places_along(network, edges, side, spacing=metres, beyond=KERB_CLEARANCE + 0.1,
-                             margin=SIGHT, phase=0.25 * (side < 0))
+                places_along(network, edges, side, spacing=metres, beyond=custom.kerb + 0.1,
+                             margin=custom.sight, phase=0.25 * (side < 0))
             )  # fmt: skip
     places = join_places(*groups)
     houses = city.layout.buildings.geometry.to_numpy()
     spots = spots_of(places.xy)
     facade = distance_within(spots, houses, HOUSES_WITHIN)
-    keep = np.isfinite(facade) & (facade >= FACADE_CLEARANCE)
+    keep = np.isfinite(facade) & (facade >= custom.facade)
     keep &= ~near_any(spots, shapely.points(mapped), MAPPED_WITHIN)
     places = places.take(keep)
     if city.ground is not None:
         rims = walk_rims(city.ground)
         room = room_along(places.xy, -places.toward_road, rims, 2 * TRUNK_WAY)
-        least = np.where(told[places.edge, (places.side > 0).astype(int)], TRUNK_WAY, WIDE_WAY)
-        places = places.take((room >= least) & city.ground.on(places.xy, *WALKED))
+        least = np.where(told[places.edge, (places.side > 0).astype(int)], way, wide_way)
+        free = (room >= least) & city.ground.on(places.xy, *WALKED)
+        places = places.take(free | city.ground.on(places.xy, *VERGES))
     ids = hash_ids(0, STREET, network.edge_id[places.edge],
                    2 * places.number + (places.side > 0))  # fmt: skip
     species = draw_species(climate.STREET_MIX, city, key[places.edge])
-    rows = stand_of(Points(places.xy, ids), species, line=network.edge_id[places.edge],
-                    place=2 * places.number + (places.side > 0))  # fmt: skip
-    return [rows, _between(city, places, ids)]
-
-
-def _between(city: City, places: KerbPlaces, ids: NDArray[np.uint64]) -> Stand:
-    """Clipped bushes along the kerb behind each trunk, where that is the custom."""
-    shown = city.ground is not None and band_of(city.frame) == "japan"
-    aside = np.array(BUSHES_AT if shown else ())
-    xy = (places.xy[:, None] + aside[:, None] * places.ahead[:, None]).reshape(-1, 2)
-    own = hash_ids(0, f"{STREET}/bush", np.repeat(ids, len(aside)),
-                   np.tile(np.arange(len(aside)), len(ids)))  # fmt: skip
-    if shown and city.ground is not None and len(xy):
-        xy = xy + BUSHES_OUT * np.repeat(places.toward_road, len(aside), axis=0)
-        on = city.ground.on(xy, "sidewalk", "furnishing", "courtyard", "frontage")
-        xy, own = xy[on], own[on]
-    height = BUSH_HEIGHT[0] + (BUSH_HEIGHT[1] - BUSH_HEIGHT[0]) * uniform(
-        city.seed, f"{STREET}/bush height", own
-    )
-    return stand_of(Points(xy, own), INDEX["boxwood"], height, mapped=True, light=True)
+    return [stand_of(Points(places.xy, ids), species, line=network.edge_id[places.edge],
+                     place=2 * places.number + (places.side > 0))]  # fmt: skip
 
 
 def in_yards(city: City, mapped: FloatArray) -> list[Stand]:

@@ -1,4 +1,7 @@
-"""Tree pits where trees stand on paving: soil in a stone edging, or under an iron grate."""
+"""Tree pits where trees stand on paving: soil in a stone edging, or under an iron grate.
+
+In Japan strips of soil with clipped bushes lie along the kerb between the trees of a row.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +11,27 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.tree_pits import OTHERS, PITS, pit
+from cityx.assets.tree_pits import OTHERS, PITS, STRIP, STRIP_HALF, TREE_STRIP, pit
 from cityx.city import City, Instances, Prototype
+from cityx.city.passage import FREE
+from cityx.city.rows import join_rows
+from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
+from cityx.plugins.nature.furniture import lamp_places
+from cityx.plugins.nature.pieces import heights, room_along, walk_rims, ways_to_doors
+from cityx.plugins.nature.tree_room import CLIPPED, custom_of
 
 PAVED = ("sidewalk", "furnishing", "plaza", "frontage", "courtyard")
 BUSHES = ("shrub_", "boxwood_", "grove_")  # prototypes that need no pit
 PLANTED = 0.35  # share of the pits that have plants
 YOUNG = 0.62  # of its grown height, below which a tree is held by stakes
 STREET_REACH = 20.0  # metres to the street a pit is square to
+NARROW = 0.62  # breadth of pits right behind a kerb, as a share of their length
+STRIPS_AT = (1.6, 3.2, 4.8)  # metres along the street from a trunk to the strips behind it
+TO_TRUNK = STRIP / 2 + 0.65  # metres from the middle of a strip to the middles of other pits
+TO_KERB = STRIP_HALF + 0.25  # metres from it to what must be a raised kerb
+TO_THINGS, TO_DOORS = 1.2, 1.5  # metres from it to what the map shows, to ways to doors
 
 
 def with_pits(city: City, trees: Instances) -> City:
@@ -35,6 +49,9 @@ def with_pits(city: City, trees: Instances) -> City:
     if found is None:
         return city
     kinds, pits = found
+    if custom_of(city.frame) == CLIPPED:
+        strips = _strips(city, pits, trees.position[:, :2])
+        kinds, pits = [*kinds, pit(TREE_STRIP)], join_rows([pits, strips])
     return replace(city, scene=city.scene.with_instances("tree_pits", kinds, pits))
 
 
@@ -64,11 +81,53 @@ def pits_of(city: City, trees: Instances) -> tuple[list[Prototype], Instances] |
     rotation = np.zeros((count, 3), np.float32)
     rotation[:, 2] = _along_street(city, trees.position[chosen, :2])
     planted = uniform(city.seed, "nature/tree_pits/planted", trees.object_id[chosen]) < PLANTED
+    scale = np.ones((count, 3), np.float32)
+    if custom_of(city.frame) == CLIPPED:
+        scale[:, 1] = NARROW
     young = trees.scale[chosen, 2] < YOUNG
     number = np.where(young, 2, np.where(planted, 1, 0)).astype(np.int32)
     return [pit(name) for name in (kind, *OTHERS)], Instances(
         number, ids, trees.object_id[chosen], trees.position[chosen], rotation,
-        np.ones((count, 3), np.float32), np.ones((count, 3), np.float32),
+        scale, np.ones((count, 3), np.float32),
+    )  # fmt: skip
+
+
+def _strips(city: City, pits: Instances, trunks: NDArray[np.float64]) -> Instances:
+    """Lay strips behind trees where they leave the walk, doors and dropped kerbs alone."""
+    ground = city.ground
+    assert ground is not None
+    yaw = np.repeat(pits.rotation[:, 2].astype(float), len(STRIPS_AT))
+    along = np.column_stack([np.cos(yaw), np.sin(yaw)])
+    shift = np.tile(STRIPS_AT, pits.count)[:, None] * along
+    xy = np.repeat(pits.position[:, :2], len(STRIPS_AT), axis=0) + shift
+    left = np.column_stack([-along[:, 1], along[:, 0]])
+    lies = np.zeros(len(xy), bool)
+    rims = walk_rims(ground)
+    for out in (left, -left):  # the kerb is on one of both sides
+        behind = ground.on(xy - TO_KERB * out, "kerb")
+        behind &= room_along(xy, out, rims, 4.0) >= STRIP_HALF + FREE
+        lies |= behind
+    for corner in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+        spot = xy + corner[0] * STRIP / 2 * along + corner[1] * (STRIP_HALF + 0.02) * left
+        lies &= ground.on(spot, *PAVED)
+    points = city.layout.points.geometry.to_numpy()
+    for things, gap in (
+        (shapely.points(lamp_places(city)), TO_THINGS),
+        (points, TO_THINGS),
+        (ways_to_doors(city), TO_DOORS),
+        (shapely.points(trunks), TO_TRUNK),
+    ):
+        lies &= ~near_any(xy, things, gap)
+    rows = np.flatnonzero(lies)
+    position = np.column_stack([xy[rows], heights(city, xy[rows])])
+    rotation = np.zeros((len(rows), 3), np.float32)
+    rotation[:, 2] = yaw[rows]
+    tree, place = rows // len(STRIPS_AT), rows % len(STRIPS_AT)
+    ones = np.ones((len(rows), 3), np.float32)
+    return Instances(
+        np.full(len(rows), 1 + len(OTHERS), np.int32),
+        hash_ids(0, "nature/tree_pits/strip", pits.object_id[tree], place),
+        pits.owner[tree], position, rotation, ones, ones,
     )  # fmt: skip
 
 

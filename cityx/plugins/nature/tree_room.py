@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city import City
+from cityx.city import City, Frame
 from cityx.city.ground import PAINT
 from cityx.geometry.clearance import (
     Spots,
@@ -19,6 +19,7 @@ from cityx.geometry.clearance import (
     spots_of,
 )
 from cityx.geometry.polylines import to_linestrings
+from cityx.plugins.nature.climate import band_of
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -63,6 +64,33 @@ class Room:
     path: FloatArray
 
 
+@dataclass(frozen=True)
+class Custom:
+    """How near to what trees that nobody mapped are planted, metres from the trunk.
+
+    Attributes
+    ----------
+    kerb, facade, lamp
+        To each of these.
+    sight
+        To the arms of a junction, so that drivers see each other.
+    """
+
+    kerb: float = KERB_CLEARANCE
+    facade: float = FACADE_CLEARANCE
+    lamp: float = LAMP_CLEARANCE
+    sight: float = SIGHT
+
+
+# Japan has rows of clipped trees in pits right behind the kerb, with high stems.
+CLIPPED = Custom(kerb=0.5, facade=1.9, lamp=2.5, sight=5.0)
+
+
+def custom_of(frame: Frame) -> Custom:
+    """Return how near to things a place plants its trees."""
+    return CLIPPED if band_of(frame) == "japan" else Custom()
+
+
 def room_of(
     city: City, xy: FloatArray, mapped: BoolArray, lamps: FloatArray
 ) -> tuple[FloatArray, BoolArray, Room]:
@@ -92,11 +120,12 @@ def room_of(
     keep = ~near_any(before, shapes[np.isin(kinds, WATER)], 0.5)
     keep &= mapped | ~near_any(before, shapes[np.isin(kinds, OPEN_AREAS)], 0.5)
     lines, half, driven = _strips(city)
-    moved, free = push_off(before, lines, half + KERB_CLEARANCE, most=MOST_PUSH)
+    custom = custom_of(city.frame)
+    moved, free = push_off(before, lines, half + custom.kerb, most=MOST_PUSH)
     keep &= free & (mapped | (np.hypot(*(moved - xy).T) < 1e-9))
     spots = spots_of(moved) if (moved != xy).any() else before
     facade = distance_within(spots, houses, CROWN_REACH)
-    keep &= facade > np.where(mapped, LEAST_FACADE, FACADE_CLEARANCE)
+    keep &= facade > np.where(mapped, LEAST_FACADE, custom.facade)
     if city.network is not None:
         network = city.network
         arms = network.edge_nodes.ravel()
@@ -105,9 +134,9 @@ def room_of(
         joint = network.node_degree >= 3
         nodes = shapely.points(network.node_position[joint])
         keep &= ~near_any(spots, nodes, radius[joint] + MAPPED_SIGHT)
-        keep &= mapped | ~near_any(spots, nodes, radius[joint] + SIGHT)
+        keep &= mapped | ~near_any(spots, nodes, radius[joint] + custom.sight)
     if len(lamps):
-        keep &= mapped | ~near_any(spots, shapely.points(lamps), LAMP_CLEARANCE)
+        keep &= mapped | ~near_any(spots, shapely.points(lamps), custom.lamp)
     if city.ground is not None:
         ground = city.ground
         keep &= ~ground.on(moved, *TREELESS)

@@ -6,16 +6,19 @@ import numpy as np
 import pytest
 import shapely
 
+from cityx.assets.tree_pits import TREE_STRIP
 from cityx.city import Frame, make_table
 from cityx.city.clear_ways import in_lanes
 from cityx.city.outlines import placed_outlines
-from cityx.city.passage import crowding
+from cityx.city.passage import FREE, crowding
+from cityx.geometry.standing import WALKED
 from cityx.plugins.nature.pieces import room_along, walk_rims
 from cityx.plugins.nature.town_trees import (
     FROM_EDGE,
     LEAST_WALK,
     MAPPED_WITHIN,
     TRUNK_WAY,
+    VERGES,
     YARD_SHARES,
     along_streets,
     in_yards,
@@ -56,9 +59,8 @@ def courts(avenue):
 
 
 def test_trees_of_streets_leave_a_way_past_their_trunks(avenue):
-    stand, bushes = along_streets(avenue, NOBODY)
+    (stand,) = along_streets(avenue, NOBODY)
     assert len(stand.id) > 20
-    assert not len(bushes.id)  # but in Japan
     out = np.where(np.abs(stand.xy) < 20, np.sign(stand.xy), 0.0)
     out[np.abs(out).sum(axis=1) != 1] = np.nan
     known = np.isfinite(out).all(axis=1)
@@ -76,10 +78,48 @@ def test_no_tree_crowds_a_walk_or_stands_in_a_lane(avenue, walk):
     assert not in_lanes(city, outlines, xy).any()
 
 
-def test_no_street_with_narrow_walks_is_planted(avenue):
+@pytest.fixture(scope="module")
+def clipped(avenue):
+    """The same in Japan, with walks of 2 m, planted."""
+    roads = avenue.layout.roads.assign(sidewalk_left=2.0, sidewalk_right=2.0)
+    layout = replace(avenue.layout, roads=roads)
+    return trees(laid(replace(avenue, frame=Frame(35.69, 139.78), layout=layout)))
+
+
+def test_clipped_trees_of_japan_stand_at_the_kerb_and_leave_a_way(clipped):
+    rows = clipped.scene.instances["trees"]
+    xy = rows.position[:, :2]
+    row = np.abs(np.abs(xy).min(axis=1) - 5.6) < 0.01  # beside a carriageway of 10 m
+    assert row.sum() > 30
+    out = np.where(np.abs(xy) < 20, np.sign(xy), 0.0)[row]
+    trunks = placed_outlines(clipped.scene, ("trees",))
+    half = np.sqrt(shapely.area(trunks[0][np.isin(trunks[2], rows.object_id[row])])) / 2
+    room = room_along(xy[row], out, walk_rims(clipped.ground), 4.0)
+    assert room.min() - half.max() >= FREE
+    assert not in_lanes(clipped, *trunks[:2]).any()
+
+
+def test_strips_between_clipped_trees_leave_a_way_and_lanes_alone(clipped):
+    outlines, xy, ids = placed_outlines(clipped.scene, ("tree_pits",))
+    rows = clipped.scene.instances["tree_pits"]
+    names = np.array([p.name for p in clipped.scene.prototypes])[rows.prototype]
+    strip = np.isin(ids, rows.object_id[names == TREE_STRIP])
+    assert strip.sum() > 30
+    assert not crowding(clipped, outlines[strip], xy[strip])[1].any()
+    assert not in_lanes(clipped, outlines[strip], xy[strip]).any()
+    assert clipped.ground.on(xy[strip], "sidewalk", "furnishing").all()
+
+
+def test_elsewhere_no_strip_is_laid(avenue):
+    assert TREE_STRIP not in {p.name for p in trees(avenue).scene.prototypes}
+
+
+def test_no_narrow_walk_is_planted_but_lawns_beside_the_carriageway(avenue):
     roads = avenue.layout.roads.assign(sidewalk_left=LEAST_WALK - 0.1, sidewalk_right=0.0)
     city = laid(replace(avenue, layout=replace(avenue.layout, roads=roads)))
-    assert not len(along_streets(city, NOBODY)[0].id)
+    (stand,) = along_streets(city, NOBODY)
+    assert not city.ground.on(stand.xy, *WALKED).any()
+    assert city.ground.on(stand.xy, *VERGES).sum() > 10
 
 
 def test_where_trees_are_mapped_none_is_planted_beside(avenue):
