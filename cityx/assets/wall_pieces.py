@@ -1,7 +1,8 @@
 """What hugs the walls of narrow walks: troughs, furled banners, meters, crates, brooms.
 
 Each maker is named for a prototype and returns its shapes: z up, front -y (away from the wall),
-origin on the ground at the foot. None is deeper than 0.36 m.
+origin on the ground at the foot. None is deeper than 0.4 m; baskets hang over heads, and covers
+lie in the walk.
 """
 
 from __future__ import annotations
@@ -18,11 +19,11 @@ BLOSSOM: Color = (2.2, 0.6, 1.1)
 # Metres from the wall to the middle of each, and half its length.
 GAPS: Mapping[str, float] = MappingProxyType(
     {"wall_trough": 0.15, "wall_pots": 0.17, "furled_banner": 0.16, "wall_meters": 0.16,
-     "wall_crates": 0.18, "broom_and_pail": 0.15}
+     "wall_crates": 0.18, "broom_and_pail": 0.15, "hanging_basket": 0.2, "drain_cover": 0.2}
 )  # fmt: skip
 HALVES: Mapping[str, float] = MappingProxyType(
     {"wall_trough": 0.55, "wall_pots": 0.5, "furled_banner": 0.18, "wall_meters": 0.3,
-     "wall_crates": 0.4, "broom_and_pail": 0.3}
+     "wall_crates": 0.4, "broom_and_pail": 0.3, "hanging_basket": 0.24, "drain_cover": 0.25}
 )  # fmt: skip
 
 
@@ -101,11 +102,39 @@ def broom_and_pail() -> Shapes:
     ]
 
 
+def hanging_basket() -> Shapes:
+    """Basket of flowers on a bracket, over heads."""
+    high = 2.35
+    return [
+        box((-0.03, 0.18, high), (0.03, 0.2, high + 0.5), "metal_dark"),
+        tube([[0, 0.19, high + 0.45], [0, -0.02, high + 0.45]], 0.012, "metal_dark", sides=4),
+        tube([[0, 0.0, high + 0.45], [0, 0.0, high + 0.05]], 0.006, "metal_dark", sides=4),
+        cylinder((0, 0, high - 0.12), (0, 0, high + 0.08), 0.06, "bench_wood", top=0.15, sides=9),
+        leaf_mound("basket", (-0.18, -0.16, high - 0.18), (0.18, 0.13, high + 0.24), 110,
+                   size=0.045),
+        tinted(leaf_mound("basket blossom", (-0.17, -0.15, high - 0.1), (0.17, 0.12, high + 0.24),
+                          45, size=0.035), BLOSSOM),
+    ]  # fmt: skip
+
+
+def drain_cover() -> Shapes:
+    """Lid of a drain in its frame, flush with the walk."""
+    return [
+        box((-0.25, -0.15, -0.05), (0.25, 0.15, 0.004), "metal_grey"),
+        box((-0.22, -0.12, 0.0), (0.22, 0.12, 0.008), "metal_dark"),
+        *(box((x, -0.1, 0.0), (x + 0.025, 0.1, 0.012), "metal_grey")
+          for x in (-0.15, -0.05, 0.05, 0.14)),
+    ]  # fmt: skip
+
+
+# What takes no room of a walk.
+ROOMLESS = ("hanging_basket", "drain_cover")
 WALL_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {
         maker.__name__: maker
         for maker in (
             wall_trough, wall_pots, furled_banner, wall_meters, wall_crates, broom_and_pail,
+            hanging_basket, drain_cover,
         )
     }
 )  # fmt: skip

@@ -31,6 +31,10 @@ WEIGHTS: Mapping[str, float] = MappingProxyType({
     NOTHING: 3.0, "wall_trough": 2.2, "wall_pots": 2.4, "furled_banner": 0.9, "wall_meters": 1.4,
     "wall_crates": 0.8, "broom_and_pail": 0.8, "bicycle": 1.6,
 })  # fmt: skip
+# The same where nothing may stand; some walks are half a metre wide.
+BARE: Mapping[str, float] = MappingProxyType(
+    {NOTHING: 2.0, "hanging_basket": 2.5, "drain_cover": 1.5}
+)
 BICYCLE_GAP = 0.31
 TO_SHOP = 0.9  # metres from the middle of a shopfront, where one goes in
 
@@ -67,19 +71,24 @@ def along_walls(city: City, rims: NDArray[np.object_], density: float) -> Pieces
         return none
     place = np.round(foot * 10).astype(np.int64).view(np.uint64)
     ids = hash_ids(0, PURPOSE, place[:, 0], place[:, 1])
-    share = np.array(list(WEIGHTS.values()))
-    share[0] /= max(density, 1e-6)
-    name = np.array(list(WEIGHTS), object)[choose(city.seed, PURPOSE, ids, share.tolist())]
-    rows = np.flatnonzero(name != NOTHING)
-    foot, out, ids, name = foot[rows], out[rows], ids[rows], name[rows]
     room = BEFORE + room_along(foot + BEFORE * out, out, rims, REACH)
+    name, bare = (_drawn(city.seed, ids, weights, density) for weights in (WEIGHTS, BARE))
+    name = np.where(room >= 2 * _gaps(name) + FREE, name, bare)
     gap = _gaps(name)
-    fits = (room >= 2 * gap + FREE) & (room < WIDE)
+    fits = (name != NOTHING) & (room < WIDE)
     shops = city.scene.instances.get("shopfronts")
     if shops is not None:
         fits &= ~near_any(foot, shapely.points(shops.position[:, :2]), TO_SHOP)
     yaw = yaw_facing(out) + np.where(name == "bicycle", np.pi / 2, 0.0)
     return pieces(name, foot + gap[:, None] * out, ids, yaw).take(fits)
+
+
+def _drawn(
+    seed: int, ids: NDArray[np.uint64], weights: Mapping[str, float], density: float
+) -> NDArray[np.object_]:
+    share = np.array(list(weights.values()))
+    share[0] /= max(density, 1e-6)
+    return np.asarray(np.array(list(weights), object)[choose(seed, PURPOSE, ids, share.tolist())])
 
 
 def _gaps(names: NDArray[np.object_]) -> FloatArray:
