@@ -12,6 +12,7 @@ import numpy as np
 from cityx.assets.openings import Shapes, pane
 from cityx.assets.shapes import box, cylinder, disc, loft, moved, prototype
 from cityx.city.scene import Prototype
+from cityx.geometry.identity import rng_for
 
 SUNK = -0.35  # metres below the roof to which feet reach
 
@@ -198,6 +199,46 @@ def planters() -> Shapes:
     return shapes
 
 
+def _stain(number: int) -> Shapes:
+    """Dirt that a puddle left: an irregular patch, a finger high, 3 m across."""
+    rng = rng_for(number, "assets/roof_stain", 1)
+    angle = 2 * np.pi * np.arange(11) / 11
+    radius = rng.uniform(0.75, 1.45, 11)
+    x, y = radius * np.cos(angle), 0.75 * radius * np.sin(angle)
+    rings = [np.column_stack([x, y, np.full(11, z)]) for z in (-0.1, 0.012)]
+    return [loft(np.stack(rings), "bitumen")]
+
+
+def roof_duct() -> Shapes:
+    """Duct of 5 m with a bend, a branch and a cowl, on legs."""
+    steel = (0.85, 0.86, 0.87)
+    shapes: Shapes = [
+        box((-2.5, -0.3, 0.3), (2.0, 0.3, 0.8), "metal_panel", steel),
+        box((2.0, -0.3, SUNK), (2.5, 0.3, 0.8), "metal_panel", steel),
+        box((-0.9, 0.3, 0.35), (-0.5, 1.0, 0.75), "metal_panel", steel),
+        box((-0.95, 1.0, SUNK), (-0.45, 1.45, 1.0), "metal_panel", steel),
+        cylinder((-2.1, 0.0, 0.8), (-2.1, 0.0, 1.3), 0.2, "metal_grey", top=0.3, sides=8),
+    ]
+    for x in (-2.2, -0.8, 0.6):
+        shapes.append(box((x, -0.34, SUNK), (x + 0.06, 0.34, 0.3), "metal_dark", bottom=False))
+    return shapes
+
+
+def roof_walkway() -> Shapes:
+    """Slabs on which one walks to the plant, 5 m."""
+    return [
+        box((x - 0.58, -0.3, SUNK), (x + 0.58, 0.3, 0.05), "concrete", (1.1, 1.1, 1.08))
+        for x in (-1.8, -0.6, 0.6, 1.8)
+    ]
+
+
+def roof_railing() -> Shapes:
+    """Bay of a railing behind a parapet, 3 m long and 1.1 m high; it is scaled along x."""
+    rails = [box((-1.5, -0.02, z), (1.5, 0.02, z + 0.04), "metal_grey") for z in (0.62, 1.06)]
+    return [*rails, *(box((x, -0.02, SUNK), (x + 0.04, 0.02, 1.06), "metal_grey", bottom=False)
+                      for x in (-1.5, -0.02))]  # fmt: skip
+
+
 def chimney() -> Shapes:
     """Chimney of brick with three pots, 3 m high, its foot at the origin, its top at z = 3."""
     shapes: Shapes = [
@@ -257,15 +298,17 @@ def _deck_row(cars: Sequence[tuple[str, int]]) -> Shapes:
 DECK_ROWS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {name: partial(_deck_row, cars) for name, cars in _PARKED.items()}
 )
+STAINS = ("roof_stain_a", "roof_stain_b", "roof_stain_c")
 ROOF_FURNITURE: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {
         maker.__name__: maker
         for maker in (
             hvac_unit, condenser, stair_head, lift_house, antenna, dish, solar_panels, vent,
             water_tank, water_cistern, skylight, chimney, chimney_small, ac_row, roof_patch,
-            roof_hatch, roof_pipes, planters,
+            roof_hatch, roof_pipes, planters, roof_duct, roof_walkway, roof_railing,
         )
     }
+    | {name: partial(_stain, number) for number, name in enumerate(STAINS)}
     | dict(DECK_ROWS)
 )  # fmt: skip
 # Half diagonal of the plan of each piece, metres, for keeping it on its roof.
@@ -275,7 +318,8 @@ REACH: Mapping[str, float] = MappingProxyType(
         "dish": 0.6, "solar_panels": 2.6, "vent": 0.4, "water_tank": 1.9, "water_cistern": 1.3,
         "skylight": 1.6, "chimney": 0.75, "chimney_small": 0.55, "ac_row": 1.95,
         "roof_patch": 1.55, "roof_hatch": 0.9, "roof_pipes": 2.0, "planters": 1.6,
-        "deck_bays": 5.6, "deck_bays_full": 5.6, "deck_bays_free": 5.6,
+        "deck_bays": 5.6, "deck_bays_full": 5.6, "deck_bays_free": 5.6, "roof_duct": 2.9,
+        "roof_walkway": 2.5, "roof_railing": 1.6, **dict.fromkeys(STAINS, 1.45),
     }
 )  # fmt: skip
 

@@ -118,7 +118,8 @@ CLASSES: Mapping[str, str] = MappingProxyType(
         "pot_row": "planter", "car_": "car", "shrub": "shrub",
         "motor_scooter": "motorcycle", "banner_": "sign", "fire_hydrant": "fire_hydrant",
         "post_box": "post_box", "bollard": "bollard", "telephone": "telephone",
-        "parking_board": "sign", "wheel_stop": "kerb",
+        "parking_board": "sign", "wheel_stop": "kerb", "wall_trough": "planter",
+        "wall_pots": "planter", "furled_banner": "sign",
     }
 )  # fmt: skip
 # Pieces that stand by their weight alone. Bicycles are locked, boats moored, posts set in concrete.

@@ -24,7 +24,7 @@ TOP = 0.012  # metres above it, enough to hide the paving beneath
 
 STRIP, STRIP_HALF = 1.6, 0.28  # metres, length of a strip between trees and half its breadth
 HEDGE = 0.46  # metres, height of the clipped bushes of a strip
-SPRAYS = 420  # leaf cards on them
+SPRAYS = 640  # leaf cards on them
 
 Shapes = list[MeshBatch]
 
@@ -55,7 +55,7 @@ def _strip() -> Shapes:
     soil = box((-STRIP / 2, 0.1 - STRIP_HALF, DEEP), (STRIP / 2, STRIP_HALF - 0.1, 0.04), "soil",
                bottom=False)  # fmt: skip
     core = box((-half[0] + 0.06, -half[1] + 0.05, 0.1), (half[0] - 0.06, half[1] - 0.05,
-               HEDGE - 0.05), "hedge", (0.45, 0.45, 0.45))  # fmt: skip
+               HEDGE - 0.09), "hedge", (0.35, 0.35, 0.35))  # fmt: skip
     # Half a barrel along x, its ends rounded.
     x = rng.uniform(-1, 1, SPRAYS)
     angle = np.pi * rng.uniform(0, 1, SPRAYS)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.assets.generators import Generator
 from cityx.assets.palettes import GROUPS, Finishes, groups_of, owner_rows
-from cityx.assets.roof_furniture import REACH, roof_furniture
+from cityx.assets.roof_furniture import REACH, STAINS, roof_furniture
 from cityx.city.scene import Instances, Prototype
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polygons import FloatArray
@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 
 EDGE = 0.7  # metres between a piece and the inner face of the parapet
 MIN_AREA = 28.0  # square metres; smaller flat roofs stay bare
-PER_PIECE = 24.0  # square metres of flat roof per piece
+# Square metres of flat roof per piece by group; where many work there is more plant.
+PER_PIECE = {"office": 17.0, "retail": 18.0, "flats": 20.0, "civic": 22.0}
+USUAL_PER_PIECE = 24.0
 MOST = 60  # pieces on one roof
 TRIES = 4
 CHIMNEY_TOP = 0.8  # metres a chimney stands above the ridge
@@ -44,18 +46,27 @@ DECKED = "parking"  # generator whose roofs one parks on
 STAFFED = ("flats", "office", "civic", "retail")
 
 PIECES = tuple(REACH)
+FLAT = tuple(PIECES.index(name) for name in ("roof_patch", *STAINS))  # what others stand on
+# Flat roofs that people use have a railing: share of them, metres from the wall's face to it, of
+# its bays, and of the shortest edge with one.
+RAILED, RAIL_AREA, RAIL_IN, RAIL_BAY, RAIL_LEAST = 0.4, 90.0, 0.45, 3.0, 1.6
 _WEIGHTS: Mapping[str, Mapping[str, float]] = {  # by group; the order of the words is that of REACH
     "flats": {"condenser": 3, "stair_head": 5, "antenna": 4, "dish": 2, "solar_panels": 3,
               "vent": 4, "skylight": 3, "water_cistern": 1, "roof_patch": 7, "roof_hatch": 3,
-              "roof_pipes": 2, "planters": 2, "ac_row": 1.5},
+              "roof_pipes": 2, "planters": 2, "ac_row": 1.5, "roof_walkway": 1,
+              **dict.fromkeys(STAINS, 1.6)},
     "office": {"hvac_unit": 7, "condenser": 3, "lift_house": 4, "stair_head": 2, "vent": 4,
                "skylight": 1, "antenna": 1, "roof_patch": 6, "roof_hatch": 1, "roof_pipes": 5,
-               "ac_row": 5, "solar_panels": 1},
+               "ac_row": 5, "solar_panels": 1, "roof_duct": 4, "roof_walkway": 2,
+              **dict.fromkeys(STAINS, 1.6)},
     "retail": {"hvac_unit": 7, "condenser": 3, "vent": 3, "skylight": 4, "stair_head": 1,
-               "roof_patch": 6, "roof_pipes": 4, "ac_row": 3, "roof_hatch": 1},
-    "industry": {"skylight": 8, "vent": 6, "hvac_unit": 2, "roof_patch": 5, "roof_pipes": 1},
+               "roof_patch": 6, "roof_pipes": 4, "ac_row": 3, "roof_hatch": 1,
+               "roof_duct": 4, "roof_walkway": 1.5, **dict.fromkeys(STAINS, 1.6)},
+    "industry": {"skylight": 8, "vent": 6, "hvac_unit": 2, "roof_patch": 5, "roof_pipes": 1,
+                 "roof_duct": 2, "roof_walkway": 1, **dict.fromkeys(STAINS, 2)},
     "civic": {"hvac_unit": 3, "stair_head": 3, "vent": 3, "skylight": 4, "solar_panels": 3,
-              "roof_patch": 5, "roof_hatch": 2, "roof_pipes": 2},
+              "roof_patch": 5, "roof_hatch": 2, "roof_pipes": 2, "roof_walkway": 1,
+              **dict.fromkeys(STAINS, 1.5)},
     "house": {"antenna": 1, "solar_panels": 3, "vent": 2, "dish": 1, "roof_patch": 1},
 }  # fmt: skip
 
@@ -84,13 +95,15 @@ def furnish_roofs(
     flat = volumes.top - volumes.eave < 0.15
     level = _on_flat(city, volumes, group, flat)
     pitched = _chimneys(city, volumes, group, flat, field, walls)
+    railed = _railings(city, volumes, group, flat)
     part, piece, x, y, z, height, yaw, number = (
-        np.concatenate(pair) for pair in zip(level, pitched, strict=True)
+        np.concatenate(each) for each in zip(level, pitched, railed[:-1], strict=True)
     )
     part, piece, number = part.astype(int), piece.astype(int), number.astype(int)
     ids = city.layout.parts["id"].to_numpy(np.uint64)[part]
     scale = np.ones((len(part), 3), np.float32)
     scale[:, 2] = height
+    scale[len(scale) - len(railed[-1]) :, 0] = railed[-1]
     rotation = np.zeros((len(part), 3), np.float32)
     rotation[:, 2] = yaw
     # Stair heads and chimneys are of the house's own material; plant is as it comes.
@@ -102,7 +115,9 @@ def furnish_roofs(
     tint = np.where(own[:, None], finishes.wall_tint[part], 1.0).astype(np.float32)
     # Mended sheets are newer or older than those around them.
     age = 0.55 + 0.9 * uniform(city.seed, "roof/patch", ids, number)
-    patch = piece == PIECES.index("roof_patch")
+    patch = np.isin(piece, FLAT)
+    # Puddles leave dirt, which is darker; how much lies there tells the age of a roof.
+    age = np.where(piece == FLAT[0], age, 0.45 + 0.3 * age)
     sheet = finishes.roof_tint[part] * age[:, None]
     tint = np.where(patch[:, None], sheet, tint).astype(np.float32)
     stack = piece == PIECES.index("chimney")
@@ -166,8 +181,9 @@ def _on_flat(
     rows = np.flatnonzero(flat & volumes.walls & (area > MIN_AREA) & np.isin(kind, list(tables)))
     deck = volumes.eave - reserve_of(volumes, city.layout.parts, seed)
     ids = city.layout.parts["id"].to_numpy(np.uint64)
+    per_piece = np.array([PER_PIECE.get(word, USUAL_PER_PIECE) for word in words[rows].tolist()])
     wanted = np.clip(
-        area[rows] / PER_PIECE * (0.5 + uniform(seed, "roof/count", ids[rows])), 1, MOST
+        area[rows] / per_piece * (0.5 + uniform(seed, "roof/count", ids[rows])), 1, MOST
     )
     count = np.round(wanted).astype(np.int64)
     part = np.repeat(rows, count)
@@ -210,7 +226,7 @@ def _on_flat(
     if len(part):
         found &= ~covered(volumes, part, x, y, reach, z)
         # Things stand on mended sheets as on others.
-        flat_piece = piece == PIECES.index("roof_patch")
+        flat_piece = np.isin(piece, FLAT)
         found &= _clear(part, number, x, y, np.where(flat_piece, -0.3, reach), found)
     yaw = np.arctan2(long_axis[part, 1], long_axis[part, 0])
     # Panels look south, whatever the house does.
@@ -227,6 +243,40 @@ def _on_flat(
         return placed
     bays = deck_rows(seed, volumes, ids, decks, deck, (long_axis, short_axis, middle))
     return tuple(np.concatenate(pair) for pair in zip(placed, bays, strict=True))
+
+
+def _railings(
+    city: City, volumes: Volumes, group: NDArray[np.int64], flat: NDArray[np.bool_]
+) -> tuple[Any, ...]:
+    """Bays of railings along the edges of flat roofs, as `_on_flat`, and their scale along x."""
+    ids = city.layout.parts["id"].to_numpy(np.uint64)
+    area = np.where(volumes.usable, shapely.area(volumes.polygons), 0.0)
+    used = flat & volumes.walls & (area > RAIL_AREA) & np.isin(np.array(GROUPS)[group], STAFFED)
+    rows = np.flatnonzero(used & (_kinds(city) != DECKED))
+    rows = rows[uniform(city.seed, "roof/railed", ids[rows]) < RAILED]
+    inner = shapely.buffer(volumes.polygons[rows], -RAIL_IN, join_style="mitre")
+    kept = (shapely.get_type_id(inner) == 3) & ~shapely.is_empty(inner)
+    rows, inner = rows[kept], shapely.simplify(inner[kept], 0.05)
+    points, row = shapely.get_coordinates(shapely.get_exterior_ring(inner), return_index=True)
+    edge = np.flatnonzero(row[1:] == row[:-1])
+    length = np.hypot(*(points[edge + 1] - points[edge]).T)
+    edge, length = edge[length > RAIL_LEAST], length[length > RAIL_LEAST]
+    bays = np.maximum(np.round(length / RAIL_BAY), 1).astype(np.int64)
+    of = np.repeat(np.arange(len(edge)), bays)
+    nth = np.arange(len(of)) - np.repeat(np.cumsum(bays) - bays, bays)
+    way = points[edge + 1] - points[edge]
+    at = points[edge[of]] + ((nth + 0.5) / bays[of])[:, None] * way[of]
+    part = rows[row[edge[of]]]
+    z = (volumes.eave - reserve_of(volumes, city.layout.parts, city.seed))[part]
+    free = np.ones(len(part), bool)
+    if len(part):
+        free = ~covered(volumes, part, at[:, 0], at[:, 1], np.full(len(part), 1.0), z)
+    number = 1000 + np.arange(len(part)) - np.searchsorted(part, part)  # parts ascend
+    found = (
+        part, np.full(len(part), PIECES.index("roof_railing")), *at.T, z, np.ones(len(part)),
+        np.arctan2(way[of, 1], way[of, 0]), number, (length / bays / RAIL_BAY)[of],
+    )  # fmt: skip
+    return tuple(each[free] for each in found)
 
 
 def _tables(city: City) -> dict[str, Mapping[str, float]]:

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.wall_pieces import HALVES
 from cityx.city import City
 from cityx.city.ground import KERB_WIDTH, LABEL, Ground
 from cityx.city.layout import in_town
@@ -56,6 +57,7 @@ from cityx.plugins.nature.street_rules import (
     place_of,
     rates,
 )
+from cityx.plugins.nature.wall_things import along_walls
 from cityx.plugins.road.bays import yard_bays
 from cityx.plugins.road.kerbs import join_places, places_along, yaw_facing
 from cityx.plugins.road.yards import yard_patches
@@ -124,7 +126,7 @@ SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "
         "motor_scooter_red": 0.92, "cartons": 0.65, "street_cabinet": 0.66, "fruit_stand": 0.95,
         "flower_stand": 0.8, "clothes_rail": 0.8, "banner_red": 0.3, "banner_blue": 0.3,
         "garden_shed": 1.75, "bin_store": 1.4, "pot_row": 0.8, "clothes_dryer": 1.35,
-        "vegetable_bed": 1.25, "picnic_table": 1.1, "parking_board": 0.75,
+        "vegetable_bed": 1.25, "picnic_table": 1.1, "parking_board": 0.75, **HALVES,
         }  # fmt: skip
 # Bollards along the curves of kerbs at junctions: share of corners by place, metres between them,
 # behind the kerb, and of the longest curve (a longer one is no corner but a roundabout).
@@ -545,7 +547,8 @@ def street_pieces(
     open_ = _in_the_open(city, site, density)
     stops, boards = _car_parks(city) if site.place == "japan" else (join_pieces([]),) * 2
     plots = along_plots(city, site.place)
-    rest = join_pieces([corners, shops, plots, open_, boards])
+    walls = along_walls(city, site.rims, density) if site.place == "japan" else join_pieces([])
+    rest = join_pieces([corners, shops, plots, open_, boards, walls])
     drawn = join_pieces([kerb, rest])
     other = np.array([SIZE.get(str(name), 0.5) for name in rest.name])
     half = np.concatenate([sizes, np.repeat(other[:, None], 2, axis=1)])

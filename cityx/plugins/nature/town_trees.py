@@ -31,6 +31,8 @@ WIDE_WAY = 2.1  # metres from trunks where walks are not told but measured, some
 TRUNK_WAY = 1.7  # metres of walk and paved court from the middle of a trunk, so that 1.2 m are left
 # The same in Japan, whose clipped trees are slender; there each street that bears a name has some.
 CLIPPED_WALK, CLIPPED_WAY, CLIPPED_WIDE_WAY = 1.8, 1.35, 1.7
+# Metres that they are clipped to, drawn per street, and by which its trees differ.
+CLIPPED_HEIGHT, CLIPPED_SPREAD = (6.2, 8.2), 0.6
 VERGES = ("grass", "block")  # ground beside carriageways where trees leave the walk alone
 HOUSES_WITHIN = 25.0  # metres; a street has trees only where it has houses on its side
 MAPPED_WITHIN = 45.0  # metres; where the map shows trees it shows all of them
@@ -103,7 +105,11 @@ def along_streets(city: City, mapped: FloatArray) -> list[Stand]:
     ids = hash_ids(0, STREET, network.edge_id[places.edge],
                    2 * places.number + (places.side > 0))  # fmt: skip
     species = draw_species(climate.STREET_MIX, city, key[places.edge])
-    return [stand_of(Points(places.xy, ids), species, line=network.edge_id[places.edge],
+    low, high = CLIPPED_HEIGHT
+    height = low + (high - low) * uniform(city.seed, f"{STREET}/height", key[places.edge])
+    height += CLIPPED_SPREAD * (uniform(city.seed, f"{STREET}/spread", ids) - 0.5)
+    height = height if clipped else np.full(len(ids), np.nan)
+    return [stand_of(Points(places.xy, ids), species, height, line=network.edge_id[places.edge],
                      place=2 * places.number + (places.side > 0))]  # fmt: skip
 
 

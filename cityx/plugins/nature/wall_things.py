@@ -1,0 +1,95 @@
+"""Things that hug the walls of houses where walks are too narrow for anything else, in Japan."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.assets.wall_pieces import GAPS
+from cityx.city import City
+from cityx.city.layout import in_town
+from cityx.city.passage import FREE
+from cityx.geometry.clearance import near_any
+from cityx.geometry.identity import choose, hash_ids
+from cityx.geometry.polylines import arc_lengths, every, locate, pack
+from cityx.plugins.nature.pieces import FloatArray, Pieces, inside_extent, pieces, room_along
+from cityx.plugins.road.kerbs import yaw_facing
+
+PURPOSE = "nature/wall_things"
+WALKS = ("sidewalk", "frontage", "furnishing", "courtyard")
+SPACING, MARGIN = 3.2, 0.8  # metres of wall per draw; from the corners of a house
+BEFORE = 0.05  # metres before the wall at which the walk begins to be measured
+REACH = 4.0  # metres; no walk is looked at farther than this
+WIDE = 3.0  # metres of walk from which other rules put larger things at walls
+# What stands at a wall, with weights; bicycles stand along it, and need more room.
+NOTHING = "nothing"
+WEIGHTS: Mapping[str, float] = MappingProxyType({
+    NOTHING: 3.0, "wall_trough": 2.2, "wall_pots": 2.4, "furled_banner": 0.9, "wall_meters": 1.4,
+    "wall_crates": 0.8, "broom_and_pail": 0.8, "bicycle": 1.6,
+})  # fmt: skip
+# The same where nothing may stand; some walks are half a metre wide.
+BARE: Mapping[str, float] = MappingProxyType(
+    {NOTHING: 2.0, "hanging_basket": 2.5, "drain_cover": 1.5}
+)
+BICYCLE_GAP = 0.31
+TO_SHOP = 0.9  # metres from the middle of a shopfront, where one goes in
+
+
+def along_walls(city: City, rims: NDArray[np.object_], density: float) -> Pieces:
+    """Draw things along the walls of houses of towns, where `FREE` metres stay free before them.
+
+    Parameters
+    ----------
+    city
+        City with its ground.
+    rims
+        Segments at which walks end, as of `cityx.plugins.nature.pieces.walk_rims`.
+    density
+        Factor of how often there is something.
+    """
+    buildings = city.layout.buildings
+    houses = buildings.geometry.to_numpy()[in_town(buildings)]
+    none = pieces("", np.zeros((0, 2)), np.zeros(0, np.uint64), np.zeros(0))
+    if city.ground is None or not len(houses):
+        return none
+    rings = shapely.get_exterior_ring(shapely.orient_polygons(shapely.get_parts(houses)))
+    walls = pack(rings)
+    ends = np.delete(np.arange(len(walls.points)), walls.start[1:] - 1)
+    start, end = walls.points[ends], walls.points[ends + 1]
+    sides = pack(shapely.linestrings(np.stack([start, end], axis=1)))
+    row, at = every(arc_lengths(sides)[1], SPACING, MARGIN)
+    foot, along = locate(sides, row, at)
+    out = np.column_stack([along[:, 1], -along[:, 0]])  # outlines run counter-clockwise
+    near = inside_extent(city, foot, 0.5)
+    near[near] = city.ground.on(foot[near] + 0.3 * out[near], *WALKS)
+    foot, out = foot[near], out[near]
+    if not len(foot):
+        return none
+    place = np.round(foot * 10).astype(np.int64).view(np.uint64)
+    ids = hash_ids(0, PURPOSE, place[:, 0], place[:, 1])
+    room = BEFORE + room_along(foot + BEFORE * out, out, rims, REACH)
+    name, bare = (_drawn(city.seed, ids, weights, density) for weights in (WEIGHTS, BARE))
+    name = np.where(room >= 2 * _gaps(name) + FREE, name, bare)
+    gap = _gaps(name)
+    fits = (name != NOTHING) & (room < WIDE)
+    shops = city.scene.instances.get("shopfronts")
+    if shops is not None:
+        fits &= ~near_any(foot, shapely.points(shops.position[:, :2]), TO_SHOP)
+    yaw = yaw_facing(out) + np.where(name == "bicycle", np.pi / 2, 0.0)
+    return pieces(name, foot + gap[:, None] * out, ids, yaw).take(fits)
+
+
+def _drawn(
+    seed: int, ids: NDArray[np.uint64], weights: Mapping[str, float], density: float
+) -> NDArray[np.object_]:
+    share = np.array(list(weights.values()))
+    share[0] /= max(density, 1e-6)
+    return np.asarray(np.array(list(weights), object)[choose(seed, PURPOSE, ids, share.tolist())])
+
+
+def _gaps(names: NDArray[np.object_]) -> FloatArray:
+    return np.array([GAPS.get(str(name), BICYCLE_GAP) for name in names], float)
