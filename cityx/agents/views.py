@@ -181,7 +181,7 @@ def render_views(
     moment
         Seconds into the tracks that are shown; when None the city's own, or for each picture the
         next at which nothing that moves is within five metres before the lens. "busiest" takes, of
-        all such moments, the one at which most that moves is seen within sixty metres.
+        all moments with nine metres free, the one at which most that moves is within sixty.
     frames
         "FROM:TO" or "FROM:TO:STEP", a span of frames of which each becomes a picture, 25 a second;
         "" for none.

@@ -132,5 +132,6 @@ def test_each_picture_shows_a_moment_at_which_its_view_is_free(built):
     assert [request.moment for request in jobs[1].renders] == [None, None]
     views.render_views(folder, str(file), moment="busiest", say=told.append)
     assert jobs[2].moment is None
-    assert jobs[2].renders[0].moment == moments["near"]
-    assert f"near: shown at {moments['near']:g} s, when the view is busiest" in told
+    moment = jobs[2].renders[0].moment
+    assert moment > moments["near"]  # busy pictures keep more free before the lens
+    assert f"near: shown at {moment:g} s, when the view is busiest" in told

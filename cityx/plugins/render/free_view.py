@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from cityx.city.store import View
 
 NEAR = 5.0  # metres before the lens that movers keep free
+ROOM = 9.0  # the same where the busiest moment is looked for
 SEEN = 60.0  # metres before the lens within which movers make a picture busy
 TOUCHING = 2.5  # metres within which what is parked is left out
 EVERY = 0.5  # seconds between the moments that are looked at
@@ -44,7 +45,8 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     -------
     moment
         Seconds into the tracks. The city's own where nothing moves, or nothing moves within `NEAR`
-        metres before the lens; where something always does, the moment at which it is farthest.
+        (`ROOM` for the busiest) metres before the lens; where something always does, the moment at
+        which it is farthest.
     """
     tracks = view.tracks
     if tracks is None or not tracks.count:
@@ -53,7 +55,7 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     times = np.append(times[times <= tracks.duration], view.moment)
     order = np.argsort(times, kind="stable")
     found = moments_of(tracks, times[order])
-    reach = SEEN if busiest else NEAR
+    near, reach = (ROOM, SEEN) if busiest else (NEAR, NEAR)
     size = tracks.size[found.mover].astype(float)
     eye = np.array(camera.position)
     beside = np.hypot(*(found.position[:, :2] - eye[:2]).T)
@@ -61,9 +63,9 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     above = np.maximum(eye[2] - found.position[:, 2] - size[:, 2], found.position[:, 2] - eye[2])
     rows = np.flatnonzero(beside & (above < reach))
     far = _before(camera, found.boxes(tracks.size)[rows], reach)
-    moment, low = order[found.number[rows]], above[rows] < NEAR
-    away = np.full(len(times), NEAR)
-    np.minimum.at(away, moment[low], np.minimum(far, NEAR)[low])
+    moment, low = order[found.number[rows]], above[rows] < near
+    away = np.full(len(times), near)
+    np.minimum.at(away, moment[low], np.minimum(far, near)[low])
     life = np.bincount(moment, 1.0 - far / reach, len(times)) if busiest else np.zeros(len(times))
     wait = np.round(np.abs(times - view.moment), 6)
     best = np.lexsort((times, wait, -np.round(life, 2), -np.round(away, 2)))[0]
