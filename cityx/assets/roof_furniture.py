@@ -184,7 +184,7 @@ def roof_pipes() -> Shapes:
     return shapes
 
 
-def planters() -> Shapes:
+def roof_planters() -> Shapes:
     """Trough of shrubs with a bench, as on terraced roofs."""
     shapes: Shapes = [
         box((-1.3, -0.3, SUNK), (1.3, 0.3, 0.5), "wood", (0.55, 0.5, 0.45)),
@@ -322,7 +322,7 @@ ROOF_FURNITURE: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
         for maker in (
             hvac_unit, condenser, stair_head, lift_house, antenna, dish, solar_panels, vent,
             water_tank, water_cistern, skylight, chimney, chimney_small, ac_row, roof_patch,
-            roof_hatch, roof_pipes, planters, roof_duct, roof_walkway, roof_railing,
+            roof_hatch, roof_pipes, roof_planters, roof_duct, roof_walkway, roof_railing,
             roof_sheet,
         )
     }
@@ -335,7 +335,7 @@ REACH: Mapping[str, float] = MappingProxyType(
         "hvac_unit": 1.6, "condenser": 0.6, "stair_head": 2.7, "lift_house": 2.7, "antenna": 0.8,
         "dish": 0.6, "solar_panels": 2.6, "vent": 0.4, "water_tank": 1.9, "water_cistern": 1.3,
         "skylight": 1.6, "chimney": 0.75, "chimney_small": 0.55, "ac_row": 1.95,
-        "roof_patch": 1.55, "roof_hatch": 0.9, "roof_pipes": 2.0, "planters": 1.6,
+        "roof_patch": 1.55, "roof_hatch": 0.9, "roof_pipes": 2.0, "roof_planters": 1.6,
         "deck_bays": 5.6, "deck_bays_full": 5.6, "deck_bays_free": 5.6, "roof_duct": 2.9,
         "roof_walkway": 2.5, "roof_railing": 1.6, "roof_sheet": 3.9, **dict.fromkeys(STAINS, 1.45),
     }

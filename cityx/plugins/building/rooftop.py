@@ -57,7 +57,7 @@ RAILED, RAIL_AREA, RAIL_IN, RAIL_BAY, RAIL_LEAST = 0.4, 90.0, 0.45, 3.0, 1.6
 _WEIGHTS: Mapping[str, Mapping[str, float]] = {  # by group; the order of the words is that of REACH
     "flats": {"condenser": 3, "stair_head": 5, "antenna": 4, "dish": 2, "solar_panels": 3,
               "vent": 4, "skylight": 3, "water_cistern": 1, "roof_patch": 7, "roof_hatch": 3,
-              "roof_pipes": 2, "planters": 2, "ac_row": 1.5, "roof_walkway": 1},
+              "roof_pipes": 2, "roof_planters": 2, "ac_row": 1.5, "roof_walkway": 1},
     "office": {"hvac_unit": 7, "condenser": 3, "lift_house": 4, "stair_head": 2, "vent": 4,
                "skylight": 1, "antenna": 1, "roof_patch": 6, "roof_hatch": 1, "roof_pipes": 5,
                "ac_row": 5, "solar_panels": 1, "roof_duct": 4, "roof_walkway": 2},
