@@ -54,7 +54,8 @@ FLAT_KINDS = frozenset({"window", "trim", "shopfront", "street_cover"})  # a box
 STANDING_KINDS = frozenset({"furniture", "vehicle", "tree"})  # their origin is on the ground
 DOORSTEP = frozenset({"step_stone", "concrete", "kerb_stone", "asphalt_light", "stone"})
 LAYER_KINDS = {
-    "buildings": "building", "garden_paths": "ground", "shores": "ground", "decks": "bridge",
+    "buildings": "building", "garden_paths": "ground", "lawn_edging": "ground", "shores": "ground",
+    "decks": "bridge",
     "structures": "bridge", "surroundings": "terrain", "barriers": "barrier",
 }  # fmt: skip
 

@@ -169,8 +169,8 @@ _SURFACE = {
 _LAYER = {
     "buildings": "building", "building_assets": "building", "decks": "bridge",
     "structures": "bridge", "surroundings": "terrain", "guard_rails": "guard_rail",
-    "garden_paths": "path", "shores": "stairs", "stairs": "stairs", "courts": "pitch",
-    "bay_lines": "road_marking",
+    "garden_paths": "path", "lawn_edging": "sidewalk", "shores": "stairs", "stairs": "stairs",
+    "courts": "pitch", "bay_lines": "road_marking",
     "wires": "wire",
 }  # fmt: skip
 # By the material that most of an object is made of: ground beyond the labels, barriers.

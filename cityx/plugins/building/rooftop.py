@@ -31,8 +31,8 @@ MIN_AREA = 28.0  # square metres; smaller flat roofs stay bare
 # Square metres of flat roof per piece by group; where many work there is more plant.
 PER_PIECE = {"office": 17.0, "retail": 18.0, "flats": 20.0, "civic": 22.0}
 USUAL_PER_PIECE = 24.0
-MOST = 60  # pieces on one roof
-TRIES = 4
+MOST = 90  # pieces on one roof
+TRIES = 6
 CHIMNEY_TOP = 0.8  # metres a chimney stands above the ridge
 CHIMNEY_SUNK = 0.4  # metres of a chimney inside the roof
 MAX_STACK = 2.2  # metres a chimney stands above the slope it leaves
@@ -46,27 +46,28 @@ DECKED = "parking"  # generator whose roofs one parks on
 STAFFED = ("flats", "office", "civic", "retail")
 
 PIECES = tuple(REACH)
-FLAT = tuple(PIECES.index(name) for name in ("roof_patch", *STAINS))  # what others stand on
+# What others stand on; each lies a little higher than the one before it.
+FLAT = tuple(PIECES.index(name) for name in ("roof_patch", "roof_sheet", *STAINS))
+LAYERS, LAYER = 10, 0.06
+# What age leaves on flat roofs of all but houses, as shares of the weights of all else.
+WEAR = {"roof_sheet": 0.10, **dict.fromkeys(STAINS, 0.06)}
 # Flat roofs that people use have a railing: share of them, metres from the wall's face to it, of
 # its bays, and of the shortest edge with one.
 RAILED, RAIL_AREA, RAIL_IN, RAIL_BAY, RAIL_LEAST = 0.4, 90.0, 0.45, 3.0, 1.6
 _WEIGHTS: Mapping[str, Mapping[str, float]] = {  # by group; the order of the words is that of REACH
     "flats": {"condenser": 3, "stair_head": 5, "antenna": 4, "dish": 2, "solar_panels": 3,
               "vent": 4, "skylight": 3, "water_cistern": 1, "roof_patch": 7, "roof_hatch": 3,
-              "roof_pipes": 2, "planters": 2, "ac_row": 1.5, "roof_walkway": 1,
-              **dict.fromkeys(STAINS, 1.6)},
+              "roof_pipes": 2, "roof_planters": 2, "ac_row": 1.5, "roof_walkway": 1},
     "office": {"hvac_unit": 7, "condenser": 3, "lift_house": 4, "stair_head": 2, "vent": 4,
                "skylight": 1, "antenna": 1, "roof_patch": 6, "roof_hatch": 1, "roof_pipes": 5,
-               "ac_row": 5, "solar_panels": 1, "roof_duct": 4, "roof_walkway": 2,
-              **dict.fromkeys(STAINS, 1.6)},
+               "ac_row": 5, "solar_panels": 1, "roof_duct": 4, "roof_walkway": 2},
     "retail": {"hvac_unit": 7, "condenser": 3, "vent": 3, "skylight": 4, "stair_head": 1,
                "roof_patch": 6, "roof_pipes": 4, "ac_row": 3, "roof_hatch": 1,
-               "roof_duct": 4, "roof_walkway": 1.5, **dict.fromkeys(STAINS, 1.6)},
+               "roof_duct": 4, "roof_walkway": 1.5},
     "industry": {"skylight": 8, "vent": 6, "hvac_unit": 2, "roof_patch": 5, "roof_pipes": 1,
-                 "roof_duct": 2, "roof_walkway": 1, **dict.fromkeys(STAINS, 2)},
+                 "roof_duct": 2, "roof_walkway": 1},
     "civic": {"hvac_unit": 3, "stair_head": 3, "vent": 3, "skylight": 4, "solar_panels": 3,
-              "roof_patch": 5, "roof_hatch": 2, "roof_pipes": 2, "roof_walkway": 1,
-              **dict.fromkeys(STAINS, 1.5)},
+              "roof_patch": 5, "roof_hatch": 2, "roof_pipes": 2, "roof_walkway": 1},
     "house": {"antenna": 1, "solar_panels": 3, "vent": 2, "dish": 1, "roof_patch": 1},
 }  # fmt: skip
 
@@ -117,7 +118,7 @@ def furnish_roofs(
     age = 0.55 + 0.9 * uniform(city.seed, "roof/patch", ids, number)
     patch = np.isin(piece, FLAT)
     # Puddles leave dirt, which is darker; how much lies there tells the age of a roof.
-    age = np.where(piece == FLAT[0], age, 0.45 + 0.3 * age)
+    age = np.where(np.isin(piece, FLAT[:2]), age, 0.45 + 0.3 * age)
     sheet = finishes.roof_tint[part] * age[:, None]
     tint = np.where(patch[:, None], sheet, tint).astype(np.float32)
     stack = piece == PIECES.index("chimney")
@@ -234,9 +235,9 @@ def _on_flat(
     quarter = np.round((0.0 - yaw) / (np.pi / 2)) * np.pi / 2
     yaw = np.where(solar, yaw + quarter, yaw)
     keep = found
+    thick = np.where(np.isin(piece, FLAT), 1 + LAYER * (number % LAYERS), 1.0)
     placed = (
-        part[keep], piece[keep], x[keep], y[keep], z[keep], np.ones(int(keep.sum())), yaw[keep],
-        number[keep],
+        part[keep], piece[keep], x[keep], y[keep], z[keep], thick[keep], yaw[keep], number[keep],
     )  # fmt: skip
     decks = np.flatnonzero(flat & volumes.walls & (area > MIN_AREA) & (own == DECKED))
     if not len(decks):
@@ -283,7 +284,11 @@ def _tables(city: City) -> dict[str, Mapping[str, float]]:
     """Weights of pieces by use group, and by generator where it has its own."""
     named = set(city.layout.buildings["generator"].to_numpy(str).tolist())
     own = {n: generators()[n].rooftop for n in sorted(named) if n and generators()[n].rooftop}
-    return {**_WEIGHTS, **own}
+    worn = {
+        name: {**table, **{word: share * sum(table.values()) for word, share in WEAR.items()}}
+        for name, table in {**_WEIGHTS, **own}.items()
+    }
+    return {**worn, "house": _WEIGHTS["house"]}
 
 
 def _kinds(city: City) -> NDArray[np.str_]:

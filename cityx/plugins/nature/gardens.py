@@ -18,6 +18,8 @@ from cityx.city.mesh import NO_VERTEX
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import Polylines, pack
 from cityx.geometry.standing import WALKED, stand_on
+from cityx.plugins.nature.lawn_edges import LAYER as EDGING
+from cityx.plugins.nature.lawn_edges import lawn_edges
 from cityx.plugins.nature.pieces import FloatArray, front, heights, room_along, walk_rims
 from cityx.protocol import Port, action
 
@@ -77,28 +79,13 @@ def _strips(
     return batch.take(np.argsort(ids, kind="stable"))
 
 
-@action(
-    ACTION,
-    limits=["Paths are straight; a house that hides the street from its door has none."],
-    requires=("layout",),
-    after=("building/facade-v1",),
-    takes=(Port("ground", "surface", role="ground", optional=True),),
-    gives=(Port("paths", "complex_geometry", "garden_paths"),),
-    labels=("garden paths", "driveways", "front gardens"),
-)
-def gardens(city: City) -> City:
-    """Lay paths from doors across lawns to the pavement, and drives to garages.
-
-    Parameters
-    ----------
-    city
-        City with its ground; facades tell where doors are.
-    """
-    city = replace(city, stages_done=city.stages_done | {"nature"})
+def _with_paths(city: City) -> tuple[City, NDArray[np.object_]]:
+    """Return the city with paths and drives, and their outlines."""
     doors, ground = city.scene.instances.get("doors"), city.ground
     mesh = city.scene.meshes.get("ground")
-    if city.lod < 2 or doors is None or not doors.count or ground is None or mesh is None:
-        return city
+    none = np.zeros(0, object)
+    if doors is None or not doors.count or ground is None or mesh is None:
+        return city, none
     out = front(doors.rotation[:, 2])
     foot = doors.position[:, :2] + 0.12 * out
     before = stand_on(mesh, foot + 0.5 * out)
@@ -106,7 +93,7 @@ def gardens(city: City) -> City:
     soft &= np.abs(np.nan_to_num(before.z, nan=1e9) - doors.position[:, 2]) < LEVEL
     rows = np.flatnonzero(soft)
     if not len(rows):
-        return city
+        return city, none
     rims = walk_rims(ground, PAVED)
     houses = city.layout.buildings.geometry.to_numpy()
     best, end = np.full(len(rows), np.inf), np.zeros((len(rows), 2))
@@ -127,7 +114,7 @@ def gardens(city: City) -> City:
     keep = np.isfinite(best) & (best > LEAST)
     rows, end = rows[keep], end[keep]
     if not len(rows):
-        return city
+        return city, none
     names = np.array([p.name.removesuffix("_fine") for p in city.scene.prototypes], object)
     drive = np.isin(names[doors.prototype[rows]], DRIVES)
     half = np.where(drive, GARAGE_HALF, DOOR_HALF)
@@ -138,4 +125,30 @@ def gardens(city: City) -> City:
     shapes = shapely.segmentize(shapely.linestrings(np.stack([foot[rows], end], axis=1)), STEP)
     ids = hash_ids(0, ACTION, doors.object_id[rows])
     batch = _strips(city, pack(shapes), half, chosen, ids)
-    return replace(city, scene=city.scene.with_mesh(LAYER, batch))
+    ways = shapely.buffer(shapes, half + 0.02, cap_style="square")
+    return replace(city, scene=city.scene.with_mesh(LAYER, batch)), ways
+
+
+@action(
+    ACTION,
+    limits=["Paths are straight; a house that hides the street from its door has none."],
+    requires=("layout",),
+    after=("building/facade-v1",),
+    takes=(Port("ground", "surface", role="ground", optional=True),),
+    gives=(Port("paths", "complex_geometry", "garden_paths"),),
+    labels=("garden paths", "driveways", "front gardens"),
+)
+def gardens(city: City) -> City:
+    """Lay paths from doors across lawns to the pavement, drives to garages, and stones round lawns.
+
+    Parameters
+    ----------
+    city
+        City with its ground; facades tell where doors are.
+    """
+    city = replace(city, stages_done=city.stages_done | {"nature"})
+    if city.lod < 2 or city.ground is None or "ground" not in city.scene.meshes:
+        return city
+    city, ways = _with_paths(city)
+    stones = lawn_edges(city, ways)
+    return city if stones is None else replace(city, scene=city.scene.with_mesh(EDGING, stones))

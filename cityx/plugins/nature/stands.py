@@ -30,7 +30,9 @@ SPECIES = ("lime", "plane", "maple", "oak", "chestnut", "birch", "cherry", "gink
            "camphor", "poplar", "willow", "jacaranda", "acacia", "olive", "pine", "spruce",
            "cypress", "palm", "shrub", "boxwood", "grove")  # fmt: skip
 BUSHES = ("shrub", "boxwood")
+LEANS = (0.022, 0.045)  # radians, most of trees beside streets and of others
 INDEX = {name: index for index, name in enumerate(SPECIES)}
+UPRIGHT = [INDEX[name] for name in (*BUSHES, "grove")]
 
 
 @dataclass(frozen=True)
@@ -124,6 +126,11 @@ def rows_of(
     tint = (0.80 + 0.40 * shade) * (1 + (warm - 0.5) * np.array([0.30, 0.08, -0.10]))
     turn = np.zeros((len(stand.id), 3), np.float32)
     turn[:, 2] = uniform(city.seed, f"{STREAM}/yaw", stand.id) * 2 * np.pi
+    # Trunks lean a little to one side; those pruned beside streets less.
+    lean = np.where(street, *LEANS) * np.where(np.isin(stand.species, UPRIGHT), 0.0, 1.0)
+    for axis in (0, 1):
+        draw = uniform(city.seed, f"{STREAM}/lean", stand.id, axis)
+        turn[:, axis] = lean * (2 * draw - 1)
     z = heights(city, stand.xy)
     z = np.fmax(z, earth_over(city.scene.meshes.get("structures"), stand.xy))
     return prototypes, Instances(

@@ -73,6 +73,8 @@ def along_walls(city: City, rims: NDArray[np.object_], density: float) -> Pieces
     ids = hash_ids(0, PURPOSE, place[:, 0], place[:, 1])
     room = BEFORE + room_along(foot + BEFORE * out, out, rims, REACH)
     name, bare = (_drawn(city.seed, ids, weights, density) for weights in (WEIGHTS, BARE))
+    public = city.ground.on(foot + 0.3 * out, "sidewalk")
+    bare = np.where(public, bare, NOTHING)
     name = np.where(room >= 2 * _gaps(name) + FREE, name, bare)
     gap = _gaps(name)
     fits = (name != NOTHING) & (room < WIDE)

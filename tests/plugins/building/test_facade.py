@@ -188,6 +188,36 @@ def test_chimneys_begin_in_the_roof():
     assert (rows.position[:, 2] + 3 * rows.scale[:, 2] > 14.5).all()
 
 
+def roof_rows(use="apartments"):
+    city = facade(terrace(use=use))
+    rows = city.scene.instances["roof_furniture"]
+    names = np.array([p.name for p in city.scene.prototypes])[rows.prototype]
+    return city, rows, names
+
+
+def test_railings_stand_inside_parapets_but_at_walls_shared_with_a_neighbour():
+    city, rows, names = roof_rows()
+    owners = np.unique(rows.owner[names == "roof_railing"])
+    assert 0 < len(owners) < COUNT  # some of the roofs
+    for owner in owners:
+        of = (rows.owner == owner) & (names == "roof_railing")
+        house = city.layout.parts.geometry[city.layout.parts["building"] == owner].iloc[0]
+        away = shapely.distance(house.boundary, shapely.points(rows.position[of, :2]))
+        assert np.allclose(away, 0.45, atol=1e-6)
+        assert shapely.contains(house, shapely.points(rows.position[of, :2])).all()
+        shared = 1 if owner in city.layout.parts["building"].iloc[[0, -1]].to_numpy() else 2
+        around = 2 * (12.0 - 0.9) + (2 - shared) * (11.0 - 0.9)
+        assert np.sum(3.0 * rows.scale[of, 0]) == pytest.approx(around, rel=1e-5)
+
+
+def test_wear_lies_on_flat_roofs_and_every_piece_has_an_id():
+    _, rows, names = roof_rows("office")
+    worn = np.array([name.startswith(("roof_stain", "roof_sheet")) for name in names])
+    assert worn.sum() > 3
+    assert (rows.scale[worn, 2] >= 1.0).all()
+    assert len(np.unique(rows.object_id)) == rows.count
+
+
 @pytest.mark.shared
 @pytest.mark.skipif(not SOHO.exists(), reason="needs ../shared/data/osm")
 def test_fronts_of_a_real_quarter_are_sane():
