@@ -39,7 +39,8 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
         Of the picture.
     busiest
         Whether to take, of the moments with a free view, the one that shows most of what moves:
-        each mover within `SEEN` metres counts by how near it is.
+        each mover within `SEEN` metres counts by how near it is, and by the square root of what
+        it covers from the side.
 
     Returns
     -------
@@ -66,7 +67,8 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     moment, low = order[found.number[rows]], above[rows] < near
     away = np.full(len(times), near)
     np.minimum.at(away, moment[low], np.minimum(far, near)[low])
-    life = np.bincount(moment, 1.0 - far / reach, len(times)) if busiest else np.zeros(len(times))
+    shown = (1.0 - far / reach) * np.sqrt(size[rows, 0] * size[rows, 2])
+    life = np.bincount(moment, shown, len(times)) * busiest
     wait = np.round(np.abs(times - view.moment), 6)
     best = np.lexsort((times, wait, -np.round(life, 2), -np.round(away, 2)))[0]
     return float(times[best])
