@@ -26,7 +26,10 @@ def test_a_piece_is_small_named_and_of_known_materials(name):
 def test_a_piece_stands_on_the_ground_at_its_origin(name):
     vertices = furniture(name).mesh.vertices
     deepest = -1.5 if name in SHORE_MAKERS else -0.5  # steps and hulls go down into the water
-    assert deepest < vertices[:, 2].min() <= 0.1
+    if name == "hanging_basket":  # over the heads of those who pass
+        assert 2.1 < vertices[:, 2].min() < 2.4
+    else:
+        assert deepest < vertices[:, 2].min() <= 0.1
     middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
     assert np.hypot(*middle[:2]) < 2.0
 
