@@ -138,10 +138,12 @@ def blender_views(
     timings, peak_rss_mb
         Step to its "wall_s" and "cpu_s"; peak memory of the Blender process.
     """
-    view = read_view(store) if views else None
-    cameras = cameras_of(view, views, size) if view is not None else []
-    requests = tuple(RenderRequest(c, renders / f"{c.name}.png", samples) for c in cameras)
-    requests = _at_free_moments(view, requests, say) if view is not None else ()
+    requests: tuple[RenderRequest, ...] = ()
+    if views:
+        view = read_view(store)
+        cameras = cameras_of(view, views, size)
+        pictures = [RenderRequest(c, renders / f"{c.name}.png", samples) for c in cameras]
+        requests = _at_free_moments(view, pictures, say)
     job = BlenderJob(store, blend=blend, renders=requests)
     result = run_worker(job, timeout_s=TIMEOUT_S, progress=lambda _, text: say(text))
     return {name: dict(times) for name, times in result.timings.items()}, result.peak_rss_mb

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 import shapely
@@ -46,6 +47,10 @@ class Moments:
         """Return the rows of each of the `count` times, in the order of movers."""
         order = np.argsort(self.number, kind="stable")
         return np.split(order, np.searchsorted(self.number[order], np.arange(1, count)))
+
+    def take(self, rows: NDArray[Any]) -> Moments:
+        """Return the given pairs (indices or mask)."""
+        return Moments(*(getattr(self, column.name)[rows] for column in fields(self)))
 
     def boxes(self, size: NDArray[np.float32], more: float = 0.0) -> NDArray[np.object_]:
         """Return (m,) outlines of movers seen from above.

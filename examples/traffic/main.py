@@ -28,6 +28,7 @@ from cityx.city.moments import moments_of
 from cityx.city.outlines import placed_outlines
 from cityx.city.store import read_city, write_city
 from cityx.city.walkable import walkable_of
+from cityx.plugins.render.free_view import sector
 from cityx.protocol import registry
 from cityx.protocol.gate import Call
 from cityx.protocol.run import run_step
@@ -127,7 +128,7 @@ def lookout(city: City, moments: Sequence[float]) -> tuple[Camera, float]:
                     walls, line)).min(initial=SIGHT))  # fmt: skip
                 score *= 1.0 + long / SIGHT
                 if score > best[0] and not len(
-                    standing.query(_before(spot, heading), "intersects")
+                    standing.query(sector(spot, heading, 1.1 * FOV, FREE), "intersects")
                 ):
                     z = float(city.terrain.height_at(spot[None])[0]) + EYE
                     eye = (float(spot[0]), float(spot[1]), z)
@@ -139,13 +140,6 @@ def lookout(city: City, moments: Sequence[float]) -> tuple[Camera, float]:
 def _liveliness(away: FloatArray) -> float:
     """Return what some movers add to a picture: the nearest most, each after it less."""
     return float((CROWD ** np.arange(len(away)) / np.sqrt(np.sort(away))).sum())
-
-
-def _before(spot: FloatArray, heading: float) -> shapely.Polygon:
-    """Return the ground right before a lens."""
-    turn = heading + FOV * np.linspace(-0.55, 0.55, 7)
-    arc = spot + FREE * np.column_stack([np.sin(turn), np.cos(turn)])
-    return shapely.Polygon([spot, *arc])
 
 
 def _walls_of(city: City) -> NDArray[np.object_]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.camera import Camera
 from cityx.city.moments import moments_of
@@ -55,19 +55,21 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     times = np.arange(0.0, tracks.duration + EVERY / 2, EVERY)
     times = np.append(times[times <= tracks.duration], view.moment)
     order = np.argsort(times, kind="stable")
-    found = moments_of(tracks, times[order])
+    everybody = moments_of(tracks, times[order])
     near, reach = (ROOM, SEEN) if busiest else (NEAR, NEAR)
-    size = tracks.size[found.mover].astype(float)
     eye = np.array(camera.position)
-    beside = np.hypot(*(found.position[:, :2] - eye[:2]).T)
+    size = tracks.size[everybody.mover].astype(float)
+    beside = np.hypot(*(everybody.position[:, :2] - eye[:2]).T)
     beside = beside <= reach + np.hypot(size[:, 0], size[:, 1]) / 2
-    above = np.maximum(eye[2] - found.position[:, 2] - size[:, 2], found.position[:, 2] - eye[2])
-    rows = np.flatnonzero(beside & (above < reach))
-    far = _before(camera, found.boxes(tracks.size)[rows], reach)
-    moment, low = order[found.number[rows]], above[rows] < near
+    foot = everybody.position[:, 2]
+    above = np.maximum(eye[2] - foot - size[:, 2], foot - eye[2])
+    seen = beside & (above < reach)
+    found, size, above = everybody.take(seen), size[seen], above[seen]
+    far = _before(camera, found.boxes(tracks.size), reach)
+    moment, low = order[found.number], above < near
     away = np.full(len(times), near)
     np.minimum.at(away, moment[low], np.minimum(far, near)[low])
-    shown = (1.0 - far / reach) * np.sqrt(size[rows, 0] * size[rows, 2])
+    shown = (1.0 - far / reach) * np.sqrt(size[:, 0] * size[:, 2])
     life = np.bincount(moment, shown, len(times)) * busiest
     wait = np.round(np.abs(times - view.moment), 6)
     best = np.lexsort((times, wait, -np.round(life, 2), -np.round(away, 2)))[0]
@@ -76,20 +78,35 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
 
 def in_the_way(view: View, camera: Camera) -> NDArray[np.uint64]:
     """Return the ids of parked vehicles that fill a picture: about the lens, or right before it."""
-    shapes, _, ids = placed_outlines(view.scene, PARKED)
-    if not len(ids):
-        return np.zeros(0, np.uint64)
     eye = np.array(camera.position)
     if eye[2] - float(view.terrain.height_at(eye[None, :2])[0]) > NEAR:
         return np.zeros(0, np.uint64)
+    shapes, _, ids = placed_outlines(view.scene, PARKED)
     return np.asarray(np.unique(ids[_before(camera, shapes, TOUCHING) < TOUCHING]))
+
+
+def sector(
+    eye: ArrayLike, heading: float, angle: float, reach: float
+) -> shapely.Polygon:  # fmt: skip
+    """Return the ground within reach of a lens.
+
+    Parameters
+    ----------
+    eye
+        (2,) metres.
+    heading, angle
+        Radians, of its middle from north clockwise, and between its sides.
+    reach
+        Metres.
+    """
+    turn = heading + angle * np.linspace(-0.5, 0.5, ARC)
+    arc = np.asarray(eye, float) + reach * np.column_stack([np.sin(turn), np.cos(turn)])
+    return shapely.Polygon([eye, *arc])
 
 
 def _before(camera: Camera, shapes: NDArray[Any], reach: float) -> NDArray[np.float64]:
     """(n,) metres from the lens to what of shapes it sees within reach, `reach` for none."""
-    eye = np.array(camera.position[:2])
-    turn = camera.heading + camera.hfov * np.linspace(-0.5, 0.5, ARC)
-    arc = eye + reach * np.column_stack([np.sin(turn), np.cos(turn)])
-    seen = shapely.intersection(shapely.Polygon([eye, *arc]), shapes)
+    eye = camera.position[:2]
+    seen = shapely.intersection(sector(eye, camera.heading, camera.hfov, reach), shapes)
     away = shapely.distance(shapely.Point(eye), seen)
     return np.where(shapely.is_empty(seen), reach, np.minimum(away, reach))
