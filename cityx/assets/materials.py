@@ -60,6 +60,11 @@ class Material:
 # Water darkens a porous surface to this share at most (Lekner and Dorf 1988 measure 0.5 to 0.7).
 _WETTEST = 0.55
 _FILM_ROUGHNESS = 0.12  # of a closed film of water
+# Of the ground that vehicles drive on, where tyres press snow to slush.
+CARRIAGEWAYS = frozenset(
+    {"asphalt", "setts", "gutter_stones", "gutter_slabs", "cobbles", "clinker", "pavers",
+     "road_concrete"}
+)  # fmt: skip
 
 
 def wet_look(material: Material, wetness: float) -> tuple[tuple[float, float, float], float]:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 import bpy
 
-from cityx.assets.materials import MATERIALS, Material
+from cityx.assets.materials import CARRIAGEWAYS, MATERIALS, Material
 from cityx.assets.surface_states import material_named
 from cityx.blender import nodes
 from cityx.blender.nodes import Socket, Tree
@@ -33,13 +33,8 @@ CLUMP, STAND = 1.6, 11.0  # metres over which the colour of leaves changes, in a
 THROUGH = 0.52  # share of the light on a leaf that its other side gives off
 LEAVES = frozenset({"leaf", "foliage"})
 FOLIAGE = LEAVES | {"hedge"}  # what catches snow at any slope
-# Carriageways, where tyres press snow to slush.
-DRIVEN = frozenset(
-    {"asphalt", "setts", "gutter_stones", "gutter_slabs", "cobbles",
-     "clinker", "pavers", "road_concrete", "marking_white",
-     "marking_yellow"}
-)  # fmt: skip
 PAINTED = frozenset({"marking_white", "marking_yellow"})
+DRIVEN = CARRIAGEWAYS | PAINTED  # where tyres press snow to slush
 CRACKED = frozenset({"asphalt", "asphalt_light"})
 REPAIRED = CRACKED | {
     "setts",

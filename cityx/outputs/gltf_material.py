@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.materials import Material, wet_look
+from cityx.assets.materials import CARRIAGEWAYS, Material, wet_look
 from cityx.assets.surface_states import material_named
 from cityx.assets.textures import texture
 from cityx.city.environment import Environment
@@ -29,18 +29,6 @@ SNOWED = frozenset(
      "rail_ballast", "kerb_stone", "yard", "flagstones", "mosaic", "slab_walk", "walk_blocks",
      "guided_blocks"}
 )  # fmt: skip
-DRIVEN = frozenset(
-    {
-        "asphalt",
-        "setts",
-        "gutter_stones",
-        "gutter_slabs",
-        "cobbles",
-        "clinker",
-        "pavers",
-        "road_concrete",
-    }
-)  # where tyres leave slush
 _SNOW = np.array([0.80, 0.82, 0.86])
 _SLUSH_SHARE = 0.35
 
@@ -49,7 +37,7 @@ def weather_look(material: Material, environment: Environment) -> tuple[NDArray[
     """Return the linear base colour, (3,), and the roughness of a surface in rain and snow."""
     wet, roughness = wet_look(material, environment.wetness)
     color = np.array(wet)
-    driven = _SLUSH_SHARE if material.root in DRIVEN else 0.0
+    driven = _SLUSH_SHARE if material.root in CARRIAGEWAYS else 0.0
     share = environment.snow * (1.0 if material.root in SNOWED else driven)
     return color + (_SNOW - color) * share, roughness + (0.7 - roughness) * share
 

@@ -24,6 +24,7 @@ from cityx.geometry.standing import WALKED, stand_on
 from cityx.plugins.building.shop_names import shop_names
 from cityx.plugins.nature.frontages import OWN_FRONTAGE, frontage_edges
 from cityx.plugins.nature.pieces import (
+    BICYCLE_GAP,
     BoolArray,
     FloatArray,
     Pieces,
@@ -84,7 +85,7 @@ LEVEL = 1.2  # metres between the ground and the foot of a shopfront that opens 
 OPEN_SPACING = 6.0  # metres between things on plazas and in yards
 WALL_REACH = 3.5  # metres from a wall within which a thing is moved to it
 # Metres from a wall to the middle of what stands at it.
-WALL_GAP = {"bicycle_parking": 1.05, "bicycle": 0.31, "bench": 0.4, "planter_round": 0.45,
+WALL_GAP = {"bicycle_parking": 1.05, "bicycle": BICYCLE_GAP, "bench": 0.4, "planter_round": 0.45,
             "vending_machine": 0.48, "wheelie_bins": 0.5, "motor_scooter": 0.45,
             "motor_scooter_red": 0.45, "cartons": 0.35, "street_cabinet": 0.3,
             "garden_shed": 1.0, "bin_store": 0.65, "pot_row": 0.24}  # fmt: skip
@@ -190,7 +191,7 @@ def door_zones(city: City) -> NDArray[Any]:
 def _along_kerbs(city: City, site: _Site, density: float) -> tuple[Pieces, FloatArray]:
     """Draw things for slots of kerb; return them with half their lengths and depths, (n, 2)."""
     network, roads = city.network, city.layout.roads
-    none = pieces("", np.zeros((0, 2)), np.zeros(0, np.uint64), np.zeros(0)), np.zeros((0, 2))
+    none = join_pieces([]), np.zeros((0, 2))
     if network is None or not network.edge_count:
         return none
     row = network.edge_road

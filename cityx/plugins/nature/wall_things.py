@@ -16,7 +16,15 @@ from cityx.city.passage import FREE
 from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, hash_ids
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
-from cityx.plugins.nature.pieces import FloatArray, Pieces, inside_extent, pieces, room_along
+from cityx.plugins.nature.pieces import (
+    BICYCLE_GAP,
+    FloatArray,
+    Pieces,
+    inside_extent,
+    join_pieces,
+    pieces,
+    room_along,
+)
 from cityx.plugins.road.kerbs import yaw_facing
 
 PURPOSE = "nature/wall_things"
@@ -35,7 +43,6 @@ WEIGHTS: Mapping[str, float] = MappingProxyType({
 BARE: Mapping[str, float] = MappingProxyType(
     {NOTHING: 2.0, "hanging_basket": 2.5, "drain_cover": 1.5}
 )
-BICYCLE_GAP = 0.31
 TO_SHOP = 0.9  # metres from the middle of a shopfront, where one goes in
 
 
@@ -53,7 +60,7 @@ def along_walls(city: City, rims: NDArray[np.object_], density: float) -> Pieces
     """
     buildings = city.layout.buildings
     houses = buildings.geometry.to_numpy()[in_town(buildings)]
-    none = pieces("", np.zeros((0, 2)), np.zeros(0, np.uint64), np.zeros(0))
+    none = join_pieces([])
     if city.ground is None or not len(houses):
         return none
     rings = shapely.get_exterior_ring(shapely.orient_polygons(shapely.get_parts(houses)))

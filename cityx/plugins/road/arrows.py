@@ -11,6 +11,7 @@ from cityx.geometry.polylines import every, locate
 from cityx.plugins.road.crossing_places import STOP
 from cityx.plugins.road.lanes import turns_of_lanes
 from cityx.plugins.road.marks import (
+    CLASSIFIED,
     STRIPED,
     BoolArray,
     FloatArray,
@@ -25,7 +26,6 @@ EVERY = 60.0  # metres between symbols on a bus or cycle lane
 ONE_WAY, FROM_MOUTH = 45.0, 7.0  # metres between arrows of one-way streets, and to the first
 LEAST_SYMBOL = 1.2  # metres of a lane with a symbol
 FROM_LINE = (1.5, 21.5)  # metres from the stop line to the tips of arrows
-CLASSIFIED = 3  # rank of a tertiary road
 AHEAD = (30.0, 50.0)  # metres from a crossing to the lozenges that tell of it
 _MOVING = [KIND[name] for name in TRAVELLED]
 

@@ -18,12 +18,9 @@ from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrangement import Regions, regions
 from cityx.plugins.road.carriageway import Carriageway
 from cityx.plugins.road.junction_ways import JunctionWays, conflicts
-from cityx.plugins.road.marks import FloatArray, Street, hatched
-from cityx.plugins.road.network import junction_clusters
-from cityx.plugins.road.turn_guides import ruled_hubs
+from cityx.plugins.road.marks import CLASSIFIED, FloatArray, Street, hatched
 
-CLASSIFIED = 3  # rank of a tertiary road; at signals of such roads the box stays free
-LEAST_ARMS = 3  # of such roads
+LEAST_ARMS = 3  # of classified roads that meet at signals
 INSET = 0.4  # metres from the rim of the junction
 HALF_LANE = 1.7  # metres to either side of a way that the box covers where two cross
 LINE, SPACING = 0.2, 2.5  # metres (TSRGD 2016, diagram 1043)
@@ -34,11 +31,11 @@ BLUNT = 0.5  # metres by which the outline may be simplified
 def box_junctions(street: Street, ways: JunctionWays, road: Carriageway) -> Regions:
     """Hatch where ways cross in junctions under signals in which classified roads meet."""
     network = street.network
-    cluster = junction_clusters(network)
+    cluster, ruled = street.cluster, street.ruled_hubs
     classified = np.bincount(cluster[network.edge_nodes[street.rank <= CLASSIFIED]].ravel(),
                              minlength=len(network.node_position))  # fmt: skip
     shapes = []
-    for hub in ruled_hubs(street)[classified[ruled_hubs(street)] >= LEAST_ARMS].tolist():
+    for hub in ruled[classified[ruled] >= LEAST_ARMS].tolist():
         star = np.flatnonzero(road.node == hub)
         rows = np.flatnonzero(ways.hub == hub)
         if len(star) and len(rows):

@@ -11,8 +11,6 @@ from cityx.geometry.polylines import locate
 from cityx.plugins.road.carriageway import Carriageway, joined_by
 from cityx.plugins.road.junction_ways import JunctionWays, conflicts
 from cityx.plugins.road.marks import RANK, FloatArray, IntArray, Shapes, Street
-from cityx.plugins.road.network import junction_clusters
-from cityx.plugins.road.turn_guides import ruled_hubs
 
 LOZENGE, SLIT = (2.0, 1.0), 0.15  # metres, long and wide, and of the cross that parts it
 CROSS, STROKE = 0.9, 0.15  # metres from the middle to the tips of a cross, and its strokes
@@ -37,9 +35,8 @@ def centre_marks(street: Street, ways: JunctionWays, road: Carriageway) -> Shape
 
 
 def _lozenges(street: Street, ways: JunctionWays) -> list[Any]:
-    arms = _outer_arms(street)
     found = []
-    for hub in ruled_hubs(street)[arms[ruled_hubs(street)] >= LEAST_ARMS].tolist():
+    for hub in street.ruled_hubs[street.arms[street.ruled_hubs] >= LEAST_ARMS].tolist():
         rows = np.flatnonzero(ways.hub == hub)
         own = ways.take(rows[np.argsort(street.rank[ways.edge[rows]], kind="stable")])
         middle = shapely.centroid(shapely.convex_hull(shapely.union_all(conflicts(own))))
@@ -62,8 +59,7 @@ def _lozenge(at: FloatArray, ahead: FloatArray) -> Any:
 def _crosses(street: Street) -> list[Any]:
     """Strokes from the middle of each junction of minor streets towards its arms."""
     network = street.network
-    cluster = junction_clusters(network)
-    alone = np.bincount(cluster, minlength=len(cluster)) == 1
+    alone = np.bincount(street.cluster, minlength=len(street.cluster)) == 1
     plain = alone & street.joint & (street.best >= MINOR) & ~street.signalled
     narrow = np.zeros(len(plain), bool)
     narrow[network.edge_nodes[2 * network.half_width < LEAST_WIDTH]] = True
@@ -86,10 +82,3 @@ def _strokes(street: Street, edge: IntArray, end: IntArray, node: IntArray) -> S
     tips = np.round(np.stack([middle, middle + CROSS * ahead], axis=1), 3)
     strokes = shapely.buffer(shapely.linestrings(tips), STROKE / 2, cap_style="flat")
     return joined_by(strokes, node)[0]
-
-
-def _outer_arms(street: Street) -> IntArray:
-    """(n,) arms of the junction whose lowest node each is."""
-    ends = junction_clusters(street.network)[street.network.edge_nodes]
-    outside = ends[ends[:, 0] != ends[:, 1]]
-    return np.bincount(outside.ravel(), minlength=len(street.network.node_position))

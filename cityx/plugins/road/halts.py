@@ -82,19 +82,17 @@ def halt_lines(
         # Where kerbs have begun to curve, the line reaches as far as they do.
         flared = yields & ~enters & (painting.give_way != "stop")
         outer = np.where(street.network.left_hand == (end == 0), -FLARED, FLARED)
-        low = np.where(flared & (outer < 0), low + outer, low)
-        high = np.where(flared & (outer > 0), high + outer, high)
+        right = np.where(flared & (outer < 0), low + outer, low)
+        left = np.where(flared & (outer > 0), high + outer, high)
         plain = stops & ~(yields & (painting.give_way != "stop"))
         for rows, shape in ((plain, "stop"), (stops & ~plain, painting.give_way)):
             edge = np.flatnonzero(rows)
-            span = behind[edge], low[edge], high[edge]
+            span = behind[edge], right[edge], left[edge]
             marks, of = _line_across(street, edge, end, *span, shape)
             if shape != "stop":
                 paved = paved_share(marks, road.stars, road.strips, road.curves) > WHOLE
                 marks, of = marks[paved], of[paved]
             found.append((marks, of))
-        low = np.where(flared & (outer < 0), low - outer, low)
-        high = np.where(flared & (outer > 0), high - outer, high)
         if painting.give_way == "double dashes":
             found.append(_line_before(street, stops & flared, end, behind, low, high))
         roomy = length - network.trim.sum(axis=1) > LEAST_ROOM

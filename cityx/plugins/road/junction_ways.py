@@ -14,7 +14,6 @@ from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.geometry.ranges import ranges
 from cityx.plugins.road.lanes import LEFT, RIGHT, STRAIGHT, THROUGH, lane_graph, ways_between
 from cityx.plugins.road.marks import BoolArray, FloatArray, IntArray, Shapes, Street
-from cityx.plugins.road.network import junction_clusters
 
 MOST_LANES = 5  # short lanes in a row within one junction
 CARS = [KIND[name] for name in ("drive", "bus")]
@@ -27,7 +26,7 @@ class JunctionWays:
     Attributes
     ----------
     hub
-        (w,) lowest node of the junction, of `cityx.plugins.road.network.junction_clusters`.
+        (w,) lowest node of the junction, of `Street.cluster`.
     origin, target
         (w,) lanes of the lane graph.
     edge, end
@@ -60,7 +59,7 @@ class JunctionWays:
 def junction_ways(street: Street) -> JunctionWays:
     """Find the ways of cars across the junctions of a network."""
     graph = lane_graph(street.layout, street.network)
-    cluster = junction_clusters(street.network)
+    cluster = street.cluster
     ends = cluster[street.network.edge_nodes[graph.edge]]
     inside = (ends[:, 0] == ends[:, 1]) if graph.count else np.zeros(0, bool)
     pairs = _pairs(graph, inside)

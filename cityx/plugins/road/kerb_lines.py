@@ -8,8 +8,16 @@ import shapely
 from cityx.city.section import KIND
 from cityx.geometry.polylines import arc_lengths, line_strips, pack, pieces
 from cityx.plugins.road.carriageway import Carriageway, joined_by, widened
-from cityx.plugins.road.marks import QUIET, BoolArray, IntArray, Marks, Shapes, Street, together
-from cityx.plugins.road.network import junction_clusters
+from cityx.plugins.road.marks import (
+    QUIET,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    Marks,
+    Shapes,
+    Street,
+    together,
+)
 from cityx.plugins.road.roundabouts import ring_nodes
 
 WIDTH = 0.1  # metres (TSRGD 2016, diagrams 1017 and 1018.1)
@@ -49,7 +57,7 @@ def corner_lines(street: Street, chosen: BoolArray, road: Carriageway) -> Marks:
     They are two where any of the arms has two.
     """
     network = street.network
-    cluster = junction_clusters(network)
+    cluster = street.cluster
     ends = cluster[network.edge_nodes]
     other = ~chosen & ~np.isin(street.kind, QUIET)
     none = np.bincount(ends[other].ravel(), minlength=len(cluster)) == 0
@@ -97,18 +105,24 @@ def _arms(street: Street, edge: IntArray, end: IntArray, beyond: float) -> Shape
 
 def _cut(lines: Shapes) -> tuple[Shapes, IntArray]:
     """Paint lines in pieces, so that what crosses one leaves the others; also the line of each."""
-    found, owner = [np.zeros(0, object)], [np.zeros(0, np.int64)]
-    for row, line in enumerate(lines.tolist()):
-        whole = pack([line])
-        length = float(arc_lengths(whole)[1][0])
-        count = max(int(np.ceil(length / PIECE)), 1)
-        at = np.linspace(0.0, length, count + 1)
-        none = np.zeros(count, np.int64)
-        cut = pieces(whole, none, at[:-1], at[1:])
-        strips = line_strips(cut, np.zeros(count), WIDTH)
-        found.append(strips[shapely.is_valid(strips)])
-        owner.append(np.full(len(found[-1]), row))
-    return np.concatenate(found), np.concatenate(owner)
+    whole = pack(lines)
+    length = arc_lengths(whole)[1]
+    owner, begin, end = _parts(np.zeros(len(length)), length, PIECE)
+    strips = line_strips(pieces(whole, owner, begin, end), np.zeros(len(owner)), WIDTH)
+    valid = shapely.is_valid(strips)
+    return strips[valid], owner[valid]
+
+
+def _parts(
+    begin: FloatArray, end: FloatArray, longest: float
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Cut spans into equal parts: the span of each part, and its bounds."""
+    count = np.ceil((end - begin) / longest).astype(np.int64)
+    span = np.repeat(np.arange(len(count)), count)
+    number = np.arange(len(span)) - np.repeat(np.cumsum(count) - count, count)
+    step = (end - begin)[span] / count[span]
+    low = begin[span] + number * step
+    return span, low, low + step
 
 
 def _double(street: Street) -> BoolArray:
@@ -128,11 +142,7 @@ def _along(street: Street, edge: IntArray, sign: float, gap: float) -> Marks:
     )
     open_ += network.trim
     begin, end = open_[edge, 0], street.length[edge] - open_[edge, 1]
-    count = np.where(end - begin > LEAST, np.ceil((end - begin) / STEP), 0).astype(np.int64)
-    row = np.repeat(np.arange(len(edge)), count)
-    number = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
-    step = (end - begin)[row] / np.maximum(count[row], 1)
-    low = begin[row] + number * step
-    cut = pieces(street.lines, edge[row], low, low + step)
+    row, low, high = _parts(begin, np.where(end - begin > LEAST, end, begin), STEP)
+    cut = pieces(street.lines, edge[row], low, high)
     lateral = sign * (network.half_width[edge[row]] - gap)
     return line_strips(cut, lateral, WIDTH), edge[row]

@@ -30,7 +30,7 @@ from cityx.plugins.road.crossing_places import (
     mapped_crossings,
     mouths,
 )
-from cityx.plugins.road.network import node_corners
+from cityx.plugins.road.network import junction_clusters, node_corners
 from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.roundabouts import ring_edges, ring_nodes
 from cityx.plugins.road.sections import Bands
@@ -52,6 +52,7 @@ QUIET = ("service", "track")  # a drive that meets a street makes no junction of
 RANK = (
     "motorway", "trunk", "primary", "secondary", "tertiary", "unclassified", "residential",
 )  # fmt: skip
+CLASSIFIED = RANK.index("secondary")  # and roads before it
 _MOVING = [KIND[name] for name in TRAVELLED]
 _FOR_CARS = [KIND[name] for name in ("drive", "bus")]
 
@@ -141,6 +142,23 @@ class Street:
         """(n,) whether streets meet at a node under signals."""
         places = shapely.points(self.network.node_position)
         return self.joint & near_any_of(places, signal_places(self.layout))
+
+    @cached_property
+    def cluster(self) -> IntArray:
+        """(n,) lowest node of the junction that each node belongs to."""
+        return junction_clusters(self.network)
+
+    @cached_property
+    def arms(self) -> IntArray:
+        """(n,) arms of the junction whose lowest node each is."""
+        ends = self.cluster[self.network.edge_nodes]
+        outside = ends[ends[:, 0] != ends[:, 1]]
+        return np.bincount(outside.ravel(), minlength=len(self.cluster))
+
+    @cached_property
+    def ruled_hubs(self) -> IntArray:
+        """Lowest nodes of the junctions under signals."""
+        return np.asarray(np.unique(self.cluster[self.signalled]))
 
 
 def street_of(

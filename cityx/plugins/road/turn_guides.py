@@ -28,7 +28,6 @@ from cityx.plugins.road.marks import (
     Shapes,
     Street,
 )
-from cityx.plugins.road.network import junction_clusters
 from cityx.plugins.road.zebras import Zebras
 
 DASH, GAP, WIDTH = 1.0, 1.0, 0.12  # metres
@@ -105,15 +104,9 @@ def crossing_boxes(street: Street, zebras: Zebras) -> Shapes:
     return np.asarray(shapely.make_valid(shapes))
 
 
-def ruled_hubs(street: Street) -> IntArray:
-    """Lowest nodes of the junctions under signals."""
-    cluster: IntArray = junction_clusters(street.network)
-    return np.asarray(np.unique(cluster[street.signalled]))
-
-
 def _large(street: Street, road: Carriageway) -> IntArray:
     """Rows of the large junctions under signals."""
-    ruled = np.isin(road.node, ruled_hubs(street))
+    ruled = np.isin(road.node, street.ruled_hubs)
     return np.flatnonzero(ruled & (shapely.area(road.stars) > LEAST_AREA))
 
 
@@ -131,9 +124,6 @@ def _strays(street: Street, ways: JunctionWays) -> BoolArray:
     Where a lane leads on into several, only the way that strays least counts; on minor roads, none
     but by many arms.
     """
-    cluster = junction_clusters(street.network)[street.network.edge_nodes]
-    outside = cluster[cluster[:, 0] != cluster[:, 1]]
-    arms = np.bincount(outside.ravel(), minlength=len(street.network.node_position))
     first, last = ways.line.start[:-1], ways.line.start[1:] - 1
     ahead = ways.line.points[first + 1] - ways.line.points[first]
     ahead = ahead / np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
@@ -143,10 +133,10 @@ def _strays(street: Street, ways: JunctionWays) -> BoolArray:
     least = np.full(int(ways.origin.max(initial=0)) + 1, np.inf)
     np.minimum.at(least, ways.origin[through], aside[through])
     nearest = through & (aside <= least[ways.origin])
-    best = np.full(len(arms), len(RANK))
-    np.minimum.at(best, cluster, street.rank[:, None] * np.ones(2, int))
+    best = np.full(len(street.cluster), len(RANK))
+    np.minimum.at(best, street.cluster, street.best)
     major = street.rank[ways.edge] == best[ways.hub]
-    return np.asarray(nearest & ((arms[ways.hub] >= MANY_ARMS) | ((aside > ASIDE) & major)))
+    return np.asarray(nearest & ((street.arms[ways.hub] >= MANY_ARMS) | ((aside > ASIDE) & major)))
 
 
 def _dashes(ways: JunctionWays, own: IntArray, side: float) -> tuple[Shapes, IntArray]:
