@@ -30,9 +30,11 @@ from cityx.plugins.building.design import design
 from cityx.plugins.building.facade import facade
 from cityx.plugins.building.samples import Sample, sample_city, sheet_of
 from cityx.plugins.building.shell import shell
-from cityx.plugins.nature.trees import trees
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.network import network
+from cityx.protocol import registry
+from cityx.protocol.gate import Call
+from cityx.protocol.run import run_step
 
 SEEDS = (1, 2, 3)
 TIME = "15:30"  # the sun stands before the fronts, to the left: sides lie in the shade
@@ -42,13 +44,25 @@ FOV = math.radians(46)
 EYE = 1.7  # metres
 FILL = 0.9  # share of the picture that a building fills
 ROUND = math.radians(32)  # the camera stands this far off the axis of the front
+# What streets have besides houses.
+FURNISHING = (
+    "road/heights-v1", "road/lanes-v1", "road/surface_material-v1", "nature/trees-v2",
+    "nature/barriers-v1", "nature/furniture-v1", "nature/street_pieces-v1", "nature/gardens-v1",
+    "road/covers-v1", "road/parked_cars-v1",
+)  # fmt: skip
 
 
 def built(city: City, *, time: str = TIME) -> City:
-    """Run the actions that make a city of samples, with trees where the layout has some."""
+    """Run the actions that make a city of samples."""
     city = ground(network(weather(sun(city, time=time), preset="clear")))
-    city = facade(shell(design(city)))
-    return trees(city) if len(city.layout.points) else city
+    return facade(shell(design(city)))
+
+
+def furnished(city: City) -> City:
+    """Run the actions that make a street of it."""
+    for action in FURNISHING:
+        city = run_step(city, Call(action, {}), registry())
+    return city
 
 
 def camera_of(sample: Sample, top: float, name: str) -> Camera:
@@ -154,7 +168,9 @@ def main() -> None:
                 for i, name in enumerate(options.only)
             ]
         for name in options.streets:
-            city = built(streets.street_city(name, lod=3), time=streets.STREETS[name].time)
+            city = furnished(
+                built(streets.street_city(name, lod=3), time=streets.STREETS[name].time)
+            )
             camera = streets.camera_of(name)
             path = render(city, [camera], work / name, options.samples)[0]
             wide.append((streets.STREETS[name].title, path))

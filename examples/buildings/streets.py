@@ -62,7 +62,7 @@ STREETS = {
         "Business district",
         {"glass_tower": 4, "setback_skyscraper": 3, "postmodern_tower": 3, "office_slab": 2,
          "brutalist": 1, "mixed_use": 1},
-        gap=(4.0, 12.0), widened=10.0, time="17:15", eye=(2.0, -6.0, 2.2), heading=0.1, pitch=0.32,
+        gap=(4.0, 12.0), widened=10.0, time="16:30", eye=(2.0, -6.0, 2.2), heading=0.1, pitch=0.2,
     ),
     "suburb": Street(
         "Suburb", {"suburban_house": 6, "bungalow": 3, "cottage": 2}, gap=(4.0, 9.0), trees=52.0,
