@@ -38,7 +38,7 @@ MOUTH_GAP = 0.2  # metres from the mouth of a minor road to the line
 RING_GAP = 0.3  # metres from a roundabout to the line of those who enter
 YIELDING = 4  # rank of a road to which every lower one gives way
 BEFORE_LINE, LEAST_BEFORE = 1.2, 1.0  # metres from the line to the middle one, and of that
-FLARED = 0.8  # metres that a line at a mouth is longer for the curves of its kerbs
+FLARED = 2.5  # metres that a line at a mouth may be longer for the curves of its kerbs
 WHOLE = 0.97  # share of a mark that lies on the carriageway
 BEHIND_LINE = 2.1  # metres from the line to a triangle or a word
 LEAST_ROOM = 12.0  # metres of street that a triangle or a word needs
@@ -79,11 +79,13 @@ def halt_lines(
         yields = minor & ~ruled[node] & (~zebra | enters)
         # Those who give way come up to the road they meet.
         behind = np.where(yields & ~enters, street.mouth[:, end] + MOUTH_GAP, behind)
-        # Where kerbs have begun to curve, the line reaches as far as they do.
-        flared = yields & ~enters & (painting.give_way != "stop")
-        outer = np.where(street.network.left_hand == (end == 0), -FLARED, FLARED)
-        right = np.where(flared & (outer < 0), low + outer, low)
-        left = np.where(flared & (outer > 0), high + outer, high)
+        # The line reaches the kerb, also where cars are parked before, or where it has curved away.
+        reaches = yields & (painting.give_way != "stop")
+        flared = reaches & ~enters
+        kerb = network.half_width + np.where(flared, FLARED, 0.0)
+        on_right = network.left_hand == (end == 0)
+        right = np.where(reaches & on_right, -kerb, low)
+        left = np.where(reaches & ~on_right, kerb, high)
         plain = stops & ~(yields & (painting.give_way != "stop"))
         for rows, shape in ((plain, "stop"), (stops & ~plain, painting.give_way)):
             edge = np.flatnonzero(rows)
