@@ -13,6 +13,7 @@ from cityx.city import City
 from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.clearance import distance_within
 from cityx.geometry.identity import hash_ids, uniform
+from cityx.geometry.noise import gradient_noise
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.scatter import Points, cell_ids, cells_of_polygons, poisson_in, thinned
 from cityx.plugins.layout.wishes import asked
@@ -51,13 +52,15 @@ GROVE_SPACING = 11.0  # metres; wider, a single tree leaves the wood's floor bar
 NEAR_SHARE = 0.7  # of the budget, for woods beside buildings at most
 # Share of a wood's patches that are conifers, by climate.
 CONIFERS = {"north": 0.65, "temperate": 0.30, "japan": 0.25, "warm": 0.30, "tropic": 0.0}
+# Bushes stand so many times closer in thickets than evenly, which are some metres wide.
+THICKET, THICKET_SIZE = 2.6, 16.0
 MANY = 10_000_000  # trees; more than any site has
 MORE_SPACINGS = (12.0, 9.0, 7.0, 5.5, 4.5)  # metres between trees that are added, tried in turn
 
 # (spacing in metres, share of points kept, kind of mix) by kind of area.
 AREAS = {
     "wood": (WOOD_SPACING, 1.0), "park": (9.0, 0.55), "garden": (8.0, 0.40),
-    "cemetery": (8.0, 0.45), "golf": (13.0, 0.35), "scrub": (3.2, 0.55), "orchard": (4.5, 0.95),
+    "cemetery": (8.0, 0.45), "golf": (13.0, 0.35), "scrub": (1.7, 0.45), "orchard": (4.5, 0.95),
     "grass": (16.0, 0.18), "residential": (11.0, 0.30),
 }  # fmt: skip
 
@@ -116,11 +119,15 @@ def _wooded(city: City, budget: int, have: FloatArray) -> list[Stand]:
             continue
         area = float(shapely.area(shapes).sum())
         radius = max(spacing, float(np.sqrt(PACKING * share * area / (0.3 * budget))))
+        apart = max(spacing, radius / THICKET) if kind == "scrub" else radius
         points = poisson_in(
-            shapes, radius, seed=city.seed, purpose=purpose, bounds=city.layout.extent
+            shapes, apart, seed=city.seed, purpose=purpose, bounds=city.layout.extent
         )
-        points = thinned(points, share * _clumps(points.xy, city.seed, purpose), seed=city.seed,
-                         purpose=purpose)  # fmt: skip
+        if kind == "scrub":
+            density = _thickets(points.xy, share * (apart / radius) ** 2, city.seed)
+        else:
+            density = share * _clumps(points.xy, city.seed, purpose)
+        points = thinned(points, density, seed=city.seed, purpose=purpose)
         if kind == "scrub":
             species = np.full(len(points.id), INDEX["shrub"])
         elif kind == "orchard":
@@ -149,6 +156,12 @@ def _clumps(xy: FloatArray, seed: int, purpose: str) -> FloatArray:
     """(n,) density that groups points: one draw per 40 m cell, 1 on average."""
     cells = np.floor(xy / 40.0).astype(np.int64)
     return np.asarray(0.25 + 1.5 * uniform(seed, purpose, cell_ids(cells), 5))
+
+
+def _thickets(xy: FloatArray, share: float, seed: int) -> FloatArray:
+    """(n,) density, 1 within thickets and 0 between them, that keeps a share of the places."""
+    height = gradient_noise(seed, xy / THICKET_SIZE, octaves=2)
+    return (height >= np.quantile(height, 1.0 - share)).astype(float) if len(xy) else height
 
 
 def _woods(city: City, shapes: NDArray[Any], budget: int, purpose: str) -> list[Stand]:
