@@ -58,7 +58,8 @@ SUBSTANCES: Mapping[str, Substance] = MappingProxyType(
         name: substance
         for substance, names in (
             (_CONCRETE, "concrete road_concrete kerb_stone step_stone pavers paving yard "
-             "walk_blocks guided_blocks tactile_buff gutter_slabs"),
+             "walk_blocks guided_blocks tactile_yellow tactile_pale tactile_buff tactile_red "
+             "gutter_slabs"),
             (_RENDER, "plaster trim room_wall"),
             (_STONE, "stone setts gutter_stones cobbles slate flagstones mosaic slab_walk"),
             (_BRICK, "brick clinker"),

@@ -23,7 +23,7 @@ BoolArray = NDArray[np.bool_]
 
 STONES = ("kerb", "kerb_dropped")
 # Where crossings cut a median down.
-WAYS_THROUGH = ("tactile", "tactile_pale", "tactile_buff", "ramp")
+WAYS_THROUGH = ("tactile", "tactile_pale", "tactile_buff", "tactile_red", "landing", "ramp")
 RADII = (3.0, 12.0)  # metres a kerb's curve may have between two arms
 SLACK = 0.1  # share by which a radius measured on chords may miss
 SMOOTH = 0.02  # metres; corners of the outline that stand out less come from rounding

@@ -71,8 +71,8 @@ SURFACES: tuple[Surface, ...] = (
     Surface("marking_yellow", 80, 0.0, "marking_yellow", "concrete"),
     Surface("apron", 56, 0.04, "setts", "kerb_stone"),  # overrun by lorries on roundabouts
     Surface("kerb_dropped", 55, DROPPED, "kerb_stone", "kerb_stone"),
-    Surface("tactile", 51, DROPPED, "marking_yellow", "kerb_stone"),  # ribs before a crossing
-    Surface("tactile_pale", 51, DROPPED, "kerb_stone", "kerb_stone"),
+    Surface("tactile", 51, DROPPED, "tactile_yellow", "kerb_stone"),  # ribs before a crossing
+    Surface("tactile_pale", 51, DROPPED, "tactile_pale", "kerb_stone"),
     Surface("ramp", 51, KERB_HEIGHT, "paving", "kerb_stone"),  # rises from the dropped kerb
     Surface("cycle_lane", 79, 0.0, "asphalt_red", "concrete"),
     Surface("rail", 36, KERB_HEIGHT + 0.14, "rail_steel", "rail_steel"),  # head above the ballast
@@ -89,6 +89,8 @@ SURFACES: tuple[Surface, ...] = (
     Surface("tactile_buff", 51, DROPPED, "tactile_buff", "kerb_stone"),
     Surface("crossing_row", 80, 0.0, "marking_white", "concrete"),  # beside people who cross
     Surface("gutter", 71, 0.0, "gutter_stones", "concrete"),  # along kerbs, part of the carriageway
+    Surface("tactile_red", 51, DROPPED, "tactile_red", "kerb_stone"),
+    Surface("landing", 51, DROPPED, "paving", "kerb_stone"),  # walk between a kerb and ribs
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
 # What lies on a carriageway and is part of it.

@@ -17,7 +17,7 @@ from cityx.geometry.identity import stable_id, uniform
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-LOWERED = ("kerb_dropped", "tactile", "tactile_pale", "tactile_buff")
+LOWERED = ("kerb_dropped", "tactile", "tactile_pale", "tactile_buff", "tactile_red", "landing")
 STEP = 0.001  # metres; lower steps between surfaces get no vertical face
 TINT_RANGE = 0.10  # of the brightness of neighbouring pieces of one material
 FLAT_WATER = 2.0  # metres of relief along the shore above which water is a sloping river

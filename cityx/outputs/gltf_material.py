@@ -27,7 +27,7 @@ TWO_SIDED = frozenset({"leaf", "foliage", "hedge", "cloth"})
 SNOWED = frozenset(
     {"paving", "grass", "meadow", "forest_floor", "farmland", "soil", "sand", "gravel", "pitch",
      "rail_ballast", "kerb_stone", "yard", "flagstones", "mosaic", "slab_walk", "walk_blocks",
-     "guided_blocks"}
+     "guided_blocks", "tactile_yellow", "tactile_pale", "tactile_buff", "tactile_red"}
 )  # fmt: skip
 _SNOW = np.array([0.80, 0.82, 0.86])
 _SLUSH_SHARE = 0.35

@@ -47,6 +47,7 @@ PATTERNS: Mapping[str, Callable[[int], Relief]] = MappingProxyType(
             roads.asphalt_worn, roads.cobbles, roads.clinker, roads.road_slabs,
             pavements.flagstones, pavements.mosaic, pavements.slab_walk,
             pavements.walk_blocks, pavements.guided_blocks,
+            pavements.domes, pavements.blisters, pavements.ribbed_slabs,
             barks.bark, barks.bark_smooth, barks.bark_flaking,
         )
     }

@@ -1,4 +1,4 @@
-"""Patterns of pavements: flags of sandstone, slabs between bands of small stones, blocks.
+"""Patterns of pavements: flags of sandstone, slabs and bands of small stones, blocks, ribs.
 
 Those with bands are drawn for v = 0 at the kerb (`cityx.plugins.road.joints` lays them so).
 """
@@ -22,6 +22,7 @@ from cityx.assets.textures.relief import Relief
 
 BAND_TILE = 5.12  # metres of walk, from its kerb, after which the bands begin anew
 SLABS = (0.92, 2.92)  # metres from the kerb between which the slabs lie
+RAISED_TILE = 1.2  # metres of slabs with domes or ribs
 GUIDE_TILE = 6.0  # metres, as wide as walks with a line of ribs are
 GUIDE = (0.96, 1.26)  # metres from the kerb of the line of ribs
 
@@ -143,3 +144,46 @@ def guided_blocks(size: int) -> Relief:
     albedo = np.where(line[..., None], yellow, _toned(tone, hue))
     height = np.where(line, 0.004 * np.clip(-rib, 0, 1), height)
     return Relief(GUIDE_TILE, albedo, height, 1.0, brightness=0.62)
+
+
+def _raised(key: str, size: int, slabs: int, top: Field) -> Relief:
+    """Slabs with what rises from them, `top` from 0 to 1, worn on its crown."""
+    u, v = axes(size)
+    x = np.broadcast_to(u * np.float32(slabs), (size, size))
+    y = np.broadcast_to(v * np.float32(slabs), (size, size))
+    index = np.floor(x).astype(np.int64) + slabs * np.floor(y).astype(np.int64)
+    metres = np.float32(RAISED_TILE / slabs)
+    edge = np.minimum(np.minimum(x % 1, 1 - x % 1), np.minimum(y % 1, 1 - y % 1)) * metres
+    joint = 1 - smooth(0.002, 0.008, edge.astype(np.float32))
+    grain = speckle(key, size) - np.float32(0.5)
+    worn = value_noise(f"{key}/worn", size, 8)
+    tone = 1 + 0.24 * (per_cell(key, index, 1) - 0.5) + 0.10 * grain + 0.20 * (worn - 0.5)
+    tone = tone * (1 + 0.10 * top) * (1 - 0.16 * (top > 0.02) * (top < 0.5)) * (1 - 0.45 * joint)
+    height = 0.005 * top - 0.004 * joint + 0.0003 * grain
+    return Relief(RAISED_TILE, _toned(tone, 0 * tone), np.asarray(height, np.float32), 1.0,
+                  brightness=0.66)  # fmt: skip
+
+
+def _domes(size: int, count: int, radius: float) -> Field:
+    """Flat domes in a square grid, `count` along a tile, of a radius in metres."""
+    u, v = axes(size)
+    pitch = RAISED_TILE / count
+    x, y = (((axis * np.float32(count)) % 1 - 0.5) * np.float32(pitch) for axis in (u, v))
+    return smooth(radius, 0.6 * radius, np.hypot(x, y).astype(np.float32))
+
+
+def domes(size: int) -> Relief:
+    """Draw tiles of 30 cm with five rows of five domes, which warn blind people (JIS T 9251)."""
+    return _raised("domes", size, 4, _domes(size, 20, 0.0115))
+
+
+def blisters(size: int) -> Relief:
+    """Draw slabs of 40 cm with six rows of six flat blisters, as before British crossings."""
+    return _raised("blisters", size, 3, _domes(size, 18, 0.0125))
+
+
+def ribbed_slabs(size: int) -> Relief:
+    """Draw slabs of 30 cm with ribs across the kerb, which point the way (DIN 32984)."""
+    u, _ = axes(size)
+    rib = np.broadcast_to(np.cos(u * np.float32(2 * np.pi * 32)), (size, size))
+    return _raised("ribbed", size, 4, smooth(-0.2, 0.7, rib))

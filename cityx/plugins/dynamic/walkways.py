@@ -20,7 +20,17 @@ FloatArray = NDArray[np.float64]
 STEP = 2.0  # metres between the places where the ground beside a street is looked at
 FARTHEST_WALK = 16.0  # metres from the middle of a street to its sidewalk
 LEAST_SHARE = 0.5  # of a street along which there must be a sidewalk
-SIDEWALK = ("sidewalk", "furnishing", "frontage", "edging", "plaza", "path", "trail", "ramp")
+SIDEWALK = (
+    "sidewalk",
+    "furnishing",
+    "frontage",
+    "edging",
+    "plaza",
+    "path",
+    "trail",
+    "ramp",
+    "landing",
+)
 TRAVELLED = ("drive", "bus")
 MITRE = 2.0  # a shifted corner reaches at most so many offsets out
 

@@ -3,34 +3,35 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from cityx.city.ground import DROPPED, KERB_HEIGHT, KERB_WIDTH, LABEL, SURFACES
-from cityx.geometry.arrangement import Regions, join_regions, regions
+from cityx.geometry.arrangement import GRID, Regions, join_regions, regions
 from cityx.geometry.drape import RAMP_SLOPE
 from cityx.geometry.polylines import locate
 from cityx.plugins.road.carriageway import Carriageway, joined_by
 from cityx.plugins.road.corners import LEAST_RADIUS, RADIUS
 from cityx.plugins.road.crossing_places import dense_places
-from cityx.plugins.road.marks import Street
+from cityx.plugins.road.marks import PLAIN, Shapes, Street
 from cityx.plugins.road.network import arm_bearings, arms_of
-from cityx.plugins.road.zebras import Zebras
+from cityx.plugins.road.painting import Ribs
+from cityx.plugins.road.zebras import Zebras, joined
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 RAMP = RAMP_SLOPE * (KERB_HEIGHT - DROPPED)  # metres
-RIBS = 0.6  # metres of tactile paving behind the kerb (ISO 23599)
 LEAST_WALK = 0.3  # metres left behind a ramp
 FLARE = 0.5  # metres by which the kerb may bend away from its street within a crossing
 FLARED = 2.0  # metres, the same where its curve begins within a crossing
-BENT_RIBS = SURFACES[LABEL["kerb"]].priority + 1  # over the ramp that surrounds them
-DEEP = RIBS + RAMP + LEAST_WALK + 0.05  # metres of a walk with ribs and a ramp
+RAYS, BEHIND = 11, 0.7  # across a crossing along which its kerb is sought; share that ribs clear
+DRAWN = 3.5  # metres, the same where the map draws what is driven on, kerb to kerb
+MOST_BEHIND = 1.2  # metres that they stand back for the curve of a kerb at most
+SPARE = 0.05  # metres of a walk more than what is lowered takes
 NARROW = 1.2  # metres of a walk in town that is lowered as a whole
 _APART = r'"sidewalk(?::both|:left|:right)?": *"separate"'
 END_STONES = SURFACES[LABEL["kerb_dropped"]].priority - 1  # over the kerb, under what is dropped
@@ -38,8 +39,14 @@ LEAST_SINE = 0.4  # of the angle between a drive and its street; a flatter one i
 FREE_SIDE = 0.2  # metres that a drop reaches beyond the bars at both ends
 
 
-def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, ribs: str) -> Regions:
+def dropped_regions(
+    street: Street, zebras: Zebras, mouths: Zebras, road: Carriageway, areas: Shapes, ribs: Ribs
+) -> Regions:
     """Lower the kerbs on both sides of crossings, with ribs and a ramp where there is a walk.
+
+    Ribs lie in a straight row square to the way across, behind most of the kerb of the crossing.
+    Where the kerb curves away what is left before them is ribbed as well, or only lowered where
+    ribs do not begin at the kerb.
 
     Parameters
     ----------
@@ -47,55 +54,128 @@ def dropped_regions(street: Street, zebras: Zebras, road: Carriageway, *, ribs: 
         The network and what its marks share.
     zebras
         The crossings.
-    road
-        The surfaces along whose rims the kerbs run.
+    mouths
+        Where walks go on across the mouths of streets without a crossing.
+    road, areas
+        The surfaces along whose rims the kerbs run, and those that the map has of them.
     ribs
-        Surface of the ribs.
+        What lies before them.
     """
+    names = np.where(zebras.kind == PLAIN, ribs.plain, ribs.painted)
+    names = np.concatenate([names, np.full(len(mouths.edge), ribs.mouth)])
+    zebras = joined(zebras, mouths)
     if not len(zebras.edge):
         return Regions()
-    table = street.layout.roads.iloc[street.network.edge_road[zebras.edge]]
-    half = street.network.half_width[zebras.edge]
-    every = np.arange(len(half))
+    driven = np.concatenate([road.driven, areas])
+    flare = _flares(street, zebras, areas)
+    sides = [
+        _side(street, zebras, names, driven, ribs, flare, sign) for sign in (1.0, -1.0)
+    ]  # fmt: skip
+    shapes = {name: np.concatenate([side[name] for side in sides]) for name in sides[0]}
+    shapes = {name: shapely.make_valid(each) for name, each in shapes.items()}
+    ribbed = [each for name, each in shapes.items() if name in names]
+    rows = np.concatenate([np.zeros(0, object), *ribbed])
+    for name, things in (
+        ("kerb_dropped", areas), ("kerb ends", areas), ("landing", rows),
+        ("ramp", np.concatenate([rows, _without(shapes["landing"], rows)])),
+    ):  # fmt: skip
+        shapes[name] = _without(shapes[name], things)
     parts = []
-    apart = table["tags"].str.contains(_APART, regex=True).to_numpy().astype(bool)
-    flare = np.where(zebras.flared, FLARED, FLARE)
-    town = dense_places(street.layout, locate(street.lines, zebras.edge, zebras.along)[0])
-    straight, bent = np.flatnonzero(~zebras.flared), np.flatnonzero(zebras.flared)
-    for sign, column in ((1.0, "sidewalk_left"), (-1.0, "sidewalk_right")):
-        walk = table[column].to_numpy(float)
-        walk = np.where(apart, np.maximum(walk, DEEP), walk)
-        kerb = half + KERB_WIDTH
-        # In town the ground behind a narrow walk is paved, up to the houses if need be.
-        walk = np.where(town & (walk >= NARROW), np.maximum(walk, DEEP), walk)
-        sloped = walk > RAMP + LEAST_WALK
-        ribbed = walk > RIBS + RAMP + LEAST_WALK
-        front = kerb + np.where(ribbed, RIBS, 0.0)
-        # The walk falls towards the crossing from three sides, and so do the kerb's end stones.
-        lowered = patches(street, zebras, every, sign * half, sign * (kerb + flare))
-        ends = patches(street, zebras, every, sign * half, sign * (kerb + flare), RAMP)
-        ribbon = patches(street, zebras, every, sign * kerb, sign * front)
-        slope = patches(street, zebras, every, sign * kerb, sign * (front + RAMP), RAMP)
-        # Where a way bends, patches may cross themselves.
-        rest = shapely.difference(shapely.make_valid(slope), shapely.make_valid(ribbon))
-        slope = np.where(ribbed, rest, slope)
-        # Before a curve that begins within a crossing ribs and ramp follow the kerb.
-        behind = sign * half, sign * (front + RAMP + FLARED)
-        near, far = (patches(street, zebras, every, *behind, past) for past in (0.0, RAMP))
-        near, far = near[bent][ribbed[bent]], far[bent][sloped[bent]]
-        for name, rank, shapes in (
-            ("kerb_dropped", 0, along_rims(lowered, road, KERB_WIDTH)),
-            ("ramp", END_STONES, along_rims(ends[sloped], road, KERB_WIDTH)),
-            (ribs, 0, ribbon[straight][ribbed[straight]]),
-            ("ramp", 0, slope[straight][sloped[straight]]),
-            (ribs, BENT_RIBS, along_rims(near, road, KERB_WIDTH + RIBS)),
-            ("ramp", 0, along_rims(far, road, KERB_WIDTH + RIBS + RAMP)),
-        ):
-            parts.append(regions(shapes, LABEL[name], rank or SURFACES[LABEL[name]].priority))
+    for name, each in shapes.items():
+        label = LABEL["ramp" if name == "kerb ends" else name]
+        rank = END_STONES if name == "kerb ends" else SURFACES[label].priority
+        parts.append(regions(each, label, rank))
     return join_regions(parts)
 
 
-def drive_regions(street: Street, road: Carriageway) -> Regions:
+def _flares(street: Street, zebras: Zebras, areas: Shapes) -> FloatArray:
+    """(z,) metres by which kerbs may lie off their street within crossings."""
+    flare = np.where(zebras.flared, FLARED, FLARE)
+    reach = street.network.half_width[zebras.edge] + DRAWN
+    across = patches(street, zebras, np.arange(len(flare)), -reach, reach)
+    flare[shapely.STRtree(across).query(areas, "intersects")[1]] = DRAWN
+    return flare
+
+
+def _side(
+    street: Street, zebras: Zebras, names: NDArray[np.str_], driven: Shapes, ribs: Ribs,
+    flare: FloatArray, sign: float,
+) -> dict[str, Shapes]:  # fmt: skip
+    """Return what is lowered on one side of crossings, 1 for the left, by its surface."""
+    table = street.layout.roads.iloc[street.network.edge_road[zebras.edge]]
+    every, half = np.arange(len(flare)), street.network.half_width[zebras.edge]
+    depth = np.where(names == "", 0.0, ribs.gap + ribs.depth)
+    deep = depth + RAMP + LEAST_WALK
+    walk = table["sidewalk_left" if sign > 0 else "sidewalk_right"].to_numpy(float)
+    apart = table["tags"].str.contains(_APART, regex=True).to_numpy().astype(bool)
+    # In town the ground behind a narrow walk is paved, up to the houses if need be.
+    town = dense_places(street.layout, locate(street.lines, zebras.edge, zebras.along)[0])
+    walk = np.where(apart | (town & (walk >= NARROW)), np.maximum(walk, deep + SPARE), walk)
+    sloped = walk > RAMP + LEAST_WALK
+    ribbed = (depth > 0) & (walk > deep)
+    kerb = _kerbs(street, zebras, driven, sign, flare) + KERB_WIDTH
+    front = np.where(ribbed, kerb + ribs.gap, kerb)
+    back = np.where(ribbed, front + ribs.depth, kerb)
+    outer = sign * (half + KERB_WIDTH + flare)
+    # The walk falls towards the crossing from three sides, and so do the kerb's end stones.
+    stones, ends = (patches(street, zebras, every, sign * half, outer, p) for p in (0.0, RAMP))
+    begin = half if ribs.gap == 0 else front
+    row = patches(street, zebras, every, sign * begin, sign * back)
+    landing = patches(street, zebras, every, sign * half, sign * front)
+    slope = patches(street, zebras, every, sign * half, sign * (back + RAMP), RAMP)
+    return {
+        "kerb_dropped": along_rims(stones, driven, KERB_WIDTH),
+        "kerb ends": along_rims(ends[sloped], driven, KERB_WIDTH),
+        **{name: row[ribbed & (names == name)] for name in np.unique(names).tolist() if name},
+        "landing": landing[sloped & (front > half + KERB_WIDTH + GRID)],
+        "ramp": slope[sloped],
+    }
+
+
+def _without(shapes: Shapes, things: Shapes) -> Shapes:
+    """Cut things, whose surfaces rank the same, out of shapes."""
+    row, thing = shapely.STRtree(things).query(shapes, predicate="intersects")
+    left = shapes.copy()
+    if len(row):
+        taken, rows = joined_by(things[thing], row)
+        left[rows] = shapely.difference(shapes[rows], taken)
+    return left
+
+
+def _kerbs(
+    street: Street, zebras: Zebras, driven: Shapes, sign: float, flare: FloatArray
+) -> FloatArray:
+    """(z,) metres left of the centreline, times `sign`, that most of the kerb is nearer than.
+
+    That is half the street but where its kerb has begun to curve, or the map draws it elsewhere:
+    at crossings with a `flare` of more than `FLARE` metres.
+    """
+    found = street.network.half_width[zebras.edge].copy()
+    rows = np.flatnonzero(flare > FLARE)
+    if not len(rows):
+        return found
+    edge, near = zebras.edge[rows], found[rows] - FLARE
+    reach = zebras.depth[rows] / 2 + FREE_SIDE
+    at, ahead = locate(street.lines, edge, zebras.along[rows])
+    left = sign * np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    step = np.linspace(-1.0, 1.0, RAYS)[None, :, None] * reach[:, None, None]
+    foot = at[:, None] + ahead[:, None] * step + left[:, None] * near[:, None, None]  # (k, r, 2)
+    tip = foot + left[:, None] * (FLARE + flare[rows])[:, None, None]
+    rays = shapely.linestrings(np.stack([foot, tip], axis=2))  # (k, r)
+    own, surface = shapely.STRtree(driven).query(
+        shapely.multilinestrings(rays), predicate="intersects"
+    )
+    paved, group = joined_by(driven[surface], own)
+    free = shapely.difference(rays[group], paved[:, None])
+    off = shapely.distance(free, shapely.points(foot[group]))  # of an empty one not a number
+    rows = rows[group]
+    first = np.sort(np.where(np.isfinite(off), off, FLARE + flare[rows][:, None]), axis=1)
+    most = np.where(flare[rows] > FLARED, flare[rows], MOST_BEHIND)
+    found[rows] += np.round(np.clip(first[:, int(BEHIND * (RAYS - 1))] - FLARE, 0.0, most), 3)
+    return found
+
+
+def drive_regions(street: Street, road: Carriageway, areas: Shapes) -> Regions:
     """Lower the kerbs at both sides of service ways where they cross the walk of a street.
 
     Round the corners of the drive the walk rises along the street's kerb, too.
@@ -103,6 +183,7 @@ def drive_regions(street: Street, road: Carriageway) -> Regions:
     mouths = _mouths(street)
     if not len(mouths.place):
         return Regions()
+    driven = np.concatenate([road.driven, areas])
     shapes, ends = (_mouth_shapes(mouths, past) for past in (0.0, 2 * RAMP))
     parts = []
     for name, rank, where, width in (
@@ -111,7 +192,8 @@ def drive_regions(street: Street, road: Carriageway) -> Regions:
         ("ramp", 0, ends, KERB_WIDTH + RAMP),
     ):
         priority = rank or SURFACES[LABEL[name]].priority
-        parts.append(regions(along_rims(where, road, width), LABEL[name], priority))
+        lowered = _without(along_rims(where, driven, width), areas)
+        parts.append(regions(lowered, LABEL[name], priority))
     return join_regions(parts)
 
 
@@ -199,7 +281,7 @@ def _squarest(
     return other, found
 
 
-def _mouth_shapes(mouths: _Mouths, past: float) -> NDArray[Any]:
+def _mouth_shapes(mouths: _Mouths, past: float) -> Shapes:
     """(m,) the walks before drives, `past` metres more along the street."""
     left = np.column_stack([-mouths.along[:, 1], mouths.along[:, 0]]) * mouths.away[:, None]
     corners = []
@@ -211,9 +293,8 @@ def _mouth_shapes(mouths: _Mouths, past: float) -> NDArray[Any]:
     return np.asarray(shapely.polygons(np.stack(corners, axis=1)))
 
 
-def along_rims(shapes: NDArray[Any], road: Carriageway, width: float) -> NDArray[Any]:
+def along_rims(shapes: Shapes, driven: Shapes, width: float) -> Shapes:
     """Cut shapes to what lies so near the rims of what is driven on, in metres."""
-    driven = road.driven
     patch, row = shapely.STRtree(driven).query(shapes, predicate="dwithin", distance=width)
     with np.errstate(divide="ignore", invalid="ignore"):  # a needle's mitre is cut off
         grown = shapely.buffer(driven[row], width, join_style="mitre")
@@ -225,7 +306,7 @@ def along_rims(shapes: NDArray[Any], road: Carriageway, width: float) -> NDArray
 def patches(
     street: Street, zebras: Zebras, rows: IntArray, near: FloatArray, far: FloatArray,
     past: float = 0.0,
-) -> NDArray[Any]:  # fmt: skip
+) -> Shapes:  # fmt: skip
     """Return strips across crossings between two distances left of the centreline, (k,).
 
     They reach ``past`` metres farther along the street than a dropped kerb.

@@ -34,7 +34,7 @@ from cityx.plugins.nature.street_rules import place_of
 from cityx.plugins.road.beds import bed_regions
 from cityx.plugins.road.blocks import pave_blocks, town_regions
 from cityx.plugins.road.carriageway_regions import COARSE as ROAD_COARSE
-from cityx.plugins.road.carriageway_regions import kerbed_edges, plain_carriageways
+from cityx.plugins.road.carriageway_regions import plain_carriageways
 from cityx.plugins.road.heights import way_heights
 from cityx.plugins.road.joints import seam_lines
 from cityx.plugins.road.landcover import (
@@ -222,7 +222,7 @@ def detailed_regions(
         area_regions(layout),
         park_regions(layout),
         kerbside_regions(layout, strips),
-        road_area_kerbs(layout, road.strips[kerbed_edges(layout, network)[road.edge]]),
+        road_area_kerbs(layout, network, road),
         garden_regions(layout),
         patch_regions(layout, network, place),
         bed_regions(layout, network, road, place),

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from cityx.geometry.polylines import Polylines, arc_lengths, every, line_strips, locate, pieces
-from cityx.plugins.road.carriageway import Carriageway
+from cityx.plugins.road.carriageway import Carriageway, joined_by
 from cityx.plugins.road.lane_lines import Partings
 from cityx.plugins.road.marks import (
     LINE,
@@ -18,8 +18,9 @@ from cityx.plugins.road.marks import (
     Marks,
     Shapes,
     Street,
+    paved_share,
 )
-from cityx.plugins.road.through_roads import Through
+from cityx.plugins.road.through_roads import Through, across_junctions
 
 DASH, GAP = 1.0, 1.0  # metres of the lines of a road that goes straight on
 CYCLE_DASH, CYCLE_GAP = 0.5, 0.5  # metres beside bicycles that cross (German Furt, Dutch blocks)
@@ -27,6 +28,7 @@ CYCLE_LINE = 0.15  # metres, width of these
 FURT_GAP = 0.05  # metres between these and the coloured surface between them
 CYCLE_WAY = 1.3  # metres between the two lines
 LONGEST = 60.0  # metres across a junction; farther apart no line leads
+WHOLE = 0.97  # share of a mark that lies on what is driven on
 STEPS = 8  # pieces of a line that bends
 ROLES = 4096  # what the lines of a road part, told apart by number
 
@@ -47,6 +49,7 @@ def guide_lines(
     equals give way, the road they end at is major too. Also returns which part the two directions,
     and the surfaces between the lines beside cycle lanes.
     """
+    through = across_junctions(street, through)
     major = through.major | (through.tee & stems)
     chosen = np.flatnonzero(major & painted[through.edge].all(axis=1))
     first, second, row = _continued(street, found, through, chosen)
@@ -70,22 +73,22 @@ def guide_lines(
         edges.append(found.edge[first[own]])
         centre.append(found.centre[first[own]])
     marks, middle = np.concatenate(shapes), np.concatenate(centre)
-    paved = _paved(marks, road)
+    paved = paved_share(marks, road.stars, road.strips, road.curves) > WHOLE
     between = _between(inner, outer, np.flatnonzero(good & found.cycle[first]), road)
     return (marks[paved], np.concatenate(edges)[paved]), middle[paved], between
 
 
 def _between(inner: Polylines, outer: Polylines, rows: IntArray, road: Carriageway) -> Shapes:
-    """Junction surfaces between two lines of equally many points."""
+    """Return what is driven on between two lines of equally many points."""
     if not len(rows):
         return np.zeros(0, object)
     near, far = (each.points.reshape(-1, STEPS + 1, 2)[rows] for each in (inner, outer))
     rings = np.concatenate([near, far[:, ::-1]], axis=1)
     shapes = shapely.buffer(shapely.polygons(rings), -CYCLE_LINE / 2 - FURT_GAP)
-    row, star = shapely.STRtree(road.stars).query(shapes, predicate="intersects")
-    # Two nodes of one junction lead the same lane across, each a little otherwise.
-    cut = shapely.intersection(shapes[row], road.stars[star])
-    return np.asarray(shapely.get_parts(shapely.unary_union(cut)))
+    surfaces = np.concatenate([road.stars, road.curves, road.strips])
+    row, surface = shapely.STRtree(surfaces).query(shapes, predicate="intersects")
+    paved, own = joined_by(surfaces[surface], row)
+    return np.asarray(shapely.get_parts(shapely.intersection(shapes[own], paved)))
 
 
 def _continued(
@@ -110,7 +113,9 @@ def _continued(
     zebra = street.marked[through.edge[pair], through.side[pair]].any(axis=1)
     halted = street.signalled[through.node[pair]] | zebra
     # Beside a single side street; where roads cross, and under signals, lines end at the junction.
-    passed = (street.network.node_degree[through.node[pair]] == 3) & ~halted
+    node = through.node[pair]
+    passed = (street.network.node_degree[node] == 3) & ~halted
+    passed &= street.arms[street.cluster[node]] == 3
     lanes = found.centre[first] | ~found.mixed[first]
     kept = found.cycle[first] | (passed & lanes)
     return first[kept], second[kept], row[kept]
@@ -165,11 +170,3 @@ def _ends(
     left = np.column_stack([-direction[:, 1], direction[:, 0]])
     into = np.where(side == 0, -1.0, 1.0)[:, None]
     return position + left * found.lateral[line][:, None], direction * into
-
-
-def _paved(marks: Shapes, road: Carriageway) -> BoolArray:
-    """Mark what lies wholly on a junction or a carriageway."""
-    paved = np.zeros(len(marks), bool)
-    for surfaces in (road.stars, road.strips):
-        paved[shapely.STRtree(surfaces).query(marks, predicate="covered_by")[0]] = True
-    return paved

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
 from cityx.city.layout import Layout
+from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.polylines import line_strips, pack
-from cityx.plugins.road.carriageway import MITRE
-from cityx.plugins.road.carriageway_regions import BUILDING_PRIORITY, road_labels
+from cityx.plugins.road.carriageway import MITRE, Carriageway
+from cityx.plugins.road.carriageway_regions import BUILDING_PRIORITY, kerbed_edges, road_labels
 
 Shapes = NDArray[Any]
 
@@ -83,22 +84,32 @@ def _told_surfaces(tags: NDArray[Any]) -> list[str]:
     return [str(json.loads(text or "{}").get("surface", "")) for text in tags.tolist()]
 
 
-def road_area_kerbs(layout: Layout, kerbed: Shapes) -> Regions:
-    """Return kerb stones round the road areas of the map that kerbed carriageways run through.
-
-    Such an area is drawn from kerb to kerb, and is often wider than the carriageway.
-    """
-    areas = layout.areas.geometry.to_numpy()[(layout.areas["kind"] == "road_area").to_numpy()]
-    if not len(areas) or not len(kerbed):
+def road_area_kerbs(layout: Layout, network: RoadNetwork, road: Carriageway) -> Regions:
+    """Return kerb stones round the road areas of the map that kerbed carriageways run through."""
+    chosen = kerbed_areas(layout, network, road)
+    if not len(chosen):
         return Regions()
-    met, strip = shapely.STRtree(areas).query(kerbed, predicate="intersects")[::-1]
-    common = shapely.area(shapely.intersection(areas[met], kerbed[strip]))
-    share = np.bincount(met, common, minlength=len(areas)) / np.maximum(shapely.area(areas), 1e-9)
-    chosen = areas[share > DRIVEN_SHARE]
     rims = shapely.simplify(shapely.unary_union(chosen), FINE)
     stones = shapely.buffer(rims, KERB_WIDTH, join_style="mitre", mitre_limit=MITRE)
     label = LABEL["kerb"]
     return regions(stones, label, SURFACES[label].priority)
+
+
+def kerbed_areas(layout: Layout, network: RoadNetwork, road: Carriageway) -> Shapes:
+    """Return the road areas of the map that carriageways and junctions with kerbs run through.
+
+    Such an area is drawn from kerb to kerb, and is often wider than the carriageway.
+    """
+    areas = layout.areas.geometry.to_numpy()[(layout.areas["kind"] == "road_area").to_numpy()]
+    edges = kerbed_edges(layout, network)
+    junction = np.isin(road.node, network.edge_nodes[edges])
+    kerbed = np.concatenate([road.strips[edges[road.edge]], road.stars[junction]])
+    if not len(areas) or not len(kerbed):
+        return np.zeros(0, object)
+    met, strip = shapely.STRtree(areas).query(kerbed, predicate="intersects")[::-1]
+    common = shapely.area(shapely.intersection(areas[met], kerbed[strip]))
+    share = np.bincount(met, common, minlength=len(areas)) / np.maximum(shapely.area(areas), 1e-9)
+    return np.asarray(areas[share > DRIVEN_SHARE])
 
 
 def kerbside_regions(layout: Layout, strips: Shapes) -> Regions:

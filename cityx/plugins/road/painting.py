@@ -36,6 +36,44 @@ GIVE_WAY: tuple[tuple[str, Boxes], ...] = (
 STOP_WORDS: tuple[tuple[str, Boxes], ...] = (("STOP", NORTH_AMERICA), ("止まれ", JAPAN))
 
 
+@dataclass(frozen=True)
+class Ribs:
+    """Tactile paving before crossings.
+
+    Attributes
+    ----------
+    painted, plain, mouth
+        Its surface before crossings with paint, before those without, and where a walk goes on
+        across the mouth of a street; "" for none.
+    depth
+        Metres along the way across.
+    gap
+        Metres between the kerb and them.
+
+    References
+    ----------
+    Department for Transport, "Guidance on the use of tactile paving surfaces", 2021: blisters 0.8 m
+    deep, red before crossings under control, buff elsewhere.
+    JIS T 9251 and guideline on guiding blocks, 1985: two rows of tiles, 0.3 m behind the face of
+    the kerb.
+    ADA 2010, 705: 0.61 m of domes at every ramp of a kerb.
+    DIN 32984: ribs along the way across where signals rule it.
+    """
+
+    painted: str = "tactile_pale"
+    plain: str = "tactile_pale"
+    mouth: str = ""
+    depth: float = 0.6
+    gap: float = 0.0
+
+
+# The first that holds the place wins.
+RIBS: tuple[tuple[Ribs, Boxes], ...] = (
+    (Ribs("tactile_red", "tactile_buff", "tactile_buff", depth=0.8), BRITISH_ISLES),
+    (Ribs("tactile_pale", ""), GERMANY),
+    (Ribs("tactile", "tactile", "tactile"), NORTH_AMERICA),
+    (Ribs("tactile", "tactile", gap=0.15), YELLOW_TACTILE),
+)
 TURN_GUIDES: tuple[tuple[str, Boxes], ...] = (
     ("both", JAPAN),
     ("outer", (*GERMANY, *TEETH, *RED_CYCLEWAYS, *NORTH_AMERICA)),
@@ -54,10 +92,8 @@ class Painting:
         "teeth" (triangles), "dashes" (a broken line), "double dashes" or "stop" (a stop line).
     red_cycleways
         Whether cycle lanes are coloured.
-    yellow_tactile
-        Whether the ribs before crossings are yellow.
-    buff_tactile
-        Whether they are of the colour of sandstone.
+    ribs
+        What blind people feel before crossings.
     stop_word
         What is written behind the stop line of a minor road, or "".
     stems
@@ -91,13 +127,12 @@ class Painting:
     yellow_centre: bool = False
     give_way: str = "dashes"
     red_cycleways: bool = False
-    yellow_tactile: bool = False
+    ribs: Ribs = Ribs()
     stop_word: str = ""
     stems: bool = False
     yellow_kerbs: bool = False
     boxes: bool = False
     edge_lines: bool = False
-    buff_tactile: bool = False
     zebras: bool = True
     signal_crossing: str = "bars"
     red_furten: bool = False
@@ -107,13 +142,6 @@ class Painting:
     centre_marks: bool = False
     diamonds: bool = False
     gutters: bool = True
-
-    @property
-    def ribs(self) -> str:
-        """Surface of the ribs before crossings."""
-        if self.yellow_tactile:
-            return "tactile"
-        return "tactile_buff" if self.buff_tactile else "tactile_pale"
 
 
 def painting_of(frame: Frame) -> Painting:
@@ -130,13 +158,12 @@ def painting_of(frame: Frame) -> Painting:
         yellow_centre=within(YELLOW_CENTRES),
         give_way=first(GIVE_WAY, "dashes"),
         red_cycleways=within(RED_CYCLEWAYS),
-        yellow_tactile=within(YELLOW_TACTILE),
+        ribs=next((ribs for ribs, boxes in RIBS if within(boxes)), Ribs()),
         stop_word=first(STOP_WORDS, ""),
         stems=british or within((*NORTH_AMERICA, *JAPAN)),
         yellow_kerbs=british,
         boxes=british,
         edge_lines=within(JAPAN),
-        buff_tactile=british,
         beacons=british,
         zebras=not within(FEW_ZEBRAS),
         signal_crossing=first(SIGNAL_CROSSINGS, "bars"),

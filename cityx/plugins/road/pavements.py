@@ -28,10 +28,26 @@ from cityx.geometry.identity import choose, hash_ids
 from cityx.plugins.road.joints import courses
 
 # Surface to material, by region; what a region does not name keeps its usual material.
-FLAGS = {"sidewalk": "flagstones", "ramp": "flagstones", "frontage": "flagstones"}
-SLABS = {"sidewalk": "slab_walk", "ramp": "mosaic", "frontage": "mosaic", "furnishing": "mosaic"}
+FLAGS = {
+    "sidewalk": "flagstones",
+    "ramp": "flagstones",
+    "landing": "flagstones",
+    "frontage": "flagstones",
+}
+SLABS = {
+    "sidewalk": "slab_walk",
+    "ramp": "mosaic",
+    "landing": "mosaic",
+    "frontage": "mosaic",
+    "furnishing": "mosaic",
+}
 BENT = {"slab_walk": "mosaic"}
-BLOCKS = {"sidewalk": "walk_blocks", "ramp": "walk_blocks", "gutter": "gutter_slabs"}
+BLOCKS = {
+    "sidewalk": "walk_blocks",
+    "ramp": "walk_blocks",
+    "landing": "walk_blocks",
+    "gutter": "gutter_slabs",
+}
 # What lies before houses where each was paved by itself, with weights.
 FORECOURTS = {"yard": 2.0, "asphalt_light": 3.0, "mosaic": 0.8, "clinker": 1.2}
 REGION_PAVING: Mapping[str, Mapping[str, str]] = MappingProxyType({

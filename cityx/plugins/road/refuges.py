@@ -12,9 +12,10 @@ from cityx.city.ground import KERB_WIDTH, LABEL
 from cityx.geometry.arrangement import GRID, Regions, join_regions, regions
 from cityx.geometry.polylines import locate, to_linestrings
 from cityx.plugins.road.carriageway import joined_by
-from cityx.plugins.road.drops import FREE_SIDE, RIBS, patches
+from cityx.plugins.road.drops import FREE_SIDE, patches
 from cityx.plugins.road.marks import Street, lane_count, spans_of
 from cityx.plugins.road.medians import NARROW, Twins, twins_of
+from cityx.plugins.road.painting import Ribs
 from cityx.plugins.road.roundabouts import ring_edges, ring_nodes
 from cityx.plugins.road.zebras import Zebras
 
@@ -36,7 +37,7 @@ WAY_PRIORITY = 53  # above medians and kerbs, below dropped kerbs
 CHORDS = 8  # per quarter circle of an island's end
 
 
-def refuge_regions(street: Street, zebras: Zebras, *, ribs: str) -> Regions:
+def refuge_regions(street: Street, zebras: Zebras, ribs: Ribs) -> Regions:
     """Lay splitters at roundabouts, refuges where the map tells of an island, ways through medians.
 
     Parameters
@@ -46,14 +47,13 @@ def refuge_regions(street: Street, zebras: Zebras, *, ribs: str) -> Regions:
     zebras
         The crossings.
     ribs
-        Surface of the ribs.
+        What blind people feel before crossings.
     """
     splitters = join_regions([_splitter_regions(street), _split_arms(street)])
     if not len(zebras.edge):
         return splitters
-    label = LABEL[ribs]
     return join_regions(
-        [_islands(street, zebras, label), _median_ways(street, zebras, label), splitters]
+        [_islands(street, zebras, ribs), _median_ways(street, zebras, ribs), splitters]
     )
 
 
@@ -132,7 +132,7 @@ def _splitters(street: Street, edge: IntArray, end: IntArray, inset: float) -> N
     return np.asarray(shapely.polygons(np.stack(corners, axis=1)))
 
 
-def _islands(street: Street, zebras: Zebras, ribs: int) -> Regions:
+def _islands(street: Street, zebras: Zebras, ribs: Ribs) -> Regions:
     """Build an island before and behind each crossing that has one, and ribs between them."""
     middle, width = _room(street)
     rows = _told(street, zebras)
@@ -147,7 +147,7 @@ def _islands(street: Street, zebras: Zebras, ribs: int) -> Regions:
     stones = np.concatenate(ends)
     floor = patches(street, zebras, rows, middle[edge] - half, middle[edge] + half)
     return join_regions([
-        regions(floor, ribs, ISLAND_PRIORITY),
+        regions(floor, LABEL[ribs.painted], ISLAND_PRIORITY),
         regions(stones, LABEL["kerb"], ISLAND_PRIORITY + 1),
         regions(shapely.buffer(stones, -KERB_WIDTH), LABEL["courtyard"], ISLAND_PRIORITY + 2),
     ])  # fmt: skip
@@ -196,7 +196,7 @@ def _capsules(
     return np.asarray(shapely.buffer(axis, half, quad_segs=CHORDS))
 
 
-def _median_ways(street: Street, zebras: Zebras, ribs: int) -> Regions:
+def _median_ways(street: Street, zebras: Zebras, ribs: Ribs) -> Regions:
     """Lower the median in line with crossings: ribs behind both kerbs, and paving between."""
     twins = twins_of(street.layout, street.network)
     rows, side, gap = _beside_medians(zebras, twins)
@@ -204,12 +204,12 @@ def _median_ways(street: Street, zebras: Zebras, ribs: int) -> Regions:
         return Regions()
     near = street.network.half_width[zebras.edge[rows]] + KERB_WIDTH
     far = near + gap - 2 * KERB_WIDTH
-    ribbed = np.minimum(RIBS, (far - near) / 2)
+    ribbed = np.minimum(ribs.depth, (far - near) / 2)
     parts = []
     for label, begin, end in (
-        (ribs, near, near + ribbed),
+        (LABEL[ribs.painted], near, near + ribbed),
         (LABEL["ramp"], near + ribbed, far - ribbed),
-        (ribs, far - ribbed, far),
+        (LABEL[ribs.painted], far - ribbed, far),
     ):
         shapes = patches(street, zebras, rows, side * begin, side * end)
         parts.append(regions(shapes[end - begin > FREE_SIDE], label, WAY_PRIORITY))

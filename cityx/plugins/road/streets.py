@@ -10,6 +10,7 @@ from cityx.geometry.arrangement import Regions, join_regions
 from cityx.plugins.road.carriageway import Carriageway, build_carriageway
 from cityx.plugins.road.carriageway_regions import carriageway_regions
 from cityx.plugins.road.drops import drive_regions, dropped_regions
+from cityx.plugins.road.landcover import kerbed_areas
 from cityx.plugins.road.markings import marking_regions
 from cityx.plugins.road.marks import USUAL, painted_edges, street_of
 from cityx.plugins.road.medians import median_regions
@@ -19,7 +20,7 @@ from cityx.plugins.road.roundabouts import roundabout_regions
 from cityx.plugins.road.sections import bands_of
 from cityx.plugins.road.strips import strip_regions, threshold_regions
 from cityx.plugins.road.verges import verge_regions
-from cityx.plugins.road.zebras import zebras_of
+from cityx.plugins.road.zebras import mouth_crossings, zebras_of
 
 
 def street_regions(
@@ -42,15 +43,17 @@ def street_regions(
     street = street_of(layout, network, bands, painting)
     painted = painted_edges(street, chosen)
     zebras = zebras_of(street, painted)
+    areas = kerbed_areas(layout, network, road)
+    mouths = mouth_crossings(street, painted)
     found = join_regions([
         carriageway_regions(layout, network, chosen, road),
         strip_regions(layout, network, chosen, gutters=painting.gutters),
         threshold_regions(layout, network, chosen),
         verge_regions(network, bands),
         marking_regions(street, zebras, painted, road, painting),
-        dropped_regions(street, zebras, road, ribs=painting.ribs),
-        drive_regions(street, road),
-        refuge_regions(street, zebras, ribs=painting.ribs),
+        dropped_regions(street, zebras, mouths, road, areas, painting.ribs),
+        drive_regions(street, road, areas),
+        refuge_regions(street, zebras, painting.ribs),
         median_regions(layout, network, chosen),
         roundabout_regions(layout, network, chosen),
     ])  # fmt: skip

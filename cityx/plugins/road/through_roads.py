@@ -60,6 +60,34 @@ def through_roads(street: Street) -> Through:
     )
 
 
+def across_junctions(street: Street, through: Through) -> Through:
+    """Pair the outer arms of junctions of several nodes, past the short edges between these.
+
+    A road that ends within its junction is left out.
+    """
+    ends = street.cluster[street.network.edge_nodes]
+    inner = ends[:, 0] == ends[:, 1]
+    arms = [[(edge, side) for edge, side in zip(*pair, strict=True)]
+            for pair in zip(through.edge.tolist(), through.side.tolist(), strict=True)]  # fmt: skip
+    onward = {arm: pair[1 - at] for pair in arms for at, arm in enumerate(pair)}
+    found: dict[frozenset[tuple[int, int]], int] = {}
+    for row, (first, last) in enumerate(arms):
+        if inner[first[0]]:
+            first, last = last, first
+        seen = {first}
+        while inner[last[0]] and last not in seen:
+            seen.add(last)
+            last = onward.get((last[0], 1 - last[1]), last)
+        if not inner[first[0]] and not inner[last[0]]:
+            arms[row] = [first, last]
+            found.setdefault(frozenset(arms[row]), row)
+    rows = np.array(list(found.values()), np.int64)
+    pairs = np.array([arms[row] for row in rows.tolist()], np.int64).reshape(-1, 2, 2)
+    return Through(
+        through.node[rows], pairs[:, :, 0], pairs[:, :, 1], through.major[rows], through.tee[rows]
+    )
+
+
 def _pairs(node: IntArray, size: IntArray) -> tuple[IntArray, IntArray]:
     """All pairs of rows of one node, each once; rows are sorted by node."""
     row = np.repeat(np.arange(len(node)), size)

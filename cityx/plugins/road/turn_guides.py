@@ -1,4 +1,4 @@
-"""Broken lines that lead those who turn, or who find no straight way, across large junctions.
+"""Broken lines that lead across large junctions: beside turns and along ways that bend.
 
 References
 ----------
@@ -31,14 +31,15 @@ from cityx.plugins.road.marks import (
 from cityx.plugins.road.zebras import Zebras
 
 DASH, GAP, WIDTH = 1.0, 1.0, 0.12  # metres
-LEAST_AREA = 200.0  # square metres of a junction in which one may lose one's way
-MANY_ARMS = 5  # arms from which on even the way straight on is marked
-ASIDE = 0.8  # metres by which a lane goes on beside where it came from, to be led there
+LEAST_AREA = 300.0  # square metres of a junction in which one may lose one's way
+ASIDE = 1.5  # metres by which a lane goes on beside where it came from, to be led there
+LEAST_LANES = 2  # of a road that is led along a bend; a single lane finds its way
 LANE = 3.25  # metres; lines stand no farther apart
 FROM_ENDS = 0.6  # metres of a way without lines at both ends
 OFF_CROSSING = 0.4  # metres between a line and a crossing
 OFF_TAKEN = 0.4  # metres between a line and other marks
 APART = 0.25  # metres between two lines
+LEAST_DASHES = 4  # of a line; fewer lead nobody
 
 
 def turn_guides(
@@ -46,8 +47,9 @@ def turn_guides(
 ) -> Marks:
     """Paint broken lines along ways across large junctions under signals.
 
-    Led are those who turn across the traffic that comes towards them from a lane of their own,
-    and those who go on but find their lane aside, or more than four arms.
+    Led are those who turn across the traffic that comes towards them from a lane of their own, and
+    where both sides of a way have lines those who go on along a bend of a road of several lanes.
+    No two ways with lines cross: that of the greater road is led.
 
     Parameters
     ----------
@@ -58,7 +60,7 @@ def turn_guides(
     zebras
         Crossings, which stay free.
     taken
-        Surfaces that stay free as well.
+        Surfaces that stay free as well; a line ends before them.
     sides
         "both" of a way, the "outer" of a turn, or "" for no lines.
     """
@@ -66,35 +68,28 @@ def turn_guides(
     star = _large(street, road) if sides else np.zeros(0, np.int64)
     if not len(star):
         return nothing
-    far = MOVEMENTS.index("right" if street.network.left_hand.any() else "left")
+    left_hand = bool(street.network.left_hand.any())
+    far = MOVEMENTS.index("right" if left_hand else "left")
     turn = ways.movement == far
     led = np.isin(ways.hub, road.node[star])
-    led &= np.where(turn, _own_lane(ways, far), _strays(street, ways))
-    # The first come first where two lines would meet: who turns, on the greater road.
-    rank = street.rank[ways.edge]
+    led &= np.where(turn, _own_lane(ways, far), (sides == "both") & _bends(street, ways))
+    # Where two would cross the first stays: who turns, on the greater road.
     rows = np.flatnonzero(led)
-    rows = rows[np.lexsort((ways.origin[rows], rank[rows], ~turn[rows]))]
+    rank = street.rank[ways.edge[rows]]
+    rows = rows[np.lexsort((ways.target[rows], ways.origin[rows], rank, ~turn[rows]))]
+    rows = rows[np.sort(np.unique(ways.origin[rows], return_index=True)[1])]
     if not len(rows):
         return nothing
     chosen = ways.take(rows)
-    shapes, edges = [], []
-    outer = 1.0 if street.network.left_hand.any() else -1.0
-    for side in (1.0, -1.0):
-        own = np.arange(len(rows))
-        if sides == "outer" and side != outer:
-            own = own[chosen.movement != far]
-        marks, of = _dashes(chosen, own, side)
-        shapes.append(marks)
-        edges.append(of)
-    marks, edge = np.concatenate(shapes), np.concatenate(edges)
-    free = _covered(marks, road.stars[star])
+    outer = 1.0 if left_hand else -1.0
     boxes = crossing_boxes(street, zebras)
-    tree = shapely.STRtree(marks)
-    for things, gap in ((boxes, 0.0), (taken, OFF_TAKEN)):
-        free[tree.query(things, predicate="dwithin", distance=gap)[1]] = False
-    marks, edge = marks[free], edge[free]
-    first = _first_of_near(marks)
-    return marks[first], edge[first]
+    found = [
+        _line(chosen, side, road.stars[star], ((boxes, 0.0), (taken, OFF_TAKEN)))
+        for side in ((1.0, -1.0) if sides == "both" else (outer,))
+    ]
+    marks, own, whole = (np.concatenate(column) for column in zip(*found, strict=True))
+    free = np.isin(own, _first_of_crossing(whole, np.tile(np.arange(len(rows)), len(found))))
+    return marks[free], chosen.edge[own[free]]
 
 
 def crossing_boxes(street: Street, zebras: Zebras) -> Shapes:
@@ -118,11 +113,10 @@ def _own_lane(ways: JunctionWays, far: int) -> BoolArray:
     return np.asarray((all_of == turning)[ways.origin])
 
 
-def _strays(street: Street, ways: JunctionWays) -> BoolArray:
-    """(w,) whether who goes straight on is to be led: not along a straight line, or by many arms.
+def _bends(street: Street, ways: JunctionWays) -> BoolArray:
+    """(w,) whether who goes straight on does not go along a straight line, on a main road.
 
-    Where a lane leads on into several, only the way that strays least counts; on minor roads, none
-    but by many arms.
+    Where a lane leads on into several, only the way that strays least counts.
     """
     first, last = ways.line.start[:-1], ways.line.start[1:] - 1
     ahead = ways.line.points[first + 1] - ways.line.points[first]
@@ -136,17 +130,49 @@ def _strays(street: Street, ways: JunctionWays) -> BoolArray:
     best = np.full(len(street.cluster), len(RANK))
     np.minimum.at(best, street.cluster, street.best)
     major = street.rank[ways.edge] == best[ways.hub]
-    return np.asarray(nearest & ((street.arms[ways.hub] >= MANY_ARMS) | ((aside > ASIDE) & major)))
+    arm, of_arm = np.unique(np.column_stack([ways.edge, ways.end]), axis=0, return_inverse=True)
+    lane = np.unique(np.column_stack([of_arm.ravel(), ways.origin]), axis=0)[:, 0]
+    lanes = np.bincount(lane, minlength=len(arm))[of_arm.ravel()]
+    return np.asarray(nearest & major & (aside > ASIDE) & (lanes >= LEAST_LANES))
 
 
-def _dashes(ways: JunctionWays, own: IntArray, side: float) -> tuple[Shapes, IntArray]:
-    """Dashes on one side, 1 for the left, of some ways, and the edges that they come from."""
-    length = arc_lengths(ways.line)[1][own]
-    which, along = every(length, DASH + GAP, FROM_ENDS + DASH / 2)
-    own = own[which]
+def _line(
+    ways: JunctionWays, side: float, stars: Shapes, things: tuple[tuple[Shapes, float], ...]
+) -> tuple[Shapes, IntArray, Shapes]:
+    """Lay the longest row of dashes on one side of each way that nothing interrupts.
+
+    Returns
+    -------
+    marks, own
+        The dashes, and the way of each; ways with too few have none.
+    whole
+        (w,) each line without its gaps; empty where it has no dashes.
+    """
+    length = arc_lengths(ways.line)[1]
+    own, along = every(length, DASH + GAP, FROM_ENDS + DASH / 2)
+    lateral: FloatArray = side * np.minimum(ways.width, LANE) / 2
     cut = pieces(ways.line, own, along - DASH / 2, along + DASH / 2)
-    lateral: FloatArray = side * np.minimum(ways.width[own], LANE) / 2
-    return line_strips(cut, lateral, WIDTH), ways.edge[own]
+    marks = line_strips(cut, lateral[own], WIDTH)
+    free = _covered(marks, stars)
+    tree = shapely.STRtree(marks)
+    for shapes, gap in things:
+        free[tree.query(shapes, predicate="dwithin", distance=gap)[1]] = False
+    run = np.cumsum(np.r_[True, (np.diff(own) != 0) | (free[1:] != free[:-1])][: len(own)]) - 1
+    size = np.bincount(run[free], minlength=int(run.max(initial=-1)) + 1)
+    longest = np.zeros(len(length), np.int64)
+    np.maximum.at(longest, own, size[run])
+    kept = free & (size[run] == longest[own]) & (size[run] >= LEAST_DASHES)
+    first = np.full(len(length), len(size))
+    np.minimum.at(first, own[kept], run[kept])
+    kept &= run == first[own]
+    begin, end = np.full(len(length), np.inf), np.full(len(length), -np.inf)
+    np.minimum.at(begin, own[kept], along[kept] - DASH / 2)
+    np.maximum.at(end, own[kept], along[kept] + DASH / 2)
+    whole = np.full(len(length), shapely.Polygon(), object)
+    rows = np.flatnonzero(end > begin)
+    lines = pieces(ways.line, rows, begin[rows], end[rows])
+    whole[rows] = shapely.make_valid(line_strips(lines, lateral[rows], WIDTH))
+    return marks[kept], own[kept], whole
 
 
 def _covered(marks: Shapes, surfaces: Shapes) -> BoolArray:
@@ -157,13 +183,12 @@ def _covered(marks: Shapes, surfaces: Shapes) -> BoolArray:
     return np.asarray(found & inside)
 
 
-def _first_of_near(marks: Shapes) -> BoolArray:
-    """Mark what stands near no earlier mark that stays."""
-    one, other = shapely.STRtree(marks).query(marks, predicate="dwithin", distance=APART)
-    earlier = other < one
-    kept = np.ones(len(marks), bool)
-    order = np.lexsort((other[earlier], one[earlier]))
-    for mark, before in zip(one[earlier][order].tolist(), other[earlier][order].tolist(),
-                            strict=True):  # fmt: skip
-        kept[mark] &= not kept[before]
-    return kept
+def _first_of_crossing(lines: Shapes, way: IntArray) -> IntArray:
+    """Return the ways whose lines come near none of those of an earlier way that stays."""
+    one, other = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=APART)
+    pair = np.unique(np.column_stack([way[one], way[other]]), axis=0)
+    kept = np.zeros(int(way.max(initial=-1)) + 1, bool)
+    for each in np.unique(way).tolist():
+        met = pair[(pair[:, 0] == each) & (pair[:, 1] < each), 1]
+        kept[each] = not kept[met].any()
+    return np.flatnonzero(kept)

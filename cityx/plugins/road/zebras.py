@@ -14,6 +14,9 @@ from cityx.plugins.road.crossing_places import BARE, FLARE
 from cityx.plugins.road.marks import (
     DOTTED,
     LINE,
+    NONE,
+    PLAIN,
+    QUIET,
     STRIPED,
     ZEBRA,
     BoolArray,
@@ -23,8 +26,11 @@ from cityx.plugins.road.marks import (
     Street,
     boxes,
 )
+from cityx.plugins.road.roundabouts import ring_edges, ring_nodes
+from cityx.plugins.road.through_roads import through_roads
 
 BAR = 0.5  # metres, width of a zebra bar and of the gap after it
+MOUTH = 2.4  # metres along a street of the way across its mouth
 KERB_GAP = 0.1  # metres between a mark and the kerb
 # Metres across the road: the marks of a row and the gaps between (RMS; TSRGD 2016, diagram 1055.1).
 ROWS = {"lines": (0.5, 0.2), "studs": (0.12, 0.38), "bars": (0.5, 0.2)}
@@ -65,6 +71,41 @@ def zebras_of(street: Street, chosen: BoolArray) -> Zebras:
     return Zebras(
         edge, along, street.depth[edge], np.concatenate([kind, told]),
         np.concatenate([flared, np.zeros(len(more), bool)]),
+    )  # fmt: skip
+
+
+def mouth_crossings(street: Street, chosen: BoolArray) -> Zebras:
+    """Find where walks go on across the mouths of streets that no crossing tells of.
+
+    These are streets with walks that end at a road, and all arms where several of one class meet;
+    the road that goes straight on is crossed elsewhere.
+    """
+    network = street.network
+    table = street.layout.roads.iloc[network.edge_road]
+    walk = table[["sidewalk_left", "sidewalk_right"]].to_numpy(float).max(axis=1, initial=0.0)
+    walked = chosen & (walk > 0) & ~np.isin(street.kind, (*QUIET, "living_street"))
+    node = network.edge_nodes
+    ring = ring_edges(street.layout, network)[:, None] | ring_nodes(street.layout, network)[node]
+    ends = walked[:, None] & (street.crossing == NONE) & street.joint[node] & ~ring
+    through = through_roads(street)
+    major = through.major | through.tee
+    ends[through.edge[major], through.side[major]] = False
+    inner = street.cluster[node]
+    ends &= (inner[:, 0] != inner[:, 1])[:, None]
+    taken = np.where(street.crossing > 0, street.setback + street.depth[:, None], 0.0).sum(axis=1)
+    ends &= (street.length - network.trim.sum(axis=1) - taken > 2 * MOUTH)[:, None]
+    edge, end = np.nonzero(ends)
+    back = street.mouth[edge, end] + MOUTH / 2
+    along = np.where(end == 0, back, street.length[edge] - back)
+    flared = back - MOUTH / 2 < network.trim[edge, end]
+    return Zebras(edge, along, np.full(len(edge), MOUTH), np.full(len(edge), PLAIN), flared)
+
+
+def joined(first: Zebras, second: Zebras) -> Zebras:
+    """Return the crossings of both."""
+    return Zebras(
+        *(np.concatenate([getattr(one, name) for one in (first, second)])
+          for name in Zebras.__dataclass_fields__)
     )  # fmt: skip
 
 

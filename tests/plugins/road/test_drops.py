@@ -1,6 +1,10 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
+import shapely
 
+from cityx.city.frame import Frame
 from cityx.city.ground import DROPPED, KERB_HEIGHT, KERB_WIDTH, LABEL
 from cityx.geometry.arrangement import face_areas
 from cityx.geometry.drape import ramp_heights
@@ -107,3 +111,69 @@ def test_the_kerb_of_a_drive_at_a_slant_is_lowered_across_the_whole_walk(layout_
     for back in (0.6, 1.3, 2.0, 2.6):  # metres behind the kerb of the street
         z = stand_on(mesh, np.column_stack([x, 4.0 + KERB_WIDTH + back + 0 * x])).z
         assert np.abs(np.diff(z)).max() < DROPPED + 0.012
+
+
+MAIN = {"kind": "secondary", "width": 8.0, "sidewalk_left": 4.0, "sidewalk_right": 4.0}
+SIDE = {"width": 6.0, "sidewalk_left": 4.0, "sidewalk_right": 4.0}
+TEE = [([(-90, 0), (0, 0), (90, 0)], MAIN), ([(0, 0), (0, 60)], SIDE)]
+LONDON, BERLIN, NEW_YORK, TOKYO = (
+    Frame(*place) for place in ((51.51, -0.13), (52.5, 13.4), (40.7, -74.0), (35.69, 139.78))
+)
+
+
+def built(layout, city_of, frame):
+    city = replace(city_of(layout), frame=frame)
+    return ground(lanes(network(city, drive_on="right")))
+
+
+def shape_of(city, name):
+    found = city.ground
+    return shapely.union_all(shapely.polygons(found.vertices[found.triangles_of(name)]))
+
+
+@pytest.mark.parametrize(
+    ("frame", "ruled", "plain"),
+    [(LONDON, "tactile_red", "tactile_buff"), (BERLIN, "tactile_pale", ""),
+     (NEW_YORK, "tactile", "tactile")],
+)  # fmt: skip
+def test_mouths_of_side_streets_are_lowered_and_ribbed_as_usual(
+    layout_of, city_of, frame, ruled, plain
+):
+    mouth = built(layout_of(TEE, houses=[(30, 70, 50, 90)]), city_of, frame)
+    dropped = shapely.get_parts(shape_of(mouth, "kerb_dropped"))
+    assert sorted(np.sign(each.centroid.x) for each in dropped) == [-1, 1]
+    # The main road's kerbs, which run on, keep their height.
+    assert all(each.bounds[1] > 4.0 for each in dropped)
+    for name in ("tactile", "tactile_pale", "tactile_buff", "tactile_red"):
+        assert shape_of(mouth, name).is_empty == (name != plain), name
+    crossed = built(layout_of(TEE, houses=HOUSES, points=SIGNAL), city_of, frame)
+    assert not shape_of(crossed, ruled).is_empty
+
+
+@pytest.mark.parametrize(("frame", "name"), [(LONDON, "tactile_buff"), (TOKYO, "tactile")])
+def test_ribs_lie_in_a_straight_row_where_the_kerb_curves(layout_of, city_of, frame, name):
+    crossing = [((0, 7.0), "crossing")]
+    city = built(layout_of(TEE, points=crossing), city_of, frame)
+    rows = shapely.get_parts(shape_of(city, name))
+    assert len(rows) == 2
+    for row in rows:
+        x = np.abs(shapely.get_coordinates(row))
+        back = x[x[:, 0] > x[:, 0].max() - 0.01]
+        # Its back is one line square to the way across, as long as the crossing is wide.
+        assert np.ptp(back[:, 1]) == pytest.approx(3.4, abs=0.05)
+        assert 3.0 + KERB_WIDTH + 0.6 < x[:, 0].max() < 3.0 + KERB_WIDTH + 0.8 + 1.25
+    if name == "tactile":  # the walk before a row that begins behind the kerb is lowered as well
+        rise = city.scene.meshes["ground"]
+        middle = shapely.get_coordinates(shapely.point_on_surface(
+            shapely.get_parts(shape_of(city, "landing"))))  # fmt: skip
+        assert len(middle)
+        assert stand_on(rise, middle).z == pytest.approx(DROPPED, abs=0.002)
+
+
+def test_kerbs_are_lowered_where_the_map_draws_them(layout_of, city_of):
+    drawn = [((-90, -7, 90, 7), "road_area")]
+    streets = [([(-90, 0), (90, 0)], MAIN)]
+    city = built(layout_of(streets, areas=drawn, points=[((0, 0), "crossing")]), city_of, BERLIN)
+    dropped = shapely.get_parts(shape_of(city, "kerb_dropped"))
+    assert len(dropped) == 2
+    assert [np.abs(each.centroid.y) for each in dropped] == pytest.approx([7.075, 7.075], abs=0.01)

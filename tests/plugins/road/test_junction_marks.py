@@ -18,7 +18,7 @@ from cityx.plugins.road.turn_guides import WIDTH, turn_guides
 from cityx.plugins.road.zebras import zebras_of
 
 WIDE = {"kind": "secondary", "width": 14.0, "lanes": 4, "lanes_forward": 2, "lane_width": 3.5}
-ONE_WAY = {"kind": "tertiary", "oneway": True, "lanes": 1, "width": 5.0}
+ONE_WAY = {"kind": "tertiary", "oneway": True, "lanes": 1, "width": 6.0}
 CROSS = [[(-90, 0), (0, 0), (90, 0)], [(0, -90), (0, 0), (0, 90)]]
 SIGNALS = [((0, 0), "traffic_signals")]
 NONE = np.zeros(0, object)
@@ -68,15 +68,20 @@ def test_ways_cross_where_arms_do(layout_of):
     assert shapely.bounds(shapely.union_all(places)) == pytest.approx([-4, -4, 4, 4], abs=2)
 
 
+def own_lanes(ways):
+    """Ways where the innermost lanes do not go straight on as well."""
+    turning = ways.origin[ways.movement == MOVEMENTS.index("left")]
+    onward = ways.movement == MOVEMENTS.index("through")
+    return ways.take(~(onward & np.isin(ways.origin, turning)))
+
+
 def test_who_turns_from_a_lane_of_its_own_is_led_across_signals(layout_of):
     streets = [(line, WIDE) for line in CROSS]
     street, ways, zebras, road = built(layout_of(streets, points=SIGNALS))
-    bits = np.isin(ways.movement, [MOVEMENTS.index("left")])
     # Without arrows of the map the innermost lane also goes straight on: nobody has its own.
-    assert bits.any()
+    assert (ways.movement == MOVEMENTS.index("left")).any()
     assert not len(turn_guides(street, ways, zebras, road, NONE, "both")[0])
-    alone = ways.take(~((ways.movement == MOVEMENTS.index("through")) & np.isin(
-        ways.origin, ways.origin[bits])))  # fmt: skip
+    alone = own_lanes(ways)
     outer = turn_guides(street, alone, zebras, road, NONE, "outer")[0]
     both = turn_guides(street, alone, zebras, road, NONE, "both")[0]
     assert 8 <= len(outer) < len(both)
@@ -88,22 +93,42 @@ def test_who_turns_from_a_lane_of_its_own_is_led_across_signals(layout_of):
     assert not len(turn_guides(street, alone, zebras, road, NONE, "")[0])
 
 
-def test_among_six_arms_those_who_go_on_are_led(layout_of):
+def test_where_turns_would_cross_only_those_of_one_road_are_led(layout_of):
+    greater = WIDE | {"kind": "primary"}
+    layout = layout_of([(CROSS[0], WIDE), (CROSS[1], greater)], points=SIGNALS)
+    street, ways, zebras, road = built(layout)
+    edge = turn_guides(street, own_lanes(ways), zebras, road, NONE, "both")[1]
+    assert street.kind[np.unique(edge)].tolist() == ["primary", "primary"]
+
+
+def test_among_narrow_streets_nobody_is_led(layout_of):
     street, ways, zebras, road = built(layout_of(star_of(), points=SIGNALS))
-    marks, edge = turn_guides(street, ways, zebras, road, NONE, "both")
-    assert len(marks) > 12
-    assert len(np.unique(edge)) >= 2
-    street, ways, zebras, road = built(layout_of(star_of()))
+    assert shapely.area(road.stars).max() > 300
     assert not len(turn_guides(street, ways, zebras, road, NONE, "both")[0])
 
 
-def test_guides_keep_off_what_is_taken(layout_of):
-    street, ways, zebras, road = built(layout_of(star_of(), points=SIGNALS))
-    all_of_them = turn_guides(street, ways, zebras, road, NONE, "both")[0]
-    taken = np.array([shapely.box(-3, -90, 3, 90)], object)
-    left = turn_guides(street, ways, zebras, road, taken, "both")[0]
-    assert 0 < len(left) < len(all_of_them)
+def test_a_main_road_that_bends_is_led_where_both_sides_have_lines(layout_of):
+    bent = [(-90, 0), (0, 0), (85, 31)]
+    layout = layout_of([(bent, WIDE), (CROSS[1], ONE_WAY | {"width": 9.0})], points=SIGNALS)
+    street, ways, zebras, road = built(layout)
+    marks, edge = turn_guides(street, ways, zebras, road, NONE, "both")
+    assert len(marks) >= 8
+    assert set(street.kind[edge]) == {"secondary"}
+    assert not len(turn_guides(street, ways, zebras, road, NONE, "outer")[0])
+
+
+def test_a_guide_ends_before_what_is_taken(layout_of):
+    layout = layout_of([(line, WIDE) for line in CROSS], points=SIGNALS)
+    street, ways, zebras, road = built(layout)
+    alone = own_lanes(ways)
+    whole, edges = turn_guides(street, alone, zebras, road, NONE, "outer")
+    taken = np.array([shapely.buffer(whole[1], 0.1)], object)
+    left, of = turn_guides(street, alone, zebras, road, taken, "outer")
+    assert 0 < len(left) < len(whole)
     assert not shapely.intersects(left, taken[0]).any()
+    # What is left of a line lies in one row of at least four dashes.
+    assert np.unique(of, return_counts=True)[1].min() >= 4
+    assert len(np.unique(edges)) == 2
 
 
 def test_a_box_covers_what_ways_cross_and_stays_in_the_junction(layout_of):
