@@ -15,6 +15,7 @@ import numpy as np
 from cityx.assets.furniture_parts import BLUE, BURIED, DARK, GREEN, RED, STONE, YELLOW, Shapes, post
 from cityx.assets.kept import kept
 from cityx.assets.park_pieces import PARK_MAKERS
+from cityx.assets.potted_plants import POT_MAKERS
 from cityx.assets.regional_pieces import REGIONAL_MAKERS
 from cityx.assets.shapes import (
     Color,
@@ -461,6 +462,7 @@ MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     | dict(PARK_MAKERS)
     | dict(SHORE_MAKERS)
     | dict(YARD_MAKERS)
+    | dict(POT_MAKERS)
     | dict(REGIONAL_MAKERS)
 )  # fmt: skip
 

@@ -30,6 +30,7 @@ from cityx.assets.shapes import (
     cards,
     cylinder,
     disc,
+    is_fine,
     lathe,
     loft,
     moved,
@@ -39,12 +40,16 @@ from cityx.assets.shapes import (
 from cityx.city.mesh import MeshBatch
 from cityx.geometry.identity import rng_for
 
+FINE_LEAVES, FINE_LEAF, FINE_SLIM = 4, 0.66, 0.55  # of mounds in near views
 SOIL: Color = (0.35, 0.26, 0.18)
 
 
 def leaf_mound(name: str, low: Color, high: Color, count: int, *, size: float = 0.07) -> MeshBatch:
-    """Fill a box with the leaves of a low shrub, the same for the same name."""
+    """Fill a box with the leaves of a low shrub, the same for the same name; more in near views."""
     rng = rng_for(0, f"assets/{name}", 1)
+    slim = 1.0
+    if is_fine():
+        count, size, slim = FINE_LEAVES * count, FINE_LEAF * size, FINE_SLIM
     share = rng.uniform(-1, 1, (count, 3))
     share /= np.maximum(np.abs(share).max(axis=1, keepdims=True), 0.6)
     a, b = np.array(low), np.array(high)
@@ -54,7 +59,7 @@ def leaf_mound(name: str, low: Color, high: Color, count: int, *, size: float = 
     along = np.cross(normal, rng.normal(size=(count, 3)))
     along *= size / np.linalg.norm(along, axis=1, keepdims=True)
     shade = rng.uniform(0.6, 1.1, (count, 1)) * [0.9, 0.95, 0.85]
-    return cards(centre, along, np.cross(normal, along), "leaf", shade)
+    return cards(centre, along, slim * np.cross(normal, along), "leaf", shade)
 
 
 def planter() -> Shapes:

@@ -1,4 +1,4 @@
-"""What stands in yards: sheds, stores for bins, dryers, rows of pots, vegetable beds.
+"""What stands in yards: sheds, stores for bins, dryers, vegetable beds.
 
 Each maker is named for a prototype and returns its shapes: z up, front -y (away from the wall),
 origin on the ground at the foot.
@@ -12,12 +12,10 @@ from types import MappingProxyType
 import numpy as np
 
 from cityx.assets.furniture_parts import BLUE, BURIED, DARK, Shapes, post
-from cityx.assets.shapes import Color, box, cylinder, moved, prism, tinted, tube
+from cityx.assets.shapes import Color, box, moved, prism, tube
 from cityx.assets.street_pieces import leaf_mound
 
 TIMBER: Color = (0.85, 0.80, 0.72)
-TERRACOTTA: Color = (0.55, 0.22, 0.12)
-GLAZE: Color = (0.10, 0.18, 0.26)
 BROWN: Color = (0.25, 0.16, 0.08)
 WASHING: tuple[Color, ...] = (
     (0.75, 0.74, 0.70), (0.20, 0.28, 0.45), (0.62, 0.20, 0.18), (0.70, 0.62, 0.35),
@@ -73,23 +71,6 @@ def clothes_dryer() -> Shapes:
     return parts
 
 
-def pot_row() -> Shapes:
-    """Pots with plants of several sizes along a wall, 1.5 m wide."""
-    parts: Shapes = []
-    rows = ((-0.6, 0.17, 0.30, 0.35), (-0.2, 0.12, 0.20, 0.28), (0.08, 0.14, 0.26, 0.55),
-            (0.38, 0.10, 0.17, 0.22), (0.62, 0.15, 0.28, 0.40))  # fmt: skip
-    for number, (x, radius, high, leaves) in enumerate(rows):
-        color = GLAZE if number % 3 == 1 else TERRACOTTA
-        y = 0.05 * (number % 2)
-        parts.append(cylinder((x, y, 0.0), (x, y, high), 0.75 * radius, "plastic", color,
-                              top=radius, sides=10))  # fmt: skip
-        mound = leaf_mound(f"pot {number}", (x - 1.25 * radius, y - 1.25 * radius, high - 0.04),
-                           (x + 1.25 * radius, y + 1.25 * radius, high + leaves),
-                           70 + 60 * number % 90, size=0.05)  # fmt: skip
-        parts.append(tinted(mound, (1.8, 0.75, 0.9)) if number == 3 else mound)
-    return parts
-
-
 def vegetable_bed() -> Shapes:
     """Bed of boards, raised, 2.4 m long, with three rows of greens."""
     parts: Shapes = [box((-1.15, -0.5, BURIED), (1.15, 0.5, 0.30), "soil")]
@@ -104,8 +85,5 @@ def vegetable_bed() -> Shapes:
 
 
 YARD_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
-    {
-        maker.__name__: maker
-        for maker in (garden_shed, bin_store, clothes_dryer, pot_row, vegetable_bed)
-    }
+    {maker.__name__: maker for maker in (garden_shed, bin_store, clothes_dryer, vegetable_bed)}
 )

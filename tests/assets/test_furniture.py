@@ -3,7 +3,10 @@ import pytest
 
 from cityx.assets.furniture import MAKERS, furniture
 from cityx.assets.materials import MATERIALS
+from cityx.assets.potted_plants import POT_ROWS
 from cityx.assets.shore_pieces import SHORE_MAKERS
+from cityx.checks.bodies import DEEP
+from cityx.plugins.nature.street_rules import WALL_GAP
 
 HEIGHTS = {
     "street_lamp_mast": 8.2, "street_lamp_post": 4.55, "bench": 0.87, "bollard": 0.96,
@@ -46,3 +49,12 @@ def test_a_lamp_has_a_head_that_glows_over_the_road(name):
     spots = mesh.vertices[glow[glow >= 0]]
     assert spots[:, 2].min() > 3.5
     assert spots[:, 1].mean() < 0.01
+
+
+@pytest.mark.parametrize("detail", [2, 3])
+@pytest.mark.parametrize("name", POT_ROWS)
+def test_a_row_of_pots_keeps_off_its_wall_and_is_no_higher_than_a_window_sill(name, detail):
+    vertices = furniture(name, detail=detail).mesh.vertices
+    assert np.abs(vertices[:, 1]).max() < WALL_GAP["pot_row"] + DEEP
+    assert np.abs(vertices[:, 0]).max() < 0.9
+    assert 0.5 < vertices[:, 2].max() < 1.3

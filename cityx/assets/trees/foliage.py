@@ -40,8 +40,13 @@ PATTERNS: Mapping[str, tuple[tuple[float, float, float, float], ...]] = MappingP
     }
 )  # fmt: skip
 CLOUDS, CLOUD_EDGE = 16, 9.0  # clouds of leaves of a crown, and how sharply each ends
+CORE_FOOT = 0.12  # square of the share of the crown's height from which there are any
 BARE_TWIGS = 0.09  # share of the twigs that bear next to no leaves
-CORE_SHARE = 0.6  # of the dark cards within, where clouds hide most of it by themselves
+CORE_SHARE = 2.0  # of the dark cards within; many small ones do not show as cards
+# Within so much of the crown's radius, and in so much of its height from below, leaves are fewer by
+# a share of up to the last: there one sees the limbs fork.
+RIM, LOW_SHARE, UNDER = 0.75, 0.5, 0.93
+RIM_LEAF = 0.24  # share of its size by which a leaf at the rim is smaller than one within
 FULLER = 1.22  # leaves cover less than the kite they stand in for
 BROAD = ("alternate", "fan", "palmate")  # patterns of leaves broad enough to show an outline
 BLADES = 0.4  # share of the cards, the best lit, whose leaves have the outline of their species
@@ -90,6 +95,7 @@ def leaf_cards(skeleton: Skeleton, habit: Species, rng: np.random.Generator, cou
     reach = np.linalg.norm(skeleton.position[:, :2], axis=1)
     shell = reach / np.maximum(crown_radius(habit, skeleton.position[:, 2]), 0.3)
     weight = np.where(skeleton.radius < 2.2 * TWIG, 1.0, 0.25) * (0.35 + np.clip(shell, 0, 1.1))
+    weight *= _shaded_out(skeleton.position, shell, habit)
     weight[children == 0] *= 1.6
     weight *= _lit_side(skeleton.position, habit, rng)
     weight[rng.uniform(size=len(weight)) < BARE_TWIGS] *= 0.12
@@ -133,15 +139,23 @@ def leaf_cards(skeleton: Skeleton, habit: Species, rng: np.random.Generator, cou
     along = _unit(way - 0.75 * np.sum(way * _unit(normal), axis=1, keepdims=True) * _unit(normal))
     normal = _unit(normal - np.sum(normal * along, axis=1, keepdims=True) * along)
     length = 0.5 * habit.leaf * rng.uniform(0.75, 1.25, (count, 1))
+    length *= 1.0 + RIM_LEAF * (0.5 - np.clip(depth, 0.3, 1.0))[:, None]
 
     clump = rng.uniform(0.72, 1.28, len(skeleton.parent))[home]
     mood = np.clip(rng.normal(0.5, 0.28, len(skeleton.parent))[home]
                    + rng.normal(0, 0.10, count), 0, 1)  # fmt: skip
     low = np.clip((centre[:, 2] - habit.clear) / (2 * half), 0, 1)
-    light = (0.68 + 0.36 * depth**2.0) * (0.86 + 0.24 * low) * clump
+    light = (0.52 + 0.54 * depth**2.0) * (0.84 + 0.26 * low) * clump
     light = np.where(hanging, np.maximum(light, 0.75 * clump), light)
     light *= rng.uniform(0.85, 1.15, count)
     return Cards(centre, along * length, normal, np.clip(light, 0.15, 1.25), mood)
+
+
+def _shaded_out(place: FloatArray, shell: FloatArray, habit: Species) -> FloatArray:
+    """(n,) how many of the leaves are left: few under the crown, where limbs fork in its shade."""
+    low = np.clip((place[:, 2] - habit.clear) / (habit.height - habit.clear), 0, 1)
+    inner = 1.0 - np.clip(shell / RIM, 0, 1)
+    return np.asarray(1.0 - UNDER * inner * np.clip(1.0 - low / LOW_SHARE, 0, 1))
 
 
 def _lit_side(place: FloatArray, habit: Species, rng: np.random.Generator) -> FloatArray:
@@ -157,14 +171,14 @@ def _lit_side(place: FloatArray, habit: Species, rng: np.random.Generator) -> Fl
 def core_cards(habit: Species, rng: np.random.Generator) -> Cards:
     """Put large dark cards deep in the crown, where a real one is too dense to look through."""
     count = int(CORE_SHARE * habit.core)
-    t = np.sqrt(rng.uniform(0.03, 0.82, count))
+    t = np.sqrt(rng.uniform(CORE_FOOT, 0.82, count))
     z = habit.clear + t * (habit.height - habit.clear)
     reach = 0.58 * np.sqrt(rng.uniform(0, 1, count)) * crown_radius(habit, z)
     azimuth = rng.uniform(0, 2 * np.pi, count)
     centre = np.column_stack([reach * np.cos(azimuth), reach * np.sin(azimuth), z])
     along = _unit(rng.normal(size=(count, 3)))
     normal = _unit(np.cross(along, rng.normal(size=(count, 3))))
-    size = 0.11 * np.clip(habit.radius, 1.4, 3.2) * rng.uniform(0.7, 1.3, (count, 1))
+    size = 0.06 * np.clip(habit.radius, 1.4, 3.2) * rng.uniform(0.7, 1.3, (count, 1))
     return Cards(centre, along * size, normal, rng.uniform(0.32, 0.50, count),
                  rng.uniform(0.2, 0.8, count))  # fmt: skip
 

@@ -11,8 +11,8 @@ from cityx.city.mesh import MeshBatch, concatenate, one_mesh
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-FLARE_HEIGHT = 0.32  # metres over which the roots widen the stem
-FLARE = 0.75  # share of the radius by which they do at the ground
+FLARE_HEIGHT = 0.42  # metres over which the roots widen the stem
+FLARE = 0.95  # share of the radius by which they do at the ground
 # Thinnest radius of a limb and the corners it gets, coarse to fine.
 FOOT_RINGS = (0.0, 0.07, 0.15, 0.25, 0.38, 0.55, 0.8, 1.1)  # metres above the ground
 SIDES = ((0.10, 8), (0.035, 5), (0.0, 3))

@@ -35,7 +35,7 @@ from cityx.protocol.stages import Stage, stages_after
 BoolArray = NDArray[np.bool_]
 STAGES = (Stage.ROAD, Stage.NATURE)  # of what follows from streets and open ground
 ARRANGED = ("ground", "surroundings")  # meshes that are arranged anew as a whole
-LYING = ("street_covers",)  # layers of what lies in the surface of a street
+LYING = ("street_covers", "walk_covers")  # layers of what lies in the surface of a street
 CLOSE = ("vehicles",)  # layers whose rows of things leave no room between them
 REACH = 10.0  # metres beyond kerbs and walks within which things follow a street that changes
 APART = 1.0  # metres

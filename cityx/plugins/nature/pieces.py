@@ -22,7 +22,6 @@ from cityx.remembered import Remembered
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-BICYCLE_GAP = 0.31  # metres from a wall to the middle of a bicycle along it
 DOOR_WAY = 9.0  # metres before a door that its path takes
 
 

@@ -22,9 +22,9 @@ from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.scatter import Points, candidates, cells_of_triangles, near_pairs, thin
 from cityx.geometry.standing import WALKED, stand_on
 from cityx.plugins.building.shop_names import shop_names
+from cityx.plugins.nature.forecourts import at_forecourts
 from cityx.plugins.nature.frontages import OWN_FRONTAGE, frontage_edges
 from cityx.plugins.nature.pieces import (
-    BICYCLE_GAP,
     BoolArray,
     FloatArray,
     Pieces,
@@ -46,17 +46,22 @@ from cityx.plugins.nature.street_rules import (
     CLEAR,
     DOOR_DEPTH,
     DOOR_SIDE,
+    FRONT_LINE,
     KERB_RULES,
+    LEANING,
     PIECE_GAP,
-    SCOOTERS,
     SIGHT,
     SLOT,
     STREETS,
     TALL,
     TIGHT,
+    USUAL_GAP,
+    WALL_GAP,
+    WIDE_WALK,
+    drawn_shares,
     local_names,
     place_of,
-    rates,
+    varied,
 )
 from cityx.plugins.nature.wall_things import along_walls
 from cityx.plugins.road.bays import yard_bays
@@ -82,16 +87,10 @@ KNOWN_FRONTS = ("shop_classic", "shop_modern")
 BOARD_SHARE, TUB_SHARE, MACHINE_SHARE, POT_SHARE = 0.2, 0.2, 0.25, 0.4
 BANNERS, BANNER_SHARE = ("banner_red", "banner_blue"), 0.3  # of the shops of Japan
 LEVEL = 1.2  # metres between the ground and the foot of a shopfront that opens onto it
-OPEN_SPACING = 6.0  # metres between things on plazas and in yards
+OPEN_SPACING = 5.2  # metres between things on plazas and in yards
 WALL_REACH = 3.5  # metres from a wall within which a thing is moved to it
-# Metres from a wall to the middle of what stands at it.
-WALL_GAP = {"bicycle_parking": 1.05, "bicycle": BICYCLE_GAP, "bench": 0.4, "planter_round": 0.45,
-            "vending_machine": 0.48, "wheelie_bins": 0.5, "motor_scooter": 0.45,
-            "motor_scooter_red": 0.45, "cartons": 0.35, "street_cabinet": 0.3,
-            "garden_shed": 1.0, "bin_store": 0.65, "pot_row": 0.24}  # fmt: skip
 # Ground on which things stand apart from kerbs.
 OPEN = ("plaza", "courtyard", "sidewalk", "gravel", "frontage")
-USUAL_GAP = 0.8  # the same for everything else
 # What stands free on plazas, in yards, and at the walls of yards, with weights; "" is nothing.
 PLAZA = {"": 5.0, "bench": 2.0, "stone_bench": 1.5, "planter": 2.0, "waste_basket": 0.8,
          "planter_round": 1.0, "advertising_column": 0.15, "kiosk": 0.12,
@@ -118,7 +117,6 @@ WALK_OPEN = {"": 3.0, "planter": 1.5, "planter_round": 1.0, "bench": 0.8, "bicyc
 # Metres left to pass on walks and in yards of Japan: bicycles and machines stand at the walls of
 # narrow walks, whose kerbs bear poles alone.
 NARROW = (TIGHT, CLEAR)
-LEANING = ("bicycle", *SCOOTERS)  # along the wall, not square to it
 # Half the size of a piece that stands free, metres.
 SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "cafe_set": 0.95,
         "planter_round": 0.4, "advertising_column": 0.8, "kiosk": 1.9, "bicycle_parking": 1.4,
@@ -138,6 +136,7 @@ CORNER_SPACING, FROM_CORNER, LONGEST_CORNER = 1.8, 0.35, 30.0
 BENT = 1.04  # length over chord from which a kerb is a corner, not the far side of a junction
 # Metres from the middle of a bay to its stop, and to the next bay; from a lot to its board.
 FROM_BAY, NEXT_BAY, BOARD_ASIDE = 2.62, 2.55, 1.4
+TO_WARES = 1.9  # metres that groups at walls keep from what shops put out
 PARKED_SHARE = 0.55  # of the places of a bicycle stand that are taken
 
 
@@ -211,17 +210,22 @@ def _along_kerbs(city: City, site: _Site, density: float) -> tuple[Pieces, Float
         return none
     town = near_any(slots.xy, site.urban, TOWN)
     column = 2 * ~town + (rank[slots.edge] != "main")
-    table = np.array([rates(rule, site.place) for rule in KERB_RULES]) * SLOT / 100 * density
-    edges = np.cumsum(table, axis=0)  # (rules, 4)
+    room = IN_KERB + room_along(slots.xy, -slots.toward_road, site.rims, REACH)
+    wide = room >= WIDE_WALK
+    edges = drawn_shares(site.place, column, wide, density)
     ids = hash_ids(0, f"{ACTION}/kerb", network.edge_id[slots.edge],
                    2 * slots.number + (slots.side > 0))  # fmt: skip
     draw = uniform(city.seed, f"{ACTION}/kerb", ids)
-    rule = (draw[:, None] >= edges.T[column]).sum(axis=1)
+    rule = (draw[:, None] >= edges).sum(axis=1)
     rows = np.flatnonzero(rule < len(KERB_RULES))
     slots, rule, ids = slots.take(rows), rule[rows], ids[rows]
     asked = np.array([(r.from_kerb, r.room, r.length, r.depth) for r in KERB_RULES])[rule]
     out = -slots.toward_road
-    fits = IN_KERB + room_along(slots.xy, out, site.rims, REACH) >= asked[:, 1]
+    # On wide walks the fronts of all things lie in one line.
+    line = np.where(wide[rows], FRONT_LINE + asked[:, 3], 0.0)
+    further = np.maximum(line - asked[:, 0], 0.0)
+    asked[:, :2] += further[:, None]
+    fits = room[rows] >= asked[:, 1]
     assert city.ground is not None
     fits &= city.ground.on(slots.xy, *WALKED)
     slip = (uniform(city.seed, f"{ACTION}/slip", ids) - 0.5) * 2.0
@@ -549,7 +553,9 @@ def street_pieces(
     stops, boards = _car_parks(city) if site.place == "japan" else (join_pieces([]),) * 2
     plots = along_plots(city, site.place)
     walls = along_walls(city, site.rims, density) if site.place == "japan" else join_pieces([])
-    rest = join_pieces([corners, shops, plots, open_, boards, walls])
+    groups = at_forecourts(city, site.rims, site.place, density)
+    groups = groups.take(~near_any(groups.xy, shapely.points(shops.xy), TO_WARES))
+    rest = join_pieces([corners, shops, plots, open_, groups, boards, walls])
     drawn = join_pieces([kerb, rest])
     other = np.array([SIZE.get(str(name), 0.5) for name in rest.name])
     half = np.concatenate([sizes, np.repeat(other[:, None], 2, axis=1)])
@@ -557,7 +563,7 @@ def street_pieces(
     stands = kept.take(kept.name == "bicycle_parking")
     bicycles = _bicycles(city, stands)
     found = join_pieces([posts, kept, bicycles, stops])
-    found = replace(found, name=local_names(found.name, site.place))
+    found = replace(found, name=varied(local_names(found.name, site.place), found.id))
     found = found.take(may_stand(city, found))
     city = replace(city, stages_done=done)
     return with_passage(city, found, posts.id) if len(found) else city

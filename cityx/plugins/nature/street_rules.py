@@ -14,12 +14,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.potted_plants import POT_ROWS
 from cityx.assets.regional_pieces import LOCAL
 from cityx.city.city import City
+from cityx.geometry.identity import hash_ids
 
 CLEAR = 1.5  # metres of free walk past whatever stands by rule
 TIGHT = 1.2  # metres past a pole on a narrow walk; below it nothing stands
 SLOT = 6.0  # metres of kerb per draw
+# Metres of walk from which things stand in a zone of their own, and from the kerb to the line of
+# their fronts; how much more often than on a narrower one.
+WIDE_WALK, FRONT_LINE = 3.5, 0.45
+MORE = {"bench": 2.8, "planter": 2.4, "waste_basket": 2.2, "bicycle_parking": 1.6, "bollard": 0.6}
+FULL = 0.92  # of the slots of a walk that hold something at most
 STREETS = {
     "primary": "main", "secondary": "main", "tertiary": "main", "trunk": "main",
     "residential": "local", "unclassified": "local", "living_street": "local",
@@ -65,6 +72,14 @@ _NOT_JAPAN = (("japan", 0.0),)
 _SCOOTERS = (("mediterranean", 4.0), ("south-east asia", 6.0), ("japan", 1.6),
              ("north america", 0.2))  # fmt: skip
 SCOOTERS = ("motor_scooter", "motor_scooter_red", "motor_scooter_dark")
+LEANING = ("bicycle", *SCOOTERS)  # along the wall, not square to it
+# Metres from a wall to the middle of what stands at it.
+BICYCLE_GAP = 0.31  # metres from a wall to the middle of a bicycle along it
+WALL_GAP = {"bicycle_parking": 1.05, "bicycle": BICYCLE_GAP, "bench": 0.4, "planter_round": 0.45,
+            "vending_machine": 0.48, "wheelie_bins": 0.5, "motor_scooter": 0.45,
+            "motor_scooter_red": 0.45, "cartons": 0.35, "street_cabinet": 0.3,
+            "garden_shed": 1.0, "bin_store": 0.65, "pot_row": 0.24}  # fmt: skip
+USUAL_GAP = 0.8  # the same for everything else
 KERB_RULES: tuple[Rule, ...] = (
     Rule("bench", 0.9, 0.45, 0.25, 0.05, 0.60, 0.30, 0.95, (("japan", 0.15),)),
     Rule("waste_basket", 1.1, 0.7, 0.35, 0.1, 0.50, 0.22, 0.25, (("japan", 0.05),)),
@@ -108,6 +123,35 @@ def local_names(names: NDArray[Any], place: str) -> NDArray[Any]:
     """Return what stands for (n,) usual pieces at a place."""
     own = LOCAL.get(place, {})
     return np.array([own.get(str(name), str(name)) for name in names], object)
+
+
+def varied(names: NDArray[Any], ids: NDArray[np.uint64]) -> NDArray[Any]:
+    """Return (n,) names of pieces, one of its makes for each row of pots."""
+    makes = np.array(POT_ROWS, object)[(hash_ids(0, "pots", ids) % np.uint64(len(POT_ROWS)))]
+    return np.where(names == "pot_row", makes, names)
+
+
+def drawn_shares(
+    place: str, column: NDArray[Any], wide: NDArray[Any], density: float
+) -> NDArray[Any]:
+    """(n, rules) running sums of the shares of slots that hold each thing.
+
+    Parameters
+    ----------
+    place
+        As of `place_of`.
+    column
+        (n,) which rate of `rates` holds for a slot.
+    wide
+        (n,) bool, slots on walks of `WIDE_WALK`.
+    density
+        Factor of all rates.
+    """
+    table = np.array([rates(rule, place) for rule in KERB_RULES]) * SLOT / 100 * density
+    more = np.array([MORE.get(rule.piece, 1.0) for rule in KERB_RULES])
+    share = table.T[column] * np.where(wide[:, None], more, 1.0)
+    edges = np.cumsum(share, axis=1)
+    return np.asarray(edges * np.minimum(1.0, FULL / np.maximum(edges[:, -1:], FULL)))
 
 
 def rates(rule: Rule, place: str) -> tuple[float, float, float, float]:

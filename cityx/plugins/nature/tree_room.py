@@ -19,7 +19,9 @@ from cityx.geometry.clearance import (
     spots_of,
 )
 from cityx.geometry.polylines import to_linestrings
+from cityx.geometry.standing import WALKED
 from cityx.plugins.nature.climate import band_of
+from cityx.plugins.nature.pieces import room_along, walk_rims
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -29,13 +31,19 @@ FACADE_CLEARANCE = 2.5  # metres from trunk to facade for trees nobody mapped
 LEAST_FACADE = 0.6  # metres, the same for mapped ones: they are where they are
 LAMP_CLEARANCE = 4.0  # metres from a lamp for trees nobody mapped
 SIGHT = 8.0  # metres kept free beyond a junction's arms, so that drivers see each other
-MAPPED_SIGHT = 1.8  # metres, the same for mapped ones
-MOST_PUSH = 1.6  # metres a mapped tree may be moved out of a carriageway
+MAPPED_SIGHT = 0.6  # metres, the same for mapped ones: what stands there hides little
+# Metres a mapped tree may be moved out of a carriageway: kerbs are drawn as bays and narrowings
+# let them, and trees between bays stand as far out as a car is broad.
+MOST_PUSH = 3.3
 CROWN_REACH = 7.0  # metres, the widest crown
 ROAD_HEADROOM = 4.5  # metres below branches over a carriageway
 WALK_REACH = 2.0  # metres from a path within which trees are pruned as beside a street
 OVERHANG = 1.0  # metres a low crown may reach over a kerb
 FREE_LEAVES = 0.15  # metres between a crown and a facade
+LEAST_KERB = 0.45  # metres from trunk to kerb of mapped trees on narrow walks
+LEAST_PASS = 1.45  # metres of walk from the middle of a mapped trunk, on its wider side
+PATH_GAP = 0.3  # metres between a mapped trunk and a path through a park
+RAYS = 16  # directions in which the walk about a trunk is measured
 LEAST_WIDTH = 0.1  # share of its grown width to which a crown beside a wall is drawn in at most
 TALLEST = 2.3  # height over width, as shares of the grown tree, of a crown in a narrow place
 # Surfaces of the ground on which no trunk stands, whatever the map says.
@@ -122,6 +130,7 @@ def room_of(
     lines, half, driven = _strips(city)
     custom = custom_of(city.frame)
     moved, free = push_off(before, lines, half + custom.kerb, most=MOST_PUSH)
+    moved, free = _beside_walks(city, moved, free, before, mapped, (lines, half, driven))
     keep &= free & (mapped | (np.hypot(*(moved - xy).T) < 1e-9))
     spots = spots_of(moved) if (moved != xy).any() else before
     facade = distance_within(spots, houses, CROWN_REACH)
@@ -143,6 +152,57 @@ def room_of(
     road = _gap(spots, lines[driven], half[driven])
     path = _gap(spots, lines[~driven], half[~driven])
     return moved, keep, Room(facade, road, path)
+
+
+def _beside_walks(
+    city: City,
+    moved: FloatArray,
+    free: BoolArray,
+    before: Spots,
+    mapped: BoolArray,
+    strips: tuple[NDArray[Any], FloatArray, BoolArray],
+) -> tuple[FloatArray, BoolArray]:
+    """Let mapped trees that a footway crowds stand on the walk, where one can pass them.
+
+    Footways beside a street are drawn as lines of their own; trees of their walks, which reach to
+    the kerb, would be pushed from the one strip into the other and back.
+    """
+    lines, half, driven = strips
+    rows = np.flatnonzero(mapped & ~(free & _clear_of_walls(city, moved)))
+    if not len(rows) or city.ground is None:
+        return moved, free
+    kerb = custom_of(city.frame).kerb
+    walls = walk_rims(city.ground)
+    moved, free = moved.copy(), free.copy()
+    # Nearer to the kerb where the walk is too narrow for the usual distance.
+    for gap in (kerb, LEAST_KERB):
+        xy, clear = push_off(before.xy[rows], lines[driven], half[driven] + gap, most=MOST_PUSH)
+        walked = city.ground.on(xy, *WALKED)
+        way = _passed(xy, walls) >= LEAST_PASS
+        paths = near_any(xy, lines[~driven], half[~driven] + PATH_GAP)
+        clear &= _clear_of_walls(city, xy) & np.where(walked, way, ~paths)
+        moved[rows[clear]], free[rows[clear]] = xy[clear], True
+        rows = rows[~clear]
+        if not len(rows):
+            break
+    return moved, free
+
+
+def _clear_of_walls(city: City, xy: FloatArray) -> BoolArray:
+    houses = city.layout.buildings.geometry.to_numpy()
+    return ~near_any(xy, houses, LEAST_FACADE)
+
+
+def _passed(xy: FloatArray, rims: NDArray[Any]) -> FloatArray:
+    """(n,) metres of walk beside trunks, on the wider side of each."""
+    angle = np.arange(RAYS) * 2 * np.pi / RAYS
+    out = np.column_stack([np.cos(angle), np.sin(angle)])
+    reach = room_along(np.repeat(xy, RAYS, axis=0), np.tile(out, (len(xy), 1)), rims, 4.0)
+    # Across the walk, the direction in which it is narrowest, one passes on one side or the other.
+    both = reach.reshape(-1, 2, RAYS // 2)
+    across = np.argmin(both.sum(axis=1), axis=1)
+    found = np.take_along_axis(both, across[:, None, None], axis=2)[..., 0]
+    return np.asarray(found.max(axis=1))
 
 
 def _gap(spots: Spots, lines: NDArray[Any], half: FloatArray) -> FloatArray:

@@ -15,7 +15,14 @@ from cityx.geometry.clearance import distance_within
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.noise import gradient_noise
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
-from cityx.geometry.scatter import Points, cell_ids, cells_of_polygons, poisson_in, thinned
+from cityx.geometry.scatter import (
+    Points,
+    cell_ids,
+    cells_of_polygons,
+    near_pairs,
+    poisson_in,
+    thinned,
+)
 from cityx.plugins.layout.wishes import asked
 from cityx.plugins.nature import climate
 from cityx.plugins.nature.bed_plants import bed_stands
@@ -55,6 +62,7 @@ CONIFERS = {"north": 0.65, "temperate": 0.30, "japan": 0.25, "warm": 0.30, "trop
 # Bushes stand so many times closer in thickets than evenly, which are some metres wide.
 THICKET, THICKET_SIZE = 2.6, 16.0
 MANY = 10_000_000  # trees; more than any site has
+COMPANY = 21.0  # metres within which a tree that a rule plants along a street has another one
 MORE_SPACINGS = (12.0, 9.0, 7.0, 5.5, 4.5)  # metres between trees that are added, tried in turn
 
 # (spacing in metres, share of points kept, kind of mix) by kind of area.
@@ -251,7 +259,21 @@ def _rooted(city: City, stands: list[Stand]) -> tuple[Stand, Room]:
     order = np.argsort(stand.id, kind="stable")
     order = order[keep[order]]
     order = order[np.unique(stand.id[order], return_index=True)[1]]
+    order = order[_in_company(take_trees(replace(stand, xy=xy), order))]
     return take_trees(replace(stand, xy=xy), order), _room_rows(room, order)
+
+
+def _in_company(stand: Stand) -> BoolArray:
+    """(n,) trees but for those of a street's row that nothing is left of but themselves."""
+    kept = np.ones(len(stand.id), bool)
+    row = np.flatnonzero((stand.line > 0) & ~stand.mapped)
+    if not len(row):
+        return kept
+    pairs = near_pairs(stand.xy[row], COMPANY)
+    alone = np.ones(len(row), bool)
+    alone[pairs.ravel()] = False
+    kept[row[alone]] = False
+    return kept
 
 
 def _room_rows(room: Room, rows: Any) -> Room:

@@ -17,7 +17,6 @@ from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, hash_ids
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.plugins.nature.pieces import (
-    BICYCLE_GAP,
     FloatArray,
     Pieces,
     inside_extent,
@@ -25,6 +24,7 @@ from cityx.plugins.nature.pieces import (
     pieces,
     room_along,
 )
+from cityx.plugins.nature.street_rules import BICYCLE_GAP
 from cityx.plugins.road.kerbs import yaw_facing
 
 PURPOSE = "nature/wall_things"

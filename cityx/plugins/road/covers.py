@@ -1,4 +1,4 @@
-"""Covers in carriageways: gullies along the kerbs, manholes in the lanes."""
+"""Covers of streets: gullies along the kerbs, manholes in the lanes, lids and patches in walks."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from cityx.geometry.polylines import to_linestrings
 from cityx.plugins.road.carriageway_regions import kerbed_edges, node_ids, road_labels
 from cityx.plugins.road.kerbs import KerbPlaces, join_places, places_along
 from cityx.plugins.road.roundabouts import ring_edges, rings_of
+from cityx.plugins.road.walk_covers import with_walk_covers
 from cityx.protocol import Port, Range, action, has_network
 
 FloatArray = NDArray[np.float64]
@@ -93,8 +94,9 @@ def covers(
     inside = _inside(places, city.layout.extent)
     inside[len(xy) + len(middle) :] &= found
     ids = [ids[0], middle_ids, ids[1]]
-    return _with_covers(city, places[inside], ahead[inside], kind[inside],
+    laid = _with_covers(city, places[inside], ahead[inside], kind[inside],
                         np.concatenate(ids)[inside])  # fmt: skip
+    return with_walk_covers(laid, np.flatnonzero(flat))
 
 
 def _amid_junctions(

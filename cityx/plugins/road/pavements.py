@@ -22,7 +22,7 @@ from cityx.city.frame import Frame
 from cityx.city.ground import Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
-from cityx.geometry.arrangement import inner_points
+from cityx.geometry.arrangement import face_areas, inner_points
 from cityx.geometry.drape import Paving
 from cityx.geometry.identity import choose, hash_ids
 from cityx.plugins.road.joints import courses
@@ -49,7 +49,9 @@ BLOCKS = {
     "gutter": "gutter_slabs",
 }
 # What lies before houses where each was paved by itself, with weights.
-FORECOURTS = {"yard": 2.0, "asphalt_light": 3.0, "mosaic": 0.8, "clinker": 1.2}
+FORECOURTS = {"yard": 2.0, "asphalt_light": 3.0, "mosaic": 0.8, "clinker": 1.2, "pavers": 1.0}
+# The same of large ones, which are laid out to be seen.
+LARGE, LARGE_FORECOURTS = 30.0, (0.3, 0.6, 2.0, 3.0, 3.0)
 REGION_PAVING: Mapping[str, Mapping[str, str]] = MappingProxyType({
     "british isles": FLAGS, "central europe": SLABS, "japan": BLOCKS, "east asia": BLOCKS,
 })  # fmt: skip
@@ -78,8 +80,11 @@ def paved(ground: Ground, network: RoadNetwork, layout: Layout, frame: Frame, pl
     found = courses(ground, network, laid, guided="guided_blocks", main=_guided(layout, network))
     rows = np.flatnonzero(ground.labelled("frontage"))
     cell = np.round(inner_points(ground)[rows] * 10).astype(np.int64).view(np.uint64)
-    kind = choose(
-        0, PURPOSE, hash_ids(0, PURPOSE, cell[:, 0], cell[:, 1]), list(FORECOURTS.values())
+    ids = hash_ids(0, PURPOSE, cell[:, 0], cell[:, 1])
+    kind = np.where(
+        face_areas(ground)[rows] > LARGE,
+        choose(0, PURPOSE, ids, list(LARGE_FORECOURTS)),
+        choose(0, PURPOSE, ids, list(FORECOURTS.values())),
     )
     material = found.material.copy()
     material[rows] = len(found.materials) + kind

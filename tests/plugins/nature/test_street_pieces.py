@@ -27,10 +27,9 @@ from cityx.plugins.nature.street_pieces import (
     FROM_CORNER,
     GOODS,
     LAYER,
-    WALL_GAP,
     street_pieces,
 )
-from cityx.plugins.nature.street_rules import KERB_RULES, SCOOTERS, rates
+from cityx.plugins.nature.street_rules import KERB_RULES, SCOOTERS, WALL_GAP, rates
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.lanes import lanes
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 import shapely
 
@@ -13,6 +14,7 @@ from cityx.city.outlines import placed_outlines
 from cityx.city.passage import FREE, crowding
 from cityx.geometry.standing import WALKED
 from cityx.plugins.nature.pieces import room_along, walk_rims
+from cityx.plugins.nature.stands import take_trees
 from cityx.plugins.nature.town_trees import (
     FROM_EDGE,
     LEAST_WALK,
@@ -23,7 +25,7 @@ from cityx.plugins.nature.town_trees import (
     along_streets,
     in_yards,
 )
-from cityx.plugins.nature.trees import trees
+from cityx.plugins.nature.trees import _in_company, trees
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.lanes import lanes
 
@@ -151,3 +153,34 @@ def test_trees_of_yards_are_the_same_each_time_and_fewer_in_japan(courts):
     assert first.species.tobytes() == again.species.tobytes()
     tokyo = in_yards(replace(courts, frame=Frame(35.69, 139.78)), NOBODY)[0]
     assert set(tokyo.id.tolist()) < set(first.id.tolist())
+
+
+@pytest.mark.parametrize("mapped", [4.0, 2.6])
+def test_a_mapped_tree_in_a_carriageway_moves_to_its_walk_though_a_footway_is_drawn_there(
+    avenue, mapped
+):
+    roads = avenue.layout.roads
+    foot = make_table("roads", [shapely.LineString([(12, 7.5), (99, 7.5)])], id=[9],
+                      kind=["footway"], width=[2.0])  # fmt: skip
+    tree = make_table("points", [shapely.Point(50.0, mapped)], id=[51], kind=["tree"])
+    both = pd.concat([roads, foot], ignore_index=True)
+    layout = replace(avenue.layout, roads=both, points=tree)
+    city = trees(laid(replace(avenue, layout=layout)))
+    rows = city.scene.instances["trees"]
+    (at,) = np.flatnonzero(rows.object_id == 51)
+    x, y = rows.position[at, :2]
+    assert abs(x - 50.0) < 1e-6
+    assert 5.4 < y < 6.0
+    outlines, xy, ids = placed_outlines(city.scene)
+    own = ids == 51
+    assert not crowding(city, outlines, xy)[1].any()
+    assert not in_lanes(city, outlines[own], xy[own]).any()
+
+
+def test_a_street_has_rows_of_trees_or_none(avenue):
+    rule = along_streets(avenue, NOBODY)[0]
+    row = np.flatnonzero((rule.xy[:, 0] > 15) & (rule.xy[:, 1] > 0))
+    row = row[np.argsort(rule.xy[row, 0])]
+    three = take_trees(rule, row[[0, 1, -1]])
+    assert _in_company(three).tolist() == [True, True, False]
+    assert _in_company(replace(three, mapped=np.ones(3, bool))).all()

@@ -6,9 +6,11 @@ import shapely
 
 from cityx.assets.covers import MAKERS, cover
 from cityx.city.ground import LABEL
+from cityx.geometry.standing import stand_on
 from cityx.plugins.road.covers import covers
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.network import network
+from cityx.plugins.road.walk_covers import HALF, WALKS, with_walk_covers
 
 STREETS = [([(-90, 0), (0, 0), (90, 0)], {"kind": "secondary", "width": 8.0}),
            ([(0, -90), (0, 0), (0, 90)], {})]  # fmt: skip
@@ -94,3 +96,43 @@ def test_a_junction_has_manholes_where_its_sewers_meet(layout_of, city_of):
     single = layout_of([([(-90, 0), (90, 0)], {"kind": "secondary", "width": 8.0})])
     rows, names = made(covers(ground(network(city_of(single)))))
     assert not np.isin(names[np.hypot(*rows.position[:, :2].T) < 1.2], "manhole").any()
+
+
+def test_lids_in_walks_lie_within_one_surface_and_flush_with_it(layout_of, city_of):
+    city = covers(ground(network(city_of(layout_of(STREETS)))))
+    rows = city.scene.instances["walk_covers"]
+    assert rows.count > 8
+    mesh = city.scene.meshes["ground"]
+    names = [city.scene.prototypes[number].name for number in rows.prototype.tolist()]
+    for row, name in enumerate(names):
+        half = np.array(HALF[name]) - 0.01
+        turn = rows.rotation[row, 2]
+        axes = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+        at = rows.position[row, :2] + (np.array([(1, 1), (1, -1), (-1, 1), (-1, -1)]) * half) @ axes
+        under = stand_on(mesh, at)
+        assert set(under.label.tolist()) <= {LABEL[word] for word in WALKS}
+        assert len(set(under.label.tolist())) == 1
+        assert np.allclose(under.z, rows.position[row, 2], atol=0.01)
+    again = covers(ground(network(city_of(layout_of(STREETS))))).scene.instances["walk_covers"]
+    assert again.position.tobytes() == rows.position.tobytes()
+
+
+def test_lids_follow_the_slope_of_their_walk(layout_of, city_of):
+    flat = covers(ground(network(city_of(layout_of(STREETS)))))
+    tilted = replace(flat, scene=flat.scene.with_mesh("ground", _tilted(flat, 0.05, 0.02)))
+    rows = with_walk_covers(tilted, np.arange(flat.network.edge_count)).scene.instances
+    rows = rows["walk_covers"]
+    x, y, z = rows.rotation.astype(float).T
+    up = np.stack([np.cos(x) * np.sin(y) * np.cos(z) + np.sin(x) * np.sin(z),
+                   np.cos(x) * np.sin(y) * np.sin(z) - np.sin(x) * np.cos(z),
+                   np.cos(x) * np.cos(y)], axis=1)  # fmt: skip
+    normal = np.array([-0.05, -0.02, 1.0]) / np.linalg.norm([0.05, 0.02, 1.0])
+    assert rows.count > 8
+    assert np.abs(up - normal).max() < 2e-3
+
+
+def _tilted(city, east, north):
+    mesh = city.scene.meshes["ground"]
+    vertices = mesh.vertices.copy()
+    vertices[:, 2] += east * vertices[:, 0] + north * vertices[:, 1]
+    return replace(mesh, vertices=vertices)

@@ -1,0 +1,96 @@
+"""Groups of things at the walls of deep forecourts, and zones of furniture on wide walks."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+from cityx.assets.potted_plants import POT_ROWS
+from cityx.checks.furniture import check_furniture
+from cityx.city import Frame, make_table
+from cityx.city.ground import KERB_WIDTH
+from cityx.plugins.nature.forecourts import DEEP, GROUPS, at_forecourts
+from cityx.plugins.nature.pieces import walk_rims
+from cityx.plugins.nature.street_pieces import LAYER, street_pieces
+from cityx.plugins.nature.street_rules import (
+    FULL,
+    KERB_RULES,
+    MORE,
+    WALL_GAP,
+    drawn_shares,
+    varied,
+)
+from cityx.plugins.road.ground import ground
+from cityx.plugins.road.lanes import lanes
+
+TOKYO = Frame(35.69, 139.78)
+
+
+def street(crossroads, walk):
+    """The crossroads with rows of houses behind walks of so many metres."""
+    near = 5.0 + walk
+    rows = [shapely.box(x, y, x + 80, y + 8) for x in (-95, 15) for y in (near, -near - 8)]
+    houses = crossroads.layout.buildings.assign(geometry=rows, place="core")
+    parts = make_table("parts", rows, id=np.arange(71, 75), building=houses["id"].to_numpy(),
+                       base=np.zeros(4), walls=np.ones(4, bool))  # fmt: skip
+    roads = crossroads.layout.roads.assign(sidewalk_left=walk, sidewalk_right=walk, kind="primary",
+                                           parking_left=False, parking_right=False)  # fmt: skip
+    empty = crossroads.layout
+    layout = replace(empty, buildings=houses, parts=parts, roads=roads, areas=empty.areas[:0],
+                     points=empty.points[:0], lines=empty.lines[:0])  # fmt: skip
+    done = frozenset({"layout", "terrain"})
+    return ground(lanes(replace(crossroads, layout=layout, frame=TOKYO, stages_done=done)))
+
+
+def drawn(city, **options):
+    return at_forecourts(city, walk_rims(city.ground), "japan", **options)
+
+
+def test_groups_stand_at_the_walls_of_deep_paving_alone(crossroads):
+    found = drawn(street(crossroads, DEEP + 1.0))
+    assert set(found.name) <= {name for group in GROUPS.values() for name, _ in group}
+    assert len(set(found.name)) > 4
+    houses = street(crossroads, DEEP + 1.0).layout.buildings.geometry.to_numpy()
+    gap = shapely.distance(shapely.union_all(houses), shapely.points(found.xy))
+    pots = found.name == "pot_row"
+    assert gap[pots] == pytest.approx(np.full(pots.sum(), WALL_GAP["pot_row"]), abs=0.01)
+    assert not len(drawn(street(crossroads, DEEP - 1.0)))
+
+
+def test_the_same_seed_gives_the_same_groups_and_density_more(crossroads):
+    city = street(crossroads, 6.0)
+    one, again = drawn(city), drawn(city)
+    assert one.xy.tobytes() == again.xy.tobytes()
+    assert one.id.tobytes() == again.id.tobytes()
+    assert len(drawn(city, density=3.0)) > len(one) > len(drawn(city, density=0.1))
+
+
+def test_wide_walks_are_furnished_in_a_line_and_let_people_pass(crossroads):
+    made = street_pieces(street(crossroads, 6.0))
+    rows = made.scene.instances[LAYER]
+    names = np.array([made.scene.prototypes[i].name for i in rows.prototype])
+    assert {check.value for check in check_furniture(made)} == {0.0}
+    planters = rows.position[np.isin(names, ["planter"]), 1]
+    front = np.abs(np.abs(planters) - 5.0) < 2.0
+    assert np.abs(planters[front]) == pytest.approx(5.0 + 0.45 + 0.30, abs=0.02)
+    assert (np.abs(rows.position[:, 1]) > 5.0 + KERB_WIDTH).any()
+    assert len(set(names) & set(POT_ROWS)) > 1
+
+
+def test_slots_of_wide_walks_hold_more_and_never_more_than_one_thing():
+    column, wide = np.zeros(2, np.int64), np.array([False, True])
+    narrow, broad = drawn_shares("british isles", column, wide, 1.0)
+    assert len(narrow) == len(KERB_RULES)
+    assert (np.diff(broad) >= 0).all()
+    bench = [rule.piece for rule in KERB_RULES].index("bench")
+    assert broad[bench] == pytest.approx(MORE["bench"] * narrow[bench])
+    assert broad[-1] > narrow[-1]
+    assert drawn_shares("british isles", column, wide, 9.0)[:, -1] == pytest.approx([FULL, FULL])
+
+
+def test_rows_of_pots_are_of_every_make():
+    names = np.array(["pot_row"] * 60 + ["bench"], object)
+    made = varied(names, np.arange(61, dtype=np.uint64))
+    assert set(made[:60]) == set(POT_ROWS)
+    assert made[60] == "bench"
