@@ -93,10 +93,12 @@ class Drivers:
     def _goes_on(self, name: str, lane: str) -> bool:
         """Tell whether SUMO lets a vehicle drive on at the end of its lane.
 
-        It does not where lanes far ahead have to be changed over a line that bars it.
+        It does not where lanes far ahead have to be changed over a line that bars it; what it
+        tells as the next lane then is any, such as a walk.
         """
+        onward = {goal for goal, _ in self.after[lane]}
         best = self.sumo.vehicle.getBestLanes(name)
-        return any(each[0] == lane and len(each[5]) > 1 for each in best)
+        return any(each[0] == lane and not onward.isdisjoint(each[5][1:2]) for each in best)
 
     def _leads(self, lane: str, edges: Sequence[str], kind: str) -> bool:
         """Tell whether one who stays in a lane comes along some edges."""
