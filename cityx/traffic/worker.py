@@ -16,6 +16,7 @@ import numpy as np
 from cityx.traffic.courtesy import Courtesy
 from cityx.traffic.drivers import Drivers
 from cityx.traffic.filling import CONTROL, Filling
+from cityx.traffic.waiting import Waiting
 
 ATTRIBUTES = "id,x,y,angle,speed,pos,lane,edge"
 HISTORY = 10.0  # seconds before the tracks that poses go back, for the way each has come
@@ -103,7 +104,7 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
     teleported: dict[str, float] = {}
     filling = Filling(libsumo, job["groups"])
     drivers = Drivers(libsumo, job["tight"])
-    courtesy = Courtesy(libsumo)
+    waiting, courtesy = Waiting(libsumo), Courtesy(libsumo)
     steps = round((job["warm"] + job["duration"]) / job["step"]) + 1
     look = max(1, round(LOOK / job["step"]))
     every = max(1, round(CONTROL / job["step"]))
@@ -113,7 +114,7 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
         libsumo.simulationStep()
         if number % look == 0:
             drivers.step()
-            courtesy.step()
+            courtesy.step(waiting.step())
         if number % every == 0:
             filling.renew(haunting.vehicles)
         for name in libsumo.simulation.getStartingTeleportIDList():
