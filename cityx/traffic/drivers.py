@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence, Set
 from heapq import heappop, heappush
 from math import inf
 from typing import Any
@@ -14,6 +14,8 @@ CORNER = 40.0  # metres that a junction is worth to who looks for another way
 LATEST = 25.0  # metres before its end at which nobody leaves a lane for another any more
 PACE = 4.0  # metres per second of those who change lanes; slower they would slide aside
 FORESEEN = 3  # ways that drivers see ahead
+TIRED = 6.0  # seconds at a line before a full exit after which drivers take another one
+GAP = 2.5  # metres that are left free behind who stands on an exit
 FREE, HELD = 1621, 512  # modes of changing lanes: as drivers like, and not at all
 
 
@@ -58,13 +60,21 @@ class Drivers:
         if len(driven) > 1:
             self.beside.update(driven)
 
-    def step(self) -> None:
-        """Look at everybody who comes near a junction or is beside another lane."""
+    def step(self, waiting: Mapping[str, float]) -> None:
+        """Look at everybody who comes near a junction or is beside another lane.
+
+        Parameters
+        ----------
+        waiting
+            Who stands at a line that no signal bars, and for how many seconds.
+        """
         vehicle = self.sumo.vehicle
         for name in vehicle.getIDList():
             lane = vehicle.getLaneID(name)
             known = self.seen.get(name) == lane
-            if lane not in self.edge or (known and lane not in self.beside):
+            if lane not in self.edge or (
+                known and lane not in self.beside and name not in waiting
+            ):  # fmt: skip
                 continue
             left = self.length[lane] - vehicle.getLanePosition(name)
             if left <= LATEST and not known:
@@ -76,6 +86,8 @@ class Drivers:
                 if self.mode.get(name, FREE) != mode:
                     self.mode[name] = mode
                     vehicle.setLaneChangeMode(name, mode)
+            if known and waiting.get(name, 0.0) >= TIRED:
+                self._lead_off(name, lane)
 
     def _lead_on(self, name: str, lane: str) -> None:
         """Send a vehicle where its lane leads, if that is not where it wants to go."""
@@ -89,6 +101,33 @@ class Drivers:
         edges = self.way(lane, route[-1], kind) or self.way(lane, route[-1], DRIVER)
         if len(edges) > 1:
             vehicle.setRoute(name, edges)
+
+    def _lead_off(self, name: str, lane: str) -> None:
+        """Send a vehicle that stands before a full exit to another one of its lane, if any."""
+        vehicle = self.sumo.vehicle
+        links, need = vehicle.getNextLinks(name), vehicle.getLength(name) + GAP
+        if not links or self._room(links[0][0]) >= need:
+            return
+        full = {exit_ for exit_, _ in self.after[lane] if self._room(exit_) < need}
+        edges = self.way(lane, vehicle.getRoute(name)[-1], vehicle.getVehicleClass(name), full)
+        self._try(name, lane, edges)
+
+    def _room(self, lane: str) -> float:
+        """Return the metres of a lane behind the last vehicle on it."""
+        vehicle = self.sumo.vehicle
+        ends = [vehicle.getLanePosition(name) - vehicle.getLength(name)
+                for name in self.sumo.lane.getLastStepVehicleIDs(lane)]  # fmt: skip
+        return min(ends, default=inf)
+
+    def _try(self, name: str, lane: str, edges: list[str]) -> None:
+        """Send a vehicle along other edges, unless SUMO would stop it at the end of its lane."""
+        vehicle = self.sumo.vehicle
+        if len(edges) < 2:
+            return
+        before = vehicle.getRoute(name)[vehicle.getRouteIndex(name) :]
+        vehicle.setRoute(name, edges)
+        if not self._goes_on(name, lane):
+            vehicle.setRoute(name, before)
 
     def _goes_on(self, name: str, lane: str) -> bool:
         """Tell whether SUMO lets a vehicle drive on at the end of its lane.
@@ -112,8 +151,13 @@ class Drivers:
             }  # fmt: skip
         return bool(there)
 
-    def way(self, start: str, goal: str, kind: str) -> list[str]:
-        """Return the edges from a lane to an edge, or out of the site where none lead there."""
+    def way(
+        self, start: str, goal: str, kind: str, full: Set[str] = frozenset()
+    ) -> list[str]:  # fmt: skip
+        """Return the edges from a lane to an edge, or out of the site where none lead there.
+
+        They do not begin with the `full` ones of the lanes that the first one leads to.
+        """
         cost, before, todo = {start: 0.0}, {start: ""}, [(0.0, start)]
         found = ""
         while todo:
@@ -126,7 +170,10 @@ class Drivers:
             if edge == goal:
                 found = lane
                 break
-            onward = [goal for goal, who in self.after[lane] if kind in who]
+            onward = [
+                goal for goal, who in self.after[lane]
+                if kind in who and not (lane == start and goal in full)
+            ]  # fmt: skip
             for each in [*onward, *(self._changes(lane, kind) if lane != start else ())]:
                 more = spent + self.length[each] + CORNER
                 if more < cost.get(each, inf):

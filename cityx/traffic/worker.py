@@ -113,8 +113,9 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
         haunting.step(number)
         libsumo.simulationStep()
         if number % look == 0:
-            drivers.step()
-            courtesy.step(waiting.step())
+            held = waiting.step()
+            drivers.step(held)
+            courtesy.step(held)
         if number % every == 0:
             filling.renew(haunting.vehicles)
         for name in libsumo.simulation.getStartingTeleportIDList():

@@ -2,7 +2,10 @@
 
 from made_sumo import Car, Sumo
 
-from cityx.traffic.drivers import Drivers
+from cityx.traffic.drivers import TIRED, Drivers
+
+# One lane "a" that leads straight on to "b", or aside to "c"; from both one comes to "d".
+FORK = {"a_0": ("b_0", "c_0"), "b_0": ("d_0",), "c_0": ("d_0",)}
 
 
 def test_who_is_told_to_drive_on_along_a_walk_takes_a_way_that_its_lane_leads():
@@ -10,5 +13,22 @@ def test_who_is_told_to_drive_on_along_a_walk_takes_a_way_that_its_lane_leads():
     sumo = Sumo({"a_1": ("b_1",), "b_1": ("c_1",), "c_1": ("d_1",)},
                 {"car": Car("a_1", "abcdz")}, walks=walks)  # fmt: skip
     sumo.best["car"] = [("a_1", 100.0, 0.0, 0, True, ("a_1", "b_0"))]
-    Drivers(sumo, []).step()
+    Drivers(sumo, []).step({})
     assert "".join(sumo.cars["car"].route) == "abcd"
+
+
+def led_on(*others, seconds=TIRED):
+    """The way of one who is first at the end of "a", after it has stood there for seconds."""
+    sumo = Sumo(FORK, {"first": Car("a_0", "abd")} | dict(others))
+    drivers = Drivers(sumo, [])
+    for waited in (0.0, seconds):
+        drivers.step({"first": waited})
+    return "".join(sumo.cars["first"].route)
+
+
+def test_who_has_stood_before_a_full_exit_takes_another_one_of_its_lane():
+    last, moved_up = ("last", Car("b_0", "bd", at=6.0)), ("last", Car("b_0", "bd", at=20.0))
+    assert led_on(last) == "acd"
+    assert led_on(last, seconds=TIRED - 1.0) == "abd"
+    assert led_on(moved_up) == "abd"
+    assert led_on(last, ("other", Car("c_0", "cd", at=6.0))) == "abd"  # both are full
