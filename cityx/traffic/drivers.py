@@ -15,6 +15,8 @@ LATEST = 25.0  # metres before its end at which nobody leaves a lane for another
 PACE = 4.0  # metres per second of those who change lanes; slower they would slide aside
 FORESEEN = 3  # ways that drivers see ahead
 TIRED = 6.0  # seconds at a line before a full exit after which drivers take another one
+WARNED = 6  # ways ahead of which drivers know that they are jammed
+DETOUR = 300.0  # metres that a jammed way is worth to who looks for another one
 GAP = 2.5  # metres that are left free behind who stands on an exit
 FREE, HELD = 1621, 512  # modes of changing lanes: as drivers like, and not at all
 
@@ -35,6 +37,7 @@ class Drivers:
         self.after: dict[str, list[tuple[str, frozenset[str]]]] = {}  # lanes led to, and whom
         self.exits: set[str] = set()
         self.beside: set[str] = set()  # lanes with another one beside them
+        self.jammed: Set[str] = frozenset()
         self.mode: dict[str, int] = {}
         self.seen: dict[str, str] = {}  # vehicle -> lane that is known to lead where it wants to go
         for edge in sumo.edge.getIDList():
@@ -60,14 +63,17 @@ class Drivers:
         if len(driven) > 1:
             self.beside.update(driven)
 
-    def step(self, waiting: Mapping[str, float]) -> None:
+    def step(self, waiting: Mapping[str, float], jammed: Set[str] = frozenset()) -> None:
         """Look at everybody who comes near a junction or is beside another lane.
 
         Parameters
         ----------
         waiting
             Who stands at a line that no signal bars, and for how many seconds.
+        jammed
+            Edges to be gone round where there is another way.
         """
+        self.jammed = jammed
         vehicle = self.sumo.vehicle
         for name in vehicle.getIDList():
             lane = vehicle.getLaneID(name)
@@ -95,7 +101,13 @@ class Drivers:
         route, kind = vehicle.getRoute(name), vehicle.getVehicleClass(name)
         place = vehicle.getRouteIndex(name)
         ahead = route[place + 1 : place + 1 + FORESEEN]
-        if place < 0 or not ahead or (self._leads(lane, ahead, kind) and self._goes_on(name, lane)):
+        if place < 0 or not ahead:
+            return
+        if self._leads(lane, ahead, kind) and self._goes_on(name, lane):
+            if not self.jammed.isdisjoint(route[place + 1 : place + 1 + WARNED]):
+                edges = self.way(lane, route[-1], kind)
+                if edges and edges[-1] == route[-1]:
+                    self._try(name, lane, edges)
             return
         # Who fits round no corner ahead takes one that is tight rather than stand for ever.
         edges = self.way(lane, route[-1], kind) or self.way(lane, route[-1], DRIVER)
@@ -156,7 +168,8 @@ class Drivers:
     ) -> list[str]:  # fmt: skip
         """Return the edges from a lane to an edge, or out of the site where none lead there.
 
-        They do not begin with the `full` ones of the lanes that the first one leads to.
+        They lead round what is jammed, if that is not too far, and do not begin with the `full`
+        ones of the lanes that the first one leads to.
         """
         cost, before, todo = {start: 0.0}, {start: ""}, [(0.0, start)]
         found = ""
@@ -176,6 +189,8 @@ class Drivers:
             ]  # fmt: skip
             for each in [*onward, *(self._changes(lane, kind) if lane != start else ())]:
                 more = spent + self.length[each] + CORNER
+                if self.edge[each] in self.jammed:
+                    more += DETOUR
                 if more < cost.get(each, inf):
                     cost[each], before[each] = more, lane
                     heappush(todo, (more, each))

@@ -29,6 +29,7 @@ class Filling:
         }  # fmt: skip
         self.total = sum(int(group["target"]) for group in groups)
         self.queue = dict.fromkeys(self.room, 0.0)
+        self.jammed: set[str] = set()
 
     def first(self) -> None:
         """Put vehicles where they would be had traffic gone on for long."""
@@ -45,7 +46,9 @@ class Filling:
         for edge, queue in self.queue.items():
             standing = self.sumo.edge.getLastStepHaltingNumber(edge)
             self.queue[edge] = queue + (standing - queue) * CONTROL / MEMORY
-        jammed = {edge for edge, queue in self.queue.items() if queue > JAMMED * self.room[edge]}
+        self.jammed = {
+            edge for edge, queue in self.queue.items() if queue > JAMMED * self.room[edge]
+        }  # fmt: skip
         pending = len(self.sumo.simulation.getPendingVehicles())
         amid = self._amid_junctions()
         # Where a queue fills one class of streets, the others do not make it longer.
@@ -55,7 +58,7 @@ class Filling:
             missing = int(group["target"]) - on_ways - sum(amid[edge] for edge in group["edges"])
             for _ in range(min(missing, room, AHEAD - pending, len(trips))):
                 trip = trips.popleft()
-                if not jammed.isdisjoint(trip["route"]):
+                if not self.jammed.isdisjoint(trip["route"]):
                     trips.append(trip)  # nobody sets out for a jam; another one does
                     continue
                 self._send(trip, trip["route"], position="base")

@@ -114,7 +114,7 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
         libsumo.simulationStep()
         if number % look == 0:
             held = waiting.step()
-            drivers.step(held)
+            drivers.step(held, filling.jammed)
             courtesy.step(held)
         if number % every == 0:
             filling.renew(haunting.vehicles)

@@ -32,3 +32,10 @@ def test_who_has_stood_before_a_full_exit_takes_another_one_of_its_lane():
     assert led_on(last, seconds=TIRED - 1.0) == "abd"
     assert led_on(moved_up) == "abd"
     assert led_on(last, ("other", Car("c_0", "cd", at=6.0))) == "abd"  # both are full
+
+
+def test_drivers_go_round_a_jam_ahead_unless_that_is_far():
+    for length, way in ((100.0, "acd"), (1000.0, "abd")):
+        sumo = Sumo(FORK, {"car": Car("a_0", "abd")}, length={"c_0": length})
+        Drivers(sumo, []).step({}, {"b"})
+        assert "".join(sumo.cars["car"].route) == way
