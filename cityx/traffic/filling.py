@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter, deque
 from typing import Any
 
-AHEAD = 5  # vehicles that may wait to come in before no more are sent
+AHEAD = 2  # vehicles that may wait to come in by one way before no more are sent there
 DRIVER = "passenger"  # a class that all lanes for cars are open to
 PLACE = 7.5  # metres of a lane that a standing car takes
 MEMORY = 60.0  # seconds over which queues are counted, one cycle of signals
@@ -49,20 +49,23 @@ class Filling:
         self.jammed = {
             edge for edge, queue in self.queue.items() if queue > JAMMED * self.room[edge]
         }  # fmt: skip
-        pending = len(self.sumo.simulation.getPendingVehicles())
+        pending = self.sumo.simulation.getPendingVehicles()
+        routes = map(self.sumo.vehicle.getRoute, pending)
+        before = Counter(start for route in routes for start in route[:1])
         amid = self._amid_junctions()
         # Where a queue fills one class of streets, the others do not make it longer.
-        room = self.total - (self.sumo.vehicle.getIDCount() - others) - pending
+        room = self.total - (self.sumo.vehicle.getIDCount() - others) - len(pending)
         for group, trips in zip(self.groups, self.waiting, strict=True):
             on_ways = sum(map(self.sumo.edge.getLastStepVehicleNumber, group["edges"]))
             missing = int(group["target"]) - on_ways - sum(amid[edge] for edge in group["edges"])
-            for _ in range(min(missing, room, AHEAD - pending, len(trips))):
+            for _ in range(min(missing, room, len(trips))):
                 trip = trips.popleft()
-                if not self.jammed.isdisjoint(trip["route"]):
-                    trips.append(trip)  # nobody sets out for a jam; another one does
+                start = trip["route"][0]
+                if before[start] >= AHEAD or not self.jammed.isdisjoint(trip["route"]):
+                    trips.append(trip)  # nobody sets out for a jam, or in one; another one does
                     continue
                 self._send(trip, trip["route"], position="base")
-                pending += 1
+                before[start] += 1
                 room -= 1
 
     def _amid_junctions(self) -> Counter[str]:
