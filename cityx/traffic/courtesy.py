@@ -39,7 +39,7 @@ class Courtesy:
             elif vehicle.getWaitingTime(name) > 0.0 or self._past(name):
                 vehicle.setSpeedMode(name, AWARE)
                 del self.turn[junction]
-        long = [name for name, seconds in waiting.items() if seconds >= LONG]
+        long = [name for name, seconds in waiting.items() if seconds >= LONG and name in present]
         for name in sorted(long, key=lambda name: (-waiting[name], name)):
             if name not in self.turn.values():
                 self._let_in(name)

@@ -17,6 +17,7 @@ FORESEEN = 3  # ways that drivers see ahead
 TIRED = 6.0  # seconds at a line before a full exit after which drivers take another one
 WARNED = 6  # ways ahead of which drivers know that they are jammed
 DETOUR = 300.0  # metres that a jammed way is worth to who looks for another one
+HOPELESS = 20.0  # seconds there after which those whom only the filling has put there are taken out
 GAP = 2.5  # metres that are left free behind who stands on an exit
 FREE, HELD = 1621, 512  # modes of changing lanes: as drivers like, and not at all
 
@@ -63,7 +64,10 @@ class Drivers:
         if len(driven) > 1:
             self.beside.update(driven)
 
-    def step(self, waiting: Mapping[str, float], jammed: Set[str] = frozenset()) -> None:
+    def step(
+        self, waiting: Mapping[str, float], jammed: Set[str] = frozenset(), *,
+        spare: Set[str] = frozenset(),
+    ) -> None:  # fmt: skip
         """Look at everybody who comes near a junction or is beside another lane.
 
         Parameters
@@ -72,6 +76,9 @@ class Drivers:
             Who stands at a line that no signal bars, and for how many seconds.
         jammed
             Edges to be gone round where there is another way.
+        spare
+            Vehicles that are taken out where they stand before full exits alone: the filling of
+            the streets begins queues at random that no traffic has made.
         """
         self.jammed = jammed
         vehicle = self.sumo.vehicle
@@ -93,7 +100,7 @@ class Drivers:
                     self.mode[name] = mode
                     vehicle.setLaneChangeMode(name, mode)
             if known and waiting.get(name, 0.0) >= TIRED:
-                self._lead_off(name, lane)
+                self._lead_off(name, lane, hopeless=name in spare and waiting[name] >= HOPELESS)
 
     def _lead_on(self, name: str, lane: str) -> None:
         """Send a vehicle where its lane leads, if that is not where it wants to go."""
@@ -114,15 +121,21 @@ class Drivers:
         if len(edges) > 1:
             vehicle.setRoute(name, edges)
 
-    def _lead_off(self, name: str, lane: str) -> None:
-        """Send a vehicle that stands before a full exit to another one of its lane, if any."""
+    def _lead_off(self, name: str, lane: str, *, hopeless: bool) -> None:
+        """Send a vehicle that stands before a full exit to another one of its lane, if any.
+
+        Where there is none and it is `hopeless` it is taken out.
+        """
         vehicle = self.sumo.vehicle
         links, need = vehicle.getNextLinks(name), vehicle.getLength(name) + GAP
         if not links or self._room(links[0][0]) >= need:
             return
         full = {exit_ for exit_, _ in self.after[lane] if self._room(exit_) < need}
-        edges = self.way(lane, vehicle.getRoute(name)[-1], vehicle.getVehicleClass(name), full)
-        self._try(name, lane, edges)
+        kind = vehicle.getVehicleClass(name)
+        if any(kind in who for exit_, who in self.after[lane] if exit_ not in full):
+            self._try(name, lane, self.way(lane, vehicle.getRoute(name)[-1], kind, full))
+        elif hopeless:
+            vehicle.remove(name)
 
     def _room(self, lane: str) -> float:
         """Return the metres of a lane behind the last vehicle on it."""

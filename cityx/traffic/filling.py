@@ -30,6 +30,7 @@ class Filling:
         self.total = sum(int(group["target"]) for group in groups)
         self.queue = dict.fromkeys(self.room, 0.0)
         self.jammed: set[str] = set()
+        self.sent: set[str] = set()
 
     def first(self) -> None:
         """Put vehicles where they would be had traffic gone on for long."""
@@ -77,6 +78,7 @@ class Filling:
 
     def _send(self, trip: dict[str, Any], route: list[str], *, position: str) -> None:
         name = trip["id"]
+        self.sent.add(name)
         self.sumo.route.add(name, route)
         self.sumo.vehicle.add(
             name, name, typeID=trip["type"], departPos=position, departLane="best",

@@ -114,7 +114,8 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
         libsumo.simulationStep()
         if number % look == 0:
             held = waiting.step()
-            drivers.step(held, filling.jammed)
+            unseen = number * job["step"] < job["warm"] - HISTORY
+            drivers.step(held, filling.jammed, spare=filling.sent if unseen else frozenset())
             courtesy.step(held)
         if number % every == 0:
             filling.renew(haunting.vehicles)

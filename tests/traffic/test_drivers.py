@@ -2,7 +2,7 @@
 
 from made_sumo import Car, Sumo
 
-from cityx.traffic.drivers import TIRED, Drivers
+from cityx.traffic.drivers import HOPELESS, TIRED, Drivers
 
 # One lane "a" that leads straight on to "b", or aside to "c"; from both one comes to "d".
 FORK = {"a_0": ("b_0", "c_0"), "b_0": ("d_0",), "c_0": ("d_0",)}
@@ -39,3 +39,14 @@ def test_drivers_go_round_a_jam_ahead_unless_that_is_far():
         sumo = Sumo(FORK, {"car": Car("a_0", "abd")}, length={"c_0": length})
         Drivers(sumo, []).step({}, {"b"})
         assert "".join(sumo.cars["car"].route) == way
+
+
+def test_who_stands_before_full_exits_alone_is_taken_out_before_the_tracks_begin():
+    others = {way: Car(f"{way}_0", f"{way}d", at=6.0) for way in "bc"}
+    for seconds, spare, left in ((HOPELESS, {"a"}, "bc"), (TIRED, {"a"}, "abc"),
+                                    (HOPELESS, set(), "abc")):  # fmt: skip
+        sumo = Sumo(FORK, others | {"a": Car("a_0", "abd")})
+        drivers = Drivers(sumo, [])
+        for waited in (0.0, seconds):
+            drivers.step({"a": waited}, spare=spare)
+        assert "".join(sorted(sumo.cars)) == left
