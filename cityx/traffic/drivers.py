@@ -37,8 +37,10 @@ class Drivers:
         self.allowed: dict[str, frozenset[str]] = {}
         self.after: dict[str, list[tuple[str, frozenset[str]]]] = {}  # lanes led to, and whom
         self.exits: set[str] = set()
+        self.ends: set[str] = set()  # lanes that lead nowhere, beside others that do
         self.beside: set[str] = set()  # lanes with another one beside them
         self.jammed: Set[str] = frozenset()
+        self.spare: Set[str] = frozenset()
         self.mode: dict[str, int] = {}
         self.seen: dict[str, str] = {}  # vehicle -> lane that is known to lead where it wants to go
         for edge in sumo.edge.getIDList():
@@ -59,8 +61,11 @@ class Drivers:
             ]  # fmt: skip
             if DRIVER in self.allowed[name]:
                 driven.append(name)
-        if driven and not any(self.after[name] for name in driven):
-            self.exits.add(edge)
+        blind = {name for name in driven if not self.after[name]}
+        if blind == set(driven):
+            self.exits.update([edge] if driven else [])
+        else:
+            self.ends |= blind
         if len(driven) > 1:
             self.beside.update(driven)
 
@@ -77,10 +82,10 @@ class Drivers:
         jammed
             Edges to be gone round where there is another way.
         spare
-            Vehicles that are taken out where they stand before full exits alone: the filling of
-            the streets begins queues at random that no traffic has made.
+            Vehicles that are taken out where they come to the end of a lane that leads nowhere, or
+            stand before full exits alone: the streets are filled at random, as no traffic does.
         """
-        self.jammed = jammed
+        self.jammed, self.spare = jammed, spare
         vehicle = self.sumo.vehicle
         for name in vehicle.getIDList():
             lane = vehicle.getLaneID(name)
@@ -90,17 +95,17 @@ class Drivers:
             ):  # fmt: skip
                 continue
             left = self.length[lane] - vehicle.getLanePosition(name)
-            if left <= LATEST and not known:
-                self.seen[name] = lane
-                self._lead_on(name, lane)
             if lane in self.beside:
                 free = left > LATEST and vehicle.getSpeed(name) >= PACE
                 mode = FREE if free else HELD
                 if self.mode.get(name, FREE) != mode:
                     self.mode[name] = mode
                     vehicle.setLaneChangeMode(name, mode)
-            if known and waiting.get(name, 0.0) >= TIRED:
-                self._lead_off(name, lane, hopeless=name in spare and waiting[name] >= HOPELESS)
+            if left <= LATEST and not known:
+                self.seen[name] = lane
+                self._lead_on(name, lane)
+            elif waiting.get(name, 0.0) >= TIRED:
+                self._lead_off(name, lane, hopeless=waiting[name] >= HOPELESS)
 
     def _lead_on(self, name: str, lane: str) -> None:
         """Send a vehicle where its lane leads, if that is not where it wants to go."""
@@ -109,6 +114,9 @@ class Drivers:
         place = vehicle.getRouteIndex(name)
         ahead = route[place + 1 : place + 1 + FORESEEN]
         if place < 0 or not ahead:
+            return
+        if lane in self.ends and name in self.spare:
+            vehicle.remove(name)
             return
         if self._leads(lane, ahead, kind) and self._goes_on(name, lane):
             if not self.jammed.isdisjoint(route[place + 1 : place + 1 + WARNED]):
@@ -124,7 +132,7 @@ class Drivers:
     def _lead_off(self, name: str, lane: str, *, hopeless: bool) -> None:
         """Send a vehicle that stands before a full exit to another one of its lane, if any.
 
-        Where there is none and it is `hopeless` it is taken out.
+        Where there is none and it is `hopeless` it is taken out, if it may be.
         """
         vehicle = self.sumo.vehicle
         links, need = vehicle.getNextLinks(name), vehicle.getLength(name) + GAP
@@ -134,7 +142,7 @@ class Drivers:
         kind = vehicle.getVehicleClass(name)
         if any(kind in who for exit_, who in self.after[lane] if exit_ not in full):
             self._try(name, lane, self.way(lane, vehicle.getRoute(name)[-1], kind, full))
-        elif hopeless:
+        elif hopeless and name in self.spare:
             vehicle.remove(name)
 
     def _room(self, lane: str) -> float:
@@ -165,7 +173,10 @@ class Drivers:
         return any(each[0] == lane and not onward.isdisjoint(each[5][1:2]) for each in best)
 
     def _leads(self, lane: str, edges: Sequence[str], kind: str) -> bool:
-        """Tell whether one who stays in a lane comes along some edges."""
+        """Tell whether one who stays in a lane comes along some edges.
+
+        In dense traffic nobody gets out of a lane that ends, so these count on the last one alone.
+        """
         there = {lane}
         for number, edge in enumerate(edges):
             if number:
@@ -173,11 +184,12 @@ class Drivers:
             there = {
                 goal for each in there for goal, who in self.after[each]
                 if self.edge.get(goal) == edge and kind in who
+                and (goal not in self.ends or edge == edges[-1])
             }  # fmt: skip
         return bool(there)
 
     def way(
-        self, start: str, goal: str, kind: str, full: Set[str] = frozenset()
+        self, start: str, target: str, kind: str, full: Set[str] = frozenset()
     ) -> list[str]:  # fmt: skip
         """Return the edges from a lane to an edge, or out of the site where none lead there.
 
@@ -193,12 +205,13 @@ class Drivers:
             edge = self.edge[lane]
             if edge in self.exits and not found:
                 found = lane
-            if edge == goal:
+            if edge == target:
                 found = lane
                 break
             onward = [
                 goal for goal, who in self.after[lane]
                 if kind in who and not (lane == start and goal in full)
+                and (goal not in self.ends or self.edge[goal] == target)
             ]  # fmt: skip
             for each in [*onward, *(self._changes(lane, kind) if lane != start else ())]:
                 more = spent + self.length[each] + CORNER

@@ -50,3 +50,18 @@ def test_who_stands_before_full_exits_alone_is_taken_out_before_the_tracks_begin
         for waited in (0.0, seconds):
             drivers.step({"a": waited}, spare=spare)
         assert "".join(sorted(sumo.cars)) == left
+
+
+def test_nobody_turns_into_a_lane_that_ends_where_there_is_another():
+    ending = {"a_0": ("b_0", "c_0"), "b_1": ("d_0",), "c_0": ("d_0",)}
+    for route, way in (("abd", "acd"), ("ab", "ab")):  # but to arrive there
+        sumo = Sumo(ending, {"car": Car("a_0", route)}, changes={("b_0", 1)})
+        Drivers(sumo, []).step({})
+        assert "".join(sumo.cars["car"].route) == way
+
+
+def test_who_was_put_into_a_lane_that_ends_is_taken_out_before_the_tracks_begin():
+    for spare, left in (({"car"}, 0), (set(), 1)):
+        sumo = Sumo({"a_0": (), "a_1": ("b_0",)}, {"car": Car("a_0", "ab")})
+        Drivers(sumo, []).step({}, spare=spare)
+        assert len(sumo.cars) == left
