@@ -16,7 +16,7 @@ PACE = 4.0  # metres per second of those who change lanes; slower they would sli
 FORESEEN = 3  # ways that drivers see ahead
 TIRED = 6.0  # seconds at a line before a full exit after which drivers take another one
 WARNED = 6  # ways ahead of which drivers know that they are jammed
-DETOUR = 300.0  # metres that a jammed way is worth to who looks for another one
+DETOUR = 300.0  # metres that a jammed way or a lane that ends is worth to who looks for another
 HOPELESS = 20.0  # seconds there after which those whom only the filling has put there are taken out
 GAP = 2.5  # metres that are left free behind who stands on an exit
 FREE, HELD = 1621, 512  # modes of changing lanes: as drivers like, and not at all
@@ -193,8 +193,8 @@ class Drivers:
     ) -> list[str]:  # fmt: skip
         """Return the edges from a lane to an edge, or out of the site where none lead there.
 
-        They lead round what is jammed, if that is not too far, and do not begin with the `full`
-        ones of the lanes that the first one leads to.
+        They lead round what is jammed and round lanes that end, if that is not too far, and do
+        not begin with the `full` ones of the lanes that the first one leads to.
         """
         cost, before, todo = {start: 0.0}, {start: ""}, [(0.0, start)]
         found = ""
@@ -211,11 +211,12 @@ class Drivers:
             onward = [
                 goal for goal, who in self.after[lane]
                 if kind in who and not (lane == start and goal in full)
-                and (goal not in self.ends or self.edge[goal] == target)
             ]  # fmt: skip
             for each in [*onward, *(self._changes(lane, kind) if lane != start else ())]:
                 more = spent + self.length[each] + CORNER
-                if self.edge[each] in self.jammed:
+                if self.edge[each] in self.jammed or (
+                    each in self.ends and self.edge[each] != target
+                ):  # fmt: skip
                     more += DETOUR
                 if more < cost.get(each, inf):
                     cost[each], before[each] = more, lane
