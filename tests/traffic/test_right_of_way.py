@@ -1,11 +1,13 @@
 """Who goes first where several wait for each other."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from lxml import etree
 from made_sumo import Car, Sumo
 
-from cityx.traffic.conflicts import Conflicts, settle
+from cityx.traffic.conflicts import Conflicts, conflicts_of, settle
 from cityx.traffic.courtesy import AWARE, LET_IN, LONG, Courtesy
 from cityx.traffic.waiting import Waiting
 
@@ -34,6 +36,21 @@ def test_nobody_gives_way_in_a_circle(turn):
 
 def test_signals_part_those_who_would_wait_in_a_circle():
     assert settled("traffic_light", (0, 1, 2)) == {(0, 1), (1, 2), (2, 0)}
+
+
+@pytest.mark.parametrize(
+    ("gap", "target", "met"), [(1.5, 2, True), (2.5, 2, False), (1.5, 1, False)]
+)
+def test_ways_of_lanes_side_by_side_meet_where_they_part_too_near_each_other(gap, target, met):
+    shapes = [np.array([[0.0, 0.0, 0.0], [20.0, 0.0, 0.0]]),
+              np.array([[0.0, gap, 0.0], [20.0, gap + 9.0, 0.0]])]  # fmt: skip
+    links = tuple(
+        SimpleNamespace(source=(0, lane), target=(onto, 0), shape=shape)
+        for lane, onto, shape in zip((0, 1), (1, target), shapes, strict=True)
+    )
+    ways = tuple(SimpleNamespace(target=0, rank=0) for _ in range(3))
+    conflicts = conflicts_of(SimpleNamespace(links=links, ways=ways))
+    assert list(zip(conflicts.first, conflicts.second, strict=True)) == ([(0, 1)] if met else [])
 
 
 def side_street(far, speed, state="m"):
