@@ -20,6 +20,7 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 HALF_BODY = 1.0  # metres from the middle of a vehicle to its side, with a little air
+NARROW = 1.8  # metres between the middles of two ways on which cars do not pass each other
 STOREY = 2.5  # metres of height that part two streets
 GREEN, MINOR = "G", "g"
 SIGNALLED = "traffic_light"
@@ -63,10 +64,12 @@ def conflicts_of(streets: Streets) -> Conflicts:
     free = _free(lines, bodies, one, other)
     _, lane, share = np.unique(source, axis=0, return_inverse=True, return_counts=True)
     free[share[lane.ravel()] > 1] = 0.0  # others of the lane would pass by who waits ahead of them
-    # Lanes side by side of one street meet only where their ways cross.
+    # Lanes side by side of one street meet only where their ways cross, or near each other part.
     beside = source[one, 0] == source[other, 0]
     crossing = shapely.crosses(lines[one], lines[other])
-    kept = ~beside | crossing
+    parting = target[one, 0] != target[other, 0]
+    parting &= shapely.distance(lines[one], lines[other]) < NARROW
+    kept = ~beside | crossing | parting
     one, other = one[kept], other[kept]
     middle = np.array([link.shape[:, 2].mean() for link in links])
     kept = np.abs(middle[one] - middle[other]) < STOREY

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
+from cityx.traffic.waiting import LINE, before_line
+
 LONG = 8.0  # seconds of waiting after which the others let one in
-LINE = 3.0  # metres before a junction at which one waits to get onto it
 HARD = 3.0  # metres per second squared at which others brake for who is let in
 REACTION = 1.5  # seconds until they do
 SPACE = 4.0  # metres that they then keep
-GIVES_WAY = "m"  # a way across a junction without signals that gives way to others
+GIVES_WAY = "mg"  # ways across a junction that give way to others, without signals and on green
 AWARE = 31  # mode of speed: heeds everybody
 LET_IN = 23  # heeds all but those who come to the junction and are not on it yet
 
@@ -21,8 +23,14 @@ class Courtesy:
         self.sumo = sumo
         self.turn: dict[str, str] = {}  # junction -> who is let in there
 
-    def step(self) -> None:
-        """Let in who may be, and have those who are past the junction heed everybody again."""
+    def step(self, waiting: Mapping[str, float]) -> None:
+        """Let in who may be, and have those who are past the junction heed everybody again.
+
+        Parameters
+        ----------
+        waiting
+            Who stands at a line that no signal bars, and for how many seconds.
+        """
         vehicle = self.sumo.vehicle
         present = set(vehicle.getIDList())
         for junction, name in list(self.turn.items()):
@@ -31,35 +39,27 @@ class Courtesy:
             elif vehicle.getWaitingTime(name) > 0.0 or self._past(name):
                 vehicle.setSpeedMode(name, AWARE)
                 del self.turn[junction]
-        waiting = {name: vehicle.getWaitingTime(name) for name in present}
-        long = [name for name, seconds in waiting.items() if seconds >= LONG]
+        long = [name for name, seconds in waiting.items() if seconds >= LONG and name in present]
         for name in sorted(long, key=lambda name: (-waiting[name], name)):
-            if name not in self.turn.values() and self._before(name):
+            if name not in self.turn.values():
                 self._let_in(name)
 
     def _past(self, name: str) -> bool:
         """Tell whether somebody who was let in is off the junction."""
-        return not self._before(name) and not self.sumo.vehicle.getLaneID(name).startswith(":")
-
-    def _before(self, name: str) -> bool:
-        """Tell whether somebody is at the end of a lane before a junction."""
         lane = self.sumo.vehicle.getLaneID(name)
-        if not lane or lane.startswith(":"):
-            return False
-        left = self.sumo.lane.getLength(lane) - self.sumo.vehicle.getLanePosition(name)
-        return bool(left <= LINE)
+        return not lane.startswith(":") and not before_line(self.sumo, name)
 
     def _let_in(self, name: str) -> None:
         vehicle = self.sumo.vehicle
         links = vehicle.getNextLinks(name)
-        if not links or links[0][5] != GIVES_WAY:
+        if not links or links[0][5] not in GIVES_WAY:
             return
         junction = links[0][4][1:].rsplit("_", 2)[0]
         if junction in self.turn:
             return
         for foe, _, far, *_ in vehicle.getJunctionFoes(name, LINE):
             speed = vehicle.getSpeed(foe)
-            if far < SPACE + speed * REACTION + speed**2 / (2 * HARD) and speed > 0.0:
+            if 0.0 <= far < SPACE + speed * REACTION + speed**2 / (2 * HARD) and speed > 0.0:
                 return
         self.turn[junction] = name
         vehicle.setSpeedMode(name, LET_IN)

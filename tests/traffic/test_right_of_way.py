@@ -5,9 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from lxml import etree
+from made_sumo import Car, Sumo
 
-from cityx.traffic.conflicts import Conflicts, settle
+from cityx.traffic.conflicts import Conflicts, conflicts_of, settle
 from cityx.traffic.courtesy import AWARE, LET_IN, LONG, Courtesy
+from cityx.traffic.waiting import Waiting
 
 # Three ways across a junction: 0 gives way to 1, 1 to 2, and nobody says of 2 and 0.
 JUNCTION = """<net><junction id="j" type="{kind}">
@@ -36,54 +38,63 @@ def test_signals_part_those_who_would_wait_in_a_circle():
     assert settled("traffic_light", (0, 1, 2)) == {(0, 1), (1, 2), (2, 0)}
 
 
-class Street:
-    """What `Courtesy` asks of SUMO: one who waits at a line, and one who comes to its junction."""
+@pytest.mark.parametrize(
+    ("gap", "target", "met"), [(1.5, 2, True), (2.5, 2, False), (1.5, 1, False)]
+)
+def test_ways_of_lanes_side_by_side_meet_where_they_part_too_near_each_other(gap, target, met):
+    shapes = [np.array([[0.0, 0.0, 0.0], [20.0, 0.0, 0.0]]),
+              np.array([[0.0, gap, 0.0], [20.0, gap + 9.0, 0.0]])]  # fmt: skip
+    links = tuple(
+        SimpleNamespace(source=(0, lane), target=(onto, 0), shape=shape)
+        for lane, onto, shape in zip((0, 1), (1, target), shapes, strict=True)
+    )
+    ways = tuple(SimpleNamespace(target=0, rank=0) for _ in range(3))
+    conflicts = conflicts_of(SimpleNamespace(links=links, ways=ways))
+    assert list(zip(conflicts.first, conflicts.second, strict=True)) == ([(0, 1)] if met else [])
 
-    def __init__(self, far, speed, state="m"):
-        self.waits, self.lane, self.mode = LONG + 1.0, "side_0", AWARE
-        self.vehicle = SimpleNamespace(
-            getIDList=lambda: ("main", "side"),
-            getWaitingTime=lambda name: self.waits if name == "side" else 0.0,
-            getLaneID=lambda name: self.lane if name == "side" else "main_0",
-            getLanePosition=lambda name: 49.5 if name == "side" else 0.0,
-            getNextLinks=lambda _: [("out_0", False, False, True, ":j1_0_0", state, "l", 9.0)],
-            getJunctionFoes=lambda *_: [("main", 4.0, far, 9.0, far + 5.0)],
-            getSpeed=lambda name: speed if name == "main" else 0.0,
-            setSpeedMode=self.set_mode,
-        )
-        self.lane_of = SimpleNamespace(getLength=lambda _: 50.0)
 
-    def set_mode(self, name, mode):
-        assert name == "side"
-        self.mode = mode
-
-    def courtesy(self):
-        return Courtesy(SimpleNamespace(vehicle=self.vehicle, lane=self.lane_of))
+def side_street(far, speed, state="m"):
+    """One who waits at a line, and one who comes to its junction."""
+    main = Car("main_0", ("main",), at=0.0, waited=0.0, speed=speed)
+    sumo = Sumo({"side_0": ("out_0",), "main_0": ()},
+                {"side": Car("side_0", ("side", "out")), "main": main}, state=state)  # fmt: skip
+    sumo.foes["side"] = [("main", 4.0, far, 9.0, far + 5.0)]
+    return sumo
 
 
 @pytest.mark.parametrize(
     ("far", "speed", "state", "mode"),
     [
         (80.0, 14.0, "m", LET_IN),  # it brakes in time
-        (30.0, 14.0, "m", AWARE),  # it does not
+        (30.0, 14.0, "m", None),  # it does not
         (6.0, 0.0, "m", LET_IN),  # it stands, and waits as well
-        (80.0, 14.0, "r", AWARE),  # signals decide
+        (-2.0, 9.0, "m", LET_IN),  # it is on the junction already, and heeded there
+        (80.0, 14.0, "g", LET_IN),  # who turns on green waits for a gap as well
+        (80.0, 14.0, "r", None),  # signals decide
     ],
 )
 def test_who_has_waited_long_is_let_in_by_those_who_can_brake(far, speed, state, mode):
-    street = Street(far, speed, state)
-    street.courtesy().step()
-    assert street.mode == mode
+    sumo = side_street(far, speed, state)
+    Courtesy(sumo).step({"side": LONG + 1.0})
+    assert sumo.cars["side"].speed_mode == mode
 
 
 def test_who_was_let_in_heeds_everybody_again():
-    street = Street(80.0, 14.0)
-    courtesy = street.courtesy()
-    courtesy.step()
-    street.waits, street.lane = 0.0, ":j1_0_0"
-    courtesy.step()
-    assert street.mode == LET_IN
-    street.lane = "out_0"
-    street.vehicle.getLanePosition = lambda _: 2.0
-    courtesy.step()
-    assert street.mode == AWARE
+    sumo = side_street(80.0, 14.0)
+    courtesy, side = Courtesy(sumo), sumo.cars["side"]
+    courtesy.step({"side": LONG + 1.0})
+    side.waited, side.lane = 0.0, ":j_0_0"
+    courtesy.step({})
+    assert side.speed_mode == LET_IN
+    side.lane, side.at = "out_0", 2.0
+    courtesy.step({})
+    assert side.speed_mode == AWARE
+
+
+def test_seconds_under_a_red_signal_are_no_waiting_for_others():
+    sumo = side_street(80.0, 14.0, "r")
+    waiting = Waiting(sumo)
+    seen = []
+    for sumo.now, sumo.state in ((0.0, "r"), (30.0, "r"), (31.0, "g"), (36.0, "g"), (40.0, "y")):
+        seen.append(waiting.step())
+    assert seen == [{}, {}, {"side": 0.0}, {"side": 5.0}, {}]

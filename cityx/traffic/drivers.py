@@ -1,0 +1,241 @@
+"""Drivers keep to their lanes, and find a way on from the end of each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence, Set
+from heapq import heappop, heappush
+from math import inf
+from typing import Any
+
+from cityx.traffic.filling import DRIVER
+
+LONG = frozenset(("bus", "truck"))  # classes that do not fit round every corner
+CORNER = 40.0  # metres that a junction is worth to who looks for another way
+LATEST = 25.0  # metres before its end at which nobody leaves a lane for another any more
+PACE = 4.0  # metres per second of those who change lanes; slower they would slide aside
+FORESEEN = 3  # ways that drivers see ahead
+TIRED = 6.0  # seconds at a line before a full exit after which drivers take another one
+WARNED = 6  # ways ahead of which drivers know that they are jammed
+DETOUR = 300.0  # metres that a jammed way or a lane that ends is worth to who looks for another
+HOPELESS = 20.0  # seconds there after which those whom only the filling has put there are taken out
+GAP = 2.5  # metres that are left free behind who stands on an exit
+FREE, HELD = 1621, 512  # modes of changing lanes: as drivers like, and not at all
+
+
+class Drivers:
+    """Keeps drivers to lanes; a class since it knows what each lane leads to.
+
+    Vehicles of SUMO change lanes sideways when they are slow, which no vehicle can. So those who
+    are slow, or near the end, stay in the lane where they are, and take the way that it leads.
+    """
+
+    def __init__(self, sumo: Any, tight: list[str]) -> None:
+        self.sumo = sumo
+        self.tight = frozenset(tight)
+        self.edge: dict[str, str] = {}  # lane -> edge
+        self.length: dict[str, float] = {}
+        self.allowed: dict[str, frozenset[str]] = {}
+        self.after: dict[str, list[tuple[str, frozenset[str]]]] = {}  # lanes led to, and whom
+        self.exits: set[str] = set()
+        self.ends: set[str] = set()  # lanes that lead nowhere, beside others that do
+        self.beside: set[str] = set()  # lanes with another one beside them
+        self.jammed: Set[str] = frozenset()
+        self.spare: Set[str] = frozenset()
+        self.mode: dict[str, int] = {}
+        self.seen: dict[str, str] = {}  # vehicle -> lane that is known to lead where it wants to go
+        for edge in sumo.edge.getIDList():
+            if not edge.startswith(":"):
+                self._add(edge)
+
+    def _add(self, edge: str) -> None:
+        lane = self.sumo.lane
+        own = [f"{edge}_{index}" for index in range(self.sumo.edge.getLaneNumber(edge))]
+        driven = []
+        for name in own:
+            self.edge[name], self.length[name] = edge, lane.getLength(name)
+            self.allowed[name] = frozenset(lane.getAllowed(name))
+            self.after[name] = [
+                (link[0], frozenset(lane.getAllowed(link[0])) - (LONG if link[4] in self.tight
+                                                                else frozenset()))
+                for link in lane.getLinks(name)
+            ]  # fmt: skip
+            if DRIVER in self.allowed[name]:
+                driven.append(name)
+        blind = {name for name in driven if not self.after[name]}
+        if blind == set(driven):
+            self.exits.update([edge] if driven else [])
+        else:
+            self.ends |= blind
+        if len(driven) > 1:
+            self.beside.update(driven)
+
+    def step(
+        self, waiting: Mapping[str, float], jammed: Set[str] = frozenset(), *,
+        spare: Set[str] = frozenset(),
+    ) -> None:  # fmt: skip
+        """Look at everybody who comes near a junction or is beside another lane.
+
+        Parameters
+        ----------
+        waiting
+            Who stands at a line that no signal bars, and for how many seconds.
+        jammed
+            Edges to be gone round where there is another way.
+        spare
+            Vehicles that are taken out where they come to the end of a lane that leads nowhere, or
+            stand before full exits alone: the streets are filled at random, as no traffic does.
+        """
+        self.jammed, self.spare = jammed, spare
+        vehicle = self.sumo.vehicle
+        for name in vehicle.getIDList():
+            lane = vehicle.getLaneID(name)
+            known = self.seen.get(name) == lane
+            if lane not in self.edge or (
+                known and lane not in self.beside and name not in waiting
+            ):  # fmt: skip
+                continue
+            left = self.length[lane] - vehicle.getLanePosition(name)
+            if lane in self.beside:
+                free = left > LATEST and vehicle.getSpeed(name) >= PACE
+                mode = FREE if free else HELD
+                if self.mode.get(name, FREE) != mode:
+                    self.mode[name] = mode
+                    vehicle.setLaneChangeMode(name, mode)
+            if left <= LATEST and not known:
+                self.seen[name] = lane
+                self._lead_on(name, lane)
+            elif waiting.get(name, 0.0) >= TIRED:
+                self._lead_off(name, lane, hopeless=waiting[name] >= HOPELESS)
+
+    def _lead_on(self, name: str, lane: str) -> None:
+        """Send a vehicle where its lane leads, if that is not where it wants to go."""
+        vehicle = self.sumo.vehicle
+        route, kind = vehicle.getRoute(name), vehicle.getVehicleClass(name)
+        place = vehicle.getRouteIndex(name)
+        ahead = route[place + 1 : place + 1 + FORESEEN]
+        if place < 0 or not ahead:
+            return
+        if lane in self.ends and name in self.spare:
+            vehicle.remove(name)
+            return
+        if self._leads(lane, ahead, kind) and self._goes_on(name, lane):
+            if not self.jammed.isdisjoint(route[place + 1 : place + 1 + WARNED]):
+                edges = self.way(lane, route[-1], kind)
+                if edges and edges[-1] == route[-1]:
+                    self._try(name, lane, edges)
+            return
+        # Who fits round no corner ahead takes one that is tight rather than stand for ever.
+        edges = self.way(lane, route[-1], kind) or self.way(lane, route[-1], DRIVER)
+        if len(edges) > 1:
+            vehicle.setRoute(name, edges)
+
+    def _lead_off(self, name: str, lane: str, *, hopeless: bool) -> None:
+        """Send a vehicle that stands before a full exit to another one of its lane, if any.
+
+        Where there is none and it is `hopeless` it is taken out, if it may be.
+        """
+        vehicle = self.sumo.vehicle
+        links, need = vehicle.getNextLinks(name), vehicle.getLength(name) + GAP
+        if not links or self._room(links[0][0]) >= need:
+            return
+        full = {exit_ for exit_, _ in self.after[lane] if self._room(exit_) < need}
+        kind = vehicle.getVehicleClass(name)
+        if any(kind in who for exit_, who in self.after[lane] if exit_ not in full):
+            self._try(name, lane, self.way(lane, vehicle.getRoute(name)[-1], kind, full))
+        elif hopeless and name in self.spare:
+            vehicle.remove(name)
+
+    def _room(self, lane: str) -> float:
+        """Return the metres of a lane behind the last vehicle on it."""
+        vehicle = self.sumo.vehicle
+        ends = [vehicle.getLanePosition(name) - vehicle.getLength(name)
+                for name in self.sumo.lane.getLastStepVehicleIDs(lane)]  # fmt: skip
+        return min(ends, default=inf)
+
+    def _try(self, name: str, lane: str, edges: list[str]) -> None:
+        """Send a vehicle along other edges, unless SUMO would stop it at the end of its lane."""
+        vehicle = self.sumo.vehicle
+        if len(edges) < 2:
+            return
+        before = vehicle.getRoute(name)[vehicle.getRouteIndex(name) :]
+        vehicle.setRoute(name, edges)
+        if not self._goes_on(name, lane):
+            vehicle.setRoute(name, before)
+
+    def _goes_on(self, name: str, lane: str) -> bool:
+        """Tell whether SUMO lets a vehicle drive on at the end of its lane.
+
+        It does not where lanes far ahead have to be changed over a line that bars it; what it
+        tells as the next lane then is any, such as a walk.
+        """
+        onward = {goal for goal, _ in self.after[lane]}
+        best = self.sumo.vehicle.getBestLanes(name)
+        return any(each[0] == lane and not onward.isdisjoint(each[5][1:2]) for each in best)
+
+    def _leads(self, lane: str, edges: Sequence[str], kind: str) -> bool:
+        """Tell whether one who stays in a lane comes along some edges.
+
+        In dense traffic nobody gets out of a lane that ends, so these count on the last one alone.
+        """
+        there = {lane}
+        for number, edge in enumerate(edges):
+            if number:
+                there |= {other for each in there for other in self._changes(each, kind)}
+            there = {
+                goal for each in there for goal, who in self.after[each]
+                if self.edge.get(goal) == edge and kind in who
+                and (goal not in self.ends or edge == edges[-1])
+            }  # fmt: skip
+        return bool(there)
+
+    def way(
+        self, start: str, target: str, kind: str, full: Set[str] = frozenset()
+    ) -> list[str]:  # fmt: skip
+        """Return the edges from a lane to an edge, or out of the site where none lead there.
+
+        They lead round what is jammed and round lanes that end, if that is not too far, and do
+        not begin with the `full` ones of the lanes that the first one leads to.
+        """
+        cost, before, todo = {start: 0.0}, {start: ""}, [(0.0, start)]
+        found = ""
+        while todo:
+            spent, lane = heappop(todo)
+            if spent > cost[lane]:
+                continue
+            edge = self.edge[lane]
+            if edge in self.exits and not found:
+                found = lane
+            if edge == target:
+                found = lane
+                break
+            onward = [
+                goal for goal, who in self.after[lane]
+                if kind in who and not (lane == start and goal in full)
+            ]  # fmt: skip
+            for each in [*onward, *(self._changes(lane, kind) if lane != start else ())]:
+                more = spent + self.length[each] + CORNER
+                if self.edge[each] in self.jammed or (
+                    each in self.ends and self.edge[each] != target
+                ):  # fmt: skip
+                    more += DETOUR
+                if more < cost.get(each, inf):
+                    cost[each], before[each] = more, lane
+                    heappush(todo, (more, each))
+        edges: list[str] = []
+        while found:
+            if not edges or edges[-1] != self.edge[found]:
+                edges.append(self.edge[found])
+            found = before[found]
+        return edges[::-1]
+
+    def _changes(self, lane: str, kind: str) -> list[str]:
+        """Return the lanes beside one that its drivers may get to."""
+        edge, _, index = lane.rpartition("_")
+        found = []
+        for step in (-1, 1):
+            other = f"{edge}_{int(index) + step}"
+            if kind in self.allowed.get(other, ()):
+                open_to = self.sumo.lane.getChangePermissions(lane, step)
+                if not open_to or kind in open_to:
+                    found.append(other)
+        return found
