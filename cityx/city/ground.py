@@ -89,13 +89,14 @@ SURFACES: tuple[Surface, ...] = (
     Surface("tactile_buff", 51, DROPPED, "tactile_buff", "kerb_stone"),
     Surface("crossing_row", 80, 0.0, "marking_white", "concrete"),  # beside people who cross
     Surface("gutter", 71, 0.0, "gutter_stones", "concrete"),  # along kerbs, part of the carriageway
+    Surface("parking_lane", 71, 0.0, "mosaic", "concrete"),  # of small stones, beside setts
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
 # What lies on a carriageway and is part of it.
 PAINT = ("marking", "marking_yellow", "cycle_lane", "crossing_row")
 ON_ROADWAY = (*PAINT, "tramway")  # whatever a roadway is made of below it
 ROADWAY = ("carriageway", "setts", "gravel_road", "junction", "threshold", "gutter",
-           *PAINT)  # fmt: skip
+           "parking_lane", *PAINT)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,11 @@ import pytest
 from cityx.agents.build import build
 from cityx.agents.options import BuildOptions
 from cityx.assets.bodies import bodies_of, class_of, collider_of, mass_of, motion_of
+from cityx.assets.car_bodies import BODIES
 from cityx.assets.furniture import MAKERS, furniture
 from cityx.assets.materials import MATERIALS
 from cityx.assets.substances import LOOSE, SUBSTANCES
-from cityx.assets.vehicles import BODIES, car
+from cityx.assets.vehicles import car
 from cityx.city.bodies import FORM, MOTION, colliders_of, take_bodies
 from cityx.city.mesh import one_mesh
 from cityx.city.scene import Scene

@@ -24,8 +24,8 @@ BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 
 LAID = ("sidewalk", "ramp", "tactile", "tactile_pale", "tactile_buff", "furnishing", "edging",
-        "setts", "gutter", "frontage")  # fmt: skip
-FROM_KERB = ("sidewalk", "ramp", "furnishing", "gutter")  # laid from the kerb on
+        "setts", "gutter", "parking_lane", "frontage")  # fmt: skip
+FROM_KERB = ("sidewalk", "ramp", "furnishing", "gutter", "parking_lane")  # laid from the kerb on
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 LAP = np.radians(12.0)  # of turn after which the courses along a curve begin anew
 PAST = 0.1  # metres that a seam reaches beyond the walk, so that rounding leaves none short
