@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
 from typing import Annotated, Any
@@ -103,10 +103,13 @@ def _along_kerbs(city: City, occupancy: float, place: str) -> _Cars | None:
     found = replace(found, tight=left[edge[taken]] < VAN_LEFT)
     if place != "japan" or not occupancy:
         return found
-    vans = _deliveries(city, bands, open_)
-    both = zip(*((getattr(each, column.name) for column in fields(each)) for each in (found, vans)),
-               strict=True)  # fmt: skip
-    return _Cars(*(np.concatenate(pair) for pair in both))
+    return _joined([found, _deliveries(city, bands, open_)])
+
+
+def _joined(groups: Sequence[_Cars]) -> _Cars:
+    """Put cars one after the other."""
+    names = [column.name for column in fields(_Cars)]
+    return _Cars(*(np.concatenate([getattr(group, name) for group in groups]) for name in names))
 
 
 def _deliveries(city: City, bands: Bands, chosen: NDArray[np.bool_]) -> _Cars:
@@ -308,8 +311,7 @@ def parked_cars(
     each = [group for group in groups if group is not None and len(group.id)]
     if not each:
         return replace(city, stages_done=done)
-    cars = _Cars(*(np.concatenate([getattr(group, column.name) for group in each])
-                   for column in fields(_Cars)))  # fmt: skip
+    cars = _joined(each)
     cars = cars.take(np.argsort(cars.id, kind="stable"))
     body = _bodies(city, cars, place)
     xy = _placed(city, cars, body)
