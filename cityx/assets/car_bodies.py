@@ -18,7 +18,7 @@ class Face:
     Attributes
     ----------
     lamps
-        Headlights: "twin" (two round ones in a dark field), "slit", "block" or "round".
+        Headlights: "slit", "block" or "round".
     grille
         "bars", "wide" (from lamp to lamp), "shield", "slots" or "closed".
     rear
@@ -33,10 +33,10 @@ class Face:
     trims: bool = False
 
 
-_TWIN = Face("twin", "bars", "block", trims=True)
-_SALOON = (Face("slit", "wide", "band"), _TWIN, Face("block", "bars", "block"))
+_SALOON = (Face("slit", "wide", "band"), Face("block", "shield", "block"),
+           Face("slit", "closed", "band"))  # fmt: skip
 _SMALL = (Face("block", "closed", "tall"), Face("slit", "wide", "block"),
-          Face("twin", "bars", "tall", trims=True))  # fmt: skip
+          Face("block", "bars", "block"))  # fmt: skip
 _TALL = (Face("block", "shield", "tall"), Face("slit", "closed", "band"),
          Face("slit", "slots", "block"))  # fmt: skip
 _ROUND = (Face("round", "closed", "tall"), Face("block", "closed", "block"),
@@ -44,7 +44,7 @@ _ROUND = (Face("round", "closed", "tall"), Face("block", "closed", "block"),
 _WORK = (Face("block", "wide", "tall", trims=True), Face("block", "bars", "tall", trims=True),
          Face("slit", "closed", "tall", trims=True))  # fmt: skip
 _CAB = (Face("round", "shield", "tall"),)
-FACES = 3  # of most bodies
+
 
 
 @dataclass(frozen=True)

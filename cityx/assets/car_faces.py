@@ -72,14 +72,6 @@ def _swept(
 def _headlights(body: Body, face: Face) -> list[MeshBatch]:
     half, end, nose = body.width / 2, body.length / 2, body.hood[0][1]
     parts: list[MeshBatch] = []
-    if face.lamps == "twin":
-        for side in (-1.0, 1.0):
-            x = sorted((side * 0.48 * half, side * 0.84 * half))
-            parts.append(bevelled((x[0], -end - 0.004, nose - 0.16), (x[1], -end + 0.16,
-                                  nose - 0.03), "metal_dark", bevel=0.02))  # fmt: skip
-            for share in (0.58, 0.73):
-                parts += _round_lamp(side * share * half, -end - 0.008, nose - 0.095, 0.048)
-        return parts
     height, begin = _LAMPS[face.lamps]
     # From beside the grille round the corner of the body and back along the wing.
     back = np.array([0.0, 0.0, 0.012, 0.05, 0.12, 0.20])

@@ -29,7 +29,9 @@ IntArray = NDArray[np.int64]
 
 BAY = 5.5  # metres of kerb per car
 FROM_JUNCTION = 2.0  # metres behind the curve of a kerb, which is 3 m long and more
-FROM_CROSSING = 5.2  # metres where a crossing lies there, which ends 4.5 m behind the junction at most
+FROM_CROSSING = (
+    5.2  # metres where a crossing lies there, which ends 4.5 m behind the junction at most
+)
 FROM_JOINT = 0.3  # metres where a street merely goes on
 STALL, OUTLINE = 0.12, 0.10  # metres of breadth: of lines between stalls, and round bays
 DASHES = (0.6, 0.3)  # metres of dash and gap of an outline
