@@ -46,7 +46,6 @@ _WORK = (Face("block", "wide", "tall", trims=True), Face("block", "bars", "tall"
 _CAB = (Face("round", "shield", "tall"),)
 
 
-
 @dataclass(frozen=True)
 class Body:
     """Stations of a car body from front (-y) to rear.
