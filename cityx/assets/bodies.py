@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -43,6 +44,7 @@ from cityx.geometry.convex import (
 from cityx.geometry.convex_plan import pieces_of_mesh, upright_hulls
 from cityx.geometry.solids import area_vectors, check_closed, volume, volumes_by_group
 
+_VARIANT = re.compile(r"_[a-z]{0,2}\d$")  # of a car: its plates
 MOST_PARTS = 6  # hulls of one thing
 AIR = 0.04  # share of a thing's hull that a part may hold beyond its pieces
 MOST_PIECES = 24  # of a thing that are told apart; smaller ones go with the nearest of these
@@ -243,7 +245,7 @@ def mass_of(prototype: Prototype, collider: Sequence[Solid]) -> float:
 
     A piece weighs as much as it holds, or as its skin does if that is less: posts are hollow.
     """
-    known = WEIGHTS.get(prototype.name.removesuffix("_fine"))
+    known = WEIGHTS.get(_VARIANT.sub("", prototype.name.removesuffix("_fine")))
     if known is not None:
         return known
     if prototype.kind == "vehicle":

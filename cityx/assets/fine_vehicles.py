@@ -1,22 +1,18 @@
-"""Cars drawn for near views: rounded bodies, tyres, spoked wheels, lights, joints and mirrors."""
+"""Cars drawn for near views: rounded bodies, tyres, spoked wheels, seats, joints and mirrors."""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.lettering import word
-from cityx.assets.shapes import Color, bevelled, loft, moved, tube
+from cityx.assets.car_bodies import Body
+from cityx.assets.car_faces import front, rails, rear
+from cityx.assets.shapes import Color, bevelled, loft, tube
 from cityx.city.mesh import MeshBatch, one_mesh
-
-if TYPE_CHECKING:
-    from cityx.assets.vehicles import Body
 
 FloatArray = NDArray[np.float64]
 ARCH_STEPS = 17
-PLATE = "CX 2048"
+DRIVEN_FROM_RIGHT = ("gb", "jp")  # countries whose steering wheels are at the right
 CLOTH: Color = (0.16, 0.16, 0.17)  # of seats
 
 
@@ -29,13 +25,16 @@ def rounded(rings: FloatArray, times: int = 2) -> FloatArray:
     return rings
 
 
-def fine_car(body: Body) -> list[MeshBatch]:
+def fine_car(body: Body, country: str = "", number: int = 0) -> list[MeshBatch]:
     """Make the parts of a car but its wheels; see `cityx.assets.vehicles.car`."""
     from cityx.assets.vehicles import body_rings
 
     rings = rounded(body_rings(body, ARCH_STEPS, np.linspace(0.0, 1.0, 49), smooth=True))
-    parts = [loft(rings[:, ::-1], "car_paint"), *greenhouse(body), *interior(body), *_wells(body)]
-    return [*parts, *_front(body), *_rear(body), *_sides(body)]
+    face = body.faces[number % len(body.faces)]
+    parts = [loft(rings[:, ::-1], "car_paint"), *greenhouse(body), *_wells(body)]
+    parts += interior(body, -1.0 if country in DRIVEN_FROM_RIGHT else 1.0)
+    parts += [*front(body, face, country, number), *rear(body, face, country, number)]
+    return [*parts, *_sides(body, face.trims), *(rails(body) if body.rails else [])]
 
 
 def _wells(body: Body) -> list[MeshBatch]:
@@ -100,7 +99,7 @@ def greenhouse(body: Body) -> list[MeshBatch]:
     roof_from, roof_to = line[1, 0], line[-2, 0]
     pillar = 0.028  # of the length
     middle = 0.5 * (roof_from + roof_to) + 0.01
-    cargo = body.roof[3][0] > 0.9  # a panel van: no windows beside its load
+    cargo = body.cargo  # no windows beside its load
     cuts = [line[0, 0] + 0.004, line[0, 0] + 0.3 * (roof_from - line[0, 0]), roof_from - 0.01,
             roof_from, middle - pillar / 2, middle + pillar / 2, roof_to - pillar, roof_to,
             roof_to + 0.012, line[-1, 0] - 0.012, line[-1, 0]]  # fmt: skip
@@ -148,8 +147,11 @@ def greenhouse(body: Body) -> list[MeshBatch]:
     return [_grid(np.concatenate([right, left], axis=1), both, CABIN)]
 
 
-def interior(body: Body) -> list[MeshBatch]:
-    """Make what shows through the windows: a dark floor, seats, the dashboard and the wheel."""
+def interior(body: Body, side: float = 1.0) -> list[MeshBatch]:
+    """Make what shows through the windows: a dark floor, seats, the dashboard and the wheel.
+
+    The wheel is at the left, x > 0, where `side` is 1, and at the right where it is -1.
+    """
     from cityx.assets.vehicles import waist_of
 
     line = np.array(body.roof)
@@ -185,14 +187,15 @@ def interior(body: Body) -> list[MeshBatch]:
     for x in (-0.42 * half, 0.42 * half):
         parts += seat(x, driver, 0.24)
     bench = min(driver + 0.88, (line[-2, 0] - 0.02) * length - length / 2)
-    if body.roof[3][0] <= 0.9:
+    if not body.cargo:
         for x in (-0.42 * half, 0.42 * half):
             parts += seat(x, bench, 0.30)
     dash = (line[0, 0] + 0.6 * (line[1, 0] - line[0, 0])) * length - length / 2
     low, high = (-0.8 * half, dash - 0.25, waist - 0.02), (0.8 * half, dash, waist + 0.07)
     parts.append(bevelled(low, high, "rubber", bevel=0.02))
     turn = np.linspace(0.0, 2 * np.pi, 25)
-    rim = np.column_stack([0.42 * half + 0.18 * np.cos(turn), dash + 0.12 + 0.06 * np.sin(turn),
+    across, ahead = 0.18 * np.cos(turn), 0.06 * np.sin(turn)
+    rim = np.column_stack([side * 0.42 * half + across, dash + 0.12 + ahead,
                            waist + 0.05 + 0.16 * np.sin(turn)])  # fmt: skip
     parts.append(tube(rim, 0.013, "rubber", sides=8))
     return parts
@@ -231,69 +234,7 @@ def fine_wheel(radius: float) -> list[MeshBatch]:
     return parts
 
 
-def _front(body: Body) -> list[MeshBatch]:
-    half, end, nose = body.width / 2, body.length / 2, body.hood[0][1]
-    parts = [
-        bevelled((-0.42, -end - 0.012, nose - 0.24), (0.42, -end + 0.06, nose - 0.07),
-            "metal_dark"),
-        bevelled((-0.26, -end - 0.026, nose - 0.36), (0.26, -end + 0.03, nose - 0.25), "sign"),
-        bevelled((-0.78 * half, -end - 0.014, 0.23), (0.78 * half, -end + 0.08, 0.31), "rubber",
-            bevel=0.02),
-    ]  # fmt: skip
-    parts += word(PLATE, 0.23, nose - 0.345, nose - 0.265, -end - 0.026, "metal_dark", deep=0.002)
-    for k in range(7):
-        z = nose - 0.225 + 0.022 * k
-        parts.append(
-            tube([[-0.40, -end - 0.014, z], [0.40, -end - 0.014, z]], 0.005, "metal_grey", sides=6)
-        )
-    parts.append(tube([[0.0, -end - 0.022, nose - 0.14], [0.0, -end - 0.01, nose - 0.14]], 0.04,
-                      "metal_grey", sides=24))  # fmt: skip
-    for side in (-1.0, 1.0):
-        x = sorted((side * 0.48 * half, side * 0.84 * half))
-        parts.append(bevelled((x[0], -end - 0.004, nose - 0.14), (x[1], -end + 0.16, nose - 0.01),
-                              "metal_dark", bevel=0.02))  # fmt: skip
-        for share in (0.58, 0.73):
-            at = [side * share * half, -end - 0.008, nose - 0.075]
-            parts.append(tube([at, [at[0], at[1] + 0.03, at[2]]], [0.045, 0.05], "sign", sides=24))
-            parts.append(
-                tube([[at[0], at[1] - 0.004, at[2]], at], [0.02, 0.024], "metal_grey", sides=16)
-            )
-        fog = [side * 0.62 * half, -end - 0.012, 0.38]
-        parts.append(tube([fog, [fog[0], fog[1] + 0.05, fog[2]]], 0.04, "metal_grey", sides=20))
-        y0, z0, _ = body.roof[0]
-        foot = y0 * body.length - end
-        wiper = [[side * 0.1, foot - 0.02, z0 + 0.01], [side * 0.1 + 0.5, foot + 0.06, z0 + 0.05]]
-        parts.append(tube(wiper, 0.006, "rubber", sides=6))
-    return parts
-
-
-def _rear(body: Body) -> list[MeshBatch]:
-    half, end, tail = body.width / 2, body.length / 2, body.hood[-1][1]
-    parts = [
-        bevelled((-0.26, end - 0.03, tail - 0.17), (0.26, end + 0.02, tail - 0.06), "sign"),
-        bevelled((-0.78 * half, end - 0.08, 0.25), (0.78 * half, end + 0.014, 0.37), "rubber",
-            bevel=0.02),
-        tube([[0.5 * half, end - 0.10, 0.24], [0.5 * half, end + 0.03, 0.24]], 0.035, "metal_grey",
-             sides=20),
-        tube([[-0.14, end + 0.012, tail - 0.03], [0.14, end + 0.012, tail - 0.03]], 0.014,
-            "metal_grey",
-             sides=10),
-    ]  # fmt: skip
-    text = word(PLATE, 0.23, tail - 0.155, tail - 0.075, -end - 0.02, "metal_dark", deep=0.002)
-    parts += [moved(letter, yaw=np.pi) for letter in text]
-    for side in (-1.0, 1.0):
-        x = sorted((side * 0.58 * half, side * 0.88 * half))
-        parts.append(bevelled((x[0], end - 0.12, tail - 0.04), (x[1], end + 0.014, tail + 0.13),
-            "plastic",
-                              (0.55, 0.02, 0.02), bevel=0.02))  # fmt: skip
-        for z in (tail, tail + 0.045, tail + 0.09):
-            parts.append(bevelled((x[0] + 0.02, end + 0.008, z), (x[1] - 0.02, end + 0.018,
-                z + 0.02),
-                                  "signal_red", bevel=0.004))  # fmt: skip
-    return parts
-
-
-def _sides(body: Body) -> list[MeshBatch]:
+def _sides(body: Body, trims: bool) -> list[MeshBatch]:
     """Mirrors, handles, joints of doors, sills and the filler cap."""
     half, end, length = body.width / 2, body.length / 2, body.length
     parts = []
@@ -309,18 +250,20 @@ def _sides(body: Body) -> list[MeshBatch]:
         parts.append(bevelled((x[0] + 0.015, y + 0.055, waist + 0.055), (x[1] - 0.015, y + 0.064,
             waist + 0.165),
                               "car_glass", bevel=0.004))  # fmt: skip
-        face = half + 0.004
+        flank = half + 0.004
         for share in (0.5 * foot + 0.155, 0.53, 0.735):
             yy = share * length - end
-            joint = [[side * (face - 0.012), yy, 0.34], [side * face, yy, 0.55],
-                     [side * (face - 0.006), yy, waist - 0.10]]  # fmt: skip
+            joint = [[side * (flank - 0.012), yy, 0.34], [side * flank, yy, 0.55],
+                     [side * (flank - 0.006), yy, waist - 0.10]]  # fmt: skip
             parts.append(tube(joint, 0.004, "metal_dark", sides=6))
         for share in (0.47, 0.675):
             yy, z = share * length - end, waist - 0.12
-            grip = [[side * (face - 0.01), yy, z], [side * (face + 0.022), yy + 0.02, z],
-                    [side * (face + 0.022), yy + 0.14, z], [side * (face - 0.01), yy + 0.16,
+            grip = [[side * (flank - 0.01), yy, z], [side * (flank + 0.022), yy + 0.02, z],
+                    [side * (flank + 0.022), yy + 0.14, z], [side * (flank - 0.01), yy + 0.16,
                         z]]  # fmt: skip
             parts.append(tube(grip, 0.011, "car_paint", sides=10))
-        strip = [[side * (face - 0.004), -0.28 * length, 0.47], [side * face, 0.24 * length, 0.47]]
-        parts.append(tube(strip, 0.014, "rubber", sides=8))
+        if trims:
+            strip = [[side * (flank - 0.004), -0.28 * length, 0.47],
+                     [side * flank, 0.24 * length, 0.47]]  # fmt: skip
+            parts.append(tube(strip, 0.014, "rubber", sides=8))
     return parts

@@ -1,8 +1,9 @@
 """What moves, by the name of its look: vehicles whose wheels turn, people who walk.
 
-A look of a vehicle is ``car_`` and a key of `vehicles.BODIES`, or a key of `LARGE` or
-`TWO_WHEELERS`. A look of a person is ``person_``, then any words of `AGES`, `SEXES` and `STYLES`,
-then ``jog`` for who carries nothing and wears trainers, then a number: ``person_7``,
+A look of a vehicle is ``car_`` and a key of `car_bodies.BODIES`, or a key of `LARGE` or
+`TWO_WHEELERS`. The country of its plates and the number of its variant may follow that of a car:
+``car_sedan_gb1``. A look of a person is ``person_``, then any words of `AGES`, `SEXES` and
+`STYLES`, then ``jog`` for who carries nothing and wears trainers, then a number: ``person_7``,
 ``person_male_sport_2``, ``person_male_casual_jog_2``. ``_fine`` at the end asks for the fine form
 whatever the level of detail of the city.
 """
@@ -16,13 +17,14 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.car_bodies import BODIES, shares_of
 from cityx.assets.large_vehicles import LARGE
+from cityx.assets.number_plates import COUNTRIES, PLATES
 from cityx.assets.people import FINE, Figure, figure
 from cityx.assets.people_looks import AGES, SEXES, STYLES, Person, drawn_person
 from cityx.assets.shapes import fine_shapes, prototype
 from cityx.assets.two_wheelers import TWO_WHEELERS, wheel_of
 from cityx.assets.vehicles import (
-    BODIES,
     PAINT_SHARES,
     PAINTS,
     TYRE,
@@ -38,14 +40,13 @@ from cityx.errors import UsageError, nearest
 FloatArray = NDArray[np.float64]
 Made = tuple[Prototype, Prototype]
 WHEEL = "wheel"  # kind of the prototypes of wheels
+VARIANTS = 3  # of each car: makes and plates
 RIDERS = 12  # people who are seen on two wheels
 _PERSON, _CAR, FINE_WORD, JOG = "person", "car", "fine", "jog"
 _LARGE_KIND = {"bus": "bus", "truck": "truck", "tram": "tram"}
 _TWO_WHEELED_KIND = {"bicycle": "bicycle", "motorcycle": "motorcycle", "scooter": "motorcycle"}
-# Kind of mover -> (look, share) of those that are seen in a city, after registrations in Europe.
-VEHICLE_LOOKS: dict[str, tuple[tuple[str, float], ...]] = {
-    "car": (("car_hatchback", 0.40), ("car_sedan", 0.28), ("car_suv", 0.32)),
-    "van": (("car_van", 1.0),),
+# Kind of mover -> (look, share), wherever it is.
+_OTHER_LOOKS: dict[str, tuple[tuple[str, float], ...]] = {
     "truck": (("truck", 1.0),),
     "bus": (("bus", 1.0),),
     "tram": (("tram", 1.0),),
@@ -53,10 +54,14 @@ VEHICLE_LOOKS: dict[str, tuple[tuple[str, float], ...]] = {
     "motorcycle": (("motorcycle", 0.55), ("scooter", 0.45)),
 }
 # Linear RGB of what is painted by its owner's rule, and not by taste.
+_VANS = ((0.76, 0.76, 0.74),) * 4 + ((0.36, 0.37, 0.38), (0.03, 0.03, 0.034), (0.05, 0.10, 0.26))
 LIVERIES: dict[str, tuple[tuple[float, float, float], ...]] = {
     "bus": ((0.52, 0.035, 0.03), (0.62, 0.50, 0.10), (0.05, 0.16, 0.42), (0.70, 0.70, 0.68)),
     "tram": ((0.55, 0.04, 0.035), (0.66, 0.62, 0.48), (0.06, 0.26, 0.16)),
     "truck": ((0.72, 0.72, 0.70), (0.06, 0.14, 0.38), (0.45, 0.05, 0.04), (0.10, 0.24, 0.14)),
+    "car_black_cab": ((0.008, 0.008, 0.010), (0.010, 0.011, 0.012), (0.12, 0.125, 0.13)),
+    "car_tall_taxi": ((0.012, 0.016, 0.05), (0.010, 0.010, 0.012), (0.62, 0.42, 0.03)),
+    **{f"{_CAR}_{name}": _VANS for name, body in BODIES.items() if body.kind == "van"},
 }
 
 
@@ -131,11 +136,44 @@ def is_person(look: str) -> bool:
 
 
 def vehicle_looks() -> tuple[str, ...]:
-    """Return all looks of vehicles."""
+    """Return all looks of vehicles, cars without plates of a country."""
     return (*(f"{_CAR}_{body}" for body in BODIES), *LARGE, *TWO_WHEELERS)
 
 
-@lru_cache(maxsize=64)
+def looks_of(kind: str, place: str = "") -> tuple[tuple[str, float], ...]:
+    """Return the looks of a kind of vehicle that are seen at a place, and the share of each.
+
+    Parameters
+    ----------
+    kind
+        Of `cityx.city.tracks.MOVER_KINDS`.
+    place
+        As of `cityx.plugins.nature.street_rules.place_of`.
+    """
+    if kind in _OTHER_LOOKS:
+        return _OTHER_LOOKS[kind]
+    return tuple((f"{_CAR}_{body}", share) for body, share in shares_of(kind, place))
+
+
+def registered(look: str, place: str, number: int) -> str:
+    """Return the look of a vehicle with plates of its place; others than cars keep theirs.
+
+    `number` is that of the variant, of `VARIANTS`.
+    """
+    country = COUNTRIES.get(place, "")
+    return f"{look}_{country}{number}" if look.startswith(f"{_CAR}_") else look
+
+
+def _variant_of(look: str) -> tuple[str, str, int]:
+    """Part a look into that without plates, the country of these and the number of the variant."""
+    base, _, last = look.rpartition("_")
+    country, number = last[:-1], last[-1:]
+    if number.isdecimal() and base.startswith(f"{_CAR}_") and country in PLATES:
+        return base, country, int(number)
+    return look, "", 0
+
+
+@lru_cache(maxsize=256)
 def vehicle(look: str, *, detail: int = 2) -> Vehicle:
     """Make the vehicle of a look.
 
@@ -146,29 +184,30 @@ def vehicle(look: str, *, detail: int = 2) -> Vehicle:
     """
     name = look.removesuffix(f"_{FINE_WORD}")
     detail = max(detail, FINE) if name != look else detail
+    base, country, number = _variant_of(name)
     known = vehicle_looks()
-    if name not in known:
+    if base not in known:
         hint = nearest(name, known) or f" Known are {', '.join(known)}."
         raise UsageError(f'No vehicle looks like "{look}".{hint}')
-    if name in LARGE:
-        return _large(name, detail)
-    if name in TWO_WHEELERS:
-        return _two_wheeled(name, detail)
-    return _car(name.removeprefix(f"{_CAR}_"), detail)
+    if base in LARGE:
+        return _large(base, detail)
+    if base in TWO_WHEELERS:
+        return _two_wheeled(base, detail)
+    return _car(base.removeprefix(f"{_CAR}_"), detail, country, number)
 
 
 def _named(name: str, part: str, detail: int) -> str:
     return "_".join(filter(None, (name, part, FINE_WORD if detail >= FINE else "")))
 
 
-def _car(name: str, detail: int) -> Vehicle:
+def _car(name: str, detail: int, country: str, number: int) -> Vehicle:
     body = BODIES[name]
-    shape = car(name, detail=detail, wheels=False)
+    shape = car(name, detail=detail, wheels=False, country=country, number=number)
     title = _named(f"{_CAR}_{name}", "wheel", detail)
     wheel = prototype(title, WHEEL, car_wheel(body, detail))
     wheels = tuple(Wheel(wheel, place, body.wheel) for place in wheel_places(body))
     size = (body.length, body.width, float(shape.mesh.vertices[:, 2].max()))
-    return Vehicle("van" if name == "van" else "car", size, shape, wheels)
+    return Vehicle(body.kind, size, shape, wheels)
 
 
 def _large(name: str, detail: int) -> Vehicle:
@@ -266,7 +305,7 @@ def kind_of(look: str) -> int:
 
 def paints_of(look: str) -> tuple[FloatArray, FloatArray]:
     """Return the (n, 3) linear colours that a vehicle may have, and their (n,) shares."""
-    name = look.removesuffix(f"_{FINE_WORD}")
+    name = _variant_of(look.removesuffix(f"_{FINE_WORD}"))[0]
     if name in LIVERIES:
         colors = np.array(LIVERIES[name])
         return colors / 0.8, np.full(len(colors), 1 / len(colors))

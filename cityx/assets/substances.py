@@ -93,6 +93,9 @@ def substance(material: str) -> Substance:
 WEIGHTS: Mapping[str, float] = MappingProxyType(
     {
         "car_hatchback": 1150.0, "car_sedan": 1450.0, "car_suv": 1700.0, "car_van": 1950.0,
+        "car_estate": 1550.0, "car_city_car": 1000.0, "car_mpv": 1500.0, "car_black_cab": 2150.0,
+        "car_tall_taxi": 1400.0, "car_kei_car": 900.0, "car_kei_van": 950.0,
+        "car_small_van": 1450.0, "car_delivery_van": 2150.0,
         "bus": 12_000.0, "recycling": 350.0, "vending_machine": 300.0, "advertising_column": 900.0,
         "fire_hydrant": 90.0, "post_box": 80.0, "bicycle": 15.0, "traffic_cone": 3.0,
         "motor_scooter": 110.0, "motor_scooter_red": 110.0, "motor_scooter_dark": 110.0,

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.car_bodies import BODIES, Body
 from cityx.assets.kept import kept
 from cityx.assets.materials import srgb_to_linear
-from cityx.assets.shapes import box, cylinder, fine_shapes, loft, moved, prototype
+from cityx.assets.number_plates import number_plate
+from cityx.assets.shapes import Color, box, cylinder, fine_shapes, loft, moved, prototype
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
 
@@ -26,69 +25,6 @@ PAINTS = np.array([srgb_to_linear(color) for color, _ in _PAINTS]) / 0.8  # the 
 PAINT_SHARES = np.array([share for _, share in _PAINTS])
 
 
-@dataclass(frozen=True)
-class Body:
-    """Stations of a car body from front (-y) to rear.
-
-    Attributes
-    ----------
-    length, width
-        Metres.
-    hood
-        (y share, z) of the lower body's upper edge, metres.
-    roof
-        (y share, z, width share) of the cabin from foot of the windscreen to foot of the rear
-        window.
-    wheel
-        Metres, radius.
-    axles
-        (front, rear) shares of the length.
-    share
-        Share among parked cars.
-    """
-
-    length: float
-    width: float
-    hood: tuple[tuple[float, float], ...]
-    roof: tuple[tuple[float, float, float], ...]
-    wheel: float
-    axles: tuple[float, float]
-    share: float
-
-
-BODIES: Mapping[str, Body] = MappingProxyType(
-    {
-        "hatchback": Body(
-            4.05, 1.76,
-            ((0.0, 0.62), (0.03, 0.74), (0.24, 0.93), (0.32, 0.96), (0.93, 0.98), (0.985, 0.90),
-             (1.0, 0.70)),
-            ((0.22, 0.93, 0.90), (0.40, 1.42, 0.74), (0.55, 1.49, 0.73), (0.80, 1.45, 0.71),
-             (0.98, 0.97, 0.84)),
-            0.31, (0.185, 0.81), 0.36),
-        "sedan": Body(
-            4.65, 1.82,
-            ((0.0, 0.60), (0.03, 0.72), (0.26, 0.92), (0.34, 0.95), (0.84, 0.99), (0.975, 0.95),
-             (1.0, 0.72)),
-            ((0.25, 0.91, 0.90), (0.42, 1.38, 0.74), (0.54, 1.45, 0.72), (0.70, 1.41, 0.71),
-             (0.87, 0.99, 0.84)),
-            0.33, (0.185, 0.80), 0.24),
-        "suv": Body(
-            4.55, 1.88,
-            ((0.0, 0.72), (0.03, 0.90), (0.24, 1.06), (0.32, 1.09), (0.94, 1.12), (0.99, 1.02),
-             (1.0, 0.80)),
-            ((0.23, 1.05, 0.92), (0.38, 1.58, 0.78), (0.54, 1.67, 0.77), (0.86, 1.63, 0.75),
-             (0.985, 1.11, 0.86)),
-            0.37, (0.19, 0.80), 0.28),
-        "van": Body(
-            5.05, 1.96,
-            ((0.0, 0.75), (0.02, 0.92), (0.14, 1.14), (0.20, 1.18), (0.97, 1.20), (0.99, 1.18),
-             (1.0, 0.85)),
-            ((0.12, 1.13, 0.94), (0.27, 1.84, 0.86), (0.36, 1.95, 0.85), (0.95, 1.95, 0.85),
-             (0.99, 1.19, 0.92)),
-            0.34, (0.18, 0.80), 0.12),
-    }
-)  # fmt: skip
-BODY_SHARES = np.array([body.share for body in BODIES.values()])
 SILL = 0.20  # metres, lower edge of the body above the road
 ARCH_STEPS = 7
 ARCH_GAP = 0.055  # metres between a tyre and the arch over it
@@ -194,7 +130,7 @@ def cabin(body: Body) -> list[MeshBatch]:
                 [side * (line[upper, 2] * half + 0.02), y[upper], line[upper, 1] - 0.05]
             )
             parts.append(_bar(low, high, width, side))
-    if body.roof[3][0] > 0.9:  # panel van: the load space has no side windows
+    if body.cargo:
         for side in (-1.0, 1.0):
             panel = []
             for yy in (-length / 2 + 0.42 * length, y[-2] - 0.01):
@@ -247,15 +183,15 @@ def _wheels(body: Body, parts: list[MeshBatch]) -> list[MeshBatch]:
     ]
 
 
-def _fittings(body: Body) -> list[MeshBatch]:
-    """Lights, grille, plates, bumper trims, mirrors."""
+def _fittings(body: Body, country: str, number: int) -> list[MeshBatch]:
+    """Lights, grille, plates, bumper trims, mirrors, and what stands on the roof."""
     half, end = body.width / 2, body.length / 2
     nose = body.hood[0][1]
     tail = body.hood[-1][1]
     parts = [
         box((-0.42, -end - 0.012, nose - 0.22), (0.42, -end + 0.05, nose - 0.06), "metal_dark"),
-        box((-0.26, -end - 0.022, nose - 0.34), (0.26, -end + 0.03, nose - 0.24), "sign"),
-        box((-0.26, end - 0.03, tail - 0.16), (0.26, end + 0.018, tail - 0.06), "sign"),
+        *number_plate(country, number, end, nose - 0.29, kei=body.kei),
+        *number_plate(country, number, end, tail - 0.12, rear=True, kei=body.kei),
         box((-0.74 * half, -end - 0.01, 0.26), (0.74 * half, -end + 0.06, 0.33), "rubber"),
         box((-0.76 * half, end - 0.06, 0.28), (0.76 * half, end + 0.01, 0.38), "rubber"),
     ]
@@ -276,27 +212,45 @@ def _fittings(body: Body) -> list[MeshBatch]:
         for handle in (y - 0.35, y + 0.62):
             z = foot[1] - 0.10
             parts.append(box((x[0], handle, z), (x[1], handle + 0.16, z + 0.025), "metal_dark"))
+    if body.sign:
+        share, z, _ = body.roof[2]
+        y = (share - 0.06) * body.length - end
+        tint: Color = (0.95, 0.55, 0.06) if body.sign.isascii() else (1.0, 1.0, 1.0)
+        parts.append(box((-0.22, y - 0.06, z - 0.01), (0.22, y + 0.06, z + 0.11), "sign", tint))
     return parts
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=256)
 @kept("car", least=FINE)
-def car(body: str, *, detail: int = 2, wheels: bool = True) -> Prototype:
-    """Make a car; `body` is a key of `BODIES`. The prototype's kind is "vehicle".
+def car(
+    body: str, *, detail: int = 2, wheels: bool = True, country: str = "", number: int = 0
+) -> Prototype:
+    """Make a car. The prototype's kind is "vehicle".
 
-    From level of `detail` 3 on lines are rounded, wheels have spokes and joints are drawn. Without
-    `wheels` it is the body alone, for cars whose wheels turn.
+    Parameters
+    ----------
+    body
+        A key of `BODIES`.
+    detail
+        From 3 on lines are rounded, wheels have spokes, joints are drawn and plates are written.
+    wheels
+        Without them it is the body alone, for cars whose wheels turn.
+    country
+        A key of `cityx.assets.number_plates.PLATES`.
+    number
+        Of the variant: which make it is, and what its plates say.
     """
     shape = BODIES[body]
-    name = "_".join(filter(None, ("car", body, "" if wheels else "body",
+    variant = f"{country}{number}" if country or number else ""
+    name = "_".join(filter(None, ("car", body, variant, "" if wheels else "body",
                                   "fine" if detail >= FINE else "")))  # fmt: skip
     if detail >= FINE:
         from cityx.assets.fine_vehicles import fine_car
 
         with fine_shapes():
-            parts = fine_car(shape)
+            parts = fine_car(shape, country, number)
     else:
-        parts = [_lower_body(shape), *cabin(shape), *_fittings(shape)]
+        parts = [_lower_body(shape), *cabin(shape), *_fittings(shape, country, number)]
     if wheels:
         parts = [*parts, *_wheels(shape, car_wheel(shape, detail))]
     return prototype(name, "vehicle", parts)

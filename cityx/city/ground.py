@@ -91,13 +91,14 @@ SURFACES: tuple[Surface, ...] = (
     Surface("gutter", 71, 0.0, "gutter_stones", "concrete"),  # along kerbs, part of the carriageway
     Surface("tactile_red", 51, DROPPED, "tactile_red", "kerb_stone"),
     Surface("landing", 51, DROPPED, "paving", "kerb_stone"),  # walk between a kerb and ribs
+    Surface("parking_lane", 71, 0.0, "mosaic", "concrete"),  # of small stones, beside setts
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
 # What lies on a carriageway and is part of it.
 PAINT = ("marking", "marking_yellow", "cycle_lane", "crossing_row")
 ON_ROADWAY = (*PAINT, "tramway")  # whatever a roadway is made of below it
 ROADWAY = ("carriageway", "setts", "gravel_road", "junction", "threshold", "gutter",
-           *PAINT)  # fmt: skip
+           "parking_lane", *PAINT)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -163,8 +163,8 @@ _SURFACE = {
     "ramp": "sidewalk", "landing": "sidewalk",
     "cycle_lane": "cycle_lane", "rail": "rail_track", "trail": "path", "furnishing": "sidewalk",
     "gravel": "yard", "building": "terrain", "void": "other",
-    "bed": "soil", "threshold": "road", "gutter": "road", "edging": "sidewalk",
-    "frontage": "sidewalk",
+    "bed": "soil", "threshold": "road", "gutter": "road", "parking_lane": "road",
+    "edging": "sidewalk", "frontage": "sidewalk",
 }  # fmt: skip
 # Layers of meshes whose objects are all of one class.
 _LAYER = {

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from cityx.assets.car_bodies import BODIES
 from cityx.assets.fine_doors import FINE_DOORS
 from cityx.assets.fine_shopfronts import FINE_FITTINGS, FINE_SHOPFRONTS
 from cityx.assets.fine_trims import FINE_TRIMS
@@ -12,7 +13,7 @@ from cityx.assets.shapes import bevelled, fine_shapes, leaf_blades
 from cityx.assets.shopfronts import fitting, shopfront
 from cityx.assets.trees import tree
 from cityx.assets.trims import trim
-from cityx.assets.vehicles import BODIES, car
+from cityx.assets.vehicles import car
 from cityx.geometry.solids import area_vectors, check_closed, degenerate_faces, volume
 
 MADE = [

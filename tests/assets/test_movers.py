@@ -1,14 +1,17 @@
 import numpy as np
 import pytest
 
+from cityx.assets.car_bodies import CAR_SHARES
 from cityx.assets.large_vehicles import LARGE
 from cityx.assets.materials import MATERIALS
 from cityx.assets.movers import (
-    VEHICLE_LOOKS,
     is_person,
+    kind_of,
+    looks_of,
     paints_of,
     person_look,
     person_of,
+    registered,
     size_of,
     vehicle,
     vehicle_looks,
@@ -25,7 +28,7 @@ from cityx.geometry.solids import open_groups, volumes_by_group
 SOME = [drawn_person(number) for number in range(12)]
 # Length, width and height of what is registered, metres: least and most.
 REAL = {
-    "car": ((3.9, 4.8), (1.7, 1.95), (1.35, 1.8)), "van": ((4.8, 5.4), (1.9, 2.1), (1.85, 2.1)),
+    "car": ((3.3, 4.8), (1.4, 1.95), (1.35, 1.92)), "van": ((3.3, 5.6), (1.4, 2.1), (1.75, 2.65)),
     "bus": ((11, 13), (2.5, 2.55), (2.9, 3.3)), "truck": ((7, 9), (2.4, 2.55), (3.2, 3.8)),
     "tram": ((13, 16), (2.3, 2.65), (3.0, 3.6)), "bicycle": ((1.6, 1.9), (0.5, 0.7), (1.6, 1.9)),
     "motorcycle": ((1.8, 2.2), (0.65, 0.8), (1.5, 1.8)),
@@ -64,13 +67,25 @@ def test_a_vehicle_is_of_closed_solids_of_known_materials(look):
 
 
 def test_every_kind_has_looks_and_every_look_a_kind():
-    looks = {look: kind for kind, shares in VEHICLE_LOOKS.items() for look, _ in shares}
+    places = ("", *CAR_SHARES)
+    looks = {look: kind for kind in REAL for place in places for look, _ in looks_of(kind, place)}
     assert set(looks) == set(vehicle_looks())
     assert all(vehicle(look).kind == kind for look, kind in looks.items())
     for look in looks:
         colors, shares = paints_of(look)
         assert shares.sum() == pytest.approx(1.0)
         assert ((colors >= 0) & (colors * 0.8 <= 1.0)).all()
+
+
+def test_plates_of_a_place_make_no_other_vehicle():
+    look = registered("car_sedan", "british isles", 2)
+    assert look == "car_sedan_gb2"
+    assert registered("truck", "british isles", 2) == "truck"
+    assert vehicle(look).size == vehicle("car_sedan").size
+    assert kind_of(look) == kind_of("car_sedan")
+    assert np.array_equal(paints_of("car_black_cab_gb1")[0], paints_of("car_black_cab")[0])
+    with pytest.raises(UsageError, match='No vehicle looks like "car_sedan_zz9"'):
+        vehicle("car_sedan_zz9")
 
 
 @pytest.mark.parametrize("gait", ["walk", "run"])

@@ -1,17 +1,25 @@
 import numpy as np
 import pytest
 
+from cityx.assets.car_bodies import BODIES, CAR_SHARES, VAN_SHARES
+from cityx.assets.car_faces import front, rear
 from cityx.assets.materials import MATERIALS
-from cityx.assets.vehicles import BODIES, BODY_SHARES, PAINT_SHARES, PAINTS, car
+from cityx.assets.number_plates import COUNTRIES, PLATES, number_plate
+from cityx.assets.shapes import fine_shapes, prototype
+from cityx.assets.vehicles import PAINT_SHARES, PAINTS, car
 
 
 @pytest.mark.parametrize("name", BODIES)
 def test_a_car_has_real_size_and_stands_on_its_wheels(name):
     mesh = car(name).mesh
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    assert 3.9 < high[1] - low[1] < 5.3
-    assert 1.6 < high[0] - low[0] < 2.25
-    assert 1.35 < high[2] < 2.1
+    assert 3.3 < high[1] - low[1] < 5.6
+    assert 1.4 < high[0] - low[0] < 2.25
+    assert 1.35 < high[2] < 2.6
+    if BODIES[name].kei:  # what the class may measure at most
+        assert high[1] - low[1] <= 3.45
+        assert BODIES[name].width <= 1.48
+        assert high[2] <= 2.0
     assert low[2] == pytest.approx(0.0, abs=0.01)
 
 
@@ -28,8 +36,63 @@ def test_a_car_is_the_same_left_and_right(name):
     assert x.min() == pytest.approx(-x.max(), abs=1e-4)
 
 
+@pytest.mark.parametrize(("table", "kind"), [(CAR_SHARES, "car"), (VAN_SHARES, "van")])
+def test_every_place_has_its_share_of_known_bodies(table, kind):
+    for shares in table.values():
+        assert sum(share for _, share in shares) == pytest.approx(1.0)
+        assert {BODIES[name].kind for name, _ in shares} == {kind}
+    assert "black_cab" in dict(CAR_SHARES["british isles"])
+    assert not {"kei_car", "tall_taxi"} & set(dict(CAR_SHARES[""]))
+
+
+def plate_of(country, number, *, rear=False, kei=False):
+    with fine_shapes():
+        parts = number_plate(country, number, 2.0, 0.5, rear=rear, kei=kei)
+        return prototype("plate", "vehicle", parts).mesh
+
+
+@pytest.mark.parametrize("country", PLATES)
+def test_plates_differ_from_number_to_number_and_look_away_from_the_car(country):
+    found = [plate_of(country, number) for number in range(3)]
+    assert len({mesh.vertices.tobytes() for mesh in found}) == 3
+    wide, high = PLATES[country].size
+    for mesh, y in ((found[0], -2.0), (plate_of(country, 0, rear=True), 2.0)):
+        low, top = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+        assert top[0] - low[0] == pytest.approx(wide, abs=1e-3)
+        assert top[2] - low[2] == pytest.approx(high, abs=1e-3)
+        assert np.abs((low[1], top[1])).max() == pytest.approx(abs(y), abs=0.03)
+        assert np.sign(low[1]) == np.sign(top[1]) == np.sign(y)
+
+
+def test_plates_have_the_colours_of_their_country():
+    def ground(country, **options):
+        return plate_of(country, 0, **options).tint[0]
+
+    assert ground("gb").tolist() == ground("jp").tolist() == [1.0, 1.0, 1.0]
+    red, green, blue = ground("gb", rear=True)
+    assert red > green > 4 * blue  # yellow behind
+    assert ground("jp", kei=True)[2] < 0.1
+    assert set(COUNTRIES.values()) <= set(PLATES)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_the_makes_of_a_body_differ_before_or_behind(name):
+    body = BODIES[name]
+    faces = dict.fromkeys(body.faces)
+    with fine_shapes():
+        looks = [front(body, face, "", 0) + rear(body, face, "", 0) for face in faces]
+    shapes = {b"".join(mesh.vertices.tobytes() for mesh in look) for look in looks}
+    assert len(shapes) == len(faces)
+
+
+def test_a_car_of_one_country_and_number_is_always_the_same():
+    make = car.__wrapped__.__wrapped__  # neither remembered nor kept
+    made = [make("estate", detail=3, country="gb", number=1) for _ in range(2)]
+    assert made[0].mesh.vertices.tobytes() == made[1].mesh.vertices.tobytes()
+    assert made[0].name == "car_estate_gb1_fine"
+
+
 def test_shares_are_of_a_whole_and_colours_physical():
     assert PAINT_SHARES.sum() == pytest.approx(1.0)
-    assert BODY_SHARES.sum() == pytest.approx(1.0)
     assert PAINT_SHARES[:4].sum() > 0.7  # white, black, grey and silver
     assert np.all((PAINTS >= 0) & (PAINTS * 0.8 <= 1.0))

@@ -11,6 +11,7 @@ from cityx.city import City
 from cityx.city.tracks import MOVER, Tracks, join_tracks, no_tracks
 from cityx.plugins.dynamic.halts import halts_of
 from cityx.plugins.dynamic.vehicles import looks_of_kinds, movers_of
+from cityx.plugins.nature.street_rules import place_of
 from cityx.plugins.road.lanes import lanes
 from cityx.protocol import Port, Range, action, has_network
 from cityx.traffic.demand import PER_KM, demand_of, per_km_at
@@ -94,14 +95,15 @@ def traffic(
     hour = city.environment.hour if hour is None else hour
     city = city if city.lanes is not None else lanes(city)
     streets = streets_of(city, halts_of(city))
+    place = place_of(city)
     demand = demand_of(
-        city, streets, looks_of_kinds(), hour=hour, seconds=WARM + duration, purpose=ACTION,
+        city, streets, looks_of_kinds(place), hour=hour, seconds=WARM + duration, purpose=ACTION,
         per_km=_per_km(city, density, per_km, hour),
     )  # fmt: skip
     run = Run(demand.looks, demand.groups, barred=demand.barred, tight=demand.tight,
               duration=duration, seed=city.seed)  # fmt: skip
     trips = tuple(trip for group in demand.groups for trip in group.trips)
-    movers = movers_of(trips, demand.looks, city.seed)
+    movers = movers_of(trips, demand.looks, city.seed, place)
     found = driven(city, streets, run, movers, ACTION, kept)
     notes = tuple(note for note in city.notes if not note.startswith("traffic: "))
     changed = with_tracks(city, kept, found.tracks)

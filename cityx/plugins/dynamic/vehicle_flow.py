@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.movers import VEHICLE_LOOKS, size_of
+from cityx.assets.movers import looks_of, size_of
 from cityx.checks.movement import EVERY, Scene, overlapping
 from cityx.checks.predicates.words import ROAD_CLASSES
 from cityx.city import City
@@ -22,6 +22,7 @@ from cityx.geometry.chains import components
 from cityx.plugins.dynamic.halts import halts_of
 from cityx.plugins.dynamic.traffic import held_tracks, told, with_tracks
 from cityx.plugins.dynamic.vehicles import movers_of
+from cityx.plugins.nature.street_rules import place_of
 from cityx.plugins.road.lanes import lanes
 from cityx.plugins.road.marks import RANK
 from cityx.protocol import Port, Range, Serves, Text, action, has_network
@@ -99,7 +100,7 @@ def vehicle_flow(
     city = city if city.lanes is not None else lanes(city)
     streets = streets_of(city, halts_of(city))
     net = Drivable(city, streets)
-    look = _look(kind, speed)
+    look = _look(kind, speed, place_of(city))
     ids = flow_ids(city.seed, f"{ACTION}/{kind}/{along}/{start}/{goal}/{speed}", count or USUAL)
     held = held_tracks(city)
     kept = held.take(~np.isin(held.object_id, ids))
@@ -127,7 +128,7 @@ def _with_trips(
     best: tuple[int, City] | None = None
     for _ in range(ROUNDS):
         own = replace(run, trips=trips(tried))
-        movers = movers_of(own.trips, own.looks, city.seed)
+        movers = movers_of(own.trips, own.looks, city.seed, place_of(city))
         found = driven(city, streets, own, movers, ACTION, kept)
         changed = with_tracks(city, kept, found.tracks)
         hit = _in_the_way(changed, kept)
@@ -156,8 +157,8 @@ def _in_the_way(city: City, kept: Tracks) -> list[int]:
     return [int(own) for own in np.unique(tracks.object_id[met[new[met]]])]
 
 
-def _look(kind: str, speed: float | None) -> Look:
-    name = VEHICLE_LOOKS[kind][0][0]
+def _look(kind: str, speed: float | None, place: str) -> Look:
+    name = looks_of(kind, place)[0][0]
     return Look(name, kind, size_of(name), speed, speed or 0.0)
 
 

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.movers import VEHICLE_LOOKS, paints_of, size_of
+from cityx.assets.movers import VARIANTS, looks_of, paints_of, registered, size_of
 from cityx.city.city import City
 from cityx.errors import ActionFailed
 from cityx.geometry.courses import course, paces
@@ -17,6 +17,7 @@ from cityx.plugins.dynamic.feasible import check_drive
 from cityx.plugins.dynamic.paths import find_path
 from cityx.plugins.dynamic.processions import Cast, new_ids, procession
 from cityx.plugins.dynamic.walkways import drivable
+from cityx.plugins.nature.street_rules import place_of
 from cityx.plugins.road.curves import FARTHEST
 from cityx.protocol import Choice, Points, Port, Range, Way, action, has_ground
 
@@ -103,7 +104,8 @@ def add_vehicles(
     line = drivable(city, find_path(city, path))
     check_drive(city, line.line, line.name)
     pace = SPEEDS[kind] if speed is None else speed
-    looks, shares = zip(*VEHICLE_LOOKS[kind], strict=True)
+    place = place_of(city)
+    looks, shares = zip(*looks_of(kind, place), strict=True)
     apart = max(size_of(look)[0] for look in looks) + HEADWAY * pace
     most = min(max(1, int(line.line.length / apart)), MOST)
     if count > most:
@@ -114,7 +116,13 @@ def add_vehicles(
         )
     way = course(line.points, closed=line.closed, slack=SLACK, spacing=SPACING)
     ids = np.array(new_ids(city, ACTION, line.name, count), np.uint64)
-    look = [looks[i] for i in choose(city.seed, f"{ACTION}/look", ids, shares).tolist()]
+    variant = choose(city.seed, f"{ACTION}/variant", ids, [1.0] * VARIANTS).tolist()
+    look = [
+        registered(looks[chosen], place, number)
+        for chosen, number in zip(
+            choose(city.seed, f"{ACTION}/look", ids, shares).tolist(), variant, strict=True
+        )
+    ]
     begins = spread(city.seed, line, count, apart, ACTION) * way.length / line.line.length
     cast = Cast(
         tuple(look), _paints(city, ids, look), begins, "ride", ACTION, line.name, line.roads

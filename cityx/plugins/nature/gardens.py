@@ -26,7 +26,16 @@ from cityx.protocol import Port, action
 ACTION = "nature/gardens-v1"
 LAYER = "garden_paths"
 SOFT = ("block", "grass", "park", "meadow", "bare")
-PAVED = (*WALKED, "carriageway", "setts", "gutter", "gravel_road", "parking", "junction")
+PAVED = (
+    *WALKED,
+    "carriageway",
+    "setts",
+    "gutter",
+    "parking_lane",
+    "gravel_road",
+    "parking",
+    "junction",
+)
 REACH = 28.0  # metres a path is long at most
 LEAST = 1.0  # metres; a door nearer to the pavement needs none
 SIDES = 5  # directions that are tried, the door's own first

@@ -35,8 +35,8 @@ from cityx.protocol import Port, action
 
 ACTION = "nature/shores-v1"
 LAYER = "shore_pieces"
-HARD = ("sidewalk", "kerb", "plaza", "courtyard", "carriageway", "setts", "gutter", "junction",
-        "parking", "railway", "marking")  # fmt: skip
+HARD = ("sidewalk", "kerb", "plaza", "courtyard", "carriageway", "setts", "gutter",
+        "parking_lane", "junction", "parking", "railway", "marking")  # fmt: skip
 PEDESTRIAN = ("sidewalk", "kerb", "plaza", "courtyard", "path", "trail", "furnishing", "edging",
               "frontage")  # fmt: skip
 INLAND = 3.0  # metres from the shore within which paving makes it a quay

@@ -47,7 +47,16 @@ RAYS = 16  # directions in which the walk about a trunk is measured
 LEAST_WIDTH = 0.1  # share of its grown width to which a crown beside a wall is drawn in at most
 TALLEST = 2.3  # height over width, as shares of the grown tree, of a crown in a narrow place
 # Surfaces of the ground on which no trunk stands, whatever the map says.
-TREELESS = ("carriageway", "setts", "gutter", "junction", *PAINT, "tramway", "water")
+TREELESS = (
+    "carriageway",
+    "setts",
+    "gutter",
+    "parking_lane",
+    "junction",
+    *PAINT,
+    "tramway",
+    "water",
+)
 WATER = ("water", "sea", "river", "pool")
 OPEN_AREAS = (*WATER, "pitch", "parking", "road_area", "railway", "playground", "pier",
               "construction", "farmland", "sand")  # fmt: skip

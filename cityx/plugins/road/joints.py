@@ -24,8 +24,9 @@ BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 
 LAID = ("sidewalk", "ramp", "landing", "tactile", "tactile_pale", "tactile_buff", "tactile_red",
-        "furnishing", "edging", "setts", "gutter", "frontage")  # fmt: skip
-FROM_KERB = ("sidewalk", "ramp", "landing", "furnishing", "gutter")  # laid from the kerb on
+        "furnishing", "edging", "setts", "gutter", "parking_lane", "frontage")  # fmt: skip
+# Laid from the kerb on.
+FROM_KERB = ("sidewalk", "ramp", "landing", "furnishing", "gutter", "parking_lane")
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 LAP = np.radians(12.0)  # of turn after which the courses along a curve begin anew
 PAST = 0.1  # metres that a seam reaches beyond the walk, so that rounding leaves none short

@@ -12,7 +12,7 @@ from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.section import KIND
 from cityx.geometry.arrangement import Regions, join_regions, regions
-from cityx.geometry.polylines import every, line_strips, pieces, to_linestrings
+from cityx.geometry.polylines import line_strips, pieces, to_linestrings
 from cityx.plugins.road.arrows import lane_symbols
 from cityx.plugins.road.box_junctions import box_junctions
 from cityx.plugins.road.carriageway import Carriageway
@@ -21,6 +21,7 @@ from cityx.plugins.road.centre_marks import centre_marks
 from cityx.plugins.road.guides import guide_lines
 from cityx.plugins.road.halts import halt_lines
 from cityx.plugins.road.junction_ways import junction_ways
+from cityx.plugins.road.kerb_bays import bay_marks, runs_of
 from cityx.plugins.road.kerb_lines import corner_lines, kerb_lines
 from cityx.plugins.road.lane_lines import LONG_DASH, lane_lines, partings_of
 from cityx.plugins.road.marks import (
@@ -32,7 +33,6 @@ from cityx.plugins.road.marks import (
     Marks,
     Shapes,
     Street,
-    boxes,
     hatched,
     lane_count,
     together,
@@ -43,7 +43,6 @@ from cityx.plugins.road.through_roads import through_roads
 from cityx.plugins.road.turn_guides import crossing_boxes, turn_guides
 from cityx.plugins.road.zebras import Zebras, crossing_rows, zebra_bars
 
-BAY = 5.5  # metres, length of a parking bay
 WIDE = 7.0  # metres; a narrower residential street has lines only if the map tells its lanes
 EDGE_INSET = 0.35  # metres from the carriageway's edge to its edge line
 TOWN_INSET = 0.5  # metres, the same between kerbs, beside the gutter
@@ -94,12 +93,15 @@ def marking_regions(
     bars, crossing = zebra_bars(street, zebras, road)
     halts = halt_lines(street, urban, painting, through, road)
     white = [
-        _edge_lines(street, urban & np.isin(kind, LONG_DASH), np.full(len(kind), EDGE_INSET)),
+        _edge_lines(street, urban & np.isin(kind, LONG_DASH), np.full(len(kind), EDGE_INSET), LINE),
         _edge_lines(
-            street, _lined(street, urban & kerbed & painting.edge_lines), _town_insets(street)
+            street,
+            _lined(street, urban & kerbed & painting.edge_lines),
+            _town_insets(street),
+            painting.edge_line,
         ),
         lane_symbols(street, urban, one_way=painting.one_way_arrows, diamonds=painting.diamonds),
-        _parking_bays(street, painted & bays),
+        _parking_lanes(street, painted & bays, painting.parking),
     ]
     kerbs = kerb_lines(street, urban & kerbed & painting.yellow_kerbs)
     marks, edge = together([lines, bars, halts, *white, kerbs])
@@ -170,7 +172,7 @@ def _town_insets(street: Street) -> FloatArray:
     )
 
 
-def _edge_lines(street: Street, chosen: BoolArray, inset: FloatArray) -> Marks:
+def _edge_lines(street: Street, chosen: BoolArray, inset: FloatArray, width: float) -> Marks:
     """Paint lines along both sides of roads; a shoulder has its line where it meets a lane."""
     network, lines, bands = street.network, street.lines, street.bands
     begin, end = street.free
@@ -183,20 +185,16 @@ def _edge_lines(street: Street, chosen: BoolArray, inset: FloatArray) -> Marks:
         edge = np.flatnonzero(usual & ~with_shoulder)
         solid = pieces(lines, edge, begin[edge], end[edge])
         lateral = sign * (network.half_width - inset)[edge]
-        shapes.append(line_strips(solid, lateral, LINE))
+        shapes.append(line_strips(solid, lateral, width))
         edges.append(edge)
     return np.concatenate(shapes), np.concatenate(edges)
 
 
-def _parking_bays(street: Street, chosen: BoolArray) -> Marks:
+def _parking_lanes(street: Street, chosen: BoolArray, style: str) -> Marks:
+    """Paint the lanes of parked cars on the chosen edges."""
     bands = street.bands
-    begin, end = street.free
-    rows = np.flatnonzero((bands.kind == KIND["parking"]) & chosen[bands.edge])
-    which, along = every((end - begin)[bands.edge[rows]], BAY, 4.0)
-    rows = rows[which]
-    edge = bands.edge[rows]
-    return boxes(street.lines, edge, begin[edge] + along, bands.middle[rows], LINE,
-                 bands.width[rows] - 0.1)  # fmt: skip
+    runs = runs_of(street.network, bands.take(chosen[bands.edge]))
+    return bay_marks(street.lines, runs, style)
 
 
 def _red_lanes(street: Street, chosen: BoolArray) -> Regions:

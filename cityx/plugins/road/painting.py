@@ -122,6 +122,11 @@ class Painting:
         Whether lozenges tell of zebras ahead.
     gutters
         Whether stones lie along kerbs, rather than asphalt up to them.
+    parking
+        What marks lanes of parked cars on asphalt: lines between "stalls", a broken "outline" of
+        each row, or one "line" along it.
+    edge_line
+        Metres of breadth of the lines along the sides of streets between kerbs.
     """
 
     yellow_centre: bool = False
@@ -142,6 +147,8 @@ class Painting:
     centre_marks: bool = False
     diamonds: bool = False
     gutters: bool = True
+    parking: str = "stalls"
+    edge_line: float = 0.12
 
 
 def painting_of(frame: Frame) -> Painting:
@@ -173,4 +180,6 @@ def painting_of(frame: Frame) -> Painting:
         centre_marks=within(JAPAN),
         diamonds=within(JAPAN),
         gutters=not british,
+        parking="outline" if british else "line" if within(GERMANY) else "stalls",
+        edge_line=0.15 if within(JAPAN) else 0.12,
     )

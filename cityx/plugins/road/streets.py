@@ -47,7 +47,7 @@ def street_regions(
     mouths = mouth_crossings(street, painted)
     found = join_regions([
         carriageway_regions(layout, network, chosen, road),
-        strip_regions(layout, network, chosen, gutters=painting.gutters),
+        strip_regions(layout, network, bands, chosen, gutters=painting.gutters),
         threshold_regions(layout, network, chosen),
         verge_regions(network, bands),
         marking_regions(street, zebras, painted, road, painting),

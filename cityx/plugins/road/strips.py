@@ -25,8 +25,10 @@ from cityx.plugins.road.carriageway_regions import (
     kerbed_edges,
     road_labels,
 )
+from cityx.plugins.road.kerb_bays import runs_of
 from cityx.plugins.road.marks import boxes
 from cityx.plugins.road.network import junction_clusters
+from cityx.plugins.road.sections import Bands
 
 GUTTER = 0.32  # metres; two courses of stones
 GUTTERED = ("primary", "secondary", "tertiary", "residential", "unclassified", "living_street")
@@ -38,18 +40,22 @@ STRIP = 1.0  # metres
 BEFORE = 2.5  # metres that the strip ends before a junction
 ZEBRA = 5.0  # metres more where a crossing lies there
 SHORTEST = 4.0  # metres
+ROW = 0.16  # metres of the row of stones before a lane of parked cars
 THRESHOLD = 0.3  # metres of stones across a carriageway
 
 
 def strip_regions(
-    layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bool_], *, gutters: bool = True
-) -> Regions:
-    """Return gutters and strips for furniture beside the edges that lie on the ground.
+    layout: Layout, network: RoadNetwork, bands: Bands, on_ground: NDArray[np.bool_], *,
+    gutters: bool = True,
+) -> Regions:  # fmt: skip
+    """Return gutters, lanes of parked cars and strips for furniture beside edges on the ground.
 
     Parameters
     ----------
     layout, network
         The layout and its road network.
+    bands
+        Its cross-sections.
     on_ground
         (e,) bool, edges that do not run on decks.
     gutters
@@ -76,6 +82,26 @@ def strip_regions(
         lateral = sign * (network.half_width + KERB_WIDTH + STRIP / 2)
         priority = SURFACES[LABEL["furnishing"]].priority
         found.append(edge_strips(network, edges, lateral, STRIP, "furnishing", priority, BEFORE))
+    stone = road_labels(roads["surface"].to_numpy())[row] == LABEL["setts"]
+    return join_regions([*found, _stone_lanes(network, bands, street & stone)])
+
+
+def _stone_lanes(network: RoadNetwork, bands: Bands, chosen: NDArray[np.bool_]) -> Regions:
+    """Lay lanes of parked cars beside setts with small stones, behind a row of large ones."""
+    runs = runs_of(network, bands.take(chosen[bands.edge]))
+    middle = to_linestrings(pieces(network.lines, runs.edge, runs.low, runs.high))
+    middle = shapely.simplify(middle, FINE)
+    outer = runs.kerb - runs.side * GUTTER
+    inner = runs.road + runs.side * ROW
+    found = []
+    for label, one, other in (("parking_lane", outer, inner), ("threshold", inner, runs.road)):
+        for width in np.unique(np.round(np.abs(one - other), 3)).tolist():
+            rows = np.flatnonzero((np.round(np.abs(one - other), 3) == width) & (width > 0))
+            if not len(rows):
+                continue
+            strips = line_strips(pack(middle[rows]), ((one + other) / 2)[rows], width)
+            strips = strips[shapely.is_valid(strips)]
+            found.append(regions(strips, LABEL[label], GUTTER_PRIORITY))
     return join_regions(found)
 
 

@@ -120,7 +120,9 @@ def vans_of(city):
     """Places of the vans among the cars along kerbs when every bay is taken."""
     found = parked_cars(city, occupancy=1.0, lots=0.0)
     rows = found.scene.instances["vehicles"]
-    van = np.array(["van" in found.scene.prototypes[i].name for i in rows.prototype])
+    # Small vans stand where cars do.
+    names = [found.scene.prototypes[i].name for i in rows.prototype]
+    van = np.array([name.startswith(("car_van", "car_delivery_van")) for name in names])
     return rows.position[van, :2]
 
 

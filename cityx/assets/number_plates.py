@@ -1,0 +1,133 @@
+"""Number plates in the shapes and colours of their countries; what they say is invented.
+
+No plate says what an authority may have issued: every series is one that the country has not, as
+letters before the wrong number of figures.
+
+References
+----------
+Council Regulation (EC) 2411/98, recognition of the distinguishing sign of a member state.
+The Road Vehicles (Display of Registration Marks) Regulations 2001 (United Kingdom).
+Ministry of Land, Infrastructure, Transport and Tourism, form of number plates: 330 by 165 mm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from cityx.assets.lettering import word
+from cityx.assets.shapes import WHITE, Color, bevelled, box, is_fine, moved, tinted
+from cityx.city.mesh import MeshBatch
+
+DEEP = 0.02  # metres
+_YELLOW: Color = (0.95, 0.62, 0.05)
+_BLUE: Color = (0.01, 0.06, 0.42)
+_GREEN: Color = (0.0, 0.16, 0.07)
+_BLACK: Color = (0.02, 0.02, 0.02)
+
+
+@dataclass(frozen=True)
+class Plate:
+    """Plates of a country.
+
+    Attributes
+    ----------
+    size
+        Breadth and height, metres.
+    front, rear
+        Linear colour of the ground.
+    ink
+        Linear colour of what is written.
+    band
+        Whether a blue band runs down its left end.
+    rows
+        What is written, by number of the variant: lines from above.
+    """
+
+    size: tuple[float, float]
+    front: Color
+    rear: Color
+    ink: Color
+    band: bool
+    rows: tuple[tuple[str, ...], ...]
+
+
+_JAPAN = (("見本 48", "・・ 20"), ("見本 30", "2-046"), ("見本 51", "・ 713"))
+PLATES: Mapping[str, Plate] = MappingProxyType(
+    {
+        "eu": Plate((0.52, 0.11), WHITE, WHITE, _BLACK, True,
+                    (("CX 20486",), ("QX 73051",), ("XC 18394",))),
+        "gb": Plate((0.52, 0.11), WHITE, _YELLOW, _BLACK, False,
+                    (("CX4 8ZQ",), ("QX9 3YX",), ("XQ7 1CX",))),
+        "us": Plate((0.305, 0.152), WHITE, WHITE, _BLUE, False,
+                    (("CX 204 867",), ("QX 730 512",), ("XC 183 940",))),
+        "jp": Plate((0.33, 0.165), WHITE, WHITE, _GREEN, False, _JAPAN),
+        "jk": Plate((0.33, 0.165), _YELLOW, _YELLOW, _BLACK, False, _JAPAN),
+        "": Plate((0.52, 0.11), WHITE, WHITE, _BLACK, False,
+                  (("CX 2048",), ("QX 7305",), ("XC 1839",))),
+    }
+)  # fmt: skip
+# What countries put on cars, by kind of place.
+COUNTRIES: Mapping[str, str] = MappingProxyType(
+    {
+        "british isles": "gb", "japan": "jp", "north america": "us", "mediterranean": "eu",
+        "northern/central europe": "eu",
+    }
+)  # fmt: skip
+
+
+def number_plate(
+    country: str, number: int, y: float, z: float, *, rear: bool = False, kei: bool = False
+) -> list[MeshBatch]:
+    """Make a plate that looks ahead, or to the rear.
+
+    Parameters
+    ----------
+    country
+        A key of `PLATES`.
+    number
+        Of the variant.
+    y, z
+        Metres: the face that it is fixed on, and its middle.
+    rear
+        Whether it is the one behind.
+    kei
+        Whether it is that of a small car, which Japan tells apart.
+    """
+    style = PLATES["jk" if kei and country == "jp" else country]
+    wide, high = style.size[0] / 2, style.size[1] / 2
+    face, ground = -abs(y) - 0.012, style.rear if rear else style.front
+    low, top = (-wide, face, z - high), (wide, face + DEEP, z + high)
+    parts = [bevelled(low, top, "plastic", ground, bevel=0.003) if is_fine()
+             else box(low, top, "plastic", ground)]  # fmt: skip
+    if is_fine():
+        start = -wide
+        if style.band:
+            start += 0.045
+            low, top = (
+                (-wide + 0.003, face - 0.0015, z - high + 0.003),
+                (start, face, z + high - 0.003),
+            )
+            parts.append(box(low, top, "plastic", _BLUE))
+        parts += _written(style, number, (start, wide), z, face)
+    return [moved(part, yaw=np.pi) for part in parts] if rear else parts
+
+
+def _written(
+    style: Plate, number: int, span: tuple[float, float], z: float, face: float
+) -> list[MeshBatch]:
+    """Write the lines of a plate: one fills it, of two the lower is the larger."""
+    lines = style.rows[number % len(style.rows)]
+    high = style.size[1] / 2
+    edges = [(z - 0.72 * high, z + 0.72 * high)]
+    if len(lines) == 2:
+        edges = [(z + 0.36 * high, z + 0.86 * high), (z - 0.84 * high, z + 0.20 * high)]
+    middle, reach = (span[0] + span[1]) / 2, 0.44 * (span[1] - span[0])
+    made = []
+    for text, (low, top) in zip(lines, edges, strict=True):
+        for letter in word(text, reach, low, top, face, "plastic", deep=0.002):
+            made.append(moved(tinted(letter, style.ink), (middle, 0.0, 0.0)))
+    return made
