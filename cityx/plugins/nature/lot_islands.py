@@ -5,36 +5,22 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from cityx.assets.tree_pits import ISLAND, LOT_ISLAND, pit
+from cityx.assets.tree_pits import LOT_ISLAND, pit
 from cityx.city import City, Instances, Prototype
-from cityx.city.ground import LABEL
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.scatter import Points
 from cityx.geometry.standing import stand_on
 from cityx.plugins.nature import climate
-from cityx.plugins.nature.pieces import front
 from cityx.plugins.nature.stands import Stand, draw_species, stand_of
-from cityx.plugins.road.bays import Bays, lot_islands
+from cityx.plugins.road.bays import lot_islands
 
 PURPOSE = "nature/lot_islands"
 TALL = (5.5, 9.0)  # metres; their crowns leave headroom over the bays beside them
 
 
-def _standing(city: City) -> Bays:
-    """Return the islands that lie on the surface of their car park, whole, and not on a way."""
-    islands = lot_islands(city)
-    ahead = front(islands.yaw)
-    right = np.column_stack([-ahead[:, 1], ahead[:, 0]])
-    wide, long = np.array(ISLAND) / 2
-    corners = [islands.xy + i * wide * right + j * long * ahead
-               for i in (-1, 1) for j in (-1, 0, 1)]  # fmt: skip
-    under = stand_on(city.scene.meshes.get("ground"), np.concatenate(corners)).label
-    return islands.take((under.reshape(len(corners), -1) == LABEL["parking"]).all(axis=0))
-
-
 def island_stands(city: City) -> list[Stand]:
     """Plant a tree in the middle of every island; all trees of a car park are of one species."""
-    islands = _standing(city)
+    islands = lot_islands(city)
     if not len(islands.id):
         return []
     low, high = TALL
@@ -52,7 +38,7 @@ def island_stands(city: City) -> list[Stand]:
 
 def island_rows(city: City) -> tuple[Prototype, Instances] | None:
     """Return the islands themselves, as rows of their one prototype; None where there is none."""
-    islands = _standing(city)
+    islands = lot_islands(city)
     count = len(islands.id)
     if not count:
         return None

@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.tree_pits import ISLAND
 from cityx.city import City
 from cityx.city.ground import LABEL
 from cityx.geometry.clearance import near_any
@@ -93,17 +94,25 @@ def lot_bays(city: City) -> Bays:
 
     Of large car parks some places are islands, see `lot_islands`.
     """
-    bays, island = _laid(city)
-    return bays.take(~island)
+    bays = _laid(city)[0]
+    return bays.take(~np.isin(bays.id, lot_islands(city).id))
 
 
 def lot_islands(city: City) -> Bays:
     """Return the places of bays at which islands with a tree lie.
 
-    They are the ends of rows of large car parks, and some places between.
+    They are the ends of rows of large car parks, and some places between, where all of the island
+    lies on the surface of its car park and none on a way.
     """
     bays, island = _laid(city)
-    return bays.take(island)
+    islands = bays.take(island)
+    ahead = np.column_stack([np.sin(islands.yaw), -np.cos(islands.yaw)])
+    right = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    wide, long = np.array(ISLAND) / 2
+    corners = [islands.xy + i * wide * right + j * long * ahead
+               for i in (-1, 1) for j in (-1, 0, 1)]  # fmt: skip
+    under = stand_on(city.scene.meshes.get("ground"), np.concatenate(corners)).label
+    return islands.take((under.reshape(len(corners), -1) == LABEL["parking"]).all(axis=0))
 
 
 def _island_places(lot: IntArray, row: IntArray, number: IntArray) -> BoolArray:
