@@ -1,4 +1,4 @@
-"""Tree pits as prototypes: a square opening in the paving about a trunk."""
+"""Tree pits as prototypes: a square opening in the paving about a trunk, or an island."""
 
 from __future__ import annotations
 
@@ -24,6 +24,8 @@ TOP = 0.012  # metres above it, enough to hide the paving beneath
 
 STRIP, STRIP_HALF = 1.6, 0.28  # metres, length of a strip between trees and half its breadth
 HEDGE = 0.46  # metres, height of the clipped bushes of a strip
+ISLAND, ISLAND_KERB = (2.3, 4.6), 0.14  # metres, of an island and the breadth of its kerb
+COVER = 420  # plants on it
 SPRAYS = 640  # leaf cards on them
 
 Shapes = list[MeshBatch]
@@ -124,6 +126,33 @@ def _staked() -> Shapes:
     return parts
 
 
+def _island() -> Shapes:
+    """Island of a car park, a bay in size: kerb stones about soil with low ground cover."""
+    half = np.array(ISLAND) / 2
+    inn = half - ISLAND_KERB
+    parts: Shapes = []
+    for sign in (-1.0, 1.0):
+        for low, high in (
+            ((-half[0], min(sign * half[1], sign * inn[1])), (half[0], max(sign * half[1],
+                                                                           sign * inn[1]))),
+            ((min(sign * half[0], sign * inn[0]), -inn[1]), (max(sign * half[0], sign * inn[0]),
+                                                             inn[1])),
+        ):  # fmt: skip
+            parts.append(box((*low, DEEP), (*high, 0.13), "kerb_stone", bottom=False))
+    parts.append(box((*-inn, DEEP), (*inn, 0.10), "soil", bottom=False))
+    rng = rng_for(0, "assets/lot_island", 1)
+    place = rng.uniform(-1, 1, (COVER, 2)) * (inn - 0.08)
+    place = place[np.hypot(*place.T) > ROOT]
+    count = len(place)
+    up = np.column_stack([rng.normal(0, 0.7, (count, 2)), np.ones(count)])
+    along = up / np.linalg.norm(up, axis=1, keepdims=True) * rng.uniform(0.07, 0.15, (count, 1))
+    side = np.cross(along, rng.normal(size=(count, 3)))
+    side *= 0.06 / np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-6)
+    tint = rng.uniform(0.6, 1.2, (count, 1)) * [1.0, 1.0, 0.85]
+    centre = np.column_stack([place, 0.10 + 0.8 * along[:, 2]])
+    return [*parts, shapes.cards(centre, along, side, "leaf", tint)]
+
+
 PITS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {"tree_pit_open": _open, "tree_pit_flush": _flush, "tree_pit_grate": _grate}
 )
@@ -132,11 +161,11 @@ OTHERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {"tree_pit_planted": _planted, "tree_pit_staked": _staked}
 )
 
-TREE_STRIP = "tree_strip"
+TREE_STRIP, LOT_ISLAND = "tree_strip", "lot_island"
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=9)
 def pit(name: str) -> Prototype:
-    """Make a tree pit, one of `PITS` or `OTHERS`, about the trunk's place, or a `TREE_STRIP`."""
-    makers = {**PITS, **OTHERS, TREE_STRIP: _strip}
+    """Make one of `PITS` or `OTHERS` about the trunk's place, a `TREE_STRIP` or a `LOT_ISLAND`."""
+    makers = {**PITS, **OTHERS, TREE_STRIP: _strip, LOT_ISLAND: _island}
     return shapes.prototype(name, "furniture", makers[name]())

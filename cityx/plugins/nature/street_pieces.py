@@ -11,17 +11,16 @@ from numpy.typing import NDArray
 
 from cityx.assets.wall_pieces import HALVES
 from cityx.city import City
-from cityx.city.ground import KERB_WIDTH, LABEL, Ground
+from cityx.city.ground import LABEL, Ground
 from cityx.city.layout import in_town
 from cityx.city.outlines import placed_outlines
 from cityx.city.passage import crowding
-from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.clearance import distance_within, near_any
 from cityx.geometry.identity import choose, hash_ids, uniform
-from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.scatter import Points, candidates, cells_of_triangles, near_pairs, thin
 from cityx.geometry.standing import WALKED, stand_on
 from cityx.plugins.building.shop_names import shop_names
+from cityx.plugins.nature.corner_kerbs import at_corners, past_junctions
 from cityx.plugins.nature.forecourts import at_forecourts
 from cityx.plugins.nature.frontages import OWN_FRONTAGE, frontage_edges
 from cityx.plugins.nature.pieces import (
@@ -127,13 +126,7 @@ SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "
         "garden_shed": 1.75, "bin_store": 1.4, "pot_row": 0.8, "clothes_dryer": 1.35,
         "vegetable_bed": 1.25, "picnic_table": 1.1, "parking_board": 0.75, **HALVES,
         }  # fmt: skip
-# Bollards along the curves of kerbs at junctions: share of corners by place, metres between them,
-# behind the kerb, and of the longest curve (a longer one is no corner but a roundabout).
-CORNER_SHARE = {"british isles": 0.45, "japan": 0.3, "north america": 0.15}
-USUAL_CORNERS = 0.3
 BESIDE = 1.5  # metres between the bollards of a kerb
-CORNER_SPACING, FROM_CORNER, LONGEST_CORNER = 1.8, 0.35, 30.0
-BENT = 1.04  # length over chord from which a kerb is a corner, not the far side of a junction
 # Metres from the middle of a bay to its stop, and to the next bay; from a lot to its board.
 FROM_BAY, NEXT_BAY, BOARD_ASIDE = 2.62, 2.55, 1.4
 TO_WARES = 1.9  # metres that groups at walls keep from what shops put out
@@ -249,48 +242,6 @@ def _along_kerbs(city: City, site: _Site, density: float) -> tuple[Pieces, Float
         for shift in (-BESIDE, BESIDE)
     )]  # fmt: skip
     return join_pieces(placed), np.concatenate([sizes, sizes[posts], sizes[posts]])
-
-
-def _at_corners(city: City, site: _Site) -> Pieces:
-    """Bollards that keep wheels off the curves of kerbs at junctions, at some of the corners."""
-    ground = city.ground
-    assert ground is not None
-    curves = _corner_kerbs(ground)
-    long = shapely.length(curves)
-    ids = _ids_of_places(shapely.get_coordinates(shapely.line_interpolate_point(curves, long / 2)))
-    share = CORNER_SHARE.get(site.place, USUAL_CORNERS)
-    chosen = (uniform(city.seed, f"{ACTION}/corner", ids) < share) & (long < LONGEST_CORNER)
-    ends = [shapely.get_point(curves, number) for number in (0, -1)]
-    chosen &= long > BENT * shapely.distance(*ends)
-    lines, ids = pack(curves[chosen]), ids[chosen]
-    row, along = every(arc_lengths(lines)[1], CORNER_SPACING, CORNER_SPACING / 2)
-    foot, way = locate(lines, row, along)
-    out = np.column_stack([-way[:, 1], way[:, 0]])
-    # The walk lies on one side of the kerb, the junction on the other.
-    out = np.where(ground.on(foot + KERB_WIDTH / 2 * out, "junction")[:, None], -out, out)
-    xy = foot + (KERB_WIDTH + FROM_CORNER) * out
-    room = KERB_WIDTH + room_along(foot + KERB_WIDTH * out, out, site.rims, REACH)
-    fits = (room >= KERB_WIDTH + FROM_CORNER + CLEAR) & ground.on(xy, *WALKED)
-    nth = np.arange(len(row)) - np.searchsorted(row, row)
-    own = hash_ids(0, f"{ACTION}/corner", ids[row], nth)
-    return pieces("bollard", xy, own, yaw_facing(-out)).take(fits)
-
-
-def _corner_kerbs(ground: Ground) -> NDArray[Any]:
-    """(c,) lines at which the surfaces of junctions meet raised kerbs."""
-    left, right = ground.edge_faces.T.astype(np.int64)
-    joint, kerb = ground.labelled("junction"), ground.labelled("kerb")
-    inner = right != BEYOND
-    right = np.maximum(right, 0)
-    rim = inner & ((joint[left] & kerb[right]) | (joint[right] & kerb[left]))
-    edges = shapely.linestrings(ground.vertices[ground.edges[rim]])
-    return np.asarray(shapely.get_parts(shapely.line_merge(shapely.multilinestrings(edges))))
-
-
-def _ids_of_places(xy: FloatArray) -> NDArray[np.uint64]:
-    """(n,) ids of places, by the whole decimetre."""
-    cell = np.round(xy * 10).astype(np.int64).view(np.uint64)
-    return hash_ids(0, f"{ACTION}/place", cell[:, 0], cell[:, 1])
 
 
 def _labels(names: Any) -> list[int]:
@@ -547,7 +498,8 @@ def street_pieces(
             city = replace(city, scene=city.scene.with_mesh("wires", wires))
     site = replace(site, fixed=np.concatenate([site.fixed, posts.xy]))
     kerb, sizes = _along_kerbs(city, site, density)
-    corners = _at_corners(city, site)
+    corners = at_corners(city, site.rims, site.place)
+    past = past_junctions(city, site.rims, site.place, density)
     shops = _before_shops(city, site, density)
     open_ = _in_the_open(city, site, density)
     stops, boards = _car_parks(city) if site.place == "japan" else (join_pieces([]),) * 2
@@ -555,7 +507,7 @@ def street_pieces(
     walls = along_walls(city, site.rims, density) if site.place == "japan" else join_pieces([])
     groups = at_forecourts(city, site.rims, site.place, density)
     groups = groups.take(~near_any(groups.xy, shapely.points(shops.xy), TO_WARES))
-    rest = join_pieces([corners, shops, plots, open_, groups, boards, walls])
+    rest = join_pieces([corners, past, shops, plots, open_, groups, boards, walls])
     drawn = join_pieces([kerb, rest])
     other = np.array([SIZE.get(str(name), 0.5) for name in rest.name])
     half = np.concatenate([sizes, np.repeat(other[:, None], 2, axis=1)])

@@ -19,6 +19,7 @@ from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import to_linestrings
 from cityx.plugins.nature.furniture import lamp_places
+from cityx.plugins.nature.lot_islands import island_rows
 from cityx.plugins.nature.pieces import heights, room_along, walk_rims, ways_to_doors
 from cityx.plugins.nature.tree_room import CLIPPED, custom_of
 
@@ -35,7 +36,7 @@ TO_THINGS, TO_DOORS = 1.2, 1.5  # metres from it to what the map shows, to ways 
 
 
 def with_pits(city: City, trees: Instances) -> City:
-    """Put a pit under every tree that stands on paving.
+    """Put a pit under every tree that stands on paving, and islands into large car parks.
 
     Parameters
     ----------
@@ -45,13 +46,18 @@ def with_pits(city: City, trees: Instances) -> City:
         Rows of its trees, counting the scene's prototypes or the offered ones.
     """
     counted = replace(trees, prototype=city.scene.instances["trees"].prototype)
-    found = pits_of(city, counted)
-    if found is None:
+    found, islands = pits_of(city, counted), island_rows(city)
+    kinds, groups = ([], []) if found is None else (found[0], [found[1]])
+    if found is not None and custom_of(city.frame) == CLIPPED:
+        groups.append(_strips(city, found[1], trees.position[:, :2]))
+        kinds = [*kinds, pit(TREE_STRIP)]
+    if islands is not None:
+        made, rows = islands
+        groups.append(replace(rows, prototype=rows.prototype + len(kinds)))
+        kinds = [*kinds, made]
+    if not groups:
         return city
-    kinds, pits = found
-    if custom_of(city.frame) == CLIPPED:
-        strips = _strips(city, pits, trees.position[:, :2])
-        kinds, pits = [*kinds, pit(TREE_STRIP)], join_rows([pits, strips])
+    pits = join_rows(groups)
     return replace(city, scene=city.scene.with_instances("tree_pits", kinds, pits))
 
 

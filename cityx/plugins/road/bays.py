@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.tree_pits import ISLAND
 from cityx.city import City
 from cityx.city.ground import LABEL
 from cityx.geometry.clearance import near_any
@@ -21,6 +22,8 @@ from cityx.plugins.nature.street_rules import place_of
 from cityx.plugins.road.yards import BAY, STALL, yard_patches
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 LAYER = "bay_lines"
 PURPOSE = "road/parked_cars-v1"
@@ -28,6 +31,8 @@ AISLE = 6.0  # metres between two rows of bays
 CAR_RADIUS = 2.7  # metres, half the diagonal of a car
 SMALLEST_LOT = 60.0  # square metres
 MOST_STALLS = 4_000  # per car park; beyond, a mapping error rather than a car park
+# Bays of a car park with islands, of a row that has them at its ends, and from one to the next.
+LARGE_LOT, LEAST_RUN, ISLAND_EVERY = 36, 8, 9
 LINE, OVER = 0.10, 0.012  # metres, breadth of a line and its height above the asphalt
 WITHIN = 0.06  # metres by which a line keeps off the ends of its bay
 
@@ -85,13 +90,57 @@ def _none() -> Bays:
 
 
 def lot_bays(city: City) -> Bays:
-    """Lay double rows of bays along the long side of every car park of the map."""
+    """Lay double rows of bays along the long side of every car park of the map.
+
+    Of large car parks some places are islands, see `lot_islands`.
+    """
+    bays = _laid(city)[0]
+    return bays.take(~np.isin(bays.id, lot_islands(city).id))
+
+
+def lot_islands(city: City) -> Bays:
+    """Return the places of bays at which islands with a tree lie.
+
+    They are the ends of rows of large car parks, and some places between, where all of the island
+    lies on the surface of its car park and none on a way.
+    """
+    bays, island = _laid(city)
+    islands = bays.take(island)
+    ahead = np.column_stack([np.sin(islands.yaw), -np.cos(islands.yaw)])
+    right = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    wide, long = np.array(ISLAND) / 2
+    corners = [islands.xy + i * wide * right + j * long * ahead
+               for i in (-1, 1) for j in (-1, 0, 1)]  # fmt: skip
+    under = stand_on(city.scene.meshes.get("ground"), np.concatenate(corners)).label
+    return islands.take((under.reshape(len(corners), -1) == LABEL["parking"]).all(axis=0))
+
+
+def _island_places(lot: IntArray, row: IntArray, number: IntArray) -> BoolArray:
+    """(n,) which of some bays, by lot, row and number along it, are islands."""
+    large = np.isin(lot, np.flatnonzero(np.bincount(lot) >= LARGE_LOT)) if len(lot) else lot > 0
+    order = np.lexsort((number, row, lot))
+    key = np.stack([lot, row, number - np.arange(len(lot))[np.argsort(order)]], axis=1)[order]
+    starts = np.r_[True, (key[1:] != key[:-1]).any(axis=1)][: len(lot)]
+    run = np.cumsum(starts) - 1
+    first = np.flatnonzero(starts)
+    size = np.diff(np.r_[first, len(lot)])[run]
+    place = np.arange(len(lot)) - first[run]
+    ends = (place == 0) | (place == size - 1)
+    between = (place % ISLAND_EVERY == 0) & (place + ISLAND_EVERY // 2 < size)
+    found = np.zeros(len(lot), bool)
+    found[order] = (ends | between) & (size >= LEAST_RUN)
+    return np.asarray(found & large)
+
+
+def _laid(city: City) -> tuple[Bays, BoolArray]:
+    """Return the places of the bays of car parks, and which of them are islands."""
     areas = city.layout.areas
     rows = np.flatnonzero(areas["kind"].to_numpy().astype(str) == "parking")
     shapes = areas.geometry.to_numpy()[rows]
     big = shapely.area(shapes) > SMALLEST_LOT
     rows, shapes = rows[big], shapes[big]
     found: list[Bays] = []
+    where: list[IntArray] = []  # lot, row across it, and number along that
     for row, frame in zip(rows, shapely.oriented_envelope(shapes), strict=True):
         corner = shapely.get_coordinates(frame)
         if len(corner) < 4:
@@ -113,8 +162,10 @@ def lot_bays(city: City) -> Bays:
         way = np.tile(facing, len(along))[:, None] * v
         ids = hash_ids(0, f"{PURPOSE}/lot", key, np.arange(len(xy)))
         found.append(Bays(xy, ids, np.arctan2(way[:, 0], -way[:, 1])))
+        grid = np.indices(s.shape).reshape(2, -1)
+        where.append(np.stack([np.full(len(xy), len(found) - 1), grid[1], grid[0]]))
     if not found:
-        return _none()
+        return _none(), np.zeros(0, bool)
     bays = join_bays(found)
     inside = np.ones(len(bays.id), bool)
     ahead = 0.5 * STALL * np.column_stack([np.sin(bays.yaw), -np.cos(bays.yaw)])
@@ -128,7 +179,7 @@ def lot_bays(city: City) -> Bays:
     open_ = ~roads["tunnel"].to_numpy() & ~roads["bridge"].to_numpy()
     half = np.nan_to_num(roads["width"].to_numpy()[open_] / 2, nan=1.5)
     inside &= ~near_any(bays.xy, roads.geometry.to_numpy()[open_], np.fmin(half, 3.0) + 1.3)
-    return bays.take(inside)
+    return bays.take(inside), _island_places(*np.concatenate(where, axis=1)[:, inside])
 
 
 def yard_bays(city: City) -> Bays:

@@ -10,10 +10,12 @@ from cityx.assets.potted_plants import POT_ROWS
 from cityx.checks.furniture import check_furniture
 from cityx.city import Frame, make_table
 from cityx.city.ground import KERB_WIDTH
+from cityx.plugins.nature.corner_kerbs import LOW, past_junctions
 from cityx.plugins.nature.forecourts import DEEP, GROUPS, at_forecourts
 from cityx.plugins.nature.pieces import walk_rims
 from cityx.plugins.nature.street_pieces import LAYER, street_pieces
 from cityx.plugins.nature.street_rules import (
+    FRONT_LINE,
     FULL,
     KERB_RULES,
     MORE,
@@ -94,3 +96,34 @@ def test_rows_of_pots_are_of_every_make():
     made = varied(names, np.arange(61, dtype=np.uint64))
     assert set(made[:60]) == set(POT_ROWS)
     assert made[60] == "bench"
+
+
+@pytest.fixture(scope="module")
+def side_street(crossroads):
+    """A street with walks of 6 m that one side street joins from the north."""
+    whole = crossroads.network
+    cut = {"node_position": 4, "node_degree": 4, "edge_nodes": 3, "edge_road": 3, "edge_id": 3,
+           "point_start": 4, "points": 6, "half_width": 3, "trim": 3, "crossing": 3,
+           "left_hand": 3, "z": 6, "lift": 6}  # fmt: skip
+    arms = {name: getattr(whole, name)[:count] for name, count in cut.items()}
+    arms["node_degree"] = np.array([3, 1, 1, 1], np.int32)
+    roads = crossroads.layout.roads.iloc[:3].assign(sidewalk_left=6.0, sidewalk_right=6.0)
+    empty = crossroads.layout
+    layout = replace(empty, roads=roads, areas=empty.areas[:0], points=empty.points[:0],
+                     buildings=empty.buildings[:0], parts=empty.parts[:0])  # fmt: skip
+    done = frozenset({"layout", "terrain"})
+    city = replace(crossroads, layout=layout, network=replace(whole, **arms), stages_done=done)
+    return ground(lanes(city))
+
+
+def test_furniture_goes_on_past_a_side_street_and_not_in_its_mouth(side_street):
+    found = past_junctions(side_street, walk_rims(side_street.ground), "british isles", 5.0)
+    again = past_junctions(side_street, walk_rims(side_street.ground), "british isles", 5.0)
+    assert found.xy.tobytes() == again.xy.tobytes()
+    assert 1 < len(found) <= 3
+    assert set(found.name) <= set(LOW)
+    assert (found.xy[:, 1] < -5.0 - KERB_WIDTH).all()
+    depth = {rule.piece: rule.depth for rule in KERB_RULES}
+    front = -found.xy[:, 1] - [depth[name] for name in found.name]
+    assert front == pytest.approx(np.full(len(found), 5.0 + FRONT_LINE), abs=0.02)
+    assert np.abs(found.xy[:, 0]).max() < 9.0

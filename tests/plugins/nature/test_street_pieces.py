@@ -14,6 +14,7 @@ from cityx.city.passage import crowding
 from cityx.city.scene import Instances, Prototype
 from cityx.geometry.standing import WALKED, stand_on
 from cityx.plugins.building.shop_names import shop_names
+from cityx.plugins.nature.corner_kerbs import FROM_CORNER
 from cityx.plugins.nature.furniture import furniture
 from cityx.plugins.nature.pieces import (
     front,
@@ -23,12 +24,7 @@ from cityx.plugins.nature.pieces import (
     walk_rims,
     with_pieces,
 )
-from cityx.plugins.nature.street_pieces import (
-    FROM_CORNER,
-    GOODS,
-    LAYER,
-    street_pieces,
-)
+from cityx.plugins.nature.street_pieces import GOODS, LAYER, street_pieces
 from cityx.plugins.nature.street_rules import KERB_RULES, SCOOTERS, WALL_GAP, rates
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.lanes import lanes
@@ -230,7 +226,7 @@ def corner_bollards(city):
 
 
 def test_bollards_follow_the_kerb_of_corners_and_leave_the_walk(avenue, monkeypatch):
-    monkeypatch.setattr("cityx.plugins.nature.street_pieces.CORNER_SHARE", {"japan": 1.0})
+    monkeypatch.setattr("cityx.plugins.nature.corner_kerbs.CORNER_SHARE", {"japan": 1.0})
     tokyo = replace(avenue, frame=Frame(35.69, 139.78))
     found = corner_bollards(street_pieces(tokyo))
     assert len(found) >= 4

@@ -5,9 +5,19 @@ import pytest
 import shapely
 
 from cityx.city import City, Frame, make_table
+from cityx.city.clear_ways import in_lanes
 from cityx.city.ground import LABEL
+from cityx.city.outlines import placed_outlines
 from cityx.geometry.standing import stand_on
-from cityx.plugins.road.bays import LAYER, LINE, lot_bays, with_bay_lines
+from cityx.plugins.nature.trees import trees
+from cityx.plugins.road.bays import (
+    ISLAND_EVERY,
+    LAYER,
+    LINE,
+    lot_bays,
+    lot_islands,
+    with_bay_lines,
+)
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.yards import BAY, STALL
 
@@ -49,3 +59,47 @@ def test_neighbours_share_a_line_and_all_lie_on_asphalt(lot):
 def test_a_city_without_car_parks_has_no_lines(layout_of):
     city = ground(City("bare", Frame(48.0, 11.0), layout_of(STREET), lod=2))
     assert LAYER not in with_bay_lines(city, lot_bays(city)).scene.meshes
+
+
+@pytest.fixture
+def large(layout_of):
+    """A car park of two rows of nearly fifty."""
+    layout = layout_of(STREET)
+    areas = make_table("areas", [shapely.box(-60, 0, 60, 16)], id=[7], kind=["parking"])
+    city = City("large", Frame(48.0, 11.0), layout.__class__(layout.extent, roads=layout.roads,
+                areas=areas), lod=2)  # fmt: skip
+    return ground(city)
+
+
+def test_a_large_car_park_has_islands_at_the_ends_of_rows_and_between(large, lot):
+    bays, islands = lot_bays(large), lot_islands(large)
+    assert not len(lot_islands(lot).id)
+    assert not set(bays.id.tolist()) & set(islands.id.tolist())
+    for y in (STALL / 2, 16 - STALL / 2):
+        row = np.sort(islands.xy[np.isclose(islands.xy[:, 1], y), 0])
+        every = np.sort(bays.xy[np.isclose(bays.xy[:, 1], y), 0])
+        assert row[0] < every[0]
+        assert row[-1] > every[-1]
+        gaps = np.diff(row) / BAY
+        assert np.allclose(gaps[:-1], ISLAND_EVERY)
+        assert ISLAND_EVERY / 2 <= gaps[-1] <= 1.5 * ISLAND_EVERY
+        both = np.sort(np.concatenate([row, every]))
+        assert np.diff(both) == pytest.approx(BAY)  # an island takes the place of a bay
+
+
+def test_a_tree_stands_on_each_island_clear_of_lanes(large):
+    islands = lot_islands(large)
+    made = trees(large, budget=0).scene
+    rows, pits = made.instances["trees"], made.instances["tree_pits"]
+    assert rows.count == pits.count == len(islands.id) > 8
+    gap = np.abs(rows.position[:, None, :2] - islands.xy).sum(axis=2).min(axis=1)
+    assert gap.max() < 1e-6
+    names = {made.prototypes[number].name for number in pits.prototype.tolist()}
+    assert names == {"lot_island"}
+    kinds = {made.prototypes[number].name.split("_")[1] for number in rows.prototype.tolist()}
+    assert len(kinds) == 1
+    outlines, xy, _ = placed_outlines(made)
+    assert not in_lanes(large, outlines, xy).any()
+    again = trees(large, budget=0).scene.instances
+    assert again["tree_pits"].position.tobytes() == pits.position.tobytes()
+    assert again["trees"].object_id.tobytes() == rows.object_id.tobytes()
