@@ -75,11 +75,10 @@ def dropped_regions(
     shapes = {name: shapely.make_valid(each) for name, each in shapes.items()}
     ribbed = [each for name, each in shapes.items() if name in names]
     rows = np.concatenate([np.zeros(0, object), *ribbed])
-    for name, things in (
-        ("kerb_dropped", areas), ("kerb ends", areas), ("landing", rows),
-        ("ramp", np.concatenate([rows, _without(shapes["landing"], rows)])),
-    ):  # fmt: skip
-        shapes[name] = _without(shapes[name], things)
+    shapes["landing"] = _without(shapes["landing"], rows)
+    shapes["ramp"] = _without(shapes["ramp"], np.concatenate([rows, shapes["landing"]]))
+    # No line of theirs cuts slivers off what is driven on.
+    shapes = {name: _without(each, driven) for name, each in shapes.items()}
     parts = []
     for name, each in shapes.items():
         label = LABEL["ramp" if name == "kerb ends" else name]
@@ -133,7 +132,7 @@ def _side(
 
 
 def _without(shapes: Shapes, things: Shapes) -> Shapes:
-    """Cut things, whose surfaces rank the same, out of shapes."""
+    """Cut things out of shapes."""
     row, thing = shapely.STRtree(things).query(shapes, predicate="intersects")
     left = shapes.copy()
     if len(row):
