@@ -39,7 +39,8 @@ TOWN_REACH = 25.0  # metres within which an urban building makes a place a part 
 YARDS = (("courtyard", 6), ("grass", 3))
 OPEN_YARD = 0.15  # share of its rim along streets from which a court belongs to the street
 LEAST_YARD = 25.0  # square metres
-WALKED = 0.97  # share of the rim of a scrap along walks from which it is a part of them
+AMID_WALKS = 12.0  # square metres of a scrap of frontage amid walks that is a part of them
+WALKED = 0.97  # share of its rim that runs along them
 LARGEST = 60_000.0  # square metres; more is open country with a town in it, not a block
 
 
@@ -208,7 +209,7 @@ def _scraps_walked(ground: Ground) -> Ground:
         np.add.at(rim, piece[face[outer]], length[outer])
         np.add.at(walked, piece[face[outer]], (length * walk[other])[outer])
     area = np.bincount(piece, np.where(scrap, face_areas(ground), 0.0), minlength=size)
-    taken = scrap & ((walked > WALKED * rim) & (rim > 0) & (area < SCRAP))[piece]
+    taken = scrap & ((walked > WALKED * rim) & (rim > 0) & (area < AMID_WALKS))[piece]
     label = np.where(taken, LABEL["sidewalk"], ground.face_label).astype(np.uint8)
     return replace(ground, face_label=label)
 

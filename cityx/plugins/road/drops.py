@@ -18,7 +18,7 @@ from cityx.plugins.road.crossing_places import dense_places
 from cityx.plugins.road.marks import PLAIN, Shapes, Street
 from cityx.plugins.road.network import arm_bearings, arms_of
 from cityx.plugins.road.painting import Ribs
-from cityx.plugins.road.zebras import Zebras, joined
+from cityx.plugins.road.zebras import FLARE, FLARED, Zebras, joined
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -26,10 +26,7 @@ BoolArray = NDArray[np.bool_]
 
 RAMP = RAMP_SLOPE * (KERB_HEIGHT - DROPPED)  # metres
 LEAST_WALK = 0.3  # metres left behind a ramp
-FLARE = 0.5  # metres by which the kerb may bend away from its street within a crossing
-FLARED = 2.0  # metres, the same where its curve begins within a crossing
 RAYS, BEHIND = 11, 0.7  # across a crossing along which its kerb is sought; share that ribs clear
-DRAWN = 3.5  # metres, the same where the map draws what is driven on, kerb to kerb
 MOST_BEHIND = 1.2  # metres that they stand back for the curve of a kerb at most
 SPARE = 0.05  # metres of a walk more than what is lowered takes
 NARROW = 1.2  # metres of a walk in town that is lowered as a whole
@@ -40,7 +37,7 @@ FREE_SIDE = 0.2  # metres that a drop reaches beyond the bars at both ends
 
 
 def dropped_regions(
-    street: Street, zebras: Zebras, mouths: Zebras, road: Carriageway, areas: Shapes, ribs: Ribs
+    street: Street, zebras: Zebras, mouths: Zebras, road: Carriageway, ribs: Ribs
 ) -> Regions:
     """Lower the kerbs on both sides of crossings, with ribs and a ramp where there is a walk.
 
@@ -56,8 +53,8 @@ def dropped_regions(
         The crossings.
     mouths
         Where walks go on across the mouths of streets without a crossing.
-    road, areas
-        The surfaces along whose rims the kerbs run, and those that the map has of them.
+    road
+        The surfaces along whose rims the kerbs run.
     ribs
         What lies before them.
     """
@@ -66,10 +63,9 @@ def dropped_regions(
     zebras = joined(zebras, mouths)
     if not len(zebras.edge):
         return Regions()
-    driven = np.concatenate([road.driven, areas])
-    flare = _flares(street, zebras, areas)
+    driven = road.kerbed
     sides = [
-        _side(street, zebras, names, driven, ribs, flare, sign) for sign in (1.0, -1.0)
+        _side(street, zebras, names, driven, ribs, sign) for sign in (1.0, -1.0)
     ]  # fmt: skip
     shapes = {name: np.concatenate([side[name] for side in sides]) for name in sides[0]}
     shapes = {name: shapely.make_valid(each) for name, each in shapes.items()}
@@ -87,22 +83,13 @@ def dropped_regions(
     return join_regions(parts)
 
 
-def _flares(street: Street, zebras: Zebras, areas: Shapes) -> FloatArray:
-    """(z,) metres by which kerbs may lie off their street within crossings."""
-    flare = np.where(zebras.flared, FLARED, FLARE)
-    reach = street.network.half_width[zebras.edge] + DRAWN
-    across = patches(street, zebras, np.arange(len(flare)), -reach, reach)
-    flare[shapely.STRtree(across).query(areas, "intersects")[1]] = DRAWN
-    return flare
-
-
 def _side(
     street: Street, zebras: Zebras, names: NDArray[np.str_], driven: Shapes, ribs: Ribs,
-    flare: FloatArray, sign: float,
+    sign: float,
 ) -> dict[str, Shapes]:  # fmt: skip
     """Return what is lowered on one side of crossings, 1 for the left, by its surface."""
     table = street.layout.roads.iloc[street.network.edge_road[zebras.edge]]
-    every, half = np.arange(len(flare)), street.network.half_width[zebras.edge]
+    every, half = np.arange(len(names)), street.network.half_width[zebras.edge]
     depth = np.where(names == "", 0.0, ribs.gap + ribs.depth)
     deep = depth + RAMP + LEAST_WALK
     walk = table["sidewalk_left" if sign > 0 else "sidewalk_right"].to_numpy(float)
@@ -112,10 +99,10 @@ def _side(
     walk = np.where(apart | (town & (walk >= NARROW)), np.maximum(walk, deep + SPARE), walk)
     sloped = walk > RAMP + LEAST_WALK
     ribbed = (depth > 0) & (walk > deep)
-    kerb = _kerbs(street, zebras, driven, sign, flare) + KERB_WIDTH
+    kerb = _kerbs(street, zebras, driven, sign) + KERB_WIDTH
     front = np.where(ribbed, kerb + ribs.gap, kerb)
     back = np.where(ribbed, front + ribs.depth, kerb)
-    outer = sign * (half + KERB_WIDTH + flare)
+    outer = sign * (half + KERB_WIDTH + zebras.flare)
     # The walk falls towards the crossing from three sides, and so do the kerb's end stones.
     stones, ends = (patches(street, zebras, every, sign * half, outer, p) for p in (0.0, RAMP))
     begin = half if ribs.gap == 0 else front
@@ -141,16 +128,13 @@ def _without(shapes: Shapes, things: Shapes) -> Shapes:
     return left
 
 
-def _kerbs(
-    street: Street, zebras: Zebras, driven: Shapes, sign: float, flare: FloatArray
-) -> FloatArray:
+def _kerbs(street: Street, zebras: Zebras, driven: Shapes, sign: float) -> FloatArray:
     """(z,) metres left of the centreline, times `sign`, that most of the kerb is nearer than.
 
-    That is half the street but where its kerb has begun to curve, or the map draws it elsewhere:
-    at crossings with a `flare` of more than `FLARE` metres.
+    That is half the street but where its kerb has begun to curve, or the map draws it elsewhere.
     """
     found = street.network.half_width[zebras.edge].copy()
-    rows = np.flatnonzero(flare > FLARE)
+    flare, rows = zebras.flare, np.flatnonzero(zebras.flared)
     if not len(rows):
         return found
     edge, near = zebras.edge[rows], found[rows] - FLARE
@@ -174,7 +158,7 @@ def _kerbs(
     return found
 
 
-def drive_regions(street: Street, road: Carriageway, areas: Shapes) -> Regions:
+def drive_regions(street: Street, road: Carriageway) -> Regions:
     """Lower the kerbs at both sides of service ways where they cross the walk of a street.
 
     Round the corners of the drive the walk rises along the street's kerb, too.
@@ -182,7 +166,7 @@ def drive_regions(street: Street, road: Carriageway, areas: Shapes) -> Regions:
     mouths = _mouths(street)
     if not len(mouths.place):
         return Regions()
-    driven = np.concatenate([road.driven, areas])
+    driven = road.kerbed
     shapes, ends = (_mouth_shapes(mouths, past) for past in (0.0, 2 * RAMP))
     parts = []
     for name, rank, where, width in (
@@ -191,7 +175,7 @@ def drive_regions(street: Street, road: Carriageway, areas: Shapes) -> Regions:
         ("ramp", 0, ends, KERB_WIDTH + RAMP),
     ):
         priority = rank or SURFACES[LABEL[name]].priority
-        lowered = _without(along_rims(where, driven, width), areas)
+        lowered = _without(along_rims(where, driven, width), road.drawn)
         parts.append(regions(lowered, LABEL[name], priority))
     return join_regions(parts)
 

@@ -29,7 +29,7 @@ def built(layout, **painting):
     street = street_of(layout, network, bands_of(layout, network), Painting(**painting))
     every = np.ones(network.edge_count, bool)
     road = build_carriageway(layout, network, every)
-    return street, junction_ways(street), zebras_of(street, every), road
+    return street, junction_ways(street), zebras_of(street, every, road), road
 
 
 def star_of():
