@@ -196,7 +196,9 @@ def _walks_widened(ground: Ground) -> Ground:
 def _scraps_walked(ground: Ground) -> Ground:
     """Make walk of scraps of frontage, and of the stones along it, amid walks."""
     scrap = ground.labelled("frontage", "edging")
-    walk = ground.labelled("sidewalk", "ramp", "landing", "furnishing", "kerb", "path", "plaza")
+    walk = ground.labelled(
+        "sidewalk", "ramp", "landing", "guide_strip", "furnishing", "kerb", "path", "plaza"
+    )
     left, right = ground.edge_faces.T.astype(np.int64)
     inner = right != BEYOND
     left, right = left[inner], right[inner]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -28,6 +28,7 @@ RAMP = RAMP_SLOPE * (KERB_HEIGHT - DROPPED)  # metres
 LEAST_WALK = 0.3  # metres left behind a ramp
 RAYS, BEHIND = 11, 0.7  # across a crossing along which its kerb is sought; share that ribs clear
 MOST_BEHIND = 1.2  # metres that they stand back for the curve of a kerb at most
+BROAD = 5.0  # metres of walk in town that a strip crosses, up to the houses
 SPARE = 0.05  # metres of a walk more than what is lowered takes
 NARROW = 1.2  # metres of a walk in town that is lowered as a whole
 _APART = r'"sidewalk(?::both|:left|:right)?": *"separate"'
@@ -71,8 +72,10 @@ def dropped_regions(
     shapes = {name: shapely.make_valid(each) for name, each in shapes.items()}
     ribbed = [each for name, each in shapes.items() if name in names]
     rows = np.concatenate([np.zeros(0, object), *ribbed])
-    shapes["landing"] = _without(shapes["landing"], rows)
-    shapes["ramp"] = _without(shapes["ramp"], np.concatenate([rows, shapes["landing"]]))
+    over = rows
+    for name in ("landing", "guide_strip", "ramp"):
+        shapes[name] = _without(shapes[name], over)
+        over = np.concatenate([over, shapes[name]])
     # No line of theirs cuts slivers off what is driven on.
     shapes = {name: _without(each, driven) for name, each in shapes.items()}
     parts = []
@@ -97,6 +100,7 @@ def _side(
     # In town the ground behind a narrow walk is paved, up to the houses if need be.
     town = dense_places(street.layout, locate(street.lines, zebras.edge, zebras.along)[0])
     walk = np.where(apart | (town & (walk >= NARROW)), np.maximum(walk, deep + SPARE), walk)
+    broad = np.where(town, np.maximum(walk, BROAD), walk)
     sloped = walk > RAMP + LEAST_WALK
     ribbed = (depth > 0) & (walk > deep)
     kerb = _kerbs(street, zebras, driven, sign) + KERB_WIDTH
@@ -113,9 +117,32 @@ def _side(
         "kerb_dropped": along_rims(stones, driven, KERB_WIDTH),
         "kerb ends": along_rims(ends[sloped], driven, KERB_WIDTH),
         **{name: row[ribbed & (names == name)] for name in np.unique(names).tolist() if name},
+        "guide_strip": _strips(street, zebras, ribs, sign, ribbed, back, half + KERB_WIDTH + broad),
         "landing": landing[sloped & (front > half + KERB_WIDTH + GRID)],
         "ramp": slope[sloped],
     }
+
+
+def _strips(
+    street: Street, zebras: Zebras, ribs: Ribs, sign: float, ribbed: BoolArray, front: FloatArray,
+    back: FloatArray,
+) -> Shapes:  # fmt: skip
+    """Return strips across the walk to crossings with paint, on the right of those who cross.
+
+    Each is cut at the head of the ramp that it climbs.
+    """
+    rows = np.flatnonzero(ribbed & (zebras.kind != PLAIN))
+    if not ribs.strip or not len(rows):
+        return np.zeros(0, object)
+    aside = zebras.depth / 2 + FREE_SIDE - ribs.strip / 2
+    narrow = np.full(len(aside), ribs.strip - 2 * FREE_SIDE)
+    there = replace(zebras, along=zebras.along - sign * aside, depth=narrow)
+    head = front[rows] + RAMP
+    tail = np.maximum(back[rows], head + SPARE)
+    return np.concatenate([
+        patches(street, there, rows, sign * begin, sign * end)
+        for begin, end in ((front[rows], head), (head, tail))
+    ])  # fmt: skip
 
 
 def _without(shapes: Shapes, things: Shapes) -> Shapes:
