@@ -25,7 +25,7 @@ BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 
 LAID = ("sidewalk", "ramp", "landing", "tactile", "tactile_pale", "tactile_buff", "tactile_red",
-        "guide_strip",         "furnishing", "edging", "setts", "gutter", "frontage")  # fmt: skip
+        "guide_strip", "furnishing", "edging", "setts", "gutter", "frontage")  # fmt: skip
 FROM_KERB = ("sidewalk", "ramp", "landing", "furnishing", "gutter")  # laid from the kerb on
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 LAP = np.radians(12.0)  # of turn after which the courses along a curve begin anew
