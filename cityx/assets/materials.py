@@ -120,7 +120,7 @@ MATERIALS: Mapping[str, Material] = _table(
     # Small blocks, a little darker than the slabs of walks: a plot ends where the walk begins.
     _M("yard", (0.158, 0.150, 0.138), 0.88, texture="clinker", tile=2.0, porosity=0.5),
     _M("kerb_stone", (0.40, 0.39, 0.37), 0.8, texture="concrete", tile=2.0, porosity=0.4),
-    _M("tactile_yellow", (0.56, 0.355, 0.05), 0.8, texture="domes", tile=1.2, porosity=0.3),
+    _M("tactile_yellow", (0.63, 0.385, 0.045), 0.8, texture="domes", tile=1.2, porosity=0.3),
     _M("tactile_pale", (0.46, 0.455, 0.44), 0.8, texture="ribbed_slabs", tile=1.2, porosity=0.4),
     _M("tactile_buff", (0.52, 0.365, 0.155), 0.85, texture="blisters", tile=1.2, porosity=0.4),
     _M("tactile_red", (0.30, 0.070, 0.050), 0.85, texture="blisters", tile=1.2, porosity=0.4),

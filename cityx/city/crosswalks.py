@@ -22,7 +22,7 @@ BoolArray = NDArray[np.bool_]
 
 FOOTWAYS = (
     "sidewalk", "furnishing", "edging", "ramp", "kerb", "kerb_dropped", "tactile", "tactile_pale",
-    "tactile_buff", "tactile_red", "landing", "plaza", "path", "trail", "frontage",
+    "tactile_buff", "tactile_red", "landing", "guide_strip", "plaza", "path", "trail", "frontage",
 )  # fmt: skip
 # Land beside a roadway that people walk on where there is no pavement.
 VERGES = ("block", "courtyard", "gravel", "grass", "meadow", "park", "bare", "sand", "farmland",

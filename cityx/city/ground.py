@@ -90,6 +90,8 @@ SURFACES: tuple[Surface, ...] = (
     Surface("crossing_row", 80, 0.0, "marking_white", "concrete"),  # beside people who cross
     Surface("gutter", 71, 0.0, "gutter_stones", "concrete"),  # along kerbs, part of the carriageway
     Surface("tactile_red", 51, DROPPED, "tactile_red", "kerb_stone"),
+    # Leads across the walk to a crossing; it rises with the ramp.
+    Surface("guide_strip", 51, KERB_HEIGHT, "tactile_pale", "kerb_stone"),
     Surface("landing", 51, DROPPED, "paving", "kerb_stone"),  # walk between a kerb and ribs
     Surface("parking_lane", 71, 0.0, "mosaic", "concrete"),  # of small stones, beside setts
 )

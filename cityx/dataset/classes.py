@@ -160,7 +160,7 @@ _SURFACE = {
     "kerb_dropped": "kerb",
     "tactile": "tactile_paving", "tactile_pale": "tactile_paving",
     "tactile_buff": "tactile_paving", "tactile_red": "tactile_paving",
-    "ramp": "sidewalk", "landing": "sidewalk",
+    "ramp": "sidewalk", "landing": "sidewalk", "guide_strip": "tactile_paving",
     "cycle_lane": "cycle_lane", "rail": "rail_track", "trail": "path", "furnishing": "sidewalk",
     "gravel": "yard", "building": "terrain", "void": "other",
     "bed": "soil", "threshold": "road", "gutter": "road", "parking_lane": "road",

@@ -19,7 +19,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.city.ground import LABEL, Ground
+from cityx.city.ground import LABEL, ON_ROADWAY, Ground
 from cityx.geometry.chains import components
 from cityx.geometry.faces import OUTSIDE, doubled_areas, trace_faces
 from cityx.geometry.snap_rounding import FINE, snap_round
@@ -214,7 +214,10 @@ def face_areas(ground: Ground) -> NDArray[np.float64]:
 
 
 def _absorb_slivers(ground: Ground, doubled: IntArray) -> Ground:
-    """Give faces too thin to see the label of the neighbour along their longest edge."""
+    """Give faces too thin to see the label of the neighbour along their longest edge.
+
+    What lines of hidden surfaces cut off from a mark on a roadway stays with it, and no mark grows.
+    """
     size = len(ground.face_label)
     area = np.bincount(ground.triangle_face, doubled, minlength=size) / (2 * PER_METRE**2)
     length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
@@ -222,7 +225,13 @@ def _absorb_slivers(ground: Ground, doubled: IntArray) -> Ground:
     inner = ground.edge_faces[:, 1] != BEYOND
     rim += np.bincount(ground.edge_faces[inner, 1], length[inner], minlength=size)
     thin = (area < SLIVER_AREA) | (2 * area < SLIVER_WIDTH * rim)
-    return _given_away(ground, thin)
+    left, right = ground.edge_faces[inner].T.astype(np.int64)
+    paint = ground.labelled(*ON_ROADWAY)
+    same = paint[left] & (ground.face_label[left] == ground.face_label[right])
+    mark = components(np.column_stack([left, right])[same], size)
+    of_mark = np.bincount(mark, area, minlength=size)[mark]
+    thin &= ~(paint & (np.bincount(mark, minlength=size)[mark] > 1) & (of_mark > SLIVER_AREA))
+    return _given_away(ground, thin, ~paint)
 
 
 def owners(ground: Ground, label: int, over: tuple[str, ...]) -> NDArray[np.int64]:

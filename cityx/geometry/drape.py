@@ -18,6 +18,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 LOWERED = ("kerb_dropped", "tactile", "tactile_pale", "tactile_buff", "tactile_red", "landing")
+RAMPS = ("ramp", "guide_strip")  # rise from what is lowered to the walk
 STEP = 0.001  # metres; lower steps between surfaces get no vertical face
 TINT_RANGE = 0.10  # of the brightness of neighbouring pieces of one material
 FLAT_WATER = 2.0  # metres of relief along the shore above which water is a sloping river
@@ -59,7 +60,8 @@ class _Levels:
     ramp: FloatArray  # (n,) metres above the terrain of ramps at every vertex
 
     def z(self, level: IntArray, vertex: IntArray, terrain: FloatArray) -> FloatArray:
-        above = np.where(self.label[level] == LABEL["ramp"], self.ramp[vertex], self.height[level])
+        ramps = np.isin(self.label[level], [LABEL[name] for name in RAMPS])
+        above = np.where(ramps, self.ramp[vertex], self.height[level])
         return np.asarray(np.where(self.flat[level], 0.0, terrain[vertex]) + above)
 
 
@@ -69,7 +71,7 @@ def ramp_heights(ground: Ground) -> FloatArray:
     label = ground.face_label
     left, right = ground.edge_faces.T.astype(np.int64)
     low = np.isin(label, [LABEL[name] for name in LOWERED])
-    ramp = label == LABEL["ramp"]
+    ramp = ground.labelled(*RAMPS)
     beside = np.maximum(right, 0)
     foot = (right != BEYOND) & ((ramp[left] & low[beside]) | (low[left] & ramp[beside]))
     used = np.unique(ground.triangles[ramp[ground.triangle_face]])

@@ -78,6 +78,21 @@ def test_slivers_take_the_label_of_their_longest_neighbour():
     assert set(arrange(given_, SITE).face_label.tolist()) == {ROAD}
 
 
+def test_hidden_lines_cut_nothing_off_a_mark():
+    road, mark = shapely.box(0, 0, 100, 80), shapely.box(50, 39.94, 51, 40.06)
+    # Rims of surfaces below the road run across the mark, 15 cm apart.
+    below = [shapely.box(10, 10, x, 70) for x in (50.4, 50.55)]
+    found = regions([road, mark, *below], [ROAD, LABEL["marking"], PARK, PARK], [70, 80, 16, 16])
+    assert area_of(arrange(found, SITE), LABEL["marking"]) == pytest.approx(0.12, abs=1e-3)
+
+
+def test_no_mark_grows_by_a_sliver_beside_it():
+    road, mark = shapely.box(0, 0, 100, 80), shapely.box(50, 39.94, 51, 40.06)
+    below = shapely.Polygon([(50.2, 39.9), (50.8, 39.9), (50.5, 40.12)])
+    found = regions([road, mark, below], [ROAD, LABEL["marking"], PARK], [70, 80, 16])
+    assert area_of(arrange(found, SITE), LABEL["marking"]) == pytest.approx(0.12, abs=1e-3)
+
+
 def test_a_scrap_among_scraps_goes_to_the_surface_around_them():
     boxes = [shapely.box(-50, -50, 50, 50), shapely.box(-40, -10, -20, 10), shapely.box(0, 0, 1, 1)]
     junction = LABEL["junction"]

@@ -64,7 +64,10 @@ LAYERS: Mapping[str, type[Layer]] = {
 TABLES = ("building", "road", "path", "railway", "bridge")  # kinds that ids are looked for in
 SURFACES: Mapping[str, tuple[str, ...]] = {
     "carriageway": ROADWAY,
-    "sidewalk": ("sidewalk", "furnishing", "frontage", "edging", "ramp", "landing", "kerb_dropped"),
+    "sidewalk": (
+        "sidewalk", "furnishing", "frontage", "edging", "ramp", "landing", "guide_strip",
+        "kerb_dropped",
+    ),
 }  # fmt: skip
 Options = Mapping[str, Expression]  # settings of a form by name
 NEARLY = 1e-6  # by which a number may miss an equal one; floats

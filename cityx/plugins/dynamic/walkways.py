@@ -30,6 +30,7 @@ SIDEWALK = (
     "trail",
     "ramp",
     "landing",
+    "guide_strip",
 )
 TRAVELLED = ("drive", "bus")
 MITRE = 2.0  # a shifted corner reaches at most so many offsets out

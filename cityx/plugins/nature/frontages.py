@@ -27,7 +27,7 @@ from cityx.plugins.nature.street_rules import place_of
 from cityx.remembered import Remembered
 
 PURPOSE = "nature/frontages"
-PUBLIC = ("sidewalk", "furnishing", "edging", "ramp", "landing")
+PUBLIC = ("sidewalk", "furnishing", "edging", "ramp", "landing", "guide_strip")
 PRIVATE = ("courtyard", "grass", "gravel", "bare", "block")
 OWN_FRONTAGE = ("japan", "east asia")  # where what lies before a house is not open to all
 # How plots are closed off, with weights, by the kind of place; "" is open. Hedges grow from soil:

@@ -39,6 +39,8 @@ TOWN_REACH = 25.0  # metres within which an urban building makes a place a part 
 YARDS = (("courtyard", 6), ("grass", 3))
 OPEN_YARD = 0.15  # share of its rim along streets from which a court belongs to the street
 LEAST_YARD = 25.0  # square metres
+AMID_WALKS = 12.0  # square metres of a scrap of frontage amid walks that is a part of them
+WALKED = 0.97  # share of its rim that runs along them
 LARGEST = 60_000.0  # square metres; more is open country with a town in it, not a block
 
 
@@ -48,7 +50,7 @@ def pave_blocks(ground: Ground, layout: Layout) -> Ground:
     block = _blocks(ground, road)
     ground, dense = _paved(_filled(ground, road, block), layout, block)
     ground = _off_lawns(ground, dense)
-    return _yards(_walks_widened(_strips_paved(ground, layout)))
+    return _scraps_walked(_yards(_walks_widened(_strips_paved(ground, layout))))
 
 
 def town_regions(layout: Layout) -> Regions:
@@ -188,6 +190,29 @@ def _walks_widened(ground: Ground) -> Ground:
     least = np.where(area < SMALL, BESIDE_SMALL, BESIDE)
     taken = (ground.face_label == LABEL["courtyard"]) & (slight & (beside > least * rim))[piece]
     label = np.where(taken, LABEL["frontage"], ground.face_label).astype(np.uint8)
+    return replace(ground, face_label=label)
+
+
+def _scraps_walked(ground: Ground) -> Ground:
+    """Make walk of scraps of frontage, and of the stones along it, amid walks."""
+    scrap = ground.labelled("frontage", "edging")
+    walk = ground.labelled(
+        "sidewalk", "ramp", "landing", "guide_strip", "furnishing", "kerb", "path", "plaza"
+    )
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inner = right != BEYOND
+    left, right = left[inner], right[inner]
+    length = np.hypot(*np.diff(ground.vertices[ground.edges[inner]], axis=1)[:, 0].T)
+    size = len(scrap)
+    piece = components(np.column_stack([left, right])[scrap[left] & scrap[right]], size)
+    rim, walked = np.zeros(size), np.zeros(size)
+    for face, other in ((left, right), (right, left)):
+        outer = scrap[face] & ~scrap[other]
+        np.add.at(rim, piece[face[outer]], length[outer])
+        np.add.at(walked, piece[face[outer]], (length * walk[other])[outer])
+    area = np.bincount(piece, np.where(scrap, face_areas(ground), 0.0), minlength=size)
+    taken = scrap & ((walked > WALKED * rim) & (rim > 0) & (area < AMID_WALKS))[piece]
+    label = np.where(taken, LABEL["sidewalk"], ground.face_label).astype(np.uint8)
     return replace(ground, face_label=label)
 
 

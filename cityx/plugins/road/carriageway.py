@@ -6,7 +6,7 @@ trims and rounds the corners. The arrangement resolves what overlaps.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -79,6 +79,8 @@ class Carriageway:
         Wedges between two arms that part at a sharp angle, up to where they are paved.
     bends, bend_edge
         Polygons that round the inside of a bend, and their edges; the carriageways win over them.
+    drawn
+        Road areas of the map about them, drawn from kerb to kerb.
     """
 
     edge: IntArray
@@ -95,6 +97,12 @@ class Carriageway:
     gore_edge: IntArray
     bends: Shapes
     bend_edge: IntArray
+    drawn: Shapes = field(default_factory=lambda: np.zeros(0, object))
+
+    @property
+    def kerbed(self) -> Shapes:
+        """All surfaces behind whose rims kerbs stand, those of the map included."""
+        return np.concatenate([self.driven, self.drawn])
 
     @property
     def driven(self) -> Shapes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -18,7 +18,7 @@ from cityx.plugins.road.crossing_places import dense_places
 from cityx.plugins.road.marks import PLAIN, Shapes, Street
 from cityx.plugins.road.network import arm_bearings, arms_of
 from cityx.plugins.road.painting import Ribs
-from cityx.plugins.road.zebras import Zebras, joined
+from cityx.plugins.road.zebras import FLARE, FLARED, Zebras, joined
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -26,11 +26,9 @@ BoolArray = NDArray[np.bool_]
 
 RAMP = RAMP_SLOPE * (KERB_HEIGHT - DROPPED)  # metres
 LEAST_WALK = 0.3  # metres left behind a ramp
-FLARE = 0.5  # metres by which the kerb may bend away from its street within a crossing
-FLARED = 2.0  # metres, the same where its curve begins within a crossing
 RAYS, BEHIND = 11, 0.7  # across a crossing along which its kerb is sought; share that ribs clear
-DRAWN = 3.5  # metres, the same where the map draws what is driven on, kerb to kerb
 MOST_BEHIND = 1.2  # metres that they stand back for the curve of a kerb at most
+BROAD = 5.0  # metres of walk in town that a strip crosses, up to the houses
 SPARE = 0.05  # metres of a walk more than what is lowered takes
 NARROW = 1.2  # metres of a walk in town that is lowered as a whole
 _APART = r'"sidewalk(?::both|:left|:right)?": *"separate"'
@@ -40,7 +38,7 @@ FREE_SIDE = 0.2  # metres that a drop reaches beyond the bars at both ends
 
 
 def dropped_regions(
-    street: Street, zebras: Zebras, mouths: Zebras, road: Carriageway, areas: Shapes, ribs: Ribs
+    street: Street, zebras: Zebras, mouths: Zebras, road: Carriageway, ribs: Ribs
 ) -> Regions:
     """Lower the kerbs on both sides of crossings, with ribs and a ramp where there is a walk.
 
@@ -56,8 +54,8 @@ def dropped_regions(
         The crossings.
     mouths
         Where walks go on across the mouths of streets without a crossing.
-    road, areas
-        The surfaces along whose rims the kerbs run, and those that the map has of them.
+    road
+        The surfaces along whose rims the kerbs run.
     ribs
         What lies before them.
     """
@@ -66,20 +64,20 @@ def dropped_regions(
     zebras = joined(zebras, mouths)
     if not len(zebras.edge):
         return Regions()
-    driven = np.concatenate([road.driven, areas])
-    flare = _flares(street, zebras, areas)
+    driven = road.kerbed
     sides = [
-        _side(street, zebras, names, driven, ribs, flare, sign) for sign in (1.0, -1.0)
+        _side(street, zebras, names, driven, ribs, sign) for sign in (1.0, -1.0)
     ]  # fmt: skip
     shapes = {name: np.concatenate([side[name] for side in sides]) for name in sides[0]}
     shapes = {name: shapely.make_valid(each) for name, each in shapes.items()}
     ribbed = [each for name, each in shapes.items() if name in names]
     rows = np.concatenate([np.zeros(0, object), *ribbed])
-    for name, things in (
-        ("kerb_dropped", areas), ("kerb ends", areas), ("landing", rows),
-        ("ramp", np.concatenate([rows, _without(shapes["landing"], rows)])),
-    ):  # fmt: skip
-        shapes[name] = _without(shapes[name], things)
+    over = rows
+    for name in ("landing", "guide_strip", "ramp"):
+        shapes[name] = _without(shapes[name], over)
+        over = np.concatenate([over, shapes[name]])
+    # No line of theirs cuts slivers off what is driven on.
+    shapes = {name: _without(each, driven) for name, each in shapes.items()}
     parts = []
     for name, each in shapes.items():
         label = LABEL["ramp" if name == "kerb ends" else name]
@@ -88,22 +86,13 @@ def dropped_regions(
     return join_regions(parts)
 
 
-def _flares(street: Street, zebras: Zebras, areas: Shapes) -> FloatArray:
-    """(z,) metres by which kerbs may lie off their street within crossings."""
-    flare = np.where(zebras.flared, FLARED, FLARE)
-    reach = street.network.half_width[zebras.edge] + DRAWN
-    across = patches(street, zebras, np.arange(len(flare)), -reach, reach)
-    flare[shapely.STRtree(across).query(areas, "intersects")[1]] = DRAWN
-    return flare
-
-
 def _side(
     street: Street, zebras: Zebras, names: NDArray[np.str_], driven: Shapes, ribs: Ribs,
-    flare: FloatArray, sign: float,
+    sign: float,
 ) -> dict[str, Shapes]:  # fmt: skip
     """Return what is lowered on one side of crossings, 1 for the left, by its surface."""
     table = street.layout.roads.iloc[street.network.edge_road[zebras.edge]]
-    every, half = np.arange(len(flare)), street.network.half_width[zebras.edge]
+    every, half = np.arange(len(names)), street.network.half_width[zebras.edge]
     depth = np.where(names == "", 0.0, ribs.gap + ribs.depth)
     deep = depth + RAMP + LEAST_WALK
     walk = table["sidewalk_left" if sign > 0 else "sidewalk_right"].to_numpy(float)
@@ -111,12 +100,13 @@ def _side(
     # In town the ground behind a narrow walk is paved, up to the houses if need be.
     town = dense_places(street.layout, locate(street.lines, zebras.edge, zebras.along)[0])
     walk = np.where(apart | (town & (walk >= NARROW)), np.maximum(walk, deep + SPARE), walk)
+    broad = np.where(town, np.maximum(walk, BROAD), walk)
     sloped = walk > RAMP + LEAST_WALK
     ribbed = (depth > 0) & (walk > deep)
-    kerb = _kerbs(street, zebras, driven, sign, flare) + KERB_WIDTH
+    kerb = _kerbs(street, zebras, driven, sign) + KERB_WIDTH
     front = np.where(ribbed, kerb + ribs.gap, kerb)
     back = np.where(ribbed, front + ribs.depth, kerb)
-    outer = sign * (half + KERB_WIDTH + flare)
+    outer = sign * (half + KERB_WIDTH + zebras.flare)
     # The walk falls towards the crossing from three sides, and so do the kerb's end stones.
     stones, ends = (patches(street, zebras, every, sign * half, outer, p) for p in (0.0, RAMP))
     begin = half if ribs.gap == 0 else front
@@ -127,13 +117,36 @@ def _side(
         "kerb_dropped": along_rims(stones, driven, KERB_WIDTH),
         "kerb ends": along_rims(ends[sloped], driven, KERB_WIDTH),
         **{name: row[ribbed & (names == name)] for name in np.unique(names).tolist() if name},
+        "guide_strip": _strips(street, zebras, ribs, sign, ribbed, back, half + KERB_WIDTH + broad),
         "landing": landing[sloped & (front > half + KERB_WIDTH + GRID)],
         "ramp": slope[sloped],
     }
 
 
+def _strips(
+    street: Street, zebras: Zebras, ribs: Ribs, sign: float, ribbed: BoolArray, front: FloatArray,
+    back: FloatArray,
+) -> Shapes:  # fmt: skip
+    """Return strips across the walk to crossings with paint, on the right of those who cross.
+
+    Each is cut at the head of the ramp that it climbs.
+    """
+    rows = np.flatnonzero(ribbed & (zebras.kind != PLAIN))
+    if not ribs.strip or not len(rows):
+        return np.zeros(0, object)
+    aside = zebras.depth / 2 + FREE_SIDE - ribs.strip / 2
+    narrow = np.full(len(aside), ribs.strip - 2 * FREE_SIDE)
+    there = replace(zebras, along=zebras.along - sign * aside, depth=narrow)
+    head = front[rows] + RAMP
+    tail = np.maximum(back[rows], head + SPARE)
+    return np.concatenate([
+        patches(street, there, rows, sign * begin, sign * end)
+        for begin, end in ((front[rows], head), (head, tail))
+    ])  # fmt: skip
+
+
 def _without(shapes: Shapes, things: Shapes) -> Shapes:
-    """Cut things, whose surfaces rank the same, out of shapes."""
+    """Cut things out of shapes."""
     row, thing = shapely.STRtree(things).query(shapes, predicate="intersects")
     left = shapes.copy()
     if len(row):
@@ -142,16 +155,13 @@ def _without(shapes: Shapes, things: Shapes) -> Shapes:
     return left
 
 
-def _kerbs(
-    street: Street, zebras: Zebras, driven: Shapes, sign: float, flare: FloatArray
-) -> FloatArray:
+def _kerbs(street: Street, zebras: Zebras, driven: Shapes, sign: float) -> FloatArray:
     """(z,) metres left of the centreline, times `sign`, that most of the kerb is nearer than.
 
-    That is half the street but where its kerb has begun to curve, or the map draws it elsewhere:
-    at crossings with a `flare` of more than `FLARE` metres.
+    That is half the street but where its kerb has begun to curve, or the map draws it elsewhere.
     """
     found = street.network.half_width[zebras.edge].copy()
-    rows = np.flatnonzero(flare > FLARE)
+    flare, rows = zebras.flare, np.flatnonzero(zebras.flared)
     if not len(rows):
         return found
     edge, near = zebras.edge[rows], found[rows] - FLARE
@@ -175,7 +185,7 @@ def _kerbs(
     return found
 
 
-def drive_regions(street: Street, road: Carriageway, areas: Shapes) -> Regions:
+def drive_regions(street: Street, road: Carriageway) -> Regions:
     """Lower the kerbs at both sides of service ways where they cross the walk of a street.
 
     Round the corners of the drive the walk rises along the street's kerb, too.
@@ -183,7 +193,7 @@ def drive_regions(street: Street, road: Carriageway, areas: Shapes) -> Regions:
     mouths = _mouths(street)
     if not len(mouths.place):
         return Regions()
-    driven = np.concatenate([road.driven, areas])
+    driven = road.kerbed
     shapes, ends = (_mouth_shapes(mouths, past) for past in (0.0, 2 * RAMP))
     parts = []
     for name, rank, where, width in (
@@ -192,7 +202,7 @@ def drive_regions(street: Street, road: Carriageway, areas: Shapes) -> Regions:
         ("ramp", 0, ends, KERB_WIDTH + RAMP),
     ):
         priority = rank or SURFACES[LABEL[name]].priority
-        lowered = _without(along_rims(where, driven, width), areas)
+        lowered = _without(along_rims(where, driven, width), road.drawn)
         parts.append(regions(lowered, LABEL[name], priority))
     return join_regions(parts)
 

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from cityx.city.ground import KERB_WIDTH, Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
-from cityx.geometry.arrangement import inner_points
+from cityx.geometry.arrangement import BEYOND, face_areas, inner_points
+from cityx.geometry.chains import components
 from cityx.geometry.drape import Paving
 from cityx.geometry.polylines import Polylines, locate, miters, to_linestrings
 from cityx.plugins.road.corners import meeting_of
@@ -24,7 +25,8 @@ BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 
 LAID = ("sidewalk", "ramp", "landing", "tactile", "tactile_pale", "tactile_buff", "tactile_red",
-        "furnishing", "edging", "setts", "gutter", "parking_lane", "frontage")  # fmt: skip
+        "guide_strip", "furnishing", "edging", "setts", "gutter", "parking_lane",
+        "frontage")  # fmt: skip
 # Laid from the kerb on.
 FROM_KERB = ("sidewalk", "ramp", "landing", "furnishing", "gutter", "parking_lane")
 _NOTHING: Mapping[str, str] = MappingProxyType({})
@@ -32,6 +34,7 @@ LAP = np.radians(12.0)  # of turn after which the courses along a curve begin an
 PAST = 0.1  # metres that a seam reaches beyond the walk, so that rounding leaves none short
 LOOK = 3.0  # metres along a street to both sides of a place
 STRAIGHT = np.cos(np.radians(6.0))  # of the turn within them; bands follow no stronger one
+LEAST_BANDED = 30.0  # square metres of a walk with bands; smaller pieces would be patches
 AT_END = 0.05  # metres from the end of an edge
 FARTHEST = 20.0  # metres from a street's middle to a face of its walk
 MOST_MITRE = 3.0  # longest seam, in widths of the walk
@@ -105,6 +108,15 @@ def _at_bends(network: RoadNetwork, lines: Polylines, walk: FloatArray) -> Shape
     return np.concatenate(seams)
 
 
+def _scattered(ground: Ground, chosen: BoolArray) -> BoolArray:
+    """(f,) those of the chosen faces that hang together with less than `LEAST_BANDED`."""
+    left, right = ground.edge_faces.T.astype(np.int64)
+    joined = (right != BEYOND) & chosen[left] & chosen[np.maximum(right, 0)]
+    piece = components(np.column_stack([left, right])[joined], len(chosen))
+    area = np.bincount(piece, np.where(chosen, face_areas(ground), 0.0), minlength=len(chosen))
+    return np.asarray(chosen & (area < LEAST_BANDED)[piece])
+
+
 def courses(
     ground: Ground, network: RoadNetwork, laid: Mapping[str, str] = _NOTHING, *,
     guided: str = "", main: BoolArray | None = None, bent: Mapping[str, str] = _NOTHING,
@@ -167,4 +179,5 @@ def courses(
         for banded, plain in bent.items():
             told = face[(~straight | end) & (material[face] == names.index(banded))]
             material[told] = names.index(plain)
+            material[_scattered(ground, material == names.index(banded))] = names.index(plain)
     return Paving(along, shift, material, names)

@@ -49,15 +49,17 @@ class Ribs:
         Metres along the way across.
     gap
         Metres between the kerb and them.
+    strip
+        Metres of a strip that leads to crossings with paint across the walk, 0 for none.
 
     References
     ----------
     Department for Transport, "Guidance on the use of tactile paving surfaces", 2021: blisters 0.8 m
-    deep, red before crossings under control, buff elsewhere.
+    deep, red before crossings under control, buff elsewhere, and a stem of 1.2 m to the back.
     JIS T 9251 and guideline on guiding blocks, 1985: two rows of tiles, 0.3 m behind the face of
     the kerb.
     ADA 2010, 705: 0.61 m of domes at every ramp of a kerb.
-    DIN 32984: ribs along the way across where signals rule it.
+    DIN 32984: ribs along the way across where signals rule it, found by a strip across the walk.
     """
 
     painted: str = "tactile_pale"
@@ -65,12 +67,13 @@ class Ribs:
     mouth: str = ""
     depth: float = 0.6
     gap: float = 0.0
+    strip: float = 0.0
 
 
 # The first that holds the place wins.
 RIBS: tuple[tuple[Ribs, Boxes], ...] = (
-    (Ribs("tactile_red", "tactile_buff", "tactile_buff", depth=0.8), BRITISH_ISLES),
-    (Ribs("tactile_pale", ""), GERMANY),
+    (Ribs("tactile_red", "tactile_buff", "tactile_buff", depth=0.8, strip=1.2), BRITISH_ISLES),
+    (Ribs("tactile_pale", "", strip=0.6), GERMANY),
     (Ribs("tactile", "tactile", "tactile"), NORTH_AMERICA),
     (Ribs("tactile", "tactile", gap=0.15), YELLOW_TACTILE),
 )

@@ -32,6 +32,7 @@ FLAGS = {
     "sidewalk": "flagstones",
     "ramp": "flagstones",
     "landing": "flagstones",
+    "guide_strip": "tactile_red",
     "frontage": "flagstones",
 }
 SLABS = {

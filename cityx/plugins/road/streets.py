@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from cityx.city.layout import Layout
@@ -39,20 +41,20 @@ def street_regions(
     """
     chosen = np.ones(network.edge_count, bool)
     road = build_carriageway(layout, network, chosen)
+    road = replace(road, drawn=kerbed_areas(layout, network, road))
     bands = bands_of(layout, network)
     street = street_of(layout, network, bands, painting)
     painted = painted_edges(street, chosen)
-    zebras = zebras_of(street, painted)
-    areas = kerbed_areas(layout, network, road)
-    mouths = mouth_crossings(street, painted)
+    zebras = zebras_of(street, painted, road)
+    mouths = mouth_crossings(street, painted, road)
     found = join_regions([
         carriageway_regions(layout, network, chosen, road),
         strip_regions(layout, network, bands, chosen, gutters=painting.gutters),
         threshold_regions(layout, network, chosen),
         verge_regions(network, bands),
         marking_regions(street, zebras, painted, road, painting),
-        dropped_regions(street, zebras, mouths, road, areas, painting.ribs),
-        drive_regions(street, road, areas),
+        dropped_regions(street, zebras, mouths, road, painting.ribs),
+        drive_regions(street, road),
         refuge_regions(street, zebras, painting.ribs),
         median_regions(layout, network, chosen),
         roundabout_regions(layout, network, chosen),

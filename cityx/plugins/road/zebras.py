@@ -10,7 +10,7 @@ import shapely
 
 from cityx.geometry.polylines import every
 from cityx.plugins.road.carriageway import Carriageway, joined_by
-from cityx.plugins.road.crossing_places import BARE, FLARE
+from cityx.plugins.road.crossing_places import BARE
 from cityx.plugins.road.marks import (
     DOTTED,
     LINE,
@@ -30,6 +30,9 @@ from cityx.plugins.road.roundabouts import ring_edges, ring_nodes
 from cityx.plugins.road.through_roads import through_roads
 
 BAR = 0.5  # metres, width of a zebra bar and of the gap after it
+FLARE = 0.5  # metres by which the kerb may bend away from its street within a crossing
+FLARED = 2.0  # metres, the same where its curve begins within a crossing
+DRAWN = 3.5  # metres, the same where the map draws what is driven on, kerb to kerb
 MOUTH = 2.4  # metres along a street of the way across its mouth
 KERB_GAP = 0.1  # metres between a mark and the kerb
 # Metres across the road: the marks of a row and the gaps between (RMS; TSRGD 2016, diagram 1055.1).
@@ -48,18 +51,23 @@ class Zebras:
         (z,) float, metres from the edge's start to the middle, and metres along the road.
     kind
         (z,) int64 into `cityx.plugins.road.marks.KINDS`.
-    flared
-        (z,) bool, whether the kerbs have begun to curve there.
+    flare
+        (z,) float, metres by which kerbs may lie off their street there: `FLARE` as a rule.
     """
 
     edge: IntArray
     along: FloatArray
     depth: FloatArray
     kind: IntArray
-    flared: BoolArray
+    flare: FloatArray
+
+    @property
+    def flared(self) -> BoolArray:
+        """(z,) whether the kerbs have begun to curve, or the map draws them elsewhere."""
+        return np.asarray(self.flare > FLARE)
 
 
-def zebras_of(street: Street, chosen: BoolArray) -> Zebras:
+def zebras_of(street: Street, chosen: BoolArray, road: Carriageway) -> Zebras:
     """Find all crossings: at the ends of arms, and those of the map between junctions."""
     network = street.network
     edge, end = np.nonzero((street.crossing > 0) & chosen[:, None])
@@ -68,13 +76,12 @@ def zebras_of(street: Street, chosen: BoolArray) -> Zebras:
     kind, flared = street.crossing[edge, end], street.setback[edge, end] < 0
     more, there, told = _between_junctions(street, chosen)
     edge, along = np.concatenate([edge, more]), np.concatenate([along, there])
-    return Zebras(
-        edge, along, street.depth[edge], np.concatenate([kind, told]),
-        np.concatenate([flared, np.zeros(len(more), bool)]),
-    )  # fmt: skip
+    flared = np.concatenate([flared, np.zeros(len(more), bool)])
+    kind, depth = np.concatenate([kind, told]), street.depth[edge]
+    return Zebras(edge, along, depth, kind, _flares(street, edge, along, depth, flared, road))
 
 
-def mouth_crossings(street: Street, chosen: BoolArray) -> Zebras:
+def mouth_crossings(street: Street, chosen: BoolArray, road: Carriageway) -> Zebras:
     """Find where walks go on across the mouths of streets that no crossing tells of.
 
     These are streets with walks that end at a road, and all arms where several of one class meet;
@@ -98,7 +105,20 @@ def mouth_crossings(street: Street, chosen: BoolArray) -> Zebras:
     back = street.mouth[edge, end] + MOUTH / 2
     along = np.where(end == 0, back, street.length[edge] - back)
     flared = back - MOUTH / 2 < network.trim[edge, end]
-    return Zebras(edge, along, np.full(len(edge), MOUTH), np.full(len(edge), PLAIN), flared)
+    depth, kind = np.full(len(edge), MOUTH), np.full(len(edge), PLAIN)
+    return Zebras(edge, along, depth, kind, _flares(street, edge, along, depth, flared, road))
+
+
+def _flares(
+    street: Street, edge: IntArray, along: FloatArray, depth: FloatArray, flared: BoolArray,
+    road: Carriageway,
+) -> FloatArray:  # fmt: skip
+    """(z,) metres by which kerbs may lie off their street at crossings."""
+    flare = np.where(flared, FLARED, FLARE)
+    width = 2 * (street.network.half_width[edge] + DRAWN)
+    across, _ = boxes(street.lines, edge, along, np.zeros(len(edge)), depth, width)
+    flare[shapely.STRtree(across).query(road.drawn, predicate="intersects")[1]] = DRAWN
+    return flare
 
 
 def joined(first: Zebras, second: Zebras) -> Zebras:
@@ -149,7 +169,7 @@ def crossing_rows(
 def _widths(street: Street, zebras: Zebras, rows: IntArray) -> FloatArray:
     """(k,) metres across which marks are looked for: more where the kerbs curve away."""
     half = street.network.half_width[zebras.edge[rows]]
-    return np.asarray(2 * (half + np.where(zebras.flared[rows], 1.5 * FLARE, 0.0)))
+    return np.asarray(2 * (half + np.where(zebras.flared, zebras.flare, 0.0)[rows]))
 
 
 def _on_road(
@@ -159,7 +179,7 @@ def _on_road(
     kept = np.ones(len(marks), bool)
     rows = np.flatnonzero(zebras.flared[crossing])
     if len(rows):
-        driven = road.driven
+        driven = road.kerbed
         mark, surface = shapely.STRtree(driven).query(marks[rows], predicate="intersects")
         pair = np.unique(np.stack([crossing[rows[mark]], surface]), axis=1)
         paved, group = joined_by(driven[pair[1]], pair[0])

@@ -177,3 +177,23 @@ def test_kerbs_are_lowered_where_the_map_draws_them(layout_of, city_of):
     dropped = shapely.get_parts(shape_of(city, "kerb_dropped"))
     assert len(dropped) == 2
     assert [np.abs(each.centroid.y) for each in dropped] == pytest.approx([7.075, 7.075], abs=0.01)
+
+
+@pytest.mark.parametrize(("frame", "width"), [(LONDON, 1.2), (BERLIN, 0.6), (NEW_YORK, 0.0)])
+def test_a_strip_across_the_walk_leads_to_crossings_with_paint(layout_of, city_of, frame, width):
+    signals = [*SIGNAL, ((30.0, 0.0), "crossing")]
+    city = built(layout_of(CROSS, houses=HOUSES, points=signals), city_of, frame)
+    strip = shape_of(city, "guide_strip")
+    assert strip.is_empty == (width == 0)
+    if width:
+        parts = [each for each in shapely.get_parts(strip) if each.centroid.y > 4.0]
+        # On the right of those who cross the western arm southwards, from the ribs to the houses.
+        (west,) = [each for each in parts if each.centroid.x < -8.0]
+        assert np.ptp(shapely.get_coordinates(west)[:, 0]) == pytest.approx(width, abs=0.02)
+        y = np.arange(west.bounds[1] + 0.02, west.bounds[3], 0.05)
+        spots = np.column_stack([np.full(len(y), west.centroid.x), y])
+        z = stand_on(city.scene.meshes["ground"], spots).z
+        assert (z[0], z[-1]) == pytest.approx((DROPPED, KERB_HEIGHT), abs=0.004)
+        assert np.diff(z).max() < 0.05 / 12 + 0.002
+        beside = stand_on(city.scene.meshes["ground"], spots + np.array([width / 2 + 0.05, 0.0])).z
+        assert beside == pytest.approx(z, abs=0.006)

@@ -61,3 +61,12 @@ def test_a_curve_has_a_seam_every_twelve_degrees(layout_of):
     assert len(seams) == pytest.approx(2 * 90 / 12, abs=2)
     off = shapely.distance(drawn[0], shapely.get_point(seams, 0))
     assert off == pytest.approx(3.0, abs=0.02)
+
+
+@pytest.mark.parametrize(("half", "name"), [(90, "slab_walk"), (6, "mosaic")])
+def test_a_small_piece_of_a_walk_has_no_bands(layout_of, city_of, half, name):
+    city = ground(network(city_of(layout_of([([(-half, 0), (half, 0)], {})]))))
+    laid, bent = {"sidewalk": "slab_walk"}, {"slab_walk": "mosaic"}
+    found = courses(city.ground, city.network, laid, bent=bent)
+    largest = np.argmax(face_areas(city.ground) * city.ground.labelled("sidewalk"))
+    assert found.materials[found.material[largest]] == name

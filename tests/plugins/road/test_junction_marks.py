@@ -14,6 +14,7 @@ from cityx.plugins.road.marks import street_of
 from cityx.plugins.road.network import junction_clusters, road_network
 from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.sections import bands_of
+from cityx.plugins.road.through_roads import across_junctions, through_roads
 from cityx.plugins.road.turn_guides import WIDTH, turn_guides
 from cityx.plugins.road.zebras import zebras_of
 
@@ -29,7 +30,7 @@ def built(layout, **painting):
     street = street_of(layout, network, bands_of(layout, network), Painting(**painting))
     every = np.ones(network.edge_count, bool)
     road = build_carriageway(layout, network, every)
-    return street, junction_ways(street), zebras_of(street, every), road
+    return street, junction_ways(street), zebras_of(street, every, road), road
 
 
 def star_of():
@@ -59,6 +60,19 @@ def test_a_way_leads_through_all_nodes_of_a_junction_in_one_piece(layout_of):
     first, last = ways.line.start[:-1], ways.line.start[1:] - 1
     onward = ways.line.points[last][:, 1] - ways.line.points[first][:, 1] > 20
     assert (onward & (ways.movement == MOVEMENTS.index("through"))).sum() == 1
+
+
+def test_a_road_goes_on_past_all_nodes_of_a_junction(layout_of):
+    lines = [[(-90, 4), (0, 4), (90, 4)], [(90, -4), (0, -4), (-90, -4)]]
+    streets = [(line, ONE_WAY) for line in lines]
+    main = {"kind": "secondary"}
+    street = built(layout_of([*streets, ([(0, -90), (0, -4), (0, 4), (0, 90)], main)]))[0]
+    single = through_roads(street)
+    whole = across_junctions(street, single)
+    assert len(single.node) == 2  # from either side to the piece between the nodes
+    assert street.length[whole.edge].tolist() == [[86.0, 86.0]]
+    assert sorted(whole.side[0]) == [0, 1]
+    assert whole.major.tolist() == [True]
 
 
 def test_ways_cross_where_arms_do(layout_of):
