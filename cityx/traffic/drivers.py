@@ -18,6 +18,8 @@ TIRED = 6.0  # seconds at a line before a full exit after which drivers take ano
 WARNED = 6  # ways ahead of which drivers know that they are jammed
 DETOUR = 300.0  # metres that a jammed way or a lane that ends is worth to who looks for another
 HOPELESS = 20.0  # seconds there after which those whom only the filling has put there are taken out
+NEARER, SLOW = 0.5, 1.0  # share of an exit where nobody stands, slower than so many m/s
+STARVED = 60.0  # seconds for which others keep off an exit that somebody could not get onto
 GAP = 2.5  # metres that are left free behind who stands on an exit
 FREE, HELD = 1621, 512  # modes of changing lanes: as drivers like, and not at all
 
@@ -41,6 +43,7 @@ class Drivers:
         self.beside: set[str] = set()  # lanes with another one beside them
         self.jammed: Set[str] = frozenset()
         self.spare: Set[str] = frozenset()
+        self.wanted: dict[str, float] = {}  # edge -> until when who waits for it goes first
         self.mode: dict[str, int] = {}
         self.seen: dict[str, str] = {}  # vehicle -> lane that is known to lead where it wants to go
         for edge in sumo.edge.getIDList():
@@ -85,7 +88,9 @@ class Drivers:
             Vehicles that are taken out where they come to the end of a lane that leads nowhere, or
             stand before full exits alone: the streets are filled at random, as no traffic does.
         """
-        self.jammed, self.spare = jammed, spare
+        now = self.sumo.simulation.getTime()
+        self.wanted = {edge: until for edge, until in self.wanted.items() if until > now}
+        self.jammed, self.spare = jammed | self.wanted.keys(), spare
         vehicle = self.sumo.vehicle
         for name in vehicle.getIDList():
             lane = vehicle.getLaneID(name)
@@ -119,8 +124,10 @@ class Drivers:
             vehicle.remove(name)
             return
         if self._leads(lane, ahead, kind) and self._goes_on(name, lane):
-            if not self.jammed.isdisjoint(route[place + 1 : place + 1 + WARNED]):
-                edges = self.way(lane, route[-1], kind)
+            full = self._filling(lane)
+            onto = {goal for goal, _ in self.after[lane] if self.edge.get(goal) == ahead[0]}
+            if onto <= full or not self.jammed.isdisjoint(route[place + 1 : place + 1 + WARNED]):
+                edges = self.way(lane, route[-1], kind, full)
                 if edges and edges[-1] == route[-1]:
                     self._try(name, lane, edges)
             return
@@ -129,10 +136,23 @@ class Drivers:
         if len(edges) > 1:
             vehicle.setRoute(name, edges)
 
+    def _filling(self, lane: str) -> set[str]:
+        """Return the exits of a lane that have others, on whose nearer half somebody stands."""
+        exits = {goal for goal, _ in self.after[lane]}
+        if len(exits) < 2:
+            return set()
+        speed = self.sumo.vehicle.getSpeed
+        return {
+            goal for goal in exits
+            if any(self.sumo.vehicle.getLanePosition(name) < self.length[goal] * NEARER
+                   and speed(name) < SLOW for name in self.sumo.lane.getLastStepVehicleIDs(goal))
+        }  # fmt: skip
+
     def _lead_off(self, name: str, lane: str, *, hopeless: bool) -> None:
         """Send a vehicle that stands before a full exit to another one of its lane, if any.
 
-        Where there is none and it is `hopeless` it is taken out, if it may be.
+        Where there is none others are led round that exit for a time; where that is `hopeless` it
+        is taken out, if it may be.
         """
         vehicle = self.sumo.vehicle
         links, need = vehicle.getNextLinks(name), vehicle.getLength(name) + GAP
@@ -142,7 +162,9 @@ class Drivers:
         kind = vehicle.getVehicleClass(name)
         if any(kind in who for exit_, who in self.after[lane] if exit_ not in full):
             self._try(name, lane, self.way(lane, vehicle.getRoute(name)[-1], kind, full))
-        elif hopeless and name in self.spare:
+            return
+        self.wanted[self.edge[links[0][0]]] = self.sumo.simulation.getTime() + STARVED
+        if hopeless and name in self.spare:
             vehicle.remove(name)
 
     def _room(self, lane: str) -> float:

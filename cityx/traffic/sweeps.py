@@ -1,8 +1,9 @@
-"""What long vehicles sweep over on their ways across junctions."""
+"""What vehicles sweep over in bends and on their ways across junctions."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from cityx.traffic.streets import Streets
 FloatArray = NDArray[np.float64]
 
 LENGTH, HALF = 12.0, 1.275  # metres, a bus and half its width
+CAR_LENGTH, CAR_HALF = 5.05, 0.9  # metres, a van; a wall that it would but brush is no hindrance
 STEP = 1.0  # metres of way between the places where it is looked at
 STRAIGHT = 0.15  # radians; on straighter ways it sweeps over nothing beside its lane
 
@@ -39,7 +41,7 @@ def tight_links(streets: Streets, walls: shapely.STRtree) -> Streets:
     tree = shapely.STRtree(np.concatenate([stands, cars[len(lanes) :]]))
     marked = []
     for number, link in enumerate(links):
-        swept = _swept(streets, number)
+        swept = _swept(streets, number, LENGTH, HALF)
         ends = link.source[0], link.target[0]
         tight = swept is not None and len(walls.query(swept, predicate="intersects")) > 0
         for other in (
@@ -64,8 +66,28 @@ def tight_links(streets: Streets, walls: shapely.STRtree) -> Streets:
     return replace(streets, links=tuple(marked))
 
 
-def _swept(streets: Streets, number: int) -> Any:
-    """Return the ground that a bus sweeps over on a link; None where that is its lanes."""
+def clear_links(streets: Streets, walls: shapely.STRtree) -> Streets:
+    """Leave out the links on which a car would sweep over walls."""
+    swept = np.array([_swept(streets, number, CAR_LENGTH, CAR_HALF)
+                      for number in range(len(streets.links))], object)  # fmt: skip
+    touching = set(walls.query(swept, predicate="intersects")[0].tolist())
+    kept = (link for number, link in enumerate(streets.links) if number not in touching)
+    return replace(streets, links=tuple(kept))
+
+
+def swept_into(lines: NDArray[Any], walls: shapely.STRtree) -> NDArray[np.bool_]:
+    """(n,) whether a car that follows a line sweeps over a wall in one of its bends."""
+    hit = np.zeros(len(lines), bool)
+    for row in np.unique(walls.query(lines, predicate="dwithin", distance=CAR_LENGTH / 2)[0]):
+        points = shapely.get_coordinates(lines[row])
+        if len(points) > 2:
+            swept = _swept_along(shapely.LineString(points), CAR_LENGTH, CAR_HALF)
+            hit[row] = len(walls.query(swept, predicate="intersects")) > 0
+    return hit
+
+
+def _swept(streets: Streets, number: int, length: float, half: float) -> Any:
+    """Return the ground that a body sweeps over on a link; None where that is its lanes."""
     link = streets.links[number]
     source, target = (streets.ways[way].lanes[index].shape[:, :2]
                       for way, index in (link.source, link.target))  # fmt: skip
@@ -74,16 +96,25 @@ def _swept(streets: Streets, number: int) -> Any:
     if abs(turn) < STRAIGHT:
         return None
     before, after = shapely.LineString(source), shapely.LineString(target)
-    parts = [substring(before, max(before.length - LENGTH, 0.0), before.length),
-             shapely.LineString(link.shape[:, :2]), substring(after, 0.0, LENGTH)]  # fmt: skip
+    parts = [substring(before, max(before.length - length, 0.0), before.length),
+             shapely.LineString(link.shape[:, :2]), substring(after, 0.0, length)]  # fmt: skip
     path = shapely.LineString(np.concatenate([shapely.get_coordinates(part) for part in parts]))
+    return _swept_along(path, length, half, behind=parts[0].length)
+
+
+def _swept_along(path: Any, length: float, half: float, behind: float = inf) -> Any:
+    """Return the ground that a body sweeps over whose foremost point follows a path.
+
+    Where it is longer than what lies `behind` the place of interest, it is looked at from there on.
+    """
     along = np.arange(0.0, path.length, STEP)
     front = shapely.get_coordinates(shapely.line_interpolate_point(path, along))
+    begin = np.subtract(*shapely.get_coordinates(path)[[1, 0]])
     xy, heading, _ = bodies(front, np.full(len(front), np.arctan2(begin[1], begin[0])),
-                            np.zeros(len(front), np.int64), np.array([LENGTH]))  # fmt: skip
-    ahead = np.column_stack([np.cos(heading), np.sin(heading)]) * LENGTH / 2
-    side = np.column_stack([-np.sin(heading), np.cos(heading)]) * HALF
+                            np.zeros(len(front), np.int64), np.array([length]))  # fmt: skip
+    ahead = np.column_stack([np.cos(heading), np.sin(heading)]) * length / 2
+    side = np.column_stack([-np.sin(heading), np.cos(heading)]) * half
     ring = np.stack([xy - ahead - side, xy + ahead - side, xy + ahead + side, xy - ahead + side],
                     axis=1)  # fmt: skip
-    late = along >= min(LENGTH, parts[0].length)
+    late = along >= min(length, behind)
     return shapely.union_all(shapely.polygons(ring[late]))

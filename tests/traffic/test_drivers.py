@@ -2,7 +2,7 @@
 
 from made_sumo import Car, Sumo
 
-from cityx.traffic.drivers import HOPELESS, TIRED, Drivers
+from cityx.traffic.drivers import HOPELESS, STARVED, TIRED, Drivers
 
 # One lane "a" that leads straight on to "b", or aside to "c"; from both one comes to "d".
 FORK = {"a_0": ("b_0", "c_0"), "b_0": ("d_0",), "c_0": ("d_0",)}
@@ -19,10 +19,11 @@ def test_who_is_told_to_drive_on_along_a_walk_takes_a_way_that_its_lane_leads():
 
 def led_on(*others, seconds=TIRED):
     """The way of one who is first at the end of "a", after it has stood there for seconds."""
-    sumo = Sumo(FORK, {"first": Car("a_0", "abd")} | dict(others))
+    sumo = Sumo(FORK, {"first": Car("a_0", "abd")})
     drivers = Drivers(sumo, [])
-    for waited in (0.0, seconds):
-        drivers.step({"first": waited})
+    drivers.step({})
+    sumo.cars |= dict(others)
+    drivers.step({"first": seconds})
     return "".join(sumo.cars["first"].route)
 
 
@@ -65,3 +66,24 @@ def test_who_was_put_into_a_lane_that_ends_is_taken_out_before_the_tracks_begin(
         sumo = Sumo({"a_0": (), "a_1": ("b_0",)}, {"car": Car("a_0", "ab")})
         Drivers(sumo, []).step({}, spare=spare)
         assert len(sumo.cars) == left
+
+
+def test_who_comes_to_an_exit_on_whose_nearer_half_somebody_stands_takes_another():
+    for at, speed, way in ((40.0, 0.0, "acd"), (60.0, 0.0, "abd"), (40.0, 9.0, "abd")):
+        sumo = Sumo(FORK, {"car": Car("a_0", "abd"), "last": Car("b_0", "bd", at=at, speed=speed)})
+        Drivers(sumo, []).step({})
+        assert "".join(sumo.cars["car"].route) == way
+
+
+def test_others_keep_off_an_exit_for_which_somebody_waits_who_has_no_other():
+    links = FORK | {"e_0": ("b_0",)}
+    sumo = Sumo(links, {"alone": Car("e_0", "ebd"), "last": Car("b_0", "bd", at=6.0)})
+    drivers = Drivers(sumo, [])
+    for waited in (0.0, TIRED):
+        drivers.step({"alone": waited})
+    del sumo.cars["last"]
+    for sumo.now, way in ((STARVED - 1.0, "acd"), (STARVED + 1.0, "abd")):
+        sumo.cars["car"] = Car("a_0", "abd")
+        drivers.step({})
+        assert "".join(sumo.cars.pop("car").route) == way
+        drivers.seen.pop("car")
