@@ -23,8 +23,9 @@ def front(body: Body, face: Face, country: str, number: int) -> list[MeshBatch]:
     """Make what a car shows ahead, at -y; `country` and `number` choose its plate."""
     half, end, nose = body.width / 2, body.length / 2, body.hood[0][1]
     parts = [*_grille(body, face), *_headlights(body, face), *_front_bumper(body, face)]
-    parts += number_plate(country, number, end, 0.455 if not face.trims else nose - 0.30,
-                          kei=body.kei)  # fmt: skip
+    # It stands before the grille where both have no room.
+    level = nose - 0.30 if face.trims else 0.455
+    parts += number_plate(country, number, end + 0.02, level, kei=body.kei)
     y0, z0, _ = body.roof[0]
     foot = y0 * body.length - end
     for side in (-1.0, 1.0):

@@ -165,9 +165,11 @@ def interior(body: Body, side: float = 1.0) -> list[MeshBatch]:
     parts = [_grid(rows, np.zeros((1, 8), int), ("rubber",))]
     roof = float(line[:, 1].max())
     waist = float(level.mean())
-    tall = 0.58 * (roof - waist)
 
     def seat(x: float, at: float, wide: float) -> list[MeshBatch]:
+        # Its head stays under the roof, which falls to the rear.
+        over = float(np.interp((at + 0.12) / length + 0.5, line[:, 0], line[:, 1]))
+        tall = min(0.58 * (roof - waist), over - waist - 0.28)
         lean = [[x, at, waist - 0.02], [x, at + 0.05, waist + tall]]
         shape = np.array([(-wide, -0.05), (wide, -0.05), (wide, 0.06), (-wide, 0.06)])
         rings = [np.column_stack([base[0] + s * shape[:, 0], base[1] + shape[:, 1],

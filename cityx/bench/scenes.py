@@ -186,7 +186,7 @@ def _park() -> list[Thing]:
 
 _TREES_AS_DRAWN = ("trees.street_trees=false", "trees.budget=0")
 _NO_CARS = ("parked_cars.occupancy=0", "parked_cars.lots=0")
-_THIRTY_CARS = ("parked_cars.occupancy=0.084",)
+_THIRTY_CARS = ("parked_cars.occupancy=0.08375",)
 SCENES: Mapping[str, Scene] = MappingProxyType(
     {
         "grid_s": Scene(
