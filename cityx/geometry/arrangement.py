@@ -30,6 +30,7 @@ SLIVER_AREA = 0.02  # square metres; smaller faces take the label of their longe
 SLIVER_WIDTH = 0.02  # metres; so do thinner ones
 BEYOND = OUTSIDE  # the face on the far side of the site's border
 LENGTHWISE = 0.25  # share of its rim that a face has in common with what it was cut from
+LEAST_CUT = 0.25  # metres of it; rails and lines are narrower
 
 IntArray = NDArray[np.int64]
 
@@ -283,7 +284,8 @@ def _mended(
 ) -> IntArray:  # fmt: skip
     """(f,) a number for each face, one for those of a label that were one and have been cut.
 
-    A cut lengthwise is what takes a good part of the rim of the smaller face.
+    A cut lengthwise is what takes a good part of the rim of the smaller face, and is no cut across
+    that leaves a sliver.
     """
     size = len(label)
     rim = np.bincount(left, length, size) + np.bincount(right, length, size)
@@ -293,7 +295,7 @@ def _mended(
         return np.arange(size, dtype=np.int64)
     pairs, index = np.unique(pairs, axis=0, return_inverse=True)
     shared = np.bincount(index.ravel(), length[same], len(pairs))
-    cut = shared > LENGTHWISE * rim[pairs].min(axis=1)
+    cut = shared > np.maximum(LENGTHWISE * rim[pairs].min(axis=1), LEAST_CUT)
     return np.asarray(components(pairs[cut], size), np.int64)
 
 

@@ -183,3 +183,22 @@ def test_a_band_that_lines_have_cut_lengthwise_still_belongs_to_its_junction():
     assert inside.sum() >= 2
     assert (owner[inside] == 1).all()
     assert not owner[x > 60.6].any()
+
+
+def test_a_rail_that_goes_on_beyond_its_junction_belongs_to_it_where_it_crosses():
+    junction, rail = LABEL["junction"], LABEL["tramway"]
+    setts = regions([shapely.box(0, 20, 100, 60)], LABEL["setts"], 0)
+    crossed = join_regions([
+        setts,
+        regions([shapely.box(45, 20, 55, 60)], junction, 1, 5),
+        regions([shapely.box(0, 40, 100, 40.07)], rail, 2),
+    ])  # fmt: skip
+    # Kerbs below cut it twice where it comes to the junction and leaves it: slivers remain.
+    cuts = [shapely.LineString([(x, 39), (x, 41)]) for x in (44.99, 45.01, 54.99, 55.01)]
+    ground = arrange(crossed, SITE, lines=cuts)
+    owner = owners(ground, junction, ("tramway",))
+    middle = [f for f in np.flatnonzero(ground.face_label == rail)
+              if abs(ground.vertices[ground.triangles[ground.triangle_face == f]][..., 0].mean()
+                     - 50.0) < 1.0]  # fmt: skip
+    assert middle
+    assert (owner[middle] == 1).all()
