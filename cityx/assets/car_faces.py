@@ -12,8 +12,6 @@ from cityx.assets.shapes import Color, bevelled, loft, moved, prism, tube
 from cityx.city.mesh import MeshBatch
 
 FloatArray = NDArray[np.float64]
-RED: Color = (0.42, 0.012, 0.012)
-AMBER: Color = (0.85, 0.30, 0.03)
 DARK: Color = (0.03, 0.03, 0.032)
 # Headlights: metres of height, and where they begin and end, shares of half the width.
 _LAMPS = {"slit": (0.085, 0.50), "block": (0.15, 0.56), "round": (0.19, 0.56)}
@@ -87,7 +85,9 @@ def _headlights(body: Body, face: Face) -> list[MeshBatch]:
         y = back - end - 0.004
         parts.append(_swept(across, y, low, high, 0.05, lens, side))
         if face.lamps == "slit":  # a bright line below, two lenses in the dark
-            parts.append(_swept(across + 0.004, y - 0.006, low, low + 0.016, 0.02, "sign", side))
+            parts.append(
+                _swept(across + 0.004, y - 0.006, low, low + 0.016, 0.02, "lens_white", side)
+            )
             for share in (0.60, 0.72):
                 z = nose - 0.05 - 0.42 * height
                 parts += _round_lamp(side * share * half, -end - 0.012, z, 0.026)
@@ -96,7 +96,7 @@ def _headlights(body: Body, face: Face) -> list[MeshBatch]:
             for share in (0.63, 0.76):
                 parts += _round_lamp(side * share * half, -end - 0.018, z, 0.048)
             parts.append(_swept(across[3:] + 0.005, y[3:] - 0.004, low[3:], low[3:] + 0.05,
-                                0.02, "plastic", side, AMBER))  # fmt: skip
+                                0.02, "lens_amber", side))  # fmt: skip
         else:
             z = nose - 0.05 - 0.5 * height
             parts += _round_lamp(side * 0.70 * half, -end - 0.024, z, 0.092)
@@ -106,7 +106,7 @@ def _headlights(body: Body, face: Face) -> list[MeshBatch]:
 def _round_lamp(x: float, y: float, z: float, radius: float) -> list[MeshBatch]:
     """Set a round lens, its rim and the bulb before it."""
     return [
-        tube([[x, y, z], [x, y + 0.03, z]], [0.9 * radius, radius], "sign", sides=24),
+        tube([[x, y, z], [x, y + 0.03, z]], [0.9 * radius, radius], "lens_white", sides=24),
         tube([[x, y - 0.004, z], [x, y, z]], [0.40 * radius, 0.48 * radius], "metal_grey",
              sides=16),
     ]  # fmt: skip
@@ -196,7 +196,7 @@ def rear(body: Body, face: Face, country: str, number: int) -> list[MeshBatch]:
         parts += _rear_lamp(body, face, side)
     if face.rear == "band":
         parts.append(bevelled((-0.60 * half, end - 0.03, tail + 0.035), (0.60 * half, end + 0.010,
-                              tail + 0.065), "plastic", RED, bevel=0.006))  # fmt: skip
+                              tail + 0.065), "lens_red", bevel=0.006))  # fmt: skip
     return parts
 
 
@@ -216,17 +216,17 @@ def _rear_lamp(body: Body, face: Face, side: float) -> list[MeshBatch]:
             np.column_stack([side * (x + a * wide), y + b, z])
             for a, b in ((-1, 0.0), (0.7, 0.0), (1.0, -deep), (-1, -deep))
         ], axis=1)  # fmt: skip
-        parts = [loft(rings if side > 0 else rings[:, ::-1], "plastic", RED)]
+        parts = [loft(rings if side > 0 else rings[:, ::-1], "lens_red")]
         spot = sorted((side * (0.86 * half - 0.04), side * (0.86 * half + 0.03)))
         parts.append(bevelled((spot[0], end + 0.006, tail + 0.02), (spot[1], end + 0.02,
                               tail + 0.07), "signal_red", bevel=0.006))  # fmt: skip
         parts.append(bevelled((spot[0], end + 0.006, tail - 0.04), (spot[1], end + 0.02,
-                              tail + 0.0), "plastic", AMBER, bevel=0.006))  # fmt: skip
+                              tail + 0.0), "lens_amber", bevel=0.006))  # fmt: skip
         return parts
     begin, high = (0.46, 0.085) if face.rear == "band" else (0.58, 0.13)
     x = np.array(sorted((side * begin * half, side * 0.90 * half)))
-    parts = [bevelled((x[0], end - 0.14, tail - 0.01), (x[1], end + 0.014, tail + high), "plastic",
-                      RED, bevel=0.02)]  # fmt: skip
+    parts = [bevelled((x[0], end - 0.14, tail - 0.01), (x[1], end + 0.014, tail + high), "lens_red",
+                      bevel=0.02)]  # fmt: skip
     inner, outer = x[0] + 0.02, x[1] - 0.02
     for z in np.linspace(tail + 0.02, tail + high - 0.03, 2 if face.rear == "band" else 3).tolist():
         parts.append(bevelled((inner, end + 0.008, z), (outer, end + 0.018, z + 0.016),
@@ -239,12 +239,9 @@ def roof_sign(body: Body) -> list[MeshBatch]:
     share, z, _ = body.roof[2]
     y = (share - 0.06) * body.length - body.length / 2
     wide, high = (0.26, 0.11) if body.sign.isascii() else (0.20, 0.13)
-    amber = body.sign.isascii()
-    tint: Color = (0.95, 0.55, 0.06) if amber else (1.0, 1.0, 1.0)
+    lamp = "lens_amber" if body.sign.isascii() else "lens_white"
     face = y - 0.06
-    parts = [
-        bevelled((-wide, face, z - 0.01), (wide, y + 0.06, z + high), "sign", tint, bevel=0.02)
-    ]
+    parts = [bevelled((-wide, face, z - 0.01), (wide, y + 0.06, z + high), lamp, bevel=0.02)]
     text = word(body.sign, 0.85 * wide, z + 0.02, z + high - 0.02, face, "metal_dark", deep=0.003)
     behind = [moved(letter, (0.0, 2 * y, 0.0), yaw=np.pi) for letter in text]
     return [*parts, *text, *behind]

@@ -119,15 +119,17 @@ def lamps(model: Large, height: float) -> Shapes:
     """Set headlights, rear lights and number plates."""
     half, end = model.size[1] / 2, model.size[0] / 2
     found = [
-        box((-0.26, -end - 0.02, height - 0.22), (0.26, -end + 0.02, height - 0.11), "sign"),
-        box((-0.26, end - 0.02, height - 0.05), (0.26, end + 0.02, height + 0.06), "sign"),
+        box((-0.26, -end - 0.02, height - 0.22), (0.26, -end + 0.02, height - 0.11), "plate_white"),
+        box((-0.26, end - 0.02, height - 0.05), (0.26, end + 0.02, height + 0.06), "plate_white"),
     ]
     for side in (-1.0, 1.0):
         x = sorted((side * (half - 0.5), side * (half - 0.18)))
-        found.append(box((x[0], -end - 0.012, height), (x[1], -end + 0.03, height + 0.16), "sign"))
+        found.append(
+            box((x[0], -end - 0.012, height), (x[1], -end + 0.03, height + 0.16), "lens_white")
+        )
         x = sorted((side * (half - 0.34), side * (half - 0.18)))
         low, high = (x[0], end - 0.03, height), (x[1], end + 0.012, height + 0.34)
-        found.append(box(low, high, "plastic", (0.55, 0.02, 0.02)))
+        found.append(box(low, high, "lens_red"))
     return found
 
 

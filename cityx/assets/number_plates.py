@@ -19,14 +19,12 @@ from types import MappingProxyType
 import numpy as np
 
 from cityx.assets.lettering import word
-from cityx.assets.shapes import WHITE, Color, bevelled, box, is_fine, moved, tinted
+from cityx.assets.shapes import bevelled, box, is_fine, moved
 from cityx.city.mesh import MeshBatch
 
 DEEP = 0.02  # metres
-_YELLOW: Color = (0.95, 0.62, 0.05)
-_BLUE: Color = (0.01, 0.06, 0.42)
-_GREEN: Color = (0.0, 0.16, 0.07)
-_BLACK: Color = (0.02, 0.02, 0.02)
+_WHITE, _YELLOW, _BLUE, _GREEN = "plate_white", "plate_yellow", "plate_blue", "plate_green"
+_BLACK = "rubber"
 
 
 @dataclass(frozen=True)
@@ -38,9 +36,9 @@ class Plate:
     size
         Breadth and height, metres.
     front, rear
-        Linear colour of the ground.
+        Material of the ground.
     ink
-        Linear colour of what is written.
+        Material of what is written.
     band
         Whether a blue band runs down its left end.
     rows
@@ -48,9 +46,9 @@ class Plate:
     """
 
     size: tuple[float, float]
-    front: Color
-    rear: Color
-    ink: Color
+    front: str
+    rear: str
+    ink: str
     band: bool
     rows: tuple[tuple[str, ...], ...]
 
@@ -58,15 +56,15 @@ class Plate:
 _JAPAN = (("見本 48", "・・ 20"), ("見本 30", "2-046"), ("見本 51", "・ 713"))
 PLATES: Mapping[str, Plate] = MappingProxyType(
     {
-        "eu": Plate((0.52, 0.11), WHITE, WHITE, _BLACK, True,
+        "eu": Plate((0.52, 0.11), _WHITE, _WHITE, _BLACK, True,
                     (("CX 20486",), ("QX 73051",), ("XC 18394",))),
-        "gb": Plate((0.52, 0.11), WHITE, _YELLOW, _BLACK, False,
+        "gb": Plate((0.52, 0.11), _WHITE, _YELLOW, _BLACK, False,
                     (("CX4 8ZQ",), ("QX9 3YX",), ("XQ7 1CX",))),
-        "us": Plate((0.305, 0.152), WHITE, WHITE, _BLUE, False,
+        "us": Plate((0.305, 0.152), _WHITE, _WHITE, _BLUE, False,
                     (("CX 204 867",), ("QX 730 512",), ("XC 183 940",))),
-        "jp": Plate((0.33, 0.165), WHITE, WHITE, _GREEN, False, _JAPAN),
+        "jp": Plate((0.33, 0.165), _WHITE, _WHITE, _GREEN, False, _JAPAN),
         "jk": Plate((0.33, 0.165), _YELLOW, _YELLOW, _BLACK, False, _JAPAN),
-        "": Plate((0.52, 0.11), WHITE, WHITE, _BLACK, False,
+        "": Plate((0.52, 0.11), _WHITE, _WHITE, _BLACK, False,
                   (("CX 2048",), ("QX 7305",), ("XC 1839",))),
     }
 )  # fmt: skip
@@ -101,8 +99,7 @@ def number_plate(
     wide, high = style.size[0] / 2, style.size[1] / 2
     face, ground = -abs(y) - 0.012, style.rear if rear else style.front
     low, top = (-wide, face, z - high), (wide, face + DEEP, z + high)
-    parts = [bevelled(low, top, "plastic", ground, bevel=0.003) if is_fine()
-             else box(low, top, "plastic", ground)]  # fmt: skip
+    parts = [bevelled(low, top, ground, bevel=0.003) if is_fine() else box(low, top, ground)]
     if is_fine():
         start = -wide
         if style.band:
@@ -111,7 +108,7 @@ def number_plate(
                 (-wide + 0.003, face - 0.0015, z - high + 0.003),
                 (start, face, z + high - 0.003),
             )
-            parts.append(box(low, top, "plastic", _BLUE))
+            parts.append(box(low, top, _BLUE))
         parts += _written(style, number, (start, wide), z, face)
     return [moved(part, yaw=np.pi) for part in parts] if rear else parts
 
@@ -128,6 +125,6 @@ def _written(
     middle, reach = (span[0] + span[1]) / 2, 0.44 * (span[1] - span[0])
     made = []
     for text, (low, top) in zip(lines, edges, strict=True):
-        for letter in word(text, reach, low, top, face, "plastic", deep=0.002):
-            made.append(moved(tinted(letter, style.ink), (middle, 0.0, 0.0)))
+        for letter in word(text, reach, low, top, face, style.ink, deep=0.002):
+            made.append(moved(letter, (middle, 0.0, 0.0)))
     return made

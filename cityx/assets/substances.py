@@ -67,7 +67,8 @@ SUBSTANCES: Mapping[str, Substance] = MappingProxyType(
             (_STEEL, "metal_dark metal_grey metal_panel roof_metal copper rail_steel"),
             (_GLASS, "glass pane car_glass car_pane window_lit glass_wall lamp_glow signal_red "
              "neon_red neon_amber neon_green neon_cyan neon_blue neon_violet neon_pink"),
-            (_PLASTIC, "plastic sign ware_cream ware_red ware_ochre ware_blue ware_green"),
+            (_PLASTIC, "plastic sign ware_cream ware_red ware_ochre ware_blue ware_green "
+             "lens_white lens_red lens_amber plate_white plate_yellow plate_blue plate_green"),
             (_RUBBER, "rubber"),
             (_PAINTED, "car_paint door_paint frame_paint"),
             (_CLOTH, "cloth leather curtain hair"),

@@ -114,7 +114,7 @@ def _bicycle(model: TwoWheeler) -> Shapes:
         box((-0.08, 0.14, 0.93), (0.08, 0.40, 0.98), "plastic", DARK),
         cylinder((-0.05, crank[1], crank[2]), (-0.045, crank[1], crank[2]), 0.09, "metal_grey",
                  sides=16),
-        box((-0.04, front - 0.06, 0.80), (0.04, front + 0.02, 0.87), "sign"),
+        box((-0.04, front - 0.06, 0.80), (0.04, front + 0.02, 0.87), "lens_white"),
         box((-0.03, rear + 0.02, 0.74), (0.03, rear + 0.05, 0.79), "signal_red"),
     ]  # fmt: skip
     found += [_mudguard(model, y) for y in model.axles]
@@ -146,9 +146,9 @@ def _motorcycle(model: TwoWheeler) -> Shapes:
              sides=8),
         tube([(-0.34, -0.34, 1.02), (-0.12, -0.46, 1.04), (0.12, -0.46, 1.04),
               (0.34, -0.34, 1.02)], 0.014, "metal_dark", sides=6),
-        cylinder((0, -0.66, 0.86), (0, -0.52, 0.86), 0.09, "sign", sides=12),
+        cylinder((0, -0.66, 0.86), (0, -0.52, 0.86), 0.09, "lens_white", sides=12),
         box((-0.06, 0.93, 0.80), (0.06, 0.97, 0.87), "signal_red"),
-        box((-0.1, 0.99, 0.50), (0.1, 1.0, 0.64), "sign"),
+        box((-0.1, 0.99, 0.50), (0.1, 1.0, 0.64), "plate_white"),
     ]  # fmt: skip
     for x in (-0.09, 0.09):
         found += [
@@ -172,7 +172,7 @@ def _scooter(model: TwoWheeler) -> Shapes:
         tube([(0, -0.50, 0.92), (0, -0.44, 1.06)], 0.05, "car_paint", sides=8),
         tube([(-0.32, -0.34, 1.06), (-0.1, -0.46, 1.08), (0.1, -0.46, 1.08),
               (0.32, -0.34, 1.06)], 0.014, "metal_dark", sides=6),
-        cylinder((0, -0.58, 0.98), (0, -0.48, 0.98), 0.075, "sign", sides=12),
+        cylinder((0, -0.58, 0.98), (0, -0.48, 0.98), 0.075, "lens_white", sides=12),
         box((-0.08, 0.83, 0.60), (0.08, 0.86, 0.67), "signal_red"),
         tube([(0, -0.52, 0.60), (0, front, model.wheel)], 0.03, "metal_dark", sides=6),
         tube([(0, 0.3, 0.40), (0, rear, model.wheel)], 0.05, "metal_dark", sides=6),

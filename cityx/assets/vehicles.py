@@ -11,7 +11,7 @@ from cityx.assets.car_bodies import BODIES, Body
 from cityx.assets.kept import kept
 from cityx.assets.materials import srgb_to_linear
 from cityx.assets.number_plates import number_plate
-from cityx.assets.shapes import Color, box, cylinder, fine_shapes, loft, moved, prototype
+from cityx.assets.shapes import box, cylinder, fine_shapes, loft, moved, prototype
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
 
@@ -198,11 +198,11 @@ def _fittings(body: Body, country: str, number: int) -> list[MeshBatch]:
     for side in (-1.0, 1.0):
         x = sorted((side * 0.50 * half, side * 0.82 * half))
         parts.append(
-            box((x[0], -end - 0.008, nose - 0.12), (x[1], -end + 0.12, nose - 0.01), "sign")
+            box((x[0], -end - 0.008, nose - 0.12), (x[1], -end + 0.12, nose - 0.01), "lens_white")
         )
         x = sorted((side * 0.58 * half, side * 0.86 * half))
         parts.append(box((x[0], end - 0.10, tail - 0.02), (x[1], end + 0.012, tail + 0.12),
-                         "plastic", (0.55, 0.02, 0.02)))  # fmt: skip
+                         "lens_red"))  # fmt: skip
         foot = body.roof[0]
         x = sorted((side * (0.90 * half), side * (half + 0.10)))
         y = foot[0] * body.length - end + 0.32
@@ -215,8 +215,8 @@ def _fittings(body: Body, country: str, number: int) -> list[MeshBatch]:
     if body.sign:
         share, z, _ = body.roof[2]
         y = (share - 0.06) * body.length - end
-        tint: Color = (0.95, 0.55, 0.06) if body.sign.isascii() else (1.0, 1.0, 1.0)
-        parts.append(box((-0.22, y - 0.06, z - 0.01), (0.22, y + 0.06, z + 0.11), "sign", tint))
+        lamp = "lens_amber" if body.sign.isascii() else "lens_white"
+        parts.append(box((-0.22, y - 0.06, z - 0.01), (0.22, y + 0.06, z + 0.11), lamp))
     return parts
 
 
