@@ -4,6 +4,7 @@ import shapely
 from crossing_town import HOUSES
 from planned_town import CARS, SECONDS, eyes, planned, stage, town
 
+from cityx.city.crosswalks import FOOTWAYS
 from cityx.city.tracks import poses_at
 from cityx.dataset.plans.planning import KINDS
 from cityx.geometry.polylines import Polylines, to_linestrings
@@ -72,7 +73,7 @@ def test_eyes_of_street_views_stand_on_pavements_at_the_height_of_eyes(plans):
     places = eyes(plans["street"].shots)
     assert not shapely.contains_xy(shapely.union_all(HOUSES), *places[:, :2].T).any()
     ground = town().ground
-    walked = ground.on(places[:, :2], "sidewalk", "plaza", "kerb", "path", "kerb_dropped")
+    walked = ground.on(places[:, :2], *FOOTWAYS)
     assert walked.mean() > 0.9
     assert (places[:, 2] > 1.4).all()
     assert (places[:, 2] < 1.9 + 0.13).all()

@@ -45,13 +45,14 @@ LEAST_GAP = 3.5  # metres from a scattered tree to the next
 SPACINGS = (9.0, 7.0, 5.5, 4.5, LEAST_GAP)  # metres between scattered trees, tried in turn
 THING_GAP = 1.2  # metres from a trunk to lamps, benches and all else that stands about
 AMOUNTS = {"few": 3, "some": 8, "many": 25}  # trees, where no number is said
+SLIDES = (0.5, -0.5, 1.0, -1.0)  # metres along a row, tried in turn beside things
 THINGS = ("street_furniture", "street_pieces", "park_pieces", "vehicles")
 
 
 @action(
     ACTION,
     limits=[
-        "Trees keep off carriageways, walls, waters, lamps and benches; a row has gaps there.",
+        "Trees keep off carriageways, walls, waters and things; a row yields by 1 m, or has gaps.",
         "Older trees within 3 m of a new row make room for it.",
     ],
     requires=("layout",),
@@ -144,10 +145,24 @@ def _row(
         near = near_any(held.position[:, :2], shapely.points(places.xy), ROW_WIDTH)
         city = replace(city, scene=without_rows(city.scene, "trees", held.object_id[near]))
     key = np.full(len(own), ids.min() if len(ids) else 0, np.uint64)
-    stand = stand_of(Points(places.xy, own), _species(city, species, key, street=True),
+    xy = _past_things(places.xy, places.toward, _things(city))
+    stand = stand_of(Points(xy, own), _species(city, species, key, street=True),
                      line=places.line, place=places.number)  # fmt: skip
     # Whoever plants a row knows the place: walls may be as near as to a tree of the map.
     return city, *_standing(city, stand, mapped=True)
+
+
+def _past_things(xy: FloatArray, toward: FloatArray, things: FloatArray) -> FloatArray:
+    """Move places along a row, by the first of `SLIDES`, where lamps, benches or bins leave room there."""
+    xy, solid = xy.copy(), shapely.points(things)
+    along = np.column_stack([-toward[:, 1], toward[:, 0]])
+    taken = np.flatnonzero(near_any(xy, solid, THING_GAP))
+    for step in SLIDES:
+        tried = xy[taken] + step * along[taken]
+        free = ~near_any(tried, solid, THING_GAP)
+        xy[taken[free]] = tried[free]
+        taken = taken[~free]
+    return xy
 
 
 def _areas(city: City, within: tuple[str, ...] | None) -> NDArray[np.object_]:

@@ -6,6 +6,7 @@ import shapely
 
 from cityx.assets.movers import person_of
 from cityx.city.content import content_hash
+from cityx.city.crosswalks import FOOTWAYS
 from cityx.city.moments import moments_of
 from cityx.city.tracks import GAIT, MOVER, join_tracks
 from cityx.errors import ActionFailed
@@ -86,9 +87,9 @@ def test_around_the_park_is_the_closed_path_in_it(park):
 def test_along_a_street_people_walk_on_its_sidewalk(park):
     city, _ = add_characters(park, path="x1", count=9)
     at = city.tracks.position[:, :2]
-    on = park.ground.on(at, "sidewalk", "kerb", "kerb_dropped", "ramp", "tactile", "plaza", "path")
+    on = park.ground.on(at, *FOOTWAYS)
     assert on.mean() > 0.85
-    assert park.ground.on(at[~on], "junction", "carriageway", "marking", "tactile_pale").all()
+    assert park.ground.on(at[~on], "junction", "carriageway", "marking").all()
 
 
 def test_people_cross_a_plaza_that_no_path_crosses(park):
