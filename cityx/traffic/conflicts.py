@@ -22,6 +22,9 @@ BoolArray = NDArray[np.bool_]
 HALF_BODY = 1.0  # metres from the middle of a vehicle to its side, with a little air
 NARROW = 1.8  # metres between the middles of two ways on which cars do not pass each other
 STOREY = 2.5  # metres of height that part two streets
+FACING = 4.0  # metres of one way on which somebody comes from ahead, from which on they are told
+SPOT = 0.5  # metres between the places where it is looked at
+BACKWARD = 0.7  # share of those metres that the other way leads back
 GREEN, MINOR = "G", "g"
 SIGNALLED = "traffic_light"
 
@@ -83,6 +86,28 @@ def conflicts_of(streets: Streets) -> Conflicts:
     order[np.lexsort(key.T[::-1])] = np.arange(len(links))
     swap = order[one] > order[other]
     return Conflicts(np.where(swap, other, one), np.where(swap, one, other), free, order)
+
+
+def facing(streets: Streets, conflicts: Conflicts) -> IntArray:
+    """(k, 2) pairs of links, of those in conflict, that lead through one lane against each other.
+
+    SUMO takes two ways to meet in one place. Who stops before that one, where they run against
+    each other for long, stands in the way.
+    """
+    lines = np.array([shapely.LineString(link.shape[:, :2]) for link in streets.links], object)
+    own, foe = conflicts.first, conflicts.second
+    if not len(own):
+        return np.zeros((0, 2), np.int64)
+    count = np.maximum(shapely.length(lines[own]) // SPOT, 1).astype(np.int64)
+    pair = np.repeat(np.arange(len(own)), count)
+    along = (np.arange(len(pair)) - np.repeat(np.cumsum(count) - count, count)) * SPOT
+    here, next_ = (shapely.line_interpolate_point(lines[own[pair]], along + step)
+                   for step in (0.0, SPOT))  # fmt: skip
+    other = lines[foe[pair]]
+    back = shapely.line_locate_point(other, here) - shapely.line_locate_point(other, next_)
+    against = (shapely.distance(here, other) < NARROW) & (back > BACKWARD * SPOT)
+    shared = np.bincount(pair, against, len(own)) * SPOT
+    return np.column_stack([own, foe])[shared >= FACING]
 
 
 def _free(lines: NDArray[Any], bodies: NDArray[Any], one: IntArray, other: IntArray) -> FloatArray:

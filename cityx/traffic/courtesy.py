@@ -22,6 +22,13 @@ class Courtesy:
     def __init__(self, sumo: Any) -> None:
         self.sumo = sumo
         self.turn: dict[str, str] = {}  # junction -> who is let in there
+        # Lane behind where one waits amid a junction -> the lane before it, and that lane's own.
+        self.amid: dict[str, tuple[str, str]] = {}
+        for source in sumo.lane.getIDList():
+            for link in () if source.startswith(":") else sumo.lane.getLinks(source):
+                for after in sumo.lane.getLinks(link[4]) if link[4] else ():
+                    if after[4]:
+                        self.amid[after[4]] = (source, link[4])
 
     def step(self, waiting: Mapping[str, float]) -> None:
         """Let in who may be, and have those who are past the junction heed everybody again.
@@ -57,9 +64,26 @@ class Courtesy:
         junction = links[0][4][1:].rsplit("_", 2)[0]
         if junction in self.turn:
             return
-        for foe, _, far, *_ in vehicle.getJunctionFoes(name, LINE):
+        foes = [(foe, far) for foe, _, far, *_ in vehicle.getJunctionFoes(name, LINE)]
+        for foe, far in foes + self._turning(links[0][4]):
             speed = vehicle.getSpeed(foe)
             if 0.0 <= far < SPACE + speed * REACTION + speed**2 / (2 * HARD) and speed > 0.0:
                 return
         self.turn[junction] = name
         vehicle.setSpeedMode(name, LET_IN)
+
+    def _turning(self, across: str) -> list[tuple[str, float]]:
+        """Return who comes to meet a lane across a junction, but may wait amid it, and how far.
+
+        As long as they have to, SUMO does not count them among the foes.
+        """
+        vehicle, lane = self.sumo.vehicle, self.sumo.lane
+        found = []
+        for source, first in (
+            self.amid[foe] for foe in lane.getInternalFoes(across) if foe in self.amid
+        ):
+            for name in lane.getLastStepVehicleIDs(source):
+                links = vehicle.getNextLinks(name)
+                if links and links[0][4] == first:
+                    found.append((name, lane.getLength(source) - vehicle.getLanePosition(name)))
+        return found

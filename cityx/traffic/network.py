@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from shapely.ops import substring
 
 from cityx.city.frame import Frame
 from cityx.errors import EngineError, InputError
-from cityx.traffic.conflicts import conflicts_of, settle
+from cityx.traffic.conflicts import conflicts_of, facing, settle
 from cityx.traffic.coordination import CYCLE, coordinate
 from cityx.traffic.engine import last, run_program
 from cityx.traffic.plain import junction_name, shape_text, write_plain
@@ -47,12 +47,16 @@ class Network:
         Name of a lane across a junction to its link.
     crossings
         Name of an edge on which people cross to its crossing.
+    facing
+        Name of a lane across a junction to those that nobody may begin while somebody is on it,
+        who would come towards them in the same place.
     """
 
     file: Path
     lanes: dict[str, tuple[int, int]]
     links: dict[str, int]
     crossings: dict[str, int]
+    facing: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 def make_network(
@@ -134,7 +138,14 @@ def _with_own_shapes(streets: Streets, file: Path) -> Network:
         element.attrib.pop("customShape", None)
     etree.indent(root, "    ")
     file.write_bytes(etree.tostring(root, xml_declaration=True, encoding="UTF-8") + b"\n")
-    return Network(file, lanes, links, crossings)
+    last = {number: name for name, number in links.items()}
+    against: dict[str, list[str]] = {}
+    for pair in facing(streets, conflicts).tolist():
+        for one, other in (pair, pair[::-1]):
+            if one in last and other in first:
+                against.setdefault(last[one], []).append(first[other])
+    towards = {name: tuple(sorted(others)) for name, others in sorted(against.items())}
+    return Network(file, lanes, links, crossings, towards)
 
 
 def _set_links(

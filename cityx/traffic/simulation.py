@@ -316,6 +316,7 @@ def simulate(run: Run, network: Network, ghosts: Ghosts | None = None) -> Outcom
         "step": run.step, "seed": run.seed % (1 << 31), "patience": PATIENCE, "stuck": STUCK,
         "barred": run.barred,
         "tight": [name for name, link in network.links.items() if link in set(run.tight)],
+        "facing": network.facing,
         "ghosts": str(folder / GHOSTS) if ghosts is not None else "",
         "groups": [
             {"edges": group.edges, "target": group.target,

@@ -15,6 +15,7 @@ import numpy as np
 
 from cityx.traffic.courtesy import Courtesy
 from cityx.traffic.drivers import Drivers
+from cityx.traffic.facing import Facing
 from cityx.traffic.filling import CONTROL, Filling
 from cityx.traffic.waiting import Waiting
 
@@ -105,6 +106,7 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
     filling = Filling(libsumo, job["groups"])
     drivers = Drivers(libsumo, job["tight"])
     waiting, courtesy = Waiting(libsumo), Courtesy(libsumo)
+    facing = Facing(libsumo, job["facing"])
     steps = round((job["warm"] + job["duration"]) / job["step"]) + 1
     look = max(1, round(LOOK / job["step"]))
     every = max(1, round(CONTROL / job["step"]))
@@ -117,6 +119,7 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
             unseen = number * job["step"] < job["warm"] - HISTORY
             drivers.step(held, filling.jammed, spare=filling.sent if unseen else frozenset())
             courtesy.step(held)
+            facing.step()
         if number % every == 0:
             filling.renew(haunting.vehicles)
         for name in libsumo.simulation.getStartingTeleportIDList():

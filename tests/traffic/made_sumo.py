@@ -12,7 +12,7 @@ class Car:
     def __init__(self, lane, route, *, at=99.0, kind="passenger", waited=30.0, speed=0.0):
         self.lane, self.route, self.at, self.kind = lane, tuple(route), at, kind
         self.waited, self.speed, self.length = waited, speed, 4.5
-        self.mode = self.speed_mode = None
+        self.mode = self.speed_mode = self.wanted = None
 
 
 class Sumo:
@@ -26,7 +26,7 @@ class Sumo:
         self.links, self.cars, self.state = links, dict(cars), state
         self.length, self.walks, self.changes = length or {}, set(walks), set(changes)
         self.lanes = sorted({*links, *(goal for goals in links.values() for goal in goals), *walks})
-        self.best, self.foes, self.now = {}, {}, 0.0
+        self.best, self.foes, self.crossed, self.now = {}, {}, {}, 0.0
         self.edge = SimpleNamespace(
             getIDList=lambda: sorted({lane.rpartition("_")[0] for lane in self.lanes}),
             getLaneNumber=lambda edge: len(self._of(edge)),
@@ -34,6 +34,8 @@ class Sumo:
             getLastStepVehicleNumber=lambda edge: len(self._on(*self._of(edge))),
         )
         self.lane = SimpleNamespace(
+            getIDList=lambda: self.lanes,
+            getInternalFoes=lambda lane: self.crossed.get(lane, ()),
             getLength=lambda lane: self.length.get(lane, 100.0),
             getAllowed=lambda lane: FOOT if lane in self.walks else CARS,
             getLinks=self._links,
@@ -58,6 +60,7 @@ class Sumo:
             getIDCount=lambda: len(car),
             setRoute=lambda name, edges: setattr(car[name], "route", tuple(edges)),
             setLaneChangeMode=lambda name, mode: setattr(car[name], "mode", mode),
+            setSpeed=lambda name, speed: setattr(car[name], "wanted", speed),
             setSpeedMode=lambda name, mode: setattr(car[name], "speed_mode", mode),
             remove=lambda name: car.pop(name),
         )

@@ -79,6 +79,18 @@ def test_who_has_waited_long_is_let_in_by_those_who_can_brake(far, speed, state,
     assert sumo.cars["side"].speed_mode == mode
 
 
+@pytest.mark.parametrize(("at", "mode"), [(95.0, None), (20.0, LET_IN)])
+def test_nobody_is_let_in_before_one_who_turns_and_may_wait_amid_the_junction(at, mode):
+    turns = Car("main_0", ("main", "out"), at=at, waited=0.0, speed=4.0)
+    sumo = Sumo({"side_0": ("out_0",), "main_0": ("gone_0", "out_0"), ":j_1_0": ("out_0",)},
+                {"side": Car("side_0", ("side", "out")), "main": turns}, state="m")  # fmt: skip
+    courtesy = Courtesy(sumo)
+    courtesy.amid = {":j_9_0": ("main_0", ":j_1_0")}
+    sumo.crossed[":j_0_0"] = (":j_9_0",)
+    courtesy.step({"side": LONG + 1.0})
+    assert sumo.cars["side"].speed_mode == mode
+
+
 def test_who_was_let_in_heeds_everybody_again():
     sumo = side_street(80.0, 14.0)
     courtesy, side = Courtesy(sumo), sumo.cars["side"]
