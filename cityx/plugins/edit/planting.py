@@ -153,7 +153,7 @@ def _row(
 
 
 def _past_things(xy: FloatArray, toward: FloatArray, things: FloatArray) -> FloatArray:
-    """Move places along a row, by the first of `SLIDES`, where lamps, benches or bins leave room there."""
+    """Move places along a row by the first of `SLIDES` at which nothing stands in the way."""
     xy, solid = xy.copy(), shapely.points(things)
     along = np.column_stack([-toward[:, 1], toward[:, 0]])
     taken = np.flatnonzero(near_any(xy, solid, THING_GAP))

@@ -93,7 +93,9 @@ def test_a_park_is_green_already(park):
 def test_a_new_surface_moves_nothing_that_stands_beside_the_street(grid):
     made = streets(grid, streets=("y2",), surface="cobblestone")
     changed = changed_ids(grid, made)
-    covers = grid.scene.instances["street_covers"].object_id
+    layers = [city.scene.instances[name] for city in (grid, made)
+              for name in ("street_covers", "walk_covers")]  # fmt: skip
+    covers = np.concatenate([layer.object_id for layer in layers])
     roads = grid.layout.roads
     own = roads.loc[roads["name"] == "y2", "id"].to_numpy(np.uint64)
     assert np.isin(changed, np.concatenate([own, covers])).all()
