@@ -21,7 +21,7 @@ LOOK = 12.0  # metres to each side of a thing that the walk is followed
 
 
 def crowding(
-    city: City, outlines: NDArray[Any], xy: FloatArray
+    city: City, outlines: NDArray[Any], xy: FloatArray, asked: NDArray[np.bool_] | None = None
 ) -> tuple[IntArray, NDArray[np.bool_]]:
     """Return the rows of things on walks, and whether less than `FREE` metres are left beside each.
 
@@ -31,6 +31,8 @@ def crowding(
         City with its ground.
     outlines, xy
         (n,) polygons of things as they stand, and (n, 2) their places, metres.
+    asked
+        (n,) those to be looked at, all if None; the others stand in the way as well.
 
     Notes
     -----
@@ -40,10 +42,10 @@ def crowding(
     ground = city.ground
     assert ground is not None
     walk = ground.labelled(*WALKS)
-    on_walk = ground.on(xy, *WALKS)
     xmin, ymin, xmax, ymax = city.layout.extent
     edge = np.minimum(xy - [xmin, ymin], np.array([xmax, ymax]) - xy).min(axis=1)
-    rows = np.flatnonzero(on_walk & (edge > BORDER))
+    rows = np.flatnonzero((edge > BORDER) if asked is None else (edge > BORDER) & asked)
+    rows = rows[ground.on(xy[rows], *WALKS)]
     left, right = ground.edge_faces.T.astype(np.int64)
     beyond = np.where(right == BEYOND, False, walk[np.maximum(right, 0)])
     ends = ground.vertices[ground.edges[walk[left] != beyond]]  # (r, 2, 2)

@@ -525,6 +525,7 @@ def with_passage(city: City, found: Pieces, fixed: NDArray[np.uint64]) -> City:
     """Put pieces into the city, but those that leave no way past them on a walk; posts stay."""
     city = with_pieces(city, LAYER, found)
     outlines, xy, ids = placed_outlines(city.scene)
-    rows, tight = crowding(city, outlines, xy)
-    crowded = np.isin(found.id, ids[rows[tight]]) & ~np.isin(found.id, fixed)
+    asked = np.isin(ids, found.id[~np.isin(found.id, fixed)])
+    rows, tight = crowding(city, outlines, xy, asked)
+    crowded = np.isin(found.id, ids[rows[tight]])
     return with_pieces(city, LAYER, found.take(~crowded)) if crowded.any() else city
