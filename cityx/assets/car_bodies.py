@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
+import numpy as np
+from numpy.typing import NDArray
+
 Stations = tuple[tuple[float, float], ...]
 Roof = tuple[tuple[float, float, float], ...]
 Shares = tuple[tuple[str, float], ...]
@@ -214,6 +217,14 @@ VAN_SHARES: Mapping[str, Shares] = MappingProxyType(
         "japan": (("kei_van", 0.60), ("van", 0.40)),
     }
 )
+
+
+def waist_of(body: Body, share: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Height of the lower body's upper edge at shares of the length, as fine cars have it."""
+    from scipy.interpolate import PchipInterpolator  # slow to import, and kept cars need it not
+
+    line = np.array(body.hood)
+    return np.asarray(PchipInterpolator(line[:, 0], line[:, 1])(share))
 
 
 def shares_of(kind: str, place: str = "") -> Shares:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.car_bodies import Body, Face
+from cityx.assets.car_bodies import Body, Face, waist_of
 from cityx.assets.lettering import word
 from cityx.assets.number_plates import number_plate
 from cityx.assets.shapes import Color, bevelled, loft, moved, prism, tube
@@ -42,8 +42,6 @@ def front(body: Body, face: Face, country: str, number: int) -> list[MeshBatch]:
 
 def _top(body: Body, y: FloatArray) -> FloatArray:
     """Upper edge of the lower body at metres behind the nose, on its sides."""
-    from cityx.assets.vehicles import waist_of
-
     return waist_of(body, y / body.length) - 0.03
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.car_bodies import Body
+from cityx.assets.car_bodies import Body, waist_of
 from cityx.assets.car_faces import front, rails, rear
 from cityx.assets.shapes import Color, bevelled, loft, tube
 from cityx.city.mesh import MeshBatch, one_mesh
@@ -92,8 +92,6 @@ def greenhouse(body: Body) -> list[MeshBatch]:
     """Make windscreen, windows, pillars and roof as one skin, with seals along the waist."""
     from scipy.interpolate import PchipInterpolator
 
-    from cityx.assets.vehicles import waist_of
-
     line = np.array(body.roof)
     length, half = body.length, body.width / 2
     roof_from, roof_to = line[1, 0], line[-2, 0]
@@ -152,8 +150,6 @@ def interior(body: Body, side: float = 1.0) -> list[MeshBatch]:
 
     The wheel is at the left, x > 0, where `side` is 1, and at the right where it is -1.
     """
-    from cityx.assets.vehicles import waist_of
-
     line = np.array(body.roof)
     length, half = body.length, body.width / 2
     front, back = line[0, 0] + 0.01, line[-1, 0] - 0.02

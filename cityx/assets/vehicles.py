@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.car_bodies import BODIES, Body
+from cityx.assets.car_bodies import BODIES, Body, waist_of
 from cityx.assets.kept import kept
 from cityx.assets.materials import srgb_to_linear
 from cityx.assets.number_plates import number_plate
@@ -36,14 +36,6 @@ FINE = 3  # level of detail from which the fine form is made
 def _lower_body(body: Body) -> MeshBatch:
     """Loft cross-sections from front to rear."""
     return loft(body_rings(body, ARCH_STEPS)[:, ::-1], "car_paint")
-
-
-def waist_of(body: Body, share: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Height of the lower body's upper edge at shares of the length, as fine cars have it."""
-    from scipy.interpolate import PchipInterpolator  # slow to import, and kept cars need it not
-
-    line = np.array(body.hood)
-    return np.asarray(PchipInterpolator(line[:, 0], line[:, 1])(share))
 
 
 def body_rings(

@@ -15,7 +15,14 @@ from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.standing import WALKED
-from cityx.plugins.nature.pieces import FloatArray, Pieces, join_pieces, pieces, room_along
+from cityx.plugins.nature.pieces import (
+    FloatArray,
+    Pieces,
+    ids_of_places,
+    join_pieces,
+    pieces,
+    room_along,
+)
 from cityx.plugins.nature.street_rules import CLEAR, FRONT_LINE, KERB_RULES, SLOT, WIDE_WALK
 from cityx.plugins.road.kerbs import yaw_facing
 
@@ -128,5 +135,4 @@ def _corner_kerbs(ground: Ground) -> NDArray[Any]:
 def _ids_of(kerbs: NDArray[Any]) -> NDArray[np.uint64]:
     """(n,) ids of kerbs, by the whole decimetre of their middles."""
     middle = shapely.line_interpolate_point(kerbs, shapely.length(kerbs) / 2)
-    cell = np.round(shapely.get_coordinates(middle) * 10).astype(np.int64).view(np.uint64)
-    return hash_ids(0, f"{PURPOSE}/place", cell[:, 0], cell[:, 1])
+    return ids_of_places(shapely.get_coordinates(middle), f"{PURPOSE}/place")

@@ -6,14 +6,18 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
-from cityx.city.layout import in_town
 from cityx.geometry.identity import choose, hash_ids
-from cityx.geometry.polylines import arc_lengths, every, locate, pack
-from cityx.plugins.nature.pieces import Pieces, inside_extent, join_pieces, pieces, room_along
+from cityx.plugins.nature.pieces import (
+    Pieces,
+    ids_of_places,
+    join_pieces,
+    pieces,
+    places_at_walls,
+    room_along,
+)
 from cityx.plugins.nature.street_rules import LEANING, USUAL_GAP, WALL_GAP
 from cityx.plugins.road.kerbs import yaw_facing
 
@@ -60,29 +64,13 @@ def at_forecourts(
     density
         Factor of how often there is something.
     """
-    buildings = city.layout.buildings
-    houses = buildings.geometry.to_numpy()[in_town(buildings)]
-    none = join_pieces([])
-    if city.ground is None or not len(houses):
-        return none
-    rings = shapely.get_exterior_ring(shapely.orient_polygons(shapely.get_parts(houses)))
-    walls = pack(rings)
-    ends = np.delete(np.arange(len(walls.points)), walls.start[1:] - 1)
-    sides = pack(
-        shapely.linestrings(np.stack([walls.points[ends], walls.points[ends + 1]], axis=1))
-    )
-    row, at = every(arc_lengths(sides)[1], SPACING, MARGIN)
-    foot, along = locate(sides, row, at)
-    out = np.column_stack([along[:, 1], -along[:, 0]])  # outlines run counter-clockwise
-    near = inside_extent(city, foot, 0.5)
-    near[near] = city.ground.on(foot[near] + PROBE * out[near], *PAVED)
-    foot, along, out = foot[near], along[near], out[near]
-    deep = room_along(foot + 0.1 * out, out, rims, REACH) >= DEEP
-    foot, along, out = foot[deep], along[deep], out[deep]
+    foot, out = places_at_walls(city, SPACING, MARGIN, PROBE, PAVED)
     if not len(foot):
-        return none
-    spot = np.round(foot * 10).astype(np.int64).view(np.uint64)
-    ids = hash_ids(0, PURPOSE, spot[:, 0], spot[:, 1])
+        return join_pieces([])
+    deep = room_along(foot + 0.1 * out, out, rims, REACH) >= DEEP
+    foot, out = foot[deep], out[deep]
+    along = np.column_stack([-out[:, 1], out[:, 0]])
+    ids = ids_of_places(foot, PURPOSE)
     weights = dict(SHARES.get(place, USUAL))
     weights[""] /= max(density, 1e-6)
     kind = np.array(list(weights), object)[choose(city.seed, PURPOSE, ids, list(weights.values()))]

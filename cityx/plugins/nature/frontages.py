@@ -20,9 +20,9 @@ from cityx.city.ground import Ground
 from cityx.city.layout import in_town
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.clearance import near_any
-from cityx.geometry.identity import choose, hash_ids
+from cityx.geometry.identity import choose
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, pieces, to_linestrings
-from cityx.plugins.nature.pieces import BoolArray, FloatArray, ways_to_doors
+from cityx.plugins.nature.pieces import BoolArray, FloatArray, ids_of_places, ways_to_doors
 from cityx.plugins.nature.street_rules import place_of
 from cityx.remembered import Remembered
 
@@ -124,8 +124,7 @@ def _found(city: City) -> Edges:
     lines = to_linestrings(plots)[kept] if len(kept) else np.zeros(0, object)
     if not len(lines):
         return none
-    cell = np.round(middle[kept] * 10).astype(np.int64).view(np.uint64)
-    ids = hash_ids(0, PURPOSE, cell[:, 0], cell[:, 1])
+    ids = ids_of_places(middle[kept], PURPOSE)
     side = inward[kept]
     soft = ground.on(middle[kept] + (DEEP / 2 * side)[:, None] * left[kept], *SOFT)
     kinds = np.full(len(ids), "", object)

@@ -13,9 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from cityx.city import City, Instances
 from cityx.city.clear_ways import in_lanes
 from cityx.city.ground import KERB_HEIGHT, Ground
+from cityx.city.layout import in_town
 from cityx.city.outlines import placed_rings, solid_ring
 from cityx.geometry.arrangement import BEYOND
-from cityx.geometry.polylines import to_linestrings
+from cityx.geometry.identity import hash_ids
+from cityx.geometry.polylines import arc_lengths, every, locate, pack, to_linestrings
 from cityx.geometry.standing import WALKED, earth_over, stand_on, surfaces_at
 from cityx.remembered import Remembered
 
@@ -73,6 +75,49 @@ def join_pieces(groups: Sequence[Pieces]) -> Pieces:
         return pieces("", np.zeros((0, 2)), np.zeros(0, np.uint64), np.zeros(0))
     names = ("name", "xy", "id", "yaw", "scale")
     return Pieces(*(np.concatenate([getattr(g, n) for g in groups]) for n in names))
+
+
+def places_at_walls(
+    city: City, spacing: float, margin: float, before: float, surfaces: tuple[str, ...]
+) -> tuple[FloatArray, FloatArray]:
+    """Space places along the walls of houses of towns that stand on some surfaces.
+
+    Parameters
+    ----------
+    city
+        City with its ground; without one there are no places.
+    spacing, margin
+        Metres of wall per place, and from the corners of a house.
+    before
+        Metres before the wall at which the ground is looked at.
+    surfaces
+        What it has to be there.
+
+    Returns
+    -------
+    foot, out
+        (n, 2) places at the foot of walls, and unit vectors away from them.
+    """
+    buildings = city.layout.buildings
+    houses = buildings.geometry.to_numpy()[in_town(buildings)]
+    if city.ground is None or not len(houses):
+        return np.zeros((0, 2)), np.zeros((0, 2))
+    walls = pack(shapely.get_exterior_ring(shapely.orient_polygons(shapely.get_parts(houses))))
+    ends = np.delete(np.arange(len(walls.points)), walls.start[1:] - 1)
+    start, end = walls.points[ends], walls.points[ends + 1]
+    sides = pack(shapely.linestrings(np.stack([start, end], axis=1)))
+    row, at = every(arc_lengths(sides)[1], spacing, margin)
+    foot, along = locate(sides, row, at)
+    out = np.column_stack([along[:, 1], -along[:, 0]])  # outlines run counter-clockwise
+    near = inside_extent(city, foot, 0.5)
+    near[near] = city.ground.on(foot[near] + before * out[near], *surfaces)
+    return foot[near], out[near]
+
+
+def ids_of_places(xy: FloatArray, purpose: str) -> NDArray[np.uint64]:
+    """(n,) ids of places, (n, 2) metres, by their whole decimetres."""
+    cell = np.round(xy * 10).astype(np.int64).view(np.uint64)
+    return hash_ids(0, purpose, cell[:, 0], cell[:, 1])
 
 
 def front(yaw: ArrayLike) -> FloatArray:

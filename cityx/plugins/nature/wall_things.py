@@ -11,17 +11,16 @@ from numpy.typing import NDArray
 
 from cityx.assets.wall_pieces import GAPS
 from cityx.city import City
-from cityx.city.layout import in_town
 from cityx.city.passage import FREE
 from cityx.geometry.clearance import near_any
-from cityx.geometry.identity import choose, hash_ids
-from cityx.geometry.polylines import arc_lengths, every, locate, pack
+from cityx.geometry.identity import choose
 from cityx.plugins.nature.pieces import (
     FloatArray,
     Pieces,
-    inside_extent,
+    ids_of_places,
     join_pieces,
     pieces,
+    places_at_walls,
     room_along,
 )
 from cityx.plugins.nature.street_rules import BICYCLE_GAP
@@ -30,6 +29,7 @@ from cityx.plugins.road.kerbs import yaw_facing
 PURPOSE = "nature/wall_things"
 WALKS = ("sidewalk", "frontage", "furnishing", "courtyard")
 SPACING, MARGIN = 3.2, 0.8  # metres of wall per draw; from the corners of a house
+PROBE = 0.3  # metres before the wall at which the ground is looked at
 BEFORE = 0.05  # metres before the wall at which the walk begins to be measured
 REACH = 4.0  # metres; no walk is looked at farther than this
 WIDE = 3.0  # metres of walk from which other rules put larger things at walls
@@ -58,29 +58,13 @@ def along_walls(city: City, rims: NDArray[np.object_], density: float) -> Pieces
     density
         Factor of how often there is something.
     """
-    buildings = city.layout.buildings
-    houses = buildings.geometry.to_numpy()[in_town(buildings)]
-    none = join_pieces([])
-    if city.ground is None or not len(houses):
-        return none
-    rings = shapely.get_exterior_ring(shapely.orient_polygons(shapely.get_parts(houses)))
-    walls = pack(rings)
-    ends = np.delete(np.arange(len(walls.points)), walls.start[1:] - 1)
-    start, end = walls.points[ends], walls.points[ends + 1]
-    sides = pack(shapely.linestrings(np.stack([start, end], axis=1)))
-    row, at = every(arc_lengths(sides)[1], SPACING, MARGIN)
-    foot, along = locate(sides, row, at)
-    out = np.column_stack([along[:, 1], -along[:, 0]])  # outlines run counter-clockwise
-    near = inside_extent(city, foot, 0.5)
-    near[near] = city.ground.on(foot[near] + 0.3 * out[near], *WALKS)
-    foot, out = foot[near], out[near]
-    if not len(foot):
-        return none
-    place = np.round(foot * 10).astype(np.int64).view(np.uint64)
-    ids = hash_ids(0, PURPOSE, place[:, 0], place[:, 1])
+    foot, out = places_at_walls(city, SPACING, MARGIN, PROBE, WALKS)
+    if city.ground is None or not len(foot):
+        return join_pieces([])
+    ids = ids_of_places(foot, PURPOSE)
     room = BEFORE + room_along(foot + BEFORE * out, out, rims, REACH)
     name, bare = (_drawn(city.seed, ids, weights, density) for weights in (WEIGHTS, BARE))
-    public = city.ground.on(foot + 0.3 * out, "sidewalk")
+    public = city.ground.on(foot + PROBE * out, "sidewalk")
     bare = np.where(public, bare, NOTHING)
     name = np.where(room >= 2 * _gaps(name) + FREE, name, bare)
     gap = _gaps(name)
