@@ -17,7 +17,7 @@ from cityx.protocol.gate import Budget, Call
 from cityx.protocol.inputs import InputFiles
 from cityx.protocol.registry import Registry
 
-SNAPSHOT_S = 15.0  # seconds of work that a killed process may lose
+SNAPSHOT_S = 30.0  # seconds of work that a killed process may lose; to keep them takes one
 SNAPSHOTS = "snapshots"
 
 

@@ -11,7 +11,7 @@ import json
 import operator
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
-from hashlib import blake2b
+from hashlib import blake2b, sha256
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 HASHES = "hashes.npz"  # file of a store: the hash of the city in it
 PER_METRE = 1e3  # coordinates count in millimetres
 PER_UNIT = 1e6  # other numbers in millionths
+METHOD = 2  # of hashing; a file of hashes by another one says nothing
 
 
 @dataclass(frozen=True)
@@ -75,10 +76,15 @@ class ContentHash:
 
 
 def _digest(*parts: bytes) -> int:
-    hasher = blake2b(digest_size=8)
+    hasher = sha256()  # processors have instructions for it: two to three times as fast as blake2b
     for part in parts:
         hasher.update(part)
-    return int.from_bytes(hasher.digest(), "little")
+    return int.from_bytes(hasher.digest()[:8], "little")
+
+
+def _millimetres(values: NDArray[Any]) -> NDArray[np.int32]:
+    """Whole millimetres; what lies within 2,147 km, as every city does, fits."""
+    return np.asarray(np.rint(values * PER_METRE), np.int32)
 
 
 def _quantised(values: Any, steps: float) -> bytes:
@@ -106,11 +112,10 @@ def hash_table(table: GeoDataFrame, name: str) -> tuple[UInt64Array, UInt64Array
 
 def hash_mesh(batch: MeshBatch) -> tuple[UInt64Array, UInt64Array]:
     """Hash the objects of a mesh layer; returns ids and hashes, sorted by id."""
-    vertices = np.rint(batch.vertices * PER_METRE).astype(np.int64)
+    vertices = _millimetres(batch.vertices)
     names = np.array([_digest(name.encode()) for name in batch.materials] or [0], np.uint64)
     material = names[batch.material] if len(batch.material) else np.zeros(0, np.uint64)
-    uv = np.rint(batch.uv * PER_METRE).astype(np.int64)
-    tint = np.rint(batch.tint * PER_METRE).astype(np.int32)
+    uv, tint = _millimetres(batch.uv), _millimetres(batch.tint)
     shift = np.repeat(batch.vertex_start[:-1], np.diff(batch.face_start)).astype(np.int32)
     faces = np.where(batch.faces < 0, -1, batch.faces - shift[:, None]).astype(np.int32)
     hashes = np.zeros(batch.count, np.uint64)
@@ -377,16 +382,18 @@ def write_hash(found: ContentHash, path: Path) -> None:
     for name, (ids, hashes) in found.layers.items():
         arrays[f"ids {name}"], arrays[f"hashes {name}"] = ids, hashes
     arrays["parts"] = np.array([f"{name} {value}" for name, value in found.parts.items()] or [""])
-    arrays["total"] = np.array([found.total])
+    arrays["total"], arrays["method"] = np.array([found.total]), np.array([METHOD])
     np.savez(path, **{key.replace("/", "|"): value for key, value in arrays.items()})
 
 
 def read_hash(path: Path) -> ContentHash | None:
-    """Read a hash back; None where there is none."""
+    """Read a hash back; None where there is none, or one by another method."""
     if not path.exists():
         return None
     with np.load(path) as held:
         arrays = {name.replace("|", "/"): held[name] for name in held.files}
+    if arrays.get("method") != METHOD:
+        return None
     layers = {
         name.removeprefix("ids "): (values, arrays[f"hashes {name.removeprefix('ids ')}"])
         for name, values in arrays.items() if name.startswith("ids ")

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.geometry.arrangement import BEYOND
+from cityx.geometry.probes import foot_on, segments_of, way_to
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -18,6 +19,7 @@ WALKS = ("sidewalk", "kerb", "plaza", "path", "courtyard", "trail", "furnishing"
 FREE = 1.2  # metres of walk that a wheelchair and a passer-by need
 BORDER = 3.0  # metres from the site's rectangle, which cuts walks lengthwise
 LOOK = 12.0  # metres to each side of a thing that the walk is followed
+ON = 1e-4  # metres from an edge within which a thing stands on it
 
 
 def crowding(
@@ -49,27 +51,21 @@ def crowding(
     left, right = ground.edge_faces.T.astype(np.int64)
     beyond = np.where(right == BEYOND, False, walk[np.maximum(right, 0)])
     ends = ground.vertices[ground.edges[walk[left] != beyond]]  # (r, 2, 2)
-    rims = shapely.linestrings(ends)
-    if not len(rows) or not len(rims):
+    if not len(rows) or not len(ends):
         return rows, np.zeros(len(rows), bool)
-    spots = shapely.points(xy[rows])
-    tree = shapely.STRtree(rims)
-    near = tree.query_nearest(spots, all_matches=False)[1]
-    foot = shapely.get_coordinates(
-        shapely.line_interpolate_point(rims[near], shapely.line_locate_point(rims[near], spots))
-    )
-    away = xy[rows] - foot
+    rim = segments_of(shapely.linestrings(ends))
+    near = rim.tree.query_nearest(shapely.points(xy[rows]), all_matches=False)[1]
+    away = xy[rows] - foot_on(rim.ends[near], xy[rows])
     size = np.hypot(*away.T)
     away = np.where(size[:, None] > 0.02, away / np.maximum(size, 1e-9)[:, None], [1.0, 0.0])
-    across = shapely.linestrings(np.stack([xy[rows] - LOOK * away, xy[rows] + LOOK * away], axis=1))
-    line, rim = tree.query(across, predicate="intersects")
-    at = _met(ends[rim] - xy[rows][line][:, None], away[line])
-    low, high = np.full(len(rows), -LOOK), np.full(len(rows), LOOK)
-    np.maximum.at(low, line[at <= 0], at[at <= 0])
-    np.minimum.at(high, line[at > 0], at[at > 0])
+    low = -way_to(rim, xy[rows], -away, LOOK)
+    high = ON + way_to(rim, xy[rows] + ON * away, away, LOOK)  # what it stands on is behind it
+    across = shapely.linestrings(
+        np.stack([xy[rows] + low[:, None] * away, xy[rows] + high[:, None] * away], axis=1)
+    )
     # Every thing on the line takes its own stretch of it.
     line, thing = shapely.STRtree(outlines).query(across, predicate="intersects")
-    cut = shapely.bounds(_along(outlines[thing], xy[rows][line], away[line]))[:, [0, 2]]
+    cut = _stretches(outlines[thing], xy[rows][line], away[line])
     inside = (cut[:, 1] > low[line]) & (cut[:, 0] < high[line])
     line, cut = line[inside], cut[inside]
     order = np.lexsort((cut[:, 0], line))
@@ -87,24 +83,11 @@ def crowding(
     return rows, free < FREE
 
 
-def _met(ends: FloatArray, way: FloatArray) -> FloatArray:
-    """(n,) metres along unit vectors from the origin at which segments, (n, 2, 2), are met.
-
-    Of a segment that lies along the way it is the middle of what is within `LOOK`.
-    """
-    ahead = (ends * way[:, None]).sum(axis=2)  # (n, 2)
-    aside = ends[..., 1] * way[:, None, 0] - ends[..., 0] * way[:, None, 1]
-    across = aside[:, 0] - aside[:, 1]
-    along = np.abs(across) < 1e-9
-    share = aside[:, 0] / np.where(along, 1.0, across)
-    middle = np.clip(ahead, -LOOK, LOOK).mean(axis=1)
-    return np.where(along, middle, ahead[:, 0] + share * (ahead[:, 1] - ahead[:, 0]))
-
-
-def _along(shapes: NDArray[Any], origin: FloatArray, axis: FloatArray) -> NDArray[Any]:
-    """Turn (n,) shapes about their own origins so that their own axes point along x."""
+def _stretches(shapes: NDArray[Any], origin: FloatArray, axis: FloatArray) -> FloatArray:
+    """(n, 2) metres along unit vectors from origins between which shapes lie."""
+    if not len(shapes):
+        return np.zeros((0, 2))
     points, row = shapely.get_coordinates(shapes, return_index=True)
-    p = points - origin[row]
-    u = axis[row]
-    turned = np.column_stack([(p * u).sum(axis=1), p[:, 1] * u[:, 0] - p[:, 0] * u[:, 1]])
-    return np.asarray(shapely.polygons(shapely.linearrings(turned, indices=row)))
+    along = ((points - origin[row]) * axis[row]).sum(axis=1)
+    first = np.flatnonzero(np.diff(row, prepend=-1))
+    return np.column_stack([np.minimum.reduceat(along, first), np.maximum.reduceat(along, first)])

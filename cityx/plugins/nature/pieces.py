@@ -18,6 +18,7 @@ from cityx.city.outlines import placed_rings, solid_ring
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.identity import hash_ids
 from cityx.geometry.polylines import arc_lengths, every, locate, pack, to_linestrings
+from cityx.geometry.probes import Segments, segments_of, way_to
 from cityx.geometry.standing import WALKED, earth_over, stand_on, surfaces_at
 from cityx.remembered import Remembered
 
@@ -182,8 +183,9 @@ def may_stand(city: City, found: Pieces) -> BoolArray:
 
     free = np.isnan(earth_over(city.scene.meshes.get("structures"), found.xy))
     outlines = np.empty(len(found), object)
-    for name in np.unique(found.name.astype(str)).tolist():
-        of = np.flatnonzero(found.name.astype(str) == name)
+    names, number = np.unique(found.name.astype(str), return_inverse=True)
+    for index, name in enumerate(names.tolist()):
+        of = np.flatnonzero(number == index)
         ring = solid_ring(furniture(name, detail=city.lod).mesh.vertices)
         scale = np.repeat(found.scale[of, None], 2, axis=1)
         ring = ring if len(ring) else np.zeros((1, 2))
@@ -200,26 +202,16 @@ def walk_rims(ground: Ground, labels: Sequence[str] = WALKED) -> NDArray[Any]:
     return np.asarray(shapely.linestrings(ground.vertices[ground.edges[rim]]))
 
 
+_SEGMENTS: Remembered[Segments] = Remembered()  # several questions in turn are about the same
+
+
 def room_along(
     start: FloatArray, direction: FloatArray, rims: NDArray[Any], reach: float
 ) -> FloatArray:
     """(n,) metres from points along unit directions to the first rim, at most `reach`."""
-    room = np.full(len(start), reach)
     if not len(start) or not len(rims):
-        return room
-    rays = shapely.linestrings(np.stack([start, start + reach * direction], axis=1))
-    ray, rim = _tree_of(rims).query(rays, predicate="intersects")
-    met = shapely.intersection(rays[ray], rims[rim])
-    np.minimum.at(room, ray, shapely.distance(shapely.points(start[ray]), met))
-    return room
-
-
-_TREE: Remembered[Any] = Remembered()
-
-
-def _tree_of(rims: NDArray[Any]) -> Any:
-    """Return a search tree over segments, which several questions in turn are about."""
-    return _TREE.get(lambda: shapely.STRtree(rims), (rims,))
+        return np.full(len(start), reach)
+    return way_to(_SEGMENTS.get(lambda: segments_of(rims), (rims,)), start, direction, reach)
 
 
 def ways_to_doors(city: City) -> NDArray[Any]:

@@ -239,19 +239,3 @@ def test_bollards_follow_the_kerb_of_corners_and_leave_the_walk(avenue, monkeypa
     assert np.allclose(gap, KERB_WIDTH + FROM_CORNER, atol=0.05)
     apart = np.hypot(*(found[:, None] - found).T) + 99.0 * np.eye(len(found))
     assert apart.min() > 1.2
-
-
-def test_a_way_meets_a_rim_where_shapely_says():
-    from cityx.city.passage import LOOK, _met
-
-    rng = np.random.default_rng(9)
-    ends = rng.uniform(-8, 8, (200, 2, 2))
-    ends[0] = [[3.0, 0.0], [7.0, 0.0]]  # along the way
-    turn = np.r_[0.0, rng.uniform(0, 2 * np.pi, 199)]
-    way = np.column_stack([np.cos(turn), np.sin(turn)])
-    lines = shapely.linestrings(np.stack([-LOOK * way, LOOK * way], axis=1))
-    rims = shapely.linestrings(ends)
-    hit = shapely.intersects(lines, rims)
-    spot = shapely.get_coordinates(shapely.centroid(shapely.intersection(lines, rims)[hit]))
-    assert hit.sum() > 50
-    assert np.allclose(_met(ends, way)[hit], (spot * way[hit]).sum(axis=1))
