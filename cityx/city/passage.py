@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.geometry.arrangement import BEYOND
-from cityx.geometry.probes import foot_on, segments_of, way_to
+from cityx.geometry.probes import nearest_on, segments_of, way_to
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -54,8 +54,7 @@ def crowding(
     if not len(rows) or not len(ends):
         return rows, np.zeros(len(rows), bool)
     rim = segments_of(shapely.linestrings(ends))
-    near = rim.tree.query_nearest(shapely.points(xy[rows]), all_matches=False)[1]
-    away = xy[rows] - foot_on(rim.ends[near], xy[rows])
+    away = xy[rows] - nearest_on(rim, xy[rows])
     size = np.hypot(*away.T)
     away = np.where(size[:, None] > 0.02, away / np.maximum(size, 1e-9)[:, None], [1.0, 0.0])
     low = -way_to(rim, xy[rows], -away, LOOK)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 FIRST = 3.0  # metres that are looked at first; most ways end there
+CLOSE = 1.5  # metres in which the nearest segment is looked for first
 ON = 1e-9  # metres behind its start in which a segment still bars a way
 
 
@@ -30,20 +31,37 @@ class Segments:
     tree: Any
 
 
-def foot_on(ends: FloatArray, xy: FloatArray) -> FloatArray:
-    """(n, 2) points of segments, (n, 2, 2), each the nearest to its point of (n, 2)."""
-    span = ends[:, 1] - ends[:, 0]
-    square = np.maximum((span**2).sum(axis=1), 1e-18)
-    share = np.clip(((xy - ends[:, 0]) * span).sum(axis=1) / square, 0.0, 1.0)
-    return np.asarray(ends[:, 0] + share[:, None] * span)
-
-
 def segments_of(lines: ArrayLike) -> Segments:
     """Cut shapely lines into their segments."""
     points, line = shapely.get_coordinates(np.asarray(lines, object), return_index=True)
     first = np.flatnonzero(line[1:] == line[:-1])
     ends = np.stack([points[first], points[first + 1]], axis=1)
     return Segments(ends, shapely.STRtree(shapely.linestrings(ends)))
+
+
+def nearest_on(segments: Segments, xy: FloatArray) -> FloatArray:
+    """(n, 2) points of segments, of which there are some, that are nearest to (n, 2) points."""
+    foot = np.zeros_like(xy)
+    boxes = shapely.box(*(xy - CLOSE).T, *(xy + CLOSE).T)
+    point, near = segments.tree.query(boxes)
+    each = _foot(segments.ends[near], xy[point])
+    gap = ((each - xy[point]) ** 2).sum(axis=1)
+    order = np.lexsort((gap, point))
+    first = order[np.diff(point[order], prepend=-1) > 0]
+    found = first[gap[first] <= CLOSE**2]
+    foot[point[found]] = each[found]
+    rest = np.setdiff1d(np.arange(len(xy)), point[found])
+    near = segments.tree.query_nearest(shapely.points(xy[rest]), all_matches=False)[1]
+    foot[rest] = _foot(segments.ends[near], xy[rest])
+    return foot
+
+
+def _foot(ends: FloatArray, xy: FloatArray) -> FloatArray:
+    """(n, 2) points of segments, (n, 2, 2), each the nearest to its point of (n, 2)."""
+    span = ends[:, 1] - ends[:, 0]
+    square = np.maximum((span**2).sum(axis=1), 1e-18)
+    share = np.clip(((xy - ends[:, 0]) * span).sum(axis=1) / square, 0.0, 1.0)
+    return np.asarray(ends[:, 0] + share[:, None] * span)
 
 
 def way_to(segments: Segments, start: FloatArray, way: FloatArray, reach: float) -> FloatArray:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.geometry.probes import FIRST, foot_on, segments_of, way_to
+from cityx.geometry.probes import FIRST, nearest_on, segments_of, way_to
 
 
 @pytest.mark.parametrize("reach", [0.8 * FIRST, 12.0])
@@ -39,9 +39,13 @@ def test_nothing_bars_a_way_where_nothing_is():
     ).shape == (0,)
 
 
-def test_foot_is_the_nearest_point():
+def test_nearest_points_are_those_of_shapely():
     rng = np.random.default_rng(3)
     ends, xy = rng.uniform(-5, 5, (300, 2, 2)), rng.uniform(-8, 8, (300, 2))
     ends[0, 1] = ends[0, 0]  # of no length
-    gap = shapely.distance(shapely.linestrings(ends), shapely.points(xy))
-    assert np.allclose(np.hypot(*(foot_on(ends, xy) - xy).T), gap)
+    xy[1] = [40.0, 3.0]  # far from all
+    lines = shapely.linestrings(ends)
+    foot = nearest_on(segments_of(lines), xy)
+    assert np.allclose(
+        np.hypot(*(foot - xy).T), shapely.distance(shapely.points(xy), shapely.union_all(lines))
+    )

@@ -71,13 +71,13 @@ def grown(
         [np.repeat(np.arange(batch.count), np.diff(batch.vertex_start))]
         + [piece.vertex_owner for piece in pieces]
     )
-    vertex_order = np.argsort(owner, kind="stable")
+    vertex_order = _sorted_rows(owner, batch.count)
     vertex_start = _starts(owner, batch.count)
     number = np.empty(len(vertex_order) + 1, np.int32)
     number[vertex_order] = np.arange(len(vertex_order), dtype=np.int32)
     number[-1] = NO_VERTEX  # which is what -1 looks up
     owner = np.concatenate([batch.face_object()[rows]] + [piece.face_owner for piece in pieces])
-    face_order = np.argsort(owner, kind="stable")
+    face_order = _sorted_rows(owner, batch.count)
     place = np.empty(len(face_order), np.int64)
     place[face_order] = np.arange(len(face_order))
     size = len(face_order)
@@ -108,6 +108,12 @@ def grown(
         uv,
         tint,
     )
+
+
+def _sorted_rows(owner: IntArray, count: int) -> IntArray:
+    """Order of (n,) owners below a count; numbers of 16 bits are sorted digit by digit."""
+    short = owner.astype(np.uint16) if count <= 1 << 16 else owner
+    return np.argsort(short, kind="stable")
 
 
 def _starts(owner: IntArray, count: int) -> IntArray:
