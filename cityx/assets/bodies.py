@@ -9,7 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.car_parts import PART
 from cityx.assets.kept_colliders import kept_collider
+from cityx.assets.number_plates import PLATES
 from cityx.assets.substances import (
     BUILDING_DENSITY,
     CLASSES,
@@ -44,7 +46,8 @@ from cityx.geometry.convex import (
 from cityx.geometry.convex_plan import pieces_of_mesh, upright_hulls
 from cityx.geometry.solids import area_vectors, check_closed, volume, volumes_by_group
 
-_VARIANT = re.compile(r"_[a-z]{0,2}\d$")  # of a car: its plates
+# A car, then the country and the number of its plates, and whether these are apart.
+_CAR = re.compile(rf"(car_\w+?)(?:_(?:{'|'.join(filter(None, PLATES))})?\d*)?(?:_bare)?")
 MOST_PARTS = 6  # hulls of one thing
 AIR = 0.04  # share of a thing's hull that a part may hold beyond its pieces
 MOST_PIECES = 24  # of a thing that are told apart; smaller ones go with the nearest of these
@@ -164,6 +167,8 @@ def collider_of(prototype: Prototype) -> list[Solid]:
 
 
 def _collider(prototype: Prototype) -> list[Solid]:
+    if prototype.kind == PART:  # it goes with its car, whose body is whole without it
+        return []
     mesh = prototype.mesh
     vertices = mesh.vertices
     if not len(mesh.faces):
@@ -245,7 +250,9 @@ def mass_of(prototype: Prototype, collider: Sequence[Solid]) -> float:
 
     A piece weighs as much as it holds, or as its skin does if that is less: posts are hollow.
     """
-    known = WEIGHTS.get(_VARIANT.sub("", prototype.name.removesuffix("_fine")))
+    name = prototype.name.removesuffix("_fine")
+    car = _CAR.fullmatch(name)
+    known = WEIGHTS.get(car[1] if car else name)
     if known is not None:
         return known
     if prototype.kind == "vehicle":

@@ -1,4 +1,4 @@
-"""Fronts and rears of cars drawn for near views: lamps, grilles, bumpers and plates by make."""
+"""Fronts and rears of cars drawn for near views: lamps, grilles and bumpers by make."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from cityx.assets.car_bodies import Body, Face, waist_of
 from cityx.assets.lettering import word
-from cityx.assets.number_plates import number_plate
 from cityx.assets.shapes import Color, bevelled, loft, moved, prism, tube
 from cityx.city.mesh import MeshBatch
 
@@ -17,13 +16,10 @@ DARK: Color = (0.03, 0.03, 0.032)
 _LAMPS = {"slit": (0.085, 0.50), "block": (0.15, 0.56), "round": (0.19, 0.56)}
 
 
-def front(body: Body, face: Face, country: str, number: int) -> list[MeshBatch]:
-    """Make what a car shows ahead, at -y; `country` and `number` choose its plate."""
+def front(body: Body, face: Face) -> list[MeshBatch]:
+    """Make what a car shows ahead, at -y, but its plate."""
     half, end, nose = body.width / 2, body.length / 2, body.hood[0][1]
     parts = [*_grille(body, face), *_headlights(body, face), *_front_bumper(body, face)]
-    # It stands before the grille where both have no room.
-    level = nose - 0.30 if face.trims else 0.455
-    parts += number_plate(country, number, end + 0.02, level, kei=body.kei)
     y0, z0, _ = body.roof[0]
     foot = y0 * body.length - end
     for side in (-1.0, 1.0):
@@ -179,13 +175,19 @@ def _front_bumper(body: Body, face: Face) -> list[MeshBatch]:
     return parts
 
 
-def rear(body: Body, face: Face, country: str, number: int) -> list[MeshBatch]:
-    """Make what a car shows behind, at +y."""
+def plate_places(body: Body, face: Face) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return (y, z) of the faces that the plates before and behind are fixed on, metres."""
+    end, nose, tail = body.length / 2, body.hood[0][1], body.hood[-1][1]
+    # It stands before the grille where both have no room.
+    ahead = nose - 0.30 if face.trims else 0.455
+    return (-end - 0.02, ahead), (end, 0.50 if face.rear != "block" else tail - 0.12)
+
+
+def rear(body: Body, face: Face) -> list[MeshBatch]:
+    """Make what a car shows behind, at +y, but its plate."""
     half, end, tail = body.width / 2, body.length / 2, body.hood[-1][1]
-    parts = number_plate(country, number, end, 0.50 if face.rear != "block" else tail - 0.12,
-                         rear=True, kei=body.kei)  # fmt: skip
     low = (-0.78 * half, end - 0.08, 0.24)
-    parts.append(bevelled(low, (0.78 * half, end + 0.014, 0.36), "rubber", bevel=0.02))
+    parts = [bevelled(low, (0.78 * half, end + 0.014, 0.36), "rubber", bevel=0.02)]
     parts.append(tube([[0.5 * half, end - 0.10, 0.24], [0.5 * half, end + 0.03, 0.24]], 0.032,
                       "metal_grey", sides=16))  # fmt: skip
     parts.append(tube([[-0.14, end + 0.012, tail - 0.02], [0.14, end + 0.012, tail - 0.02]], 0.012,

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.car_bodies import Body, waist_of
-from cityx.assets.car_faces import front, rails, rear
+from cityx.assets.car_faces import rails
 from cityx.assets.shapes import Color, bevelled, loft, tube
 from cityx.city.mesh import MeshBatch, one_mesh
 
@@ -25,16 +25,14 @@ def rounded(rings: FloatArray, times: int = 2) -> FloatArray:
     return rings
 
 
-def fine_car(body: Body, country: str = "", number: int = 0) -> list[MeshBatch]:
-    """Make the parts of a car but its wheels; see `cityx.assets.vehicles.car`."""
+def fine_car(body: Body, country: str = "") -> list[MeshBatch]:
+    """Make what all makes of a body have but its wheels; see `cityx.assets.vehicles.car`."""
     from cityx.assets.vehicles import body_rings
 
     rings = rounded(body_rings(body, ARCH_STEPS, np.linspace(0.0, 1.0, 49), smooth=True))
-    face = body.faces[number % len(body.faces)]
     parts = [loft(rings[:, ::-1], "car_paint"), *greenhouse(body), *_wells(body)]
     parts += interior(body, -1.0 if country in DRIVEN_FROM_RIGHT else 1.0)
-    parts += [*front(body, face, country, number), *rear(body, face, country, number)]
-    return [*parts, *_sides(body, face.trims), *(rails(body) if body.rails else [])]
+    return [*parts, *_sides(body, body.faces[0].trims), *(rails(body) if body.rails else [])]
 
 
 def _wells(body: Body) -> list[MeshBatch]:

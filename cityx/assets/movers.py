@@ -1,8 +1,8 @@
 """What moves, by the name of its look: vehicles whose wheels turn, people who walk.
 
 A look of a vehicle is ``car_`` and a key of `car_bodies.BODIES`, or a key of `LARGE` or
-`TWO_WHEELERS`. The country of its plates and the number of its variant may follow that of a car:
-``car_sedan_gb1``. A look of a person is ``person_``, then any words of `AGES`, `SEXES` and
+`TWO_WHEELERS`. The country of its plates and the number of its registration may follow that of a
+car: ``car_sedan_gb17``. A look of a person is ``person_``, then any words of `AGES`, `SEXES` and
 `STYLES`, then ``jog`` for who carries nothing and wears trainers, then a number: ``person_7``,
 ``person_male_sport_2``, ``person_male_casual_jog_2``. ``_fine`` at the end asks for the fine form
 whatever the level of detail of the city.
@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.car_bodies import BODIES, shares_of
+from cityx.assets.car_parts import Part, car_parts
 from cityx.assets.large_vehicles import LARGE
 from cityx.assets.number_plates import COUNTRIES, PLATES
 from cityx.assets.people import FINE, Figure, figure
@@ -40,7 +41,6 @@ from cityx.errors import UsageError, nearest
 FloatArray = NDArray[np.float64]
 Made = tuple[Prototype, Prototype]
 WHEEL = "wheel"  # kind of the prototypes of wheels
-VARIANTS = 3  # of each car: makes and plates
 RIDERS = 12  # people who are seen on two wheels
 _PERSON, _CAR, FINE_WORD, JOG = "person", "car", "fine", "jog"
 _LARGE_KIND = {"bus": "bus", "truck": "truck", "tram": "tram"}
@@ -116,6 +116,8 @@ class Vehicle:
         Its wheels.
     seat
         Where its rider sits, None where nobody is seen.
+    parts
+        What is fixed to its body.
     """
 
     kind: str
@@ -123,6 +125,7 @@ class Vehicle:
     body: Prototype
     wheels: tuple[Wheel, ...]
     seat: Seat | None = None
+    parts: tuple[Part, ...] = ()
 
     @property
     def wheelbase(self) -> float:
@@ -158,22 +161,23 @@ def looks_of(kind: str, place: str = "") -> tuple[tuple[str, float], ...]:
 def registered(look: str, place: str, number: int) -> str:
     """Return the look of a vehicle with plates of its place; others than cars keep theirs.
 
-    `number` is that of the variant, of `VARIANTS`.
+    `number` is that of the registration, of `car_parts.REGISTRATIONS`.
     """
     country = COUNTRIES.get(place, "")
     return f"{look}_{country}{number}" if look.startswith(f"{_CAR}_") else look
 
 
 def _variant_of(look: str) -> tuple[str, str, int]:
-    """Part a look into that without plates, the country of these and the number of the variant."""
+    """Part a look into that without plates, the country of these and their number."""
     base, _, last = look.rpartition("_")
-    country, number = last[:-1], last[-1:]
-    if number.isdecimal() and base.startswith(f"{_CAR}_") and country in PLATES:
+    country = last.rstrip("0123456789")
+    number = last.removeprefix(country)
+    if number and base.startswith(f"{_CAR}_") and country in PLATES:
         return base, country, int(number)
     return look, "", 0
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=1024)
 def vehicle(look: str, *, detail: int = 2) -> Vehicle:
     """Make the vehicle of a look.
 
@@ -202,12 +206,14 @@ def _named(name: str, part: str, detail: int) -> str:
 
 def _car(name: str, detail: int, country: str, number: int) -> Vehicle:
     body = BODIES[name]
-    shape = car(name, detail=detail, wheels=False, country=country, number=number)
+    fine = detail >= FINE
+    shape = car(name, detail=detail, wheels=False, country=country, number=None)
+    parts = car_parts(name, country, number) if fine else ()
     title = _named(f"{_CAR}_{name}", "wheel", detail)
     wheel = prototype(title, WHEEL, car_wheel(body, detail))
     wheels = tuple(Wheel(wheel, place, body.wheel) for place in wheel_places(body))
     size = (body.length, body.width, float(shape.mesh.vertices[:, 2].max()))
-    return Vehicle(body.kind, size, shape, wheels)
+    return Vehicle(body.kind, size, shape, wheels, parts=parts)
 
 
 def _large(name: str, detail: int) -> Vehicle:

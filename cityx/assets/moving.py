@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.car_parts import fixed_to
 from cityx.assets.movers import (
     RIDERS,
     Seat,
@@ -145,6 +146,10 @@ def _traffic(tracks: Tracks, poses: Poses, detail: int) -> _Table:
         position = poses.position[at]
         rotation = facing(poses.heading[at], poses.climb[at])
         table.add(model.body, ids, position, rotation, tint)
+        for number, part in enumerate(model.parts):
+            place, turn = fixed_to(part, position, rotation)
+            own = part_ids(ids, FIRST_PART + number)
+            table.add(part.prototype, own, place, turn, np.ones_like(tint), owner=ids)
         _add_wheels(table, model, ids, position, rotation, poses.travelled[at])
         if model.seat is not None:
             _add_riders(
@@ -187,7 +192,7 @@ def _add_riders(
         table.add(shape, rows, position[at], rotation[at], white[at], owner=ids[at])
 
 
-RIDER_PART = 99  # beyond any number of wheels
+FIRST_PART, RIDER_PART = 50, 99  # beyond any number of wheels
 
 
 def pedal_phase(seat: Seat, travelled: FloatArray) -> FloatArray:

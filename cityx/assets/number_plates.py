@@ -21,6 +21,7 @@ import numpy as np
 from cityx.assets.lettering import word
 from cityx.assets.shapes import bevelled, box, is_fine, moved
 from cityx.city.mesh import MeshBatch
+from cityx.geometry.identity import hash_ids
 
 DEEP = 0.02  # metres
 _WHITE, _YELLOW, _BLUE, _GREEN = "plate_white", "plate_yellow", "plate_blue", "plate_green"
@@ -42,7 +43,7 @@ class Plate:
     band
         Whether a blue band runs down its left end.
     rows
-        What is written, by number of the variant: lines from above.
+        What is written: lines from above, 0 for any figure and X for any of `LETTERS`.
     """
 
     size: tuple[float, float]
@@ -50,22 +51,19 @@ class Plate:
     rear: str
     ink: str
     band: bool
-    rows: tuple[tuple[str, ...], ...]
+    rows: tuple[str, ...]
 
 
-_JAPAN = (("見本 48", "・・ 20"), ("見本 30", "2-046"), ("見本 51", "・ 713"))
+LETTERS = "CQX"
+_JAPAN = ("見本 00", "0-000")
 PLATES: Mapping[str, Plate] = MappingProxyType(
     {
-        "eu": Plate((0.52, 0.11), _WHITE, _WHITE, _BLACK, True,
-                    (("CX 20486",), ("QX 73051",), ("XC 18394",))),
-        "gb": Plate((0.52, 0.11), _WHITE, _YELLOW, _BLACK, False,
-                    (("CX4 8ZQ",), ("QX9 3YX",), ("XQ7 1CX",))),
-        "us": Plate((0.305, 0.152), _WHITE, _WHITE, _BLUE, False,
-                    (("CX 204 867",), ("QX 730 512",), ("XC 183 940",))),
+        "eu": Plate((0.52, 0.11), _WHITE, _WHITE, _BLACK, True, ("XX 00000",)),
+        "gb": Plate((0.52, 0.11), _WHITE, _YELLOW, _BLACK, False, ("XX0 0XX",)),
+        "us": Plate((0.305, 0.152), _WHITE, _WHITE, _BLUE, False, ("XX 000 000",)),
         "jp": Plate((0.33, 0.165), _WHITE, _WHITE, _GREEN, False, _JAPAN),
         "jk": Plate((0.33, 0.165), _YELLOW, _YELLOW, _BLACK, False, _JAPAN),
-        "": Plate((0.52, 0.11), _WHITE, _WHITE, _BLACK, False,
-                  (("CX 2048",), ("QX 7305",), ("XC 1839",))),
+        "": Plate((0.52, 0.11), _WHITE, _WHITE, _BLACK, False, ("XX 0000",)),
     }
 )  # fmt: skip
 # What countries put on cars, by kind of place.
@@ -75,6 +73,31 @@ COUNTRIES: Mapping[str, str] = MappingProxyType(
         "northern/central europe": "eu",
     }
 )  # fmt: skip
+
+
+def inscription(country: str, number: int) -> tuple[str, ...]:
+    """Return the lines of the plate of a number, a pure function of it.
+
+    Parameters
+    ----------
+    country
+        A key of `PLATES`.
+    number
+        Of the registration.
+    """
+    found = []
+    for row, line in enumerate(PLATES[country].rows):
+        draw = hash_ids(0, f"number_plate/{country}/{row}", number, np.arange(len(line)))
+        signs = zip(line, draw.tolist(), strict=True)
+        found.append("".join(_drawn(sign, value) for sign, value in signs))
+    return tuple(found)
+
+
+def _drawn(sign: str, value: int) -> str:
+    """Return what stands for a sign of a row: a figure, a letter or itself."""
+    if sign == "0":
+        return str(value % 10)
+    return LETTERS[value % len(LETTERS)] if sign == "X" else sign
 
 
 def number_plate(
@@ -87,7 +110,7 @@ def number_plate(
     country
         A key of `PLATES`.
     number
-        Of the variant.
+        Of the registration; see `inscription`.
     y, z
         Metres: the face that it is fixed on, and its middle.
     rear
@@ -95,7 +118,8 @@ def number_plate(
     kei
         Whether it is that of a small car, which Japan tells apart.
     """
-    style = PLATES["jk" if kei and country == "jp" else country]
+    key = "jk" if kei and country == "jp" else country
+    style = PLATES[key]
     wide, high = style.size[0] / 2, style.size[1] / 2
     face, ground = -abs(y) - 0.012, style.rear if rear else style.front
     low, top = (-wide, face, z - high), (wide, face + DEEP, z + high)
@@ -109,15 +133,14 @@ def number_plate(
                 (start, face, z + high - 0.003),
             )
             parts.append(box(low, top, _BLUE))
-        parts += _written(style, number, (start, wide), z, face)
+        parts += _written(style, inscription(key, number), (start, wide), z, face)
     return [moved(part, yaw=np.pi) for part in parts] if rear else parts
 
 
 def _written(
-    style: Plate, number: int, span: tuple[float, float], z: float, face: float
+    style: Plate, lines: tuple[str, ...], span: tuple[float, float], z: float, face: float
 ) -> list[MeshBatch]:
     """Write the lines of a plate: one fills it, of two the lower is the larger."""
-    lines = style.rows[number % len(style.rows)]
     high = style.size[1] / 2
     edges = [(z - 0.72 * high, z + 0.72 * high)]
     if len(lines) == 2:

@@ -175,15 +175,15 @@ def _wheels(body: Body, parts: list[MeshBatch]) -> list[MeshBatch]:
     ]
 
 
-def _fittings(body: Body, country: str, number: int) -> list[MeshBatch]:
+def _fittings(body: Body, country: str) -> list[MeshBatch]:
     """Lights, grille, plates, bumper trims, mirrors, and what stands on the roof."""
     half, end = body.width / 2, body.length / 2
     nose = body.hood[0][1]
     tail = body.hood[-1][1]
     parts = [
         box((-0.42, -end - 0.012, nose - 0.22), (0.42, -end + 0.05, nose - 0.06), "metal_dark"),
-        *number_plate(country, number, end, nose - 0.29, kei=body.kei),
-        *number_plate(country, number, end, tail - 0.12, rear=True, kei=body.kei),
+        *number_plate(country, 0, end, nose - 0.29, kei=body.kei),
+        *number_plate(country, 0, end, tail - 0.12, rear=True, kei=body.kei),
         box((-0.74 * half, -end - 0.01, 0.26), (0.74 * half, -end + 0.06, 0.33), "rubber"),
         box((-0.76 * half, end - 0.06, 0.28), (0.76 * half, end + 0.01, 0.38), "rubber"),
     ]
@@ -215,7 +215,7 @@ def _fittings(body: Body, country: str, number: int) -> list[MeshBatch]:
 @lru_cache(maxsize=256)
 @kept("car", least=FINE)
 def car(
-    body: str, *, detail: int = 2, wheels: bool = True, country: str = "", number: int = 0
+    body: str, *, detail: int = 2, wheels: bool = True, country: str = "", number: int | None = 0
 ) -> Prototype:
     """Make a car. The prototype's kind is "vehicle".
 
@@ -224,25 +224,32 @@ def car(
     body
         A key of `BODIES`.
     detail
-        From 3 on lines are rounded, wheels have spokes, joints are drawn and plates are written.
+        From 3 on lines are rounded, wheels have spokes, joints are drawn and plates are written;
+        below, all registrations are of one form.
     wheels
         Without them it is the body alone, for cars whose wheels turn.
     country
         A key of `cityx.assets.number_plates.PLATES`.
     number
-        Of the variant: which make it is, and what its plates say.
+        Of the registration: which make it is, and what its plates say. None leaves both to
+        `cityx.assets.car_parts`.
     """
     shape = BODIES[body]
-    variant = f"{country}{number}" if country or number else ""
+    registered = detail >= FINE and number is not None and (country or number)
+    variant = f"{country}{number}" if registered else country
     name = "_".join(filter(None, ("car", body, variant, "" if wheels else "body",
+                                  "bare" if detail >= FINE and number is None else "",
                                   "fine" if detail >= FINE else "")))  # fmt: skip
     if detail >= FINE:
+        from cityx.assets.car_parts import car_parts, meshes_of
         from cityx.assets.fine_vehicles import fine_car
 
         with fine_shapes():
-            parts = fine_car(shape, country, number)
+            parts = fine_car(shape, country)
+        if number is not None:
+            parts += meshes_of(car_parts(body, country, number))
     else:
-        parts = [_lower_body(shape), *cabin(shape), *_fittings(shape, country, number)]
+        parts = [_lower_body(shape), *cabin(shape), *_fittings(shape, country)]
     if wheels:
         parts = [*parts, *_wheels(shape, car_wheel(shape, detail))]
     return prototype(name, "vehicle", parts)

@@ -176,9 +176,16 @@ class _Stage:
         look = str(tracks.look[row])
         model: Vehicle = vehicle(look, detail=self.detail)
         paint = tuple(tracks.tint[row].tolist())
-        body = self._mesh((look, paint), look, tinted(model.body.mesh, paint))
+        shape = model.body
+        body = self._mesh((shape.name, paint), shape.name, tinted(shape.mesh, paint))
         item = self._object(name, body, TRAFFIC)
         self._follow(item, way)
+        for number, fixed in enumerate(model.parts):
+            shape = fixed.prototype
+            mesh = self._mesh(shape.name, shape.name, shape.mesh)
+            part = self._object(f"{name}_part_{number}", mesh, TRAFFIC, item)
+            part.location = fixed.place
+            part.rotation_euler = (0.0, 0.0, np.pi * fixed.about)
         turning: list[tuple[bpy.types.Object, str, FloatArray]] = []
         for number, wheel in enumerate(model.wheels):
             mesh = self._mesh(wheel.prototype.name, wheel.prototype.name, wheel.prototype.mesh)

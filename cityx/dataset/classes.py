@@ -206,7 +206,7 @@ _PIECE = {
     "asset": "building",
 }  # fmt: skip
 _KIND = {"furniture": "street_furniture", "vehicle": "vehicle", "tree": "tree",
-         "wheel": "vehicle"}  # fmt: skip
+         "wheel": "vehicle", "vehicle_part": "vehicle"}  # fmt: skip
 
 
 def class_of_piece(prototype: Prototype) -> int:

@@ -52,6 +52,7 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 MOVING = (TRAFFIC, PEOPLE)
+OWNERS = ("building", "car")  # classes of what has its pieces' ids
 SPREAD = ("ground", "terrain")  # kinds of layers whose objects lie among each other: one mesh
 KEPT = 256  # meshes of movers whose trees are kept, of some 0.2 MB each
 SKY_MATERIAL = "sky"
@@ -281,7 +282,8 @@ def _still(view: View, bare: bool, cut_outs: Mapping[str, CutOut]) -> Stage:
         piece_class.append(class_of[rows.prototype])
     piece = np.concatenate([np.zeros(0, np.uint64), *object_id])
     kinds = np.concatenate([np.zeros(0, np.uint8), *piece_class])
-    whole = _wholes(piece, np.concatenate(owner), kinds == CLASS["building"])
+    owning = np.isin(kinds, [CLASS[name] for name in OWNERS])
+    whole = _wholes(piece, np.concatenate(owner), owning)
     sizes = [len(part) for part in meshes.part]
     start = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
     which = np.concatenate(of_instance)

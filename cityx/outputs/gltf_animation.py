@@ -147,8 +147,15 @@ class MoverWriter:
         children: list[int] = []
         spin: dict[float, int] = {}
         white = np.ones(3, np.float32)
+        for part in model.parts:
+            fixed: dict[str, Any] = {"name": part.prototype.name,
+                                     "mesh": self.out.painted(part.prototype, white),
+                                     "translation": _placed(part.place)}  # fmt: skip
+            if part.about:
+                fixed["rotation"] = [0, 1, 0, 0]
+            children.append(add("nodes", fixed))
         for wheel in model.wheels:
-            node: dict[str, Any] = {"name": "wheel", "translation": _rounded(wheel.place)}
+            node: dict[str, Any] = {"name": "wheel", "translation": _placed(wheel.place)}
             mesh = self.out.painted(wheel.prototype, white)
             if wheel.place[0] < 0:  # turned about within what turns
                 node["children"] = [add("nodes", {"mesh": mesh, "rotation": [0, 1, 0, 0]})]
@@ -401,6 +408,11 @@ def _shorts(turns: FloatArray) -> NDArray[np.int16]:
 
 def _unit(turn: FloatArray) -> list[float]:
     return [round(float(value), 7) + 0.0 for value in turn / np.linalg.norm(turn)]
+
+
+def _placed(place: tuple[float, float, float]) -> list[float]:
+    """Return a place in a vehicle as a node has it."""
+    return _rounded(y_up(np.array(place)))
 
 
 def _rounded(values: Any) -> list[float]:

@@ -26,13 +26,14 @@ BoolArray = NDArray[np.bool_]
 
 DENSITIES = ("none", "light", "medium", "heavy")
 # Class of road -> vehicles on a kilometre of street when traffic is light, medium and heavy. Heavy
-# is 8 to 9 on each of the four lanes of a main road: one every hundred metres, and queues besides.
+# is 12 to 15 on each of the four lanes of a main road, one every seventy metres and queues besides,
+# and 8 on each of the two of a side street, as at the peaks of a large city.
 PER_KM: Mapping[str, tuple[float, float, float]] = MappingProxyType(
     {
-        "motorway": (8.0, 22.0, 44.0), "trunk": (8.0, 20.0, 40.0), "primary": (7.0, 18.0, 34.0),
-        "secondary": (6.0, 14.0, 28.0), "tertiary": (4.5, 10.0, 18.0),
-        "unclassified": (2.5, 6.0, 11.0), "residential": (2.0, 5.0, 9.0),
-        "living_street": (1.0, 2.0, 4.0), "service": (0.5, 1.0, 1.5),
+        "motorway": (8.0, 22.0, 70.0), "trunk": (8.0, 20.0, 66.0), "primary": (7.0, 18.0, 60.0),
+        "secondary": (6.0, 14.0, 48.0), "tertiary": (4.5, 10.0, 32.0),
+        "unclassified": (2.5, 6.0, 20.0), "residential": (2.0, 5.0, 16.0),
+        "living_street": (1.0, 2.0, 6.0), "service": (0.5, 1.0, 2.5),
     }
 )  # fmt: skip
 OTHER_ROADS = "residential"
@@ -46,7 +47,8 @@ NEAR = 60.0  # metres from a building to the street that its trips start from
 BORDER = 12.0  # metres from the site's rectangle within which a street leaves it
 WIDE_ENOUGH = 2.9  # metres of a lane for lorries and buses
 LONG_ENOUGH = 12.5  # metres of a way for them: on a shorter one they would stand across a junction
-MOST_PER_LANE = 16.0  # vehicles on a kilometre of lane; with more, signals no longer clear queues
+PEAK = 0.45  # of what is heavy, that there is in the busiest hour of a usual day
+MOST_PER_LANE = 24.0  # vehicles on a kilometre of lane; with more, signals no longer clear queues
 SPARE = 1.6  # times the trips that are expected to be needed
 LEAST_TRIPS = 40  # per group of streets
 DRAWS = (2, 2, 2)  # times as many trips are drawn while they do not last
@@ -91,14 +93,14 @@ def per_km_at(density: str, hour: float) -> dict[str, float]:
         return dict.fromkeys(PER_KM, 0.0)
     if density == "usual":
         share = float(np.interp(hour % 24.0, np.arange(25), [*BY_HOUR, BY_HOUR[0]]))
-        return {road: share * heavy * 0.8 for road, (_, _, heavy) in PER_KM.items()}
+        return {road: share * heavy * PEAK for road, (_, _, heavy) in PER_KM.items()}
     column = DENSITIES.index(density) - 1
     return {road: values[column] for road, values in PER_KM.items()}
 
 
 def demand_of(
     city: City, streets: Streets, looks: Mapping[str, tuple[tuple[Look, float], ...]], *,
-    per_km: Mapping[str, float], hour: float, seconds: float, purpose: str,
+    per_km: Mapping[str, float], hour: float, seconds: float, purpose: str, place: str = "",
 ) -> Demand:  # fmt: skip
     """Draw the trips that keep the streets of a city as full as asked.
 
@@ -116,6 +118,8 @@ def demand_of(
         How long the streets are to be kept full.
     purpose
         Key of all draws, the id of the action.
+    place
+        As of `cityx.plugins.nature.street_rules.place_of`; it decides how many cycle.
 
     Returns
     -------
@@ -131,7 +135,8 @@ def demand_of(
         targets[road] = round(min(asked, MOST_PER_LANE * net.lane_kilometres(road)))
     count = _needed(net, per_km, seconds)
     for more in (*DRAWS, 0):
-        trips = _trips(city, net, looks, every, hour=hour, purpose=purpose, count=count)
+        trips = _trips(city, net, looks, every, hour=hour, purpose=purpose, count=count,
+                       place=place)  # fmt: skip
         if not more or _enough(net, trips, targets, seconds):
             break
         count *= more
@@ -332,13 +337,13 @@ def _enough(
 
 def _trips(
     city: City, net: Drivable, looks: Mapping[str, tuple[tuple[Look, float], ...]],
-    every: tuple[Look, ...], *, hour: float, purpose: str, count: int,
+    every: tuple[Look, ...], *, hour: float, purpose: str, count: int, place: str,
 ) -> list[tuple[Trip, str]]:  # fmt: skip
     """Draw trips, each with the class of road that most of its way is on."""
     number = np.arange(count).astype(np.uint64)
     ids = hash_ids(city.seed, purpose, number)
     ends = _ends(city, net, ids, hour)
-    kind = _kinds(city, net, ids)
+    kind = _kinds(city, net, ids, place)
     look = _looks(city, looks, every, ids, kind)
     found: list[tuple[Trip, str] | None] = [None] * count
     for large in (False, True):
@@ -387,10 +392,10 @@ def _ends(city: City, net: Drivable, ids: NDArray[np.uint64], hour: float) -> _E
     return _Ends(begins, finishes, starts, goals)
 
 
-def _kinds(city: City, net: Drivable, ids: NDArray[np.uint64]) -> IntArray:
+def _kinds(city: City, net: Drivable, ids: NDArray[np.uint64], place: str) -> IntArray:
     """(t,) index into `DRIVING`: the shares of the busiest class of road that there is."""
     best = max((net.road(way) for way in net.streets.ways), key=lambda road: PER_KM[road][2])
-    return choose(city.seed, "traffic/kind", ids, shares_on(best))
+    return choose(city.seed, "traffic/kind", ids, shares_on(best, place))
 
 
 def _routed(

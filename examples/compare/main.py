@@ -22,7 +22,12 @@ from cityx.agents.views import render_views
 SHARED = Path(__file__).parents[2] / ".." / "shared"
 CAMERAS = SHARED / "reference" / "cameras.json"
 VIEWS = ("street", "junction", "aerial")
-LIFE = "heavy traffic, 1500 pedestrians"  # of every place
+# What is about in each place: as many people as its walks have at a busy hour.
+LIFE = {
+    "london_soho": "heavy traffic, 900 pedestrians",
+    "tokyo_kanda": "heavy traffic, 1800 pedestrians",
+    "berlin_neukoelln_streets": "heavy traffic, 600 pedestrians",
+}
 # Seconds of tracks, among which each picture finds its busiest moment.
 SPAN = ("dynamic/traffic-v1.duration=240", "dynamic/pedestrians-v1.duration=240")
 WIDTH, HEIGHT, GAP, TITLE = 480, 270, 8, 24
@@ -31,7 +36,7 @@ WIDTH, HEIGHT, GAP, TITLE = 480, 270, 8, 24
 def render_place(name: str, osm: Path, work: Path, samples: int) -> dict[str, Path]:
     """Build one place and return our picture of each view."""
     out = work / name
-    options = BuildOptions(lod=3, formats=("blend",), render=False, text=LIFE, settings=SPAN)
+    options = BuildOptions(lod=3, formats=("blend",), render=False, text=LIFE[name], settings=SPAN)
     build([osm], out, options, say=print)
     paths = render_views(out, str(CAMERAS), samples=samples, moment="busiest", say=print)
     return {path.stem: path for path in paths}

@@ -78,8 +78,8 @@ def test_every_kind_has_looks_and_every_look_a_kind():
 
 
 def test_plates_of_a_place_make_no_other_vehicle():
-    look = registered("car_sedan", "british isles", 2)
-    assert look == "car_sedan_gb2"
+    look = registered("car_sedan", "british isles", 23)
+    assert look == "car_sedan_gb23"
     assert registered("truck", "british isles", 2) == "truck"
     assert vehicle(look).size == vehicle("car_sedan").size
     assert kind_of(look) == kind_of("car_sedan")

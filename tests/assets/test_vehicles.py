@@ -1,12 +1,15 @@
 import numpy as np
 import pytest
 
+from cityx.assets.bodies import collider_of, mass_of
 from cityx.assets.car_bodies import BODIES, CAR_SHARES, VAN_SHARES
 from cityx.assets.car_faces import front, rear
+from cityx.assets.car_parts import PART, REGISTRATIONS, car_parts, fixed_to, meshes_of
 from cityx.assets.materials import MATERIALS
 from cityx.assets.number_plates import COUNTRIES, PLATES, number_plate
 from cityx.assets.shapes import fine_shapes, prototype
 from cityx.assets.vehicles import PAINT_SHARES, PAINTS, car
+from cityx.geometry.turns import matrices
 
 
 @pytest.mark.parametrize("name", BODIES)
@@ -53,8 +56,8 @@ def plate_of(country, number, *, rear=False, kei=False):
 
 @pytest.mark.parametrize("country", PLATES)
 def test_plates_differ_from_number_to_number_and_look_away_from_the_car(country):
-    found = [plate_of(country, number) for number in range(3)]
-    assert len({mesh.vertices.tobytes() for mesh in found}) == 3
+    found = [plate_of(country, number) for number in range(REGISTRATIONS)]
+    assert len({mesh.vertices.tobytes() for mesh in found}) == REGISTRATIONS
     wide, high = PLATES[country].size
     for mesh, y in ((found[0], -2.0), (plate_of(country, 0, rear=True), 2.0)):
         low, top = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
@@ -82,7 +85,7 @@ def test_the_makes_of_a_body_differ_before_or_behind(name):
     body = BODIES[name]
     faces = dict.fromkeys(body.faces)
     with fine_shapes():
-        looks = [front(body, face, "", 0) + rear(body, face, "", 0) for face in faces]
+        looks = [front(body, face) + rear(body, face) for face in faces]
     shapes = {b"".join(mesh.vertices.tobytes() for mesh in look) for look in looks}
     assert len(shapes) == len(faces)
 
@@ -92,6 +95,42 @@ def test_a_car_of_one_country_and_number_is_always_the_same():
     made = [make("estate", detail=3, country="gb", number=1) for _ in range(2)]
     assert made[0].mesh.vertices.tobytes() == made[1].mesh.vertices.tobytes()
     assert made[0].name == "car_estate_gb1_fine"
+
+
+def test_a_car_is_its_bare_body_and_its_parts():
+    make = car.__wrapped__.__wrapped__
+    whole = make("kei_van", detail=3, country="jp", number=5)
+    bare = make("kei_van", detail=3, country="jp", number=None)
+    parts = car_parts("kei_van", "jp", 5)
+    assert {part.prototype.kind for part in parts} == {PART}
+    together = prototype("", "", [bare.mesh, *meshes_of(parts)]).mesh
+    assert together.triangle_count == whole.mesh.triangle_count
+    ordered = [mesh.vertices[np.lexsort(mesh.vertices.T)] for mesh in (whole.mesh, together)]
+    assert ordered[0] == pytest.approx(ordered[1], abs=1e-4)
+    assert mass_of(bare, ()) == mass_of(whole, ()) == 950.0
+    assert not collider_of(parts[1].prototype)
+
+
+@pytest.mark.parametrize("body", ["sedan", "van"])
+def test_registrations_share_body_and_face_and_differ_in_their_plates(body):
+    found = [car_parts(body, "gb", number) for number in range(REGISTRATIONS)]
+    names = [[parts[at].prototype.name for parts in found] for at in range(3)]
+    assert [len(set(each)) for each in names] == [3, REGISTRATIONS, REGISTRATIONS]
+    shared = car_parts("estate", "gb", 7)[1].prototype
+    assert shared is found[7][1].prototype
+    ahead, behind = (found[7][at] for at in (1, 2))
+    assert ahead.place[1] < -1.5
+    assert behind.place[1] > 1.5
+    assert behind.about
+
+
+def test_parts_follow_a_car_on_a_slope():
+    rear = car_parts("sedan", "eu", 0)[2]
+    turn = np.array([[0.1, -0.05, 2.0]])
+    place, own = fixed_to(rear, np.array([[5.0, 6.0, 7.0]]), turn)
+    car_turn = matrices(turn)[0]
+    assert place[0] == pytest.approx(car_turn @ np.array(rear.place) + [5.0, 6.0, 7.0])
+    assert matrices(own)[0] @ [0.0, -1.0, 0.0] == pytest.approx(car_turn @ [0.0, 1.0, 0.0])
 
 
 def test_shares_are_of_a_whole_and_colours_physical():

@@ -88,7 +88,10 @@ def test_a_skinned_person_is_the_figure_in_its_gait_where_the_track_has_it(glb, 
 def test_wheels_roll_as_far_as_the_car_goes(glb):
     (car,) = [n for n, node in enumerate(glb.json["nodes"]) if node.get("name") == f"car_{8:016x}"]
     wheel = glb.json["nodes"][car]["children"][0]
-    radius = vehicle("car_sedan").wheels[0].radius
+    made = vehicle("car_sedan").wheels[0]
+    radius = made.radius
+    across, ahead, up = made.place
+    assert glb.json["nodes"][wheel]["translation"] == pytest.approx([across, up, -ahead], abs=1e-4)
     before, after = Player(glb, 2.0), Player(glb, 2.1)
     gone = after.nodes[car]["translation"][0] - before.nodes[car]["translation"][0]
     assert gone == pytest.approx(0.5)

@@ -26,7 +26,7 @@ UInt64Array = NDArray[np.uint64]
 DOORSTEP = 6.0  # metres from a door to the walk that people step onto
 SPREAD = 1.5  # metres between two places where people come in over a border
 STOPS = ("bus_stop",)
-GOALS = 28  # places that people of one run go to; each costs a search of the whole area
+GOALS = 60  # places that people of one run go to; each costs a search of the whole area
 USUAL_WAY = 180.0  # metres; a way twice as long is e times rarer
 FARTHEST = 900.0  # metres of way, as walkers feel them, that nobody exceeds
 SHORTEST = 15.0  # metres
@@ -208,11 +208,12 @@ def drawn_trips(
         Key of the draws.
     """
     goals = _goals(city, ports, purpose)
-    left, drawn = np.full(count, duration), np.zeros(count, np.int64)
+    clock, drawn = np.zeros(count), np.zeros(count, np.int64)
     room = Room(walkable, duration)
     parts: list[Trips] = []
-    while (left > 0).any() and drawn.max(initial=0) < MOST_WALKS and len(parts) < ROUNDS:
+    while (clock < duration).any() and drawn.max(initial=0) < MOST_WALKS and len(parts) < ROUNDS:
         # Several walks of each at once: every look at the area costs a search from each goal.
+        left = np.maximum(duration - clock, 0.0)
         more = np.where(left > 0, np.ceil(left / SHORT_TIME) + 1, 0).astype(np.int64)
         place = np.repeat(np.arange(count), more)
         number = drawn[place] + np.arange(len(place)) - np.repeat(np.cumsum(more) - more, more)
@@ -221,9 +222,7 @@ def drawn_trips(
         walks, found = _walks(city, walkable, ports, goals, key, purpose)
         pace = paces_of(city.seed, purpose, key)
         begun = np.where(number == 0, uniform(city.seed, f"{purpose}/begun", key), 0.0)
-        seconds = arc_lengths(walks)[1] * (1.0 - begun) / pace
-        rows = room.admitted(walks, np.flatnonzero(found))
-        left -= np.bincount(place[rows], seconds[rows], minlength=count)
+        rows = room.admitted(walks, np.flatnonzero(found), place, clock, pace, begun)
         parts.append(Trips(key[rows], place[rows], _taken(walks, rows), pace[rows], begun[rows]))
         if not len(rows):
             break

@@ -26,6 +26,7 @@ ARRIVED = 0.6  # metres from the end of the way
 BEFORE = 0.9  # metres of way before a roadway at which one waits
 QUEUE = 8.0  # metres before it within which one stands in a queue and does not lose patience
 KEEP = (0.25, 0.9)  # metres beside the middle of the way that people keep to their own side
+ABREAST = 1.4  # metres to both sides of the way in which people stand while they wait to cross
 ELBOW = 0.1  # metres that they keep off walls while they do
 TIGHT = 0.5  # metres of clearance below which one turns the shoulders to pass others
 SQUEEZE_AFTER = 1.0  # seconds without getting on after which one turns the shoulders
@@ -130,6 +131,7 @@ class _Walk:
         self.position: FloatArray = self.points[self.first].copy()
         self.hand, self.side = side, np.full(count, side)
         self.keep = KEEP[0] + (KEEP[1] - KEEP[0]) * _share(trips)
+        self.stand = ABREAST * (2.0 * np.modf(97.0 * _share(trips))[0] - 1.0)
         self.granted = np.full(count, 0)  # number of the crosswalk that each may be on
         self.on = np.full(count, 0)  # that each is on, or has been and is on the rim of still
         self.stuck = np.zeros(count)
@@ -181,7 +183,8 @@ class _Walk:
         rows = self.present
         before = self.position[rows]
         strays = now - self.since > STRAYED
-        aside = np.where(strays, 0.0, self.keep * self.hand)
+        aside = np.where(self.waited > 0.0, self.stand, self.keep * self.hand)
+        aside[strays] = 0.0
         target = follow(
             rows, self.at, self.last, self.position, self.points, self.right, self.room,
             self.coming, aside, WINDOW, AHEAD, SIGHT, *self.floor.place,

@@ -98,7 +98,7 @@ def traffic(
     place = place_of(city)
     demand = demand_of(
         city, streets, looks_of_kinds(place), hour=hour, seconds=WARM + duration, purpose=ACTION,
-        per_km=_per_km(city, density, per_km, hour),
+        per_km=_per_km(city, density, per_km, hour), place=place,
     )  # fmt: skip
     run = Run(demand.looks, demand.groups, barred=demand.barred, tight=demand.tight,
               duration=duration, seed=city.seed)  # fmt: skip

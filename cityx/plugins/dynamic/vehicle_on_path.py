@@ -7,7 +7,8 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.movers import VARIANTS, looks_of, paints_of, registered, size_of
+from cityx.assets.car_parts import REGISTRATIONS
+from cityx.assets.movers import looks_of, paints_of, registered, size_of
 from cityx.city.city import City
 from cityx.errors import ActionFailed
 from cityx.geometry.courses import course, paces
@@ -116,11 +117,11 @@ def add_vehicles(
         )
     way = course(line.points, closed=line.closed, slack=SLACK, spacing=SPACING)
     ids = np.array(new_ids(city, ACTION, line.name, count), np.uint64)
-    variant = choose(city.seed, f"{ACTION}/variant", ids, [1.0] * VARIANTS).tolist()
+    plate = choose(city.seed, f"{ACTION}/registration", ids, [1.0] * REGISTRATIONS).tolist()
     look = [
         registered(looks[chosen], place, number)
         for chosen, number in zip(
-            choose(city.seed, f"{ACTION}/look", ids, shares).tolist(), variant, strict=True
+            choose(city.seed, f"{ACTION}/look", ids, shares).tolist(), plate, strict=True
         )
     ]
     begins = spread(city.seed, line, count, apart, ACTION) * way.length / line.line.length

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cityx.assets.movers import VARIANTS, kind_of, looks_of, paints_of, registered, size_of
+from cityx.assets.car_parts import REGISTRATIONS
+from cityx.assets.movers import kind_of, looks_of, paints_of, registered, size_of
 from cityx.geometry.identity import choose
 from cityx.traffic.kinds import DRIVING
 from cityx.traffic.recording import Mover
@@ -42,7 +43,7 @@ def movers_of(
         number = [np.uint64(int(trip.name, 16))]
         colors, shares = paints_of(name)
         paint = choose(seed, "traffic/paint", number, shares)[0]
-        variant = choose(seed, "traffic/variant", number, [1.0] * VARIANTS)[0]
-        look = registered(name, place, int(variant))
+        plate = choose(seed, "traffic/registration", number, [1.0] * REGISTRATIONS)[0]
+        look = registered(name, place, int(plate))
         found[trip.name] = Mover(kind_of(name), look, size_of(name), colors[paint])
     return found

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from cityx.assets.car_bodies import BODIES, TAXIS, shares_of
 from cityx.city import City, Instances
 from cityx.city.ground import SURFACES
+from cityx.city.rows import join_rows, take_rows
 from cityx.city.scene import Prototype
 from cityx.city.section import KIND
 from cityx.geometry.clearance import near_any
@@ -28,6 +29,7 @@ from cityx.plugins.road.sections import Bands, bands_of
 from cityx.protocol import Port, Range, action
 
 ACTION = "road/parked_cars-v1"
+FINE = 3  # level of detail from which makes and plates are parts of their own
 FloatArray = NDArray[np.float64]
 
 SIDE_GAPS = (0.08, 0.25)  # metres from the kerb to the side of a car, the narrower the more
@@ -255,19 +257,47 @@ def _painted(city: City, cars: _Cars, body: NDArray[np.str_]) -> NDArray[np.floa
 
 
 def _prototypes(
-    city: City, cars: _Cars, body: NDArray[np.str_], place: str
+    city: City, body: NDArray[np.str_], place: str
 ) -> tuple[list[Prototype], NDArray[np.int32]]:
-    """Return the bodies with their plates that stand here, and the (n,) one of each car."""
-    from cityx.assets.movers import VARIANTS
+    """Return the bodies that stand here, and the (n,) one of each car."""
     from cityx.assets.number_plates import COUNTRIES
     from cityx.assets.vehicles import car
 
-    number = choose(city.seed, f"{ACTION}/variant", cars.id, [1.0] * VARIANTS)
-    kinds, index = np.unique(np.char.add(body, number.astype(str)), return_inverse=True)
+    kinds, index = np.unique(body, return_inverse=True)
     country = COUNTRIES.get(place, "")
-    made = [car(name[:-1], detail=city.lod, country=country, number=int(name[-1]))
-            for name in kinds.tolist()]  # fmt: skip
+    made = [car(name, detail=city.lod, country=country, number=None) for name in kinds.tolist()]
     return made, index.astype(np.int32)
+
+
+def _fixed(
+    city: City, rows: Instances, body: NDArray[np.str_], place: str
+) -> tuple[list[Prototype], Instances]:
+    """Return the faces and plates of the cars of rows, which own them."""
+    from cityx.assets.car_parts import REGISTRATIONS, car_parts, fixed_to
+    from cityx.assets.number_plates import COUNTRIES
+
+    plate = choose(city.seed, f"{ACTION}/registration", rows.object_id, [1.0] * REGISTRATIONS)
+    country = COUNTRIES.get(place, "")
+    made: dict[str, Prototype] = {}
+    tables = []
+    for name, number in sorted(set(zip(body.tolist(), plate.tolist(), strict=True))):
+        own = take_rows(rows, np.flatnonzero((body == name) & (plate == number)))
+        for place_of_part, part in enumerate(car_parts(name, country, number)):
+            made.setdefault(part.prototype.name, part.prototype)
+            position, rotation = fixed_to(part, own.position, own.rotation)
+            tables.append(
+                Instances(
+                    np.full(own.count, list(made).index(part.prototype.name), np.int32),
+                    hash_ids(0, f"{ACTION}/part", own.object_id, place_of_part),
+                    own.object_id,
+                    position,
+                    rotation.astype(np.float32),
+                    own.scale,
+                    np.ones_like(own.tint),
+                )
+            )
+    found = join_rows(tables)
+    return list(made.values()), take_rows(found, np.argsort(found.object_id, kind="stable"))
 
 
 @action(
@@ -319,7 +349,7 @@ def parked_cars(
     cars, body, xy = cars.take(keep), body[keep], xy[keep]
     alone = _apart(xy, cars.yaw, body)
     cars, body, xy = cars.take(alone), body[alone], xy[alone]
-    made, index = _prototypes(city, cars, body, place)
+    made, index = _prototypes(city, body, place)
     position, rotation = _on_terrain(city, xy, cars.yaw)
     rows = Instances(
         index,
@@ -330,7 +360,10 @@ def parked_cars(
         np.ones((len(cars.id), 3), np.float32),
         _painted(city, cars, body),
     )
-    return replace(city, scene=city.scene.with_instances("vehicles", made, rows), stages_done=done)
+    scene = city.scene.with_instances("vehicles", made, rows)
+    if city.lod >= FINE:
+        scene = scene.with_instances("vehicle_parts", *_fixed(city, rows, body, place))
+    return replace(city, scene=scene, stages_done=done)
 
 
 def _open(city: City, xy: FloatArray) -> NDArray[np.bool_]:

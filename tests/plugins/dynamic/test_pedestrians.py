@@ -23,7 +23,7 @@ from cityx.plugins.dynamic.crowds import LOOK, among, met
 from cityx.plugins.dynamic.pedestrian_flow import pedestrian_flow
 from cityx.plugins.dynamic.pedestrians import ACTION, pedestrians
 from cityx.plugins.dynamic.people_gates import Gates, gates_of
-from cityx.plugins.dynamic.people_room import FLOW, LEAST, Room
+from cityx.plugins.dynamic.people_room import FLOW, LEAST, SPELL, Room
 from cityx.plugins.dynamic.people_trips import DAYS, Trips, activity
 from cityx.plugins.dynamic.people_walk import _Walk
 from cityx.protocol import Serves, registry
@@ -171,9 +171,16 @@ def test_a_narrow_passage_lets_only_so_many_through(town):
     way = np.column_stack([np.linspace(-30.0, 30.0, 121), np.full(121, 4.4)])
     narrow = float(area.at(area.clearance, way).min())
     many = Polylines(np.tile(way, (400, 1)), np.arange(401) * len(way))
-    found = Room(area, 120.0).admitted(many, np.arange(400))
-    assert len(found) == int(np.ceil(2 * max(FLOW * narrow, LEAST)))
+    who, pace, begun = np.arange(400), np.full(400, 1.3), np.zeros(400)
+    room, clock = Room(area, 120.0), np.zeros(400)
+    found = room.admitted(many, who, who, clock, pace, begun)
+    assert len(found) == int(np.ceil(SPELL / 60.0 * max(FLOW * narrow, LEAST)))
     assert found.tolist() == list(range(len(found)))  # who comes first goes first
+    assert clock[found] == pytest.approx(60.0 / 1.3)
+    # Another spell has room of its own, what is walked after the end needs none.
+    later = np.full(400, SPELL)
+    assert len(room.admitted(many, who, who, later, pace, begun)) >= len(found)
+    assert len(room.admitted(many, who, who, np.full(400, 120.0), pace, begun)) == 400
 
 
 def test_nobody_is_where_a_vehicle_sweeps_over_a_walk(busy):

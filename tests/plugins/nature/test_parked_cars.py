@@ -7,6 +7,10 @@ import shapely
 from cityx.assets import furniture
 from cityx.city import Frame, Instances, Terrain, make_table
 from cityx.city.ground import LABEL
+from cityx.city.rows import without_objects
+from cityx.city.store import view_of
+from cityx.dataset.classes import CLASS
+from cityx.dataset.stage import stage_of
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.parked_cars import VAN_LEFT, parked_cars
 from cityx.plugins.road.yards import yard_patches
@@ -163,3 +167,29 @@ def test_occupancy_none_means_no_cars(crossroads):
     assert "vehicles" not in parked_cars(crossroads, occupancy=0.0, lots=0.0).scene.instances or (
         parked_cars(crossroads, occupancy=0.0, lots=0.0).scene.instances["vehicles"].count == 0
     )
+
+
+def test_near_cars_share_bodies_and_own_faces_and_plates(crossroads):
+    near = parked_cars(replace(crossroads, lod=3))
+    cars, parts = (near.scene.instances[layer] for layer in ("vehicles", "vehicle_parts"))
+    names = np.array([prototype.name for prototype in near.scene.prototypes])
+    assert len(np.unique(cars.prototype)) < 14
+    assert np.array_equal(np.unique(parts.owner), cars.object_id)
+    assert parts.count == 3 * cars.count
+    assert not np.isin(parts.object_id, cars.object_id).any()
+    plates = parts.prototype[np.char.startswith(names[parts.prototype], "number_plate")]
+    assert len(np.unique(plates)) > 24
+    again = parked_cars(replace(crossroads, lod=3)).scene.instances["vehicle_parts"]
+    assert again.position.tobytes() == parts.position.tobytes()
+    assert again.prototype.tobytes() == parts.prototype.tobytes()
+    without = without_objects(near.scene, cars.object_id[:1].tolist())
+    assert without.instances["vehicle_parts"].count == parts.count - 3
+
+
+def test_plates_of_a_car_are_the_car_in_truth(crossroads):
+    near = parked_cars(replace(crossroads, lod=3))
+    stage = stage_of(view_of(near))
+    part = np.flatnonzero(np.isin(stage.piece, near.scene.instances["vehicle_parts"].object_id))
+    owners = stage.object_id[part]
+    assert np.isin(owners, near.scene.instances["vehicles"].object_id).all()
+    assert set(stage.semantic[stage.whole[part]].tolist()) == {CLASS["car"]}
