@@ -3,9 +3,10 @@
 A look of a vehicle is ``car_`` and a key of `car_bodies.BODIES`, or a key of `LARGE` or
 `TWO_WHEELERS`. The country of its plates and the number of its registration may follow that of a
 car: ``car_sedan_gb17``. A look of a person is ``person_``, then any words of `AGES`, `SEXES` and
-`STYLES`, then ``jog`` for who carries nothing and wears trainers, then a number: ``person_7``,
-``person_male_sport_2``, ``person_male_casual_jog_2``. ``_fine`` at the end asks for the fine form
-whatever the level of detail of the city.
+`STYLES`, then ``jog`` for who carries nothing and wears trainers, or ``moto`` or ``cyclist`` for
+who wears a helmet, then a number: ``person_7``, ``person_male_sport_2``,
+``person_male_casual_jog_2``. ``_fine`` at the end asks for the fine form whatever the level of
+detail of the city.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from cityx.assets.car_parts import Part, car_parts
 from cityx.assets.large_vehicles import LARGE
 from cityx.assets.number_plates import COUNTRIES, PLATES
 from cityx.assets.people import FINE, Figure, figure
+from cityx.assets.people_hair import CYCLE_HELMET, HELMET
 from cityx.assets.people_looks import AGES, SEXES, STYLES, Person, drawn_person
 from cityx.assets.shapes import fine_shapes, prototype
 from cityx.assets.two_wheelers import TWO_WHEELERS, wheel_of
@@ -43,6 +45,9 @@ Made = tuple[Prototype, Prototype]
 WHEEL = "wheel"  # kind of the prototypes of wheels
 RIDERS = 12  # people who are seen on two wheels
 _PERSON, _CAR, FINE_WORD, JOG = "person", "car", "fine", "jog"
+ENGINE, CYCLE = "moto", "cyclist"  # words of riders with helmets
+_HELMETS = {ENGINE: HELMET, CYCLE: CYCLE_HELMET}
+_SHELLS = ((0.75, 0.75, 0.73), (0.02, 0.02, 0.022), (0.35, 0.03, 0.03), (0.30, 0.31, 0.32))
 _LARGE_KIND = {"bus": "bus", "truck": "truck", "tram": "tram"}
 _TWO_WHEELED_KIND = {"bicycle": "bicycle", "motorcycle": "motorcycle", "scooter": "motorcycle"}
 # Kind of mover -> (look, share), wherever it is.
@@ -251,9 +256,9 @@ def _at(detail: int, made: Callable[[], Made]) -> Made:
 
 
 def person_look(number: int, *, age: str = "", sex: str = "", style: str = "",
-                jogs: bool = False, fine: bool = False) -> str:  # fmt: skip
-    """Return the look of a person."""
-    words = (_PERSON, age, sex, style, JOG * jogs, str(number), FINE_WORD * fine)
+                jogs: bool = False, helmet: str = "", fine: bool = False) -> str:  # fmt: skip
+    """Return the look of a person; `helmet` is "", `ENGINE` or `CYCLE`."""
+    words = (_PERSON, age, sex, style, JOG * jogs, helmet, str(number), FINE_WORD * fine)
     return "_".join(filter(None, words))
 
 
@@ -267,20 +272,25 @@ def person_of(look: str) -> Person:
         If a word of the look means nothing.
     """
     told: dict[str, str] = {}
-    number = -1
+    number, helmet = -1, ""
     for word in look.removesuffix(f"_{FINE_WORD}").split("_")[1:]:
         for key, words in (("age", AGES), ("sex", SEXES), ("style", STYLES)):
             if word in words:
                 told[key] = word
         if word.isdecimal():
             number = int(word)
+        elif word in _HELMETS:
+            helmet = _HELMETS[word]
         elif word not in told.values() and word != JOG:
-            known = (*AGES, *SEXES, *STYLES, JOG)
+            known = (*AGES, *SEXES, *STYLES, JOG, *_HELMETS)
             raise UsageError(f'No person looks like "{look}": {word}.{nearest(word, known)}')
     if not is_person(look) or number < 0:
         raise UsageError(f'"{look}" is no look of a person, such as person_7.')
     age, sex, style = (told.get(key, "") for key in ("age", "sex", "style"))
     who = drawn_person(number, age=age, sex=sex, style=style)
+    if helmet:
+        shell = _SHELLS[number % len(_SHELLS)]
+        who = replace(who, hat=helmet, hat_color=shell, bag="")
     return replace(who, bag="", shoes="trainers") if f"_{JOG}_" in look else who
 
 

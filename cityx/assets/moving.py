@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from cityx.assets.car_parts import fixed_to
 from cityx.assets.movers import (
+    CYCLE,
+    ENGINE,
     RIDERS,
     Seat,
     Vehicle,
@@ -205,15 +207,17 @@ def rider_numbers(ids: NDArray[np.uint64]) -> NDArray[np.int64]:
     return (uniform(0, "mover/rider", ids) * RIDERS).astype(np.int64)
 
 
-def rider_look(number: int) -> str:
-    """Return the look of a rider."""
-    return person_look(number, age="adult", style="casual")
+def rider_look(number: int, seat: Seat) -> str:
+    """Return the look of a rider: who has an engine wears a helmet, of cyclists every other."""
+    bare = seat.development and number % 2
+    helmet = "" if bare else CYCLE if seat.development else ENGINE
+    return person_look(number, age="adult", style="casual", helmet=helmet)
 
 
 @lru_cache(maxsize=512)
 def _rider(look: str, seat: Seat, number: int, frame: int, detail: int) -> Prototype:
     fine = "_fine" if detail >= FINE else ""
-    made = figure_of(rider_look(number), detail)
+    made = figure_of(rider_look(number, seat), detail)
     mesh = riding(made, seat.place, frame / PHASES, pedals=bool(seat.development))
     return prototype(f"rider_{number}_{look}_{frame}{fine}", RIDER, [mesh])
 

@@ -72,6 +72,7 @@ HAIR: Mapping[str, Hair] = MappingProxyType(
     }
 )
 HATS = ("cap", "beanie", "brimmed hat")
+HELMET, CYCLE_HELMET = HELMETS = ("helmet", "cycle helmet")  # of motorcyclists and of cyclists
 _TIES = frozenset({"ponytail", "bun"})
 
 
@@ -125,22 +126,28 @@ def beard(body: Body, color: Color, full: float) -> list[Part]:
 
 
 def hat(body: Body, kind: str, color: Color) -> list[Part]:
-    """Make a hat, one of `HATS`."""
+    """Make a hat, one of `HATS` or `HELMETS`."""
     angle = ring_angles(level(10, 30))
     edges: dict[str, Line] = {
         "cap": ((0.0, 0.76), (1.2, 0.70), (3.1416, 0.52)),
         "beanie": ((0.0, 0.72), (1.0, 0.62), (1.6, 0.44), (3.1416, 0.30)),
         "brimmed hat": ((0.0, 0.77), (3.1416, 0.66)),
+        # Over the ears down to the jaw, with a visor; and one that ends above the ears.
+        HELMET: ((0.0, 0.80), (0.80, 0.78), (1.02, 0.50), (1.12, 0.10), (1.3, 0.0), (3.1416, 0.02)),
+        CYCLE_HELMET: ((0.0, 0.78), (1.2, 0.66), (1.7, 0.58), (3.1416, 0.42)),
     }
     thick = {"cap": (0.13, 0.15, 0.14), "beanie": (0.14, 0.17, 0.26),
-             "brimmed hat": (0.13, 0.15, 0.30)}[kind]  # fmt: skip
+             "brimmed hat": (0.13, 0.15, 0.30), HELMET: (0.24, 0.30, 0.34),
+             CYCLE_HELMET: (0.16, 0.22, 0.34)}[kind]  # fmt: skip
     look = Hair(edges[kind], thick, 0.012 if kind == "beanie" else 0.0)
     rings = _shell(body, look, angle, level(4, 9), hollow=False)
     if kind == "brimmed hat":  # straight sides, a crown that is pinched
         top = rings[-1, 0, 2]
         share = np.clip((rings[..., 2] - 0.95) / (top - 0.95), 0.0, 1.0)
         rings[..., 2] -= 0.05 * share**2 * np.exp(-((rings[..., 0] / 0.07) ** 2))
-    solids = [loft(rings, "cloth", color)]
+    solids = [loft(rings, "plastic" if kind in HELMETS else "cloth", color)]
+    if kind == HELMET:
+        solids.append(_pane(body))
     if kind == "cap":
         solids.append(_visor(body, color))
     if kind == "brimmed hat":
@@ -234,6 +241,17 @@ def _visor(body: Body, color: Color) -> MeshBatch:
     low = rows - [0.0, 0.0, 0.022]
     # Rows run outwards, so that the upper side is the outer one where columns run clockwise.
     return sheet(rows[:, ::-1], low[:, ::-1], "cloth", color, around=False)
+
+
+def _pane(body: Body) -> MeshBatch:
+    """Visor of a helmet: a dark pane before the face."""
+    turn = np.linspace(-1.08, 1.08, level(8, 16)) - np.pi / 2
+    z = np.linspace(0.10, 0.84, level(3, 6))[:, None]
+    skin = skull_points(body, np.broadcast_to(z, (len(z), len(turn))), turn[None, :])
+    far = np.array([1.42, 1.42, 1.0])
+    outer = CENTRE * [1, 1, 0] + (skin - CENTRE * [1, 1, 0]) * far
+    inner = CENTRE * [1, 1, 0] + (skin - CENTRE * [1, 1, 0]) * (far - [0.04, 0.04, 0.0])
+    return sheet(outer, inner, "car_glass", (1.0, 1.0, 1.0), around=False)
 
 
 def _brim(body: Body, angle: FloatArray, look: Hair, color: Color) -> MeshBatch:

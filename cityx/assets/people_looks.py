@@ -10,7 +10,7 @@ from typing import TypeVar
 from cityx.assets.materials import srgb_to_linear
 from cityx.assets.people_bags import BAGS
 from cityx.assets.people_clothes import BOTTOMS, SHOES, SKIRTS, TOPS
-from cityx.assets.people_hair import HAIR, HATS
+from cityx.assets.people_hair import HAIR, HATS, HELMETS
 from cityx.assets.shapes import Color
 from cityx.errors import UsageError, nearest
 from cityx.geometry.identity import draw, stable_id
@@ -134,7 +134,7 @@ class Person:
     shoes
         Of `SHOES`.
     hat, bag
-        Of `HATS` and `BAGS`, or "".
+        Of `HATS` or `HELMETS`, and of `BAGS`, or "".
     tucked
         Whether the top is tucked into the trousers.
     tie
@@ -181,7 +181,7 @@ class Person:
         known: dict[str, Sequence[str]] = {
             "age": AGES, "sex": SEXES, "hair": tuple(HAIR), "top": tuple(TOPS),
             "under": ("", *TOPS), "bottom": ("", *BOTTOMS, *SKIRTS), "shoes": SHOES,
-            "hat": ("", *HATS), "bag": ("", *BAGS),
+            "hat": ("", *HATS, *HELMETS), "bag": ("", *BAGS),
         }  # fmt: skip
         for name, words in known.items():
             word = getattr(self, name)

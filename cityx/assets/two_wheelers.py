@@ -161,23 +161,94 @@ def _motorcycle(model: TwoWheeler) -> Shapes:
 def _scooter(model: TwoWheeler) -> Shapes:
     front, rear = model.axles
     found = [
-        _swept([(-0.52, 0.30, 0.16, 0.05), (-0.40, 0.28, 0.17, 0.04), (0.10, 0.28, 0.17, 0.04)],
-               "plastic", DARK),
-        _swept([(-0.60, 0.60, 0.22, 0.34), (-0.50, 0.58, 0.24, 0.34), (-0.44, 0.56, 0.18, 0.3)],
+        _shield(),
+        # Footboard and tunnel to the body that carries the seat; the engine swings below it.
+        box((-0.19, -0.42, 0.255), (0.19, 0.06, 0.30), "plastic", DARK),
+        box((-0.165, -0.40, 0.30), (0.165, 0.04, 0.308), "rubber"),
+        _swept([(-0.02, 0.42, 0.15, 0.15), (0.12, 0.50, 0.19, 0.22), (0.42, 0.58, 0.20, 0.19),
+                (0.74, 0.66, 0.15, 0.12), (0.90, 0.71, 0.06, 0.05)], "car_paint"),
+        _swept([(-0.02, 0.76, 0.10, 0.03), (0.14, 0.775, 0.155, 0.055), (0.40, 0.765, 0.15, 0.05),
+                (0.52, 0.80, 0.145, 0.05), (0.80, 0.815, 0.11, 0.04)], "plastic", DARK),
+        box((-0.12, 0.24, 0.20), (0.10, 0.66, 0.37), "metal_dark"),
+        tube([(-0.14, 0.26, 0.22), (-0.18, 0.40, 0.24)], 0.022, "metal_grey", sides=8),
+        tube([(-0.18, 0.38, 0.24), (-0.20, 0.56, 0.27), (-0.20, 0.86, 0.36)],
+             [0.035, 0.055, 0.045], "metal_grey", sides=12),
+        # Head with lamp, bar with grips, levers and mirrors.
+        _swept([(-0.57, 1.00, 0.07, 0.07), (-0.50, 1.02, 0.12, 0.085), (-0.36, 1.04, 0.09, 0.05)],
                "car_paint"),
-        _swept([(0.02, 0.46, 0.14, 0.20), (0.25, 0.54, 0.17, 0.22), (0.70, 0.60, 0.15, 0.16),
-                (0.84, 0.64, 0.08, 0.08)], "car_paint"),
-        _swept([(0.02, 0.78, 0.12, 0.04), (0.35, 0.78, 0.15, 0.05), (0.78, 0.82, 0.12, 0.04)],
-               "plastic", DARK),
-        tube([(0, -0.50, 0.92), (0, -0.44, 1.06)], 0.05, "car_paint", sides=8),
-        tube([(-0.32, -0.34, 1.06), (-0.1, -0.46, 1.08), (0.1, -0.46, 1.08),
-              (0.32, -0.34, 1.06)], 0.014, "metal_dark", sides=6),
-        cylinder((0, -0.58, 0.98), (0, -0.48, 0.98), 0.075, "lens_white", sides=12),
-        box((-0.08, 0.83, 0.60), (0.08, 0.86, 0.67), "signal_red"),
-        tube([(0, -0.52, 0.60), (0, front, model.wheel)], 0.03, "metal_dark", sides=6),
-        tube([(0, 0.3, 0.40), (0, rear, model.wheel)], 0.05, "metal_dark", sides=6),
+        cylinder((0, -0.605, 1.005), (0, -0.56, 1.005), 0.068, "lens_white", sides=16),
+        tube([(-0.33, -0.34, 1.07), (-0.12, -0.42, 1.06), (0.12, -0.42, 1.06),
+              (0.33, -0.34, 1.07)], 0.013, "metal_dark", sides=8),
+        tube([(0, -0.42, 1.0), (0, -0.56, 0.62)], 0.032, "metal_dark", sides=8),
+        box((-0.05, 0.895, 0.66), (0.05, 0.925, 0.73), "signal_red"),
+        box((-0.10, 0.925, 0.44), (0.10, 0.937, 0.58), "plate_white"),
+        box((-0.03, 0.86, 0.46), (0.03, 0.926, 0.68), "plastic", DARK),
     ]  # fmt: skip
-    return [*found, *(_mudguard(model, y) for y in model.axles)]
+    for side in (-1.0, 1.0):
+        found += [
+            tube([(side * 0.22, -0.385, 1.065), (side * 0.335, -0.34, 1.07)], 0.02, "rubber",
+                 sides=8),
+            tube([(side * 0.18, -0.44, 1.05), (side * 0.33, -0.40, 1.05)], 0.007, "metal_grey",
+                 sides=6),
+            tube([(side * 0.17, -0.41, 1.07), (side * 0.25, -0.42, 1.20),
+                  (side * 0.27, -0.41, 1.25)], 0.007, "metal_dark", sides=6),
+            *_mirror(side * 0.27, -0.41, 1.28),
+            tube([(side * 0.075, -0.555, 0.60), (side * 0.085, front, model.wheel)], 0.022,
+                 "metal_grey", sides=8),
+            cylinder((side * 0.13, -0.605, 0.80), (side * 0.13, -0.55, 0.80), 0.026, "lens_amber",
+                     sides=12),
+            cylinder((side * 0.12, 0.83, 0.74), (side * 0.12, 0.90, 0.74), 0.024, "lens_amber",
+                     sides=12),
+            tube([(side * 0.13, 0.40, 0.52), (side * 0.10, rear, model.wheel + 0.02)], 0.022,
+                 "metal_dark", sides=8),
+        ]  # fmt: skip
+    found.append(_guard(front, model.wheel, 0.085, "car_paint", (8.0, 128.0)))
+    found.append(_guard(rear, model.wheel, 0.085, "plastic", (20.0, 150.0), DARK))
+    return found
+
+
+def _shield() -> MeshBatch:
+    """Bend the plate before the legs of who rides a scooter: narrow below, arched to the front."""
+    levels = [
+        (0.28, -0.46, 0.17),
+        (0.40, -0.52, 0.21),
+        (0.62, -0.56, 0.225),
+        (0.80, -0.545, 0.20),
+        (0.92, -0.51, 0.15),
+        (1.00, -0.47, 0.09),
+    ]  # (z, y of the middle, half width)
+    across = np.linspace(-1.0, 1.0, 9)
+    rings = []
+    for z, y, half in levels:
+        back = 0.13 * across**2 * (half / 0.225)
+        outer = np.column_stack([half * across, y + back, np.full(9, z)])
+        inner = outer + np.array([0.0, 0.035, 0.0])
+        rings.append(np.concatenate([outer, inner[::-1]]))
+    return loft(np.array(rings), "car_paint")
+
+
+def _mirror(x: float, y: float, z: float) -> Shapes:
+    """Hold a round glass to the rear in a shell."""
+    return [
+        cylinder((x, y - 0.03, z), (x, y, z), 0.055, "plastic", DARK, sides=16),
+        cylinder((x, y, z), (x, y + 0.004, z), 0.048, "metal_grey", sides=16),
+    ]
+
+
+def _guard(
+    axle: float, wheel: float, half: float, material: str, span: tuple[float, float],
+    tint: Color = WHITE,
+) -> MeshBatch:  # fmt: skip
+    """Arch a broad mudguard over a wheel, between two angles, degrees from the rear."""
+    angle = np.radians(np.linspace(*span, 12))
+    section = np.array([(-1.0, -0.035), (-0.6, 0.012), (0.0, 0.028), (0.6, 0.012), (1.0, -0.035),
+                        (0.95, -0.045), (0.0, 0.016), (-0.95, -0.045)])  # fmt: skip
+    radius = wheel + 0.03 + section[:, 1]
+    rings = np.stack([
+        np.column_stack([half * section[:, 0], axle - np.cos(np.pi - a) * radius,
+                         wheel + np.sin(a) * radius]) for a in angle
+    ])  # fmt: skip
+    return loft(rings[:, ::-1], material, tint)
 
 
 def _swept(

@@ -204,7 +204,7 @@ class _Stage:
 
     def _rider(self, name: str, seat: Seat, row: int, way: _Way, parent: bpy.types.Object) -> None:
         ids = self.tracks.object_id[[row]]
-        who = Dressed(rider_look(int(rider_numbers(ids)[0])), (1.0, 1.0, 1.0))
+        who = Dressed(rider_look(int(rider_numbers(ids)[0]), seat), (1.0, 1.0, 1.0))
         figure = who.figure(self.detail)
         rig = self._rigged(f"{name}_rider", who, figure, TRAFFIC, parent)
         y, z = seat.place

@@ -26,7 +26,7 @@ NARROW, SINGLE_FILE = (
     12.0,
 )  # metres of clearance where two can pass, what one costs more below
 OFF_PAVEMENT = 0.6  # what a metre on the land beside a roadway costs more
-CROSSING = {True: 1.0, False: 2.5}  # what a metre of a crosswalk costs more, with bars or without
+CROSSING = {True: 1.0, False: 6.0}  # what a metre of a crosswalk costs more, with bars or without
 WALKED = 1.3  # metres that one would rather walk than wait for a second
 HERE = 1.2  # metres within which a place lies at a node
 SPACING = 0.5  # metres between the points of a route

@@ -181,7 +181,7 @@ class MoverWriter:
     def _rider(self, seat: Seat, row: int, way: _Way) -> int:
         """Write a rider and return the node that sits on the vehicle."""
         number = int(rider_numbers(self.tracks.object_id[[row]])[0])
-        who = Dressed(rider_look(number), (1.0, 1.0, 1.0))
+        who = Dressed(rider_look(number, seat), (1.0, 1.0, 1.0))
         figure = who.figure(self.out.detail)
         pedals = bool(seat.development)
         turns = way.gone / seat.development if pedals else np.zeros(len(way.gone))

@@ -42,6 +42,7 @@ BY_HOUR = (0.12, 0.08, 0.06, 0.06, 0.10, 0.25, 0.55, 0.90, 1.00, 0.80, 0.72, 0.7
            0.88, 0.98, 1.00, 0.90, 0.70, 0.52, 0.42, 0.32, 0.20)  # fmt: skip
 THROUGH = 0.6  # of the trips pass the site
 ALL_DAY_HOME = 0.4  # of the floor area of homes that trips start or end at in any hour
+MOTORWAY, CYCLES = "motorway", list(DRIVING).index("bicycle")
 HOMES = ("house", "flats")
 NEAR = 60.0  # metres from a building to the street that its trips start from
 BORDER = 12.0  # metres from the site's rectangle within which a street leaves it
@@ -351,7 +352,9 @@ def _trips(
         for variant in range(VARIANTS):
             own = rows[rows % VARIANTS == variant]
             for row, route in _routed(city, net, variant, own, ids, ends, large=large):
-                found[row] = _trip(city, net, int(ids[row]), int(look[row]), route)
+                fast = any(net.road(net.streets.ways[way]) == MOTORWAY for way in route)
+                if not (fast and kind[row] == CYCLES):
+                    found[row] = _trip(city, net, int(ids[row]), int(look[row]), route)
     return [trip for trip in found if trip is not None]
 
 
@@ -393,8 +396,9 @@ def _ends(city: City, net: Drivable, ids: NDArray[np.uint64], hour: float) -> _E
 
 
 def _kinds(city: City, net: Drivable, ids: NDArray[np.uint64], place: str) -> IntArray:
-    """(t,) index into `DRIVING`: the shares of the busiest class of road that there is."""
-    best = max((net.road(way) for way in net.streets.ways), key=lambda road: PER_KM[road][2])
+    """(t,) index into `DRIVING`: the shares of the busiest class of street that there is."""
+    roads = {net.road(way) for way in net.streets.ways}
+    best = max(sorted(roads - {MOTORWAY} or roads), key=lambda road: PER_KM[road][2])
     return choose(city.seed, "traffic/kind", ids, shares_on(best, place))
 
 

@@ -8,6 +8,7 @@ from math import inf
 from typing import Any
 
 from cityx.traffic.filling import DRIVER
+from cityx.traffic.waiting import lanes_of
 
 LONG = frozenset(("bus", "truck"))  # classes that do not fit round every corner
 CORNER = 40.0  # metres that a junction is worth to who looks for another way
@@ -74,7 +75,7 @@ class Drivers:
 
     def step(
         self, waiting: Mapping[str, float], jammed: Set[str] = frozenset(), *,
-        spare: Set[str] = frozenset(),
+        spare: Set[str] = frozenset(), lanes: Mapping[str, str] | None = None,
     ) -> None:  # fmt: skip
         """Look at everybody who comes near a junction or is beside another lane.
 
@@ -87,13 +88,14 @@ class Drivers:
         spare
             Vehicles that are taken out where they come to the end of a lane that leads nowhere, or
             stand before full exits alone: the streets are filled at random, as no traffic does.
+        lanes
+            Of all vehicles, as of `lanes_of`; None asks for them.
         """
         now = self.sumo.simulation.getTime()
         self.wanted = {edge: until for edge, until in self.wanted.items() if until > now}
         self.jammed, self.spare = jammed | self.wanted.keys(), spare
         vehicle = self.sumo.vehicle
-        for name in vehicle.getIDList():
-            lane = vehicle.getLaneID(name)
+        for name, lane in (lanes_of(self.sumo) if lanes is None else lanes).items():
             known = self.seen.get(name) == lane
             if lane not in self.edge or (
                 known and lane not in self.beside and name not in waiting

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from math import sqrt
 from typing import Any
 
+from cityx.traffic.waiting import lanes_of
+
 BRAKING = 2.5  # metres per second squared at which drivers brake for who comes towards them
 HARDEST = 4.0  # metres per second squared; who would have to brake harder drives on
 REACTION = 0.5  # seconds between two looks
@@ -37,12 +39,18 @@ class Facing:
             if onto:
                 self.leads[lane], self.length[lane] = onto, sumo.lane.getLength(lane)
 
-    def step(self) -> None:
-        """Hold who comes to such a way, and let go whom nothing hinders any more."""
+    def step(self, lanes: Mapping[str, str] | None = None) -> None:
+        """Hold who comes to such a way, and let go whom nothing hinders any more.
+
+        Parameters
+        ----------
+        lanes
+            Of all vehicles, as of `lanes_of`; None asks for them.
+        """
         if not self.against:
             return
         vehicle = self.sumo.vehicle
-        lanes = {name: vehicle.getLaneID(name) for name in vehicle.getIDList()}
+        lanes = lanes_of(self.sumo) if lanes is None else lanes
         self.on = {name: lane for name, lane in self.on.items() if name in lanes}
         for name, lane in lanes.items():
             if lane in self.against:

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 LINE = 3.0  # metres before a junction at which the first of a lane waits
 CLOSED = frozenset("ryu")  # states of a way across a junction while signals bar it
+
+
+def lanes_of(sumo: Any) -> dict[str, str]:
+    """Return the lane of every vehicle; it is asked for once a look, and shared."""
+    lane = sumo.vehicle.getLaneID
+    return {name: lane(name) for name in sumo.vehicle.getIDList()}
 
 
 class Waiting:
@@ -15,16 +22,25 @@ class Waiting:
         self.sumo = sumo
         self.since: dict[str, float] = {}
 
-    def step(self) -> dict[str, float]:
-        """Return who stands at a line that no signal bars, and for how many seconds it has."""
-        vehicle, now = self.sumo.vehicle, self.sumo.simulation.getTime()
-        names = [name for name in vehicle.getIDList() if self._held(name)]
+    def step(self, lanes: Mapping[str, str] | None = None) -> dict[str, float]:
+        """Return who stands at a line that no signal bars, and for how many seconds it has.
+
+        Parameters
+        ----------
+        lanes
+            Of all vehicles, as of `lanes_of`; None asks for them.
+        """
+        now = self.sumo.simulation.getTime()
+        lanes = lanes_of(self.sumo) if lanes is None else lanes
+        names = [name for name, lane in lanes.items() if self._held(name, lane)]
         self.since = {name: self.since.get(name, now) for name in names}
         return {name: now - since for name, since in self.since.items()}
 
-    def _held(self, name: str) -> bool:
+    def _held(self, name: str, lane: str) -> bool:
         vehicle = self.sumo.vehicle
-        if vehicle.getWaitingTime(name) <= 0.0 or not before_line(self.sumo, name):
+        if not lane or lane.startswith(":") or vehicle.getWaitingTime(name) <= 0.0:
+            return False
+        if not before_line(self.sumo, name):
             return False
         links = vehicle.getNextLinks(name)
         return not links or links[0][5] not in CLOSED

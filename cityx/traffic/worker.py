@@ -17,7 +17,7 @@ from cityx.traffic.courtesy import Courtesy
 from cityx.traffic.drivers import Drivers
 from cityx.traffic.facing import Facing
 from cityx.traffic.filling import CONTROL, Filling
-from cityx.traffic.waiting import Waiting
+from cityx.traffic.waiting import Waiting, lanes_of
 
 ATTRIBUTES = "id,x,y,angle,speed,pos,lane,edge"
 HISTORY = 10.0  # seconds before the tracks that poses go back, for the way each has come
@@ -115,11 +115,13 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
         haunting.step(number)
         libsumo.simulationStep()
         if number % look == 0:
-            held = waiting.step()
+            lanes = lanes_of(libsumo)
+            held = waiting.step(lanes)
             unseen = number * job["step"] < job["warm"] - HISTORY
-            drivers.step(held, filling.jammed, spare=filling.sent if unseen else frozenset())
+            spare = filling.sent if unseen else frozenset()
+            drivers.step(held, filling.jammed, spare=spare, lanes=lanes)
             courtesy.step(held)
-            facing.step()
+            facing.step(None if unseen else lanes)  # drivers take out who is spare
         if number % every == 0:
             filling.renew(haunting.vehicles)
         for name in libsumo.simulation.getStartingTeleportIDList():

@@ -26,7 +26,7 @@ VIEWS = ("street", "junction", "aerial")
 LIFE = {
     "london_soho": "heavy traffic, 900 pedestrians",
     "tokyo_kanda": "heavy traffic, 1800 pedestrians",
-    "berlin_neukoelln_streets": "heavy traffic, 600 pedestrians",
+    "berlin_neukoelln_streets": "heavy traffic, 450 pedestrians",
 }
 # Seconds of tracks, among which each picture finds its busiest moment.
 SPAN = ("dynamic/traffic-v1.duration=240", "dynamic/pedestrians-v1.duration=240")

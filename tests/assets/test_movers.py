@@ -5,6 +5,8 @@ from cityx.assets.car_bodies import CAR_SHARES
 from cityx.assets.large_vehicles import LARGE
 from cityx.assets.materials import MATERIALS
 from cityx.assets.movers import (
+    RIDERS,
+    figure_of,
     is_person,
     kind_of,
     looks_of,
@@ -16,8 +18,10 @@ from cityx.assets.movers import (
     vehicle,
     vehicle_looks,
 )
+from cityx.assets.moving import rider_look
 from cityx.assets.people import figure
 from cityx.assets.people_gaits import going, lift_at, stride_of
+from cityx.assets.people_hair import CYCLE_HELMET, HELMET
 from cityx.assets.people_looks import STYLES, drawn_person
 from cityx.assets.people_skeleton import NUMBER
 from cityx.assets.two_wheelers import TWO_WHEELERS, wheel_of
@@ -158,3 +162,16 @@ def test_a_look_of_nothing_is_refused(look, said):
         person_of("person_tall_3")
     with pytest.raises(UsageError, match="is no look of a person, such as person_7"):
         person_of("person_male")
+
+
+@pytest.mark.parametrize("detail", [2, 3])
+def test_who_rides_with_an_engine_wears_a_helmet_with_a_visor(detail):
+    scooter, bicycle = (vehicle(look).seat for look in ("scooter", "bicycle"))
+    assert all(person_of(rider_look(number, scooter)).hat == HELMET for number in range(RIDERS))
+    hats = {person_of(rider_look(number, bicycle)).hat == CYCLE_HELMET for number in range(RIDERS)}
+    assert hats == {True, False}
+    mesh = figure_of(rider_look(0, scooter), detail).mesh
+    head = mesh.vertices[:, 2].max()
+    faces = mesh.faces[mesh.material == mesh.materials.index("car_glass")]
+    visor = mesh.vertices[np.unique(faces[faces < len(mesh.vertices)])]
+    assert head - 0.32 < visor[:, 2].min() < visor[:, 2].max() < head - 0.03

@@ -40,7 +40,7 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     busiest
         Whether to take, of the moments with a free view, the one that shows most of what moves:
         each mover within `SEEN` metres counts by how near it is, and by the square root of what
-        it covers from the side.
+        it covers from the side; vehicles with people count for more than either alone.
 
     Returns
     -------
@@ -70,7 +70,9 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     away = np.full(len(times), near)
     np.minimum.at(away, moment[low], np.minimum(far, near)[low])
     shown = (1.0 - far / reach) * np.sqrt(size[:, 0] * size[:, 2])
-    life = np.bincount(moment, shown, len(times)) * busiest
+    walks = tracks.on_foot[found.mover]
+    both = [np.bincount(moment, shown * own, len(times)) for own in (walks, ~walks)]
+    life = np.sqrt((1.0 + both[0]) * (1.0 + both[1])) * busiest
     wait = np.round(np.abs(times - view.moment), 6)
     best = np.lexsort((times, wait, -np.round(life, 2), -np.round(away, 2)))[0]
     return float(times[best])

@@ -20,6 +20,7 @@ from cityx.city.store import read_city, write_city
 from cityx.city.terrain import Terrain
 from cityx.city.tracks import MOVER, join_tracks, poses_at
 from cityx.plugins.dynamic.traffic import ACTION, traffic
+from cityx.traffic.kinds import shares_on
 from cityx.traffic.recording import _heights
 
 pytestmark = [
@@ -167,3 +168,14 @@ def test_streets_are_nearly_empty_at_night_and_full_in_the_morning(town):
         for hour in (3.0, 8.0)
     }
     assert 0 < 4 * there[3.0] <= there[8.0]
+
+
+def test_many_cycle_in_central_europe_and_nobody_on_a_motorway(busy):
+    for place in ("", "northern/central europe", "british isles", "japan"):
+        for road in ("motorway", "primary", "residential"):
+            assert sum(shares_on(road, place)) == pytest.approx(1.0)
+    assert (busy.tracks.kind == MOVER["bicycle"]).mean() > 0.1
+    line = [(-REACH, 0.0), (REACH, 0.0)]
+    fast = traffic(city_of([(line, {"kind": "motorway"})]), density="heavy", duration=10.0)
+    assert fast.tracks.count > 3
+    assert not (fast.tracks.kind == MOVER["bicycle"]).any()

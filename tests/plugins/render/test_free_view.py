@@ -54,6 +54,15 @@ def test_the_busiest_moment_shows_most_that_moves_and_keeps_the_lens_free():
     assert free_moment(view, lens(0.0, 0.0, WEST), busiest=True) == 9.0
 
 
+def test_a_moment_with_a_vehicle_and_a_person_is_busier_than_one_with_more_people():
+    people = [(100 + n, *MAN[1:4], (20.0 + n, 3.0, 0.0), 0.0, 0.0) for n in range(6)]
+    alone = moving(*people, seconds=20.0)
+    car = moving((*CAR[:4], (-60.0, 0.0, 0.0), 0.0, 7.5), *people, seconds=20.0)
+    assert free_moment(at(alone, 1.0), lens(0.0, 0.0), busiest=True) == 1.0
+    moment = free_moment(at(car, 1.0), lens(0.0, 0.0), busiest=True)
+    assert -60.0 + 7.5 * moment > ROOM
+
+
 def test_a_city_where_nothing_moves_keeps_its_moment():
     still = replace(moving(CAR), tracks=None)
     assert free_moment(at(still, 3.0), lens(0.0, 0.0)) == 3.0
