@@ -1,4 +1,4 @@
-"""What stands in groups at the walls of deep forecourts: bicycles, machines, benches, pots."""
+"""What stands in groups on deep forecourts: at walls, along the outer edge and amid them."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city import City
+from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, hash_ids
+from cityx.geometry.scatter import Points, thin
 from cityx.plugins.nature.pieces import (
+    FloatArray,
     Pieces,
     ids_of_places,
     join_pieces,
@@ -26,6 +29,7 @@ PAVED = ("frontage", "plaza", "sidewalk", "courtyard")
 SPACING, MARGIN = 6.0, 2.0  # metres of wall per group; from the corners of a house
 DEEP = 4.5  # metres of paving before a wall that bears groups
 PROBE = 1.0  # metres before the wall at which the ground is looked at
+DOOR_WAY_HALF = 1.2  # metres beside the way to a door that stay free
 REACH = 12.0  # metres; no forecourt is looked at farther than this
 # Pieces of a group, with metres along the wall from its middle.
 GROUPS: Mapping[str, tuple[tuple[str, float], ...]] = MappingProxyType({
@@ -46,6 +50,36 @@ SHARES: Mapping[str, Mapping[str, float]] = MappingProxyType({
     "japan": {"": 1.4, "stand": 1.6, "seat": 0.8, "tubs": 1.2, "pots": 2.4, "riders": 1.4,
               "machines": 1.8, "bins": 0.5},
 })  # fmt: skip
+# Ground of a forecourt, and how far out of a wall its outer edge is looked for, metres.
+COURT = ("frontage", "plaza", "courtyard")
+EDGE_STEP, EDGE_REACH = 0.5, 16.0
+LEAST_EDGE, LEAST_MIDDLE = 6.5, 9.5  # metres from the wall to the edge for things there, and amid
+FROM_EDGE = 0.9  # metres from the outer edge to the middle of what stands along it
+# Groups along the outer edge and amid a forecourt: piece, metres along the edge, quarter turns.
+OPEN_GROUPS: Mapping[str, tuple[tuple[str, float, int], ...]] = MappingProxyType({
+    "": (),
+    "hedge": (("planter", -1.45, 0), ("planter", 0.0, 0), ("planter", 1.45, 0)),
+    "racks": (("bicycle_parking", -1.5, 0), ("bicycle_parking", 1.5, 0)),
+    "posts": tuple(("bollard", 1.4 * step, 0) for step in (-1.5, -0.5, 0.5, 1.5)),
+    "seat": (("planter_round", -1.75, 0), ("bench", 0.0, 0), ("waste_basket", 1.5, 0)),
+    "island": (("bench", -1.1, 0), ("planter", 0.9, 1), ("bench", 2.9, 2)),
+    "tubs": tuple(("planter_round", 1.3 * step, 0) for step in (-1, 0, 1)),
+    "scooters": (("motor_scooter", -2.0, 0), ("motor_scooter_dark", -1.0, 0), ("bicycle", -0.2, 0),
+                 ("bicycle", 0.5, 0), ("bicycle", 1.2, 2), ("motor_scooter_red", 2.1, 0)),
+    "tables": (("picnic_table", -1.5, 0), ("picnic_table", 1.5, 0)),
+})  # fmt: skip
+EDGES: Mapping[str, float] = MappingProxyType(
+    {"": 1.0, "hedge": 1.6, "racks": 1.5, "posts": 1.0, "seat": 1.2, "tubs": 0.8}
+)
+EDGES_JAPAN: Mapping[str, float] = MappingProxyType(
+    {"": 0.9, "hedge": 1.8, "racks": 1.8, "posts": 0.8, "seat": 0.6, "tubs": 1.0, "scooters": 1.0}
+)
+MIDDLES: Mapping[str, float] = MappingProxyType(
+    {"": 1.6, "island": 1.4, "racks": 1.2, "tables": 0.5, "hedge": 0.8}
+)
+MIDDLES_JAPAN: Mapping[str, float] = MappingProxyType(
+    {"": 1.2, "island": 0.8, "racks": 1.6, "scooters": 1.4, "hedge": 1.2}
+)
 
 
 def at_forecourts(
@@ -84,3 +118,54 @@ def at_forecourts(
             yaw = yaw_facing(out[rows]) + np.pi / 2 * (name in LEANING)
             found.append(pieces(name, xy, own, yaw))
     return join_pieces(found)
+
+
+def amid_forecourts(city: City, ways: NDArray[np.object_], place: str, density: float) -> Pieces:
+    """Draw groups along the outer edges of deep forecourts, and amid the deepest.
+
+    Parameters
+    ----------
+    city
+        City with its ground.
+    ways
+        Lines on which one comes to doors; they stay free.
+    place
+        As of `cityx.plugins.nature.street_rules.place_of`.
+    density
+        Factor of how often there is something.
+    """
+    foot, out = places_at_walls(city, SPACING, MARGIN, PROBE, COURT)
+    if city.ground is None or not len(foot):
+        return join_pieces([])
+    steps = np.arange(EDGE_STEP, EDGE_REACH, EDGE_STEP)
+    probes = foot[:, None, :] + steps[:, None] * out[:, None, :]  # (n, k, 2)
+    paved = city.ground.on(probes.reshape(-1, 2), *COURT).reshape(len(foot), -1)
+    deep = EDGE_STEP * np.where(paved.all(axis=1), 0, paved.argmin(axis=1))
+    japan = place == "japan"
+    found = []
+    for line, least, away, weights in (
+        ("edge", LEAST_EDGE, deep - FROM_EDGE, EDGES_JAPAN if japan else EDGES),
+        ("middle", LEAST_MIDDLE, 0.52 * deep, MIDDLES_JAPAN if japan else MIDDLES),
+    ):
+        rows = np.flatnonzero(deep >= least)
+        middle = foot[rows] + away[rows, None] * out[rows]
+        ids = ids_of_places(middle, f"{PURPOSE}/{line}")
+        # Walls that face each other share the ground between them.
+        rows, middle, ids = (given[_apart(middle, ids)] for given in (rows, middle, ids))
+        table = dict(weights)
+        table[""] /= max(density, 1e-6)
+        drawn = choose(city.seed, f"{PURPOSE}/{line}", ids, list(table.values()))
+        kind = np.array(list(table), object)[drawn]
+        along = np.column_stack([-out[rows, 1], out[rows, 0]])
+        for group, members in OPEN_GROUPS.items():
+            of = np.flatnonzero(kind == group)
+            for number, (name, aside, turns) in enumerate(members):
+                own = hash_ids(0, f"{PURPOSE}/{line}/{group}", ids[of], number)
+                yaw = yaw_facing(out[rows[of]]) + turns * np.pi / 2
+                found.append(pieces(name, middle[of] + aside * along[of], own, yaw))
+    drawn = join_pieces(found)
+    return drawn.take(~near_any(drawn.xy, ways, DOOR_WAY_HALF))
+
+
+def _apart(xy: FloatArray, ids: NDArray[np.uint64]) -> NDArray[np.bool_]:
+    return np.isin(ids, thin(Points(xy, ids), 0.8 * SPACING).id)
