@@ -51,14 +51,14 @@ SHARES: Mapping[str, Mapping[str, float]] = MappingProxyType({
               "machines": 1.8, "bins": 0.5},
 })  # fmt: skip
 # Ground of a forecourt, and how far out of a wall its outer edge is looked for, metres.
-COURT = ("frontage", "plaza", "courtyard")
-EDGE_STEP, EDGE_REACH = 0.5, 16.0
+COURT = ("frontage", "plaza", "courtyard", "gravel")
+EDGE_STEP, EDGE_REACH = 0.5, 20.0
 LEAST_EDGE, LEAST_MIDDLE = 6.5, 9.5  # metres from the wall to the edge for things there, and amid
 FROM_EDGE = 0.9  # metres from the outer edge to the middle of what stands along it
 # Groups along the outer edge and amid a forecourt: piece, metres along the edge, quarter turns.
 OPEN_GROUPS: Mapping[str, tuple[tuple[str, float, int], ...]] = MappingProxyType({
     "": (),
-    "hedge": (("planter", -1.45, 0), ("planter", 0.0, 0), ("planter", 1.45, 0)),
+    "hedge": tuple(("planter", 1.5 * step, 0) for step in (-1, 0, 1)),
     "racks": (("bicycle_parking", -1.5, 0), ("bicycle_parking", 1.5, 0)),
     "posts": tuple(("bollard", 1.4 * step, 0) for step in (-1.5, -0.5, 0.5, 1.5)),
     "seat": (("planter_round", -1.75, 0), ("bench", 0.0, 0), ("waste_basket", 1.5, 0)),
@@ -120,8 +120,10 @@ def at_forecourts(
     return join_pieces(found)
 
 
-def amid_forecourts(city: City, ways: NDArray[np.object_], place: str, density: float) -> Pieces:
-    """Draw groups along the outer edges of deep forecourts, and amid the deepest.
+def amid_forecourts(
+    city: City, ways: NDArray[np.object_], place: str, density: float
+) -> tuple[Pieces, NDArray[np.uint64]]:
+    """Draw groups along the outer edges of deep forecourts, and amid the deepest, with their ids.
 
     Parameters
     ----------
@@ -133,16 +135,21 @@ def amid_forecourts(city: City, ways: NDArray[np.object_], place: str, density: 
         As of `cityx.plugins.nature.street_rules.place_of`.
     density
         Factor of how often there is something.
+
+    Returns
+    -------
+    found, group
+        Things, and the id of the group of each: those of one stand as near as they are drawn.
     """
     foot, out = places_at_walls(city, SPACING, MARGIN, PROBE, COURT)
     if city.ground is None or not len(foot):
-        return join_pieces([])
+        return join_pieces([]), np.zeros(0, np.uint64)
     steps = np.arange(EDGE_STEP, EDGE_REACH, EDGE_STEP)
     probes = foot[:, None, :] + steps[:, None] * out[:, None, :]  # (n, k, 2)
     paved = city.ground.on(probes.reshape(-1, 2), *COURT).reshape(len(foot), -1)
     deep = EDGE_STEP * np.where(paved.all(axis=1), 0, paved.argmin(axis=1))
     japan = place == "japan"
-    found = []
+    found, groups = [], []
     for line, least, away, weights in (
         ("edge", LEAST_EDGE, deep - FROM_EDGE, EDGES_JAPAN if japan else EDGES),
         ("middle", LEAST_MIDDLE, 0.52 * deep, MIDDLES_JAPAN if japan else MIDDLES),
@@ -151,11 +158,12 @@ def amid_forecourts(city: City, ways: NDArray[np.object_], place: str, density: 
         middle = foot[rows] + away[rows, None] * out[rows]
         ids = ids_of_places(middle, f"{PURPOSE}/{line}")
         # Walls that face each other share the ground between them.
-        rows, middle, ids = (given[_apart(middle, ids)] for given in (rows, middle, ids))
+        apart = _apart(middle, ids)
+        rows, middle, ids = rows[apart], middle[apart], ids[apart]
         table = dict(weights)
         table[""] /= max(density, 1e-6)
-        drawn = choose(city.seed, f"{PURPOSE}/{line}", ids, list(table.values()))
-        kind = np.array(list(table), object)[drawn]
+        word = choose(city.seed, f"{PURPOSE}/{line}", ids, list(table.values()))
+        kind = np.array(list(table), object)[word]
         along = np.column_stack([-out[rows, 1], out[rows, 0]])
         for group, members in OPEN_GROUPS.items():
             of = np.flatnonzero(kind == group)
@@ -163,8 +171,10 @@ def amid_forecourts(city: City, ways: NDArray[np.object_], place: str, density: 
                 own = hash_ids(0, f"{PURPOSE}/{line}/{group}", ids[of], number)
                 yaw = yaw_facing(out[rows[of]]) + turns * np.pi / 2
                 found.append(pieces(name, middle[of] + aside * along[of], own, yaw))
-    drawn = join_pieces(found)
-    return drawn.take(~near_any(drawn.xy, ways, DOOR_WAY_HALF))
+                groups.append(ids[of])
+    drawn, group = join_pieces(found), np.concatenate(groups)
+    free = ~near_any(drawn.xy, ways, DOOR_WAY_HALF)
+    return drawn.take(free), group[free]
 
 
 def _apart(xy: FloatArray, ids: NDArray[np.uint64]) -> NDArray[np.bool_]:

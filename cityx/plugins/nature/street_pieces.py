@@ -438,8 +438,14 @@ def _bicycles(city: City, stands: Pieces) -> Pieces:
     return join_pieces(found)
 
 
-def _free(city: City, site: _Site, found: Pieces, half: FloatArray, depth: FloatArray) -> BoolArray:
-    """(n,) whether pieces stand clear of doors, houses, trunks, other furniture and each other."""
+def _free(
+    city: City, site: _Site, found: Pieces, size: FloatArray, group: NDArray[np.uint64]
+) -> BoolArray:
+    """(n,) whether pieces stand clear of doors, houses, trunks, other furniture and each other.
+
+    ``size`` is half their lengths and depths, (n, 2); those of a group may be close together.
+    """
+    half, depth = size.T
     spots = shapely.buffer(shapely.points(found.xy), np.maximum(half, 0.2), quad_segs=2)
     free = inside_extent(city, found.xy, 0.5) & ~in_carriageways(city, found.xy, depth)
     if len(site.doors):
@@ -456,7 +462,8 @@ def _free(city: City, site: _Site, found: Pieces, half: FloatArray, depth: Float
     pairs = near_pairs(found.xy[rows], 2 * SIZE["kiosk"] + 0.3) if len(rows) else np.zeros((0, 2))
     pairs = rows[pairs.astype(int)]
     gap = np.hypot(*(found.xy[pairs[:, 0]] - found.xy[pairs[:, 1]]).T)
-    pairs = pairs[gap < half[pairs].sum(axis=1) + 0.3]
+    near = gap < half[pairs].sum(axis=1) + 0.3
+    pairs = pairs[near & (group[pairs[:, 0]] != group[pairs[:, 1]])]
     lower = np.where(found.id[pairs[:, 0]] < found.id[pairs[:, 1]], pairs[:, 0], pairs[:, 1])
     free[lower] = False
     return np.asarray(free)
@@ -527,13 +534,14 @@ def street_pieces(
     plots = along_plots(city, site.place)
     walls = along_walls(city, site.rims, density) if site.place == "japan" else join_pieces([])
     groups = at_forecourts(city, site.rims, site.place, density)
-    groups = join_pieces([groups, amid_forecourts(city, site.ways, site.place, density)])
+    amid, group = amid_forecourts(city, site.ways, site.place, density)
     groups = groups.take(~near_any(groups.xy, shapely.points(shops.xy), TO_WARES))
-    rest = join_pieces([corners, past, shops, plots, open_, groups, boards, walls])
+    rest = join_pieces([corners, past, shops, plots, open_, groups, boards, walls, amid])
     drawn = join_pieces([kerb, rest])
     other = np.array([SIZE.get(str(name), 0.5) for name in rest.name])
     half = np.concatenate([sizes, np.repeat(other[:, None], 2, axis=1)])
-    kept = drawn.take(_free(city, site, drawn, half[:, 0], half[:, 1]))
+    apart = np.arange(len(drawn) - len(amid), dtype=np.uint64)
+    kept = drawn.take(_free(city, site, drawn, half, np.concatenate([apart, group])))
     stands = kept.take(kept.name == "bicycle_parking")
     bicycles = _bicycles(city, stands)
     found = join_pieces([posts, kept, bicycles, stops])
