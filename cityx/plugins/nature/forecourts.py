@@ -13,7 +13,6 @@ from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, hash_ids
 from cityx.geometry.scatter import Points, thin
 from cityx.plugins.nature.pieces import (
-    FloatArray,
     Pieces,
     ids_of_places,
     join_pieces,
@@ -50,10 +49,12 @@ SHARES: Mapping[str, Mapping[str, float]] = MappingProxyType({
     "japan": {"": 1.4, "stand": 1.6, "seat": 0.8, "tubs": 1.2, "pots": 2.4, "riders": 1.4,
               "machines": 1.8, "bins": 0.5},
 })  # fmt: skip
-# Ground of a forecourt, and how far out of a wall its outer edge is looked for, metres.
+# Ground of a forecourt, first that before its house; how far from walls its edge is looked for,
+# metres.
 COURT = ("frontage", "plaza", "courtyard", "gravel")
-EDGE_STEP, EDGE_REACH = 0.5, 20.0
-LEAST_EDGE, LEAST_MIDDLE = 6.5, 9.5  # metres from the wall to the edge for things there, and amid
+EDGE_STEP, EDGE_REACH = 1.0, 20.0
+LEAST_EDGE, LEAST_MIDDLE = 7.0, 9.5  # metres from the wall to the edge for things there, and amid
+GROUP_SPACING = 8.0  # metres from the middle of a group to that of the next
 FROM_EDGE = 0.9  # metres from the outer edge to the middle of what stands along it
 # Groups along the outer edge and amid a forecourt: piece, metres along the edge, quarter turns.
 OPEN_GROUPS: Mapping[str, tuple[tuple[str, float, int], ...]] = MappingProxyType({
@@ -72,13 +73,13 @@ EDGES: Mapping[str, float] = MappingProxyType(
     {"": 1.0, "hedge": 1.6, "racks": 1.5, "posts": 1.0, "seat": 1.2, "tubs": 0.8}
 )
 EDGES_JAPAN: Mapping[str, float] = MappingProxyType(
-    {"": 0.9, "hedge": 1.8, "racks": 1.8, "posts": 0.8, "seat": 0.6, "tubs": 1.0, "scooters": 1.0}
+    {"": 0.5, "hedge": 2.2, "racks": 0.8, "posts": 0.6, "seat": 0.6, "tubs": 1.0, "scooters": 0.6}
 )
 MIDDLES: Mapping[str, float] = MappingProxyType(
     {"": 1.6, "island": 1.4, "racks": 1.2, "tables": 0.5, "hedge": 0.8}
 )
 MIDDLES_JAPAN: Mapping[str, float] = MappingProxyType(
-    {"": 1.2, "island": 0.8, "racks": 1.6, "scooters": 1.4, "hedge": 1.2}
+    {"": 1.0, "island": 0.8, "racks": 0.8, "scooters": 0.8, "hedge": 1.2}
 )
 
 
@@ -141,13 +142,17 @@ def amid_forecourts(
     found, group
         Things, and the id of the group of each: those of one stand as near as they are drawn.
     """
-    foot, out = places_at_walls(city, SPACING, MARGIN, PROBE, COURT)
+    foot, out = places_at_walls(city, GROUP_SPACING, MARGIN, LEAST_EDGE / 2, COURT[:2])
     if city.ground is None or not len(foot):
         return join_pieces([]), np.zeros(0, np.uint64)
-    steps = np.arange(EDGE_STEP, EDGE_REACH, EDGE_STEP)
-    probes = foot[:, None, :] + steps[:, None] * out[:, None, :]  # (n, k, 2)
-    paved = city.ground.on(probes.reshape(-1, 2), *COURT).reshape(len(foot), -1)
-    deep = EDGE_STEP * np.where(paved.all(axis=1), 0, paved.argmin(axis=1))
+    deep = np.full(len(foot), EDGE_REACH)
+    left = np.arange(len(foot))
+    # Few forecourts are that deep, and the others need no closer look.
+    for step in np.arange(LEAST_EDGE, EDGE_REACH, EDGE_STEP).tolist():
+        paved = city.ground.on(foot[left] + step * out[left], *COURT)
+        deep[left[~paved]] = step - EDGE_STEP
+        left = left[paved]
+    deep[left] = 0.0  # no edge within reach
     japan = place == "japan"
     found, groups = [], []
     for line, least, away, weights in (
@@ -158,7 +163,7 @@ def amid_forecourts(
         middle = foot[rows] + away[rows, None] * out[rows]
         ids = ids_of_places(middle, f"{PURPOSE}/{line}")
         # Walls that face each other share the ground between them.
-        apart = _apart(middle, ids)
+        apart = np.isin(ids, thin(Points(middle, ids), GROUP_SPACING).id)
         rows, middle, ids = rows[apart], middle[apart], ids[apart]
         table = dict(weights)
         table[""] /= max(density, 1e-6)
@@ -175,7 +180,3 @@ def amid_forecourts(
     drawn, group = join_pieces(found), np.concatenate(groups)
     free = ~near_any(drawn.xy, ways, DOOR_WAY_HALF)
     return drawn.take(free), group[free]
-
-
-def _apart(xy: FloatArray, ids: NDArray[np.uint64]) -> NDArray[np.bool_]:
-    return np.isin(ids, thin(Points(xy, ids), 0.8 * SPACING).id)

@@ -86,7 +86,7 @@ def courts(crossroads, depth):
 
 
 def test_forecourts_are_furnished_along_their_edges_and_the_deepest_amid(crossroads):
-    city = courts(crossroads, LEAST_EDGE + 1.0)
+    city = courts(crossroads, LEAST_EDGE + 1.5)
     none = np.zeros(0, object)
     found, group = amid_forecourts(city, none, "japan", 3.0)
     again, _ = amid_forecourts(city, none, "japan", 3.0)
