@@ -31,7 +31,7 @@ AGED = frozenset({"plaster", "brick", "stone", "concrete", "wood", "trim"})
 # Materials of what is round: their faces are shaded as one curved surface.
 ROUND = frozenset({"bark", "bark_smooth", "bark_flaking"})
 CLUMP, STAND = 1.6, 11.0  # metres over which the colour of leaves changes, in a crown and beyond
-THROUGH = 0.52  # share of the light on a leaf that its other side gives off
+THROUGH = 0.42  # share of the light on a leaf that its other side gives off
 LEAVES = frozenset({"leaf", "foliage"})
 FOLIAGE = LEAVES | {"hedge"}  # what catches snow at any slope
 PAINTED = frozenset({"marking_white", "marking_yellow"})
@@ -289,7 +289,7 @@ def _uneven_leaves(tree: Tree, color: Socket) -> Socket:
     pale = nodes.smoothstep(tree, nodes.noise(tree, CLUMP, 1.0), 0.30, 0.70)
     tone = nodes.math(tree, "MULTIPLY_ADD", pale, 0.50, 0.76)
     warm = nodes.smoothstep(tree, nodes.noise(tree, STAND, 1.0), 0.30, 0.70)
-    hue = nodes.mix(tree, warm, (0.84, 0.95, 1.10, 1.0), (1.22, 1.04, 0.80, 1.0))
+    hue = nodes.mix(tree, warm, (0.84, 0.95, 1.10, 1.0), (1.12, 1.03, 0.86, 1.0))
     return nodes.product(tree, nodes.product(tree, color, hue), tone)
 
 
@@ -298,7 +298,7 @@ def _let_light_through(tree: Tree, color: Socket) -> None:
     shader = tree.nodes["Principled BSDF"]
     through = tree.nodes.new("ShaderNodeBsdfTranslucent")
     through.location = (0, -650)
-    tree.links.new(nodes.product(tree, color, (1.9, 1.75, 0.62, 1.0)), through.inputs["Color"])
+    tree.links.new(nodes.product(tree, color, (1.5, 1.6, 0.66, 1.0)), through.inputs["Color"])
     both = tree.nodes.new("ShaderNodeMixShader")
     both.location = (300, 300)
     both.inputs[0].default_value = THROUGH

@@ -8,12 +8,15 @@ from cityx.assets.trees import (
     SPECIES,
     STREET_FORMS,
     TREES,
+    WALLED,
+    WALLED_FORMS,
     crown_radius,
     habit,
     individuals,
     plant,
     size_of,
     tree,
+    wall_reach,
 )
 from cityx.assets.trees.plants import _grown, individual
 
@@ -54,6 +57,16 @@ def test_street_trees_leave_headroom(species):
         assert size_of(species, first)[1] < size_of(species, 0)[1]
     else:
         assert (first, count) == (0, PARK_FORMS)
+
+
+@pytest.mark.parametrize("form", ["fine", "light", "far"])
+def test_a_crown_beside_a_wall_is_flat_on_that_side_alone(form):
+    for variant in range(WALLED, WALLED + WALLED_FORMS):
+        beside = leaves_of(tree("lime", variant, form).mesh)[:, 0]
+        free = leaves_of(tree("lime", variant - STREET_FORMS, form).mesh)[:, 0]
+        assert beside.max() < 0.6 * free.max()
+        assert beside.min() == pytest.approx(free.min(), rel=0.1)
+        assert wall_reach("lime", variant) < 0.5 * size_of("lime", variant)[1]
 
 
 @pytest.mark.parametrize("species", SPECIES)

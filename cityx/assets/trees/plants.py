@@ -14,7 +14,7 @@ from cityx.assets.trees import bushes, foliage, seasons
 from cityx.assets.trees.foliage import Cards
 from cityx.assets.trees.seasons import FOLIAGE
 from cityx.assets.trees.skeletons import GOLDEN, TWIG, Skeleton, crown_radius, grow
-from cityx.assets.trees.species import TREES, Species, habit
+from cityx.assets.trees.species import PARK_FORMS, TREES, WALLED, Species, habit
 from cityx.assets.trees.wood import wood
 from cityx.cache import Arrays, cached_arrays
 from cityx.city.mesh import MeshBatch
@@ -39,6 +39,8 @@ SCALE = {"place": 1e-4, "limb": 1e-5, "leaf": 1e-3, "span": 1e-4}  # metres per 
 FAR_SIDES = 6
 SMOOTH_LIMB = 0.03  # metres, radius of a limb below which pale bark turns dark
 TWIG_BARK = (0.52, 0.46, 0.44)
+# Share of its radius at which a crown that is clipped at a wall ends on that side.
+WALL_SIDE = 0.40
 
 
 @dataclass(frozen=True)
@@ -53,11 +55,33 @@ class Individual:
 
 @lru_cache(maxsize=160)
 def individual(species: str, variant: int) -> Individual:
-    """Return a grown tree, from the cache where an earlier run has left it."""
+    """Return a grown tree, from the cache where an earlier run has left it.
+
+    Numbers from `WALLED` on have grown beside a wall to their +x side.
+    """
+    if variant >= WALLED:
+        return _walled(individual(species, variant - WALLED + PARK_FORMS), habit(species, variant))
     key = f"trees-{_edition()}/{species}-{variant}"
     held = cached_arrays(key, lambda: _grown(species, variant))
     return Individual(_skeleton_of(held), _unpacked(held, "leaf"), _unpacked(held, "core"),
                       held["twig"])  # fmt: skip
+
+
+def _walled(grown: Individual, own: Species) -> Individual:
+    """Press the half of a crown at x > 0 flat, as one clipped at a wall is."""
+    return replace(
+        grown,
+        skeleton=replace(grown.skeleton, position=_pressed(grown.skeleton.position, own)),
+        leaves=replace(grown.leaves, centre=_pressed(grown.leaves.centre, own)),
+        core=replace(grown.core, centre=_pressed(grown.core.centre, own)),
+    )
+
+
+def _pressed(place: FloatArray, own: Species) -> FloatArray:
+    out = place.copy()
+    end = WALL_SIDE * own.radius
+    out[:, 0] = np.where(place[:, 0] > 0, end * np.tanh(place[:, 0] / end), place[:, 0])
+    return out
 
 
 def _skeleton_of(held: Arrays) -> Skeleton:
@@ -120,7 +144,7 @@ def tree(species: str, variant: int = 0, form: str = "near", season: str = "summ
         One of `SPECIES`.
     variant
         Which individual: 0 to `PARK_FORMS` - 1 grown in the open, the next `STREET_FORMS` beside a
-        street.
+        street, and the next `WALLED_FORMS` between a street and a wall to their +x side.
     form
         "fine" (every leaf drawn), "near" (two leaves on every other twig), "light" (few, large
         cards), "far" (a mass of under 60 triangles).
@@ -138,6 +162,8 @@ def tree(species: str, variant: int = 0, form: str = "near", season: str = "summ
     bare = seasons.leafless(own, season)
     if form == "far":
         parts = _far(own, grown, season, bare=bare)
+        if variant >= WALLED and not bare:
+            parts = [replace(part, vertices=_pressed(part.vertices, own)) for part in parts]
     else:
         rng = rng_for(variant, f"assets/{form}", stable_id("tree", species))
         parts = _limbs(own, grown.skeleton, form, bare=bare)
@@ -295,3 +321,14 @@ def size_of(name: str, variant: int = 0) -> tuple[float, float, float]:
     leaves = individual(name, variant).leaves
     reach = np.quantile(np.hypot(leaves.centre[:, 0], leaves.centre[:, 1]), 0.995)
     return own.height, round(float(reach) + 0.3 * own.leaf, 2), own.clear
+
+
+@lru_cache(maxsize=512)
+def wall_reach(name: str, variant: int = 0) -> float:
+    """Return the reach of a plant's crown to its +x side, metres, where a wall may be."""
+    if name in bushes.SIZES or variant < WALLED:
+        return size_of(name, variant)[1]
+    leaves = individual(name, variant).leaves
+    return round(
+        float(np.quantile(leaves.centre[:, 0], 0.995)) + 0.3 * habit(name, variant).leaf, 2
+    )

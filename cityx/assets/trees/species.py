@@ -20,9 +20,11 @@ Color = tuple[float, float, float]
 SEASONS = ("spring", "summer", "autumn", "winter")
 STREET_CLEAR = 5.0  # metres of clear stem of a tree grown beside a carriageway
 PARK_FORMS = STREET_FORMS = 3  # individuals of each
+# The first individuals of the streets again, as they grow beside a wall; numbers from here on.
+WALLED, WALLED_FORMS = PARK_FORMS + STREET_FORMS, 2
 
 # Linear reflectance of leaves in full light.
-GREEN: Color = (0.095, 0.170, 0.035)
+GREEN: Color = (0.082, 0.162, 0.042)
 YELLOW: Color = (0.40, 0.34, 0.020)
 GOLD: Color = (0.60, 0.48, 0.006)
 ORANGE: Color = (0.42, 0.15, 0.012)

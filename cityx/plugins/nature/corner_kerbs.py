@@ -23,7 +23,7 @@ from cityx.plugins.nature.pieces import (
     pieces,
     room_along,
 )
-from cityx.plugins.nature.street_rules import CLEAR, FRONT_LINE, KERB_RULES, SLOT, WIDE_WALK
+from cityx.plugins.nature.street_rules import CLEAR, FRONT_LINE, KERB_RULES, WIDE_WALK
 from cityx.plugins.road.kerbs import yaw_facing
 
 PURPOSE = "nature/street_pieces-v1"
@@ -35,8 +35,10 @@ USUAL_CORNERS = 0.3
 CORNER_SPACING, FROM_CORNER, LONGEST_CORNER = 1.8, 0.35, 30.0
 BENT = 1.04  # length over chord from which a kerb is a corner, not the far side of a junction
 # What stands past side streets on wide walks, with weights: nothing there hides who comes.
-LOW = {"": 3.0, "bench": 2.0, "planter": 2.4, "waste_basket": 0.8, "bicycle_parking": 1.2}
-LOW_JAPAN = {"": 4.0, "planter": 2.4, "bicycle_parking": 1.0, "bench": 0.4}
+LOW = {"": 1.2, "bench": 2.0, "planter": 1.6, "waste_basket": 1.0, "bicycle_parking": 1.6,
+       "bollard": 1.0, "street_cabinet": 0.5}  # fmt: skip
+LOW_JAPAN = {"": 2.0, "planter": 2.4, "bicycle_parking": 1.6, "bench": 0.4, "bollard": 1.0}
+PAST_SPACING = 4.2  # metres of kerb per draw
 LEAST_FAR = 9.0  # metres of straight kerb, free for crossings at its ends
 CROSSING_GAP = 4.0  # metres round a mapped crossing
 AT_ENDS = 3.5  # metres that stay free there
@@ -80,7 +82,7 @@ def past_junctions(city: City, rims: NDArray[Any], place: str, density: float) -
     kerbs = kerbs[_straight(kerbs) & (shapely.length(kerbs) >= LEAST_FAR)]
     if not len(kerbs):
         return join_pieces([])
-    row, foot, out, room = _behind(ground, kerbs, rims, SLOT, AT_ENDS)
+    row, foot, out, room = _behind(ground, kerbs, rims, PAST_SPACING, AT_ENDS)
     ids = hash_ids(0, f"{PURPOSE}/past", _ids_of(kerbs)[row], _nth(row))
     weights = dict(LOW_JAPAN if place == "japan" else LOW)
     weights[""] /= max(density, 1e-6)

@@ -16,7 +16,8 @@ from cityx.geometry.scatter import Points
 from cityx.geometry.standing import earth_over
 from cityx.plugins.nature.climate import mix_at, season_of
 from cityx.plugins.nature.pieces import heights
-from cityx.plugins.nature.tree_room import Room, beside_street, fitted
+from cityx.plugins.nature.tree_room import Room, beside_street
+from cityx.plugins.nature.wall_sides import crowded_by_walls, fitted_crowns
 
 STREAM = "nature/trees-v2"  # that every draw for a tree is keyed by, whoever plants it
 FloatArray = NDArray[np.float64]
@@ -30,6 +31,7 @@ SPECIES = ("lime", "plane", "maple", "oak", "chestnut", "birch", "cherry", "gink
            "camphor", "poplar", "willow", "jacaranda", "acacia", "olive", "pine", "spruce",
            "cypress", "palm", "shrub", "boxwood", "grove")  # fmt: skip
 BUSHES = ("shrub", "boxwood")
+ASPECT = 0.16  # logarithm of the ratio by which a crown is longer than broad, or broader, at most
 LEANS = (0.022, 0.045)  # radians, most of trees beside streets and of others
 INDEX = {name: index for index, name in enumerate(SPECIES)}
 UPRIGHT = [INDEX[name] for name in (*BUSHES, "grove")]
@@ -120,17 +122,30 @@ def rows_of(
         now = "winter" if snowed else season_of(city.environment.day, city.frame)
     street = beside_street(room)
     variant = _variants(stand, street)
+    up, wide, fixed = _wished(city, stand, _sizes(stand, variant), street)
+    crowded = crowded_by_walls(wide, _sizes(stand, variant), room)
+    crowded &= ~stand.light & ~np.isin(stand.species, UPRIGHT)
+    variant = _beside_walls(variant, crowded)
     prototypes, number = _prototypes(stand, variant, forms, now)
     shade = uniform(city.seed, f"{STREAM}/tint", stand.id)[:, None]
     warm = uniform(city.seed, f"{STREAM}/tint", stand.id, 1)[:, None]
     tint = (0.80 + 0.40 * shade) * (1 + (warm - 0.5) * np.array([0.30, 0.08, -0.10]))
     turn = np.zeros((len(stand.id), 3), np.float32)
-    turn[:, 2] = uniform(city.seed, f"{STREAM}/yaw", stand.id) * 2 * np.pi
     # Trunks lean a little to one side; those pruned beside streets less.
     lean = np.where(street, *LEANS) * np.where(np.isin(stand.species, UPRIGHT), 0.0, 1.0)
     for axis in (0, 1):
         draw = uniform(city.seed, f"{STREAM}/lean", stand.id, axis)
         turn[:, axis] = lean * (2 * draw - 1)
+    aspect = np.exp(ASPECT * (2 * uniform(city.seed, f"{STREAM}/aspect", stand.id) - 1))
+    aspect = np.where(np.isin(stand.species, UPRIGHT), 1.0, aspect)
+    yaw = uniform(city.seed, f"{STREAM}/yaw", stand.id) * 2 * np.pi
+    scale, turn[:, 2] = fitted_crowns(
+        city, stand.xy, np.column_stack([up, wide, aspect, yaw]), _sizes(stand, variant), room,
+        fixed=fixed, crowded=crowded,
+    )  # fmt: skip
+    # Whoever stands beside a wall leans to the light, away from it.
+    turn[crowded, 0], turn[crowded, 1] = 0.0, -np.hypot(*turn[crowded, :2].T)
+    _as_groves(city, stand, scale)
     z = heights(city, stand.xy)
     z = np.fmax(z, earth_over(city.scene.meshes.get("structures"), stand.xy))
     return prototypes, Instances(
@@ -139,7 +154,7 @@ def rows_of(
         np.zeros(len(stand.id), np.uint64),
         np.column_stack([stand.xy, z]),
         turn,
-        _scaled(city, stand, _sizes(stand, variant), room, street),
+        scale.astype(np.float32),
         tint.astype(np.float32),
     )
 
@@ -175,28 +190,40 @@ def _prototypes(
     return found, number.astype(np.int32)
 
 
+def _beside_walls(variant: IntArray, crowded: BoolArray) -> IntArray:
+    """(n,) individuals, for crowded street trees those that have grown beside a wall."""
+    from cityx.assets.trees import PARK_FORMS, WALLED, WALLED_FORMS
+
+    pressed = WALLED + (variant - PARK_FORMS) % WALLED_FORMS
+    return np.where(crowded & (variant >= PARK_FORMS), pressed, variant)
+
+
 def _sizes(stand: Stand, variant: IntArray) -> FloatArray:
-    """(n, 3) height, crown radius and clear stem of the plants as grown, metres."""
-    from cityx.assets.trees import size_of
+    """(n, 4) height, crown radius, clear stem and reach to a wall of plants as grown, metres."""
+    from cityx.assets.trees import size_of, wall_reach
 
     used, number = np.unique(stand.species * 64 + variant, return_inverse=True)
-    table = [size_of(SPECIES[value // 64], value % 64) for value in used.tolist()]
-    return np.array(table, float).reshape(-1, 3)[number]
+    grown = [(SPECIES[value // 64], value % 64) for value in used.tolist()]
+    table = [(*size_of(*each), wall_reach(*each)) for each in grown]
+    return np.array(table, float).reshape(-1, 4)[number]
 
 
-def _scaled(
-    city: City, stand: Stand, size: FloatArray, room: Room, street: BoolArray
-) -> NDArray[np.float32]:
-    """(n, 3) scale of every tree, by its mapped height or drawn, fitted into its room."""
-    from cityx.assets.trees.bushes import GROVE_EDGE
-
+def _wished(
+    city: City, stand: Stand, size: FloatArray, street: BoolArray
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """(n,) scales of height and of width, by the mapped height or drawn; which are mapped."""
     draw = uniform(city.seed, f"{STREAM}/size", stand.id)
     known = np.isfinite(stand.height) & (stand.height > 0)
-    drawn = np.where(street, 0.90 + 0.25 * draw, 0.72 + 0.5 * draw)
+    drawn = np.where(street, 0.90 + 0.25 * draw, 0.66 + 0.60 * draw)
     up = np.where(known, np.clip(np.where(known, stand.height, 1.0) / size[:, 0], 0.35, 1.9), drawn)
     wide = np.where(known, up**0.7, up) * (0.9 + 0.2 * uniform(city.seed, f"{STREAM}/w", stand.id))
-    up, wide = fitted(up, wide, size, room, fixed=known)
+    return up, wide, known
+
+
+def _as_groves(city: City, stand: Stand, scale: FloatArray) -> None:
+    """Write the scales of groves, whose breadth is the distance to the next, into (n, 3) scales."""
+    from cityx.assets.trees.bushes import GROVE_EDGE
+
     grove = stand.species == INDEX["grove"]
-    up[grove] = 0.8 + 0.4 * draw[grove]
-    wide[grove] = np.clip(stand.height[grove] / GROVE_EDGE, 0.6, 1.8)
-    return np.column_stack([wide, wide, up]).astype(np.float32)
+    scale[grove, 2] = 0.8 + 0.4 * uniform(city.seed, f"{STREAM}/size", stand.id[grove])
+    scale[grove, :2] = np.clip(stand.height[grove] / GROVE_EDGE, 0.6, 1.8)[:, None]

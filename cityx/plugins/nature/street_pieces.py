@@ -21,7 +21,7 @@ from cityx.geometry.scatter import Points, candidates, cells_of_triangles, near_
 from cityx.geometry.standing import WALKED, stand_on
 from cityx.plugins.building.shop_names import shop_names
 from cityx.plugins.nature.corner_kerbs import at_corners, past_junctions
-from cityx.plugins.nature.forecourts import at_forecourts
+from cityx.plugins.nature.forecourts import amid_forecourts, at_forecourts
 from cityx.plugins.nature.frontages import OWN_FRONTAGE, frontage_edges
 from cityx.plugins.nature.pieces import (
     BoolArray,
@@ -42,10 +42,12 @@ from cityx.plugins.nature.plot_edges import along_plots
 from cityx.plugins.nature.poles import utility_poles
 from cityx.plugins.nature.signs import junction_signs
 from cityx.plugins.nature.street_rules import (
+    APART,
     CLEAR,
     DOOR_DEPTH,
     DOOR_SIDE,
     FRONT_LINE,
+    INSTEAD,
     KERB_RULES,
     LEANING,
     PIECE_GAP,
@@ -111,7 +113,7 @@ WALK_WALL_JAPAN = {"": 2.5, "bicycle": 3.2, "planter_round": 1.6, "vending_machi
                    "wheelie_bins": 0.6, "motor_scooter": 0.8, "motor_scooter_red": 0.4,
                    "cartons": 0.6, "pot_row": 3.0}  # fmt: skip
 # On walks as wide as squares, as at the corners of large junctions, away from walls and kerbs.
-WALK_OPEN = {"": 3.0, "planter": 1.5, "planter_round": 1.0, "bench": 0.8, "bicycle_parking": 1.4,
+WALK_OPEN = {"": 2.0, "planter": 1.5, "planter_round": 1.0, "bench": 0.8, "bicycle_parking": 1.4,
              "waste_basket": 0.4}  # fmt: skip
 # Metres left to pass on walks and in yards of Japan: bicycles and machines stand at the walls of
 # narrow walks, whose kerbs bear poles alone.
@@ -212,6 +214,7 @@ def _along_kerbs(city: City, site: _Site, density: float) -> tuple[Pieces, Float
     rule = (draw[:, None] >= edges).sum(axis=1)
     rows = np.flatnonzero(rule < len(KERB_RULES))
     slots, rule, ids = slots.take(rows), rule[rows], ids[rows]
+    rule = _few_of_a_kind(city, slots.xy, rule, ids)
     asked = np.array([(r.from_kerb, r.room, r.length, r.depth) for r in KERB_RULES])[rule]
     out = -slots.toward_road
     # On wide walks the fronts of all things lie in one line.
@@ -242,6 +245,24 @@ def _along_kerbs(city: City, site: _Site, density: float) -> tuple[Pieces, Float
         for shift in (-BESIDE, BESIDE)
     )]  # fmt: skip
     return join_pieces(placed), np.concatenate([sizes, sizes[posts], sizes[posts]])
+
+
+def _few_of_a_kind(
+    city: City, xy: FloatArray, rule: NDArray[np.int64], ids: NDArray[np.uint64]
+) -> NDArray[np.int64]:
+    """(n,) rules, those for things of which there is one close by already exchanged for others."""
+    names = [r.piece for r in KERB_RULES]
+    points = city.layout.points
+    kind = points["kind"].to_numpy().astype(str)
+    other = np.array([names.index(name) for name in INSTEAD])
+    rule = rule.copy()
+    for name, gap in APART.items():
+        rows = np.flatnonzero(rule == names.index(name))
+        mapped = near_any(xy[rows], points.geometry.to_numpy()[kind == name], gap)
+        first = np.isin(ids[rows], thin(Points(xy[rows], ids[rows]), gap).id)
+        repeated = rows[mapped | ~first]
+        rule[repeated] = other[ids[repeated] % np.uint64(len(other))]
+    return rule
 
 
 def _labels(names: Any) -> list[int]:
@@ -417,8 +438,14 @@ def _bicycles(city: City, stands: Pieces) -> Pieces:
     return join_pieces(found)
 
 
-def _free(city: City, site: _Site, found: Pieces, half: FloatArray, depth: FloatArray) -> BoolArray:
-    """(n,) whether pieces stand clear of doors, houses, trunks, other furniture and each other."""
+def _free(
+    city: City, site: _Site, found: Pieces, size: FloatArray, group: NDArray[np.uint64]
+) -> BoolArray:
+    """(n,) whether pieces stand clear of doors, houses, trunks, other furniture and each other.
+
+    ``size`` is half their lengths and depths, (n, 2); those of a group may be close together.
+    """
+    half, depth = size.T
     spots = shapely.buffer(shapely.points(found.xy), np.maximum(half, 0.2), quad_segs=2)
     free = inside_extent(city, found.xy, 0.5) & ~in_carriageways(city, found.xy, depth)
     if len(site.doors):
@@ -435,7 +462,8 @@ def _free(city: City, site: _Site, found: Pieces, half: FloatArray, depth: Float
     pairs = near_pairs(found.xy[rows], 2 * SIZE["kiosk"] + 0.3) if len(rows) else np.zeros((0, 2))
     pairs = rows[pairs.astype(int)]
     gap = np.hypot(*(found.xy[pairs[:, 0]] - found.xy[pairs[:, 1]]).T)
-    pairs = pairs[gap < half[pairs].sum(axis=1) + 0.3]
+    near = gap < half[pairs].sum(axis=1) + 0.3
+    pairs = pairs[near & (group[pairs[:, 0]] != group[pairs[:, 1]])]
     lower = np.where(found.id[pairs[:, 0]] < found.id[pairs[:, 1]], pairs[:, 0], pairs[:, 1])
     free[lower] = False
     return np.asarray(free)
@@ -506,12 +534,14 @@ def street_pieces(
     plots = along_plots(city, site.place)
     walls = along_walls(city, site.rims, density) if site.place == "japan" else join_pieces([])
     groups = at_forecourts(city, site.rims, site.place, density)
+    amid, group = amid_forecourts(city, site.ways, site.place, density)
     groups = groups.take(~near_any(groups.xy, shapely.points(shops.xy), TO_WARES))
-    rest = join_pieces([corners, past, shops, plots, open_, groups, boards, walls])
+    rest = join_pieces([corners, past, shops, plots, open_, groups, boards, walls, amid])
     drawn = join_pieces([kerb, rest])
     other = np.array([SIZE.get(str(name), 0.5) for name in rest.name])
     half = np.concatenate([sizes, np.repeat(other[:, None], 2, axis=1)])
-    kept = drawn.take(_free(city, site, drawn, half[:, 0], half[:, 1]))
+    apart = np.arange(len(drawn) - len(amid), dtype=np.uint64)
+    kept = drawn.take(_free(city, site, drawn, half, np.concatenate([apart, group])))
     stands = kept.take(kept.name == "bicycle_parking")
     bicycles = _bicycles(city, stands)
     found = join_pieces([posts, kept, bicycles, stops])

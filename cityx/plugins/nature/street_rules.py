@@ -103,6 +103,9 @@ KERB_RULES: tuple[Rule, ...] = (
     Rule("ticket_machine", 0.5, 0.6, 0.0, 0.0, 0.45, 0.15, 0.17, (("japan", 0.1),)),
     *(Rule(piece, 0.3, 0.3, 0.0, 0.0, 0.50, 0.35, 0.98, _SCOOTERS) for piece in SCOOTERS),
 )  # fmt: skip
+# Metres of town within which there is one of a kind at most, and what stands in place of others.
+APART = {"telephone": 120.0, "kiosk": 90.0, "advertising_column": 70.0, "post_box": 60.0}
+INSTEAD = ("waste_basket", "bench", "planter")
 TALL = frozenset({"advertising_column", "kiosk", "telephone"})  # hide what comes at junctions
 SIGHT = 10.0  # metres from junctions that tall things keep
 PIECE_GAP = 1.6  # metres between things by rule and whatever else stands, beside their size

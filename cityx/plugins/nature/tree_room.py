@@ -38,7 +38,7 @@ MOST_PUSH = 3.3
 CROWN_REACH = 7.0  # metres, the widest crown
 ROAD_HEADROOM = 4.5  # metres below branches over a carriageway
 WALK_REACH = 2.0  # metres from a path within which trees are pruned as beside a street
-OVERHANG = 1.0  # metres a low crown may reach over a kerb
+OVERHANG = 1.6  # metres a low crown may reach over a kerb: its rim hangs higher than its foot
 FREE_LEAVES = 0.15  # metres between a crown and a facade
 LEAST_KERB = 0.45  # metres from trunk to kerb of mapped trees on narrow walks
 LEAST_PASS = 1.45  # metres of walk from the middle of a mapped trunk, on its wider side
@@ -262,7 +262,8 @@ def fitted(
     up, wide
         (n,) wished scale of height and of width.
     size
-        (n, 3) float, metres: height, crown radius and clear stem of the grown plants.
+        (n, 4) float, metres: height, crown radius, clear stem and reach towards a wall of the
+        grown plants.
     room
         Of the trees.
     fixed
@@ -274,8 +275,8 @@ def fitted(
         Scales: crowns end before facades; over a carriageway they leave `ROAD_HEADROOM`, or hardly
         reach it.
     """
-    _, reach, clear = size.T
-    wide = np.minimum(wide, np.maximum((room.facade - FREE_LEAVES) / reach, LEAST_WIDTH))
+    _, reach, clear, to_wall = size.T
+    wide = np.minimum(wide, np.maximum((room.facade - FREE_LEAVES) / to_wall, LEAST_WIDTH))
     up = np.minimum(up, TALLEST * wide)
     over = wide * reach > room.road + 0.3
     need = np.where(clear > 0, ROAD_HEADROOM / np.maximum(clear, 0.1), np.inf)

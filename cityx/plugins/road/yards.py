@@ -45,14 +45,14 @@ USUAL_SHARES = (2.0, 5.0, 0.8, 1.0, 3.0)
 SHARES: Mapping[str, tuple[float, ...]] = MappingProxyType({
     "northern/central europe": (1.0, 7.0, 0.4, 1.6, 2.4),
     "british isles": (2.5, 4.0, 0.5, 1.5, 2.5),
-    "japan": (1.6, 1.6, 0.8, 2.0, 5.0), "east asia": (2.5, 2.0, 0.6, 1.5, 4.0),
+    "japan": (1.4, 1.4, 0.2, 1.8, 6.5), "east asia": (2.5, 2.0, 0.6, 1.5, 4.0),
     "mediterranean": (3.0, 1.5, 1.2, 2.0, 3.0),
 })  # fmt: skip
 # The same of courts behind houses, where nobody parks.
 USUAL_COURTS = (2.0, 6.0, 1.5, 0.0, 0.0)
 COURTS: Mapping[str, tuple[float, ...]] = MappingProxyType({
     "northern/central europe": (0.8, 9.0, 0.8, 0.0, 0.0),
-    "japan": (3.0, 2.5, 3.0, 0.0, 0.0), "east asia": (4.0, 2.5, 2.0, 0.0, 0.0),
+    "japan": (3.6, 2.5, 1.6, 0.0, 0.0), "east asia": (4.0, 2.5, 2.0, 0.0, 0.0),
     "mediterranean": (3.0, 2.5, 3.0, 0.0, 0.0),
 })  # fmt: skip
 BAY, STALL = 2.5, 5.0  # metres, width and length of a parking bay

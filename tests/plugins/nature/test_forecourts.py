@@ -11,7 +11,15 @@ from cityx.checks.furniture import check_furniture
 from cityx.city import Frame, make_table
 from cityx.city.ground import KERB_WIDTH
 from cityx.plugins.nature.corner_kerbs import LOW, past_junctions
-from cityx.plugins.nature.forecourts import DEEP, GROUPS, at_forecourts
+from cityx.plugins.nature.forecourts import (
+    DEEP,
+    FROM_EDGE,
+    GROUPS,
+    LEAST_EDGE,
+    OPEN_GROUPS,
+    amid_forecourts,
+    at_forecourts,
+)
 from cityx.plugins.nature.pieces import walk_rims
 from cityx.plugins.nature.street_pieces import LAYER, street_pieces
 from cityx.plugins.nature.street_rules import (
@@ -66,6 +74,35 @@ def test_the_same_seed_gives_the_same_groups_and_density_more(crossroads):
     assert one.xy.tobytes() == again.xy.tobytes()
     assert one.id.tobytes() == again.id.tobytes()
     assert len(drawn(city, density=3.0)) > len(one) > len(drawn(city, density=0.1))
+
+
+def courts(crossroads, depth):
+    """The crossroads with houses so many metres behind walks of 3 m, on paved ground."""
+    made = street(crossroads, 3.0 + depth)
+    roads = made.layout.roads.assign(sidewalk_left=3.0, sidewalk_right=3.0)
+    paved = [shapely.box(-95, y, 95, y + depth) for y in (8.0, -8.0 - depth)]
+    areas = make_table("areas", paved, id=[81, 82], kind=["pedestrian"] * 2)
+    return ground(replace(made, layout=replace(made.layout, roads=roads, areas=areas)))
+
+
+def test_forecourts_are_furnished_along_their_edges_and_the_deepest_amid(crossroads):
+    city = courts(crossroads, LEAST_EDGE + 1.5)
+    none = np.zeros(0, object)
+    found, group = amid_forecourts(city, none, "japan", 3.0)
+    again, _ = amid_forecourts(city, none, "japan", 3.0)
+    assert found.xy.tobytes() == again.xy.tobytes()
+    assert len(found) > 10
+    assert set(found.name) <= {name for each in OPEN_GROUPS.values() for name, _, _ in each}
+    houses = shapely.union_all(city.layout.buildings.geometry.to_numpy())
+    gap = shapely.distance(houses, shapely.points(found.xy))
+    assert gap.min() > LEAST_EDGE - FROM_EDGE - 0.01
+    assert len(np.unique(group)) < len(group)
+    assert not len(amid_forecourts(courts(crossroads, 3.0), none, "japan", 3.0)[0])
+    ways = np.array([shapely.LineString([(x, y - 30), (x, y + 30)])
+                     for x, y in found.xy[:1].tolist()], object)  # fmt: skip
+    kept = amid_forecourts(city, ways, "japan", 3.0)[0]
+    assert 0 < len(kept) < len(found)
+    assert shapely.distance(ways[0], shapely.points(kept.xy)).min() >= 1.2
 
 
 def test_wide_walks_are_furnished_in_a_line_and_let_people_pass(crossroads):

@@ -5,13 +5,14 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.assets.trees import STREET_FORMS, size_of
+from cityx.assets.trees import STREET_FORMS, WALLED, size_of, wall_reach
 from cityx.checks.predicates import measure
-from cityx.city import Environment, Frame, Scene, make_table
+from cityx.city import City, Environment, Frame, Layout, Scene, make_table
 from cityx.errors import ActionFailed, UsageError
 from cityx.plugins.nature.climate import band_of, season_of, species_of_tags
-from cityx.plugins.nature.tree_room import Room, fitted
+from cityx.plugins.nature.tree_room import OVERHANG, Room, fitted
 from cityx.plugins.nature.trees import trees
+from cityx.plugins.nature.wall_sides import fitted_crowns
 
 DAY = date(2025, 1, 1)
 
@@ -139,10 +140,15 @@ def test_crowns_end_before_facades_and_leave_headroom_over_carriageways(crossroa
     for seed in range(8):
         rows, names = rows_of(trees(replace(rowless, seed=seed)))
         size = np.array([size_of_name(name) for name in names])
-        reach = size[:, 1] * rows.scale[:, 0]
+        reach = size[:, 1] * rows.scale[:, :2].max(axis=1)
         facade = shapely.distance(shapely.points(rows.position[:, :2]), houses)
-        assert np.mean(reach > facade + 0.01) < 0.02
-        over = reach > np.abs(rows.position[:, :2]).min(axis=1) - 5.0 + 1.05
+        # Where a wall crowds a crown, its +x side faces it.
+        side = np.array([wall_reach(*individual_of(name)) for name in names]) * rows.scale[:, 0]
+        assert np.mean(np.minimum(reach, side) > facade + 0.01) < 0.02
+        over = (
+            size[:, 1] * rows.scale[:, 0]
+            > np.abs(rows.position[:, :2]).min(axis=1) - 5.0 + OVERHANG + 0.05
+        )
         over &= size[:, 2] > 0
         clear = size[:, 2] * rows.scale[:, 2]
         assert (clear[over] > 4.4).all()
@@ -151,8 +157,38 @@ def test_crowns_end_before_facades_and_leave_headroom_over_carriageways(crossroa
 
 
 def size_of_name(name):
+    return size_of(*individual_of(name))
+
+
+def individual_of(name):
     parts = name.removeprefix("tree_").split("_")
-    return size_of(parts[0], int(parts[1]))
+    return parts[0], int(parts[1])
+
+
+def test_a_crown_beside_a_wall_stays_wide_along_it():
+    size = np.array([[*size_of("lime", WALLED), wall_reach("lime", WALLED)]])
+    house = shapely.box(1.6, -20.0, 12.0, 20.0)
+    table = make_table("buildings", [house], id=[1], levels=[4])
+    city = City("wall", Frame(52.5, 13.4), Layout((-30.0, -30.0, 30.0, 30.0), buildings=table))
+    room = Room(np.array([1.6]), np.array([0.8]), np.array([np.inf]))
+    wished = np.array([[1.0, 1.0, 1.0, 0.3]])
+    yes = np.ones(1, bool)
+    scale, yaw = fitted_crowns(city, np.zeros((1, 2)), wished, size, room, fixed=yes, crowded=yes)
+    assert yaw[0] == pytest.approx(0.0, abs=1e-6)
+    assert scale[0, 0] * size[0, 3] < 1.6
+    assert scale[0, 0] * size[0, 1] > 2.5  # over the street
+    assert scale[0, 1] * size[0, 1] > 3.0  # along the wall
+    corner = replace(
+        city,
+        layout=replace(
+            city.layout,
+            buildings=make_table(
+                "buildings", [house, shapely.box(-9.0, 1.7, 1.6, 12.0)], id=[1, 2], levels=[4, 4]
+            ),
+        ),
+    )
+    scale, _ = fitted_crowns(corner, np.zeros((1, 2)), wished, size, room, fixed=yes, crowded=yes)
+    assert (scale[0, :2] * size[0, 1] < 1.6).all()
 
 
 def test_unmapped_trees_keep_clear_of_lamps_walls_and_sight_lines(planted):
@@ -237,7 +273,7 @@ def test_more_trees_than_find_room_are_refused(crossroads):
 
 def test_a_crown_ends_before_the_wall_that_its_trunk_nearly_touches():
     room = Room(np.array([0.7]), np.array([np.inf]), np.array([np.inf]))
-    size = np.array([[14.0, 5.8, 2.0]])
+    size = np.array([[14.0, 5.8, 2.0, 5.8]])
     up, wide = fitted(np.ones(1), np.ones(1), size, room, fixed=np.zeros(1, bool))
     assert wide * 5.8 < 0.7
     assert up < 2.5 * wide

@@ -1,10 +1,20 @@
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from cityx.assets.furniture import MAKERS
 from cityx.assets.regional_pieces import LOCAL
-from cityx.plugins.nature.street_rules import CLEAR, KERB_RULES, local_names, rates
+from cityx.geometry.identity import hash_ids
+from cityx.plugins.nature.street_pieces import _few_of_a_kind
+from cityx.plugins.nature.street_rules import (
+    APART,
+    CLEAR,
+    INSTEAD,
+    KERB_RULES,
+    local_names,
+    rates,
+)
 
 PAGE = (Path(__file__).parents[3] / "docs" / "furniture.md").read_text()
 
@@ -37,3 +47,16 @@ def test_every_rule_leaves_the_free_walk_behind_it():
         rule.room - rule.from_kerb - rule.depth == pytest.approx(CLEAR) for rule in KERB_RULES
     )
     assert all(rule.from_kerb > rule.depth or not rule.depth for rule in KERB_RULES)
+
+
+def test_there_is_one_telephone_box_within_sight(crossroads):
+    names = [rule.piece for rule in KERB_RULES]
+    xy = np.column_stack([np.arange(0.0, 600.0, 30.0), np.zeros(20)])
+    asked = np.full(20, names.index("telephone"))
+    ids = hash_ids(0, "boxes", np.arange(20, dtype=np.uint64))
+    kept = _few_of_a_kind(crossroads, xy, asked, ids)
+    boxes = xy[kept == names.index("telephone"), 0]
+    assert 2 <= len(boxes) <= 6
+    assert np.diff(boxes).min() >= APART["telephone"]
+    assert {names[rule] for rule in kept} <= {"telephone", *INSTEAD}
+    assert (asked == names.index("telephone")).all()
