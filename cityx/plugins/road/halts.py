@@ -41,7 +41,7 @@ BEFORE_LINE, LEAST_BEFORE = 1.2, 1.0  # metres from the line to the middle one, 
 FLARED = 2.5  # metres that a line at a mouth may be longer for the curves of its kerbs
 WHOLE = 0.97  # share of a mark that lies on the carriageway
 BEHIND_LINE = 2.1  # metres from the line to a triangle or a word
-LEAST_ROOM = 12.0  # metres of street that a triangle or a word needs
+LEAST_ROOM = 8.0  # metres of street that a triangle or a word needs, the line before it included
 LEAST_LANE = 2.4  # metres of a lane with a triangle or a word
 _MOVING = [KIND[name] for name in TRAVELLED]
 

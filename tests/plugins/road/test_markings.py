@@ -183,6 +183,14 @@ def test_dashes_to_give_way_reach_from_the_middle_to_the_curved_kerb(layout_of):
     assert bounds[:, 2].max() == pytest.approx(3.6, abs=0.4)
 
 
+def test_a_short_arm_to_give_way_has_its_triangle(layout_of):
+    british = Painting(give_way="double dashes", stems=True)
+    for south, told in ((-20, True), (-15, False)):
+        marks = halts(layout_of([(TEE[0], {}), ([(0, south), (0, 0)], {})]), british)
+        bounds = shapely.bounds(marks)
+        assert (bounds[:, 3] - bounds[:, 1] > 3.0).any() == told
+
+
 def test_a_box_is_hatched_under_signals_of_classified_roads_only(layout_of):
     cross = [[(-90, 0), (0, 0), (90, 0)], [(0, -90), (0, 0), (0, 90)]]
     signals = [((0, 0), "traffic_signals")]
