@@ -62,8 +62,8 @@ _WETTEST = 0.55
 _FILM_ROUGHNESS = 0.12  # of a closed film of water
 # Of the ground that vehicles drive on, where tyres press snow to slush.
 CARRIAGEWAYS = frozenset(
-    {"asphalt", "setts", "gutter_stones", "gutter_slabs", "cobbles", "clinker", "pavers",
-     "road_concrete"}
+    {"asphalt", "setts", "small_setts", "gutter_stones", "gutter_slabs", "cobbles", "clinker",
+     "pavers", "road_concrete"}
 )  # fmt: skip
 
 
@@ -103,7 +103,8 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("asphalt_light", (0.16, 0.155, 0.15), 0.9, texture="asphalt", tile=3.0, porosity=0.4),
     _M("asphalt_red", (0.20, 0.06, 0.045), 0.9, texture="asphalt", tile=3.0, porosity=0.4),
     _M("setts", (0.205, 0.196, 0.186), 0.75, texture="setts", tile=4.0, porosity=0.4),
-    _M("gutter_stones", (0.25, 0.242, 0.232), 0.75, texture="gutter_stones", tile=2.56,
+    _M("small_setts", (0.138, 0.131, 0.124), 0.8, texture="mosaic", tile=3.84, porosity=0.4),
+    _M("gutter_stones", (0.315, 0.305, 0.29), 0.75, texture="gutter_stones", tile=2.56,
        porosity=0.4),
     _M("gutter_slabs", (0.30, 0.295, 0.28), 0.85, texture="gutter_slabs", tile=2.4, porosity=0.5),
     _M("cobbles", (0.20, 0.19, 0.17), 0.75, texture="cobbles", tile=2.0, porosity=0.4),
@@ -122,7 +123,7 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("kerb_stone", (0.40, 0.39, 0.37), 0.8, texture="concrete", tile=2.0, porosity=0.4),
     _M("tactile_yellow", (0.63, 0.385, 0.045), 0.8, texture="domes", tile=1.2, porosity=0.3),
     _M("tactile_pale", (0.46, 0.455, 0.44), 0.8, texture="ribbed_slabs", tile=1.2, porosity=0.4),
-    _M("tactile_buff", (0.52, 0.365, 0.155), 0.85, texture="blisters", tile=1.2, porosity=0.4),
+    _M("tactile_buff", (0.60, 0.415, 0.150), 0.85, texture="blisters", tile=1.2, porosity=0.4),
     _M("tactile_red", (0.30, 0.070, 0.050), 0.85, texture="blisters", tile=1.2, porosity=0.4),
     _M("marking_white", (0.70, 0.70, 0.68), 0.7, texture="paint", tile=2.0, porosity=0.1),
     _M("marking_yellow", (0.70, 0.42, 0.05), 0.7, texture="paint", tile=2.0, porosity=0.1),

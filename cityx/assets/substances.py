@@ -61,7 +61,8 @@ SUBSTANCES: Mapping[str, Substance] = MappingProxyType(
              "walk_blocks guided_blocks tactile_yellow tactile_pale tactile_buff tactile_red "
              "gutter_slabs"),
             (_RENDER, "plaster trim room_wall"),
-            (_STONE, "stone setts gutter_stones cobbles slate flagstones mosaic slab_walk"),
+            (_STONE, "stone setts small_setts gutter_stones cobbles slate flagstones mosaic "
+             "slab_walk"),
             (_BRICK, "brick clinker"),
             (_WOOD, "wood bench_wood bark bark_smooth bark_flaking thatch"),
             (_STEEL, "metal_dark metal_grey metal_panel roof_metal copper rail_steel"),

@@ -20,7 +20,7 @@ from cityx.city.rooms import WORK
 
 # Materials of level ground, where rain stands in puddles.
 PUDDLED = frozenset(
-    {"asphalt", "asphalt_light", "setts", "gutter_stones", "gutter_slabs", "paving",
+    {"asphalt", "asphalt_light", "setts", "small_setts", "gutter_stones", "gutter_slabs", "paving",
      "concrete", "bitumen", "pitch", "soil",
      "cobbles", "clinker", "pavers", "yard", "road_concrete", "flagstones", "mosaic", "slab_walk",
      "walk_blocks", "guided_blocks", "tactile_yellow", "tactile_pale", "tactile_buff",

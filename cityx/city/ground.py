@@ -93,7 +93,7 @@ SURFACES: tuple[Surface, ...] = (
     # Leads across the walk to a crossing; it rises with the ramp.
     Surface("guide_strip", 51, KERB_HEIGHT, "tactile_pale", "kerb_stone"),
     Surface("landing", 51, DROPPED, "paving", "kerb_stone"),  # walk between a kerb and ribs
-    Surface("parking_lane", 71, 0.0, "mosaic", "concrete"),  # of small stones, beside setts
+    Surface("parking_lane", 71, 0.0, "small_setts", "concrete"),  # of small stones, beside setts
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
 # What lies on a carriageway and is part of it.

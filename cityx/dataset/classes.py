@@ -177,7 +177,7 @@ _LAYER = {
 # By the material that most of an object is made of: ground beyond the labels, barriers.
 _MATERIAL = {
     "asphalt": "road", "asphalt_light": "path", "asphalt_red": "cycle_lane", "setts": "road",
-    "gutter_stones": "road", "gutter_slabs": "road",
+    "small_setts": "road", "gutter_stones": "road", "gutter_slabs": "road",
     "cobbles": "road", "clinker": "road", "pavers": "sidewalk", "road_concrete": "road",
     "paving": "sidewalk", "flagstones": "sidewalk", "mosaic": "sidewalk", "slab_walk": "sidewalk",
     "walk_blocks": "sidewalk", "guided_blocks": "sidewalk", "yard": "yard", "kerb_stone": "kerb",

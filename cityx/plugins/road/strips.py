@@ -40,7 +40,7 @@ STRIP = 1.0  # metres
 BEFORE = 2.5  # metres that the strip ends before a junction
 ZEBRA = 5.0  # metres more where a crossing lies there
 SHORTEST = 4.0  # metres
-ROW = 0.16  # metres of the row of stones before a lane of parked cars
+ROW = 0.32  # metres of the gutter of two courses before a lane of parked cars
 THRESHOLD = 0.3  # metres of stones across a carriageway
 
 
@@ -87,14 +87,14 @@ def strip_regions(
 
 
 def _stone_lanes(network: RoadNetwork, bands: Bands, chosen: NDArray[np.bool_]) -> Regions:
-    """Lay lanes of parked cars beside setts with small stones, behind a row of large ones."""
+    """Lay lanes of parked cars beside setts with small stones, behind a gutter of large ones."""
     runs = runs_of(network, bands.take(chosen[bands.edge]))
     middle = to_linestrings(pieces(network.lines, runs.edge, runs.low, runs.high))
     middle = shapely.simplify(middle, FINE)
     outer = runs.kerb - runs.side * GUTTER
     inner = runs.road + runs.side * ROW
     found = []
-    for label, one, other in (("parking_lane", outer, inner), ("threshold", inner, runs.road)):
+    for label, one, other in (("parking_lane", outer, inner), ("gutter", inner, runs.road)):
         for width in np.unique(np.round(np.abs(one - other), 3)).tolist():
             rows = np.flatnonzero((np.round(np.abs(one - other), 3) == width) & (width > 0))
             if not len(rows):

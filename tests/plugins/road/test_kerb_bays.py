@@ -77,13 +77,14 @@ def test_paint_stays_in_the_lane_and_says_what_the_country_says(layout_of, style
         assert (~row).sum() == 2 * 2 * 2
 
 
-def test_beside_setts_cars_stand_on_small_stones_behind_a_row_of_large_ones(layout_of):
+def test_beside_setts_cars_stand_on_small_stones_behind_a_gutter_of_large_ones(layout_of):
     found = ground_of(layout_of([(ALONG, BOTH | {"surface": "sett"})]))
-    size = {name: area(found, name) for name in ("parking_lane", "threshold")}
+    size = {name: area(found, name) for name in ("parking_lane", "gutter")}
     length = 180 - 2 * FROM_JUNCTION
-    assert size["threshold"] == pytest.approx(2 * 0.16 * length, rel=0.03)
-    assert size["parking_lane"] == pytest.approx(2 * (2.1 - 0.16 - 0.32) * length, rel=0.03)
+    assert size["parking_lane"] == pytest.approx(2 * (2.1 - 0.32 - 0.32) * length, rel=0.03)
     plain = ground_of(layout_of([(ALONG, BOTH)]))
+    more = size["gutter"] - area(plain, "gutter")  # than those along the kerbs
+    assert more == pytest.approx(2 * 0.32 * length, rel=0.03)
     assert not plain.labelled("parking_lane").any()
 
 
