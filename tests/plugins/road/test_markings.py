@@ -185,7 +185,7 @@ def test_dashes_to_give_way_reach_from_the_middle_to_the_curved_kerb(layout_of):
 
 def test_a_short_arm_to_give_way_has_its_triangle(layout_of):
     british = Painting(give_way="double dashes", stems=True)
-    for south, told in ((-20, True), (-15, False)):
+    for south, told in ((-17, True), (-15, False)):
         marks = halts(layout_of([(TEE[0], {}), ([(0, south), (0, 0)], {})]), british)
         bounds = shapely.bounds(marks)
         assert (bounds[:, 3] - bounds[:, 1] > 3.0).any() == told
