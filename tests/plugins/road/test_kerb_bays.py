@@ -107,7 +107,7 @@ def test_cars_stand_within_their_lane_and_fill_it_as_asked(layout_of, city_of):
     assert 0.75 * count[1] < rows.count <= count[1]
     names = [usual.scene.prototypes[i].name for i in rows.prototype]
     assert all("_eu" in name for name in names)
-    assert len(set(names)) > 8
+    assert len(set(names)) > 6
     width = np.array([BODIES[name[4:].rpartition("_")[0]].width for name in names])
     off = np.abs(rows.position[:, 1])
     assert (4.7 - off - width / 2 > 0.03).all()  # from the kerb
@@ -129,7 +129,7 @@ def test_small_vans_deliver_at_the_left_of_one_way_streets_of_japan(layout_of, c
         if rows is None:
             continue
         count += rows.count
-        names = {tokyo.scene.prototypes[i].name[:-1] for i in rows.prototype}
+        names = {tokyo.scene.prototypes[i].name for i in rows.prototype}
         assert names == {"car_kei_van_jp"}
         free = rows.position[:, 1] - BODIES["kei_van"].width / 2  # the left of a street to the east
         assert (free > 1.25).all()  # half a lorry in the middle of the street
