@@ -191,17 +191,17 @@ SCENES: Mapping[str, Scene] = MappingProxyType(
     {
         "grid_s": Scene(
             _GRID, _grid, "noon", "clear",
-            "0f1d97e241555028dc12bfa77315b734ac314002d7ec58243d125c98606ddcbb",
+            "f4a255efd5652c5140edd3998f33341345f54ceb175860af74afc2b4cd87f015",
             (*_TREES_AS_DRAWN, *_NO_CARS),
         ),
         "river_s": Scene(
             _RIVER, _river, "noon", "overcast",
-            "fb74410989e5786226206761e0e0b3c6a74f42a1c4f85fd762f6574fb3b22b91",
+            "a76a781608404fc470906be53cef05c7886624a124745815f636977738bf25d4",
             _THIRTY_CARS,
         ),
         "park_s": Scene(
             _PARK, _park, "15:00", "clear",
-            "f41807dcfdc5d17bd1dcd0ebdcf27498701c15965c732f1ad2436e6f94316503",
+            "989051b5f177f158e3aca15b39f2aacfce17e273995d1f6141efb6b50756d239",
         ),
     }
 )  # fmt: skip
