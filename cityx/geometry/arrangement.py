@@ -267,15 +267,17 @@ def owners(ground: Ground, label: int, over: tuple[str, ...]) -> NDArray[np.int6
     left, right, length = left[apart], right[apart], length[apart]
     size = len(owner)
     rim = np.bincount(group[left], length, size) + np.bincount(group[right], length, size)
-    for _ in range(3):  # rails cross each other inside of a junction
+    while True:  # rails cross each other inside of a junction, bars of a box are cut by many lines
         held, other = np.zeros(size), np.zeros(size, np.int64)
         for a, b in ((left, right), (right, left)):
             rows = np.flatnonzero(paint[a] & (owner[a] == 0) & (owner[b] > 0))
             np.add.at(held, group[a[rows]], length[rows])
             other[group[a[rows]]] = owner[b[rows]]
         found = np.where(held > 0.5 * rim, other, 0)[group]
-        owner = np.where(paint & (owner == 0), found, owner)
-    return owner
+        known = np.where(paint & (owner == 0), found, owner)
+        if np.array_equal(known, owner):
+            return owner
+        owner = known
 
 
 def _mended(
