@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
@@ -184,9 +185,9 @@ BODIES: Mapping[str, Body] = MappingProxyType(
             3.39, 1.475,
             ((0.0, 0.78), (0.02, 0.95), (0.06, 1.03), (0.10, 1.06), (0.16, 1.08), (0.97, 1.09),
              (0.99, 1.07), (1.0, 0.82)),
-            ((0.06, 1.03, 0.95), (0.22, 1.74, 0.88), (0.34, 1.87, 0.87), (0.96, 1.87, 0.87),
+            ((0.075, 1.03, 0.95), (0.225, 1.78, 0.89), (0.28, 1.87, 0.885), (0.955, 1.87, 0.88),
              (0.99, 1.08, 0.93)),
-            0.28, (0.16, 0.83), _WORK, kind="van", cargo=True, kei=True),
+            0.28, (0.16, 0.83), _WORK, kind="van", kei=True),
     }
 )  # fmt: skip
 TAXIS = tuple(name for name, body in BODIES.items() if body.sign)
@@ -219,12 +220,18 @@ VAN_SHARES: Mapping[str, Shares] = MappingProxyType(
 )
 
 
-def waist_of(body: Body, share: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Height of the lower body's upper edge at shares of the length, as fine cars have it."""
+@lru_cache(maxsize=64)
+def _waist(hood: Stations) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     from scipy.interpolate import PchipInterpolator  # slow to import, and kept cars need it not
 
-    line = np.array(body.hood)
-    return np.asarray(PchipInterpolator(line[:, 0], line[:, 1])(share))
+    share, height = np.array(hood).T
+    line: Callable[[NDArray[np.float64]], NDArray[np.float64]] = PchipInterpolator(share, height)
+    return line
+
+
+def waist_of(body: Body, share: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Height of the lower body's upper edge at shares of the length, as fine cars have it."""
+    return np.asarray(_waist(body.hood)(share))
 
 
 def shares_of(kind: str, place: str = "") -> Shares:

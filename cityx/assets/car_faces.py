@@ -5,233 +5,376 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.car_bodies import Body, Face, waist_of
+from cityx.assets.car_bodies import Body, Face
+from cityx.assets.car_shell import ARCH_GAP, SILL, Skin, cabin_line
 from cityx.assets.lettering import word
-from cityx.assets.shapes import Color, bevelled, loft, moved, prism, tube
+from cityx.assets.shapes import bevelled, moved, tube
 from cityx.city.mesh import MeshBatch
 
 FloatArray = NDArray[np.float64]
-DARK: Color = (0.03, 0.03, 0.032)
-# Headlights: metres of height, and where they begin and end, shares of half the width.
-_LAMPS = {"slit": (0.085, 0.50), "block": (0.15, 0.56), "round": (0.19, 0.56)}
+# Headlights: metres of height, and where they begin, as a share of half the width.
+_LAMPS = {"slit": (0.105, 0.50), "block": (0.165, 0.55), "round": (0.20, 0.55)}
+_REARS = {"band": (0.115, 0.50), "block": (0.20, 0.58), "tall": (0.24, 0.74)}
+BENEATH = 0.050  # metres from the edge of the bonnet down to the lamps
+
+
+def _arch(skin: Skin, axle: int) -> float:
+    """Metres behind the nose of the edge of a wheel arch that looks to the nearer end."""
+    body = skin.body
+    gap = body.wheel + ARCH_GAP + 0.02
+    return body.axles[axle] * body.length + (gap if axle else -gap)
 
 
 def front(body: Body, face: Face) -> list[MeshBatch]:
     """Make what a car shows ahead, at -y, but its plate."""
-    half, end, nose = body.width / 2, body.length / 2, body.hood[0][1]
-    parts = [*_grille(body, face), *_headlights(body, face), *_front_bumper(body, face)]
-    y0, z0, _ = body.roof[0]
-    foot = y0 * body.length - end
+    skin = Skin(body)
+    parts = [*_grille(skin, face), *_front_bumper(skin, face)]
     for side in (-1.0, 1.0):
-        wiper = [[side * 0.1, foot - 0.02, z0 + 0.01],
-                 [side * 0.1 + 0.28 * body.width, foot + 0.06, z0 + 0.05]]  # fmt: skip
-        parts.append(tube(wiper, 0.006, "rubber", sides=6))
+        parts += _headlight(skin, face, side)
+        parts += _wiper(body, side)
     if body.sign:
         parts += roof_sign(body)
-    badge = nose - (0.14 if face.trims else 0.05)
-    parts.append(tube([[0.0, -end - 0.026, badge], [0.0, -end - 0.01, badge]], 0.035,
-                      "metal_grey", sides=20))  # fmt: skip
-    parts.append(bevelled((-0.74 * half, -end - 0.002, 0.23), (0.74 * half, -end + 0.10, 0.305),
-                          "rubber", bevel=0.02))  # fmt: skip
+    parts += _badge(skin, 0.0, _badge_height(skin, face), 0.014)
+    # The joint of the bonnet runs from lamp to lamp a hand behind its edge.
+    way = skin.ahead(np.linspace(-0.94, 0.94, 41))
+    parts.append(skin.ribbon(way, skin.edge(way) - 0.030, 0.007, "rubber"))
     return parts
 
 
-def _top(body: Body, y: FloatArray) -> FloatArray:
-    """Upper edge of the lower body at metres behind the nose, on its sides."""
-    return waist_of(body, y / body.length) - 0.03
+def _badge_height(skin: Skin, face: Face) -> float:
+    nose = float(skin.edge(0.0))
+    return nose - (0.085 if face.grille in ("closed", "wide") else 0.07)
 
 
-def _out(body: Body, y: FloatArray) -> FloatArray:
-    """Half the width of the body at metres behind the nose, as its sections taper."""
-    ahead = np.maximum(0.0, 1 - y / (0.10 * body.length))
-    return np.asarray(body.width / 2 * (1 - 0.16 * ahead**2))
+def _badge(skin: Skin, way: float, z: float, out: float) -> list[MeshBatch]:
+    """Set a bright ring about a dark field."""
+    points, normal = skin.frame(way, z, out)
+    turn = np.linspace(0.0, 2 * np.pi, 25)
+    ring = points + np.column_stack([0.045 * np.cos(turn), 0.0 * turn, 0.045 * np.sin(turn)])
+    back = points - 0.02 * normal
+    return [tube(ring, 0.007, "metal_grey", sides=6),
+            tube([points + 0.002 * normal, back], 0.040, "metal_dark", sides=12)]  # fmt: skip
 
 
-def _swept(
-    x: FloatArray, y: FloatArray, low: FloatArray, high: FloatArray, deep: float, material: str,
-    side: float, tint: Color = (1.0, 1.0, 1.0),
-) -> MeshBatch:  # fmt: skip
-    """Skin a lens that runs round a corner: (m,) places on the body, lower and upper edges."""
-    way = np.gradient(np.column_stack([x, y]), axis=0)
-    way /= np.hypot(*way.T)[:, None]
-    inward = np.column_stack([-way[:, 1], way[:, 0]]) * deep
-    rings = np.stack(
-        [np.column_stack([side * (x + s * inward[:, 0]), y + s * inward[:, 1], z])
-         for s, z in ((-0.3, low), (-0.3, high), (1.0, high), (1.0, low))], axis=1
-    )  # fmt: skip
-    return loft(rings[:, ::-1] if side > 0 else rings, material, tint)
+def _wiper(body: Body, side: float) -> list[MeshBatch]:
+    """Lay an arm and a blade along the foot of the windscreen."""
+    (y0, z0, _), (y1, z1, _) = body.roof[0], body.roof[1]
+    lean = (z1 - z0) / ((y1 - y0) * body.length)
+    foot = y0 * body.length - body.length / 2
+
+    def at(x: float, up: float) -> list[float]:
+        # Panes bow ahead of the line from foot to roof.
+        return [x, foot - 0.055 + 0.05 * abs(x) + up / lean, z0 + 0.02 + up]
+
+    x = side * 0.06 * body.width - 0.10
+    blade = [at(x - 0.02, 0.02), at(x + 0.27 * body.width, 0.05)]
+    arm = [at(x + 0.05, -0.01), at(x + 0.15 * body.width, 0.04)]
+    return [tube(blade, 0.008, "rubber", sides=6), tube(arm, 0.006, "rubber", sides=6)]
 
 
-def _headlights(body: Body, face: Face) -> list[MeshBatch]:
-    half, end, nose = body.width / 2, body.length / 2, body.hood[0][1]
-    parts: list[MeshBatch] = []
+def _headlight(skin: Skin, face: Face, side: float) -> list[MeshBatch]:
+    """Make a lamp unit: a dark housing, reflectors, a line of day light, the indicator."""
     height, begin = _LAMPS[face.lamps]
-    # From beside the grille round the corner of the body and back along the wing.
-    back = np.array([0.0, 0.0, 0.012, 0.05, 0.12, 0.20])
-    across = np.array([begin, 0.68, 0.80, 0.88, 0.945, 0.975]) * half
-    across = np.minimum(across, _out(body, back) + 0.004)
-    high = np.maximum(_top(body, back) - 0.015, nose - 0.05)
-    high = np.minimum(high, nose + 0.13 * body.hood[2][1])
-    shrink = np.array([0.75, 1.0, 1.0, 0.95, 0.75, 0.35])
-    low = high - height * shrink
-    for side in (-1.0, 1.0):
-        lens = "metal_grey" if face.lamps == "round" else "car_glass"
-        y = back - end - 0.004
-        parts.append(_swept(across, y, low, high, 0.05, lens, side))
-        if face.lamps == "slit":  # a bright line below, two lenses in the dark
-            parts.append(
-                _swept(across + 0.004, y - 0.006, low, low + 0.016, 0.02, "lens_white", side)
-            )
-            for share in (0.60, 0.72):
-                z = nose - 0.05 - 0.42 * height
-                parts += _round_lamp(side * share * half, -end - 0.012, z, 0.026)
-        elif face.lamps == "block":
-            z = nose - 0.05 - 0.5 * height
-            for share in (0.63, 0.76):
-                parts += _round_lamp(side * share * half, -end - 0.018, z, 0.048)
-            parts.append(_swept(across[3:] + 0.005, y[3:] - 0.004, low[3:], low[3:] + 0.05,
-                                0.02, "lens_amber", side))  # fmt: skip
-        else:
-            z = nose - 0.05 - 0.5 * height
-            parts += _round_lamp(side * 0.70 * half, -end - 0.024, z, 0.092)
+    first = float(skin.ahead(begin))
+    last = float(skin.beside(0.40 if face.lamps == "slit" else 0.34))
+    u = np.linspace(0.0, 1.0, 17)
+    way = first + (last - first) * u
+    high = skin.edge(way) - BENEATH
+    if face.lamps == "slit":
+        low = high - height * np.interp(u, [0.0, 0.12, 0.55, 1.0], [0.55, 0.95, 1.0, 0.18])
+    elif face.lamps == "block":
+        low = high - height * np.interp(
+            u, [0.0, 0.10, 0.60, 0.85, 1.0], [0.80, 1.0, 1.0, 0.85, 0.40]
+        )
+    else:
+        low = high - height * np.interp(u, [0.0, 0.15, 0.30, 0.60, 0.85, 1.0],
+                                        [0.62, 0.88, 1.0, 1.0, 0.80, 0.45])  # fmt: skip
+
+    def laid(a: float, b: float, bottom: float, top: float, material: str, out: float,
+             count: int = 9) -> MeshBatch:  # fmt: skip
+        """Lay a field between shares of the breadth and of the height of the lamp."""
+        share = np.linspace(a, b, count)
+        w = np.interp(share, u, way)
+        foot, head = np.interp(share, u, low), np.interp(share, u, high)
+        edges = foot + bottom * (head - foot), foot + top * (head - foot)
+        if side < 0:
+            w, edges = -w[::-1], (edges[0][::-1], edges[1][::-1])
+        return skin.patch(w, *edges, material, out=out, rows=4)
+
+    def lens(share: float, level: float, radius: float) -> list[MeshBatch]:
+        w = float(np.interp(share, u, way))
+        z = float(np.interp(share, u, low + level * (high - low)))
+        points, normal = skin.frame(side * w, z, 0.008)
+        ring = [points - 0.014 * normal, points, points + 0.003 * normal]
+        glass = [points - 0.004 * normal, points + 0.004 * normal, points + 0.008 * normal]
+        return [
+            tube(ring, [radius, radius, 0.90 * radius], "metal_grey", sides=8),
+            tube(glass, [0.80 * radius, 0.74 * radius, 0.40 * radius], "lens_white", sides=8),
+        ]
+
+    parts = [laid(0.0, 1.0, -0.07, 1.05, "rubber", 0.002, 17),
+             laid(0.015, 0.985, 0.0, 1.0, "car_glass", 0.005, 17)]  # fmt: skip
+    if face.lamps == "slit":
+        parts += [laid(0.02, 0.93, 0.03, 0.20, "lens_white", 0.009, 15),
+                  laid(0.06, 0.60, 0.34, 0.90, "metal_grey", 0.0065, 9)]  # fmt: skip
+        parts += [*lens(0.17, 0.62, 0.030), *lens(0.34, 0.62, 0.030), *lens(0.50, 0.62, 0.026)]
+        parts.append(laid(0.66, 0.90, 0.42, 0.78, "lens_amber", 0.008, 5))
+    elif face.lamps == "block":
+        parts += [laid(0.05, 0.62, 0.14, 0.90, "metal_grey", 0.0065, 9),
+                  laid(0.04, 0.66, 0.80, 0.92, "lens_white", 0.009, 9),
+                  laid(0.66, 0.73, 0.14, 0.92, "lens_white", 0.009, 3)]  # fmt: skip
+        parts += [*lens(0.20, 0.44, 0.052), *lens(0.46, 0.44, 0.052)]
+        parts.append(laid(0.78, 0.95, 0.20, 0.55, "lens_amber", 0.008, 5))
+    else:
+        parts += [laid(0.05, 0.72, 0.08, 0.94, "metal_grey", 0.0065, 9)]
+        parts += lens(0.36, 0.50, 0.086)
+        parts += lens(0.36, 0.50, 0.040)
+        parts.append(laid(0.76, 0.95, 0.25, 0.70, "lens_amber", 0.008, 5))
     return parts
 
 
-def _round_lamp(x: float, y: float, z: float, radius: float) -> list[MeshBatch]:
-    """Set a round lens, its rim and the bulb before it."""
-    return [
-        tube([[x, y, z], [x, y + 0.03, z]], [0.9 * radius, radius], "lens_white", sides=24),
-        tube([[x, y - 0.004, z], [x, y, z]], [0.40 * radius, 0.48 * radius], "metal_grey",
-             sides=16),
-    ]  # fmt: skip
+def _across(skin: Skin, wide: float, count: int = 25) -> FloatArray:
+    """Return the ways across the nose between both sides, shares of half the width."""
+    return skin.ahead(np.linspace(-wide, wide, count))
 
 
-def _bars(body: Body, wide: float, low: float, high: float, count: int) -> list[MeshBatch]:
-    """Lay bright bars across a dark field."""
-    end = body.length / 2
-    return [
-        tube([[-wide, -end - 0.014, z], [wide, -end - 0.014, z]], 0.005, "metal_grey", sides=6)
-        for z in np.linspace(low, high, count).tolist()
-    ]
+def _grille(skin: Skin, face: Face) -> list[MeshBatch]:
+    nose = float(skin.edge(0.0))
 
+    def field(wide: float, low: float, high: float, narrow: float = 0.0) -> list[MeshBatch]:
+        """Lay a dark mesh field with a frame; `narrow` draws its lower corners in."""
+        share = np.linspace(-wide, wide, 25)
+        foot = low + narrow * np.clip((np.abs(share) / wide - 0.72) / 0.28, 0, 1)
+        way = skin.ahead(share)
+        ring = np.concatenate([np.column_stack([way, foot]),
+                               np.column_stack([way, np.full(25, high)])[::-1]])  # fmt: skip
+        frame = skin.point(ring[:, 0], ring[:, 1], 0.008)
+        return [skin.patch(way, foot, np.full(25, high), "rubber", out=0.003),
+                tube(np.vstack([frame, frame[:1]]), 0.008, "metal_grey", sides=4)]  # fmt: skip
 
-def _grille(body: Body, face: Face) -> list[MeshBatch]:
-    half, end, nose = body.width / 2, body.length / 2, body.hood[0][1]
-
-    def field(wide: float, low: float, high: float) -> MeshBatch:
-        return bevelled((-wide, -end - 0.010, low), (wide, -end + 0.06, high), "metal_dark")
-
-    if face.grille == "bars":
-        wide, low, high = 0.47 * half, nose - 0.24, nose - 0.08
-        return [field(wide, low, high), *_bars(body, wide - 0.02, low + 0.015, high - 0.01, 7)]
-    if face.grille == "wide":  # from lamp to lamp, a bright strip over it
-        wide, low, high = 0.53 * half, nose - 0.17, nose - 0.045
-        return [field(wide, low, high), *_bars(body, wide, high - 0.006, high, 2),
-                *_bars(body, wide - 0.03, low + 0.03, high - 0.04, 2)]  # fmt: skip
-    if face.grille == "shield":
-        high, low = nose - 0.03, nose - 0.27
-        outline = np.array([[-0.30, low], [0.30, low], [0.44, low + 0.10], [0.40, high],
-                            [-0.40, high], [-0.44, low + 0.10]])  # fmt: skip
-        outline[:, 0] *= half
-        ring = np.column_stack([outline[:, 0], np.full(6, -end - 0.014), outline[:, 1]])
-        frame = tube(np.vstack([ring, ring[:1]]), 0.011, "metal_grey", sides=8)
-        return [prism(outline, -end - 0.010, -end + 0.05, "metal_dark"), frame,
-                *_bars(body, 0.30 * half, low + 0.04, high - 0.04, 4)]  # fmt: skip
-    if face.grille == "slots":
-        wide, low, high = 0.46 * half, nose - 0.22, nose - 0.06
-        places = np.linspace(-wide, wide, 8)
-        pairs = zip(places[:-1].tolist(), places[1:].tolist(), strict=True)
+    def bars(wide: float, low: float, high: float, count: int, thick: float = 0.012,
+             material: str = "metal_dark") -> list[MeshBatch]:  # fmt: skip
+        way = _across(skin, wide, 11)
         return [
-            bevelled((a + 0.014, -end - 0.010, low), (b - 0.014, -end + 0.05, high), "metal_dark",
-                     bevel=0.01)
-            for a, b in pairs
+            skin.patch(way, z - thick / 2, z + thick / 2, material, out=0.012, rows=2)
+            for z in np.linspace(low, high, count).tolist()
+        ]
+
+    def posts(wide: float, low: float, high: float, count: int) -> list[MeshBatch]:
+        return [
+            skin.ribbon(skin.ahead(np.full(4, share)), np.linspace(low, high, 4), 0.010,
+                        "metal_dark", out=0.010)
+            for share in np.linspace(-wide, wide, count).tolist()
         ]  # fmt: skip
-    # Closed, as of what has no radiator: a dark line between the lamps.
-    return [bevelled((-0.50 * half, -end - 0.008, nose - 0.075), (0.50 * half, -end + 0.04,
-                     nose - 0.055), "metal_dark", bevel=0.004)]  # fmt: skip
 
-
-def _front_bumper(body: Body, face: Face) -> list[MeshBatch]:
-    half, end = body.width / 2, body.length / 2
-    if face.trims:
-        parts = [bevelled((-0.82 * half, -end - 0.03, 0.31), (0.82 * half, -end + 0.06, 0.40),
-                          "rubber", bevel=0.02)]  # fmt: skip
-        for side in (-1.0, 1.0):
-            lamp = [side * 0.64 * half, -end - 0.034, 0.355]
-            parts.append(tube([lamp, [lamp[0], lamp[1] + 0.04, lamp[2]]], 0.03, "metal_grey",
-                              sides=16))  # fmt: skip
+    high = nose - 0.055
+    if face.grille == "bars":
+        low = nose - 0.22
+        return [*field(0.48, low, high), *bars(0.47, low + 0.02, high - 0.015, 6)]
+    if face.grille == "wide":  # from lamp to lamp, a bright strip over it
+        low = nose - 0.175
+        return [*field(0.50, low, high, 0.03), *bars(0.48, low + 0.035, high - 0.03, 3),
+                *bars(0.50, high - 0.014, high - 0.014, 1, 0.020, "metal_grey")]  # fmt: skip
+    if face.grille == "shield":
+        low = nose - 0.30
+        return [*field(0.44, low, high, 0.11), *bars(0.34, low + 0.05, low + 0.10, 2),
+                *bars(0.42, low + 0.14, high - 0.02, 4),
+                *posts(0.30, low + 0.02, high - 0.01, 7)]  # fmt: skip
+    if face.grille == "slots":
+        low = nose - 0.22
+        parts = [skin.patch(_across(skin, 0.50), low - 0.02, high + 0.01, "metal_grey", out=0.003)]
+        for share in np.linspace(-0.42, 0.42, 7).tolist():
+            way = skin.ahead(np.linspace(share - 0.045, share + 0.045, 4))
+            parts.append(skin.patch(way, low, high - 0.01, "rubber", out=0.006))
         return parts
-    # A low intake in the painted bumper, and pockets at its ends.
-    outline = np.array([[-0.60, 0.315], [0.60, 0.315], [0.52, 0.415], [-0.52, 0.415]])
-    outline[:, 0] *= half
-    parts = [prism(outline, -end - 0.008, -end + 0.05, "metal_dark")]
+    # Closed, as of what has no radiator: a gloss black panel between the lamps.
+    return [skin.patch(_across(skin, 0.53), nose - 0.125, nose - 0.050, "car_glass", out=0.004),
+            *bars(0.50, nose - 0.118, nose - 0.118, 1, 0.010, "metal_grey")]  # fmt: skip
+
+
+def _front_bumper(skin: Skin, face: Face) -> list[MeshBatch]:
+    """Make the bumper: its lip, the lower intake with bars, and fog lamps in their pockets."""
+    nose = float(skin.edge(0.0))
+    parts = []
+    reach = _arch(skin, 0)
+    end = float(skin.beside(max(reach, 0.06)))
+    around = np.linspace(-end, end, 45)
+    lift = SILL + (nose - SILL) * 0.06
+    if face.trims:  # unpainted below
+        parts.append(
+            skin.patch(around, SILL - 0.008, SILL + 0.42 * (nose - SILL), "rubber", out=0.006)
+        )
+        level = SILL + 0.26 * (nose - SILL)
+        way = _across(skin, 0.55)
+        parts.append(skin.patch(way, level - 0.06, level + 0.05, "metal_dark", out=0.009))
+        parts += [skin.ribbon(way, np.full(25, level + z), 0.010, "rubber", out=0.013)
+                  for z in (-0.03, 0.0, 0.03)]  # fmt: skip
+    else:
+        parts.append(skin.patch(around, SILL - 0.008, lift, "rubber", out=0.010, rows=3))
+        low, high = SILL + 0.10 * (nose - SILL), SILL + 0.34 * (nose - SILL)
+        share = np.linspace(-0.60, 0.60, 25)
+        top = high - 0.05 * np.clip((np.abs(share) - 0.42) / 0.18, 0, 1)
+        way = skin.ahead(share)
+        parts.append(skin.patch(way, low, top, "rubber", out=0.003))
+        parts += [
+            skin.patch(_across(skin, 0.54, 9), z - 0.005, z + 0.005, "metal_dark", out=0.010,
+                       rows=2)
+            for z in np.linspace(low + 0.03, high - 0.05, 3).tolist()
+        ]  # fmt: skip
     for side in (-1.0, 1.0):
-        x = sorted((side * 0.66 * half, side * 0.82 * half))
-        parts.append(bevelled((x[0], -end - 0.006, 0.34), (x[1], -end + 0.06, 0.45),
-                              "metal_dark", bevel=0.02))  # fmt: skip
-        lamp = [side * 0.73 * half, -end - 0.014, 0.395]
-        parts.append(tube([lamp, [lamp[0], lamp[1] + 0.03, lamp[2]]], 0.028, "metal_grey",
-                          sides=16))  # fmt: skip
+        share = np.linspace(0.68, 0.90, 7)
+        way = skin.ahead(side * share if side > 0 else side * share[::-1])
+        base = SILL + 0.17 * (nose - SILL)
+        tall = 0.24 * (nose - SILL) * np.linspace(0.75, 1.0, 7)
+        tall = tall if side > 0 else tall[::-1]
+        if not face.trims:
+            parts.append(skin.patch(way, base, base + tall, "rubber", out=0.003))
+            parts.append(skin.patch(way, base + tall - 0.022, base + tall - 0.010, "metal_grey",
+                                    out=0.008, rows=2))  # fmt: skip
+        points, normal = skin.frame(skin.ahead(side * 0.76), base + 0.075, 0.012)
+        parts.append(tube([points - 0.012 * normal, points], 0.028, "metal_grey", sides=8))
+        parts.append(tube([points - 0.008 * normal, points + 0.004 * normal], [0.022, 0.018],
+                          "lens_white", sides=10))  # fmt: skip
+    # A hollow for the plate, between grille and intake.
+    z = plate_places(skin.body, face)[0][1]
+    parts.append(skin.patch(_across(skin, 0.20, 9), z - 0.058, z + 0.058, "rubber", out=0.0015))
     return parts
 
 
 def plate_places(body: Body, face: Face) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return (y, z) of the faces that the plates before and behind are fixed on, metres."""
-    end, nose, tail = body.length / 2, body.hood[0][1], body.hood[-1][1]
-    # It stands before the grille where both have no room.
-    ahead = nose - 0.30 if face.trims else 0.455
-    return (-end - 0.02, ahead), (end, 0.50 if face.rear != "block" else tail - 0.12)
+    skin = Skin(body)
+    nose, tail = float(skin.edge(0.0)), float(skin.edge(3.0))
+    share = 0.46 if face.grille in ("shield", "bars") or not face.trims else 0.36
+    ahead = SILL + share * (nose - SILL)
+    behind = SILL + (0.64 if face.rear != "tall" and tail > 0.9 else 0.40) * (tail - SILL)
+    before, after = skin.point([0.0, 3.0], [ahead, behind], 0.006)
+    return (float(before[1]), ahead), (float(after[1]), behind)
 
 
 def rear(body: Body, face: Face) -> list[MeshBatch]:
     """Make what a car shows behind, at +y, but its plate."""
-    half, end, tail = body.width / 2, body.length / 2, body.hood[-1][1]
-    low = (-0.78 * half, end - 0.08, 0.24)
-    parts = [bevelled(low, (0.78 * half, end + 0.014, 0.36), "rubber", bevel=0.02)]
-    parts.append(tube([[0.5 * half, end - 0.10, 0.24], [0.5 * half, end + 0.03, 0.24]], 0.032,
-                      "metal_grey", sides=16))  # fmt: skip
-    parts.append(tube([[-0.14, end + 0.012, tail - 0.02], [0.14, end + 0.012, tail - 0.02]], 0.012,
-                      "metal_grey", sides=10))  # fmt: skip
+    skin = Skin(body)
+    tail = float(skin.edge(3.0))
+    bumper = SILL + 0.525 * (tail - SILL)
+    reach = float(skin.beside(_arch(skin, 1)))
+    around = np.linspace(reach, 6 - reach, 45)
+    high = SILL + 0.34 * (tail - SILL) if face.trims else SILL + 0.20 * (tail - SILL)
+    parts = [skin.patch(around, SILL - 0.008, high, "rubber", out=0.008)]
+    lamp = _REARS[face.rear][1] if face.rear != "tall" else 0.84
+    # The joints of the tailgate or the boot, and the one above the bumper.
+    across = skin.behind(np.linspace(lamp + 0.02, -lamp - 0.02, 25))
+    parts.append(skin.ribbon(across, np.full(25, bumper + 0.02), 0.008, "rubber"))
     for side in (-1.0, 1.0):
-        parts += _rear_lamp(body, face, side)
+        up = np.linspace(bumper + 0.02, tail - 0.01, 12)
+        way = skin.behind(np.full(12, side * (lamp + 0.02)))
+        parts.append(skin.ribbon(way, np.minimum(up, skin.edge(way) - 0.005), 0.008, "rubber"))
+        parts += _rear_lamp(skin, face, side)
+        spot = skin.behind(np.linspace(side * 0.74 + 0.07, side * 0.74 - 0.07, 5))
+        low = SILL + 0.26 * (tail - SILL)
+        parts.append(skin.patch(spot, low, low + 0.03, "lens_red", out=0.012, rows=2))
+    if body.cargo:  # two doors
+        up = np.linspace(bumper + 0.02, tail, 8)
+        parts.append(skin.ribbon(np.full(8, 3.0), up, 0.010, "rubber", out=0.003))
+    z = plate_places(body, face)[1][1]
+    hollow = skin.behind(np.linspace(0.32, -0.32, 9))
+    parts.append(skin.patch(hollow, z - 0.085, z + 0.085, "rubber", out=0.0015))
+    bar = skin.behind(np.linspace(0.32, -0.32, 9))
+    material = "metal_grey" if not face.trims else "rubber"
+    parts.append(skin.patch(bar, z + 0.088, z + 0.112, material, out=0.014, rows=2))
+    above = tail - 0.08 if z + 0.20 < tail - 0.05 else z + 0.16
+    points, normal = skin.frame(3.0, min(above, tail - 0.05), 0.006)
+    parts.append(tube([points - 0.01 * normal, points], 0.036, "metal_grey", sides=12))
+    if face.rear == "band":  # one light from side to side
+        band = skin.behind(np.linspace(0.58, -0.58, 25))
+        level = skin.edge(band) - BENEATH - 0.5 * _REARS["band"][0]
+        parts.append(skin.patch(band, level - 0.030, level + 0.030, "car_glass", out=0.005))
+        parts.append(skin.patch(band, level - 0.010, level + 0.010, "lens_red", out=0.009, rows=2))
+    if not face.trims:
+        half, end = body.width / 2, body.length / 2
+        for x in (0.5 * half, -0.5 * half)[: 1 + (face.lamps == "slit")]:
+            pipe = [[x, end - 0.20, 0.245], [x, end - 0.012, 0.245]]
+            parts.append(tube(pipe, 0.034, "metal_grey", sides=10))
+    return [*parts, *_rear_window(body)]
+
+
+def _rear_window(body: Body) -> list[MeshBatch]:
+    """Make the high brake light and, on upright windows, the wiper."""
+    (y1, z1, _), (y0, z0, _) = cabin_line(body)[-2:].tolist()
+    run = (y0 - y1) * body.length
+    parts = []
+
+    def at(x: float, share: float) -> list[float]:
+        bow = 0.06 * (1 - (x / (0.8 * body.width / 2)) ** 2)
+        return [x, y1 * body.length - body.length / 2 + share * run + bow + 0.012,
+                z1 + share * (z0 - z1)]  # fmt: skip
+
+    lamp = at(0.0, 0.09)
+    parts.append(bevelled((-0.13, lamp[1] - 0.03, lamp[2] - 0.009), (0.13, lamp[1] + 0.004,
+                          lamp[2] + 0.009), "lens_red", bevel=0.004))  # fmt: skip
+    if body.cargo:
+        joint = np.array([at(0.0, 0.12), at(0.0, 0.99)]) - (0.0, 0.008, 0.0)
+        parts.append(tube(joint, 0.008, "rubber", sides=4))
+    elif run < 0.9:
+        parts.append(tube([at(0.0, 0.93), at(-0.34, 0.80)], 0.009, "rubber", sides=6))
+    return parts
+
+
+def _rear_lamp(skin: Skin, face: Face, side: float) -> list[MeshBatch]:
+    """Make the lights of one side, which run round the corner into the flank."""
+    height, begin = _REARS[face.rear]
+    body = skin.body
+    first = float(skin.beside(body.length - (0.30 if face.rear == "band" else 0.20)))
+    last = float(skin.behind(begin))
+    u = np.linspace(0.0, 1.0, 17)
+    way = first + (last - first) * u
+    high = skin.edge(way) - (BENEATH if face.rear != "tall" else 0.02)
+    if face.rear == "tall":
+        height = min(0.42 * (float(skin.edge(2.9)) - SILL), 0.36)
+    taper = np.interp(u, [0.0, 0.45, 1.0], [0.45, 1.0, 0.80 if face.rear == "band" else 1.0])
+    low = high - height * taper
+
+    def laid(a: float, b: float, bottom: float, top: float, material: str, out: float,
+             count: int = 9) -> MeshBatch:  # fmt: skip
+        share = np.linspace(a, b, count)
+        w = np.interp(share, u, way)
+        foot, head = np.interp(share, u, low), np.interp(share, u, high)
+        edges = foot + bottom * (head - foot), foot + top * (head - foot)
+        if side < 0:
+            w, edges = 6 - w[::-1], (edges[0][::-1], edges[1][::-1])
+        return skin.patch(w, *edges, material, out=out, rows=4)
+
+    parts = [laid(-0.0, 1.0, -0.05, 1.04, "rubber", 0.003, 17)]
     if face.rear == "band":
-        parts.append(bevelled((-0.60 * half, end - 0.03, tail + 0.035), (0.60 * half, end + 0.010,
-                              tail + 0.065), "lens_red", bevel=0.006))  # fmt: skip
+        parts += [laid(0.02, 0.98, 0.0, 1.0, "car_glass", 0.006, 17),
+                  laid(0.04, 0.96, 0.60, 0.92, "lens_red", 0.010, 15),
+                  laid(0.30, 0.96, 0.10, 0.40, "lens_red", 0.010, 9),
+                  laid(0.10, 0.28, 0.10, 0.40, "lens_amber", 0.010, 5),
+                  laid(0.78, 0.92, 0.16, 0.34, "lens_white", 0.012, 3)]  # fmt: skip
+    elif face.rear == "block":
+        parts += [laid(0.02, 0.98, 0.0, 1.0, "lens_red", 0.007, 17),
+                  laid(0.30, 0.94, 0.38, 0.62, "lens_white", 0.010, 7),
+                  laid(0.30, 0.60, 0.40, 0.60, "lens_amber", 0.012, 7),
+                  laid(0.34, 0.92, 0.76, 0.86, "signal_red", 0.010, 9),
+                  laid(0.34, 0.92, 0.14, 0.24, "signal_red", 0.010, 9)]  # fmt: skip
+    else:
+        parts += [laid(0.03, 0.97, 0.0, 1.0, "lens_red", 0.007, 17),
+                  laid(0.35, 0.92, 0.32, 0.50, "lens_amber", 0.010, 7),
+                  laid(0.35, 0.92, 0.12, 0.28, "lens_white", 0.010, 7),
+                  laid(0.40, 0.88, 0.60, 0.90, "signal_red", 0.010, 7)]  # fmt: skip
+        parts += _upper_lamp(body, side)
     return parts
 
 
-def _rear_lamp(body: Body, face: Face, side: float) -> list[MeshBatch]:
-    """Make the lights of one side."""
-    half, end, tail = body.width / 2, body.length / 2, body.hood[-1][1]
-    if face.rear == "tall":  # up the edge of the tailgate, at both sides of the window
-        foot, waist = tail - 0.06, body.hood[-2][1]
-        upper = waist + 0.30 * (body.roof[-2][1] - waist)
-        z = np.array([foot, tail, waist, upper])
-        rise = np.clip((z - waist) / max(body.roof[-2][1] - waist, 0.1), 0.0, 1.0)
-        lean = (body.roof[-2][0] - body.roof[-1][0]) * body.length * rise
-        y = end + np.array([0.012, 0.012, -0.015, 0.0]) + np.where(z > waist, lean + 0.02, 0.0)
-        x = half * np.where(z > waist, 0.90 + (body.roof[-2][2] - 0.88) * rise, 0.86)
-        wide, deep = 0.055, 0.10
-        rings = np.stack([
-            np.column_stack([side * (x + a * wide), y + b, z])
-            for a, b in ((-1, 0.0), (0.7, 0.0), (1.0, -deep), (-1, -deep))
-        ], axis=1)  # fmt: skip
-        parts = [loft(rings if side > 0 else rings[:, ::-1], "lens_red")]
-        spot = sorted((side * (0.86 * half - 0.04), side * (0.86 * half + 0.03)))
-        parts.append(bevelled((spot[0], end + 0.006, tail + 0.02), (spot[1], end + 0.02,
-                              tail + 0.07), "signal_red", bevel=0.006))  # fmt: skip
-        parts.append(bevelled((spot[0], end + 0.006, tail - 0.04), (spot[1], end + 0.02,
-                              tail + 0.0), "lens_amber", bevel=0.006))  # fmt: skip
-        return parts
-    begin, high = (0.46, 0.085) if face.rear == "band" else (0.58, 0.13)
-    x = np.array(sorted((side * begin * half, side * 0.90 * half)))
-    parts = [bevelled((x[0], end - 0.14, tail - 0.01), (x[1], end + 0.014, tail + high), "lens_red",
-                      bevel=0.02)]  # fmt: skip
-    inner, outer = x[0] + 0.02, x[1] - 0.02
-    for z in np.linspace(tail + 0.02, tail + high - 0.03, 2 if face.rear == "band" else 3).tolist():
-        parts.append(bevelled((inner, end + 0.008, z), (outer, end + 0.018, z + 0.016),
-                              "signal_red", bevel=0.004))  # fmt: skip
-    return parts
+def _upper_lamp(body: Body, side: float) -> list[MeshBatch]:
+    """Run a slim red light up the pillar beside the rear window."""
+    (y1, z1, w1), (y0, z0, _) = cabin_line(body)[-2:].tolist()
+    share = np.linspace(0.02, 0.62, 6)
+    half, end = body.width / 2, body.length / 2
+    y = (y0 + (y1 - y0) * share) * body.length - end + 0.008
+    x = half * (0.92 + (w1 - 0.92) * share) - 0.045
+    line = np.column_stack([side * x, y, z0 - 0.03 + (z1 - z0) * share])
+    return [tube(line, [0.030, 0.032, 0.032, 0.030, 0.026, 0.014], "lens_red", sides=8)]
 
 
 def roof_sign(body: Body) -> list[MeshBatch]:

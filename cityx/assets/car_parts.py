@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cityx.assets.car_bodies import BODIES
 from cityx.assets.car_faces import front, plate_places, rear
+from cityx.assets.fine_vehicles import DRIVEN_FROM_RIGHT, driver
 from cityx.assets.number_plates import PLATES, number_plate
 from cityx.assets.shapes import fine_shapes, moved, prototype
 from cityx.city.mesh import MeshBatch
@@ -24,6 +25,7 @@ from cityx.geometry.turns import euler_of, matrices
 FloatArray = NDArray[np.float64]
 PART = "vehicle_part"  # kind of the prototypes of parts
 REGISTRATIONS = 36  # plates of a country that are seen; a multiple of the makes of every body
+DRIVERS = 6  # people who are seen at the wheel of a body
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,27 @@ def car_parts(body: str, country: str, number: int) -> tuple[Part, ...]:
         Part(_plate(key, number, rear=False), (0.0, *ahead)),
         Part(_plate(key, number, rear=True), (0.0, *behind), about=True),
     )
+
+
+def driver_part(body: str, country: str, number: int) -> Part:
+    """Return who drives the fine form of a car with plates of a country.
+
+    Parameters
+    ----------
+    body, country
+        As of `car_parts`.
+    number
+        Of the registration, which says who drives as well.
+    """
+    return Part(_driver(body, country in DRIVEN_FROM_RIGHT, number % DRIVERS), (0.0, 0.0, 0.0))
+
+
+@lru_cache(maxsize=256)
+def _driver(body: str, right: bool, number: int) -> Prototype:
+    side, word = (-1.0, "right") if right else (1.0, "left")
+    with fine_shapes():
+        parts = driver(BODIES[body], side, number)
+    return prototype(f"driver_{body}_{word}_{number}", PART, parts)
 
 
 def meshes_of(parts: tuple[Part, ...]) -> list[MeshBatch]:

@@ -13,7 +13,7 @@ from cityx.city.scene import Prototype
 
 Shapes = list[MeshBatch]
 IRON: Color = (0.75, 0.72, 0.70)
-RIM: Color = (1.6, 1.6, 1.6)
+RIM: Color = (0.42, 0.41, 0.40)
 DARK: Color = (0.2, 0.2, 0.2)
 BURIED = -0.05  # metres
 SLAB: Color = (0.52, 0.50, 0.47)

@@ -7,13 +7,18 @@ from numpy.typing import NDArray
 
 from cityx.assets.car_bodies import Body, waist_of
 from cityx.assets.car_faces import rails
-from cityx.assets.shapes import Color, bevelled, loft, tube
-from cityx.city.mesh import MeshBatch, one_mesh
+from cityx.assets.car_flanks import doors, flanks
+from cityx.assets.car_shell import ARCH_GAP, Skin, cabin_line, mirrored, skinned
+from cityx.assets.shapes import Color, bevelled, lathe, loft, tube
+from cityx.city.mesh import MeshBatch
 
 FloatArray = NDArray[np.float64]
-ARCH_STEPS = 17
 DRIVEN_FROM_RIGHT = ("gb", "jp")  # countries whose steering wheels are at the right
-CLOTH: Color = (0.16, 0.16, 0.17)  # of seats
+SKINS: tuple[Color, ...] = ((0.62, 0.40, 0.29), (0.50, 0.31, 0.21), (0.24, 0.13, 0.08))
+COATS: tuple[Color, ...] = ((0.07, 0.09, 0.14), (0.62, 0.62, 0.60), (0.22, 0.24, 0.26),
+                            (0.10, 0.10, 0.11))  # fmt: skip
+HAIRS: tuple[Color, ...] = ((0.03, 0.02, 0.015), (0.09, 0.05, 0.03), (0.02, 0.02, 0.02))
+FLOOR = 0.42  # metres, of the cabin over a road, under wheels of 0.3
 
 
 def rounded(rings: FloatArray, times: int = 2) -> FloatArray:
@@ -27,70 +32,47 @@ def rounded(rings: FloatArray, times: int = 2) -> FloatArray:
 
 def fine_car(body: Body, country: str = "") -> list[MeshBatch]:
     """Make what all makes of a body have but its wheels; see `cityx.assets.vehicles.car`."""
-    from cityx.assets.vehicles import body_rings
-
-    rings = rounded(body_rings(body, ARCH_STEPS, np.linspace(0.0, 1.0, 49), smooth=True))
-    parts = [loft(rings[:, ::-1], "car_paint"), *greenhouse(body), *_wells(body)]
+    skin = Skin(body)
+    parts = [*skin.lower_body(), *greenhouse(skin), *_wells(skin)]
     parts += interior(body, -1.0 if country in DRIVEN_FROM_RIGHT else 1.0)
-    return [*parts, *_sides(body, body.faces[0].trims), *(rails(body) if body.rails else [])]
+    return [*parts, *flanks(skin), *(rails(body) if body.rails else [])]
 
 
-def _wells(body: Body) -> list[MeshBatch]:
+def _wells(skin: Skin) -> list[MeshBatch]:
     """Line the wheel arches: a dark vault over each wheel and a lip around its opening."""
-    from cityx.assets.vehicles import ARCH_GAP
-
     parts = []
-    angle = np.linspace(0.08, np.pi - 0.08, 19)
+    body = skin.body
+    angle = np.linspace(0.03, np.pi - 0.03, 21)
     radius = body.wheel + ARCH_GAP
+    clad = 0.030 if body.faces[0].trims or "slots" in {face.grille for face in body.faces} else 0.0
     for share in body.axles:
-        y = share * body.length - body.length / 2
-        for side in (-1.0, 1.0):
-            inner, outer = side * 0.55 * body.width / 2, side * (body.width / 2 - 0.03)
-            arc = np.column_stack(
-                [
-                    y - (radius - 0.012) * np.cos(angle),
-                    0.92 * body.wheel + (radius - 0.012) * np.sin(angle),
-                ]
-            )
-            rows = np.stack(
-                [
-                    np.column_stack([np.full(len(arc), x), arc])
-                    for x in ((inner, outer) if side < 0 else (outer, inner))
-                ]
-            )
-            parts.append(_grid(rows, np.zeros((1, len(arc) - 1), int), ("rubber",)))
-            lip = np.column_stack(
-                [
-                    np.full(len(arc), side * (body.width / 2 - 0.012)),
-                    y - radius * np.cos(angle),
-                    0.92 * body.wheel + radius * np.sin(angle),
-                ]
-            )
-            parts.append(tube(lip, 0.014, "rubber", sides=8))
+        y = share * body.length - radius * np.cos(angle)
+        z = 0.92 * body.wheel + radius * np.sin(angle)
+        way = skin.beside(y)
+        outer = skin.point(way, z, -0.004)
+        inner = outer * [0.0, 1.0, 1.0] + [0.55 * body.width / 2, 0.0, 0.0]
+        vault = np.stack([outer, inner])
+        lip = skin.point(way, z, 0.0)
+        parts += [skinned(vault, "rubber"), skinned(mirrored(vault), "rubber")]
+        for side in (1.0, -1.0):
+            material = "rubber" if clad else "car_paint"
+            parts.append(tube(lip * [side, 1.0, 1.0], max(0.008, clad), material, sides=4))
     return parts
 
 
-def _grid(points: FloatArray, material: NDArray[np.int64], materials: tuple[str, ...]) -> MeshBatch:
-    """Skin a grid of points, (m, k, 3), with a material for each of its (m - 1, k - 1) quads."""
-    m, k, _ = points.shape
-    at = np.arange(m * k).reshape(m, k)
-    faces = np.stack([at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]], axis=-1).reshape(-1, 4)
-    return one_mesh(0, points.reshape(-1, 3), faces, material=material.ravel(),
-                    materials=materials)  # fmt: skip
-
-
-PAINT, GLASS, SEAL = 0, 1, 2
-CABIN = ("car_paint", "car_pane", "rubber")
+PAINT, GLASS, SEAL, PILLAR = 0, 1, 2, 3
+CABIN = ("car_paint", "car_pane", "rubber", "car_glass")
 # Shares of the height from the waist to the edge of the roof, and from there to its middle.
 RISE = np.array([0.0, 0.05, 0.30, 0.60, 0.90, 1.0])
 CROWN = np.array([0.06, 0.14, 0.35, 0.65, 1.0])
 
 
-def greenhouse(body: Body) -> list[MeshBatch]:
+def greenhouse(skin: Skin) -> list[MeshBatch]:
     """Make windscreen, windows, pillars and roof as one skin, with seals along the waist."""
     from scipy.interpolate import PchipInterpolator
 
-    line = np.array(body.roof)
+    body = skin.body
+    line = cabin_line(body)
     length, half = body.length, body.width / 2
     roof_from, roof_to = line[1, 0], line[-2, 0]
     pillar = 0.028  # of the length
@@ -98,15 +80,19 @@ def greenhouse(body: Body) -> list[MeshBatch]:
     cargo = body.cargo  # no windows beside its load
     cuts = [line[0, 0] + 0.004, line[0, 0] + 0.3 * (roof_from - line[0, 0]), roof_from - 0.01,
             roof_from, middle - pillar / 2, middle + pillar / 2, roof_to - pillar, roof_to,
-            roof_to + 0.012, line[-1, 0] - 0.012, line[-1, 0]]  # fmt: skip
+            line[-1, 0]]  # fmt: skip
+    door = doors(body)[2] / length
+    quarter = roof_to + 0.34 * (line[-1, 0] - roof_to)
+    rim = min(0.012, 0.2 * (line[-1, 0] - roof_to))  # of the roof about the rear window
+    cuts += [door - 0.005, door + 0.010, quarter, roof_to + rim, line[-1, 0] - rim]
     fill = np.linspace(line[0, 0], line[-1, 0], 25)
-    near = np.abs(fill[:, None] - np.array(cuts)).min(axis=1) > 0.012
+    near = np.abs(fill[:, None] - np.array(cuts)).min(axis=1) > 0.006
     share = np.unique(np.concatenate([[line[0, 0]], cuts, fill[near]]))
     high = PchipInterpolator(line[:, 0], line[:, 1])(share)
     wide = PchipInterpolator(line[:, 0], line[:, 2])(share) * half
     waist = waist_of(body, share) - 0.02
     high = np.maximum(high, waist + 0.015)
-    foot = np.full(len(share), 0.92 * half)
+    foot = np.minimum((0.945 if skin.boxy else 0.92) * half, skin.breadth(share * length) - 0.004)
     edge = waist + (high - waist) * 0.93
     y = share * length - length / 2
     side_x = (
@@ -130,17 +116,25 @@ def greenhouse(body: Body) -> list[MeshBatch]:
     bands = len(RISE) + len(CROWN) - 1  # of one side
     kind = np.full((len(at), bands), PAINT)
     screen = (at < roof_from - 0.01) & (at > line[0, 0] + 0.004)
-    rear = (at > roof_to + 0.012) & (at < line[-1, 0] - 0.012)
+    rear = (at > roof_to + rim) & (at < line[-1, 0] - rim)
     kind[np.ix_(screen | (rear & (not cargo)), np.arange(len(RISE), bands))] = GLASS
-    window = (at > line[0, 0] + 0.3 * (roof_from - line[0, 0])) & (at < roof_to - pillar)
-    window &= np.abs(at - middle) > pillar / 2
+    sides = (at > line[0, 0] + 0.3 * (roof_from - line[0, 0])) & (at < quarter)
     if cargo:
-        window &= at < middle
-    kind[np.ix_(window, np.arange(1, len(RISE) - 2))] = GLASS
+        sides &= at < middle + pillar / 2
+    bars = (np.abs(at - middle) < pillar / 2) | ((at > door - 0.005) & (at < door + 0.010))
+    rows = np.arange(1, len(RISE) - 2)
+    kind[np.ix_(sides, rows)] = GLASS
+    kind[np.ix_(sides & bars, rows)] = PILLAR
     kind[:, 0] = SEAL
     kind[at < line[0, 0] + 0.004] = SEAL
     both = np.concatenate([kind, kind[:, ::-1]], axis=1)
-    return [_grid(np.concatenate([right, left], axis=1), both, CABIN)]
+    parts = [skinned(np.concatenate([right, left], axis=1), CABIN, kinds=both)]
+    if body.faces[0].lamps == "slit":  # bright strips along the feet of the windows
+        along = right[np.flatnonzero(sides)[0] : np.flatnonzero(sides)[-1] + 2, 1]
+        for side in (-1.0, 1.0):
+            strip = np.add(along, (0.003, 0.0, 0.0)) * [side, 1.0, 1.0]
+            parts.append(tube(strip, 0.007, "metal_grey", sides=4))
+    return parts
 
 
 def interior(body: Body, side: float = 1.0) -> list[MeshBatch]:
@@ -148,15 +142,18 @@ def interior(body: Body, side: float = 1.0) -> list[MeshBatch]:
 
     The wheel is at the left, x > 0, where `side` is 1, and at the right where it is -1.
     """
-    line = np.array(body.roof)
+    line = cabin_line(body)
     length, half = body.length, body.width / 2
     front, back = line[0, 0] + 0.01, line[-1, 0] - 0.02
     share = np.linspace(front, back, 9)
-    y, level = share * length - length / 2, waist_of(body, share) + 0.006
-    rows = np.stack(
-        [np.column_stack([np.full(9, x), y, level]) for x in (0.88 * half, -0.88 * half)]
-    )
-    parts = [_grid(rows, np.zeros((1, 8), int), ("rubber",))]
+    y, level = share * length - length / 2, waist_of(body, share) - 0.004
+    floor = FLOOR + body.wheel - 0.30
+    section = [(0.90, level), (0.84, level), (0.80, np.full(9, floor))]
+    rows = np.stack([np.column_stack([np.full(9, s * x * half), y, z])
+                     for s, x, z in ((1.0, *section[0]), (1.0, *section[1]), (1.0, *section[2]),
+                                     (-1.0, *section[2]), (-1.0, *section[1]),
+                                     (-1.0, *section[0]))])  # fmt: skip
+    parts = [skinned(rows, "car_trim")]
     roof = float(line[:, 1].max())
     waist = float(level.mean())
 
@@ -164,7 +161,7 @@ def interior(body: Body, side: float = 1.0) -> list[MeshBatch]:
         # Its head stays under the roof, which falls to the rear.
         over = float(np.interp((at + 0.12) / length + 0.5, line[:, 0], line[:, 1]))
         tall = min(0.58 * (roof - waist), over - waist - 0.28)
-        lean = [[x, at, waist - 0.02], [x, at + 0.05, waist + tall]]
+        lean = [[x, at, floor + 0.10], [x, at + 0.09, waist + tall]]
         shape = np.array([(-wide, -0.05), (wide, -0.05), (wide, 0.06), (-wide, 0.06)])
         rings = [np.column_stack([base[0] + s * shape[:, 0], base[1] + shape[:, 1],
                                   np.full(4, base[2])])
@@ -173,13 +170,14 @@ def interior(body: Body, side: float = 1.0) -> list[MeshBatch]:
         head = bevelled(
             (x - 0.12, at + 0.03, waist + tall + 0.03),
             (x + 0.12, at + 0.12, waist + tall + 0.19),
-            "cloth",
-            CLOTH,
+            "car_trim",
             bevel=0.03,
         )
-        return [loft(rounded(np.array(rings), 1), "cloth", CLOTH), head]
+        low = bevelled((x - wide, at - 0.46, floor + 0.02), (x + wide, at, floor + 0.22),
+                       "car_trim", bevel=0.04)  # fmt: skip
+        return [loft(rounded(np.array(rings), 1), "car_trim"), head, low]
 
-    driver = (line[1, 0] + 0.10) * length - length / 2
+    driver = _front_seat(body)
     for x in (-0.42 * half, 0.42 * half):
         parts += seat(x, driver, 0.24)
     bench = min(driver + 0.88, (line[-2, 0] - 0.02) * length - length / 2)
@@ -197,69 +195,95 @@ def interior(body: Body, side: float = 1.0) -> list[MeshBatch]:
     return parts
 
 
-def fine_wheel(radius: float) -> list[MeshBatch]:
-    """Make a wheel about its axle, x, outer face at x = 0; see `cityx.assets.vehicles.car_wheel`.
+def _front_seat(body: Body) -> float:
+    """Return y of the back of the driver's seat, metres."""
+    return (body.roof[1][0] + 0.10) * body.length - body.length / 2
 
-    A tyre with a rounded tread, a rim with a lip, five double spokes, a disc and nuts.
-    """
-    r = radius
-    tread = np.array([(0.0, 0.62), (0.0, 0.66), (0.012, 0.80), (0.030, 0.95), (0.055, 0.99),
-                      (0.07, 1.0), (0.15, 1.0), (0.165, 0.99), (0.19, 0.94),
-                      (0.205, 0.75)])  # fmt: skip
-    lip = np.array([(0.004, 0.66), (-0.004, 0.66), (-0.006, 0.645), (0.004, 0.62), (0.02, 0.60)])
 
-    def turned(line: FloatArray, material: str, sides: int = 32) -> MeshBatch:
-        """Turn a profile of depth behind the outer face and share of the radius."""
-        path = np.column_stack([-line[:, 0], np.zeros((len(line), 2))])
-        return tube(path[::-1], (line[:, 1] * r)[::-1], material, sides=sides)
-
+def driver(body: Body, side: float, number: int) -> list[MeshBatch]:
+    """Make who drives a car, down to the lap; `side` is as of `interior`, `number` says who."""
+    line = cabin_line(body)
+    x, y = side * 0.42 * body.width / 2, _front_seat(body) - 0.06
+    seat = FLOOR + body.wheel - 0.30 + 0.22
+    over = float(np.interp((y + 0.05) / body.length + 0.5, line[:, 0], line[:, 1])) - 0.10
+    crown = min(seat + 0.90, over)
+    neck = crown - 0.24
+    skin, coat = SKINS[number % len(SKINS)], COATS[number % len(COATS)]
+    turn = np.linspace(0.0, 2 * np.pi, 13)[:-1]
+    rings = [
+        np.column_stack([x + wide * np.cos(turn), y - 0.11 + back + deep * np.sin(turn),
+                         np.full(12, z)])
+        for wide, deep, back, z in (
+            (0.18, 0.13, 0.0, seat), (0.17, 0.12, 0.02, seat + 0.25),
+            (0.21, 0.12, 0.05, neck - 0.12),
+            (0.17, 0.09, 0.07, neck - 0.03), (0.06, 0.06, 0.07, neck))
+    ]  # fmt: skip
+    head = [(0.045, neck - 0.02), (0.055, neck + 0.03), (0.078, neck + 0.09), (0.082, neck + 0.15),
+            (0.060, neck + 0.21), (0.0, neck + 0.235)]  # fmt: skip
+    hair = [(0.089, neck + 0.13), (0.090, neck + 0.17), (0.068, neck + 0.225), (0.0, crown + 0.008)]
     parts = [
-        turned(tread, "rubber"),
-        turned(lip, "metal_grey"),
-        turned(np.array([(0.035, 0.60), (0.040, 0.02)]), "metal_dark", 24),
-        turned(np.array([(-0.004, 0.10), (0.004, 0.14), (0.03, 0.16)]), "metal_grey", 24),
+        loft(np.array(rings), "cloth", coat),
+        lathe(head, "skin", skin, sides=6, center=(x, y - 0.05)),
+        lathe(hair, "hair", HAIRS[number % len(HAIRS)], sides=6, center=(x, y - 0.035)),
     ]
-    for spoke in range(5):
-        a = 2 * np.pi * spoke / 5 + np.pi / 2
-        for turn in (-0.13, 0.13):
-            hub = np.array([-0.012, 0.13 * r * np.cos(a), 0.13 * r * np.sin(a)])
-            rim = np.array([-0.006, 0.63 * r * np.cos(a + turn), 0.63 * r * np.sin(a + turn)])
-            parts.append(tube([hub, rim], [0.012, 0.017], "metal_grey", sides=8))
-        nut = np.array([0.006, 0.085 * r * np.cos(a), 0.085 * r * np.sin(a)])
-        parts.append(tube([nut - [0.01, 0, 0], nut], 0.008, "metal_dark", sides=6))
+    waist = float(waist_of(body, np.array(body.roof[0][0])))
+    dash = line[0, 0] + 0.6 * (line[1, 0] - line[0, 0])
+    grip = dash * body.length - body.length / 2 + 0.12
+    for hand in (-1.0, 1.0):
+        arm = [[x + 0.19 * hand, y - 0.06, neck - 0.10], [x + 0.24 * hand, y - 0.20, neck - 0.33],
+               [x + 0.16 * hand, grip + 0.02, waist + 0.08]]  # fmt: skip
+        parts.append(tube(arm, [0.055, 0.045, 0.032], "cloth", coat, sides=5))
+        fist = [arm[2], [x + 0.15 * hand, grip - 0.05, waist + 0.12]]
+        parts.append(tube(fist, [0.035, 0.028], "skin", skin, sides=5))
     return parts
 
 
-def _sides(body: Body, trims: bool) -> list[MeshBatch]:
-    """Mirrors, handles, joints of doors, sills and the filler cap."""
-    half, end, length = body.width / 2, body.length / 2, body.length
-    parts = []
-    foot, waist, _ = body.roof[0]
-    for side in (-1.0, 1.0):
-        y = foot * length - end + 0.34
-        stalk = [[side * 0.90 * half, y, waist + 0.05], [side * (half + 0.06), y, waist + 0.10]]
-        parts.append(tube(stalk, 0.02, "rubber", sides=10))
-        x = sorted((side * (half + 0.03), side * (half + 0.19)))
-        parts.append(bevelled((x[0], y - 0.05, waist + 0.04), (x[1], y + 0.06, waist + 0.18),
-            "car_paint",
-                              bevel=0.03))  # fmt: skip
-        parts.append(bevelled((x[0] + 0.015, y + 0.055, waist + 0.055), (x[1] - 0.015, y + 0.064,
-            waist + 0.165),
-                              "car_glass", bevel=0.004))  # fmt: skip
-        flank = half + 0.004
-        for share in (0.5 * foot + 0.155, 0.53, 0.735):
-            yy = share * length - end
-            joint = [[side * (flank - 0.012), yy, 0.34], [side * flank, yy, 0.55],
-                     [side * (flank - 0.006), yy, waist - 0.10]]  # fmt: skip
-            parts.append(tube(joint, 0.004, "metal_dark", sides=6))
-        for share in (0.47, 0.675):
-            yy, z = share * length - end, waist - 0.12
-            grip = [[side * (flank - 0.01), yy, z], [side * (flank + 0.022), yy + 0.02, z],
-                    [side * (flank + 0.022), yy + 0.14, z], [side * (flank - 0.01), yy + 0.16,
-                        z]]  # fmt: skip
-            parts.append(tube(grip, 0.011, "car_paint", sides=10))
-        if trims:
-            strip = [[side * (flank - 0.004), -0.28 * length, 0.47],
-                     [side * flank, 0.24 * length, 0.47]]  # fmt: skip
-            parts.append(tube(strip, 0.014, "rubber", sides=8))
+def fine_wheel(radius: float) -> list[MeshBatch]:
+    """Make a wheel about its axle, x, outer face at x = 0; see `cityx.assets.vehicles.car_wheel`.
+
+    A tyre with a rounded tread, a rim with a lip, five double spokes, the disc of the brake, nuts.
+    """
+    r = radius
+    tread = np.array([(0.03, 0.66), (0.002, 0.70), (-0.004, 0.82), (0.030, 0.95), (0.055, 0.99),
+                      (0.07, 1.0), (0.15, 1.0), (0.165, 0.99), (0.19, 0.94),
+                      (0.205, 0.75)])  # fmt: skip
+    lip = np.array(
+        [(0.004, 0.72), (-0.005, 0.715), (-0.006, 0.695), (0.004, 0.675), (0.025, 0.665)]
+    )
+
+    def turned(line: FloatArray, material: str, sides: int = 16,
+               caps: tuple[bool, bool] = (True, True)) -> MeshBatch:  # fmt: skip
+        """Turn a profile of depth behind the outer face and share of the radius."""
+        turn = np.arange(2 * sides) * (np.pi / sides)
+        radii = line[:, 1:] * r
+        rings = np.stack([np.broadcast_to(-line[:, :1], (len(line), len(turn))),
+                          radii * np.cos(turn), radii * np.sin(turn)], axis=-1)  # fmt: skip
+        return loft(rings[::-1], material, caps=caps)
+
+    parts = [
+        turned(tread, "rubber"),
+        turned(lip, "metal_grey", caps=(False, False)),
+        turned(np.array([(0.020, 0.665), (0.150, 0.62)]), "metal_dark", caps=(False, False)),
+        turned(np.array([(0.075, 0.46), (0.090, 0.46)]), "metal_grey", 20),  # the brake
+        turned(np.array([(0.120, 0.66), (0.125, 0.02)]), "rubber", 20),
+        turned(np.array([(-0.002, 0.07), (0.004, 0.15), (0.07, 0.17)]), "metal_grey", 16),
+        turned(np.array([(-0.005, 0.015), (-0.004, 0.065)]), "metal_dark", 12),
+    ]
+    for spoke in range(5):
+        middle = 2 * np.pi * spoke / 5 + np.pi / 2
+        for turn in (-0.20, 0.20):
+            # Blades from the hub to the rim: share of the radius, angle, half breadth, depth.
+            blade = [(0.11, 0.45 * turn, 0.062, 0.002), (0.40, 0.9 * turn, 0.044, -0.006),
+                     (0.68, 1.25 * turn, 0.058, -0.001)]  # fmt: skip
+            rings = []
+            for share, angle, wide, face in blade:
+                a = middle + angle
+                out = np.array([0.0, np.cos(a), np.sin(a)])
+                side = np.array([0.0, -np.sin(a), np.cos(a)])
+                rings.append([share * r * out + s * wide * r * side - [x, 0.0, 0.0]
+                              for s, x in ((-1.0, face + 0.022), (-0.72, face), (0.72, face),
+                                           (1.0, face + 0.022))])  # fmt: skip
+            parts.append(loft(np.array(rings)[:, ::-1], "metal_grey"))
+        nut = np.array([0.004, 0.095 * r * np.cos(middle), 0.095 * r * np.sin(middle)])
+        parts.append(tube([nut - [0.01, 0, 0], nut], 0.009, "metal_dark", sides=5))
     return parts

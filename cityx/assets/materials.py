@@ -99,12 +99,12 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("roof_gravel", (0.45, 0.44, 0.42), 0.95, texture="gravel", tile=2.0, porosity=0.5),
     _M("thatch", (0.35, 0.27, 0.15), 0.95, texture="thatch", tile=2.0, porosity=0.7),
     # ground
-    _M("asphalt", (0.088, 0.088, 0.092), 0.88, texture="asphalt", tile=4.0, porosity=0.4),
+    _M("asphalt", (0.104, 0.104, 0.107), 0.88, texture="asphalt", tile=4.0, porosity=0.4),
     _M("asphalt_light", (0.16, 0.155, 0.15), 0.9, texture="asphalt", tile=3.0, porosity=0.4),
     _M("asphalt_red", (0.20, 0.06, 0.045), 0.9, texture="asphalt", tile=3.0, porosity=0.4),
     _M("setts", (0.205, 0.196, 0.186), 0.75, texture="setts", tile=4.0, porosity=0.4),
     _M("small_setts", (0.138, 0.131, 0.124), 0.8, texture="mosaic", tile=3.84, porosity=0.4),
-    _M("gutter_stones", (0.315, 0.305, 0.29), 0.75, texture="gutter_stones", tile=2.56,
+    _M("gutter_stones", (0.265, 0.258, 0.245), 0.75, texture="gutter_stones", tile=2.56,
        porosity=0.4),
     _M("gutter_slabs", (0.30, 0.295, 0.28), 0.85, texture="gutter_slabs", tile=2.4, porosity=0.5),
     _M("cobbles", (0.20, 0.19, 0.17), 0.75, texture="cobbles", tile=2.0, porosity=0.4),
@@ -120,9 +120,9 @@ MATERIALS: Mapping[str, Material] = _table(
        porosity=0.5),
     # Small blocks, a little darker than the slabs of walks: a plot ends where the walk begins.
     _M("yard", (0.158, 0.150, 0.138), 0.88, texture="clinker", tile=2.0, porosity=0.5),
-    _M("kerb_stone", (0.40, 0.39, 0.37), 0.8, texture="concrete", tile=2.0, porosity=0.4),
+    _M("kerb_stone", (0.345, 0.338, 0.322), 0.8, texture="concrete", tile=2.0, porosity=0.4),
     _M("tactile_yellow", (0.63, 0.385, 0.045), 0.8, texture="domes", tile=1.2, porosity=0.3),
-    _M("tactile_pale", (0.46, 0.455, 0.44), 0.8, texture="ribbed_slabs", tile=1.2, porosity=0.4),
+    _M("tactile_pale", (0.275, 0.272, 0.262), 0.8, texture="ribbed_slabs", tile=1.2, porosity=0.4),
     _M("tactile_buff", (0.60, 0.415, 0.150), 0.85, texture="blisters", tile=1.2, porosity=0.4),
     _M("tactile_red", (0.30, 0.070, 0.050), 0.85, texture="blisters", tile=1.2, porosity=0.4),
     _M("marking_white", (0.70, 0.70, 0.68), 0.7, texture="paint", tile=2.0, porosity=0.1),
@@ -176,6 +176,8 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("car_paint", (0.80, 0.80, 0.80), 0.25, 0.2, porosity=0.0),
     _M("car_glass", (0.015, 0.018, 0.02), 0.05, 0.0, takes_tint=False, porosity=0.0),
     _M("car_pane", (0.012, 0.015, 0.017), 0.03, 0.0, takes_tint=False, alpha=0.45, porosity=0.0),
+    # Seats and the insides of doors.
+    _M("car_trim", (0.055, 0.055, 0.058), 0.85, takes_tint=False, porosity=0.0),
     # Lamps and plates of vehicles, which the paint of their bodies does not dye.
     _M("lens_white", (0.64, 0.64, 0.64), 0.3, takes_tint=False, porosity=0.0),
     _M("lens_red", (0.36, 0.010, 0.010), 0.3, takes_tint=False, porosity=0.0),

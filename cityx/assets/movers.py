@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.car_bodies import BODIES, shares_of
-from cityx.assets.car_parts import Part, car_parts
+from cityx.assets.car_parts import Part, car_parts, driver_part
 from cityx.assets.large_vehicles import LARGE
 from cityx.assets.number_plates import COUNTRIES, PLATES
 from cityx.assets.people import FINE, Figure, figure
@@ -213,7 +213,9 @@ def _car(name: str, detail: int, country: str, number: int) -> Vehicle:
     body = BODIES[name]
     fine = detail >= FINE
     shape = car(name, detail=detail, wheels=False, country=country, number=None)
-    parts = car_parts(name, country, number) if fine else ()
+    parts: tuple[Part, ...] = ()
+    if fine:
+        parts = (*car_parts(name, country, number), driver_part(name, country, number))
     title = _named(f"{_CAR}_{name}", "wheel", detail)
     wheel = prototype(title, WHEEL, car_wheel(body, detail))
     wheels = tuple(Wheel(wheel, place, body.wheel) for place in wheel_places(body))

@@ -217,6 +217,47 @@ def parking_board() -> Shapes:
     ]
 
 
+def traffic_signal_japan() -> Shapes:
+    """Pole with three lights in a row on an arm over the lanes, and a head for walkers.
+
+    The arm reaches to +x, over the lanes where traffic keeps left. Red is the outermost light of
+    the row, on the right of whoever arrives.
+    """
+    grey: Color = (1.15, 1.15, 1.12)
+    z, x, lamp = 5.25, 2.45, 0.15  # metres: middle of the row, and radius of a light
+    parts = [
+        cylinder((0, 0.2, BURIED), (0, 0.2, 6.1), 0.095, "metal_grey", grey, top=0.075, sides=10,
+                 caps=(False, True)),
+        tube([[0, 0.2, 5.75], [0.9, 0.2, 5.72], [x + 0.55, 0.2, 5.62]], [0.06, 0.05, 0.04],
+             "metal_grey", grey, sides=6),
+        tube([[0, 0.2, 5.0], [1.55, 0.2, 5.12]], [0.035, 0.03], "metal_grey", grey, sides=6),
+        box((x - 0.64, -0.06, z - 0.21), (x + 0.64, 0.12, z + 0.21), "metal_grey", grey),
+    ]  # fmt: skip
+    for side in (-0.42, 0.42):
+        parts.append(box((x + side - 0.025, 0.12, z), (x + side + 0.025, 0.22, 5.68), "metal_grey",
+                         grey))  # fmt: skip
+    lights = ((-0.42, (0.0, 0.16, 0.11)), (0.0, (0.25, 0.17, 0.01)), (0.42, RED))
+    for side, color in lights:
+        burns = side > 0
+        parts += [
+            disc((x + side, -0.062, z), lamp + 0.025, "plastic", DARK, sides=14, thickness=0.02),
+            disc((x + side, -0.075, z), lamp, "signal_red" if burns else "plastic", color,
+                 sides=14, thickness=0.016),
+            prism([(x + side - 0.17, z + 0.02), (x + side + 0.17, z + 0.02),
+                   (x + side + 0.10, z + 0.19), (x + side - 0.10, z + 0.19)], -0.30, -0.06,
+                  "metal_grey", grey),
+        ]  # fmt: skip
+    # Walkers cross beside the pole, and see red above green from the other side.
+    parts += [
+        box((0.10, 0.05, 2.38), (0.24, 0.35, 3.02), "plastic", DARK),
+        box((0.24, 0.09, 2.73), (0.25, 0.31, 2.97), "signal_red", RED),
+        box((0.24, 0.09, 2.43), (0.25, 0.31, 2.67), "plastic", (0.0, 0.14, 0.09)),
+        box((0.05, 0.17, 2.66), (0.10, 0.23, 2.74), "metal_grey", grey),
+        box((-0.08, 0.09, 0.95), (0.08, 0.13, 1.20), "plastic", YELLOW),
+    ]
+    return parts
+
+
 REGIONAL_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {
         maker.__name__: maker
@@ -224,6 +265,7 @@ REGIONAL_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
             fire_hydrant_cover, fire_hydrant_plate, fire_hydrant_sign, post_box_pillar,
             post_box_red, post_box_blue, waste_basket_black, waste_basket_mesh, bollard_steel,
             bollard_stone, telephone_post, telephone_kiosk, wheel_stop, parking_board,
+            traffic_signal_japan,
         )
     }
 )  # fmt: skip
@@ -234,7 +276,7 @@ LOCAL: Mapping[str, Mapping[str, str]] = MappingProxyType({
                       "waste_basket": "waste_basket_black", "telephone": "telephone_kiosk"},
     "japan": {"fire_hydrant": "fire_hydrant_sign", "post_box": "post_box_red",
               "bollard": "bollard_steel", "telephone": "telephone_post",
-              "waste_basket": "waste_basket_mesh"},
+              "waste_basket": "waste_basket_mesh", "traffic_signal": "traffic_signal_japan"},
     "north america": {"post_box": "post_box_blue", "waste_basket": "waste_basket_mesh",
                       "telephone": "telephone_post"},
     "northern/central europe": {"fire_hydrant": "fire_hydrant_cover",

@@ -72,7 +72,7 @@ SUBSTANCES: Mapping[str, Substance] = MappingProxyType(
              "lens_white lens_red lens_amber plate_white plate_yellow plate_blue plate_green"),
             (_RUBBER, "rubber"),
             (_PAINTED, "car_paint door_paint frame_paint"),
-            (_CLOTH, "cloth leather curtain hair"),
+            (_CLOTH, "cloth leather curtain hair car_trim"),
             (_LEAF, "leaf foliage hedge"),
             (_SOIL, "soil sand gravel roof_gravel rail_ballast farmland forest_floor"),
             (_GRASS, "grass meadow pitch"),

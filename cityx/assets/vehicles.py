@@ -7,7 +7,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.car_bodies import BODIES, Body, waist_of
+from cityx.assets.car_bodies import BODIES, Body
+from cityx.assets.car_shell import ARCH_GAP, SILL
 from cityx.assets.kept import kept
 from cityx.assets.materials import srgb_to_linear
 from cityx.assets.number_plates import number_plate
@@ -25,9 +26,7 @@ PAINTS = np.array([srgb_to_linear(color) for color, _ in _PAINTS]) / 0.8  # the 
 PAINT_SHARES = np.array([share for _, share in _PAINTS])
 
 
-SILL = 0.20  # metres, lower edge of the body above the road
 ARCH_STEPS = 7
-ARCH_GAP = 0.055  # metres between a tyre and the arch over it
 TYRE = 0.205  # metres, width of a tyre
 TUCKED = 0.012  # metres, from the side of the body to the outer face of a wheel
 FINE = 3  # level of detail from which the fine form is made
@@ -38,34 +37,20 @@ def _lower_body(body: Body) -> MeshBatch:
     return loft(body_rings(body, ARCH_STEPS)[:, ::-1], "car_paint")
 
 
-def body_rings(
-    body: Body, arch_steps: int, more: NDArray[np.float64] | None = None, *, smooth: bool = False
-) -> NDArray[np.float64]:
+def body_rings(body: Body, arch_steps: int) -> NDArray[np.float64]:
     """Cross-sections (m, 12, 3) of the lower body; the lower edge rises over the wheels.
 
-    Parameters
-    ----------
-    arch_steps
-        Stations over each wheel.
-    more
-        Further stations, shares of the length.
-    smooth
-        Whether the upper edge is a curve through its points.
+    `arch_steps` are the stations over each wheel.
     """
     half, length = body.width / 2, body.length
     axle = np.array(body.axles) * length
     gap = body.wheel + ARCH_GAP  # half of the opening's width
     around = np.concatenate([a + gap * -np.cos(np.linspace(0, np.pi, arch_steps)) for a in axle])
     hood = np.array(body.hood)
-    places = [around, hood[:, 0] * length]
-    if more is not None:
-        places.append(more * length)
-    stations = np.unique(np.round(np.concatenate(places), 4))
+    stations = np.unique(np.round(np.concatenate([around, hood[:, 0] * length]), 4))
     rings = []
     for y in stations:
         top = float(np.interp(y / length, hood[:, 0], hood[:, 1]))
-        if smooth:
-            top = float(waist_of(body, np.array(y / length)))
         lift = max(0.0, *(np.sqrt(max(gap**2 - (y - a) ** 2, 0.0)) for a in axle))
         sill = max(
             SILL + 0.12 * (y in (stations[0], stations[-1])),

@@ -13,6 +13,7 @@ import bpy
 from cityx.assets.materials import CARRIAGEWAYS, MATERIALS, Material
 from cityx.assets.surface_states import material_named
 from cityx.blender import nodes
+from cityx.blender.laid_stones import laid_setts
 from cityx.blender.nodes import Socket, Tree
 from cityx.blender.weather import INDOORS as WHEN_OPEN
 from cityx.blender.weather import lights_group, weather_group
@@ -31,7 +32,7 @@ AGED = frozenset({"plaster", "brick", "stone", "concrete", "wood", "trim"})
 # Materials of what is round: their faces are shaded as one curved surface.
 ROUND = frozenset({"bark", "bark_smooth", "bark_flaking"})
 CLUMP, STAND = 1.6, 11.0  # metres over which the colour of leaves changes, in a crown and beyond
-THROUGH = 0.42  # share of the light on a leaf that its other side gives off
+THROUGH = 0.50  # share of the light on a leaf that its other side gives off
 LEAVES = frozenset({"leaf", "foliage"})
 FOLIAGE = LEAVES | {"hedge"}  # what catches snow at any slope
 PAINTED = frozenset({"marking_white", "marking_yellow"})
@@ -45,6 +46,7 @@ REPAIRED = CRACKED | {
     "slab_walk",
     "walk_blocks",
 }  # what is dug up and filled again
+SETTS = frozenset({"setts"})  # whose courses are pushed along themselves
 FIELDS = frozenset({"yard"})  # what was laid house by house
 GLAZED = frozenset({"glass", "glass_wall", "car_glass", "car_pane"})
 GLASS_IOR = 1.9  # a coated double pane mirrors twice as much as plain glass
@@ -153,7 +155,10 @@ class MaterialLibrary:
         place.uv_map = "UVMap"
         scale = tree.nodes.new("ShaderNodeMapping")
         scale.inputs["Scale"].default_value = (1 / record.tile, 1 / record.tile, 1.0)
-        tree.links.new(place.outputs["UV"], scale.inputs["Vector"])
+        read, hue = place.outputs["UV"], None
+        if record.root in SETTS:
+            read, hue = laid_setts(tree, read)
+        tree.links.new(read, scale.inputs["Vector"])
         images = {}
         for row, (name, image) in enumerate(loaded.items()):
             node = images[name] = tree.nodes.new("ShaderNodeTexImage")
@@ -163,6 +168,8 @@ class MaterialLibrary:
         place.location, scale.location = (-1600, 200), (-1400, 200)
         base = tuple(min(1.0, channel / maps.mean) for channel in record.color)
         color = nodes.product(tree, images["color"].outputs["Color"], (*base, 1.0))
+        if hue is not None:
+            color = nodes.product(tree, color, hue)
         factor = tree.nodes.new("ShaderNodeMath")
         factor.operation = "MULTIPLY"
         factor.inputs[1].default_value = min(1.0, record.roughness / maps.roughness_mean)

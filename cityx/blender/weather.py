@@ -30,8 +30,12 @@ SPLASH_HEIGHT = 1.3  # metres above the ground that rain throws soil up a wall
 SPLASH, STREAK, BLOTCH = 0.26, 0.16, 0.14  # shares of light they take at most
 # Hair cracks in asphalt: metres between them, half their width, the share of light they take, and
 # the size of the few worn stretches that have them.
-CRACK_CELL, CRACK_HALF, CRACK, CRACK_STRETCH = 4.7, 0.007, 0.3, 17.0
-CRACKED_FROM = (0.58, 0.66)  # of the noise by which stretches are chosen; about a tenth has any
+CRACK_CELL, CRACK_HALF, CRACK, CRACK_STRETCH = 3.1, 0.010, 0.5, 13.0
+CRACKED_FROM = (0.45, 0.56)  # of the noise by which stretches are chosen; about half have any
+# Old asphalt is no even grey: metres between its spots and its grains, and ranges of their tones.
+SPOT, SPOT_TONE, GRAIN, GRAIN_TONE = 1.3, 0.85, 0.13, 0.6
+# Drips of oil: metres between them, share of the places that have one, and of the light it takes.
+OIL_CELL, OILED, OIL = 1.9, 0.34, 0.34
 # Water in the pores of a surface bends light inward again: wet concrete keeps about half of it, and
 # more of its colour (Lekner and Dorf 1988).
 WET_LOSS = 0.42
@@ -50,7 +54,7 @@ SNOW_SAMPLES = 12  # the share of open sky is compared with a threshold: few wou
 # The picture of `cityx.geometry.ground_wear`, and how much of the light it takes or gives.
 WEAR, WEAR_CORNER, WEAR_SCALE = "Ground wear", "Corner of the wear", "Scale of the wear"
 WORN = "Worn"  # 1 once the picture is there
-RUBBER, REPAIRED, FIELD = 0.36, 0.40, 0.55
+RUBBER, REPAIRED, FIELD = 0.42, 0.68, 0.55
 # Paint wears off where tyres run, and in spots all over, on some streets more than on others:
 # metres over which streets differ, of spots and of flakes; shares worn at least and at most.
 PAINT_AGE, PAINT_SPOT, PAINT_FLAKE = 38.0, 0.55, 0.045
@@ -122,7 +126,9 @@ def weather_group() -> Tree:
     dirt = nodes.math(tree, "MULTIPLY", dirt, nodes.math(tree, "SUBTRACT", 1.0, level))
     color = nodes.product(tree, color, nodes.math(tree, "SUBTRACT", 1.0, dirt))
 
-    cracks = nodes.math(tree, "MULTIPLY", _cracks(tree), given["Cracks"])
+    cracks = nodes.math(tree, "MAXIMUM", _cracks(tree), _oil(tree))
+    cracks = nodes.math(tree, "SUBTRACT", cracks, _spots(tree))
+    cracks = nodes.math(tree, "MULTIPLY", cracks, given["Cracks"])
     color = nodes.product(tree, color, nodes.math(tree, "SUBTRACT", 1.0, cracks))
 
     wheels, repaired, field = _wear(tree)
@@ -209,6 +215,35 @@ def _cracks(tree: Tree) -> Socket:
     line = nodes.smoothstep(tree, cells.outputs["Distance"], 1.3 * near, 0.7 * near)
     worn = nodes.smoothstep(tree, nodes.noise(tree, CRACK_STRETCH), *CRACKED_FROM)
     return nodes.math(tree, "MULTIPLY", nodes.math(tree, "MULTIPLY", line, worn), CRACK)
+
+
+def _spots(tree: Tree) -> Socket:
+    """Return by how much spots and grains of asphalt are paler, or darker below 0."""
+    broad = nodes.math(tree, "SUBTRACT", nodes.noise(tree, SPOT, 4.0, roughness=0.6), 0.5)
+    fine = nodes.math(tree, "SUBTRACT", nodes.noise(tree, GRAIN, 2.0), 0.5)
+    fine = nodes.math(tree, "MULTIPLY", fine, GRAIN_TONE)
+    return nodes.math(tree, "MULTIPLY_ADD", broad, SPOT_TONE, fine)
+
+
+def _oil(tree: Tree) -> Socket:
+    """Return the share of light that drips of oil take: round spots, some of them run together."""
+    cells = tree.nodes.new("ShaderNodeTexVoronoi")
+    cells.voronoi_dimensions = "2D"
+    cells.inputs["Scale"].default_value = 1 / OIL_CELL
+    place = tree.nodes.new("ShaderNodeNewGeometry").outputs["Position"]
+    push = tree.nodes.new("ShaderNodeTexNoise")
+    push.inputs["Scale"].default_value = 5.0
+    tree.links.new(place, push.inputs["Vector"])
+    bent = nodes.vector(tree, "MULTIPLY_ADD", push.outputs["Color"], (0.12, 0.12, 0.0), place)
+    tree.links.new(bent, cells.inputs["Vector"])
+    chance, size, dark = nodes.parts(tree, cells.outputs["Color"])
+    radius = nodes.math(tree, "MULTIPLY_ADD", nodes.math(tree, "POWER", size, 3.0), 0.10, 0.022)
+    ring = nodes.math(tree, "DIVIDE", cells.outputs["Distance"], radius)
+    spot = nodes.smoothstep(tree, ring, 1.0, 0.55)
+    there = nodes.math(tree, "LESS_THAN", chance, OILED)
+    taken = nodes.math(tree, "MULTIPLY_ADD", dark, 0.5, 0.5)
+    spot = nodes.math(tree, "MULTIPLY", spot, there)
+    return nodes.math(tree, "MULTIPLY", nodes.math(tree, "MULTIPLY", spot, taken), OIL)
 
 
 def _bare_of_paint(tree: Tree, wheels: Socket, flag: Socket) -> Socket:

@@ -157,7 +157,7 @@ def _cost(walkable: Walkable, cell: IntArray) -> FloatArray:
 
 
 def walks_between(
-    walkable: Walkable, origin: IntArray, goal: IntArray, longest: float = np.inf
+    walkable: Walkable, origin: IntArray, goal: IntArray, longest: ArrayLike = np.inf
 ) -> tuple[Polylines, BoolArray]:
     """Find the ways between nodes of the graph of a walkable area.
 
@@ -168,7 +168,8 @@ def walks_between(
     origin, goal
         (k,) nodes of `walk_graph`. Few different goals are quick, many origins cost little.
     longest
-        Metres, as walkers feel them, beyond which no way is looked for.
+        Metres, as walkers feel them, beyond which no way is looked for; one, or (k,) of which the
+        farthest to each goal counts.
 
     Returns
     -------
@@ -181,11 +182,13 @@ def walks_between(
     graph = walk_graph(walkable)
     chains: list[IntArray] = [np.array([node, node]) for node in origin.tolist()]
     found = np.zeros(len(origin), bool)
+    reach = np.broadcast_to(np.asarray(longest, float), (len(origin),))
     for target in np.unique(goal).tolist():
         mine = np.flatnonzero(goal == target)
         far, before = dijkstra(
-            graph.matrix, indices=target, return_predecessors=True, limit=longest
-        )
+            graph.matrix, indices=target, return_predecessors=True,
+            limit=float(reach[mine].max()),
+        )  # fmt: skip
         for row in mine[np.isfinite(far[origin[mine]]) & (origin[mine] != target)].tolist():
             chains[row], found[row] = _chain(before, int(origin[row]), target), True
     start = np.cumsum([0] + [len(chain) for chain in chains])

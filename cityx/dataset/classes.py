@@ -192,6 +192,7 @@ _BARRIER = {"hedge": "hedge", "leaf": "hedge", "metal_dark": "fence", "metal_gre
 _PIECE = {
     "roof_window": "window", "power_pole": "pole", "utility_pole": "pole", "flagpole": "pole",
     "guard_rail_post": "guard_rail", "bus_pole": "sign", "traffic_signal_mast": "traffic_signal",
+    "traffic_signal_japan": "traffic_signal",
     "fire_hydrant": "hydrant", "fence_segment": "fence", "wall_segment": "wall",
     "hedge_segment": "hedge", "swing": "playground", "slide": "playground",
     "climbing_frame": "playground", "spring_rider": "playground", "sandpit": "playground",

@@ -17,6 +17,7 @@ Bytes = NDArray[np.uint8]
 
 CELL = 0.14  # metres per pixel: three across a tyre with its splashes
 MOST = 4096  # pixels along an edge; larger sites get coarser ones
+FINER = 2  # times as fine as the picture repairs are drawn
 NEUTRAL = 128  # as worn as everything else
 FORECOURT = 3.0  # metres from a carriageway within which yards are paved as usual
 RIM = -0.75  # tone of the bitumen that seals a repair
@@ -54,17 +55,21 @@ def ground_wear(
     xmin, ymin, xmax, ymax = extent
     cell = max(CELL, max(xmax - xmin, ymax - ymin) / MOST)
     size = (max(int((xmax - xmin) / cell), 1), max(int((ymax - ymin) / cell), 1))
-    repairs, fields = (Image.new("L", size, NEUTRAL) for _ in range(2))
+    repairs = Image.new("L", (FINER * size[0], FINER * size[1]), NEUTRAL)
+    fields = Image.new("L", size, NEUTRAL)
     draw = ImageDraw.Draw(repairs)
 
-    def placed(points: FloatArray) -> list[tuple[float, ...]]:
-        return [tuple(point) for point in ((points - (xmin, ymin)) / cell).tolist()]
+    def placed(points: FloatArray, finer: int = 1) -> list[tuple[float, ...]]:
+        return [tuple(point) for point in ((points - (xmin, ymin)) * (finer / cell)).tolist()]
 
     for seam in (*lane_seams(network), *mouth_seams(network)):
-        draw.line(placed(seam), _byte(SEAM_TONE), 1)
+        draw.line(placed(seam, FINER), _byte(SEAM_TONE), FINER)
     found = street_repairs(network)
     for outline, tone in zip(found.outline, found.tone.tolist(), strict=True):
-        draw.polygon(placed(outline), _byte(tone), _byte(RIM))
+        ring = placed(outline, FINER)
+        draw.polygon(ring, _byte(tone))
+        draw.line([*ring, ring[0]], _byte(RIM), FINER)  # a polygon's wide outline takes far longer
+    repairs = repairs.reduce(FINER)  # so that edges aslant are no stairs
     if houses is not None:
         draw = ImageDraw.Draw(fields)
         for outline, tone in zip(*yard_fields(houses), strict=True):

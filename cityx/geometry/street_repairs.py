@@ -44,9 +44,9 @@ class Kind:
 
 # Mains run along the street, connections of houses across it; patches fill what broke.
 KINDS = (
-    Kind(38.0, (8.0, 45.0), (0.6, 1.3)),
-    Kind(15.0, (0.5, 0.9), (0.0, 0.0), across=True),
-    Kind(20.0, (0.8, 4.5), (0.7, 2.2)),
+    Kind(28.0, (8.0, 45.0), (0.6, 1.3)),
+    Kind(12.0, (0.5, 0.9), (0.0, 0.0), across=True),
+    Kind(12.0, (0.8, 4.5), (0.7, 2.2)),
 )
 OVER_KERB = (-1.5, 2.6)  # metres from the kerb at which a connection ends, inside or in the walk
 

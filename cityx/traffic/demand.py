@@ -42,6 +42,7 @@ BY_HOUR = (0.12, 0.08, 0.06, 0.06, 0.10, 0.25, 0.55, 0.90, 1.00, 0.80, 0.72, 0.7
            0.88, 0.98, 1.00, 0.90, 0.70, 0.52, 0.42, 0.32, 0.20)  # fmt: skip
 THROUGH = 0.6  # of the trips pass the site
 ALL_DAY_HOME = 0.4  # of the floor area of homes that trips start or end at in any hour
+ON_AND_ON = ("motorway", "trunk", "primary", "secondary", "tertiary")  # never dead ends in truth
 MOTORWAY, CYCLES = "motorway", list(DRIVING).index("bicycle")
 HOMES = ("house", "flats")
 NEAR = 60.0  # metres from a building to the street that its trips start from
@@ -275,11 +276,12 @@ class Drivable:
         return self.usable & ~np.isin(np.arange(len(self.usable)), self.pairs[:, 0])
 
     def at_border(self, ways: BoolArray, end: int) -> BoolArray:
-        """(w,) which of some ways begin (0) or end (-1) where the site does."""
+        """(w,) which of some ways begin (0) or end (-1) where the site or its map does."""
         places = np.array([way.lanes[-1].shape[end, :2] for way in self.streets.ways])
         xmin, ymin, xmax, ymax = self.city.layout.extent
         inside = np.column_stack([places - (xmin, ymin), (xmax, ymax) - places]).min(axis=1)
-        return np.asarray(ways & (inside < BORDER))
+        onward = np.isin([self.road(way) for way in self.streets.ways], ON_AND_ON)
+        return np.asarray(ways & (onward | (inside < BORDER)))
 
     @cached_property
     def floors(self) -> FloatArray:

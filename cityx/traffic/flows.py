@@ -211,10 +211,9 @@ def _onward(net: Drivable, start: int, own: int, look: Look, tries: int) -> list
     """Return the way out of the site from a street, one of those there are."""
     from scipy.sparse.csgraph import dijkstra
 
-    exits = net.at_border(net.exits, -1) | net.exits
     for large in (True, False) if look.kind in LARGE else (False,):
         reached = np.isfinite(dijkstra(net.matrix(0, large=large), indices=start))
-        weight = exits & reached
+        weight = net.exits & reached
         if weight.any():
             break
     else:

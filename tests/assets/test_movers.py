@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cityx.assets.car_bodies import CAR_SHARES
+from cityx.assets.car_bodies import BODIES, CAR_SHARES
 from cityx.assets.large_vehicles import LARGE
 from cityx.assets.materials import MATERIALS
 from cityx.assets.movers import (
@@ -175,3 +175,15 @@ def test_who_rides_with_an_engine_wears_a_helmet_with_a_visor(detail):
     faces = mesh.faces[mesh.material == mesh.materials.index("car_glass")]
     visor = mesh.vertices[np.unique(faces[faces < len(mesh.vertices)])]
     assert head - 0.32 < visor[:, 2].min() < visor[:, 2].max() < head - 0.03
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("country", ["gb", "eu"])
+def test_somebody_drives_a_fine_car_from_the_side_of_its_country(body, country):
+    made = vehicle(f"car_{body}_{country}3", detail=3)
+    (who,) = [part.prototype for part in made.parts if part.prototype.name.startswith("driver")]
+    low, high = who.mesh.vertices.min(axis=0), who.mesh.vertices.max(axis=0)
+    assert (low[0] + high[0] > 0) == (country == "eu")
+    assert np.abs(who.mesh.vertices[:, 0]).max() < made.size[1] / 2
+    assert high[2] < made.size[2] - 0.03  # under the roof
+    assert not vehicle(f"car_{body}_{country}3", detail=2).parts

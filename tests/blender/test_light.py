@@ -142,7 +142,7 @@ def test_no_snow_lies_under_a_roof(tmp_path):
     assert gain[row(14.0), 24:40].mean() < 25
 
 
-def test_asphalt_alone_shows_cracks_in_few_places(tmp_path):
+def test_asphalt_alone_shows_its_use_in_few_places(tmp_path):
     square = [(-30, -30, 0), (30, -30, 0), (30, 30, 0), (-30, 30, 0)]
     camera = Camera("top", (0.0, 0.0, 40.0), 0.0, radians(-90), radians(60), 800, 800)
     dark = []
@@ -152,7 +152,7 @@ def test_asphalt_alone_shows_cracks_in_few_places(tmp_path):
         city = replace(quarter(1), scene=Scene().with_mesh("ground", ground))
         picture = rendered(tmp_path, city, Environment(cloud_cover=1.0), camera)
         dark.append((picture < 0.94 * np.median(picture)).mean())
-    assert 0.001 < dark[0] < 0.02
+    assert 0.001 < dark[0] < 0.1  # cracks, drips of oil and repairs
     assert dark[1] < 0.2 * dark[0]
 
 

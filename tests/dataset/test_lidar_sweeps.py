@@ -60,7 +60,7 @@ def test_rings_have_their_elevations_and_level_ground_its_circles():
     np.testing.assert_allclose(sweep.points[:, 2], -2.0, atol=1e-5)
     assert (sweep.semantic == CLASS["road"]).all()
     steep = sweep.beam == 0
-    expected = np.sin(np.radians(15.0)) * 0.0885  # cosine of incidence times that of asphalt
+    expected = np.sin(np.radians(15.0)) * 0.1042  # cosine of incidence times that of asphalt
     np.testing.assert_allclose(sweep.intensity[steep], expected, rtol=0.01)
 
 

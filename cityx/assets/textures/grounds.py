@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from cityx.assets.textures.courses import Courses, lay
@@ -19,6 +21,10 @@ from cityx.assets.textures.noise import (
 )
 from cityx.assets.textures.relief import Relief
 
+SETT_TILE = 4.0  # metres of a tile of setts
+SETT_COURSE = SETT_TILE / 26  # metres of one course
+SAND, MOSS = (0.52, 0.46, 0.38), (0.20, 0.23, 0.12)  # what fills joints, linear RGB
+
 
 def asphalt(size: int) -> Relief:
     """Draw asphalt in use: aggregate and clouds of wear; cracks would show that tiles repeat."""
@@ -32,17 +38,27 @@ def asphalt(size: int) -> Relief:
 
 
 def setts(size: int) -> Relief:
-    """Draw granite setts of many quarries, 10 x 17 cm, crowned, with sandy joints."""
-    wander = 0.010 * fractal("setts/wander", size, 24, octaves=2)
-    road = lay("setts", size, 4.0, 24, 40, jitter=0.16, warp=(wander, 0.8 * np.roll(wander, 61, 0)))
-    return _granite("setts", road, size, 4.0, crowned=0.034, joint=(0.004, 0.012))
+    """Draw granite setts of many quarries, 15 x 20 cm, crowned, with sandy joints.
+
+    Courses of `SETT_COURSE` lie along v, one after the other along u: a view may push each along
+    itself, so that no street shows that the tile repeats.
+    """
+    rough = 0.005 * fractal("setts/rough", size, 44, octaves=2)
+    courses = round(SETT_TILE / SETT_COURSE)
+    road = lay("setts", size, SETT_TILE, 20, courses, jitter=0.28,
+               warp=(1.6 * rough, np.roll(rough, 61, 0)))  # fmt: skip
+    laid = _granite("setts", road, size, SETT_TILE, crowned=0.042, joint=(0.004, 0.013))
+    polish = np.asarray(laid.roughness)
+    return replace(
+        laid, albedo=laid.albedo.swapaxes(0, 1), height=laid.height.T, roughness=polish.T
+    )
 
 
 def gutter_stones(size: int) -> Relief:
     """Draw courses of long stones, 16 cm across: u runs along the kerb, v = 0 is at the kerb."""
     wander = 0.005 * fractal("gutter/wander", size, 14, octaves=2)
     row = lay("gutter", size, 2.56, 8, 16, jitter=0.22, warp=(wander, 0.5 * np.roll(wander, 61, 0)))
-    return _granite("gutter", row, size, 2.56, crowned=0.025, joint=(0.004, 0.011))
+    return _granite("gutter", row, size, 2.56, crowned=0.025, joint=(0.004, 0.014), filled=MOSS)
 
 
 def gutter_slabs(size: int) -> Relief:
@@ -58,9 +74,9 @@ def gutter_slabs(size: int) -> Relief:
 
 def _granite(
     key: str, stones: Courses, size: int, tile: float, *, crowned: float,
-    joint: tuple[float, float],
+    joint: tuple[float, float], filled: tuple[float, float, float] = SAND,
 ) -> Relief:  # fmt: skip
-    """Blocks of granite, grey, bluish, reddish and yellow, each of its own, in joints of sand."""
+    """Blocks of granite, grey, bluish, reddish and yellow, each of its own, in filled joints."""
     grain = fractal(f"{key}/grain", size, round(55 * tile), octaves=2, gain=0.8)
     clouds = fractal(f"{key}/clouds", size, 5, octaves=4, gain=0.65)
     crown = smooth(0.001, crowned, stones.edge)
@@ -74,7 +90,7 @@ def _granite(
     hue = np.stack([1 + 0.16 * red + 0.11 * yellow - 0.05 * blue,
                     1 - 0.03 * red + 0.04 * yellow - 0.01 * blue,
                     1 - 0.10 * red - 0.13 * yellow + 0.07 * blue], axis=2)  # fmt: skip
-    sand = np.array([0.52, 0.46, 0.38], np.float32) * (1 + 0.2 * grain)[..., None]
+    sand = np.array(filled, np.float32) * (1 + 0.2 * grain)[..., None]
     albedo = (tone * (0.55 + 0.45 * crown))[..., None] * hue
     albedo = albedo * (1 - gap[..., None]) + sand * gap[..., None]
     lean = (stones.draw(3) - 0.5) * 0.05 * (stones.up - 0.05)

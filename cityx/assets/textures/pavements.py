@@ -51,8 +51,9 @@ def flagstones(size: int) -> Relief:
     bed = fractal("flags/bed", size, 40, octaves=4, gain=0.7)  # of the stone
     clouds = fractal("flags/clouds", size, 4, octaves=5, gain=0.65)
     fresh = smooth(0.90, 0.92, walk.draw(5))  # flags that were renewed
+    dark = 1 - smooth(0.09, 0.10, walk.draw(5))  # and others that keep wet and dirt
     tone = 1 + 0.34 * (walk.draw(1) - 0.5) + 0.07 * grain + 0.06 * bed + 0.09 * clouds
-    tone = (tone + 0.20 * fresh) * (1 - 0.10 * arris) * (1 - 0.55 * joint)
+    tone = (tone + 0.20 * fresh - 0.24 * dark) * (1 - 0.10 * arris) * (1 - 0.55 * joint)
     tone = tone * (1 - 0.20 * _spots("flags/gum", size, 22, 0.35))
     hue = 0.13 * (walk.draw(2) - 0.25) - 0.05 * fresh + 0.03 * clouds
     lean = (walk.draw(3) - 0.5) * 0.008 * (walk.across - 0.4)
@@ -98,7 +99,7 @@ def slab_walk(size: int) -> Relief:
     joint = 1 - smooth(0.004, 0.013, edge.astype(np.float32))
     grain = speckle("slab_walk", size) - np.float32(0.5)
     clouds = fractal("slab_walk/clouds", size, 4, octaves=5, gain=0.65)
-    tone = 1.12 + 0.26 * (per_cell("slab_walk", index, 1) - 0.5) + 0.16 * grain + 0.07 * clouds
+    tone = 1.12 + 0.38 * (per_cell("slab_walk", index, 1) - 0.5) + 0.16 * grain + 0.07 * clouds
     tone = tone * (1 - 0.55 * joint) * (1 - 0.18 * _spots("slab_walk/gum", size, 24, 0.35))
     hue = 0.08 * (per_cell("slab_walk", index, 2) - 0.4)
     slab = (off > low) & (off < high)

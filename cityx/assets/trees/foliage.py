@@ -145,7 +145,7 @@ def leaf_cards(skeleton: Skeleton, habit: Species, rng: np.random.Generator, cou
     mood = np.clip(rng.normal(0.5, 0.28, len(skeleton.parent))[home]
                    + rng.normal(0, 0.10, count), 0, 1)  # fmt: skip
     low = np.clip((centre[:, 2] - habit.clear) / (2 * half), 0, 1)
-    light = (0.52 + 0.54 * depth**2.0) * (0.84 + 0.26 * low) * clump
+    light = (0.60 + 0.48 * depth**2.0) * (0.84 + 0.26 * low) * clump
     light = np.where(hanging, np.maximum(light, 0.75 * clump), light)
     light *= rng.uniform(0.85, 1.15, count)
     return Cards(centre, along * length, normal, np.clip(light, 0.15, 1.25), mood)
@@ -179,7 +179,7 @@ def core_cards(habit: Species, rng: np.random.Generator) -> Cards:
     along = _unit(rng.normal(size=(count, 3)))
     normal = _unit(np.cross(along, rng.normal(size=(count, 3))))
     size = 0.06 * np.clip(habit.radius, 1.4, 3.2) * rng.uniform(0.7, 1.3, (count, 1))
-    return Cards(centre, along * size, normal, rng.uniform(0.32, 0.50, count),
+    return Cards(centre, along * size, normal, rng.uniform(0.42, 0.62, count),
                  rng.uniform(0.2, 0.8, count))  # fmt: skip
 
 

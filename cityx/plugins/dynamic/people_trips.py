@@ -27,6 +27,9 @@ DOORSTEP = 6.0  # metres from a door to the walk that people step onto
 SPREAD = 1.5  # metres between two places where people come in over a border
 STOPS = ("bus_stop",)
 GOALS = 60  # places that people of one run go to; each costs a search of the whole area
+NEAR_GOALS = 180  # more of them that people go to who are near; each costs a search about it
+NEAR_WAY = 260.0  # metres of way to one of those, as walkers feel them, and at most
+NEAR = 150.0  # metres from them within which people go there
 USUAL_WAY = 180.0  # metres; a way twice as long is e times rarer
 FARTHEST = 900.0  # metres of way, as walkers feel them, that nobody exceeds
 SHORTEST = 15.0  # metres
@@ -207,7 +210,7 @@ def drawn_trips(
     purpose
         Key of the draws.
     """
-    goals = _goals(city, ports, purpose)
+    goals, reach = _goals(city, ports, purpose)
     clock, drawn = np.zeros(count), np.zeros(count, np.int64)
     room = Room(walkable, duration)
     parts: list[Trips] = []
@@ -219,7 +222,7 @@ def drawn_trips(
         number = drawn[place] + np.arange(len(place)) - np.repeat(np.cumsum(more) - more, more)
         drawn += more
         key = hash_ids(city.seed, f"{purpose}/walk", place, number)
-        walks, found = _walks(city, walkable, ports, goals, key, purpose)
+        walks, found = _walks(city, walkable, ports, (goals, reach), key, purpose)
         pace = paces_of(city.seed, purpose, key)
         begun = np.where(number == 0, uniform(city.seed, f"{purpose}/begun", key), 0.0)
         rows = room.admitted(walks, np.flatnonzero(found), place, clock, pace, begun)
@@ -253,23 +256,31 @@ def paces_of(seed: int, purpose: str, person: UInt64Array) -> FloatArray:
     return np.asarray(np.where(runs, fast, pace))
 
 
-def _goals(city: City, ports: Ports, purpose: str) -> IntArray:
-    """Rows of the ports that people of this run go to, the most drawing ones more likely."""
+def _goals(city: City, ports: Ports, purpose: str) -> tuple[IntArray, FloatArray]:
+    """Rows of the ports that people of this run go to, and how far one walks to each.
+
+    Those that draw most are more likely. The first attract people from far away.
+    """
     if not len(ports.id):
-        return np.zeros(0, np.int64)
+        return np.zeros(0, np.int64), np.zeros(0)
     share = uniform(city.seed, f"{purpose}/goals", ports.id)
     # The keys of a weighted sample without replacement (Efraimidis and Spirakis 2006).
     key = np.log(np.maximum(share, 1e-12)) / np.maximum(ports.weight, 1e-9)
-    return np.sort(np.argsort(-key, kind="stable")[:GOALS])
+    goals = np.argsort(-key, kind="stable")[: GOALS + NEAR_GOALS]
+    order = np.argsort(goals)
+    return goals[order], np.where(order < GOALS, FARTHEST, NEAR_WAY)
 
 
 def _walks(
-    city: City, walkable: Walkable, ports: Ports, goals: IntArray, key: UInt64Array, purpose: str
-) -> tuple[Polylines, NDArray[np.bool_]]:
+    city: City, walkable: Walkable, ports: Ports, known_goals: tuple[IntArray, FloatArray],
+    key: UInt64Array, purpose: str,
+) -> tuple[Polylines, NDArray[np.bool_]]:  # fmt: skip
     """Find the walks of some keys, and tell which have a way."""
     graph = walk_graph(walkable)
+    goals, reach = known_goals
     count = len(key)
     origin, goal = np.full(count, -1, np.int64), np.full(count, -1, np.int64)
+    longest = np.zeros(count)
     for k in range(TRIES):
         open_ = np.flatnonzero(goal < 0)
         if not len(open_) or not len(goals):
@@ -277,7 +288,8 @@ def _walks(
         start = choose(city.seed, f"{purpose}/from", key[open_], ports.weight, k)
         far = np.hypot(*(graph.places[ports.node[start]][:, None]
                          - graph.places[ports.node[goals]][None]).transpose(2, 0, 1))  # fmt: skip
-        weight = ports.weight[goals] * np.exp(-far / USUAL_WAY) * (far > SHORTEST)
+        weight = ports.weight[goals] * np.exp(-far / USUAL_WAY)
+        weight *= (far > SHORTEST) & (far < np.where(reach < FARTHEST, NEAR, np.inf))
         same = graph.component[ports.node[start]][:, None] == graph.component[ports.node[goals]]
         edges = np.cumsum(weight * same, axis=1)
         drawn = uniform(city.seed, f"{purpose}/to", key[open_], k) * edges[:, -1]
@@ -285,8 +297,9 @@ def _walks(
         able = edges[:, -1] > 0
         origin[open_[able]] = ports.node[start[able]]
         goal[open_[able]] = ports.node[goals[end[able]]]
+        longest[open_[able]] = reach[end[able]]
     known = np.flatnonzero(goal >= 0)
-    walks, found = walks_between(walkable, origin[known], goal[known], FARTHEST)
+    walks, found = walks_between(walkable, origin[known], goal[known], longest[known])
     whole = np.zeros(count, bool)
     whole[known] = found & (arc_lengths(walks)[1] > SHORTEST)
     # Those without a way are empty lines of two points, so that rows stay in step.

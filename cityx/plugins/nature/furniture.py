@@ -80,6 +80,7 @@ FRONT_REACH = 40.0  # metres within which a thing turns to a road
 SHELTER_ROOM = 2.6  # metres of free sidewalk that a shelter needs
 POLE = 0.2  # metres, half the foot of a lamp or a signal
 WALL_GAP = 0.32  # metres from a wall to the middle of a pole that stands at it
+WITHIN = 0.9  # metres behind a lamp of a street without walks of its own that are paved
 WALK_REACH = 6.0  # metres of walk beside a pole that are looked at
 
 
@@ -203,12 +204,20 @@ def _lamps(city: City, have: int) -> Pieces | None:
         for chosen, beyond in (
             (walk >= WIDE_WALK, LAMP_SETBACK),
             ((walk > 0) & (walk < WIDE_WALK), NARROW_SETBACK),
+            # Paving from the kerb to the houses is no walk of the street, and lit as one.
+            (walk == 0, LAMP_SETBACK),
         ):
             groups.append(
                 places_along(network, np.flatnonzero(lit & chosen), side, spacing=LAMP_SPACING,
                              beyond=beyond, margin=3.0, phase=phase)
             )  # fmt: skip
     places = join_places(*groups)
+    left, right = (table[name].to_numpy()[network.edge_road][places.edge]
+                   for name in ("sidewalk_left", "sidewalk_right"))  # fmt: skip
+    walked = np.where(places.side > 0, left, right) > 0
+    if city.ground is not None:
+        walked |= city.ground.on(places.xy - WITHIN * places.toward_road, *WALKED)
+    places = places.take(walked)
     main = np.isin(kind, MAIN)[places.edge]
     ids = hash_ids(0, f"{ACTION}/lamp", network.edge_id[places.edge],
                    2 * places.number + (places.side > 0))  # fmt: skip

@@ -28,6 +28,7 @@ BEHIND = 0.8  # metres before the junction
 BESIDE = 0.3  # metres from a zebra to a beacon
 ZEBRA = 4.2  # metres that a zebra takes before the junction
 SIGNALLED = 30.0  # metres from a mapped signal within which no sign rules
+NAMED = 0.8  # share of the arms of junctions that tell their name
 TOLD = 15.0  # metres from a mapped sign within which none is added
 
 
@@ -91,8 +92,8 @@ def junction_signs(city: City, place: str) -> tuple[Pieces, FloatArray]:
             rows = np.flatnonzero(told_zebra & arrives)
             found.append(_at(network, "sign_crossing", rows, end, ZEBRA, drive, True))
         named = here & (roads["name"].to_numpy().astype(str)[network.edge_road] != "")
-        # Every other arm tells its name.
-        some = uniform(city.seed, f"{PURPOSE}/name", network.edge_id, end) < 0.5
+        # Most arms tell their name.
+        some = uniform(city.seed, f"{PURPOSE}/name", network.edge_id, end) < NAMED
         if place != "japan":
             found.append(
                 _at(network, "sign_name", np.flatnonzero(named & some), end, 0.3, -drive, True)

@@ -32,6 +32,10 @@ SPECIES = ("lime", "plane", "maple", "oak", "chestnut", "birch", "cherry", "gink
            "cypress", "palm", "shrub", "boxwood", "grove")  # fmt: skip
 BUSHES = ("shrub", "boxwood")
 ASPECT = 0.16  # logarithm of the ratio by which a crown is longer than broad, or broader, at most
+# Factor of brightness of the darkest tree, of the brightest, and how far their hue goes from blue
+# to yellow green: rows beside streets were planted alike, trees of parks and yards were not.
+ROW_TINTS, FREE_TINTS = (0.84, 1.24, 1.0), (0.66, 1.42, 1.7)
+YELLOW = np.array([0.30, 0.08, -0.16])  # by which a yellower tree differs, per colour
 LEANS = (0.022, 0.045)  # radians, most of trees beside streets and of others
 INDEX = {name: index for index, name in enumerate(SPECIES)}
 UPRIGHT = [INDEX[name] for name in (*BUSHES, "grove")]
@@ -127,9 +131,9 @@ def rows_of(
     crowded &= ~stand.light & ~np.isin(stand.species, UPRIGHT)
     variant = _beside_walls(variant, crowded)
     prototypes, number = _prototypes(stand, variant, forms, now)
-    shade = uniform(city.seed, f"{STREAM}/tint", stand.id)[:, None]
-    warm = uniform(city.seed, f"{STREAM}/tint", stand.id, 1)[:, None]
-    tint = (0.80 + 0.40 * shade) * (1 + (warm - 0.5) * np.array([0.30, 0.08, -0.10]))
+    shade = uniform(city.seed, f"{STREAM}/tint", stand.id)
+    warm = uniform(city.seed, f"{STREAM}/tint", stand.id, 1)
+    tint = _tints(street, shade, warm)
     turn = np.zeros((len(stand.id), 3), np.float32)
     # Trunks lean a little to one side; those pruned beside streets less.
     lean = np.where(street, *LEANS) * np.where(np.isin(stand.species, UPRIGHT), 0.0, 1.0)
@@ -157,6 +161,13 @@ def rows_of(
         scale.astype(np.float32),
         tint.astype(np.float32),
     )
+
+
+def _tints(street: BoolArray, shade: FloatArray, warm: FloatArray) -> FloatArray:
+    """(n, 3) factors of the colours of trees, by two draws each."""
+    low, high, hue = np.where(street[:, None], ROW_TINTS, FREE_TINTS).T
+    bright = low + (high - low) * shade
+    return np.asarray(bright[:, None] * (1 + (hue * (warm - 0.5))[:, None] * YELLOW))
 
 
 def _variants(stand: Stand, street: BoolArray) -> IntArray:

@@ -23,6 +23,7 @@ from cityx.plugins.building.shop_names import shop_names
 from cityx.plugins.nature.corner_kerbs import at_corners, past_junctions
 from cityx.plugins.nature.forecourts import amid_forecourts, at_forecourts
 from cityx.plugins.nature.frontages import OWN_FRONTAGE, frontage_edges
+from cityx.plugins.nature.kerb_line import in_kerb_line
 from cityx.plugins.nature.pieces import (
     BoolArray,
     FloatArray,
@@ -42,7 +43,11 @@ from cityx.plugins.nature.plot_edges import along_plots
 from cityx.plugins.nature.poles import utility_poles
 from cityx.plugins.nature.signs import junction_signs
 from cityx.plugins.nature.street_rules import (
+    AMPLE,
+    AMPLE_CLEAR,
     APART,
+    BOXED,
+    BOXES,
     CLEAR,
     DOOR_DEPTH,
     DOOR_SIDE,
@@ -51,6 +56,8 @@ from cityx.plugins.nature.street_rules import (
     KERB_RULES,
     LEANING,
     PIECE_GAP,
+    RACKED,
+    ROWS,
     SIGHT,
     SLOT,
     STREETS,
@@ -107,8 +114,8 @@ YARD_WALL_JAPAN = {**YARD_WALL, "vending_machine": 1.6, "pot_row": 3.0, "garden_
 LAWN = {"": 3.0, "bench": 0.8, "clothes_dryer": 1.0, "vegetable_bed": 1.0, "picnic_table": 0.5}
 LAWN_WALL = {"": 3.0, "garden_shed": 1.2, "pot_row": 1.0, "planter": 0.5, "bench": 0.6}
 # At the walls of wide walks; bicycles lean along them.
-WALK_WALL = {"": 5.0, "bicycle": 2.4, "planter": 1.2, "planter_round": 1.2, "bench": 1.0,
-             "cartons": 0.9, "street_cabinet": 0.7}  # fmt: skip
+WALK_WALL = {"": 5.0, "bicycle": 1.2, "bicycle_parking": 0.6, "planter": 1.2,
+             "planter_round": 1.2, "bench": 1.0, "cartons": 0.9, "street_cabinet": 0.7}  # fmt: skip
 WALK_WALL_JAPAN = {"": 2.5, "bicycle": 3.2, "planter_round": 1.6, "vending_machine": 2.0,
                    "wheelie_bins": 0.6, "motor_scooter": 0.8, "motor_scooter_red": 0.4,
                    "cartons": 0.6, "pot_row": 3.0}  # fmt: skip
@@ -128,7 +135,6 @@ SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "
         "garden_shed": 1.75, "bin_store": 1.4, "pot_row": 0.8, "clothes_dryer": 1.35,
         "vegetable_bed": 1.25, "picnic_table": 1.1, "parking_board": 0.75, **HALVES,
         }  # fmt: skip
-BESIDE = 1.5  # metres between the bollards of a kerb
 # Metres from the middle of a bay to its stop, and to the next bay; from a lot to its board.
 FROM_BAY, NEXT_BAY, BOARD_ASIDE = 2.62, 2.55, 1.4
 TO_WARES = 1.9  # metres that groups at walls keep from what shops put out
@@ -214,6 +220,9 @@ def _along_kerbs(city: City, site: _Site, density: float) -> tuple[Pieces, Float
     rule = (draw[:, None] >= edges).sum(axis=1)
     rows = np.flatnonzero(rule < len(KERB_RULES))
     slots, rule, ids = slots.take(rows), rule[rows], ids[rows]
+    number = {r.piece: n for n, r in enumerate(KERB_RULES)}
+    for alone, rack in RACKED.items():
+        rule[wide[rows] & (rule == number[alone])] = number[rack]
     rule = _few_of_a_kind(city, slots.xy, rule, ids)
     asked = np.array([(r.from_kerb, r.room, r.length, r.depth) for r in KERB_RULES])[rule]
     out = -slots.toward_road
@@ -221,12 +230,14 @@ def _along_kerbs(city: City, site: _Site, density: float) -> tuple[Pieces, Float
     line = np.where(wide[rows], FRONT_LINE + asked[:, 3], 0.0)
     further = np.maximum(line - asked[:, 0], 0.0)
     asked[:, :2] += further[:, None]
-    fits = room[rows] >= asked[:, 1]
+    more = np.where(room[rows] >= AMPLE, AMPLE_CLEAR - CLEAR, 0.0)
+    fits = room[rows] >= asked[:, 1] + more
     assert city.ground is not None
     fits &= city.ground.on(slots.xy, *WALKED)
     slip = (uniform(city.seed, f"{ACTION}/slip", ids) - 0.5) * 2.0
     xy = slots.xy + out * (asked[:, :1] - IN_KERB) + slots.ahead * slip[:, None]
     names = np.array([r.piece for r in KERB_RULES], object)[rule]
+    fits &= (room[rows] >= BOXED) | ~np.isin(names, list(BOXES))
     points = city.layout.points
     crossings = points.geometry.to_numpy()[points["kind"].to_numpy() == "crossing"]
     fits &= ~near_any(xy, crossings, CROSSING_GAP)
@@ -237,14 +248,17 @@ def _along_kerbs(city: City, site: _Site, density: float) -> tuple[Pieces, Float
     yaw = yaw_facing(np.where(turned[:, None], out, -out))
     yaw = yaw + np.where(np.isin(names, LEANING), np.pi / 2, 0.0)  # along the kerb, off the walk
     single, sizes = pieces(names, xy, ids, yaw).take(fits), asked[fits, 2:]
-    # One bollard keeps nobody off: they stand in threes.
-    posts, ahead = single.name == "bollard", slots.ahead[fits]
+    # One bollard keeps nobody off: they stand in threes; so do the tubs of wide walks.
+    step = np.array([ROWS.get(str(name), 0.0) for name in single.name])
+    step *= (single.name == "bollard") | wide[rows][fits]
+    row = np.flatnonzero(step > 0)
+    of, ahead = single.take(row), slots.ahead[fits][row] * step[row, None]
     placed = [single, *(
-        replace(single, xy=single.xy + shift * ahead,
-                id=hash_ids(0, f"{ACTION}/beside/{shift:+.1f}", single.id)).take(posts)
-        for shift in (-BESIDE, BESIDE)
+        replace(of, xy=of.xy + sign * ahead,
+                id=hash_ids(0, f"{ACTION}/beside/{sign:+.1f}", of.id))
+        for sign in (-1.0, 1.0)
     )]  # fmt: skip
-    return join_pieces(placed), np.concatenate([sizes, sizes[posts], sizes[posts]])
+    return join_pieces(placed), np.concatenate([sizes, sizes[row], sizes[row]])
 
 
 def _few_of_a_kind(
@@ -379,6 +393,10 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
         drawn = words[choose(city.seed, f"{ACTION}/open", ids, share)]
         names = np.where(chosen, drawn, names)
     turn = uniform(city.seed, f"{ACTION}/turn", ids) * 2 * np.pi
+    along = walk & np.isinf(wall)
+    deep = {rule.piece: rule.depth for rule in KERB_RULES}
+    depth = np.array([deep.get(str(name), SIZE.get(str(name), 0.5)) for name in names[along]])
+    xy[along], turn[along] = in_kerb_line(city.network, xy[along], depth, turn[along])
     at_wall = ~plaza & np.isfinite(wall) & (names != "")
     half = np.array([SIZE.get(str(name), 0.5) for name in names])
     keep = (names != "") & (at_wall | (rim >= half + np.where(lawn, 0.0, CLEAR)))

@@ -21,6 +21,11 @@ from cityx.geometry.identity import hash_ids
 
 CLEAR = 1.5  # metres of free walk past whatever stands by rule
 TIGHT = 1.2  # metres past a pole on a narrow walk; below it nothing stands
+# Metres of walk from which more of it is left free, and what narrower ones than the last bear no
+# boxes: their sides are as high as a wheelchair's driver.
+AMPLE, AMPLE_CLEAR, BOXED = 3.0, 2.0, 3.0
+BOXES = frozenset({"street_cabinet", "telephone", "kiosk", "advertising_column", "post_box",
+                   "ticket_machine"})  # fmt: skip
 SLOT = 6.0  # metres of kerb per draw
 # Metres of walk from which things stand in a zone of their own, and from the kerb to the line of
 # their fronts; how much more often than on a narrower one.
@@ -75,10 +80,11 @@ SCOOTERS = ("motor_scooter", "motor_scooter_red", "motor_scooter_dark")
 LEANING = ("bicycle", *SCOOTERS)  # along the wall, not square to it
 # Metres from a wall to the middle of what stands at it.
 BICYCLE_GAP = 0.31  # metres from a wall to the middle of a bicycle along it
-WALL_GAP = {"bicycle_parking": 1.05, "bicycle": BICYCLE_GAP, "bench": 0.4, "planter_round": 0.45,
-            "vending_machine": 0.48, "wheelie_bins": 0.5, "motor_scooter": 0.45,
-            "motor_scooter_red": 0.45, "cartons": 0.35, "street_cabinet": 0.3,
-            "garden_shed": 1.0, "bin_store": 0.65, "pot_row": 0.24}  # fmt: skip
+WALL_GAP = {"bicycle_parking": 1.05, "bicycle": BICYCLE_GAP, "bench": 0.4, "planter": 0.42,
+            "planter_round": 0.45, "vending_machine": 0.48, "wheelie_bins": 0.5,
+            "motor_scooter": 0.45, "motor_scooter_red": 0.45, "cartons": 0.35,
+            "street_cabinet": 0.3, "garden_shed": 1.0, "bin_store": 0.65,
+            "pot_row": 0.24}  # fmt: skip
 USUAL_GAP = 0.8  # the same for everything else
 KERB_RULES: tuple[Rule, ...] = (
     Rule("bench", 0.9, 0.45, 0.25, 0.05, 0.60, 0.30, 0.95, (("japan", 0.15),)),
@@ -108,6 +114,10 @@ APART = {"telephone": 120.0, "kiosk": 90.0, "advertising_column": 70.0, "post_bo
 INSTEAD = ("waste_basket", "bench", "planter")
 TALL = frozenset({"advertising_column", "kiosk", "telephone"})  # hide what comes at junctions
 SIGHT = 10.0  # metres from junctions that tall things keep
+# What stands in rows along wide walks rather than alone, and metres between one and the next.
+ROWS = {"bollard": 1.5, "planter": 1.75}
+# Bicycles that lean on the poles of narrow walks stand in the racks of wide ones.
+RACKED = {"bicycle": "bicycle_parking"}
 PIECE_GAP = 1.6  # metres between things by rule and whatever else stands, beside their size
 DOOR_DEPTH, DOOR_SIDE = 2.0, 0.85  # metres before a door, and to each side of its middle, kept free
 

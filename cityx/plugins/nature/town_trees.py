@@ -10,32 +10,37 @@ from cityx.city import City
 from cityx.city.layout import in_town
 from cityx.geometry.clearance import distance_within, near_any, spots_of
 from cityx.geometry.identity import choose, hash_ids, stable_id, uniform
+from cityx.geometry.polylines import to_linestrings
 from cityx.geometry.scatter import Points, candidates, cells_about, thin
 from cityx.geometry.standing import WALKED
 from cityx.plugins.nature import climate
 from cityx.plugins.nature.climate import band_of
 from cityx.plugins.nature.pieces import room_along, walk_rims, ways_to_doors
 from cityx.plugins.nature.stands import INDEX, Stand, draw_species, stand_of
-from cityx.plugins.nature.tree_room import CLIPPED, custom_of
+from cityx.plugins.nature.tree_room import CLIPPED, custom_of, sight_at
 from cityx.plugins.road.kerbs import join_places, places_along
 
 FloatArray = NDArray[np.float64]
 
 STREET, YARD = "nature/trees-v2/street", "nature/trees-v2/yard"
 STREET_SPACINGS = (7.0, 8.0, 9.0, 10.0)  # metres between the trees of a street, drawn per street
-STREET_SHARE, MAIN_SHARE = 0.65, 0.9  # of the streets that are wide enough, of the main ones
+STREET_SHARE, MAIN_SHARE = 0.8, 0.95  # of the streets that are wide enough, of the main ones
 STREET_KINDS = ("residential", "tertiary", "secondary", "primary", "unclassified", "living_street")
 MAIN_KINDS = ("tertiary", "secondary", "primary")
-LEAST_WALK = 2.0  # metres of sidewalk; nobody plants trees along narrower ones
+LEAST_WALK = 2.0  # metres of sidewalk; nobody plants trees along narrower ones of side streets
 WIDE_WAY = 2.1  # metres from trunks where walks are not told but measured, some 3 m in all
 TRUNK_WAY = 1.7  # metres of walk and paved court from the middle of a trunk, so that 1.2 m are left
 # The same in Japan, whose clipped trees are slender; there each street that bears a name has some.
 CLIPPED_WALK, CLIPPED_WAY, CLIPPED_WIDE_WAY = 1.8, 1.35, 1.7
 # Metres that they are clipped to, drawn per street, and by which its trees differ.
 CLIPPED_HEIGHT, CLIPPED_SPREAD = (6.2, 8.2), 0.6
+# Where facades are near, trees are kept small.
+NARROW = 19.0  # metres from facade to facade, the median of a street
+SMALL_HEIGHT = (5.2, 7.4)  # metres, drawn per street
 VERGES = ("grass", "block")  # ground beside carriageways where trees leave the walk alone
 HOUSES_WITHIN = 25.0  # metres; a street has trees only where it has houses on its side
-MAPPED_WITHIN = 45.0  # metres; where the map shows trees it shows all of them
+MAPPED_WITHIN = 45.0  # metres; where the map shows trees of a street it shows all of them
+OF_STREET = 4.5  # metres beside a carriageway in which mapped trees are those of its street
 YARD_SPACING = 6.5  # metres between the trees of yards
 YARD_REACH = 60.0  # metres from a house of a town
 FROM_EDGE = 1.5  # metres from a trunk in paving to where the paving ends
@@ -77,40 +82,73 @@ def along_streets(city: City, mapped: FloatArray) -> list[Stand]:
     green &= np.isin(kind, STREET_KINDS) & flat[network.edge_road]
     spacing = choose(city.seed, STREET, key, [1.0] * len(STREET_SPACINGS), 1)
     groups = []
+    sight = sight_at(city)[network.edge_nodes]
     walks = roads[["sidewalk_right", "sidewalk_left"]].to_numpy(float)[network.edge_road]
     told = walks >= (CLIPPED_WALK if clipped else LEAST_WALK)
     way, wide_way = (CLIPPED_WAY, CLIPPED_WIDE_WAY) if clipped else (TRUNK_WAY, WIDE_WAY)
     for side in (1, -1):
         # Trees of both sides stand in turn.
-        wide = (walks[:, int(side > 0)] >= LEAST_WALK) | major
+        walk = walks[:, int(side > 0)]
+        wide = (walk >= LEAST_WALK) | (walk == 0.0) | major  # what is not told is measured below
         for number, metres in enumerate(STREET_SPACINGS):
             edges = np.flatnonzero(green & wide & (spacing == number))
             groups.append(
                 places_along(network, edges, side, spacing=metres, beyond=custom.kerb + 0.1,
-                             margin=custom.sight, phase=0.25 * (side < 0))
+                             margin=np.maximum(sight[edges], metres / 2),
+                             phase=0.25 * (side < 0))
             )  # fmt: skip
     places = join_places(*groups)
     houses = city.layout.buildings.geometry.to_numpy()
     spots = spots_of(places.xy)
     facade = distance_within(spots, houses, HOUSES_WITHIN)
     keep = np.isfinite(facade) & (facade >= custom.facade)
-    keep &= ~near_any(spots, shapely.points(mapped), MAPPED_WITHIN)
-    places = places.take(keep)
+    half = network.half_width[places.edge] + custom.kerb + np.fmin(facade, HOUSES_WITHIN)
+    small = (_median(half, key[places.edge]) < NARROW / 2) & (not clipped)
+    keep &= ~near_any(spots, shapely.points(mapped), LONE)
+    keep[keep] = ~_shown(city, places.xy[keep], key[places.edge[keep]], key, mapped)
+    places, small = places.take(keep), small[keep]
     if city.ground is not None:
         rims = walk_rims(city.ground)
         room = room_along(places.xy, -places.toward_road, rims, 2 * TRUNK_WAY)
         least = np.where(told[places.edge, (places.side > 0).astype(int)], way, wide_way)
         free = (room >= least) & city.ground.on(places.xy, *WALKED)
-        places = places.take(free | city.ground.on(places.xy, *VERGES))
+        free |= city.ground.on(places.xy, *VERGES)
+        places, small = places.take(free), small[free]
     ids = hash_ids(0, STREET, network.edge_id[places.edge],
                    2 * places.number + (places.side > 0))  # fmt: skip
     species = draw_species(climate.STREET_MIX, city, key[places.edge])
-    low, high = CLIPPED_HEIGHT
+    low, high = CLIPPED_HEIGHT if clipped else SMALL_HEIGHT
     height = low + (high - low) * uniform(city.seed, f"{STREET}/height", key[places.edge])
     height += CLIPPED_SPREAD * (uniform(city.seed, f"{STREET}/spread", ids) - 0.5)
-    height = height if clipped else np.full(len(ids), np.nan)
+    height = np.where(small | clipped, height, np.nan)
     return [stand_of(Points(places.xy, ids), species, height, line=network.edge_id[places.edge],
                      place=2 * places.number + (places.side > 0))]  # fmt: skip
+
+
+def _median(value: FloatArray, group: NDArray[np.uint64]) -> FloatArray:
+    """(n,) median of the values of each one's group."""
+    _, index = np.unique(group, return_inverse=True)
+    order = np.lexsort((value, index))
+    count = np.bincount(index)
+    middle = np.cumsum(count) - count + count // 2
+    return np.asarray(value[order][middle][index])
+
+
+def _shown(
+    city: City, xy: FloatArray, street: NDArray[np.uint64], key: NDArray[np.uint64],
+    mapped: FloatArray,
+) -> NDArray[np.bool_]:  # fmt: skip
+    """(n,) whether the map shows the trees of streets, given by (e,) key of edges, at places."""
+    network = city.network
+    assert network is not None
+    points = shapely.points(mapped)
+    edge, tree = shapely.STRtree(points).query(
+        to_linestrings(network.lines), predicate="dwithin", distance=network.half_width + OF_STREET
+    )
+    place, near = spots_of(xy).tree.query(points[tree], predicate="dwithin", distance=MAPPED_WITHIN)
+    shown = np.zeros(len(xy), bool)
+    shown[near[key[edge][place] == street[near]]] = True
+    return shown
 
 
 def in_yards(city: City, mapped: FloatArray) -> list[Stand]:

@@ -31,6 +31,8 @@ FACADE_CLEARANCE = 2.5  # metres from trunk to facade for trees nobody mapped
 LEAST_FACADE = 0.6  # metres, the same for mapped ones: they are where they are
 LAMP_CLEARANCE = 4.0  # metres from a lamp for trees nobody mapped
 SIGHT = 8.0  # metres kept free beyond a junction's arms, so that drivers see each other
+DRIVEWAY_SIGHT = 2.5  # metres, the same beside driveways, out of which cars creep
+DRIVEWAYS = ("service", "track")
 MAPPED_SIGHT = 0.6  # metres, the same for mapped ones: what stands there hides little
 # Metres a mapped tree may be moved out of a carriageway: kerbs are drawn as bays and narrowings
 # let them, and trees between bays stand as far out as a car is broad.
@@ -108,9 +110,22 @@ def custom_of(frame: Frame) -> Custom:
     return CLIPPED if band_of(frame) == "japan" else Custom()
 
 
+def sight_at(city: City) -> FloatArray:
+    """(n,) metres kept free of trees behind the arms of each node, 0 where a street goes on."""
+    network = city.network
+    assert network is not None
+    kind = city.layout.roads["kind"].to_numpy().astype(str)[network.edge_road]
+    streets = network.edge_nodes[~np.isin(kind, DRIVEWAYS)].ravel()
+    arms = np.bincount(streets, minlength=len(network.node_position))
+    custom = custom_of(city.frame)
+    other = np.where(network.node_degree > 2, min(DRIVEWAY_SIGHT, custom.sight), 0.0)
+    return np.asarray(np.where(arms > 2, custom.sight, other))
+
+
 def room_of(
-    city: City, xy: FloatArray, mapped: BoolArray, lamps: FloatArray
-) -> tuple[FloatArray, BoolArray, Room]:
+    city: City, xy: FloatArray, mapped: BoolArray, lamps: FloatArray,
+    street: BoolArray | None = None,
+) -> tuple[FloatArray, BoolArray, Room]:  # fmt: skip
     """Move mapped trees off carriageways and find which trees may stand.
 
     Parameters
@@ -123,6 +138,9 @@ def room_of(
         (n,) bool, trees of the map, which get more tolerance.
     lamps
         (m, 2) float, places of street lamps.
+    street
+        (n,) bool, trees for which room on a walk is measured already; footways drawn along it are
+        part of it. None for none.
 
     Returns
     -------
@@ -139,6 +157,9 @@ def room_of(
     lines, half, driven = _strips(city)
     custom = custom_of(city.frame)
     moved, free = push_off(before, lines, half + custom.kerb, most=MOST_PUSH)
+    if street is not None and street.any():
+        moved[street] = xy[street]
+        free[street] = ~near_any(xy[street], lines[driven], half[driven] + custom.kerb)
     moved, free = _beside_walks(city, moved, free, before, mapped, (lines, half, driven))
     keep &= free & (mapped | (np.hypot(*(moved - xy).T) < 1e-9))
     spots = spots_of(moved) if (moved != xy).any() else before
@@ -152,7 +173,7 @@ def room_of(
         joint = network.node_degree >= 3
         nodes = shapely.points(network.node_position[joint])
         keep &= ~near_any(spots, nodes, radius[joint] + MAPPED_SIGHT)
-        keep &= mapped | ~near_any(spots, nodes, radius[joint] + custom.sight)
+        keep &= mapped | ~near_any(spots, nodes, radius[joint] + sight_at(city)[joint])
     if len(lamps):
         keep &= mapped | ~near_any(spots, shapely.points(lamps), custom.lamp)
     if city.ground is not None:

@@ -256,7 +256,8 @@ def _rooted(city: City, stands: list[Stand]) -> tuple[Stand, Room]:
     xmin, ymin, xmax, ymax = city.layout.extent
     x, y = stand.xy.T
     stand = take_trees(stand, (x >= xmin) & (x <= xmax) & (y >= ymin) & (y <= ymax))
-    xy, keep, room = room_of(city, stand.xy, stand.mapped, lamp_places(city))
+    street = (stand.line > 0) & ~stand.mapped
+    xy, keep, room = room_of(city, stand.xy, stand.mapped, lamp_places(city), street)
     order = np.argsort(stand.id, kind="stable")
     order = order[keep[order]]
     order = order[np.unique(stand.id[order], return_index=True)[1]]

@@ -1,4 +1,4 @@
-"""Symbols on lanes: arrows before junctions, and what bus and cycle lanes are for."""
+"""Symbols on lanes: arrows before junctions, speed limits, what bus and cycle lanes are for."""
 
 from __future__ import annotations
 
@@ -20,13 +20,16 @@ from cityx.plugins.road.marks import (
     Street,
     lane_count,
 )
-from cityx.plugins.road.symbols import LENGTH, arrow, bicycle, diamond, placed, word
+from cityx.plugins.road.symbols import LENGTH, arrow, bicycle, diamond, figures, placed, word
 
 EVERY = 60.0  # metres between symbols on a bus or cycle lane
 ONE_WAY, FROM_MOUTH = 45.0, 7.0  # metres between arrows of one-way streets, and to the first
 LEAST_SYMBOL = 1.2  # metres of a lane with a symbol
 FROM_LINE = (1.5, 21.5)  # metres from the stop line to the tips of arrows
 AHEAD = (30.0, 50.0)  # metres from a crossing to the lozenges that tell of it
+LIMITS = (20, 30, 40, 50, 60, 80)  # km/h that are painted
+LIMIT_EVERY, LIMIT_FROM = 90.0, 17.0  # metres between figures on a lane, and to the first
+QUIET_LIMIT = 30  # km/h on one-way streets of one lane where the map tells none
 _MOVING = [KIND[name] for name in TRAVELLED]
 
 
@@ -85,6 +88,35 @@ def lane_symbols(
         paint(outline, rows[which], along)
     if not shapes:
         return np.zeros(0, object), np.zeros(0, np.int64)
+    return np.concatenate(shapes), np.concatenate(edges).astype(np.int64)
+
+
+def speed_figures(street: Street, chosen: BoolArray) -> Marks:
+    """Paint speed limits on lanes of cars, behind junctions and again and again."""
+    network, lines, bands = street.network, street.lines, street.bands
+    begin, end = street.free
+    table = street.layout.roads
+    told = table["maxspeed_kmh"].to_numpy(float)[network.edge_road]
+    single = table["oneway"].to_numpy(bool)[network.edge_road]
+    single &= lane_count(bands, network.edge_count, 1) == 1
+    single &= np.isin(street.kind, ("residential", "unclassified"))
+    limit = np.where(np.isfinite(told), told, np.where(single, QUIET_LIMIT, 0))
+    lanes = np.flatnonzero((bands.kind == KIND["drive"]) & (bands.direction != 0))
+    lanes = lanes[chosen[bands.edge[lanes]] & (bands.width[lanes] > LEAST_SYMBOL)]
+    lanes = lanes[np.isin(limit[bands.edge[lanes]], LIMITS)]
+    edge = bands.edge[lanes]
+    which, along = every((end - begin)[edge] - LIMIT_FROM, LIMIT_EVERY, LIMIT_FROM)
+    lane, own = lanes[which], edge[which]
+    sign = np.where(bands.direction[lane] > 0, 1.0, -1.0)
+    position, direction = locate(lines, own, np.where(sign > 0, begin[own] + along,
+                                                      end[own] - along))  # fmt: skip
+    ahead, lateral = direction * sign[:, None], bands.middle[lane] * sign
+    shapes, edges = [np.zeros(0, object)], [np.zeros(0, np.int64)]
+    for value in np.unique(limit[own]).tolist():
+        rows = np.flatnonzero(limit[own] == value)
+        made = placed(figures(int(value)), position[rows], ahead[rows], lateral[rows])
+        shapes.append(made)
+        edges.append(np.repeat(own[rows], len(made) // len(rows)))
     return np.concatenate(shapes), np.concatenate(edges).astype(np.int64)
 
 

@@ -14,7 +14,7 @@ from cityx.plugins.road.marks import RANK, FloatArray, IntArray, Shapes, Street
 
 LOZENGE, SLIT = (2.0, 1.0), 0.15  # metres, long and wide, and of the cross that parts it
 CROSS, STROKE = 0.9, 0.15  # metres from the middle to the tips of a cross, and its strokes
-LEAST_ARMS = 4  # that meet at a lozenge
+LOZENGE_ARMS = 4  # more of them have no middle that all pass alike
 MINOR = RANK.index("unclassified")  # roads that meet at a cross, and lower ones
 LEAST_WIDTH = 3.5  # metres of the streets that meet at a cross
 ARMS = (3, 4)  # of streets with a cross
@@ -36,7 +36,7 @@ def centre_marks(street: Street, ways: JunctionWays, road: Carriageway) -> Shape
 
 def _lozenges(street: Street, ways: JunctionWays) -> list[Any]:
     found = []
-    for hub in street.ruled_hubs[street.arms[street.ruled_hubs] >= LEAST_ARMS].tolist():
+    for hub in street.ruled_hubs[street.arms[street.ruled_hubs] == LOZENGE_ARMS].tolist():
         rows = np.flatnonzero(ways.hub == hub)
         own = ways.take(rows[np.argsort(street.rank[ways.edge[rows]], kind="stable")])
         middle = shapely.centroid(shapely.convex_hull(shapely.union_all(conflicts(own))))

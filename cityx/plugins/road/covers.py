@@ -32,7 +32,8 @@ LEAST_HALF = 2.4  # metres of half carriageway that has manholes
 SLACK = 0.5  # share of their spacing by which manholes leave their places
 MARGIN = 3.0  # metres behind the junction
 REACH = 2.0  # metres that a gully is moved to its kerb
-AMID = (5.0, 1.2)  # metres from the node of a junction to its further manholes, and the first
+AMID = (12.0, 1.2)  # metres from the node of a junction to its further manholes, and the first
+APART = 8.0  # metres between manholes of a junction
 SHORTEST = 0.1  # metres; shorter pieces of a kerb do not tell its direction
 
 
@@ -114,7 +115,22 @@ def _amid_junctions(
     way = np.column_stack([np.cos(angle), np.sin(angle)])
     xy = np.round(network.node_position[node] + way * far[:, None], 3)
     on = np.ones(len(xy), bool) if city.ground is None else city.ground.on(xy, "junction")
+    on &= _first_of_near(xy, on)
     return xy[on], way[on], ids[on]
+
+
+def _first_of_near(xy: FloatArray, chosen: BoolArray) -> BoolArray:
+    """(k,) which of the chosen places no earlier one that stays comes near."""
+    rows = np.flatnonzero(chosen)
+    spots = shapely.points(xy[rows])
+    one, other = shapely.STRtree(spots).query(spots, predicate="dwithin", distance=APART)
+    kept = np.ones(len(rows), bool)
+    for later, earlier in sorted(zip(one.tolist(), other.tolist(), strict=True)):
+        if earlier < later and kept[earlier]:
+            kept[later] = False
+    found = np.zeros(len(xy), bool)
+    found[rows[kept]] = True
+    return found
 
 
 def _round_islands(city: City, xy: FloatArray) -> BoolArray:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
+import shapely.affinity
 
 from cityx.geometry.polylines import Polylines, arc_lengths, every, line_strips, locate, pieces
 from cityx.plugins.road.carriageway import Carriageway, joined_by
@@ -20,6 +21,7 @@ from cityx.plugins.road.marks import (
     Street,
     paved_share,
 )
+from cityx.plugins.road.symbols import bicycle, placed
 from cityx.plugins.road.through_roads import Through, across_junctions
 
 DASH, GAP = 1.0, 1.0  # metres of the lines of a road that goes straight on
@@ -30,6 +32,9 @@ CYCLE_WAY = 1.3  # metres between the two lines
 LONGEST = 60.0  # metres across a junction; farther apart no line leads
 WHOLE = 0.97  # share of a mark that lies on what is driven on
 STEPS = 8  # pieces of a line that bends
+# Of the bicycle at the beginning of a coloured way: metres from where it begins, factors along and
+# across, and metres of way that has one.
+SYMBOL_AT, SYMBOL, LEAST_SYMBOL = 1.2, (1.7, 0.58), 7.0
 ROLES = 4096  # what the lines of a road part, told apart by number
 
 
@@ -44,8 +49,9 @@ def guide_lines(
 ) -> tuple[Marks, BoolArray, Shapes]:
     """Lead the lines of major roads across junctions, and those of cycle lanes.
 
-    Lines beside cycle lanes go on everywhere, those between lanes of equal number and between the
-    directions only past a single side street where nothing halts their traffic. Where `stems` of
+    Lines beside cycle lanes go on everywhere, with a bicycle where they begin, those between lanes
+    of equal number and between the directions only past a single side street where nothing halts
+    their traffic. Where `stems` of
     equals give way, the road they end at is major too. Also returns which part the two directions,
     and the surfaces between the lines beside cycle lanes.
     """
@@ -72,10 +78,36 @@ def guide_lines(
         shapes.append(line_strips(cut, np.zeros(len(own)), width))
         edges.append(found.edge[first[own]])
         centre.append(found.centre[first[own]])
+    ways = np.flatnonzero(good & found.cycle[first])
+    entry = through.edge[chosen[row[ways]], 0], through.side[chosen[row[ways]], 0]
+    sign = np.where(entry[1] == 0, -1, 1) * np.where(street.network.left_hand[entry[0]], -1, 1)
+    symbols, own = _bicycles(inner, outer, ways, found.lateral[first[ways]] * sign < 0)
+    shapes.append(symbols)
+    edges.append(found.edge[first[own]])
+    centre.append(np.zeros(len(own), bool))
     marks, middle = np.concatenate(shapes), np.concatenate(centre)
     paved = paved_share(marks, road.stars, road.strips, road.curves) > WHOLE
-    between = _between(inner, outer, np.flatnonzero(good & found.cycle[first]), road)
+    between = _between(inner, outer, ways, road)
     return (marks[paved], np.concatenate(edges)[paved]), middle[paved], between
+
+
+def _bicycles(
+    inner: Polylines, outer: Polylines, rows: IntArray, onward: BoolArray
+) -> tuple[Shapes, IntArray]:
+    """Paint a bicycle where the ways between two lines begin, `onward` or at their other ends.
+
+    Short ways have none; also returns the row of each part of one.
+    """
+    near, far = (each.points.reshape(-1, STEPS + 1, 2)[rows] for each in (inner, outer))
+    middle = (near + far) / 2
+    long = np.hypot(*(middle[:, -1] - middle[:, 0]).T) >= LEAST_SYMBOL
+    rows, middle, onward = rows[long], middle[long], onward[long]
+    middle = np.where(onward[:, None, None], middle, middle[:, ::-1])
+    ahead = middle[:, 1] - middle[:, 0]
+    ahead = ahead / np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
+    outline = shapely.affinity.scale(bicycle(), *SYMBOL, origin=(0, 0))
+    made = placed(outline, middle[:, 0] + SYMBOL_AT * ahead, ahead, np.zeros(len(rows)))
+    return made, np.repeat(rows, len(made) // max(len(rows), 1))
 
 
 def _between(inner: Polylines, outer: Polylines, rows: IntArray, road: Carriageway) -> Shapes:

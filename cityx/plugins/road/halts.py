@@ -10,7 +10,7 @@ import shapely
 from cityx.city.section import KIND, TRAVELLED
 from cityx.geometry.polylines import every, locate
 from cityx.plugins.road.carriageway import Carriageway
-from cityx.plugins.road.crossing_places import BEFORE, STOP
+from cityx.plugins.road.crossing_places import BEFORE
 from cityx.plugins.road.marks import (
     LINE,
     BoolArray,
@@ -90,7 +90,7 @@ def halt_lines(
         for rows, shape in ((plain, "stop"), (stops & ~plain, painting.give_way)):
             edge = np.flatnonzero(rows)
             span = behind[edge], right[edge], left[edge]
-            marks, of = _line_across(street, edge, end, *span, shape)
+            marks, of = _line_across(street, edge, end, *span, shape, painting.stop_line)
             if shape != "stop":
                 paved = paved_share(marks, road.stars, road.strips, road.curves) > WHOLE
                 marks, of = marks[paved], of[paved]
@@ -132,15 +132,15 @@ def _arriving_lanes(
 
 def _line_across(
     street: Street, edge: IntArray, end: int, behind: FloatArray, low: FloatArray,
-    high: FloatArray, shape: str,
+    high: FloatArray, shape: str, breadth: float,
 ) -> Marks:  # fmt: skip
-    """Paint a stop line, a row of give-way triangles or rows of dashes across lanes that arrive."""
+    """Paint where lanes that arrive halt or give way: a stop line, triangles or rows of dashes."""
     lines, length = street.lines, street.length
     sign = 1.0 if end == 0 else -1.0
     if shape == "stop":
-        back = behind + STOP / 2
+        back = behind + breadth / 2
         along = back if end == 0 else length[edge] - back
-        return boxes(lines, edge, along, (low + high) / 2, STOP, high - low - 0.3)
+        return boxes(lines, edge, along, (low + high) / 2, breadth, high - low - 0.3)
     row = {"teeth": TOOTH, "dashes": GIVE_WAY, "double dashes": DOUBLE}[shape]
     depth, size, gap, second = row
     which, at = every(high - low, size + gap, size / 2 + 0.15)

@@ -33,7 +33,8 @@ FROM_CROSSING = (
     5.2  # metres where a crossing lies there, which ends 4.5 m behind the junction at most
 )
 FROM_JOINT = 0.3  # metres where a street merely goes on
-STALL, OUTLINE = 0.12, 0.10  # metres of breadth: of lines between stalls, and round bays
+# Metres of breadth: of lines between stalls, along rows of bays, and broken ones round them.
+STALL, LINE, OUTLINE = 0.12, 0.10, 0.06
 DASHES = (0.6, 0.3)  # metres of dash and gap of an outline
 INSET = 0.05  # metres from the kerb to the end of a line
 
@@ -114,21 +115,23 @@ def bay_marks(lines: Polylines, runs: Runs, style: str) -> Marks:
         at = np.concatenate([middle - BAY / 2, end])
         return _across(lines, runs, np.concatenate([run, row]), at, STALL)
     if style == "line":
-        return _along(lines, runs, row, begin, end)
+        return _along(lines, runs, row, begin, end, LINE)
     step = sum(DASHES)
     count = np.maximum(np.round((end - begin) / step), 1).astype(np.int64)
     which = np.repeat(np.arange(len(count)), count)
     place = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
     pitch = ((end - begin + DASHES[1]) / count)[which]
     low = begin[which] + place * pitch
-    dashes = _along(lines, runs, row[which], low, low + pitch - DASHES[1])
+    dashes = _along(lines, runs, row[which], low, low + pitch - DASHES[1], OUTLINE)
     return together([dashes, *(_ends(lines, runs, row, at) for at in (begin, end))])
 
 
-def _along(lines: Polylines, runs: Runs, row: IntArray, low: FloatArray, high: FloatArray) -> Marks:
+def _along(
+    lines: Polylines, runs: Runs, row: IntArray, low: FloatArray, high: FloatArray, breadth: float
+) -> Marks:
     """Lines along the inner edges of lanes."""
     edge = runs.edge[row]
-    return line_strips(pieces(lines, edge, low, high), runs.road[row], OUTLINE), edge
+    return line_strips(pieces(lines, edge, low, high), runs.road[row], breadth), edge
 
 
 def _across(lines: Polylines, runs: Runs, row: IntArray, at: FloatArray, breadth: float) -> Marks:

@@ -64,7 +64,7 @@ def places_along(
     *,
     spacing: float,
     beyond: float,
-    margin: float,
+    margin: ArrayLike,
     phase: float = 0.0,
 ) -> KerbPlaces:
     """List places at a regular spacing along one side of edges, clear of the junctions.
@@ -82,7 +82,7 @@ def places_along(
     beyond
         Metres from the kerb outwards; negative inside the carriageway.
     margin
-        Metres kept free behind the trims at both ends.
+        Metres kept free behind the trims at both ends, or (k, 2) at the start and the end of each.
     phase
         Share of the spacing by which all places are moved ahead.
     """
@@ -90,10 +90,12 @@ def places_along(
     lines = network.lines
     length = arc_lengths(lines)[1]
     free = (length - network.trim.sum(axis=1))[chosen]
-    row, along = every(free, spacing, margin)
+    first, last = np.broadcast_to(np.asarray(margin, float), (len(chosen), 2)).T
+    row, along = every(free - first - last, spacing)
+    along = along + first[row]
     if phase:
         along = along + phase * spacing
-        keep = along <= free[row] - margin
+        keep = along <= (free - last)[row]
         row, along = row[keep], along[keep]
     number = np.arange(len(row)) - np.searchsorted(row, row)
     edge = chosen[row]

@@ -21,8 +21,7 @@ from cityx.plugins.road.marks import (
 SOLID = 25.0  # metres before a junction along which no line between lanes may be crossed
 LEAST_SOLID = 6.0  # metres; shorter ones say nothing
 DASHED = 12.0  # metres between the unbroken ends of a line that stay broken
-DASH = 3.0  # metres
-GAPS = (3.0, 9.0)  # metres between dashes, in town and outside
+FAR_DASHES = (3.0, 9.0)  # metres of dash and gap outside towns
 LONG_DASH = ("motorway", "trunk", "motorway_link", "trunk_link")
 JUNCTION_LINES = (*MAIN, "unclassified")
 _KERBED = [KIND[name] for name in CARRIAGEWAY]
@@ -50,8 +49,8 @@ class Partings:
         (p,) bool, whether one of the two is a lane for bicycles.
     mixed
         (p,) bool, whether the two are anything but two lanes for cars.
-    gap
-        (p,) float, metres between its dashes.
+    dash, gap
+        (p,) float, metres of its dashes, and between them.
     """
 
     edge: IntArray
@@ -61,11 +60,17 @@ class Partings:
     bus: BoolArray
     cycle: BoolArray
     mixed: BoolArray
+    dash: FloatArray
     gap: FloatArray
 
 
-def partings_of(street: Street, chosen: BoolArray, kerbed: BoolArray) -> Partings:
-    """Find what parts the bands of the chosen edges; dashes stand closer between kerbs."""
+def partings_of(
+    street: Street, chosen: BoolArray, kerbed: BoolArray, dashes: tuple[float, float] = (3.0, 3.0)
+) -> Partings:
+    """Find what parts the bands of the chosen edges.
+
+    The lines have `dashes`, metres of dash and gap, between kerbs, and longer gaps elsewhere.
+    """
     bands = street.bands
     begin, end = street.free
     inside = np.flatnonzero(np.isin(bands.kind, _KERBED))
@@ -86,16 +91,16 @@ def partings_of(street: Street, chosen: BoolArray, kerbed: BoolArray) -> Parting
         (kinds[0] == bus) != (kinds[1] == bus),
         (kinds[0] == cycle) != (kinds[1] == cycle),
         (kinds[0] != drive) | (kinds[1] != drive),
-        np.where(far, GAPS[1], GAPS[0]),
+        *(np.where(far, other, own) for other, own in zip(FAR_DASHES, dashes, strict=True)),
     )
 
 
-def lane_lines(street: Street, found: Partings) -> tuple[Marks, BoolArray]:
+def lane_lines(street: Street, found: Partings, *, closing: bool = True) -> tuple[Marks, BoolArray]:
     """Paint what parts two bands.
 
     Unbroken are the middle of roads with four lanes and more, the sides of bus lanes, cycle lanes,
-    shoulders and medians, and all lines just before a junction. Also returns which marks part the
-    two directions.
+    shoulders and medians, and where `closing` all lines just before a junction. Also returns which
+    marks part the two directions.
     """
     lines, bands, edge = street.lines, street.bands, found.edge
     begin, end = street.free
@@ -114,7 +119,7 @@ def lane_lines(street: Street, found: Partings) -> tuple[Marks, BoolArray]:
         at = edge[rows]
         paint(rows, pieces(lines, at, begin[at], end[at]), LINE * (1 + wide))
     low, high = begin[edge].copy(), end[edge].copy()
-    for side, rows in enumerate(_closing(street, found, solid)):
+    for side, rows in enumerate(_closing(street, found, solid) if closing else ()):
         at = edge[rows]
         size = _solid_length(end[at] - begin[at])
         if side == 0:
@@ -123,12 +128,12 @@ def lane_lines(street: Street, found: Partings) -> tuple[Marks, BoolArray]:
         else:
             high[rows] -= size
             paint(rows, pieces(lines, at, high[rows], end[at]), LINE)
-    for space in GAPS:
-        rows = np.flatnonzero(~solid & (found.gap == space))
-        which, along = every((high - low)[rows], DASH + space, DASH / 2 + 0.1)
+    for dash, gap in np.unique(np.column_stack([found.dash, found.gap]), axis=0).tolist():
+        rows = np.flatnonzero(~solid & (found.dash == dash) & (found.gap == gap))
+        which, along = every((high - low)[rows], dash + gap, dash / 2 + 0.1)
         rows = rows[which]
         middles = low[rows] + along
-        cut = pieces(lines, edge[rows], middles - DASH / 2, middles + DASH / 2)
+        cut = pieces(lines, edge[rows], middles - dash / 2, middles + dash / 2)
         paint(rows, cut, LINE)
     return (np.concatenate(shapes), np.concatenate(edges)), np.concatenate(middle)
 

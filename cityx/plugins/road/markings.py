@@ -13,9 +13,9 @@ from cityx.city.roads import RoadNetwork
 from cityx.city.section import KIND
 from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.polylines import line_strips, pieces, to_linestrings
-from cityx.plugins.road.arrows import lane_symbols
+from cityx.plugins.road.arrows import lane_symbols, speed_figures
 from cityx.plugins.road.box_junctions import box_junctions
-from cityx.plugins.road.carriageway import Carriageway
+from cityx.plugins.road.carriageway import Carriageway, joined_by
 from cityx.plugins.road.carriageway_regions import kerbed_edges
 from cityx.plugins.road.centre_marks import centre_marks
 from cityx.plugins.road.guides import guide_lines
@@ -44,10 +44,13 @@ from cityx.plugins.road.turn_guides import crossing_boxes, turn_guides
 from cityx.plugins.road.zebras import Zebras, crossing_rows, zebra_bars
 
 WIDE = 7.0  # metres; a narrower residential street has lines only if the map tells its lanes
+# Streets of one way narrower than that have none, which would look like a line between directions.
+ONE_WAY = ("tertiary", "unclassified", "residential", "tertiary_link")
 EDGE_INSET = 0.35  # metres from the carriageway's edge to its edge line
 TOWN_INSET = 0.5  # metres, the same between kerbs, beside the gutter
 LANE = 3.4  # metres between the edge lines of a single lane
 WHOLE = 0.7  # share of a zebra's bars that must have room; otherwise none is painted
+BEFORE_LINES, LEAST_CUT = 0.08, 0.3  # metres from a line to a mark it cuts, and share that is left
 HATCH = (0.4, 1.1, 0.3)  # metres: width, spacing and distance from the sides of a gore's bars
 GORED = (*LONG_DASH, "primary", "primary_link", "secondary_link")
 UNMARKED = ("service", "track", "living_street", "busway", "road", "raceway")
@@ -82,18 +85,25 @@ def marking_regions(
     known = tags.contains('"lanes', regex=False).to_numpy().astype(bool)
     known |= table["section"].to_numpy() != ""
     quiet = (kind == "residential") & ~known & (network.half_width * 2 < WIDE)
+    single = table["oneway"].to_numpy(bool) & np.isin(kind, ONE_WAY)
+    quiet |= single & (network.half_width * 2 < WIDE)
     bays = tags.contains('"parking', regex=False).to_numpy().astype(bool) | (kind != "residential")
     kerbed = kerbed_edges(layout, network)
     through = through_roads(street)
-    found = partings_of(street, urban & ~quiet, kerbed)
-    lines, centre = lane_lines(street, found)
+    found = partings_of(street, urban & ~quiet, kerbed, painting.dashes)
+    lines, centre = lane_lines(street, found, closing=painting.closing)
     guides, middle, furten = guide_lines(
         street, found, through, urban & ~quiet, road, stems=painting.stems
     )
     bars, crossing = zebra_bars(street, zebras, road)
     halts = halt_lines(street, urban, painting, through, road)
     white = [
-        _edge_lines(street, urban & np.isin(kind, LONG_DASH), np.full(len(kind), EDGE_INSET), LINE),
+        _edge_lines(
+            street,
+            np.repeat((urban & np.isin(kind, LONG_DASH))[:, None], 2, axis=1),
+            np.full(len(kind), EDGE_INSET),
+            LINE,
+        ),
         _edge_lines(
             street,
             _lined(street, urban & kerbed & painting.edge_lines),
@@ -104,10 +114,11 @@ def marking_regions(
         _parking_lanes(street, painted & bays, painting.parking),
     ]
     kerbs = kerb_lines(street, urban & kerbed & painting.yellow_kerbs)
-    marks, edge = together([lines, bars, halts, *white, kerbs])
+    limits = speed_figures(street, urban & painting.limits)
+    marks, edge = together([lines, bars, halts, *white, limits, kerbs])
     yellow = np.zeros(len(marks), bool)
     yellow[: len(centre)] = centre & painting.yellow_centre
-    yellow[len(marks) - len(kerbs[0]) :] = True
+    yellow[len(marks) - len(kerbs[0]) - len(limits[0]) :] = True
     amid = np.zeros(len(marks), bool)  # crossings and halts lie before kerbs have straightened
     amid[len(centre) : len(centre) + len(crossing) + len(halts[0])] = True
     clear = _clear(marks, edge, layout, network, road, amid)
@@ -118,6 +129,8 @@ def marking_regions(
     turns, _ = turn_guides(street, ways, zebras, road, taken, painting.turn_guides)
     corners, _ = corner_lines(street, urban & kerbed & painting.yellow_kerbs, road)
     corners = corners[~_in_any(corners, crossing_boxes(street, zebras)[zebras.kind != PLAIN])]
+    halting = slice(len(centre) + len(crossing), len(centre) + len(crossing) + len(halts[0]))
+    marks[halting] = _cut_by(marks[halting], corners)
     clear[: len(marks) - len(kerbs[0])] &= ~_in_any(marks[: len(marks) - len(kerbs[0])], corners)
     across = np.concatenate([guides[0], centres, turns, corners])
     ochre = np.zeros(len(across), bool)
@@ -155,11 +168,14 @@ def _keep_whole(clear: BoolArray, rows: slice, crossing: IntArray) -> None:
 
 
 def _lined(street: Street, chosen: BoolArray) -> BoolArray:
-    """(e,) which of the chosen edges have a line along their kerbs: those without parked cars."""
+    """(e, 2) which sides of the chosen edges, left first, have a line along their kerb.
+
+    Those without parked cars, cycle lanes and shoulders.
+    """
     bands = street.bands
     taken = np.isin(bands.kind, [KIND[name] for name in ("parking", "cycle", "shoulder")])
-    found = chosen & ~np.isin(street.kind, LONG_DASH)
-    found[bands.edge[taken]] = False
+    found = np.repeat((chosen & ~np.isin(street.kind, LONG_DASH))[:, None], 2, axis=1)
+    found[bands.edge[taken], (bands.middle[taken] < 0).astype(np.int64)] = False
     return found
 
 
@@ -167,22 +183,23 @@ def _town_insets(street: Street) -> FloatArray:
     """(e,) metres from kerbs to edge lines, which leave a single one-way lane `LANE` at most."""
     single = street.layout.roads["oneway"].to_numpy(bool)[street.network.edge_road]
     single &= lane_count(street.bands, len(single), 1) == 1
+    single[street.bands.edge[street.bands.kind == KIND["parking"]]] = False
     return np.where(
         single, np.maximum(street.network.half_width - LANE / 2, TOWN_INSET), TOWN_INSET
     )
 
 
 def _edge_lines(street: Street, chosen: BoolArray, inset: FloatArray, width: float) -> Marks:
-    """Paint lines along both sides of roads; a shoulder has its line where it meets a lane."""
+    """Paint lines along the chosen sides, (e, 2); a shoulder has its line where it meets a lane."""
     network, lines, bands = street.network, street.lines, street.bands
     begin, end = street.free
-    usual = chosen & (end - begin > 3.0) & (network.half_width > 2.0)
+    usual = chosen & ((end - begin > 3.0) & (network.half_width > 2.0))[:, None]
     shouldered = bands.kind == KIND["shoulder"]
     shapes, edges = [], []
-    for sign in (1, -1):
+    for side, sign in enumerate((1, -1)):
         with_shoulder = np.zeros(len(chosen), bool)
         with_shoulder[bands.edge[shouldered & (sign * bands.middle > 0)]] = True
-        edge = np.flatnonzero(usual & ~with_shoulder)
+        edge = np.flatnonzero(usual[:, side] & ~with_shoulder)
         solid = pieces(lines, edge, begin[edge], end[edge])
         lateral = sign * (network.half_width - inset)[edge]
         shapes.append(line_strips(solid, lateral, width))
@@ -250,6 +267,19 @@ def _clear(
     joined = (own[:, :, None] == other[:, None, :]).any(axis=(1, 2))
     clear[mark[~joined]] = False
     return clear
+
+
+def _cut_by(marks: Shapes, lines: Shapes) -> Shapes:
+    """Let marks end before lines round corners; those of which little is left reach over them."""
+    mark, line = shapely.STRtree(lines).query(marks, predicate="intersects")
+    cut, own = joined_by(shapely.buffer(lines[line], BEFORE_LINES, join_style="mitre"), mark)
+    left = shapely.difference(marks[own], cut)
+    whole = (shapely.get_type_id(left) == 3) & (
+        shapely.area(left) > LEAST_CUT * shapely.area(marks[own])
+    )
+    found = marks.copy()
+    found[own[whole]] = left[whole]
+    return found
 
 
 def _in_any(marks: Shapes, things: Shapes) -> BoolArray:

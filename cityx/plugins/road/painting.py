@@ -123,6 +123,8 @@ class Painting:
         Whether the middles of junctions have marks.
     diamonds
         Whether lozenges tell of zebras ahead.
+    limits
+        Whether yellow figures on the lanes tell speed limits.
     gutters
         Whether stones lie along kerbs, rather than asphalt up to them.
     parking
@@ -130,6 +132,17 @@ class Painting:
         each row, or one "line" along it.
     edge_line
         Metres of breadth of the lines along the sides of streets between kerbs.
+    dashes
+        Metres of dash and gap of lines between lanes between kerbs.
+    closing
+        Whether lines between lanes are unbroken before junctions.
+    stop_line
+        Metres of breadth of stop lines.
+
+    References
+    ----------
+    TSRGD 2016, diagrams 1001, 1005 and 1008: 2 m dashes 4 m apart, stop lines of 0.2 to 0.3 m.
+    RMS-1, 1993: in towns 3 m dashes 6 m apart, stop lines of 0.5 m.
     """
 
     yellow_centre: bool = False
@@ -149,9 +162,13 @@ class Painting:
     turn_guides: str = ""
     centre_marks: bool = False
     diamonds: bool = False
+    limits: bool = False
     gutters: bool = True
     parking: str = "stalls"
     edge_line: float = 0.12
+    dashes: tuple[float, float] = (3.0, 3.0)
+    closing: bool = True
+    stop_line: float = 0.4
 
 
 def painting_of(frame: Frame) -> Painting:
@@ -163,7 +180,7 @@ def painting_of(frame: Frame) -> Painting:
     def first(table: tuple[tuple[str, Boxes], ...], usual: str) -> str:
         return next((name for name, boxes in table if within(boxes)), usual)
 
-    british = within(BRITISH_ISLES)
+    british, german = within(BRITISH_ISLES), within(GERMANY)
     return Painting(
         yellow_centre=within(YELLOW_CENTRES),
         give_way=first(GIVE_WAY, "dashes"),
@@ -178,11 +195,15 @@ def painting_of(frame: Frame) -> Painting:
         zebras=not within(FEW_ZEBRAS),
         signal_crossing=first(SIGNAL_CROSSINGS, "bars"),
         red_furten=within((*GERMANY, *RED_CYCLEWAYS)),
-        one_way_arrows=within(JAPAN),
+        one_way_arrows=british or within(JAPAN),
         turn_guides="" if british else first(TURN_GUIDES, ""),
         centre_marks=within(JAPAN),
         diamonds=within(JAPAN),
+        limits=within(JAPAN),
         gutters=not british,
-        parking="outline" if british else "line" if within(GERMANY) else "stalls",
+        parking="outline" if british else "line" if german else "stalls",
         edge_line=0.15 if within(JAPAN) else 0.12,
+        dashes=(2.0, 4.0) if british else (3.0, 6.0) if german else (3.0, 3.0),
+        closing=not british,
+        stop_line=0.3 if british else 0.5 if german else 0.4,
     )

@@ -316,7 +316,7 @@ def parked_cars(
     city: City,
     *,
     occupancy: Annotated[float | None, Range(0.0, 1.0)] = None,
-    lots: Annotated[float, Range(0.0, 1.0)] = 0.5,
+    lots: Annotated[float, Range(0.0, 1.0)] = 0.7,
 ) -> City:
     """Park cars along kerbs and on car parks, whose bays are marked.
 

@@ -17,6 +17,7 @@ LENGTH = 5.0  # metres of an arrow
 LETTER = (2.4, 0.5)  # metres, long and wide: letters are drawn long for eyes that look along them
 WORD = 2.2  # metres, the widest word
 SIGN, SIGN_GAP = (1.4, 1.2), 0.4  # metres, of Japanese signs, long and wide, and between two
+FIGURE = (3.0, 0.6, 0.35, 0.16)  # metres: long and wide, between two, and of strokes
 TRIANGLE = (3.75, 1.25, 0.15)  # metres, long and wide, and of its rim
 DIAMOND = (5.0, 1.5, 0.25)  # metres, long and wide, and of its rim
 WHEEL = 0.34  # metres, radius
@@ -61,6 +62,19 @@ _GLYPHS: dict[str, tuple[tuple[tuple[float, float], ...], ...]] = {
     "S": (((0, 0), (0, 1), (0.5, 1), (0.5, 0), (1, 0), (1, 1)),),
     "T": (((0, 0.5), (1, 0.5)), ((1, 0), (1, 1))),
     "U": (((1, 0), (0.1, 0), (0, 0.5), (0.1, 1), (1, 1)),),
+    "0": (((0, 0.15), (0, 0.85), (0.1, 1), (0.9, 1), (1, 0.85), (1, 0.15), (0.9, 0), (0.1, 0),
+           (0, 0.15)),),
+    "1": (((0, 0.5), (1, 0.5), (0.85, 0.2)),),
+    "2": (((0.9, 0), (1, 0.2), (1, 0.8), (0.9, 1), (0.65, 1), (0, 0), (0, 1)),),
+    "3": (((0.9, 0), (1, 0.15), (1, 0.85), (0.9, 1), (0.6, 1), (0.52, 0.7), (0.52, 0.4)),
+          ((0.52, 0.7), (0.44, 1), (0.1, 1), (0, 0.85), (0, 0.15), (0.1, 0))),
+    "4": (((0, 0.75), (1, 0.75), (0.3, 0), (0.3, 1.0)),),
+    "5": (((1, 1), (1, 0), (0.58, 0), (0.62, 0.8), (0.54, 1), (0.1, 1), (0, 0.8), (0, 0.2),
+           (0.1, 0)),),
+    "6": (((0.92, 1), (1, 0.8), (1, 0.2), (0.9, 0), (0.1, 0), (0, 0.2), (0, 0.8), (0.1, 1),
+           (0.45, 1), (0.55, 0.8), (0.55, 0)),),
+    "8": (((0, 0.15), (0, 0.85), (0.1, 1), (0.45, 1), (0.55, 0.8), (0.9, 0.9), (1, 0.75),
+           (1, 0.25), (0.9, 0.1), (0.55, 0.2), (0.45, 0), (0.1, 0), (0, 0.15)),),
     "止": (((0, 0), (0, 1)), ((0, 0.55), (1, 0.55)), ((0.55, 0.55), (0.55, 0.95)),
            ((0, 0.2), (0.5, 0.2))),
     "ま": (((0.82, 0.1), (0.82, 0.9)), ((0.6, 0.1), (0.6, 0.9)),
@@ -78,6 +92,20 @@ def diamond() -> Any:
     long, wide, rim = DIAMOND
     shape = shapely.Polygon([(0, 0), (long / 2, wide / 2), (long, 0), (long / 2, -wide / 2)])
     return shapely.difference(shape, shapely.buffer(shape, -rim, join_style="mitre"))
+
+
+@lru_cache(maxsize=16)
+def figures(number: int) -> Any:
+    """Return the figures of a speed limit as drivers read them, their foot at the origin."""
+    text = str(number)
+    long, wide, gap, stroke = FIGURE
+    left = (len(text) * (wide + gap) - gap) / 2
+    shapes = [
+        _stroke(*[(x * long, left - n * (wide + gap) - y * wide) for x, y in line], width=stroke)
+        for n, digit in enumerate(text)
+        for line in _GLYPHS[digit]
+    ]
+    return shapely.union_all(shapes)
 
 
 @lru_cache(maxsize=8)

@@ -34,6 +34,7 @@ DASH, GAP, WIDTH = 1.0, 1.0, 0.12  # metres
 LEAST_AREA = 300.0  # square metres of a junction in which one may lose one's way
 ASIDE = 1.5  # metres by which a lane goes on beside where it came from, to be led there
 LEAST_LANES = 2  # of a road that is led along a bend; a single lane finds its way
+MANY_ARMS = 5  # of a junction across which every road that goes straight on is led
 LANE = 3.25  # metres; lines stand no farther apart
 FROM_ENDS = 0.6  # metres of a way without lines at both ends
 OFF_CROSSING = 0.4  # metres between a line and a crossing
@@ -47,8 +48,9 @@ def turn_guides(
 ) -> Marks:
     """Paint broken lines along ways across large junctions under signals.
 
-    Led are those who turn across the traffic that comes towards them from a lane of their own, and
-    where both sides of a way have lines those who go on along a bend of a road of several lanes.
+    Led are those who turn across the traffic that comes towards them from a lane of their own,
+    beside others who do where only the outer side has a line, and where both sides of a way have
+    lines those who go on along a bend of a road of several lanes.
     No two ways with lines cross: that of the greater road is led.
 
     Parameters
@@ -72,7 +74,9 @@ def turn_guides(
     far = MOVEMENTS.index("right" if left_hand else "left")
     turn = ways.movement == far
     led = np.isin(ways.hub, road.node[star])
-    led &= np.where(turn, _own_lane(ways, far), (sides == "both") & _bends(street, ways))
+    own = _own_lane(ways, far)
+    own &= (sides == "both") | (_lanes(ways, own & turn) >= LEAST_LANES)
+    led &= np.where(turn, own, (sides == "both") & _bends(street, ways))
     # Where two would cross the first stays: who turns, on the greater road.
     rows = np.flatnonzero(led)
     rank = street.rank[ways.edge[rows]]
@@ -113,8 +117,16 @@ def _own_lane(ways: JunctionWays, far: int) -> BoolArray:
     return np.asarray((all_of == turning)[ways.origin])
 
 
+def _lanes(ways: JunctionWays, chosen: BoolArray) -> IntArray:
+    """(w,) how many lanes of the arm that a way comes from have one of the chosen ways."""
+    arm, of_arm = np.unique(np.column_stack([ways.edge, ways.end]), axis=0, return_inverse=True)
+    pairs = np.column_stack([of_arm.ravel(), ways.origin])[chosen]
+    lane = np.unique(pairs, axis=0)[:, 0]
+    return np.asarray(np.bincount(lane, minlength=len(arm))[of_arm.ravel()])
+
+
 def _bends(street: Street, ways: JunctionWays) -> BoolArray:
-    """(w,) whether who goes straight on does not go along a straight line, on a main road.
+    """(w,) whether who goes straight on strays from a straight line, or among many arms.
 
     Where a lane leads on into several, only the way that strays least counts.
     """
@@ -130,10 +142,9 @@ def _bends(street: Street, ways: JunctionWays) -> BoolArray:
     best = np.full(len(street.cluster), len(RANK))
     np.minimum.at(best, street.cluster, street.best)
     major = street.rank[ways.edge] == best[ways.hub]
-    arm, of_arm = np.unique(np.column_stack([ways.edge, ways.end]), axis=0, return_inverse=True)
-    lane = np.unique(np.column_stack([of_arm.ravel(), ways.origin]), axis=0)[:, 0]
-    lanes = np.bincount(lane, minlength=len(arm))[of_arm.ravel()]
-    return np.asarray(nearest & major & (aside > ASIDE) & (lanes >= LEAST_LANES))
+    lanes = _lanes(ways, np.ones(len(ways.edge), bool))
+    bent = (aside > ASIDE) & (lanes >= LEAST_LANES)
+    return np.asarray(nearest & major & (bent | (street.arms[ways.hub] >= MANY_ARMS)))
 
 
 def _line(

@@ -67,6 +67,7 @@ SERVICE = 1.2  # metres beside a way that has no walk
 CELL = 50.0  # metres; courts are those of the cells about houses of a town
 NARROW = 1.6  # metres, half of the least breadth of a court's lawn
 LEAST_COURT = 24.0  # square metres
+MOST_PAVED = 2000.0  # square metres of a court; larger ones are lawns
 FINE = 0.3  # metres by which outlines of courts are simplified
 PRIORITY = 2  # of the first label; all lie below gardens and what a map shows
 
@@ -294,6 +295,7 @@ def court_zones(layout: Layout, network: RoadNetwork, place: str) -> tuple[NDArr
     key = hash_ids(0, f"{PURPOSE}/court", corner[:, 0], corner[:, 1])
     kind = np.zeros(len(zones), np.int64)
     kind[zone] = choose(0, f"{PURPOSE}/court", key, list(COURTS.get(place, USUAL_COURTS)))
+    kind[shapely.area(zones) > MOST_PAVED] = LABELS.index("grass")
     return zones[kind > 0], kind[kind > 0]
 
 

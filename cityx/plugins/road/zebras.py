@@ -35,8 +35,9 @@ FLARED = 2.0  # metres, the same where its curve begins within a crossing
 DRAWN = 3.5  # metres, the same where the map draws what is driven on, kerb to kerb
 MOUTH = 2.4  # metres along a street of the way across its mouth
 KERB_GAP = 0.1  # metres between a mark and the kerb
-# Metres across the road: the marks of a row and the gaps between (RMS; TSRGD 2016, diagram 1055.1).
-ROWS = {"lines": (0.5, 0.2), "studs": (0.12, 0.38), "bars": (0.5, 0.2)}
+# Metres across the road: the marks of a row and the gaps between, and their breadth along it (RMS,
+# wide lines; TSRGD 2016, diagram 1055.1).
+ROWS = {"lines": (0.5, 0.2, 0.25), "studs": (0.12, 0.38, 0.12), "bars": (0.5, 0.2, LINE)}
 
 
 @dataclass(frozen=True)
@@ -153,7 +154,7 @@ def crossing_rows(
     style
         "lines" or "studs".
     """
-    size, gap = ROWS[style]
+    size, gap, breadth = ROWS[style]
     rows = np.flatnonzero(zebras.kind == DOTTED)
     width = _widths(street, zebras, rows)
     which, lateral = every(width, size + gap, size / 2 + KERB_GAP)
@@ -161,7 +162,7 @@ def crossing_rows(
     own = np.tile(which, 2)
     side = np.repeat([-0.5, 0.5], len(which))
     along = zebras.along[rows][own] + side * (zebras.depth[rows][own] - LINE)
-    marks, edge = boxes(street.lines, zebras.edge[rows][own], along, np.tile(lateral, 2), LINE,
+    marks, edge = boxes(street.lines, zebras.edge[rows][own], along, np.tile(lateral, 2), breadth,
                         np.full(len(own), size))  # fmt: skip
     return _on_road(marks, edge, rows[own], zebras, road)
 

@@ -17,8 +17,10 @@ from cityx.city.moments import moments_of
 from cityx.city.signals import STATE, Signals
 from cityx.city.tracks import GAIT, MOVER, Tracks, join_tracks
 from cityx.city.walkable import walkable_of
+from cityx.city.walks import walk_graph
 from cityx.errors import ActionFailed
 from cityx.geometry.polylines import Polylines
+from cityx.plugins.dynamic import people_trips
 from cityx.plugins.dynamic.crowds import LOOK, among, met
 from cityx.plugins.dynamic.pedestrian_flow import pedestrian_flow
 from cityx.plugins.dynamic.pedestrians import ACTION, pedestrians
@@ -43,6 +45,29 @@ def busy(town):
 
 def values(city):
     return {check.name: check.value for check in check_movement(city)}
+
+
+def test_people_go_near_to_places_that_few_are_drawn_to(town, monkeypatch):
+    area = walkable_of(town)
+    ports = people_trips.ports_of(town, area, 12.0)
+    assert len(ports.id) > 12
+    monkeypatch.setattr(people_trips, "GOALS", 2)
+    monkeypatch.setattr(people_trips, "NEAR_GOALS", 0)
+    few = people_trips.drawn_trips(town, area, ports, 40, 60.0, "test")
+    monkeypatch.setattr(people_trips, "NEAR_GOALS", 10)
+    monkeypatch.setattr(people_trips, "NEAR", 110.0)
+    many = people_trips.drawn_trips(town, area, ports, 40, 60.0, "test")
+    goals, reach = people_trips._goals(town, ports, "test")
+    assert (reach == people_trips.FARTHEST).sum() == 2
+    places = walk_graph(area).places[ports.node[goals]]
+    for trips in (few, many):
+        first, last = (trips.walks.points[rows] for rows in
+                       (trips.walks.start[:-1], trips.walks.start[1:] - 1))  # fmt: skip
+        goal = np.hypot(*(last[:, None] - places[None]).transpose(2, 0, 1)).argmin(axis=1)
+        found = len(np.unique(goal))
+        assert found <= 2 if trips is few else found > 4
+        near = reach[goal] < people_trips.FARTHEST
+        assert (np.hypot(*(last - first)[near].T) < 111.0).all()
 
 
 def driver(seconds, y0, y1, speed=8.0):

@@ -8,6 +8,7 @@ from cityx.checks.furniture import check_furniture
 from cityx.city import City, Frame, Layout, make_table, one_mesh
 from cityx.city.ground import KERB_HEIGHT
 from cityx.geometry.identity import stable_id
+from cityx.geometry.standing import WALKED
 from cityx.plugins.nature.furniture import furniture
 from cityx.plugins.nature.pieces import heights, may_stand, pieces, with_pieces
 from cityx.plugins.road.ground import ground
@@ -130,3 +131,16 @@ def test_what_may_stand_at_a_bend_is_what_the_check_lets_stand():
     found = {check.name: check.value for check in check_furniture(all_of_them)}
     assert found["furniture_in_lanes"] <= (~free).sum()
     assert found["furniture_in_lanes"] > 0.8 * (~free).sum()
+
+
+def test_lamps_also_light_paving_that_is_no_walk_of_the_street(crossroads):
+    roads = crossroads.layout.roads.assign(sidewalk_left=0.0, sidewalk_right=0.0)
+    areas = make_table("areas", [shapely.box(-90, -9, 90, 9)], id=[31], kind=["pedestrian"])
+    bare = replace(crossroads.layout, roads=roads)
+    counts = []
+    for layout in (bare, replace(bare, areas=areas)):
+        city = ground(replace(crossroads, layout=layout))
+        xy = named(furniture(city), "street_lamp")[0][:, :2]
+        counts.append(len(xy) - 1)  # one is of the map
+        assert city.ground.on(xy, *WALKED).sum() == counts[-1]
+    assert counts[0] < 3 < counts[1]

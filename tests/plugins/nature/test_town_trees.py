@@ -16,15 +16,19 @@ from cityx.geometry.standing import WALKED
 from cityx.plugins.nature.pieces import room_along, walk_rims
 from cityx.plugins.nature.stands import take_trees
 from cityx.plugins.nature.town_trees import (
+    CLIPPED_SPREAD,
     FROM_EDGE,
     LEAST_WALK,
     MAPPED_WITHIN,
+    OF_STREET,
+    SMALL_HEIGHT,
     TRUNK_WAY,
     VERGES,
     YARD_SHARES,
     along_streets,
     in_yards,
 )
+from cityx.plugins.nature.tree_room import room_of
 from cityx.plugins.nature.trees import _in_company, trees
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.lanes import lanes
@@ -130,6 +134,43 @@ def test_where_trees_are_mapped_none_is_planted_beside(avenue):
     gap = np.hypot(*(before - mapped).T)
     assert (gap < MAPPED_WITHIN).any()
     assert len(after) == (gap > MAPPED_WITHIN).sum()
+
+
+def test_mapped_trees_away_from_a_street_do_not_speak_for_it(avenue):
+    before, after = (along_streets(avenue, spots)[0].xy
+                     for spots in (NOBODY, np.array([[60.0, 5.0 + OF_STREET + 2.0]])))  # fmt: skip
+    assert len(before) == len(after)
+
+
+def test_a_footway_drawn_along_a_walk_leaves_its_trees_standing(avenue):
+    foot = make_table("roads", [shapely.LineString([(12, 7.5), (99, 7.5)])], id=[9],
+                      kind=["footway"], width=[2.0])  # fmt: skip
+    both = pd.concat([avenue.layout.roads, foot], ignore_index=True)
+    city = laid(replace(avenue, layout=replace(avenue.layout, roads=both)))
+    rule = along_streets(city, NOBODY)[0]
+    nobody = np.zeros(len(rule.id), bool)
+    beside = (rule.xy[:, 1] > 0) & (rule.xy[:, 0] > 20) & (rule.xy[:, 1] < 8)
+    assert beside.sum() > 4
+    kept = [room_of(city, rule.xy, nobody, NOBODY, street)[1][beside] for street in (~nobody, None)]
+    assert kept[0].all()
+    assert not kept[1].any()
+
+
+@pytest.mark.parametrize(("facade", "kept_small"), [(8.6, True), (11.0, False)])
+def test_trees_between_near_facades_are_kept_small(avenue, facade, kept_small):
+    signs = [(x, y) for x in (-1, 1) for y in (-1, 1)]
+    boxes = [shapely.box(min(facade * x, 99 * x), min(facade * y, 99 * y),
+                         max(facade * x, 99 * x), max(facade * y, 99 * y))
+             for x, y in signs]  # fmt: skip
+    ids = np.arange(31, 35)
+    houses = make_table("buildings", boxes, id=ids, place=["core"] * 4)
+    roads = avenue.layout.roads.assign(sidewalk_left=3.0, sidewalk_right=3.0)
+    city = laid(replace(avenue, layout=replace(avenue.layout, buildings=houses, roads=roads)))
+    (stand,) = along_streets(city, NOBODY)
+    assert len(stand.id) > 8
+    low, high = SMALL_HEIGHT
+    small = (stand.height > low - CLIPPED_SPREAD) & (stand.height < high + CLIPPED_SPREAD)
+    assert (small if kept_small else np.isnan(stand.height)).all()
 
 
 def test_yards_have_trees_on_lawns_and_beds(courts):

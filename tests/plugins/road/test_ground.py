@@ -166,6 +166,18 @@ def test_a_court_that_houses_enclose_has_ground_of_its_own(layout_of):
     assert len(kinds) > 1
 
 
+def test_a_court_too_large_to_pave_is_a_lawn(layout_of):
+    streets = [([(-120, y), (120, y)], {}) for y in (-90, 90)]
+    streets += [([(x, -120), (x, 120)], {}) for x in (-90, 90)]
+    for shift in range(8):
+        x = shift * 2.0
+        wings = [(-60 - x, -60, 60, -30), (-60 - x, 30, 60, 60), (-60 - x, -30, -40 - x, 30),
+                 (40, -30, 60, 30)]  # fmt: skip
+        found = ground_of(layout_of(streets, houses=wings))
+        inner = [face for face in np.unique(found.triangle_face) if face_holds(found, face, (0, 0))]
+        assert SURFACES[found.face_label[inner[0]]].name == "grass"
+
+
 def face_holds(found, face, at):
     corners = found.vertices[found.triangles[found.triangle_face == face]]
     return bool(shapely.intersects(shapely.polygons(corners), shapely.Point(at)).any())

@@ -1,5 +1,7 @@
 """What is painted amid junctions: guides of turns, boxes, centre marks."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
@@ -89,6 +91,15 @@ def own_lanes(ways):
     return ways.take(~(onward & np.isin(ways.origin, turning)))
 
 
+def beside_others(ways):
+    """Ways where as many again turn left from lanes beside."""
+    left = np.flatnonzero(ways.movement == MOVEMENTS.index("left"))
+    more = ways.take(np.concatenate([np.arange(len(ways.origin)), left]))
+    origin = more.origin.copy()
+    origin[len(ways.origin) :] += 1000
+    return replace(more, origin=origin)
+
+
 def test_who_turns_from_a_lane_of_its_own_is_led_across_signals(layout_of):
     streets = [(line, WIDE) for line in CROSS]
     street, ways, zebras, road = built(layout_of(streets, points=SIGNALS))
@@ -96,7 +107,8 @@ def test_who_turns_from_a_lane_of_its_own_is_led_across_signals(layout_of):
     assert (ways.movement == MOVEMENTS.index("left")).any()
     assert not len(turn_guides(street, ways, zebras, road, NONE, "both")[0])
     alone = own_lanes(ways)
-    outer = turn_guides(street, alone, zebras, road, NONE, "outer")[0]
+    assert not len(turn_guides(street, alone, zebras, road, NONE, "outer")[0])
+    outer = turn_guides(street, beside_others(alone), zebras, road, NONE, "outer")[0]
     both = turn_guides(street, alone, zebras, road, NONE, "both")[0]
     assert 8 <= len(outer) < len(both)
     assert shapely.covered_by(both, shapely.union_all(road.stars)).all()
@@ -115,8 +127,14 @@ def test_where_turns_would_cross_only_those_of_one_road_are_led(layout_of):
     assert street.kind[np.unique(edge)].tolist() == ["primary", "primary"]
 
 
-def test_among_narrow_streets_nobody_is_led(layout_of):
+def test_single_lanes_are_led_straight_on_among_many_arms_alone(layout_of):
     street, ways, zebras, road = built(layout_of(star_of(), points=SIGNALS))
+    assert shapely.area(road.stars).max() > 300
+    marks, edge = turn_guides(street, ways, zebras, road, NONE, "both")
+    assert len(marks) >= 8
+    assert len(np.unique(edge)) == 1  # the ways of the others would cross it
+    wide = ONE_WAY | {"width": 16.0}
+    street, ways, zebras, road = built(layout_of([(line, wide) for line in CROSS], points=SIGNALS))
     assert shapely.area(road.stars).max() > 300
     assert not len(turn_guides(street, ways, zebras, road, NONE, "both")[0])
 
@@ -134,7 +152,7 @@ def test_a_main_road_that_bends_is_led_where_both_sides_have_lines(layout_of):
 def test_a_guide_ends_before_what_is_taken(layout_of):
     layout = layout_of([(line, WIDE) for line in CROSS], points=SIGNALS)
     street, ways, zebras, road = built(layout)
-    alone = own_lanes(ways)
+    alone = beside_others(own_lanes(ways))
     whole, edges = turn_guides(street, alone, zebras, road, NONE, "outer")
     taken = np.array([shapely.buffer(whole[1], 0.1)], object)
     left, of = turn_guides(street, alone, zebras, road, taken, "outer")
@@ -165,6 +183,8 @@ def test_a_lozenge_lies_amid_signals_and_a_cross_amid_minor_streets(layout_of):
     assert cross.area == pytest.approx(4 * 0.9 * 0.15 - 0.15**2, abs=0.01)
     street, ways, _, road = built(layout_of([(line, WIDE) for line in CROSS]))
     assert not len(centre_marks(street, ways, road))
+    street, ways, _, road = built(layout_of(star_of(), points=SIGNALS))
+    assert not len(centre_marks(street, ways, road))  # six arms have no such middle
 
 
 def test_lozenges_tell_of_zebras_ahead_but_not_of_signals(layout_of):

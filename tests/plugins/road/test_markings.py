@@ -6,13 +6,14 @@ import shapely
 
 from cityx.city.frame import Frame
 from cityx.city.ground import LABEL
-from cityx.plugins.road.arrows import lane_symbols
+from cityx.plugins.road.arrows import lane_symbols, speed_figures
 from cityx.plugins.road.box_junctions import box_junctions
 from cityx.plugins.road.carriageway import build_carriageway
 from cityx.plugins.road.halts import halt_lines
 from cityx.plugins.road.junction_ways import junction_ways
 from cityx.plugins.road.kerb_lines import corner_lines, kerb_lines
 from cityx.plugins.road.lane_lines import SOLID, lane_lines, partings_of
+from cityx.plugins.road.markings import _lined
 from cityx.plugins.road.marks import street_of
 from cityx.plugins.road.network import road_network
 from cityx.plugins.road.painting import Painting, painting_of
@@ -72,6 +73,54 @@ def test_cycle_lanes_are_led_across_signals_and_the_middle_line_is_not(layout_of
     for y, crossed in ((3.5, True), (-3.5, True), (0.0, False)):
         line = shapely.intersection(white, shapely.box(-3, y - 0.3, 3, y + 0.3)).area
         assert (line > 0.3) == crossed
+
+
+def test_a_bicycle_lies_where_each_cycle_lane_enters_a_junction(layout_of):
+    section = "cycle 1.5 - | drive 3.5 - | drive 3.5 + | cycle 1.5 +"
+    main = MAIN | {"width": 10.0, "section": section}
+    layout = layout_of([(TEE[0], main), ([(0, -90), (0, 0), (0, 90)], {"width": 12.0})],
+                       points=[((0, 0), "traffic_signals")])  # fmt: skip
+    white = shapely.union_all(painted(layout, Painting(red_furten=True))[0])
+    between = shapely.box(-13, -4.65, 13, -3.65), shapely.box(-13, 3.65, 13, 4.65)
+    for lane, entry in zip(between, (-1, 1), strict=True):  # one rides east on the right
+        symbol = shapely.intersection(white, lane)
+        assert symbol.area > 0.1
+        assert symbol.centroid.x * entry > 1.0
+
+
+def test_lines_have_the_dashes_of_the_country(layout_of):
+    layout = layout_of([([(-90, 0), (90, 0)], MAIN)])
+    found = street(layout)
+    partings = partings_of(found, everywhere(found), everywhere(found), (2.0, 4.0))
+    (marks, _), _ = lane_lines(found, partings, closing=False)
+    box = shapely.bounds(marks)
+    box = box[np.argsort(box[:, 0])]
+    assert np.allclose(box[:, 2] - box[:, 0], 2.0)
+    assert np.allclose(np.diff(box[:, 0]), 6.0, atol=0.3)
+
+
+@pytest.mark.parametrize(("width", "lined"), [(6.0, False), (7.5, True)])
+def test_narrow_streets_of_one_way_have_no_line_amid_them(layout_of, width, lined):
+    kind = {"kind": "tertiary", "oneway": True, "lanes": 2, "lanes_forward": 2, "width": width,
+            "lane_width": width / 2}  # fmt: skip
+    white, _ = painted(layout_of([([(-90, 0), (90, 0)], kind)]), Painting())
+    assert (len(white) > 0) == lined
+
+
+def test_stop_lines_are_as_broad_as_the_country_paints_them(layout_of):
+    layout = layout_of([(TEE[0], MAIN), (TEE[1], {})])
+    for breadth in (0.3, 0.5):
+        (box,) = shapely.bounds(halts(layout, Painting(give_way="stop", stop_line=breadth)))
+        assert box[3] - box[1] == pytest.approx(breadth)
+
+
+def test_give_way_marks_end_before_lines_round_corners(layout_of):
+    layout = layout_of([(TEE[0], MAIN), (TEE[1], {"width": 6.0})])
+    british = Painting(give_way="double dashes", stems=True, yellow_kerbs=True)
+    white, yellow = (shapely.union_all(of) for of in painted(layout, british))
+    dashes = [part for part in shapely.get_parts(white) if part.bounds[3] < 0 < part.centroid.x]
+    assert len(dashes) >= 6
+    assert shapely.distance(shapely.union_all(dashes), yellow) > 0.05
 
 
 def test_lines_are_unbroken_before_signals(layout_of):
@@ -223,3 +272,24 @@ def test_countries_paint_in_their_own_way(place, give_way, stop_word, stems, box
     found = painting_of(Frame(*place))
     assert (found.give_way, found.stop_word) == (give_way, stop_word)
     assert (found.stems, found.boxes, found.yellow_kerbs) == (stems, boxes, boxes)
+
+
+def test_lanes_have_the_limit_that_is_told_and_quiet_one_way_streets_the_usual_one(layout_of):
+    def count(**more):
+        found = street(layout_of([([(0, 0), (60, 0)], {"width": 6.0, **more})]))
+        return len(speed_figures(found, everywhere(found))[0])
+
+    assert count(maxspeed_kmh=np.nan) == 0
+    assert count(maxspeed_kmh=40.0) >= 2  # one on each lane
+    assert count(kind="residential", oneway=True, lanes=1, maxspeed_kmh=np.nan) > 0
+    assert count(kind="residential", oneway=True, lanes=1, maxspeed_kmh=37.0) == 0
+
+
+def test_only_the_side_without_parked_cars_has_an_edge_line_along_its_kerb(layout_of):
+    def lined(**parking):
+        line = [(0, 0), (90, 0)]
+        found = street(layout_of([(line, {"kind": "tertiary", "width": 9.0, **parking})]))
+        return _lined(found, everywhere(found)).tolist()
+
+    assert lined() == [[True, True]]
+    assert lined(parking_left=True) == [[False, True]]

@@ -3,18 +3,20 @@ import pytest
 import shapely
 
 from cityx.city.section import TURN
+from cityx.plugins.road.arrows import LIMITS
 from cityx.plugins.road.symbols import (
     LENGTH,
     WORDS,
     arrow,
     bicycle,
+    figures,
     give_way_triangle,
     placed,
     word,
 )
 
 ARROWS = [arrow(bits) for bits in range(1, 16)]
-OUTLINES = [*ARROWS, *map(word, WORDS), bicycle(), give_way_triangle()]
+OUTLINES = [*ARROWS, *map(word, WORDS), *map(figures, LIMITS), bicycle(), give_way_triangle()]
 
 
 @pytest.mark.parametrize("outline", OUTLINES)
