@@ -6,6 +6,7 @@ with a camera waits until it is gone; what stays they step around, or it is left
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,7 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.camera import Camera
-from cityx.city.moments import moments_of
+from cityx.city.moments import Moments, moments_of
 from cityx.city.outlines import placed_outlines
 
 if TYPE_CHECKING:
@@ -26,6 +27,12 @@ TOUCHING = 2.5  # metres within which what is parked is left out
 EVERY = 0.5  # seconds between the moments that are looked at
 ARC = 9  # corners of the outer edge of what a lens sees
 PARKED = ("vehicles",)  # layers of the scene
+COLUMNS, ROWS = 128, 72  # of the grid on which movers hide one another
+LEAST_DEPTH = 0.3  # metres before the lens
+_CORNERS = tuple(itertools.product((-1, 1), (-1, 1), (0, 1)))  # of a box: along, across, up
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
@@ -39,8 +46,9 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
         Of the picture.
     busiest
         Whether to take, of the moments with a free view, the one that shows most of what moves:
-        each mover within `SEEN` metres counts by how near it is, and by the square root of what
-        it covers from the side; vehicles with people count for more than either alone.
+        each mover within `SEEN` metres counts by how near it is, by the square root of what it
+        covers from the side, and by how much of it no nearer mover hides; vehicles with people
+        count for more than either alone.
 
     Returns
     -------
@@ -70,6 +78,8 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     away = np.full(len(times), near)
     np.minimum.at(away, moment[low], np.minimum(far, near)[low])
     shown = (1.0 - far / reach) * np.sqrt(size[:, 0] * size[:, 2])
+    if busiest:
+        shown *= _unhidden(camera, found, size, moment, far)
     walks = tracks.on_foot[found.mover]
     both = [np.bincount(moment, shown * own, len(times)) for own in (walks, ~walks)]
     life = np.sqrt((1.0 + both[0]) * (1.0 + both[1])) * busiest
@@ -104,6 +114,53 @@ def sector(
     turn = heading + angle * np.linspace(-0.5, 0.5, ARC)
     arc = np.asarray(eye, float) + reach * np.column_stack([np.sin(turn), np.cos(turn)])
     return shapely.Polygon([eye, *arc])
+
+
+def _unhidden(
+    camera: Camera, found: Moments, size: FloatArray, moment: IntArray, far: FloatArray
+) -> FloatArray:
+    """(m,) share of what a picture shows of each mover that no nearer one of its moment hides.
+
+    Movers count as the boxes about them, on a coarse grid of the picture.
+    """
+    low, high = _framed(camera, found, size)
+    share = np.zeros(len(far))
+    free = np.ones((ROWS, COLUMNS), bool)
+    last = -1
+    for row in np.lexsort((found.mover, far, moment)).tolist():
+        if moment[row] != last:
+            free[:], last = True, moment[row]
+        (left, top), (right, bottom) = low[row], high[row]
+        cells = free[top:bottom, left:right]
+        if cells.size:
+            share[row] = cells.mean()
+            cells[:] = False
+    return share
+
+
+def _framed(camera: Camera, found: Moments, size: FloatArray) -> tuple[IntArray, IntArray]:
+    """(m, 2) first and last columns and rows of the grid that boxes about movers cover.
+
+    None where they lie beside the picture, or partly behind the lens.
+    """
+    along, across, up = (np.array(each) for each in zip(*_CORNERS, strict=True))
+    cos, sin = np.cos(found.heading)[:, None], np.sin(found.heading)[:, None]
+    u, v = size[:, :1] / 2 * along, size[:, 1:2] / 2 * across
+    offset = found.position - np.array(camera.position)
+    east, north = offset[:, :1] + u * cos - v * sin, offset[:, 1:2] + u * sin + v * cos
+    height = offset[:, 2:] + size[:, 2:] * up
+    ahead = east * np.sin(camera.heading) + north * np.cos(camera.heading)
+    right = east * np.cos(camera.heading) - north * np.sin(camera.heading)
+    depth = ahead * np.cos(camera.pitch) + height * np.sin(camera.pitch)
+    rise = height * np.cos(camera.pitch) - ahead * np.sin(camera.pitch)
+    whole = (depth > LEAST_DEPTH).all(axis=1)
+    scale = COLUMNS / 2 / np.tan(camera.hfov / 2) / np.maximum(depth, LEAST_DEPTH)
+    x, y = COLUMNS / 2 + right * scale, ROWS / 2 - rise * scale
+    grid = np.array([COLUMNS, ROWS])
+    low = np.column_stack([np.floor(x.min(axis=1)), np.floor(y.min(axis=1))])
+    high = np.column_stack([np.ceil(x.max(axis=1)), np.ceil(y.max(axis=1))])
+    low, high = (np.clip(each, 0, grid).astype(np.int64) for each in (low, high))
+    return np.where(whole[:, None], low, 0), np.where(whole[:, None], high, 0)
 
 
 def _before(camera: Camera, shapes: NDArray[Any], reach: float) -> NDArray[np.float64]:

@@ -9,10 +9,11 @@ from moving_city import CAR, MAN, moving
 from cityx.assets.movers import size_of
 from cityx.city.camera import Camera
 from cityx.city.mesh import one_mesh
+from cityx.city.moments import moments_of
 from cityx.city.rows import without_objects
 from cityx.city.scene import Instances, Prototype
 from cityx.city.store import view_of
-from cityx.plugins.render.free_view import NEAR, ROOM, free_moment, in_the_way
+from cityx.plugins.render.free_view import NEAR, ROOM, _unhidden, free_moment, in_the_way
 
 EAST, WEST = np.pi / 2, -np.pi / 2
 
@@ -61,6 +62,25 @@ def test_a_moment_with_a_vehicle_and_a_person_is_busier_than_one_with_more_peopl
     assert free_moment(at(alone, 1.0), lens(0.0, 0.0), busiest=True) == 1.0
     moment = free_moment(at(car, 1.0), lens(0.0, 0.0), busiest=True)
     assert -60.0 + 7.5 * moment > ROOM
+
+
+def test_people_behind_a_van_do_not_make_a_moment_busy():
+    man = (*MAN[:4], (24.0, 0.0, 0.0), 0.0, 0.0)
+    late = (*CAR[:4], (12.0, 0.0, 0.0), 0.0, 0.0)
+    aside = (*CAR[:4], (12.0, -3.5, 0.0), 0.0, 0.0)
+    hidden, seen = (moving(each, man, seconds=10.0) for each in (late, aside))
+    shares = [shown_of(city) for city in (hidden, seen)]
+    assert shares[0] < 0.4
+    assert shares[1] == 1.0
+
+
+def shown_of(city):
+    """Return how much of its second mover a lens 1.2 m above the ground sees."""
+    found = moments_of(city.tracks, [0.0])
+    size = city.tracks.size[found.mover].astype(float)
+    far = np.hypot(*found.position[:, :2].T)
+    camera = lens(0.0, 0.0, height=1.2)
+    return _unhidden(camera, found, size, found.number, far)[1]
 
 
 def test_a_city_where_nothing_moves_keeps_its_moment():

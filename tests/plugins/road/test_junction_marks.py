@@ -127,14 +127,11 @@ def test_where_turns_would_cross_only_those_of_one_road_are_led(layout_of):
     assert street.kind[np.unique(edge)].tolist() == ["primary", "primary"]
 
 
-def test_single_lanes_are_led_straight_on_among_many_arms_alone(layout_of):
-    street, ways, zebras, road = built(layout_of(star_of(), points=SIGNALS))
-    assert shapely.area(road.stars).max() > 300
-    marks, edge = turn_guides(street, ways, zebras, road, NONE, "both")
-    assert len(marks) >= 8
-    assert len(np.unique(edge)) == 1  # the ways of the others would cross it
-    wide = ONE_WAY | {"width": 16.0}
-    street, ways, zebras, road = built(layout_of([(line, wide) for line in CROSS], points=SIGNALS))
+@pytest.mark.parametrize(
+    "streets", [star_of(), [(line, ONE_WAY | {"width": 16.0}) for line in CROSS]]
+)
+def test_single_lanes_find_their_way_straight_on(streets, layout_of):
+    street, ways, zebras, road = built(layout_of(streets, points=SIGNALS))
     assert shapely.area(road.stars).max() > 300
     assert not len(turn_guides(street, ways, zebras, road, NONE, "both")[0])
 
