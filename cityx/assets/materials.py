@@ -123,7 +123,7 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("kerb_stone", (0.345, 0.338, 0.322), 0.8, texture="concrete", tile=2.0, porosity=0.4),
     _M("tactile_yellow", (0.63, 0.385, 0.045), 0.8, texture="domes", tile=1.2, porosity=0.3),
     _M("tactile_pale", (0.275, 0.272, 0.262), 0.8, texture="ribbed_slabs", tile=1.2, porosity=0.4),
-    _M("tactile_buff", (0.60, 0.415, 0.150), 0.85, texture="blisters", tile=1.2, porosity=0.4),
+    _M("tactile_buff", (0.52, 0.405, 0.235), 0.85, texture="blisters", tile=1.2, porosity=0.4),
     _M("tactile_red", (0.30, 0.070, 0.050), 0.85, texture="blisters", tile=1.2, porosity=0.4),
     _M("marking_white", (0.70, 0.70, 0.68), 0.7, texture="paint", tile=2.0, porosity=0.1),
     _M("marking_yellow", (0.70, 0.42, 0.05), 0.7, texture="paint", tile=2.0, porosity=0.1),

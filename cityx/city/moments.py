@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.tracks import Tracks, between
+from cityx.geometry.ranges import numbered
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -89,7 +90,7 @@ def moments_of(tracks: Tracks, times: ArrayLike) -> Moments:
     end = np.searchsorted(times, tracks.time[last], side="right")
     count = np.maximum(end - begin, 0)
     row = np.repeat(np.arange(len(held)), count)
-    number = begin[row] + np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    number = begin[row] + numbered(count)
     time = times[number]
     # One ascending key over all movers: each is moved behind the one before it.
     span = float(tracks.time.max(initial=0.0)) + 1.0

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.walkable import CELL, Walkable
 from cityx.geometry.polylines import Polylines, arc_lengths, locate
+from cityx.geometry.ranges import counted
 from cityx.remembered import Remembered
 
 FloatArray = NDArray[np.float64]
@@ -254,13 +255,13 @@ def _straight(
     """
     length = np.hypot(*(points[b] - points[a]).T)
     count = np.ceil(length / (CELL / 2)).astype(np.int64) + 1
-    row, number = _counted(count)
+    row, number = counted(count)
     share = number / np.maximum(count - 1, 1)[row]
     line = points[a][row] + share[:, None] * (points[b] - points[a])[row]
     room = walkable.at(walkable.clearance, line)
     crossed = walkable.at(walkable.crosswalk, line)
     first = np.concatenate([[0], np.cumsum(count)[:-1]])
-    stretch, step = _counted(b - a + 1)
+    stretch, step = counted(b - a + 1)
     of = a[stretch] + step
     begin = np.concatenate([[0], np.cumsum(b - a + 1)[:-1]])
     least = np.minimum(np.minimum.reduceat(clear[of], begin), COMFORT) - CELL / 2
@@ -273,17 +274,11 @@ def _straight(
     return np.asarray(fits & (share_now <= share_was + 0.05))
 
 
-def _counted(count: IntArray) -> tuple[IntArray, IntArray]:
-    """Return each row as often as it counts, and the running number within it."""
-    row = np.repeat(np.arange(len(count)), count)
-    return row, np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
-
-
 def _rounded(walkable: Walkable, corners: Polylines) -> Polylines:
     """Round the corners of ways where there is room, with points evenly spaced."""
     length = arc_lengths(corners)[1]
     count = np.maximum(np.ceil(length / SPACING).astype(np.int64), 1) + 1
-    line, number = _counted(count)
+    line, number = counted(count)
     along = number / (count - 1)[line] * length[line]
     points = locate(corners, line, along)[0]
     # Straight lines may touch the corner of a cell that is not free.

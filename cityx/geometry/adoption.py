@@ -9,6 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.ranges import numbered
 from cityx.geometry.seams import unite
 
 WIDTH = 0.01  # metres; of the margin along which contact is measured
@@ -60,8 +61,7 @@ def _matches(
     low = np.searchsorted(block[homes], block[orphans])
     high = np.searchsorted(block[homes], block[orphans], side="right")
     child = np.repeat(orphans, high - low)
-    place = np.arange(len(child)) - np.repeat(np.cumsum(high - low) - (high - low), high - low)
-    home = homes[np.repeat(low, high - low) + place]
+    home = homes[np.repeat(low, high - low) + numbered(high - low)]
     margin = np.full(len(shapes), None, object)
     margin[orphans] = shapely.buffer(shapes[orphans], WIDTH, join_style="mitre")
     near = _boxes_meet(shapely.bounds(margin[child]), shapely.bounds(shapes[home]))

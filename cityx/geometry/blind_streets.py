@@ -11,6 +11,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.ranges import numbered
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -223,7 +225,7 @@ def _feet(net: Net, face: Any, own: IntArray) -> tuple[IntArray, FloatArray, Flo
     length = np.hypot(*(end - start).T)
     count = np.maximum((length / STEP).astype(np.int64), 1)
     row = np.repeat(np.arange(len(own)), count)
-    k = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    k = numbered(count)
     t = (k + 0.5) / count[row]
     way = (end - start)[row] / length[row][:, None]
     foot = np.round(start[row] + (t * length[row])[:, None] * way, 3)

@@ -10,6 +10,8 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
+from cityx.geometry.ranges import counted
+
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
@@ -158,7 +160,7 @@ def cells_of_triangles(
     size = np.maximum(np.maximum(a, b), c) - low + 1
     cells = size[:, 0] * size[:, 1]
     small, large = np.flatnonzero(cells <= MOST_CELLS), np.flatnonzero(cells > MOST_CELLS)
-    row, part = _counted(cells[small])
+    row, part = counted(cells[small])
     row = small[row]
     across = size[row, 1]
     cell = _cell_number(low[row, 0] + part // across, low[row, 1] + part % across)
@@ -241,7 +243,7 @@ def _candidates(
     """Pairs of points and triangles: small ones of the same cell, large ones whose box holds it."""
     cell = _cell_number(*_cells(spots).T)
     first, last = (np.searchsorted(prepared.cell, cell, side) for side in ("left", "right"))
-    spot, number = _counted(last - first)
+    spot, number = counted(last - first)
     triangle = prepared.triangle[first[spot] + number]
     if not len(prepared.large):
         return spot, triangle
@@ -257,9 +259,3 @@ def _holds(prepared: TriangleCells, triangle: NDArray[np.int64], xy: FloatArray)
     left = np.logical_and.reduce([side >= 0.0 for side in turn])
     right = np.logical_and.reduce([side <= 0.0 for side in turn])
     return np.asarray(left | right)
-
-
-def _counted(count: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return each row as often as it counts, and the running number within it."""
-    row = np.repeat(np.arange(len(count)), count)
-    return row, np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)

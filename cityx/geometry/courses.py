@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cityx.geometry.ranges import numbered
+
 FloatArray = NDArray[np.float64]
 ARC_STEP = np.radians(8.0)  # of turn between two points of a rounded corner
 SAME = 1e-6  # metres; nearer points are one
@@ -129,7 +131,7 @@ def _divided(line: FloatArray, bend: FloatArray, spacing: float) -> tuple[FloatA
     step = np.hypot(*np.diff(line, axis=0).T)
     parts = np.maximum(1, np.ceil(step / spacing - 1e-9).astype(int))
     row = np.repeat(np.arange(len(step)), parts)
-    share = (np.arange(len(row)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[row]
+    share = (numbered(parts)) / parts[row]
     found = line[row] + share[:, None] * (line[row + 1] - line[row])
     # Between two points of one arc the way bends as they do, elsewhere it is straight.
     bent = np.where((share == 0) | np.isclose(bend[row], bend[row + 1]), bend[row], 0.0)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from cityx.geometry.identity import uniform
 from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.ranges import numbered
 from cityx.geometry.walls import WallTable
 
 # Modes of the grammar.
@@ -275,7 +276,7 @@ def _windows(walls: WallTable, fronts: Fronts, storeys: Storeys, seed: int) -> O
     bays = np.where(fronts.mode == CURTAIN, 0, bays)
     number = np.maximum(storeys.count - storeys.first, 0) * bays
     wall = np.repeat(np.arange(walls.count), number)
-    cell = np.arange(len(wall)) - np.repeat(np.cumsum(number) - number, number)
+    cell = numbered(number)
     storey = storeys.first[wall] + cell // np.maximum(bays[wall], 1)
     bay = cell % np.maximum(bays[wall], 1)
     floor = storeys.floor_of(wall, storey)
@@ -394,7 +395,7 @@ def _shops(walls: WallTable, fronts: Fronts, storeys: Storeys, doors: Openings) 
     count = np.where(run >= 2.0, np.maximum(1, np.round(run / SHOP_BAY)), 0).astype(np.int64)
     wall = np.repeat(rows, count)
     piece = np.repeat(np.arange(len(rows)), count)
-    number = np.arange(len(wall)) - np.repeat(np.cumsum(count) - count, count)
+    number = numbered(count)
     bay = run[piece] / count[piece]
     along = begin[piece] + (number + 0.5) * bay
     first = storeys.first[wall]
@@ -418,7 +419,7 @@ def _gates(walls: WallTable, fronts: Fronts, storeys: Storeys, seed: int) -> Ope
     run = walls.length[asked] - 1.0
     count = np.maximum(0, np.floor(run / pitch)).astype(np.int64)
     wall = np.repeat(asked, count)
-    number = np.arange(len(wall)) - np.repeat(np.cumsum(count) - count, count)
+    number = numbered(count)
     pitch = np.repeat(run / np.maximum(count, 1), count)
     along = 0.5 + (number + 0.5) * pitch
     is_hall = fronts.mode[wall] == HALL
@@ -441,7 +442,7 @@ def _apart(table: Openings, others: Openings, walls: int) -> NDArray[np.bool_]:
     start = np.searchsorted(others.wall[order], np.arange(walls + 1))
     count = np.diff(start)[table.wall]
     row = np.repeat(np.arange(table.count), count)
-    step = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    step = numbered(count)
     other = order[start[table.wall[row]] + step]
     beside = np.abs(table.along[row] - others.along[other])
     near = beside < (table.width[row] + others.width[other]) / 2 + 0.16

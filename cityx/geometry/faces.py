@@ -9,6 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.ranges import numbered
+
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
@@ -56,7 +58,7 @@ class Faces:
         rings = np.flatnonzero(chosen[self.ring_face])
         size = np.diff(self.start)[rings]
         row = np.repeat(np.arange(len(rings)), size)
-        at = np.arange(len(row)) - np.repeat(np.cumsum(size) - size, size) + self.start[rings][row]
+        at = numbered(size) + self.start[rings][row]
         loops = shapely.linearrings(self.points[self.corner[at]].astype(float), indices=row)
         owner = np.searchsorted(faces, self.ring_face[rings])
         return np.asarray(shapely.polygons(loops, indices=owner))
@@ -273,7 +275,7 @@ def _assigned(
     near, which = np.unique(at, return_inverse=True)
     size = np.diff(start)[shell[near]]
     ring = np.repeat(np.arange(len(near)), size)
-    into = np.arange(len(ring)) - np.repeat(np.cumsum(size) - size, size)
+    into = numbered(size)
     rings = shapely.polygons(
         shapely.linearrings(
             points[loop[start[shell[near]][ring] + into]].astype(float), indices=ring

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.ranges import numbered
 
 LEAST = 0.01  # metres; narrower or lower pieces are left out
 
@@ -89,7 +90,7 @@ def _pairs(wanted: IntArray, offered: IntArray) -> tuple[IntArray, IntArray]:
     first = np.searchsorted(offered[order], wanted)
     number = np.searchsorted(offered[order], wanted, side="right") - first
     left = np.repeat(np.arange(len(wanted)), number)
-    step = np.arange(len(left)) - np.repeat(np.cumsum(number) - number, number)
+    step = numbered(number)
     return left, order[first[left] + step]
 
 
@@ -99,7 +100,7 @@ def coursed(pieces: Pieces, zero: FloatArray, course: float) -> Pieces:
     last = np.ceil((pieces.z1 - zero) / course - 1e-6)
     count = np.maximum(last - first, 1).astype(np.int64)
     of = np.repeat(np.arange(len(count)), count)
-    step = first[of] + np.arange(len(of)) - np.repeat(np.cumsum(count) - count, count)
+    step = first[of] + numbered(count)
     low = np.maximum(pieces.z0[of], zero[of] + step * course)
     high = np.minimum(pieces.z1[of], zero[of] + (step + 1) * course)
     tall = high - low > LEAST

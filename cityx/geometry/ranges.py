@@ -31,6 +31,29 @@ def ranges(
     return rows, new_start
 
 
+def numbered(count: NDArray[Any]) -> NDArray[np.int64]:
+    """Return the number of each row within its own thing, from zero on.
+
+    Parameters
+    ----------
+    count
+        (n,) how many rows each thing has, one thing's after the other's.
+
+    Returns
+    -------
+    number
+        (count.sum(),) of each row within its own thing.
+    """
+    end = np.cumsum(count, dtype=np.int64)
+    first = np.repeat(end - count, count)
+    return np.asarray(np.arange(len(first)) - first)
+
+
+def counted(count: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return each thing as often as it counts, and the number of each row within its thing."""
+    return np.repeat(np.arange(len(count)), count), numbered(count)
+
+
 def row_codes(keys: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return a number for each row of a table of whole numbers, (n, k), the same for equal rows.
 

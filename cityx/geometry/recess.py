@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cityx.geometry.bands import Holes, cut_bands
 from cityx.geometry.polygons import FloatArray, IntArray, Rings, polygons_of, triangulate
-from cityx.geometry.ranges import ranges
+from cityx.geometry.ranges import numbered, ranges
 from cityx.geometry.solids import NO_VERTEX, as_quads
 from cityx.geometry.wall_strips import (
     ROW,
@@ -235,12 +235,7 @@ def _fronts(
         vertices, faces, strips.take(others), niches.take(rest), local, along[rest]
     )
     bad[others[torn]] = True
-    size = np.diff(niches.start)[rest]
-    point = (
-        np.repeat(niches.start[:-1][rest], size)
-        + np.arange(size.sum())
-        - np.repeat(np.cumsum(size) - size, size)
-    )
+    point = ranges(niches.start, rest)[0]
     old = triangles < count
     global_ = np.where(old, triangles, count + point[np.where(old, 0, triangles - count)])
     return (
@@ -482,7 +477,7 @@ def _fans(start: IntArray, first: int) -> tuple[IntArray, IntArray]:
     size = np.diff(start)
     number = (size - 1) // 2  # faces over corners 0, 1 2 3, 3 4 5, ...
     owner = np.repeat(np.arange(len(size)), number)
-    step = np.arange(len(owner)) - np.repeat(np.cumsum(number) - number, number)
+    step = numbered(number)
     a = start[:-1][owner]
     b = a + 2 * step + 1
     last = b + 2 >= start[1:][owner]

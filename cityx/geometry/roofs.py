@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from cityx.geometry.eaves import eave_bodies, overhang_points
 from cityx.geometry.extrude import prisms, weld_touching
 from cityx.geometry.polygons import FloatArray, IntArray, Rings, rings_of
+from cityx.geometry.ranges import numbered
 from cityx.geometry.roof_lofts import DOME, LOFTS, loft_roofs, parapet_roofs, rimmed_roofs
 from cityx.geometry.roof_meshes import (
     RoofMesh,
@@ -465,11 +466,7 @@ def _free_edges(rings: Rings, brief: RoofBrief) -> NDArray[np.bool_]:
     first = np.searchsorted(owner[blocked], part)
     number = np.searchsorted(owner[blocked], part, side="right") - first
     pair = np.repeat(np.arange(len(part)), number)
-    edge = blocked[
-        np.repeat(first, number)
-        + np.arange(len(pair))
-        - np.repeat(np.cumsum(number) - number, number)
-    ]
+    edge = blocked[np.repeat(first, number) + numbered(number)]
     a, b = outline.points[edge], outline.points[after[edge]]
     along = b - a
     length = np.maximum(np.hypot(*along.T), 1e-9)

@@ -16,6 +16,8 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
+from cityx.geometry.ranges import numbered
+
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
@@ -101,7 +103,7 @@ def _boxes(first: IntArray, second: IntArray) -> tuple[NDArray[Any], IntArray]:
     size = np.abs(second - first)
     count = np.maximum(-(-size.min(axis=1) // REACH), 1)
     owner = np.repeat(np.arange(len(first)), count)
-    number = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+    number = numbered(count)
     ahead = (second - first)[owner] / count[owner][:, None]
     begin = first[owner] + ahead * number[:, None]
     end = begin + ahead

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.identity import uniform
 from cityx.geometry.polylines import arc_lengths, locate, pieces, to_linestrings
+from cityx.geometry.ranges import numbered
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -123,7 +124,7 @@ def _drawn(network: RoadNetwork, length: FloatArray, number: int) -> tuple[
     wanted = length / kind.spacing * (half > CARRIAGEWAY)
     count = np.floor(wanted + draw("count", network.edge_id)).astype(np.int64)
     edge = np.repeat(np.arange(len(count)), count)
-    nth = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
+    nth = numbered(count)
     ids = network.edge_id[edge]
     low, high = kind.length
     extent = np.minimum(low + (high - low) * draw("length", ids, nth), length[edge])

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.geometry.polygons import FloatArray, IntArray, corners, rings_of
+from cityx.geometry.ranges import numbered
 from cityx.geometry.walls import WallTable
 
 SPAN = 1e5  # metres between two edges on the common axis; longer than any wall
@@ -48,7 +49,7 @@ class WallFaces:
         last = np.maximum(np.searchsorted(self.at, end - MIN_PIECE, side="left"), first)
         count = last - first + 1
         row = np.repeat(np.arange(len(wall)), count)
-        number = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+        number = numbered(count)
         point = first[row] + number
         origin = begin[row]
         known = np.append(self.at, 0.0)

@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.geometry.polygons import FloatArray, IntArray, corners, rings_of, run_along
+from cityx.geometry.ranges import numbered
 
 TOUCHING = 0.3  # metres; neighbours drawn closer than this share a wall
 MIN_PIECE = 0.3  # metres; cuts closer together than this are one cut
@@ -213,7 +214,7 @@ def _heights(
     first = np.searchsorted(piece_row, wall)
     count = np.searchsorted(piece_row, wall, side="right") - first
     cover = np.repeat(np.arange(len(wall)), count)
-    offset = np.arange(len(cover)) - np.repeat(np.cumsum(count) - count, count)
+    offset = numbered(count)
     piece = first[cover] + offset
     middle = (piece_from[piece] + piece_to[piece]) / 2
     over = (begin[cover] <= middle) & (middle <= finish[cover])

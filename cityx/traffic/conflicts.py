@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.ranges import numbered
 from cityx.traffic.streets import Streets
 
 FloatArray = NDArray[np.float64]
@@ -100,7 +101,7 @@ def facing(streets: Streets, conflicts: Conflicts) -> IntArray:
         return np.zeros((0, 2), np.int64)
     count = np.maximum(shapely.length(lines[own]) // SPOT, 1).astype(np.int64)
     pair = np.repeat(np.arange(len(own)), count)
-    along = (np.arange(len(pair)) - np.repeat(np.cumsum(count) - count, count)) * SPOT
+    along = (numbered(count)) * SPOT
     here, next_ = (shapely.line_interpolate_point(lines[own[pair]], along + step)
                    for step in (0.0, SPOT))  # fmt: skip
     other = lines[foe[pair]]

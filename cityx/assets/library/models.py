@@ -25,6 +25,7 @@ from cityx.city.scene import Instances, Prototype, Scene, no_instances
 from cityx.errors import InputError
 from cityx.geometry.identity import id_text, mix
 from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.ranges import numbered
 
 STEPS = 1e3  # fittings count in millimetres and thousandths
 _ROWS = ("position", "rotation", "scale", "tint")
@@ -80,7 +81,7 @@ class Models:
         begin, end = np.searchsorted(owner, wanted), np.searchsorted(owner, wanted, side="right")
         length = end - begin
         new_owner = np.repeat(np.arange(len(wanted)), length)
-        offset = np.arange(len(new_owner)) - np.repeat(np.cumsum(length) - length, length)
+        offset = numbered(length)
         rows = order[np.repeat(begin, length) + offset]
         return Models(
             shells,

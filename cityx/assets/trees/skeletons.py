@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from cityx.assets.trees.species import Species, Whorls
 from cityx.geometry.identity import rng_for, stable_id
+from cityx.geometry.ranges import numbered
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -246,7 +247,7 @@ def _whorled(
     # Side shoots leave in turn to the left and to the right, forward and a little down.
     each = np.clip((length * 3.2).astype(int), 1, 9)
     owner = np.repeat(np.arange(len(z)), each)
-    number = np.arange(len(owner)) - np.repeat(np.cumsum(each) - each, each)
+    number = numbered(each)
     along = (
         whorls.bare
         + (0.97 - whorls.bare) * (number + rng.uniform(0.2, 0.8, len(owner))) / each[owner]

@@ -12,6 +12,7 @@ from cityx.assets.dormers import quoins
 from cityx.geometry.eaves import THICKNESS
 from cityx.geometry.identity import uniform
 from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.ranges import numbered
 from cityx.geometry.roof_heights import RoofField
 from cityx.geometry.roofs import EAVED, as_shapes
 from cityx.geometry.solids import Solids, join_solids
@@ -162,7 +163,7 @@ def corner_stones(placing: Placing, found: Facade, seed: int) -> None:
     wall, foot, tall = wall[fit], foot[fit], (head - foot)[fit]
     count = np.maximum(1, np.round(tall / COURSE)).astype(np.int64)
     row = np.repeat(np.arange(len(wall)), count)
-    step = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    step = numbered(count)
     pitch = (tall / np.maximum(count, 1))[row]
     placing.add(
         "quoins", partial(quoins), wall[row], np.zeros(len(row)), foot[row] + step * pitch,

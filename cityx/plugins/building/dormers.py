@@ -27,6 +27,7 @@ from cityx.city.scene import Prototype
 from cityx.geometry.facades import bays_of
 from cityx.geometry.identity import choose, uniform
 from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.ranges import numbered
 from cityx.geometry.roof_heights import RoofField
 from cityx.geometry.roofs import as_shapes
 from cityx.plugins.building.placing import Placing
@@ -146,7 +147,7 @@ def _slopes(
     # What is left over lies at both ends alike.
     first = (bays[rows] - 1 - (count - 1) * stride) // 2
     row = np.repeat(np.arange(len(rows)), count)
-    step = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    step = numbered(count)
     index = first[row] + step * stride[row]
     wall = rows[row]
     along = margin[wall] + (index + 0.5) * bay[wall]

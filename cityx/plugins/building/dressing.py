@@ -15,7 +15,7 @@ from cityx.geometry import facades
 from cityx.geometry.facades import Openings, bays_of
 from cityx.geometry.identity import choose, uniform
 from cityx.geometry.polygons import FloatArray, IntArray
-from cityx.geometry.ranges import row_codes
+from cityx.geometry.ranges import numbered, row_codes
 from cityx.geometry.walls import WallTable
 from cityx.plugins.building.cornices import course_levels
 from cityx.plugins.building.facings import Facing
@@ -275,7 +275,7 @@ def _faced(placing: Placing, found: Facade, wanted: NDArray[np.bool_], level: Fl
     of_wall, begin, finish = placing.faces.pieces(walls, stone)
     count = np.maximum(1, np.round((finish - begin) / BLOCK)).astype(np.int64)
     of_piece = np.repeat(np.arange(len(begin)), count)
-    number = np.arange(len(of_piece)) - np.repeat(np.cumsum(count) - count, count)
+    number = numbered(count)
     row = stone[of_wall[of_piece]]
     length = ((finish - begin) / count)[of_piece]
     along = begin[of_piece] + (number + 0.5) * length

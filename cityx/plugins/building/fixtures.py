@@ -17,6 +17,7 @@ from cityx.geometry import facades
 from cityx.geometry.facades import bays_of
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.ranges import numbered
 from cityx.geometry.scatter import near_pairs
 from cityx.geometry.walls import WallTable
 from cityx.plugins.building.catalogue import looks
@@ -281,8 +282,8 @@ def _in_bays(
     columns = bays[rows] + (1 if each.at == "pier" else 0)
     number = np.maximum(high - low + 1, 0) * columns
     row = np.repeat(np.arange(len(rows)), number)
-    cell = np.arange(len(row)) - np.repeat(np.cumsum(number) - number, number)
-    bay, storey = cell % columns[row], low[row] + cell // columns[row]
+    cell = numbered(number)
+    bay, storey = cell % columns[row], np.asarray(low[row] + cell // columns[row], np.int64)
     wall = rows[row]
     shift = 0.0 if each.at == "pier" else 0.5
     along = np.clip(margin[wall] + (bay + shift) * width[wall], 0.1, walls.length[wall] - 0.1)
@@ -316,7 +317,7 @@ def _along_edges(
     spacing = each.spacing or np.inf
     count = np.where(run > 0, np.maximum(1, np.floor(run / spacing)), 0).astype(np.int64)
     row = np.repeat(np.arange(len(rows)), count)
-    number = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    number = numbered(count)
     along = EDGE_MARGIN + (number + 0.5) * run[row] / count[row]
     return rows[row], along, number
 
@@ -433,7 +434,7 @@ def _on_plan(placing: Placing, site: Site, seed: int, each: Fixture, part: IntAr
     elif each.at == "top" and not each.stretch:  # where roofs that rise to a point have it
         middle = shapely.get_coordinates(shapely.centroid(volumes.polygons[part]))
     row = np.repeat(np.arange(len(part)), count)
-    number = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    number = numbered(count)
     step = (number + 0.5) / count[row] - 0.5
     at = middle[row] + axis[row] * step[:, None]
     z = volumes.top[part[row]] if each.at == "top" else volumes.ground[part[row]]

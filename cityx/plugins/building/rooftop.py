@@ -15,6 +15,7 @@ from cityx.assets.roof_furniture import REACH, STAINS, roof_furniture
 from cityx.city.scene import Instances, Prototype
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polygons import FloatArray
+from cityx.geometry.ranges import numbered
 from cityx.plugins.building.catalogue import generators
 from cityx.plugins.building.fronts import reserve_of
 from cityx.plugins.building.parking_decks import deck_rows
@@ -188,7 +189,7 @@ def _on_flat(
     )
     count = np.round(wanted).astype(np.int64)
     part = np.repeat(rows, count)
-    number = np.arange(len(part)) - np.repeat(np.cumsum(count) - count, count)
+    number = numbered(count)
     piece = np.zeros(len(part), np.int64)
     for name, weights in tables.items():
         of = np.flatnonzero(kind[part] == name)
@@ -264,7 +265,7 @@ def _railings(
     edge, length = edge[length > RAIL_LEAST], length[length > RAIL_LEAST]
     bays = np.maximum(np.round(length / RAIL_BAY), 1).astype(np.int64)
     of = np.repeat(np.arange(len(edge)), bays)
-    nth = np.arange(len(of)) - np.repeat(np.cumsum(bays) - bays, bays)
+    nth = numbered(bays)
     way = points[edge + 1] - points[edge]
     at = points[edge[of]] + ((nth + 0.5) / bays[of])[:, None] * way[of]
     part = rows[row[edge[of]]]
@@ -344,7 +345,7 @@ def _chimneys(
         np.int64
     )
     part = np.repeat(rows, count)
-    number = np.arange(len(part)) - np.repeat(np.cumsum(count) - count, count)
+    number = numbered(count)
     total = np.repeat(count, count)
     long_axis, short_axis, middle = _axes(volumes.polygons)
     draw = uniform(seed, "roof/chimney at", ids[part], number)

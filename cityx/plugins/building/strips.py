@@ -15,6 +15,7 @@ from cityx.assets.trims import trim
 from cityx.geometry.facades import bays_of
 from cityx.geometry.identity import uniform
 from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.ranges import numbered
 from cityx.plugins.building.catalogue import looks
 from cityx.plugins.building.dressing import band
 from cityx.plugins.building.placing import Placing
@@ -90,7 +91,7 @@ def _fins(
         count = np.where(bays[rows] > 0, bays[rows] + 1, 0)
         first, step = margin[rows], bay[rows]
     row = np.repeat(np.arange(len(rows)), count)
-    number = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    number = numbered(count)
     wall = rows[row]
     half = strip.breadth / 2
     along = np.clip(first[row] + number * step[row], half, walls.length[wall] - half)
@@ -111,7 +112,7 @@ def _slabs(
     walls, storeys = found.walls, found.storeys
     floors = storeys.count[rows] + 1
     wall = np.repeat(rows, floors)
-    floor = np.arange(len(wall)) - np.repeat(np.cumsum(floors) - floors, floors)
+    floor = numbered(floors)
     z = storeys.floor_of(wall, floor) - 0.5 * strip.breadth
     keep = (floor > storeys.first[wall]) & (floor % strip.every == 0)
     keep &= (z > open_from[wall]) & (z < walls.z_high[wall] - strip.breadth)

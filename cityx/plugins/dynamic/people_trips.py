@@ -16,7 +16,7 @@ from cityx.city.walkable import CELL, Walkable
 from cityx.city.walks import SPACING, WalkGraph, walk_graph, walks_between
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import Polylines, arc_lengths
-from cityx.geometry.ranges import ranges
+from cityx.geometry.ranges import numbered, ranges
 from cityx.plugins.dynamic.people_room import Room
 
 FloatArray = NDArray[np.float64]
@@ -219,7 +219,7 @@ def drawn_trips(
         left = np.maximum(duration - clock, 0.0)
         more = np.where(left > 0, np.ceil(left / SHORT_TIME) + 1, 0).astype(np.int64)
         place = np.repeat(np.arange(count), more)
-        number = drawn[place] + np.arange(len(place)) - np.repeat(np.cumsum(more) - more, more)
+        number = drawn[place] + numbered(more)
         drawn += more
         key = hash_ids(city.seed, f"{purpose}/walk", place, number)
         walks, found = _walks(city, walkable, ports, (goals, reach), key, purpose)

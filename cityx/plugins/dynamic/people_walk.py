@@ -23,7 +23,7 @@ SIGHT = np.array([0.15, 0.3, 0.45, 0.6, 0.8, 1.0])  # shares of a line at which 
 AHEAD = 3  # points of the way, 1.5 m, to the place that walkers head for
 WINDOW = 6  # points of the way ahead among which a walker finds where it is
 ARRIVED = 0.6  # metres from the end of the way
-BEFORE = 0.9  # metres of way before a roadway at which one waits
+BEFORE = (0.6, 2.1)  # metres of way before a roadway at which people wait, not all in one row
 QUEUE = 8.0  # metres before it within which one stands in a queue and does not lose patience
 KEEP = (0.25, 0.9)  # metres beside the middle of the way that people keep to their own side
 ABREAST = 1.4  # metres to both sides of the way in which people stand while they wait to cross
@@ -132,6 +132,7 @@ class _Walk:
         self.hand, self.side = side, np.full(count, side)
         self.keep = KEEP[0] + (KEEP[1] - KEEP[0]) * _share(trips)
         self.stand = ABREAST * (2.0 * np.modf(97.0 * _share(trips))[0] - 1.0)
+        self.halt = BEFORE[0] + (BEFORE[1] - BEFORE[0]) * np.modf(389.0 * _share(trips))[0]
         self.granted = np.full(count, 0)  # number of the crosswalk that each may be on
         self.on = np.full(count, 0)  # that each is on, or has been and is on the rim of still
         self.stuck = np.zeros(count)
@@ -305,7 +306,8 @@ class _Walk:
                                       self.over[at], here)  # fmt: skip
         near = np.flatnonzero(queues)
         number = crosswalk[near] - 1
-        way = self.walkable.crosswalks.length[number] + BEFORE
+        halt = self.halt[rows]
+        way = self.walkable.crosswalks.length[number] + halt[near]
         seconds = SPARE + SLOWED * way / self.trips.pace[rows[near]]
         # Nobody follows those who cannot get off it, but who comes from there makes room by going.
         held = np.flatnonzero((here > 0) & (self.stuck[rows] > CAUGHT))
@@ -314,9 +316,9 @@ class _Walk:
         let = self.gates.open(number, now, seconds)
         let &= ~caught[self._forth(number, ahead[near]), number]
         queues[near[let]] = False
-        let &= far[near] <= BEFORE
+        let &= far[near] <= halt[near]
         self.granted[rows[near[let]]] = crosswalk[near[let]]
-        waits = queues & (far <= BEFORE)
+        waits = queues & (far <= halt)
         self.waited[rows] = np.where(queues, self.waited[rows] + STEP, 0.0)
         shut = near[queues[near]]
         gives_up = self.gates.opens_in(crosswalk[shut] - 1, now) > LONGEST_WAIT

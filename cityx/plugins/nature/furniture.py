@@ -15,6 +15,7 @@ from cityx.geometry.clearance import near_any, push_off
 from cityx.geometry.driving import keeps_left
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import locate, to_linestrings
+from cityx.geometry.ranges import numbered
 from cityx.geometry.standing import WALKED
 from cityx.plugins.nature.pieces import (
     FloatArray,
@@ -312,7 +313,7 @@ def _beyond(
     low = np.searchsorted(node, network.edge_nodes[edge, end])
     size = np.searchsorted(node, network.edge_nodes[edge, end], side="right") - low
     row = np.repeat(np.arange(len(edge)), size)
-    other = low[row] + np.arange(len(row)) - np.repeat(np.cumsum(size) - size, size)
+    other = low[row] + numbered(size)
     turn = np.abs(np.mod(bearing[other] - own[row], 2 * np.pi) - np.pi)
     order = np.lexsort((other, np.round(turn, 6), row))
     first = order[np.unique(row[order], return_index=True)[1]]

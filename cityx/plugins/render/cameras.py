@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city.camera import DEFAULT_SIZE, Camera
 from cityx.city.mesh import NO_VERTEX, MeshBatch
+from cityx.geometry.ranges import numbered
 
 if TYPE_CHECKING:
     from cityx.city.roads import RoadNetwork
@@ -130,7 +131,7 @@ def _candidates(
     length = shapely.length(lines[order])
     steps = np.maximum((length // STEP).astype(int), 1)
     row = np.repeat(np.arange(len(order)), steps)
-    place = (np.arange(len(row)) - np.repeat(np.cumsum(steps) - steps, steps) + 0.5) / steps[row]
+    place = (numbered(steps) + 0.5) / steps[row]
     line, along = lines[order][row], place * length[row]
     half = network.half_width[order][row]
     eyes, headings, ahead = [], [], []

@@ -12,6 +12,7 @@ from cityx.city.ground import DROPPED, KERB_HEIGHT, KERB_WIDTH, LABEL, SURFACES
 from cityx.geometry.arrangement import GRID, Regions, join_regions, regions
 from cityx.geometry.drape import RAMP_SLOPE
 from cityx.geometry.polylines import locate
+from cityx.geometry.ranges import numbered
 from cityx.plugins.road.carriageway import Carriageway, joined_by
 from cityx.plugins.road.corners import LEAST_RADIUS, RADIUS
 from cityx.plugins.road.crossing_places import dense_places
@@ -281,7 +282,7 @@ def _squarest(
     low = np.searchsorted(node, node[drive])
     size = np.searchsorted(node, node[drive], side="right") - low
     row = np.repeat(np.arange(len(drive)), size)
-    arm = low[row] + np.arange(len(row)) - np.repeat(np.cumsum(size) - size, size)
+    arm = low[row] + numbered(size)
     row, arm = row[street[arm]], arm[street[arm]]
     slant = np.abs(np.cos(bearing[arm] - bearing[drive[row]]))
     order = np.lexsort((arm, np.round(slant, 6), row))

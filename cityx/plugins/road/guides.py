@@ -9,6 +9,7 @@ import shapely
 import shapely.affinity
 
 from cityx.geometry.polylines import Polylines, arc_lengths, every, line_strips, locate, pieces
+from cityx.geometry.ranges import numbered
 from cityx.plugins.road.carriageway import Carriageway, joined_by
 from cityx.plugins.road.lane_lines import Partings
 from cityx.plugins.road.marks import (
@@ -135,7 +136,7 @@ def _continued(
         low = np.searchsorted(found.edge, edge)
         size = np.searchsorted(found.edge, edge, side="right") - low
         pair = np.repeat(np.arange(len(edge)), size)
-        line = low[pair] + np.arange(len(pair)) - np.repeat(np.cumsum(size) - size, size)
+        line = low[pair] + numbered(size)
         sides.append((_roles(found, pair, line, onward[pair]), line))
     (keys, lines), (other_keys, other_lines) = sides
     _, here, there = np.intersect1d(keys, other_keys, return_indices=True)

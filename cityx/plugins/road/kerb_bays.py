@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from cityx.city.section import KIND
 from cityx.geometry.polylines import arc_lengths, line_strips, pieces
+from cityx.geometry.ranges import numbered
 from cityx.plugins.road.marks import Marks, boxes, together
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ class Runs:
         """Return the run of each bay, its number in the run, and metres along to its middle."""
         count = np.floor((self.high - self.low) / BAY + 1e-9).astype(np.int64)
         run = np.repeat(np.arange(len(count)), count)
-        number = np.arange(len(run)) - np.repeat(np.cumsum(count) - count, count)
+        number = numbered(count)
         spare = (self.high - self.low - count * BAY)[run] / 2
         return run, number, self.low[run] + spare + (number + 0.5) * BAY
 
@@ -119,7 +120,7 @@ def bay_marks(lines: Polylines, runs: Runs, style: str) -> Marks:
     step = sum(DASHES)
     count = np.maximum(np.round((end - begin) / step), 1).astype(np.int64)
     which = np.repeat(np.arange(len(count)), count)
-    place = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
+    place = numbered(count)
     pitch = ((end - begin + DASHES[1]) / count)[which]
     low = begin[which] + place * pitch
     dashes = _along(lines, runs, row[which], low, low + pitch - DASHES[1], OUTLINE)

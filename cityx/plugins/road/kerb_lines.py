@@ -7,6 +7,7 @@ import shapely
 
 from cityx.city.section import KIND
 from cityx.geometry.polylines import arc_lengths, line_strips, pack, pieces
+from cityx.geometry.ranges import numbered
 from cityx.plugins.road.carriageway import Carriageway, joined_by, widened
 from cityx.plugins.road.marks import (
     QUIET,
@@ -119,7 +120,7 @@ def _parts(
     """Cut spans into equal parts: the span of each part, and its bounds."""
     count = np.ceil((end - begin) / longest).astype(np.int64)
     span = np.repeat(np.arange(len(count)), count)
-    number = np.arange(len(span)) - np.repeat(np.cumsum(count) - count, count)
+    number = numbered(count)
     step = (end - begin)[span] / count[span]
     low = begin[span] + number * step
     return span, low, low + step

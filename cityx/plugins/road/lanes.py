@@ -15,6 +15,7 @@ from cityx.city.section import BAND_KINDS, KIND, TRAVELLED, TURN
 from cityx.geometry.driving import keeps_left
 from cityx.geometry.identity import hash_ids
 from cityx.geometry.polylines import Polylines, arc_lengths, miters, pieces
+from cityx.geometry.ranges import numbered
 from cityx.plugins.road.network import DRIVABLE, arm_bearings, arms_of, road_network
 from cityx.plugins.road.sections import Bands, bands_of
 from cityx.protocol import Port, action, has_network
@@ -176,7 +177,7 @@ def _turns(network: RoadNetwork, lines: Polylines) -> _Turn:
     size = degree[node]
     row = np.repeat(np.arange(len(node)), size)
     first = np.searchsorted(node, node)
-    other = first[row] + np.arange(len(row)) - np.repeat(np.cumsum(size) - size, size)
+    other = first[row] + numbered(size)
     # Arriving runs against the arm's bearing.
     angle = np.mod(bearing[other] - (bearing[row] + np.pi) + np.pi, 2 * np.pi) - np.pi
     return _Turn(node[row], edge[row], side[row], edge[other], side[other], np.round(angle, 6))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cityx.city.ground import KERB_WIDTH
 from cityx.city.section import CARRIAGEWAY, KIND, NARROWEST_LANE, PARKING, Band, read_section
+from cityx.geometry.ranges import numbered
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
@@ -111,7 +112,7 @@ def _usual(table: Any, total: FloatArray, left_hand: NDArray[np.bool_]) -> Bands
     # Parking left, lanes, parking right.
     count = at_left.astype(int) + lanes + at_right
     edge = np.repeat(np.arange(len(total)), count)
-    place = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
+    place = numbered(count)
     lane = place - at_left[edge]
     driving = (lane >= 0) & (lane < lanes[edge])
     first = np.where(left_hand, forward, lanes - forward)[edge]

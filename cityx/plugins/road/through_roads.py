@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cityx.geometry.ranges import numbered
 from cityx.plugins.road.marks import BoolArray, FloatArray, IntArray, Street
 from cityx.plugins.road.network import arm_bearings, arms_of
 
@@ -92,7 +93,7 @@ def _pairs(node: IntArray, size: IntArray) -> tuple[IntArray, IntArray]:
     """All pairs of rows of one node, each once; rows are sorted by node."""
     row = np.repeat(np.arange(len(node)), size)
     begin = np.searchsorted(node, node)
-    other = begin[row] + np.arange(len(row)) - np.repeat(np.cumsum(size) - size, size)
+    other = begin[row] + numbered(size)
     return row[row < other], other[row < other]
 
 
