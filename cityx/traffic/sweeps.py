@@ -20,11 +20,16 @@ FloatArray = NDArray[np.float64]
 LENGTH, HALF = 12.0, 1.275  # metres, a bus and half its width
 CAR_LENGTH, CAR_HALF = 5.05, 0.9  # metres, a van; a wall that it would but brush is no hindrance
 STEP = 1.0  # metres of way between the places where it is looked at
+BACK = 2.6  # radians between its two ends of a way on which one turns back
+CIRCLE = 18.0  # metres between the two, at least, for a bus to get round
 STRAIGHT = 0.15  # radians; on straighter ways it sweeps over nothing beside its lane
 
 
 def tight_links(streets: Streets, walls: shapely.STRtree) -> Streets:
-    """Mark the links on which a bus would sweep over walls, or ways that nobody leaves free."""
+    """Mark the links on which a bus would sweep over walls, or ways that nobody leaves free.
+
+    So are those on which it would turn back within less than its turning circle.
+    """
     links, ways = streets.links, streets.ways
     if not links:
         return streets
@@ -44,6 +49,7 @@ def tight_links(streets: Streets, walls: shapely.STRtree) -> Streets:
         swept = _swept(streets, number, LENGTH, HALF)
         ends = link.source[0], link.target[0]
         tight = swept is not None and len(walls.query(swept, predicate="intersects")) > 0
+        tight |= turns_back(link.shape[:, :2])
         for other in (
             tree.query(swept, predicate="intersects").tolist() if swept is not None else ()
         ):
@@ -64,6 +70,15 @@ def tight_links(streets: Streets, walls: shapely.STRtree) -> Streets:
             )
         marked.append(replace(link, tight=tight))
     return replace(streets, links=tuple(marked))
+
+
+def turns_back(shape: FloatArray) -> bool:
+    """Tell whether a way leads back beside where it comes from, closer than a bus can turn."""
+    steps = shape[[1, -1]] - shape[[0, -2]]
+    first, last = steps / np.maximum(np.hypot(*steps.T), 1e-9)[:, None]
+    reach = shape[-1] - shape[0]
+    aside = abs(float(first[0] * reach[1] - first[1] * reach[0]))
+    return bool(first @ last < np.cos(BACK)) and aside < CIRCLE
 
 
 def clear_links(streets: Streets, walls: shapely.STRtree) -> Streets:

@@ -8,7 +8,7 @@ import shapely
 
 from cityx.traffic.shared_ground import HALF_BODY
 from cityx.traffic.streets import Link, Streets
-from cityx.traffic.sweeps import clear_links, swept_into
+from cityx.traffic.sweeps import clear_links, swept_into, turns_back
 
 TURN = np.linspace(-np.pi / 2, 0.0, 13)
 ARC = np.column_stack([4.0 * np.cos(TURN), 4.0 + 4.0 * np.sin(TURN), 0.0 * TURN])  # to the left
@@ -33,3 +33,11 @@ def test_a_bend_is_closed_where_the_rear_of_a_car_would_be_in_a_wall(gap, clear)
     link = Link((0, 0), (1, 0), ARC)
     streets = Streets(tuple(ways), (link,), (), np.zeros((0, 3)), np.zeros(0, bool), False)
     assert clear_links(streets, walls).links == ((link,) if clear else ())
+
+
+@pytest.mark.parametrize(("across", "tight"), [(12.4, True), (25.0, False)])
+def test_a_bus_turns_back_only_where_it_gets_round(across, tight):
+    turn = np.linspace(-np.pi / 2, np.pi / 2, 13)
+    loop = across / 2 * np.column_stack([np.cos(turn), 1.0 + np.sin(turn)])
+    assert turns_back(loop) == tight
+    assert not turns_back(ARC[:, :2])
