@@ -30,7 +30,7 @@ PURPOSE = "nature/street_pieces-v1"
 REACH = 12.0  # metres; no walk is looked at farther than this
 # Bollards along the curves of kerbs at junctions: share of corners by place, metres between them,
 # behind the kerb, and of the longest curve (a longer one is no corner but a roundabout).
-CORNER_SHARE = {"british isles": 0.45, "japan": 0.3, "north america": 0.15}
+CORNER_SHARE = {"british isles": 0.45, "north america": 0.15, "japan": 0.0}  # pipes stand there
 USUAL_CORNERS = 0.3
 CORNER_SPACING, FROM_CORNER, LONGEST_CORNER = 1.8, 0.35, 30.0
 BENT = 1.04  # length over chord from which a kerb is a corner, not the far side of a junction
@@ -58,13 +58,13 @@ def at_corners(city: City, rims: NDArray[Any], place: str) -> Pieces:
     """
     ground = city.ground
     assert ground is not None
-    curves = _corner_kerbs(ground)
+    curves = corner_kerbs(ground)
     long = shapely.length(curves)
-    ids = _ids_of(curves)
+    ids = ids_of_kerbs(curves)
     share = CORNER_SHARE.get(place, USUAL_CORNERS)
     chosen = (uniform(city.seed, f"{PURPOSE}/corner", ids) < share) & (long < LONGEST_CORNER)
     chosen &= ~_straight(curves)
-    row, foot, out, room = _behind(ground, curves[chosen], rims, CORNER_SPACING, CORNER_SPACING / 2)
+    row, foot, out, room = behind(ground, curves[chosen], rims, CORNER_SPACING, CORNER_SPACING / 2)
     xy = foot + (KERB_WIDTH + FROM_CORNER) * out
     fits = (room >= KERB_WIDTH + FROM_CORNER + CLEAR) & ground.on(xy, *WALKED)
     own = hash_ids(0, f"{PURPOSE}/corner", ids[chosen][row], _nth(row))
@@ -78,12 +78,12 @@ def past_junctions(city: City, rims: NDArray[Any], place: str, density: float) -
     """
     ground = city.ground
     assert ground is not None
-    kerbs = _corner_kerbs(ground)
+    kerbs = corner_kerbs(ground)
     kerbs = kerbs[_straight(kerbs) & (shapely.length(kerbs) >= LEAST_FAR)]
     if not len(kerbs):
         return join_pieces([])
-    row, foot, out, room = _behind(ground, kerbs, rims, PAST_SPACING, AT_ENDS)
-    ids = hash_ids(0, f"{PURPOSE}/past", _ids_of(kerbs)[row], _nth(row))
+    row, foot, out, room = behind(ground, kerbs, rims, PAST_SPACING, AT_ENDS)
+    ids = hash_ids(0, f"{PURPOSE}/past", ids_of_kerbs(kerbs)[row], _nth(row))
     weights = dict(LOW_JAPAN if place == "japan" else LOW)
     weights[""] /= max(density, 1e-6)
     name = np.array(list(weights), object)[
@@ -100,10 +100,16 @@ def past_junctions(city: City, rims: NDArray[Any], place: str, density: float) -
     return pieces(name, xy, ids, yaw_facing(-out)).take(fits)
 
 
-def _behind(
+def behind(
     ground: Ground, kerbs: NDArray[Any], rims: NDArray[Any], spacing: float, margin: float
 ) -> tuple[NDArray[np.int64], FloatArray, FloatArray, FloatArray]:
-    """Rows of kerbs, places along them, directions to their walks, and metres of walk there."""
+    """Find places along kerbs, so many metres from each other and from both ends.
+
+    Returns
+    -------
+    row, foot, out, room
+        Rows of kerbs, places, directions to their walks, and metres from there to the walk's end.
+    """
     lines = pack(kerbs)
     row, along = every(arc_lengths(lines)[1], spacing, margin)
     foot, way = locate(lines, row, along)
@@ -123,7 +129,7 @@ def _straight(kerbs: NDArray[Any]) -> NDArray[np.bool_]:
     return np.asarray(shapely.length(kerbs) <= BENT * shapely.distance(*ends))
 
 
-def _corner_kerbs(ground: Ground) -> NDArray[Any]:
+def corner_kerbs(ground: Ground) -> NDArray[Any]:
     """(c,) lines at which the surfaces of junctions meet raised kerbs."""
     left, right = ground.edge_faces.T.astype(np.int64)
     joint, kerb = ground.labelled("junction"), ground.labelled("kerb")
@@ -134,7 +140,7 @@ def _corner_kerbs(ground: Ground) -> NDArray[Any]:
     return np.asarray(shapely.get_parts(shapely.line_merge(shapely.multilinestrings(edges))))
 
 
-def _ids_of(kerbs: NDArray[Any]) -> NDArray[np.uint64]:
+def ids_of_kerbs(kerbs: NDArray[Any]) -> NDArray[np.uint64]:
     """(n,) ids of kerbs, by the whole decimetre of their middles."""
     middle = shapely.line_interpolate_point(kerbs, shapely.length(kerbs) / 2)
     return ids_of_places(shapely.get_coordinates(middle), f"{PURPOSE}/place")

@@ -23,8 +23,10 @@ from cityx.geometry.polylines import (
     to_linestrings,
 )
 from cityx.geometry.polylines import pieces as cut_out
+from cityx.geometry.standing import WALKED
 from cityx.plugins.nature.barriers import joined_by_id, sweep
-from cityx.plugins.nature.pieces import Pieces, join_pieces, pieces, with_pieces
+from cityx.plugins.nature.corner_kerbs import behind, corner_kerbs, ids_of_kerbs
+from cityx.plugins.nature.pieces import Pieces, join_pieces, pieces, walk_rims, with_pieces
 from cityx.plugins.nature.street_rules import CLEAR as FREE_WALK
 from cityx.plugins.nature.street_rules import place_of
 from cityx.plugins.road.kerbs import edge_lengths
@@ -44,6 +46,7 @@ LAYER = "guard_rail_posts"
 MAIN = ("primary", "secondary", "tertiary")
 AT_JUNCTION = 14.0  # metres of pipe on both sides of the junctions of other streets
 ZEBRA = 6.0  # metres behind the junction that a crossing and its dropped kerb keep open
+BEND, LEAST_CORNER = 0.5, 3.0  # metres between the points of a pipe round a corner, and of one
 PIECE, OPENING = 12.0, 2.0  # metres of pipe along main roads, and between two of them
 
 
@@ -88,15 +91,15 @@ PIPE = Rail(((0.40, 0.46), (0.74, 0.80)), 0.03, 0.35, 0.25, 2.0)
 def guard_rails(city: City) -> City:
     """Set guard rails along fast roads without walks, and pipes along walks in Japan.
 
-    Pipes stand along main roads and at the junctions of other streets, where the walk is wide
-    enough, open at crossings.
+    Pipes stand along main roads, at the junctions of other streets and round their corners, where
+    the walk is wide enough, open at crossings.
     """
     network = city.network
     if city.lod < 2 or network is None or not network.edge_count:
         return city
     found = [_lines(city, BEAM, *_beams(city))]
     if place_of(city) == "japan":
-        found.append(_lines(city, PIPE, *_pipes(city)))
+        found += [_lines(city, PIPE, *_pipes(city)), _corners(city)]
     found = [rails for rails in found if rails.lines.count]
     if not found:
         return city
@@ -177,6 +180,28 @@ def _pipes(city: City) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
             found.append((near, from_, from_ + AT_JUNCTION, side))
     edge, begin, end_ = (np.concatenate([group[k] for group in found]) for k in range(3))
     return edge, np.concatenate([np.full(len(g[0]), g[3]) for g in found]), begin, end_
+
+
+def _corners(city: City) -> _Rails:
+    """Lead pipes round the corners of junctions, where their kerbs are not lowered."""
+    points, start = np.zeros((0, 2)), np.zeros(1, np.int64)
+    if city.ground is None:
+        return _Rails(PIPE, Polylines(points, start), np.zeros(0, np.uint64))
+    kerbs = corner_kerbs(city.ground)
+    row, foot, out, room = behind(city.ground, kerbs, walk_rims(city.ground), BEND, BEND)
+    points = foot + PIPE.beyond * out
+    fits = room >= PIPE.beyond + PIPE.half + FREE_WALK
+    fits &= city.ground.on(points, *WALKED)
+    # Each run of places that fit is a pipe.
+    run = np.cumsum(np.r_[True, (np.diff(row) != 0) | (fits[1:] != fits[:-1])][: len(row)]) - 1
+    size = np.bincount(run[fits], minlength=int(run.max(initial=-1)) + 1)
+    fits &= (size * BEND)[run] >= LEAST_CORNER
+    rows = np.flatnonzero(fits)
+    begin = np.flatnonzero(np.r_[True, np.diff(run[rows]) != 0][: len(rows)])
+    first = rows[begin]
+    nth = first - np.searchsorted(row, row[first])
+    ids = hash_ids(0, f"{ACTION}/corner", ids_of_kerbs(kerbs)[row[first]], nth)
+    return _Rails(PIPE, Polylines(points[rows], np.append(begin, len(rows))), ids)
 
 
 def _free_of_roads(
