@@ -19,11 +19,16 @@ PLAZA = shapely.box(6.0, 6.0, 40.0, 40.0)
 HOUSES = [shapely.box(-30, 8, -12, 20), shapely.box(-30, -20, -12, -8)]
 
 
-def crossing_town(*, longitude: float = 13.0, walks: float = 2.5, plaza: bool = True) -> City:
+def crossing_town(
+    *, longitude: float = 13.0, walks: float = 2.5, plaza: bool = True, width: float = 6.0,
+    oneway: bool = False,
+) -> City:  # fmt: skip
     """Lay out the place; at longitude 13 one keeps to the right, at -1 to the left."""
+    count = 1 if oneway else 2
     roads = make_table(
         "roads", [shapely.LineString(arm) for arm in ARMS], id=[1, 2], kind=["residential"] * 2,
-        lanes=[2] * 2, lanes_forward=[1] * 2, lane_width=[3.0] * 2, width=[6.0] * 2,
+        lanes=[count] * 2, lanes_forward=[1] * 2, lane_width=[3.0] * 2, width=[width] * 2,
+        oneway=[oneway] * 2,
         sidewalk_left=[walks] * 2, sidewalk_right=[walks] * 2,
     )  # fmt: skip
     houses = make_table("buildings", HOUSES, id=[11, 12], use=["apartments", "retail"])

@@ -31,6 +31,7 @@ from cityx.checks.streets import check_streets
 from cityx.checks.terrain import check_terrain
 from cityx.checks.towns import check_towns
 from cityx.checks.trees import check_trees
+from cityx.checks.walkways import check_walkways
 from cityx.city import City, Goal
 from cityx.city.content import content_hash
 from cityx.geometry.identity import id_text
@@ -49,6 +50,7 @@ def run_checks(city: City) -> list[Check]:
         *check_standing(city),
         *check_bodies(city),
         *check_lanes(city),
+        *check_walkways(city),
         *check_heights(city),
         *check_streets(city),
         *check_terrain(city),

@@ -147,8 +147,13 @@ class Ground:
 
     def on(self, xy: ArrayLike, *names: str) -> NDArray[np.bool_]:
         """Tell which of (n, 2) points lie in or on a face of some surfaces, by name."""
+        return self.face_at(xy, *names) >= 0
+
+    def face_at(self, xy: ArrayLike, *names: str) -> NDArray[np.int64]:
+        """(n,) the face of some surfaces that each of (n, 2) points lies in or on, -1 for none."""
         wanted = self.labelled(*names)[self.triangle_face]
-        return np.asarray(triangle_at(xy, self._cells, wanted) >= 0)
+        triangle = triangle_at(xy, self._cells, wanted)
+        return np.where(triangle >= 0, self.triangle_face[triangle], -1).astype(np.int64)
 
     def first_of(self, xy: ArrayLike, *names: str) -> NDArray[np.int64]:
         """Tell which of some surfaces (n, 2) points lie in or on, by its number among the names.

@@ -20,6 +20,7 @@ from cityx.city.crosswalks import FOOTWAYS, VERGES, Crosswalks, crosswalks_of
 from cityx.city.ground import ROADWAY, Ground
 from cityx.city.mesh import NO_VERTEX, MeshBatch
 from cityx.city.outlines import FURNITURE, placed_outlines
+from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.geometry.raster.grid import Grid
 from cityx.remembered import Remembered
 
@@ -31,6 +32,11 @@ BODY = 0.23  # metres from the middle of a person to the shoulders (Fruin's elli
 CELL = 0.2  # metres of a cell of the raster
 VERGE = 1.8  # metres of land beside a roadway that people walk on where there is no pavement
 PAVED = 0.5  # metres from a pavement within which nobody walks on the land beside it
+NARROW = 1.6  # metres of a pavement beside which people step onto the edge of the roadway
+SHOULDER = 1.0  # metres of that edge that they walk on
+DUST = 0.1  # square metres of a narrow piece of pavement at least
+DRIVEN = 1.45  # metres on both sides of the middle of a lane, and a way across a junction, that
+# vehicles take up: half a lorry, and a little
 MOST_CELLS = 150_000_000  # of a raster: 6 km2, some 2 GB while it is made
 SOLID = (*FURNITURE, "trees", "vehicles")  # layers of the scene that stand in the way
 WALLS = ("barriers", "structures")  # layers of meshes that do
@@ -60,7 +66,8 @@ class Walkable:
     rim
         (rows, columns) int16, the same of all cells that it reaches into.
     verge
-        (rows, columns) bool, land beside a roadway, taken where nothing better leads on.
+        (rows, columns) bool, land beside a roadway, and its edges beside narrow pavements, taken
+        where nothing better leads on.
     waits
         (crosswalks,) float64, seconds that people wait before each, which ways go round.
     """
@@ -160,7 +167,7 @@ def walkable_of(city: City) -> Walkable:
     if ground is None or network is None:
         raise ValueError("the ground is not laid yet")
     scene = city.scene
-    parts: list[Any] = [ground, network]
+    parts: list[Any] = [ground, network, city.lanes]
     parts += [scene.instances[name] for name in SOLID if name in scene.instances]
     parts += [scene.meshes[name] for name in WALLS if name in scene.meshes]
     return _LAST.get(lambda: _made(city, ground), parts)
@@ -179,7 +186,7 @@ class WalkAreas:
     over
         (c,) what each crosswalk covers of the roadway.
     verge
-        Land beside roadways that is part of it.
+        Land beside roadways, and edges of them, that are part of it.
     """
 
     areas: NDArray[Any]
@@ -193,7 +200,9 @@ _LAST_AREAS: Remembered[WalkAreas] = Remembered()
 
 def walk_areas(city: City) -> WalkAreas:
     """Return the walkable area of a city with ground and network; the last one is remembered."""
-    return _LAST_AREAS.get(lambda: _areas(city), [city.ground, city.network, city.layout])
+    return _LAST_AREAS.get(
+        lambda: _areas(city), [city.ground, city.network, city.layout, city.lanes]
+    )
 
 
 def _areas(city: City) -> WalkAreas:
@@ -201,13 +210,12 @@ def _areas(city: City) -> WalkAreas:
     assert city.ground is not None
     crosswalks = crosswalks_of(city.ground, city.layout, city.network)
     walks, road = _polygon(city.ground, FOOTWAYS), _polygon(city.ground, ROADWAY)
-    verge = _verges(city.ground, road, walks)
+    beside = _verges(city.ground, road, walks), _shoulders(city, road, walks)
+    verge = shapely.union_all(np.concatenate([*map(_surfaces, beside)]), grid_size=0.001)
     crosswalks, over = _parted(crosswalks, shapely.intersection(crosswalks.regions(), road))
     whole = shapely.union_all([walks, verge, *over], grid_size=0.001)
     whole = shapely.intersection(whole, shapely.box(*city.layout.extent))
-    parts = shapely.get_parts(whole)
-    parts = parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON]
-    return WalkAreas(parts, crosswalks, over, verge)
+    return WalkAreas(_surfaces(whole), crosswalks, over, verge)
 
 
 def _made(city: City, ground: Ground) -> Walkable:
@@ -248,11 +256,9 @@ def _polygon(ground: Ground, names: tuple[str, ...]) -> Any:
 
 def _verges(ground: Ground, road: Any, walks: Any) -> Any:
     """Return the land along roadways, apart from where there is a pavement."""
-    triangles = ground.triangles_of(*VERGES)
-    land = shapely.polygons(ground.vertices[triangles])
     strip = shapely.buffer(road, VERGE, quad_segs=2)
-    near = shapely.STRtree(land).query(road, predicate="dwithin", distance=VERGE)
-    found = shapely.union_all(shapely.intersection(land[np.sort(near)], strip), grid_size=0.001)
+    found = shapely.intersection(_polygon(ground, VERGES), strip, grid_size=0.001)
+    found = shapely.multipolygons(_surfaces(found))
     # A strip behind a pavement leads nowhere; where one ends they must still touch.
     paved = shapely.buffer(shapely.buffer(walks, PAVED + VERGE, quad_segs=2), -VERGE, quad_segs=2)
     return shapely.union_all([
@@ -260,6 +266,35 @@ def _verges(ground: Ground, road: Any, walks: Any) -> Any:
         shapely.intersection(found, shapely.difference(paved, shapely.buffer(paved, -2 * PAVED)),
                              grid_size=0.001),
     ])  # fmt: skip
+
+
+def _shoulders(city: City, road: Any, walks: Any) -> Any:
+    """Return the edges of roadways beside narrow pavements on which nothing drives."""
+    graph = city.lanes
+    if graph is None or not graph.count:
+        return shapely.Polygon()
+    half = NARROW / 2
+    inner = shapely.buffer(walks, -half, join_style="mitre")
+    wide = shapely.buffer(inner, half, join_style="mitre")
+    narrow = shapely.get_parts(shapely.difference(walks, wide, grid_size=0.001))
+    narrow = narrow[shapely.area(narrow) > DUST]  # not what rounding leaves of corners
+    near = shapely.union_all(shapely.buffer(narrow, SHOULDER, quad_segs=2))
+    driven = graph.travelled
+    lines = np.concatenate([
+        to_linestrings(graph.lines)[driven],
+        to_linestrings(Polylines(graph.curve, graph.curve_start))[
+            driven[graph.connection].all(axis=1)
+        ],
+    ])  # fmt: skip
+    taken = shapely.union_all(shapely.buffer(lines, DRIVEN, quad_segs=4))
+    edges = _surfaces(shapely.intersection(road, near, grid_size=0.001))
+    return shapely.difference(shapely.multipolygons(edges), taken, grid_size=0.001)
+
+
+def _surfaces(shape: Any) -> NDArray[Any]:
+    """Return the polygons among the parts of a shape."""
+    parts = shapely.get_parts(shape)
+    return np.asarray(parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON])
 
 
 def _parted(crosswalks: Crosswalks, over: NDArray[Any]) -> tuple[Crosswalks, NDArray[Any]]:

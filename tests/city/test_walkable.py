@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from cityx.city import make_table
 from cityx.city.crosswalks import FOOTWAYS, crosswalks_of
-from cityx.city.walkable import BODY, CELL, walk_areas, walkable_of
+from cityx.city.walkable import BODY, CELL, DRIVEN, SHOULDER, walk_areas, walkable_of
+from cityx.geometry.polylines import to_linestrings
 
 
 @pytest.fixture(scope="module")
@@ -139,3 +140,22 @@ def test_a_place_without_streets_has_no_crosswalks(town):
         lift=network.lift[:0],
     )  # fmt: skip
     assert crosswalks_of(town.ground, town.layout, none).count == 0
+
+
+def test_one_walks_on_the_edge_of_a_roadway_beside_a_narrow_walk_where_nothing_drives():
+    def on_road(walks):
+        town = crossing_town(walks=walks, plaza=False, oneway=True)
+        area = walkable_of(town)
+        spots = cells(area)
+        road = town.ground.on(spots, "carriageway", "junction", "gutter")
+        return town, area, spots[road & (area.at(area.rim, spots) == 0)]
+
+    town, area, spots = on_road(1.0)
+    lanes = to_linestrings(town.lanes.lines)[town.lanes.travelled]
+    assert len(spots) > 100
+    assert shapely.distance(shapely.multilinestrings(lanes), shapely.points(spots)).min() >= DRIVEN
+    walks = town.ground.triangles_of("sidewalk", "kerb", "kerb_dropped", "ramp")
+    paved = shapely.union_all(shapely.polygons(town.ground.vertices[walks]))
+    assert shapely.distance(paved, shapely.points(spots)).max() <= SHOULDER
+    assert area.at(area.verge, spots).all()
+    assert not len(on_road(2.5)[2])

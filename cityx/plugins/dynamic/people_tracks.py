@@ -67,7 +67,8 @@ def tracks_of_people(
     """
     count = np.bincount(walker, minlength=len(ids))
     kept = count[walker] >= 2
-    walker, time, position = walker[kept], time[kept], position[kept]
+    # Rounded before the ground is looked up: it may lie higher a hair's breadth beside.
+    walker, time, position = walker[kept], time[kept], np.round(position[kept], 4)
     rows, walker = np.unique(walker, return_inverse=True)
     start = np.searchsorted(walker, np.arange(len(rows) + 1)).astype(np.int64)
     speed, heading = _motion(start, time, position)
@@ -81,7 +82,7 @@ def tracks_of_people(
         ids[rows], np.full(len(rows), MOVER["pedestrian"], np.uint8), look,
         np.full(len(rows), origin), np.ones((len(rows), 3), np.float32), sizes_of(look),
         np.concatenate([[0], np.cumsum(size)]).astype(np.int64), time[kept],
-        np.round(place[kept], 4), np.round(heading[kept], 4), speed[kept].astype(np.float32),
+        place[kept], np.round(heading[kept], 4), speed[kept].astype(np.float32),
         gait[kept].astype(np.uint8), np.zeros(int(kept.sum()), np.uint64),
     )  # fmt: skip
     return found.take(np.argsort(found.object_id))
@@ -104,7 +105,7 @@ def _heights(
     more = np.flatnonzero(step & ~look)
     found = np.interp(place, known, height)
     found[more] = ground_height(city, position[more])
-    return np.asarray(found)
+    return np.round(found, 4)
 
 
 def _motion(

@@ -1,0 +1,88 @@
+"""Checks of where people walk: pavements that crosswalks join as far as streets hang together."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.check import Check
+from cityx.city import City
+from cityx.city.crosswalks import FOOTWAYS, VERGES, crosswalks_of
+from cityx.city.ground import Ground
+from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrangement import BEYOND
+from cityx.geometry.chains import components
+from cityx.geometry.polylines import to_linestrings
+
+IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
+
+
+def check_walkways(city: City) -> list[Check]:
+    """Measure how much of the pavement hangs together; nothing where no ground is laid.
+
+    Pavements and paths hang together where they touch, over the land between them, and over
+    crosswalks. Each piece counts to the streets beside it, of which the largest one is the whole.
+    """
+    ground, network = city.ground, city.network
+    if ground is None or network is None or not network.edge_count:
+        return []
+    area = np.bincount(ground.triangle_face, _areas(ground), len(ground.face_label))
+    paved = ground.labelled(*FOOTWAYS)
+    total = float(area[paved].sum())
+    if not total:
+        return []
+    piece = _pieces(city, ground, network)
+    size = np.bincount(piece[paved], area[paved])
+    rows = np.flatnonzero(size > 0)
+    first = np.full(len(size), -1)
+    faces = np.flatnonzero(paved)
+    faces = faces[np.argsort(area[faces], kind="stable")]
+    first[piece[faces]] = faces  # the largest of each piece, which comes last
+    streets = _streets_at(network, _spots(ground, first[rows]))
+    whole = np.zeros(int(streets.max()) + 1)
+    np.maximum.at(whole, streets, size[rows])
+    apart = len(rows) - int((whole > 0).sum())
+    return [
+        Check("walkways_apart", 1.0 - float(whole.sum()) / total, 0.25,
+              f"share of the area of pavements and paths in {apart} pieces to which no crosswalk "
+              "leads from the largest beside the same streets"),
+    ]  # fmt: skip
+
+
+def _areas(ground: Ground) -> FloatArray:
+    """(t,) square metres of triangles."""
+    a, b, c = (ground.vertices[ground.triangles[:, k]] for k in range(3))
+    u, v = b - a, c - a
+    return np.asarray(np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / 2)
+
+
+def _pieces(city: City, ground: Ground, network: RoadNetwork) -> IntArray:
+    """(f,) number of the piece of walkways and land that each face belongs to."""
+    walked = ground.labelled(*FOOTWAYS, *VERGES)
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inner = (right != BEYOND) & walked[left] & walked[np.maximum(right, 0)]
+    crosswalks = crosswalks_of(ground, city.layout, network)
+    ends = ground.face_at(crosswalks.ends.reshape(-1, 2), *FOOTWAYS, *VERGES).reshape(-1, 2)
+    joined = ends[(ends >= 0).all(axis=1)]
+    pairs = np.concatenate([np.column_stack([left, right])[inner], joined])
+    return np.asarray(components(pairs, len(walked)), np.int64)
+
+
+def _spots(ground: Ground, faces: IntArray) -> FloatArray:
+    """(k, 2) places in faces: the middle of a triangle of each."""
+    triangle = np.full(len(ground.face_label), -1)
+    triangle[ground.triangle_face] = np.arange(len(ground.triangle_face))
+    corners = ground.vertices[ground.triangles[triangle[faces]]]
+    return np.asarray(corners.mean(axis=1))
+
+
+def _streets_at(network: RoadNetwork, spots: FloatArray) -> IntArray:
+    """(k,) number of the piece of the street network next to each place."""
+    label = components(network.edge_nodes.astype(np.int64), len(network.node_position))
+    tree = shapely.STRtree(to_linestrings(network.lines))
+    spot, edge = tree.query_nearest(shapely.points(spots), all_matches=False)
+    found = np.zeros(len(spots), np.int64)
+    found[spot] = label[network.edge_nodes[edge, 0]]
+    return found
