@@ -24,9 +24,9 @@ CAMERAS = SHARED / "reference" / "cameras.json"
 VIEWS = ("street", "junction", "aerial")
 # What is about in each place: as many people as its walks have at a busy hour.
 LIFE = {
-    "london_soho": "heavy traffic, 900 pedestrians",
-    "tokyo_kanda": "heavy traffic, 1800 pedestrians",
-    "berlin_neukoelln_streets": "heavy traffic, 450 pedestrians",
+    "london_soho": "heavy traffic, 1300 pedestrians",
+    "tokyo_kanda": "heavy traffic, 2600 pedestrians",
+    "berlin_neukoelln_streets": "heavy traffic, 550 pedestrians",
 }
 # Seconds of tracks, among which each picture finds its busiest moment.
 SPAN = ("dynamic/traffic-v1.duration=240", "dynamic/pedestrians-v1.duration=240")
