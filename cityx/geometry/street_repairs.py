@@ -16,6 +16,8 @@ from cityx.geometry.ranges import numbered
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+_Drawn = tuple[IntArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+
 PURPOSE = "street repairs"
 CARRIAGEWAY = 1.3  # metres of half width; what is narrower is a footway
 STATIONS = 9  # points along each side of an outline: long trenches follow bends
@@ -49,6 +51,10 @@ KINDS = (
     Kind(12.0, (0.5, 0.9), (0.0, 0.0), across=True),
     Kind(12.0, (0.8, 4.5), (0.7, 2.2)),
 )
+# Of the arms of junctions how many have a trench from their midst, and metres of arm that it takes
+# before them and of its width; how many a patch amid them, and its extent.
+TRENCHES, INTO_ARM, TRENCH = 0.55, (0.5, 7.0), (0.6, 1.4)
+PATCHES, PATCH = 0.8, (1.0, 3.2)
 OVER_KERB = (-1.5, 2.6)  # metres from the kerb at which a connection ends, inside or in the walk
 
 
@@ -73,6 +79,7 @@ def street_repairs(network: RoadNetwork) -> Repairs:
     lines = network.lines
     length = arc_lengths(lines)[1]
     found = [_drawn(network, length, number) for number in range(len(KINDS))]
+    found += [_at_junctions(network, length, end) for end in (0, 1)]
     columns = zip(*found, strict=True)
     edge, begin, end, inner, outer, tone = (np.concatenate(column) for column in columns)
     share = np.linspace(0.0, 1.0, STATIONS)
@@ -112,9 +119,40 @@ def mouth_seams(network: RoadNetwork) -> FloatArray:
     return np.stack([middle - left, middle + left], axis=1)
 
 
-def _drawn(network: RoadNetwork, length: FloatArray, number: int) -> tuple[
-    IntArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray
-]:  # fmt: skip
+def _at_junctions(network: RoadNetwork, length: FloatArray, end: int) -> _Drawn:
+    """Draw trenches and patches amid junctions, of the arms that begin or end (1) there."""
+    joint = network.node_degree[network.edge_nodes[:, end]] >= 3
+    joint &= (network.half_width > CARRIAGEWAY) & (network.trim.sum(axis=1) < length)
+    columns = []
+    for word, share, (low, high) in (("trench", TRENCHES, TRENCH), ("patch", PATCHES, PATCH)):
+        purpose = f"{PURPOSE}/junction/{end}/{word}"
+        ids = network.edge_id
+        edge = np.flatnonzero(joint & (uniform(0, purpose, ids) < share))
+        draws = [uniform(0, purpose, ids[edge], k) for k in range(1, 6)]
+        width = low + (high - low) * draws[0]
+        trim, half = network.trim[edge, end], network.half_width[edge]
+        if word == "trench":
+            near = 0.3 * trim * draws[1]
+            far = np.minimum(
+                trim + INTO_ARM[0] + (INTO_ARM[1] - INTO_ARM[0]) * draws[2], length[edge]
+            )
+        else:
+            extent = low + (high - low) * draws[1]
+            near = np.maximum(trim - extent, 0.0) * draws[2]
+            far = np.minimum(near + extent, length[edge])
+        inner = (2.0 * draws[3] - 1.0) * np.maximum(half - width - 0.5, 0.0) - width / 2
+        begin = near if end == 0 else length[edge] - far
+        columns.append((edge, begin, begin + far - near, inner, inner + width, _tones(draws[4])))
+    return tuple(np.concatenate(column) for column in zip(*columns, strict=True))
+
+
+def _tones(draw: FloatArray) -> FloatArray:
+    """Tones of repairs from draws: most are younger than their street, and darker."""
+    tone = 2 * draw - 1.0
+    return np.where(tone < 0.3, -0.4 - 0.6 * np.abs(tone), tone)
+
+
+def _drawn(network: RoadNetwork, length: FloatArray, number: int) -> _Drawn:
     """Edge, begin and end along it, inner and outer offset, and tone of repairs of one kind."""
     kind, half = KINDS[number], network.half_width
 
@@ -137,6 +175,5 @@ def _drawn(network: RoadNetwork, length: FloatArray, number: int) -> tuple[
         width = kind.width[0] + (kind.width[1] - kind.width[0]) * draw("width", ids, nth)
         inner = np.maximum(half[edge] - width - 0.3, 0.0) * draw("offset", ids, nth)
         outer = inner + width
-    tone = 2 * draw("tone", ids, nth) - 1.0
-    tone = np.where(tone < 0.3, -0.4 - 0.6 * np.abs(tone), tone)  # most are younger, and darker
+    tone = _tones(draw("tone", ids, nth))
     return edge, begin, begin + extent, side * inner, side * outer, tone

@@ -104,3 +104,17 @@ def test_junctions_have_joints_across_their_mouths():
     assert seams.shape == (1, 2, 2)
     assert np.allclose(seams[0, :, 0], 14.0)
     assert np.allclose(sorted(seams[0, :, 1]), [17.0, 23.0])
+
+
+def test_junctions_are_repaired_too_and_ends_of_streets_are_not():
+    joined = replace(LONG, node_degree=np.array([3, 1], np.int32), trim=np.array([[9.0, 9.0]]))
+    ids = [np.array([n], np.uint64) for n in range(1, 40)]
+    more = [street_repairs(replace(joined, edge_id=n)).outline for n in ids]
+    most = [street_repairs(replace(LONG, edge_id=n)).outline for n in ids]
+    added = [a[len(b) :] for a, b in zip(more, most, strict=True)]
+    count = np.array([len(each) for each in added])
+    assert set(count) == {0, 1, 2}
+    assert 0.9 < count.mean() < 1.8
+    places = np.concatenate(added)
+    assert (places[..., 0].min(axis=1) < 5.0 + 9.0).all()  # all reach into the junction
+    assert (np.abs(places[..., 1] - 20.0) < 3.0).all()
