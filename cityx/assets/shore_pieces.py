@@ -11,15 +11,22 @@ from cityx.assets.furniture_parts import RED, STONE, YELLOW, Shapes, post
 from cityx.assets.shapes import Color, box, cards, lathe, loft, tube
 from cityx.city.mesh import MeshBatch
 from cityx.geometry.identity import rng_for
+from cityx.geometry.polygons import FloatArray
+
+
+def _outline(blunt: float) -> tuple[FloatArray, FloatArray]:
+    """Places along a hull from stern to bow, shares of its length, and of its beam there."""
+    along = np.concatenate([[-0.5, -0.485], np.linspace(-0.4, 0.4, 7), [0.485, 0.5]])
+    stern, bow = 1.0 - blunt * (2 * along) ** 2, 1.0 - np.abs(2 * along) ** 2.2
+    full = np.where(along < 0, stern, np.sqrt(np.clip(bow, 0.0, 1.0)))
+    return along, np.clip(full, 0.04, 1.0)
 
 
 def _hull(length: float, beam: float, low: float, high: float, material: str, tint: Color,
           *, blunt: float = 0.1, floor: float = 0.0) -> MeshBatch:  # fmt: skip
     """Skin an open hull along y: outside up to the gunwale, then inside down to the floor."""
     # Both ends are solid for a hand's breadth, so that the caps are plain.
-    along = np.concatenate([[-0.5, -0.485], np.linspace(-0.4, 0.4, 7), [0.485, 0.5]])
-    stern, bow = 1.0 - blunt * (2 * along) ** 2, 1.0 - np.abs(2 * along) ** 2.2
-    full = np.clip(np.where(along < 0, stern, np.sqrt(np.clip(bow, 0.0, 1.0))), 0.04, 1.0)
+    along, full = _outline(blunt)
     rise = 0.18 * (2 * along) ** 2 * (high - low)
     rings = []
     for a, w, r in zip(along, full, rise, strict=True):
@@ -58,21 +65,78 @@ def motor_boat() -> Shapes:
 
 
 def barge() -> Shapes:
-    """House barge of 17 m with a cabin of wood and windows."""
+    """House barge of 17 m: planked deck, cabin with framed windows, wheelhouse, plants."""
+    length, beam, blunt = 17.0, 3.6, 0.12
+    cream, green, red = (0.78, 0.74, 0.62), (0.05, 0.14, 0.10), (0.26, 0.05, 0.04)
+    along, full = _outline(blunt)
+    rows = slice(1, -1)
+    half = np.maximum(full[rows] * beam / 2 - 0.06, 0.02)
+    deck = np.stack([
+        np.column_stack([[-w, w, w, -w], np.full(4, a * length), [0.63, 0.63, 0.67, 0.67]])
+        for a, w in zip(along[rows], half, strict=True)
+    ])  # fmt: skip
+    rim = 0.75 + 0.18 * (2 * along) ** 2 * 1.15
     parts: Shapes = [
-        _hull(17.0, 3.6, -0.4, 0.75, "car_paint", (0.05, 0.09, 0.07), blunt=0.12, floor=0.55),
-        box((-1.4, -6.5, 0.5), (1.4, 4.2, 1.75), "car_paint", (0.30, 0.06, 0.05)),
-        box((-1.48, -6.6, 1.75), (1.48, 4.3, 1.83), "car_paint", (0.75, 0.72, 0.62)),
-        box((-1.1, -7.9, 0.5), (1.1, -6.5, 2.35), "bench_wood"),
-        box((-1.12, -7.6, 1.5), (1.12, -6.8, 2.1), "glass"),
-        box((-1.2, -8.0, 2.35), (1.2, -6.4, 2.43), "car_paint", (0.75, 0.72, 0.62)),
-    ]
-    for y in np.arange(-5.4, 3.6, 1.75):
-        parts.append(box((-1.43, y, 1.0), (1.43, y + 0.85, 1.5), "glass"))
-    for y in (-3.0, 0.5, 3.0):
-        parts.append(box((-0.5, y, 1.83), (0.5, y + 0.35, 2.05), "bench_wood"))
-    parts.append(post(2.5, 0.06, "metal_dark", x=0.6, y=2.4))
+        _hull(length, beam, -0.4, 0.75, "car_paint", (0.03, 0.045, 0.05), blunt=blunt, floor=0.55),
+        loft(deck, "bench_wood", (0.9, 0.85, 0.8)),
+        *(tube(np.column_stack([side * full * beam / 2, along * length, rim]), 0.05, "bench_wood",
+               sides=6) for side in (-1.0, 1.0)),
+        box((-1.35, -6.5, 0.6), (1.35, 4.2, 1.72), "plaster", green),
+        box((-1.38, -6.53, 0.6), (1.38, 4.23, 0.98), "plaster", red),
+        box((-1.46, -6.6, 1.72), (1.46, 4.35, 1.80), "plaster", cream),
+        box((-1.30, -6.45, 1.80), (1.30, 4.20, 1.85), "plaster", (0.36, 0.37, 0.37)),
+        box((-1.1, -7.9, 0.6), (1.1, -6.5, 2.35), "bench_wood"),
+        box((-1.12, -7.55, 1.45), (1.12, -6.85, 2.15), "glass"),
+        box((-0.85, -7.92, 1.45), (0.85, -6.48, 2.15), "glass"),
+        box((-1.2, -8.0, 2.35), (1.2, -6.4, 2.43), "plaster", cream),
+        # The way down from the fore deck, with a window on either side.
+        box((-0.38, 4.2, 0.67), (0.38, 4.26, 1.66), "bench_wood"),
+        box((-0.26, 4.25, 1.15), (0.26, 4.275, 1.52), "glass"),
+    ]  # fmt: skip
+    for x in (-1.15, 0.57):
+        parts += _window((x, 4.21, 1.12), (x + 0.58, 4.26, 1.55), cream, 1)
+    for y in np.arange(-5.6, 3.4, 1.75):
+        parts += _window((-1.39, y, 1.10), (1.39, y + 0.9, 1.58), cream, 0)
+    for x in (-1.36, 1.36):
+        for y in (-6.3, -2.9, 0.6, 4.05):
+            parts.append(post(2.35, 0.02, "metal_grey", x=x, y=y))
+        for z in (2.08, 2.34):
+            parts.append(tube([[x, -6.3, z], [x, 4.05, z]], 0.016, "metal_grey", sides=5))
+    rng = rng_for(0, "assets/barge", 1)
+    for y in (-4.6, -1.2, 2.2):
+        parts.append(box((-0.95, y, 1.85), (0.95, y + 0.4, 2.13), "bench_wood", (0.7, 0.6, 0.5)))
+        centre = rng.uniform((-0.85, y + 0.05, 2.14), (0.85, y + 0.35, 2.38), (36, 3))
+        turn = rng.uniform(0, 2 * np.pi, 36)
+        way = np.column_stack([np.cos(turn), np.sin(turn), rng.uniform(0.2, 1.2, 36)]) * 0.055
+        across = 0.035 * np.column_stack([-np.sin(turn), np.cos(turn), np.zeros(36)])
+        tint = np.where(rng.uniform(size=(36, 1)) < 0.18, [2.6, 0.5, 0.6], [0.9, 1.0, 0.8])
+        parts.append(cards(centre, way, across, "leaf", tint, fold=0.2))
+    for side in (-1.0, 1.0):
+        for y in (-5.0, -0.5, 4.0):
+            parts.append(_fender(side * (beam / 2 + 0.06), y))
+    for y in (-8.1, 7.2):
+        parts.append(lathe([(0.07, 0.66), (0.07, 0.95), (0.11, 0.97), (0.11, 1.02), (0.0, 1.03)],
+                           "metal_dark", sides=8, center=(0.0, y)))  # fmt: skip
+    parts.append(post(2.6, 0.06, "metal_dark", x=0.6, y=-5.3))
     return parts
+
+
+def _window(low: tuple[float, float, float], high: tuple[float, float, float], tint: Color,
+            axis: int) -> Shapes:  # fmt: skip
+    """Frame with panes on both faces of a wall that stands across an axis, or on its outer one."""
+    out = np.zeros(3)
+    out[axis] = 0.015
+    inner = np.array([0.0, 0.06, 0.06]) if axis == 0 else np.array([0.06, 0.0, 0.06])
+    start, end = np.array(low), np.array(high)
+    pane = (tuple(start - out + inner), tuple(end + out - inner))
+    return [box(low, high, "plaster", tint), box(*pane, "glass")]
+
+
+def _fender(x: float, y: float) -> MeshBatch:
+    """Old tyre that hangs at the side of a hull."""
+    ring = np.linspace(0.0, 2 * np.pi, 13)
+    hoop = np.column_stack([np.full(13, x), y + 0.22 * np.cos(ring), 0.45 + 0.22 * np.sin(ring)])
+    return tube(hoop, 0.08, "rubber", sides=6, caps=(False, False))
 
 
 def reeds() -> Shapes:
