@@ -1,4 +1,4 @@
-"""Render one street of Helsinki, built once, in every weather, on one sheet.
+"""Render one street of Helsinki, built once with what moves in it, in every weather, on one sheet.
 
 `python examples/weather/main.py [FOLDER [TITLE ...]]` writes `docs/weather.png` and prints, for
 each picture, the shares of pixels that are blown out and lost in black, and the seconds in which
@@ -21,11 +21,15 @@ from cityx.agents.views import cameras_of
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city.store import read_view
 from cityx.plugins.background.weather import lit_anew
+from cityx.plugins.render.free_view import free_moment, in_the_way
 
 ROOT = Path(__file__).parents[2]
 SHEET = ROOT / "docs" / "weather.png"
 # A block of central Helsinki: a street of shops with trees on one side.
 WINDOW = {"at": (60.16865, 24.94500), "size": (340.0, 280.0)}
+LIFE = "heavy traffic, 160 pedestrians"
+# Seconds of tracks, among which the pictures find their busiest moment.
+SPAN = ("dynamic/traffic-v1.duration=120", "dynamic/pedestrians-v1.duration=120")
 # Title, words for `--weather` and `--time`.
 CELLS = (
     ("clear", "clear", "15:00"),
@@ -58,6 +62,7 @@ def render_cells(folder: Path, titles: list[str]) -> dict[str, float]:
     """Render cells from one scene; returns the seconds of each change of light by title."""
     view = read_view(folder / "city")
     (camera,) = cameras_of(view, ["street"], SIZE)
+    moment = free_moment(view, camera, busiest=True)
     requests = []
     for title, weather, time in CELLS:
         if title not in titles:
@@ -66,8 +71,9 @@ def render_cells(folder: Path, titles: list[str]) -> dict[str, float]:
             view.environment, view.frame.latitude, view.frame.longitude, weather=weather, time=time
         )
         shot = replace(camera, name=title)
-        requests.append(RenderRequest(shot, picture_of(folder, title), SAMPLES, light))
-    job = BlenderJob(folder / "city", renders=tuple(requests))
+        requests.append(RenderRequest(shot, picture_of(folder, title), SAMPLES, light, moment))
+    hidden = tuple(in_the_way(view, camera).tolist())
+    job = BlenderJob(folder / "city", renders=tuple(requests), hidden=hidden)
     result = run_worker(job, timeout_s=7200, progress=lambda _, text: print(text, flush=True))
     return {title: result.timings[f"light {title}"]["wall_s"] for title in titles}
 
@@ -101,7 +107,8 @@ def main() -> int:
 
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else tempfile.mkdtemp(prefix="cityx-weather-"))
     if not (folder / "city").is_dir():
-        build([helsinki()], folder, BuildOptions(formats=(), render=False, **WINDOW))
+        options = BuildOptions(formats=(), render=False, lod=3, text=LIFE, settings=SPAN, **WINDOW)
+        build([helsinki()], folder, options)
     every = [title for title, _, _ in CELLS]
     taken = render_cells(folder, sys.argv[2:] or every)
     paths, good = [picture_of(folder, title) for title in every], True
