@@ -27,7 +27,7 @@ TOUCHING = 2.5  # metres within which what is parked is left out
 EVERY = 0.5  # seconds between the moments that are looked at
 ARC = 9  # corners of the outer edge of what a lens sees
 PARKED = ("vehicles",)  # layers of the scene
-COLUMNS, ROWS = 128, 72  # of the grid on which movers hide one another
+COLUMNS = 128  # of the grid on which movers hide one another
 LEAST_DEPTH = 0.3  # metres before the lens
 _CORNERS = tuple(itertools.product((-1, 1), (-1, 1), (0, 1)))  # of a box: along, across, up
 
@@ -125,7 +125,7 @@ def _unhidden(
     """
     low, high = _framed(camera, found, size)
     share = np.zeros(len(far))
-    free = np.ones((ROWS, COLUMNS), bool)
+    free = np.ones((_rows(camera), COLUMNS), bool)
     last = -1
     for row in np.lexsort((found.mover, far, moment)).tolist():
         if moment[row] != last:
@@ -136,6 +136,10 @@ def _unhidden(
             share[row] = cells.mean()
             cells[:] = False
     return share
+
+
+def _rows(camera: Camera) -> int:
+    return max(round(COLUMNS * camera.height / camera.width), 1)
 
 
 def _framed(camera: Camera, found: Moments, size: FloatArray) -> tuple[IntArray, IntArray]:
@@ -155,8 +159,8 @@ def _framed(camera: Camera, found: Moments, size: FloatArray) -> tuple[IntArray,
     rise = height * np.cos(camera.pitch) - ahead * np.sin(camera.pitch)
     whole = (depth > LEAST_DEPTH).all(axis=1)
     scale = COLUMNS / 2 / np.tan(camera.hfov / 2) / np.maximum(depth, LEAST_DEPTH)
-    x, y = COLUMNS / 2 + right * scale, ROWS / 2 - rise * scale
-    grid = np.array([COLUMNS, ROWS])
+    x, y = COLUMNS / 2 + right * scale, _rows(camera) / 2 - rise * scale
+    grid = np.array([COLUMNS, _rows(camera)])
     low = np.column_stack([np.floor(x.min(axis=1)), np.floor(y.min(axis=1))])
     high = np.column_stack([np.ceil(x.max(axis=1)), np.ceil(y.max(axis=1))])
     low, high = (np.clip(each, 0, grid).astype(np.int64) for each in (low, high))
