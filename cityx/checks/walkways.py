@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.check import Check
 from cityx.city import City
-from cityx.city.crosswalks import FOOTWAYS, VERGES, crosswalks_of
+from cityx.city.crosswalks import FAST, FOOTWAYS, VERGES, crosswalks_of
 from cityx.city.ground import Ground
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrangement import BEYOND
@@ -24,14 +24,14 @@ def check_walkways(city: City) -> list[Check]:
 
     Pavements and paths hang together where they touch, over the land between them, and over
     crosswalks. Each piece counts to the streets beside it, of which the largest one is the whole.
+    Streets without a junction, motorways apart, have no place to cross; they do not count.
     """
     ground, network = city.ground, city.network
     if ground is None or network is None or not network.edge_count:
         return []
     area = np.bincount(ground.triangle_face, _areas(ground), len(ground.face_label))
     paved = ground.labelled(*FOOTWAYS)
-    total = float(area[paved].sum())
-    if not total:
+    if not paved.any():
         return []
     piece = _pieces(city, ground, network)
     size = np.bincount(piece[paved], area[paved])
@@ -40,7 +40,11 @@ def check_walkways(city: City) -> list[Check]:
     faces = np.flatnonzero(paved)
     faces = faces[np.argsort(area[faces], kind="stable")]
     first[piece[faces]] = faces  # the largest of each piece, which comes last
-    streets = _streets_at(network, _spots(ground, first[rows]))
+    streets = _streets_at(city, network, _spots(ground, first[rows]))
+    rows, streets = rows[streets >= 0], streets[streets >= 0]
+    total = float(size[rows].sum())
+    if not total:
+        return []
     whole = np.zeros(int(streets.max()) + 1)
     np.maximum.at(whole, streets, size[rows])
     apart = len(rows) - int((whole > 0).sum())
@@ -78,11 +82,22 @@ def _spots(ground: Ground, faces: IntArray) -> FloatArray:
     return np.asarray(corners.mean(axis=1))
 
 
-def _streets_at(network: RoadNetwork, spots: FloatArray) -> IntArray:
-    """(k,) number of the piece of the street network next to each place."""
-    label = components(network.edge_nodes.astype(np.int64), len(network.node_position))
-    tree = shapely.STRtree(to_linestrings(network.lines))
+def _streets_at(city: City, network: RoadNetwork, spots: FloatArray) -> IntArray:
+    """(k,) number of the piece of the streets next to each place, -1 of one without junctions.
+
+    Nobody crosses motorways; the streets that they alone join are apart.
+    """
+    kind = city.layout.roads["kind"].to_numpy().astype(str)[network.edge_road]
+    edges = np.flatnonzero(~np.isin(kind, FAST))
+    if not len(edges):
+        return np.full(len(spots), -1)
+    nodes = network.edge_nodes[edges].astype(np.int64)
+    count = len(network.node_position)
+    label = components(nodes, count)
+    crossed = np.isin(label, label[np.bincount(nodes.ravel(), minlength=count) >= 3])
+    label = np.where(crossed, label, -1)
+    tree = shapely.STRtree(to_linestrings(network.lines)[edges])
     spot, edge = tree.query_nearest(shapely.points(spots), all_matches=False)
-    found = np.zeros(len(spots), np.int64)
-    found[spot] = label[network.edge_nodes[edge, 0]]
+    found = np.full(len(spots), -1)
+    found[spot] = label[nodes[edge, 0]]
     return found

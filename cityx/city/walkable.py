@@ -167,7 +167,7 @@ def walkable_of(city: City) -> Walkable:
     if ground is None or network is None:
         raise ValueError("the ground is not laid yet")
     scene = city.scene
-    parts: list[Any] = [ground, network, city.lanes]
+    parts: list[Any] = [ground, network, *_lanes_of(city)]
     parts += [scene.instances[name] for name in SOLID if name in scene.instances]
     parts += [scene.meshes[name] for name in WALLS if name in scene.meshes]
     return _LAST.get(lambda: _made(city, ground), parts)
@@ -200,9 +200,12 @@ _LAST_AREAS: Remembered[WalkAreas] = Remembered()
 
 def walk_areas(city: City) -> WalkAreas:
     """Return the walkable area of a city with ground and network; the last one is remembered."""
-    return _LAST_AREAS.get(
-        lambda: _areas(city), [city.ground, city.network, city.layout, city.lanes]
-    )
+    parts = [city.ground, city.network, city.layout, *_lanes_of(city)]
+    return _LAST_AREAS.get(lambda: _areas(city), parts)
+
+
+def _lanes_of(city: City) -> list[Any]:
+    return [] if city.lanes is None else [city.lanes]
 
 
 def _areas(city: City) -> WalkAreas:
