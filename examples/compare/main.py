@@ -26,7 +26,7 @@ VIEWS = ("street", "junction", "aerial")
 LIFE = {
     "london_soho": "heavy traffic, 1300 pedestrians",
     "tokyo_kanda": "heavy traffic, 2600 pedestrians",
-    "berlin_neukoelln_streets": "heavy traffic, 550 pedestrians",
+    "berlin_neukoelln_streets": "heavy traffic, 480 pedestrians",
 }
 # Seconds of tracks, among which each picture finds its busiest moment.
 SPAN = ("dynamic/traffic-v1.duration=240", "dynamic/pedestrians-v1.duration=240")
