@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import shapely
 
 from cityx.city import City, Frame, Instances, Layout, make_table, one_mesh
@@ -21,16 +22,23 @@ HOUSES = [shapely.box(-30, 8, -12, 20), shapely.box(-30, -20, -12, -8)]
 
 def crossing_town(
     *, longitude: float = 13.0, walks: float = 2.5, plaza: bool = True, width: float = 6.0,
-    oneway: bool = False,
+    oneway: bool = False, footbridge: bool = False,
 ) -> City:  # fmt: skip
-    """Lay out the place; at longitude 13 one keeps to the right, at -1 to the left."""
+    """Lay out the place; at longitude 13 one keeps to the right, at -1 to the left.
+
+    A footbridge leads over the eastern arm.
+    """
     count = 1 if oneway else 2
+    lines, kinds = [shapely.LineString(arm) for arm in ARMS], ["residential"] * 2
     roads = make_table(
-        "roads", [shapely.LineString(arm) for arm in ARMS], id=[1, 2], kind=["residential"] * 2,
-        lanes=[count] * 2, lanes_forward=[1] * 2, lane_width=[3.0] * 2, width=[width] * 2,
-        oneway=[oneway] * 2,
-        sidewalk_left=[walks] * 2, sidewalk_right=[walks] * 2,
+        "roads", lines, id=[1, 2], kind=kinds, lanes=[count] * 2, lanes_forward=[1] * 2,
+        lane_width=[3.0] * 2, width=[width] * 2, sidewalk_left=[walks] * 2,
+        sidewalk_right=[walks] * 2, oneway=[oneway] * 2,
     )  # fmt: skip
+    if footbridge:
+        over = make_table("roads", [shapely.LineString([(40, -12), (40, 12)])], id=[3],
+                          kind=["footway"], width=[2.0], bridge=[True], layer=[1])  # fmt: skip
+        roads = pd.concat([roads, over], ignore_index=True)
     houses = make_table("buildings", HOUSES, id=[11, 12], use=["apartments", "retail"])
     parts = make_table(
         "parts", HOUSES, id=[21, 22], building=[11, 12], base=[0.0] * 2, top=[9.0] * 2,

@@ -10,10 +10,14 @@ from cityx.checks.check import Check
 from cityx.city import City
 from cityx.city.crosswalks import FAST, FOOTWAYS, VERGES, crosswalks_of
 from cityx.city.ground import Ground
+from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.chains import components
 from cityx.geometry.polylines import to_linestrings
+
+RAYS = 12  # directions in which walks are looked for where a bridge or a tunnel ends
+BESIDE = (0.0, 1.5, 3.0, 6.0)  # metres from its edge
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -22,9 +26,10 @@ FloatArray = NDArray[np.float64]
 def check_walkways(city: City) -> list[Check]:
     """Measure how much of the pavement hangs together; nothing where no ground is laid.
 
-    Pavements and paths hang together where they touch, over the land between them, and over
-    crosswalks. Each piece counts to the streets beside it, of which the largest one is the whole.
-    Streets without a junction, motorways apart, have no place to cross; they do not count.
+    Pavements and paths hang together where they touch, over the land between them, over crosswalks,
+    and over streets and paths on bridges and in tunnels. Each piece counts to the streets beside
+    it, of which the largest one is the whole. Streets without a junction, motorways apart, have no
+    place to cross; they do not count.
     """
     ground, network = city.ground, city.network
     if ground is None or network is None or not network.edge_count:
@@ -70,8 +75,35 @@ def _pieces(city: City, ground: Ground, network: RoadNetwork) -> IntArray:
     crosswalks = crosswalks_of(ground, city.layout, network)
     ends = ground.face_at(crosswalks.ends.reshape(-1, 2), *FOOTWAYS, *VERGES).reshape(-1, 2)
     joined = ends[(ends >= 0).all(axis=1)]
-    pairs = np.concatenate([np.column_stack([left, right])[inner], joined])
-    return np.asarray(components(pairs, len(walked)), np.int64)
+    beside, decks = _over_and_under(city.layout, ground)
+    pairs = np.concatenate([np.column_stack([left, right])[inner], joined, beside, decks])
+    count = int(pairs.max(initial=-1)) + 1
+    return np.asarray(components(pairs, max(count, len(walked)))[: len(walked)], np.int64)
+
+
+def _over_and_under(layout: Layout, ground: Ground) -> tuple[IntArray, IntArray]:
+    """Pairs of an end of a bridge or a tunnel and a walk beside it, and of their two ends.
+
+    Ends, each place once, are numbered behind the faces.
+    """
+    roads = layout.roads
+    deck = roads["bridge"].to_numpy(bool) | roads["tunnel"].to_numpy(bool)
+    roads = roads[deck & ~roads["kind"].isin(FAST).to_numpy()]
+    lines = roads.geometry.to_numpy()
+    if not len(lines):
+        return np.zeros((0, 2), np.int64), np.zeros((0, 2), np.int64)
+    ends = shapely.get_coordinates([shapely.get_point(lines, k) for k in (0, -1)])
+    place, number = np.unique(np.round(ends, 2), axis=0, return_inverse=True)
+    number = len(ground.face_label) + number.ravel().reshape(2, -1).T
+    half = np.zeros(len(place))
+    np.maximum.at(half, number - len(ground.face_label), roads["width"].to_numpy()[:, None] / 2)
+    turn = np.linspace(0.0, 2 * np.pi, RAYS, endpoint=False)
+    way = np.column_stack([np.cos(turn), np.sin(turn)])
+    reach = half[:, None] + np.array(BESIDE)
+    spots = place[:, None, None] + reach[:, :, None, None] * way  # (ends, reaches, rays, 2)
+    face = ground.face_at(spots.reshape(-1, 2), *FOOTWAYS)
+    own = len(ground.face_label) + np.repeat(np.arange(len(place)), len(BESIDE) * RAYS)
+    return np.column_stack([own, face])[face >= 0], number
 
 
 def _spots(ground: Ground, faces: IntArray) -> FloatArray:

@@ -21,3 +21,7 @@ def test_pavements_of_streets_that_nobody_can_cross_are_apart():
     assert wide.value == pytest.approx(0.75, abs=0.02)
     assert not wide.ok
     assert "in 3 pieces" in wide.meaning
+
+
+def test_a_footbridge_joins_what_it_leads_over():
+    assert share(width=16.0, footbridge=True).value == pytest.approx(0.5, abs=0.05)
