@@ -2,7 +2,8 @@
 
 SUMO parts vehicles by the lanes that they are on; seen from above, bodies that turn sweep over
 corners that belong to others. So one of two that would touch is where it would have been a moment
-earlier or later, as if its driver had seen the other; its way stays the same.
+earlier or later, as if its driver had seen the other; its way stays the same. Where that does not
+help, as beside who stands half way into another lane, it keeps a little aside.
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ OFFSETS = (
     8.0,
     12.0,
 )
+ASIDE = (0.1, -0.1, 0.2, -0.2, 0.35, -0.35)  # metres that one keeps to the left of its way then
 EASING = 10.0, 3.0  # metres over which one falls back, for each metre; the longer first
 LEAST = 6.0  # metres over which one falls back at least
 ROUNDS = 6  # in which whoever touches then makes way as well
@@ -97,7 +99,9 @@ def standing_by(found: Moments, size: NDArray[np.float32], on_foot: BoolArray) -
     return Bodies(found.mover, found.number, found.position, found.heading, half[found.mover])
 
 
-def made_way(bodies: Bodies, begin: int, others: Bodies | None = None) -> FloatArray:
+def made_way(
+    bodies: Bodies, begin: int, others: Bodies | None = None
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
     """Let vehicles that would touch make way for each other, and for others.
 
     Parameters
@@ -114,16 +118,18 @@ def made_way(bodies: Bodies, begin: int, others: Bodies | None = None) -> FloatA
     at
         (p,) float64, the row of each mover's own, between which it may lie, where it is in that
         step. Rows in ascending order where nobody touches.
+    aside
+        (p,) float64, metres to the left of that place.
     """
     at = np.arange(len(bodies.mover), dtype=float)
     if not len(at):
-        return at
+        return at, np.zeros(0)
     scene = _Scene(bodies, others)
     for _ in range(ROUNDS):
         meetings = scene.meetings(begin)
         if not sum(scene.make_way(*meeting) for meeting in meetings):
             break
-    return scene.at
+    return scene.at, scene.aside
 
 
 def interpolated(values: FloatArray, at: FloatArray) -> FloatArray:
@@ -134,13 +140,19 @@ def interpolated(values: FloatArray, at: FloatArray) -> FloatArray:
     return np.asarray(values[low] + share * (values[high] - values[low]))
 
 
+def beside(position: FloatArray, heading: FloatArray, aside: FloatArray) -> FloatArray:
+    """Return (p, 3) places so many metres to the left of others, as one looks along headings."""
+    left = np.column_stack([-np.sin(heading), np.cos(heading), np.zeros(len(heading))])
+    return np.asarray(position + aside[:, None] * left)
+
+
 class _Scene:
     """Bodies while they make way; a class since it knows where each of them has come to."""
 
     def __init__(self, bodies: Bodies, others: Bodies | None) -> None:
         self.bodies, self.count = bodies, len(bodies.mover)
         self.heading = _unwound(bodies.heading, bodies.mover)
-        self.at = np.arange(self.count, dtype=float)
+        self.at, self.aside = np.arange(self.count, dtype=float), np.zeros(self.count)
         self.start = np.searchsorted(bodies.mover, np.arange(int(bodies.mover[-1]) + 2))
         self.boxes, self.step, self.mover = bodies.boxes, bodies.step, bodies.mover
         if others is not None and len(others.mover):
@@ -169,44 +181,68 @@ class _Scene:
         return found
 
     def make_way(self, one: int, other: int, one_last: int, other_last: int) -> bool:
-        """Let one of two who touch hold back or get on, whichever takes the least."""
+        """Let one of two who touch hold back or get on by the least that helps, or keep aside."""
         spans = [span for span in ((one, one_last), (other, other_last)) if span[0] < self.count]
         return any(
             self._try(first, last, offset, easing)
             for offset in OFFSETS for easing in EASING for first, last in spans
+        ) or any(
+            self._keeps_aside(first, last, offset) for offset in ASIDE for first, last in spans
         )  # fmt: skip
 
-    def _try(self, first: int, last: int, offset: float, each: float) -> bool:
+    def _eased(
+        self, first: int, last: int, easing: float
+    ) -> tuple[IntArray, FloatArray, FloatArray] | None:
+        """Rows of a mover, the way it has gone, and how far it makes way; None where it cannot."""
         mover = int(self.mover[first])
         rows = np.arange(self.start[mover], self.start[mover + 1])
-        place = self.boxes[rows, :2]
-        gone = np.r_[0.0, np.cumsum(np.hypot(*np.diff(place, axis=0).T))]
+        gone = np.r_[0.0, np.cumsum(np.hypot(*np.diff(self.boxes[rows, :2], axis=0).T))]
         begin, end = gone[first - rows[0]], gone[last - rows[0]]
-        easing = max(each * abs(offset), LEAST)
         if easing > begin:
-            return False
+            return None
         share = np.interp(gone, [begin - easing, begin, end, end + easing], [0.0, 1.0, 1.0, 0.0])
+        return rows, gone, share
+
+    def _keeps_aside(self, first: int, last: int, offset: float) -> bool:
+        eased = self._eased(first, last, LEAST)
+        if eased is None:
+            return False
+        rows, _, share = eased
+        moved = rows[share > 0.0]
+        aside = self.aside[moved] + offset * share[share > 0.0]
+        return self._taken(moved, self.at[moved], aside, first, last)
+
+    def _try(self, first: int, last: int, offset: float, each: float) -> bool:
+        eased = self._eased(first, last, max(each * abs(offset), LEAST))
+        if eased is None:
+            return False
+        rows, gone, share = eased
         wanted = gone - offset * share
         moved = np.flatnonzero(share > 0.0)
         # Where one stands many rows are one place: the row is found by the way that is gone.
         ahead, keep = np.unique(gone, return_index=True)
         if wanted[moved].min() < 0.0 or wanted[moved].max() > ahead[-1]:
             return False
-        at = self.at[rows]
-        at[moved] = np.interp(wanted[moved], ahead, at[keep])
-        before = self._touches(rows[moved], self.boxes[rows[moved]])
-        boxes = self._boxes(at[moved], rows[moved])
-        after = self._touches(rows[moved], boxes)
-        span = np.isin(rows[moved], np.arange(first, last + 1))
+        at = np.interp(wanted[moved], ahead, self.at[rows][keep])
+        return self._taken(rows[moved], at, self.aside[rows[moved]], first, last)
+
+    def _taken(
+        self, rows: IntArray, at: FloatArray, aside: FloatArray, first: int, last: int
+    ) -> bool:
+        """Move a body in some steps, if it touches nobody then in those from `first` to `last`."""
+        before = self._touches(rows, self.boxes[rows])
+        boxes = self._boxes(at, aside, rows)
+        after = self._touches(rows, boxes)
+        span = np.isin(rows, np.arange(first, last + 1))
         if after[span].any() or after.sum() > max(before.sum() - span.sum(), 0):
             return False
-        self.at[rows], self.boxes[rows[moved]] = at, boxes
+        self.at[rows], self.aside[rows], self.boxes[rows] = at, aside, boxes
         return True
 
-    def _boxes(self, at: FloatArray, rows: IntArray) -> FloatArray:
-        """(k, 7) bodies at rows between which places may lie."""
-        place = interpolated(self.bodies.position, at)
+    def _boxes(self, at: FloatArray, aside: FloatArray, rows: IntArray) -> FloatArray:
+        """(k, 7) bodies at rows between which places may lie, and aside of them."""
         heading = interpolated(self.heading, at)
+        place = beside(interpolated(self.bodies.position, at), heading, aside)
         return np.column_stack([place[:, :2], np.cos(heading), np.sin(heading),
                                 self.bodies.half[rows], place[:, 2]])  # fmt: skip
 

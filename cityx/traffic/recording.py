@@ -15,7 +15,7 @@ from cityx.city.moments import moments_of
 from cityx.city.tracks import GAIT, MOVER, Tracks, no_tracks
 from cityx.geometry.polylines import Polylines, bends, to_linestrings, values_along
 from cityx.geometry.standing import stand_on, surfaces_at
-from cityx.traffic.making_way import Bodies, interpolated, made_way, standing_by
+from cityx.traffic.making_way import Bodies, beside, interpolated, made_way, standing_by
 from cityx.traffic.network import Network
 from cityx.traffic.simulation import STEP, Poses
 from cityx.traffic.streets import Streets
@@ -87,9 +87,10 @@ def recorded(
     z = _heights(city, xy, mover, edge)
     position, heading = np.column_stack([xy, z]), _unwound(heading, mover)
     if not on_foot.all():
-        at = _made_way(mover, time, position, heading, size, on_foot, others)
+        at, aside = _made_way(mover, time, position, heading, size, on_foot, others)
         position, heading, speed = (interpolated(values, at) for values in
                                     (position, heading, speed))  # fmt: skip
+        position = beside(position, heading, aside)
         place = place[at.astype(np.int64)]
     now = time >= 0.0
     mover, time, position, heading, speed, place = (
@@ -124,8 +125,8 @@ def recorded(
 def _made_way(
     mover: IntArray, time: FloatArray, position: FloatArray, heading: FloatArray,
     size: NDArray[np.float32], on_foot: BoolArray, others: Tracks | None,
-) -> FloatArray:  # fmt: skip
-    """(p,) rows between which movers are, once vehicles have made way."""
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """(p,) rows between which movers are, once vehicles have made way, and metres aside."""
     begun = float(time.min())
     step = np.rint((time - begun) / STEP).astype(np.int64)
     first = max(round(-begun / STEP), 0)
@@ -138,9 +139,10 @@ def _made_way(
     driving = np.flatnonzero(~on_foot[mover])
     bodies_ = Bodies(mover[driving], step[driving], position[driving], heading[driving],
                      half[mover[driving]])  # fmt: skip
-    at = np.arange(len(mover), dtype=float)
-    at[driving] = interpolated(driving.astype(float), made_way(bodies_, first, held))
-    return at
+    at, aside = np.arange(len(mover), dtype=float), np.zeros(len(mover))
+    row, aside[driving] = made_way(bodies_, first, held)
+    at[driving] = interpolated(driving.astype(float), row)
+    return at, aside
 
 
 def _gaits(walking: BoolArray, speed: FloatArray) -> NDArray[np.uint8]:

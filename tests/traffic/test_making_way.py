@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cityx.traffic.making_way import Bodies, interpolated, made_way
+from cityx.traffic.making_way import ASIDE, Bodies, beside, interpolated, made_way
 
 LONG, WIDE = 4.5, 1.8
 
@@ -40,7 +40,8 @@ CROSSING = driving(((-50.0, 0.0), (1.0, 0.0)), ((0.0, -54.0), (0.0, 1.0)))
 
 
 def test_two_who_would_touch_on_a_crossing_part_on_their_own_ways():
-    at = made_way(CROSSING, 0)
+    at, aside = made_way(CROSSING, 0)
+    assert not aside.any()
     after = moved(CROSSING, at)
     assert least_gap(CROSSING) == 0.0
     assert least_gap(after) > 0.0
@@ -49,7 +50,8 @@ def test_two_who_would_touch_on_a_crossing_part_on_their_own_ways():
 
 
 def test_who_makes_way_never_goes_back_and_is_where_it_was_before_and_after():
-    at = made_way(CROSSING, 0)
+    at, aside = made_way(CROSSING, 0)
+    assert not aside.any()
     for mover in (0, 1):
         rows = np.flatnonzero(CROSSING.mover == mover)
         assert (np.diff(at[rows]) > 0.0).all()
@@ -59,13 +61,17 @@ def test_who_makes_way_never_goes_back_and_is_where_it_was_before_and_after():
 
 def test_who_touches_nobody_is_left_alone():
     bodies = driving(((-50.0, 0.0), (1.0, 0.0)), ((-50.0, 5.0), (1.0, 0.0)))
-    assert np.array_equal(made_way(bodies, 0), np.arange(len(bodies.mover)))
+    at, aside = made_way(bodies, 0)
+    assert np.array_equal(at, np.arange(len(bodies.mover)))
+    assert not aside.any()
 
 
 def test_bodies_over_a_bridge_do_not_meet_those_under_it():
     high = CROSSING.position + np.where(CROSSING.mover == 1, 6.0, 0.0)[:, None] * [0.0, 0.0, 1.0]
     bodies = Bodies(CROSSING.mover, CROSSING.step, high, CROSSING.heading, CROSSING.half)
-    assert np.array_equal(made_way(bodies, 0), np.arange(len(bodies.mover)))
+    at, aside = made_way(bodies, 0)
+    assert np.array_equal(at, np.arange(len(bodies.mover)))
+    assert not aside.any()
 
 
 def test_those_who_were_there_before_stay_as_they_were():
@@ -75,7 +81,7 @@ def test_those_who_were_there_before_stay_as_they_were():
                CROSSING.half[k])
         for k in (own, ~own)
     ]  # fmt: skip
-    at = made_way(parts[0], 0, parts[1])
+    at, _ = made_way(parts[0], 0, parts[1])
     assert len(at) == own.sum()
     after = moved(parts[0], at)
     both = [np.concatenate(pair) for pair in (
@@ -83,3 +89,17 @@ def test_those_who_were_there_before_stay_as_they_were():
         (after.position, parts[1].position), (after.heading, parts[1].heading),
         (after.half, parts[1].half))]  # fmt: skip
     assert least_gap(Bodies(*both)) > 0.0
+
+
+def test_who_passes_somebody_half_way_in_its_lane_keeps_aside_there_alone():
+    standing = 1.75  # metres beside the middle of the lane, by 0.05 less than the two need
+    bodies = driving(((-100.0, 0.0), (1.0, 0.0)), ((0.0, standing), (1e-9, 0.0)))
+    at, aside = made_way(bodies, 0)
+    assert np.array_equal(at, np.arange(len(bodies.mover)))
+    own = bodies.mover == 0
+    assert not aside[~own].any()
+    assert aside.min() in ASIDE
+    assert not aside[own & (np.abs(bodies.position[:, 0]) > 20.0)].any()
+    position = beside(bodies.position, bodies.heading, aside)
+    assert least_gap(bodies) == 0.0
+    assert least_gap(Bodies(bodies.mover, bodies.step, position, bodies.heading, bodies.half)) > 0.0
