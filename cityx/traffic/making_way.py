@@ -42,7 +42,18 @@ OFFSETS = (
     8.0,
     12.0,
 )
-ASIDE = (0.1, -0.1, 0.2, -0.2, 0.35, -0.35)  # metres that one keeps to the left of its way then
+ASIDE = (
+    0.1,
+    -0.1,
+    0.2,
+    -0.2,
+    0.35,
+    -0.35,
+    0.5,
+    -0.5,
+    0.75,
+    -0.75,
+)  # metres that one keeps to the left of its way then
 EASING = 10.0, 3.0  # metres over which one falls back, for each metre; the longer first
 LEAST = 6.0  # metres over which one falls back at least
 ROUNDS = 6  # in which whoever touches then makes way as well

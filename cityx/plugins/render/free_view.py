@@ -16,6 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from cityx.city.camera import Camera
 from cityx.city.moments import Moments, moments_of
 from cityx.city.outlines import placed_outlines
+from cityx.city.tracks import Tracks
+from cityx.geometry.ranges import numbered
 
 if TYPE_CHECKING:
     from cityx.city.store import View
@@ -47,8 +49,9 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     busiest
         Whether to take, of the moments with a free view, the one that shows most of what moves:
         each mover within `SEEN` metres counts by how near it is, by the square root of what it
-        covers from the side, and by how much of it no nearer mover hides; vehicles with people
-        count for more than either alone.
+        covers from the side, and by how much of it no nearer mover hides; of those painted alike
+        the farther ones count for half, a third and so on. Vehicles with people count for more
+        than either alone.
 
     Returns
     -------
@@ -80,6 +83,7 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     shown = (1.0 - far / reach) * np.sqrt(size[:, 0] * size[:, 2])
     if busiest:
         shown *= _unhidden(camera, found, size, moment, far)
+        shown /= 1.0 + _alike(tracks, found, moment, far)
     walks = tracks.on_foot[found.mover]
     both = [np.bincount(moment, shown * own, len(times)) for own in (walks, ~walks)]
     life = np.sqrt((1.0 + both[0]) * (1.0 + both[1])) * busiest
@@ -114,6 +118,22 @@ def sector(
     turn = heading + angle * np.linspace(-0.5, 0.5, ARC)
     arc = np.asarray(eye, float) + reach * np.column_stack([np.sin(turn), np.cos(turn)])
     return shapely.Polygon([eye, *arc])
+
+
+def _alike(tracks: Tracks, found: Moments, moment: IntArray, far: FloatArray) -> IntArray:
+    """(m,) how many of the same look and paint are nearer at the same moment."""
+    _, paint = np.unique(tracks.tint, axis=0, return_inverse=True)
+    body = np.where(tracks.on_foot, tracks.look, "")  # cars of one colour are alike from afar
+    _, look = np.unique(body, return_inverse=True)
+    keys = (far, paint.ravel()[found.mover], look.ravel()[found.mover], moment)
+    order = np.lexsort(keys)
+    changed = np.zeros(len(order), bool)
+    for key in keys[1:]:
+        changed[1:] |= np.diff(key[order]) != 0
+    group = np.cumsum(changed)
+    rank = np.zeros(len(order), np.int64)
+    rank[order] = numbered(np.bincount(group)) if len(order) else 0
+    return rank
 
 
 def _unhidden(

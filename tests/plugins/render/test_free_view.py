@@ -13,7 +13,7 @@ from cityx.city.moments import moments_of
 from cityx.city.rows import without_objects
 from cityx.city.scene import Instances, Prototype
 from cityx.city.store import view_of
-from cityx.plugins.render.free_view import NEAR, ROOM, _unhidden, free_moment, in_the_way
+from cityx.plugins.render.free_view import NEAR, ROOM, _alike, _unhidden, free_moment, in_the_way
 
 EAST, WEST = np.pi / 2, -np.pi / 2
 
@@ -72,6 +72,17 @@ def test_people_behind_a_van_do_not_make_a_moment_busy():
     shares = [shown_of(city) for city in (hidden, seen)]
     assert shares[0] < 0.4
     assert shares[1] == 1.0
+
+
+def test_of_cars_painted_alike_the_nearer_one_counts_whole():
+    cars = [(100 + n, *CAR[1:4], (12.0 + 6.0 * n, 0.0, 0.0), 0.0, 0.0) for n in range(3)]
+    tracks = moving(*cars, MAN, seconds=10.0).tracks
+    tracks = replace(
+        tracks, tint=np.array([[1, 1, 1], [1, 1, 1], [0, 0, 1], [1, 1, 1]], np.float32)
+    )
+    found = moments_of(tracks, [0.0, 1.0])
+    rank = _alike(tracks, found, found.number, np.hypot(*found.position[:, :2].T))
+    assert rank.tolist() == [0, 0, 1, 1, 0, 0, 0, 0]
 
 
 def shown_of(city):
