@@ -36,23 +36,24 @@ def check_walkways(city: City) -> list[Check]:
         return []
     area = np.bincount(ground.triangle_face, _areas(ground), len(ground.face_label))
     paved = ground.labelled(*FOOTWAYS)
-    if not paved.any():
-        return []
     piece = _pieces(city, ground, network)
-    size = np.bincount(piece[paved], area[paved])
-    rows = np.flatnonzero(size > 0)
-    first = np.full(len(size), -1)
     faces = np.flatnonzero(paved)
-    faces = faces[np.argsort(area[faces], kind="stable")]
-    first[piece[faces]] = faces  # the largest of each piece, which comes last
-    streets = _streets_at(city, network, _spots(ground, first[rows]))
-    rows, streets = rows[streets >= 0], streets[streets >= 0]
-    total = float(size[rows].sum())
-    if not total:
+    streets = _streets_at(city, network, _spots(ground, faces))
+    faces, streets = faces[streets >= 0], streets[streets >= 0]
+    if not len(faces):
         return []
-    whole = np.zeros(int(streets.max()) + 1)
-    np.maximum.at(whole, streets, size[rows])
-    apart = len(rows) - int((whole > 0).sum())
+    # Each piece counts to the streets beside most of it.
+    count = int(streets.max()) + 1
+    pair, of_pair = np.unique(piece[faces] * count + streets, return_inverse=True)
+    beside = np.bincount(of_pair.ravel(), area[faces])
+    order = np.lexsort((beside, pair // count))
+    last = np.r_[np.diff(pair[order] // count) > 0, True]
+    chosen = pair[order][last]
+    size = np.bincount(piece[paved], area[paved])[chosen // count]
+    whole = np.zeros(count)
+    np.maximum.at(whole, chosen % count, size)
+    apart = len(chosen) - int((whole > 0).sum())
+    total = float(size.sum())
     return [
         Check("walkways_apart", 1.0 - float(whole.sum()) / total, 0.25,
               f"share of the area of pavements and paths in {apart} pieces to which no crosswalk "
