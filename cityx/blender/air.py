@@ -12,6 +12,7 @@ from cityx.city.environment import Environment
 Tree = Any
 Socket = Any
 LAYERS = "Layers"  # name of the node of the compositor that gives what was rendered
+ROOM = 2.0  # metres behind a pane, at most, at which what is seen through it counts
 
 
 def make_air(
@@ -20,7 +21,8 @@ def make_air(
     """Dim what is far away: the mist pass, composited.
 
     A volume would light the fog too, at many times the render time and with noise. Thick air thins
-    out with height, and the sky is left to the world, which veils itself.
+    out with height, and the sky is left to the world, which veils itself. Behind panes the mist
+    pass is noise; in thick air what is seen through them counts as a room's depth behind them.
 
     Parameters
     ----------
@@ -47,8 +49,14 @@ def make_air(
     layers.name = LAYERS
     sink = tree.nodes.new("CompositorNodeComposite")
     mist = layers.outputs["Mist"]
+    metres = _math(tree, "MULTIPLY", mist, reach)
+    if thick:
+        layer.cycles.denoising_store_passes = True
+        surface = layers.outputs["Denoising Depth"]
+        behind = _math(tree, "ADD", surface, ROOM)
+        metres = _math(tree, "MINIMUM", _math(tree, "MAXIMUM", metres, surface), behind)
     depth: Socket = _math(
-        tree, "MULTIPLY", mist, -CONTRAST_LOG * reach / max(environment.visibility, 1.0)
+        tree, "MULTIPLY", metres, -CONTRAST_LOG / max(environment.visibility, 1.0)
     )
     if thick:
         density = _density(tree, layers.outputs["Position"], environment, ground, eye)
