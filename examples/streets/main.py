@@ -20,10 +20,14 @@ from cityx.agents.options import BuildOptions
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city.camera import Camera
 from cityx.city.frame import Frame
-from cityx.city.store import read_city
+from cityx.city.store import read_view
+from cityx.plugins.render.free_view import free_moment
 
 MAPS = Path(__file__).parents[2] / ".." / "shared" / "data" / "osm"
 WIDTH, HEIGHT = 960, 600
+LIFE = "medium traffic, 90 pedestrians"
+# Seconds of tracks, among which the pictures find their busiest moment.
+SPAN = ("dynamic/traffic-v1.duration=90", "dynamic/pedestrians-v1.duration=90")
 TIMEOUT = 1800.0  # seconds
 
 
@@ -56,7 +60,7 @@ class View:
 
 VIEWS = {
     "junction": View(
-        "sydney_glebe.osm.gz", (-33.874418, 151.182722), (17.5, -18.5, 10.5), 326.0, -24.0
+        "sydney_glebe.osm.gz", (-33.874418, 151.182722), (21.7, 14.3, 9.5), 237.0, -20.0
     ),
     "bridge": View(
         "seattle_i5_exit.osm.gz",
@@ -114,22 +118,26 @@ def picture(name: str, out: Path, work: Path, samples: int) -> Path:
     """Build the window of a view and render it."""
     view = VIEWS[name]
     path, place = MAPS / view.map, view.place
-    options = BuildOptions(lod=2, formats=("blend",), render=False, size=view.size, at=place)
+    life = {"lod": 3, "formats": (), "render": False, "text": LIFE, "settings": SPAN}
+    options = BuildOptions(**life, size=view.size, at=place)
     if not path.is_file():
         path = town(work / "town.osm")
         place = (48.2, 16.3) if name == "roundabout" else (48.2, 16.30108)
-        options = BuildOptions(lod=2, formats=("blend",), render=False)
+        options = BuildOptions(**life)
     folder = work / name
     build([path], folder, options, say=print)
-    x, y = read_city(folder / "city").frame.to_local([place[::-1]])[0]
+    shown = read_view(folder / "city")
+    x, y = shown.frame.to_local([place[::-1]])[0]
     east, north, up = view.eye
     camera = Camera(
         name, (x + east, y + north, up), math.radians(view.heading), math.radians(view.pitch),
         math.radians(view.fov), WIDTH, HEIGHT,
     )  # fmt: skip
     made = work / f"{name}.png"
+    moment = free_moment(shown, camera, busiest=True)
+    request = RenderRequest(camera, made, samples, moment=moment)
     run_worker(
-        BlenderJob(folder / "city", renders=(RenderRequest(camera, made, samples),)),
+        BlenderJob(folder / "city", renders=(request,)),
         timeout_s=TIMEOUT, progress=lambda *_: None,
     )  # fmt: skip
     return Path(shutil.copy(made, out / made.name))
