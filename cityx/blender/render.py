@@ -40,7 +40,7 @@ def add_camera(scene: bpy.types.Scene, camera: Camera) -> bpy.types.Object:
 
 
 def set_up(scene: bpy.types.Scene, *, samples: int, gpu: bool = True) -> str:
-    """Choose engine, quality and device.
+    """Choose quality and device of Cycles.
 
     Parameters
     ----------
@@ -56,7 +56,6 @@ def set_up(scene: bpy.types.Scene, *, samples: int, gpu: bool = True) -> str:
     device
         "CPU" or the kind of GPU in use.
     """
-    scene.render.engine = "CYCLES"
     scene.render.threads_mode = "FIXED"
     scene.render.threads = min(core_count(), 1024)
     # With it a picture depends on those before it, and no time is saved: light changes everything.

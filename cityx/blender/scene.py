@@ -75,6 +75,7 @@ def build_scene(
         The scene, without cameras and light.
     """
     scene = bpy.context.scene
+    scene.render.engine = "CYCLES"  # first: which passes there are depends on it
     library = library or MaterialLibrary(textured=view.lod > 0)
     # Blender walks through all objects whenever a mesh is made or gets a material: those of
     # prototypes come before all objects.
