@@ -29,6 +29,8 @@ TOUCHING = 2.5  # metres within which what is parked is left out
 EVERY = 0.5  # seconds between the moments that are looked at
 ARC = 9  # corners of the outer edge of what a lens sees
 PARKED = ("vehicles",)  # layers of the scene
+WAITING = 0.5  # share by which people count who stand; those who cross a street bring it to life
+SLOW = 0.2  # metres a second below which one stands
 COLUMNS = 128  # of the grid on which movers hide one another
 LEAST_DEPTH = 0.3  # metres before the lens
 _CORNERS = tuple(itertools.product((-1, 1), (-1, 1), (0, 1)))  # of a box: along, across, up
@@ -50,8 +52,8 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
         Whether to take, of the moments with a free view, the one that shows most of what moves:
         each mover within `SEEN` metres counts by how near it is, by the square root of what it
         covers from the side, and by how much of it no nearer mover hides; of those painted alike
-        the farther ones count for half, a third and so on. Vehicles with people count for more
-        than either alone.
+        the farther ones count for half, a third and so on; people who stand and wait count for
+        half. Vehicles with people count for more than either alone.
 
     Returns
     -------
@@ -85,6 +87,8 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
         shown *= _unhidden(camera, found, size, moment, far)
         shown /= 1.0 + _alike(tracks, found, moment, far)
     walks = tracks.on_foot[found.mover]
+    if busiest:
+        shown[walks & _stands(everybody)[seen]] *= WAITING
     both = [np.bincount(moment, shown * own, len(times)) for own in (walks, ~walks)]
     life = np.sqrt((1.0 + both[0]) * (1.0 + both[1])) * busiest
     wait = np.round(np.abs(times - view.moment), 6)
@@ -118,6 +122,17 @@ def sector(
     turn = heading + angle * np.linspace(-0.5, 0.5, ARC)
     arc = np.asarray(eye, float) + reach * np.column_stack([np.sin(turn), np.cos(turn)])
     return shapely.Polygon([eye, *arc])
+
+
+def _stands(found: Moments) -> NDArray[np.bool_]:
+    """(m,) whether movers hardly move from the moment before or to the next."""
+    way = np.hypot(*np.diff(found.position[:, :2], axis=0).T)
+    slow = way <= SLOW * np.diff(found.time)
+    slow &= (np.diff(found.mover) == 0) & (np.diff(found.time) > 0)
+    stands = np.zeros(len(found.mover), bool)
+    stands[1:] |= slow
+    stands[:-1] |= slow
+    return stands
 
 
 def _alike(tracks: Tracks, found: Moments, moment: IntArray, far: FloatArray) -> IntArray:

@@ -13,7 +13,15 @@ from cityx.city.moments import moments_of
 from cityx.city.rows import without_objects
 from cityx.city.scene import Instances, Prototype
 from cityx.city.store import view_of
-from cityx.plugins.render.free_view import NEAR, ROOM, _alike, _unhidden, free_moment, in_the_way
+from cityx.plugins.render.free_view import (
+    NEAR,
+    ROOM,
+    _alike,
+    _stands,
+    _unhidden,
+    free_moment,
+    in_the_way,
+)
 
 EAST, WEST = np.pi / 2, -np.pi / 2
 
@@ -83,6 +91,14 @@ def test_of_cars_painted_alike_the_nearer_one_counts_whole():
     found = moments_of(tracks, [0.0, 1.0])
     rank = _alike(tracks, found, found.number, np.hypot(*found.position[:, :2].T))
     assert rank.tolist() == [0, 0, 1, 1, 0, 0, 0, 0]
+
+
+def test_people_who_walk_make_a_moment_busier_than_people_who_wait():
+    waiting = (*MAN[:4], (20.0, 3.0, 0.0), 0.0, 0.0)
+    walking = (101, *MAN[1:4], (20.0, -30.0, 0.0), np.pi / 2, 1.4)
+    tracks = moving(waiting, walking, seconds=10.0).tracks
+    found = moments_of(tracks, [0.0, 1.0, 2.0])
+    assert _stands(found).tolist() == [True] * 3 + [False] * 3
 
 
 def shown_of(city):
