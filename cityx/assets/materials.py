@@ -175,7 +175,7 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("hedge", (0.06, 0.115, 0.028), 0.9, texture="grass", tile=2.0, porosity=0.0),
     _M("car_paint", (0.80, 0.80, 0.80), 0.25, 0.2, porosity=0.0),
     _M("car_glass", (0.015, 0.018, 0.02), 0.05, 0.0, takes_tint=False, porosity=0.0),
-    _M("car_pane", (0.012, 0.015, 0.017), 0.03, 0.0, takes_tint=False, alpha=0.45, porosity=0.0),
+    _M("car_pane", (0.012, 0.015, 0.017), 0.03, 0.0, takes_tint=False, alpha=0.6, porosity=0.0),
     # Seats and the insides of doors.
     _M("car_trim", (0.055, 0.055, 0.058), 0.85, takes_tint=False, porosity=0.0),
     # Lamps and plates of vehicles, which the paint of their bodies does not dye.

@@ -22,10 +22,11 @@ from cityx.geometry.mirrored import REACH as OUTSKIRTS
 
 # A camera that looks down from high up sees sunlit roofs and streets, where one between the houses
 # sees half of them in shade: it closes by so many stops.
-AERIAL_STOPS = 0.6
+AERIAL_STOPS = 0.35
 # In the sun the plain curve leaves bright walls and streets in the shade nearly alike; under cloud
-# and at night it keeps what is dark from black.
-LOOK = "AgX - Medium High Contrast"
+# and at night, and from above where streets are dark slots between the roofs, it keeps what is dark
+# from black.
+LOOK, PLAIN = "AgX - Medium High Contrast", "None"
 AERIAL_HEIGHT = (15.0, 60.0)  # metres above the ground over which it does so
 
 
@@ -59,7 +60,7 @@ class Lighting:
             modifier = tree.modifiers[BARE]
             modifier.show_render = modifier.show_viewport = environment.snow > SNOWED
         self.scene.view_settings.view_transform = "AgX"
-        self.scene.view_settings.look = LOOK if sunshine(environment) > 0.5 else "None"
+        self.scene.view_settings.look = _look(environment, 0.0)
         self.scene.view_settings.exposure = environment.exposure
         use_light_tree(self.scene, on=environment.lamps > 0)
 
@@ -70,6 +71,7 @@ class Lighting:
         shops = shop_positions(self.view, environment)
         place_lamps(self.scene, self.lamps, shops, camera, on=on, balance=balance)
         make_falling(self.scene, environment, camera, seed=self.view.seed, height=height)
+        self.scene.view_settings.look = _look(environment, height)
         self.scene.view_settings.exposure = environment.exposure + self._stops(
             environment, camera, height
         )
@@ -86,6 +88,10 @@ class Lighting:
         reach = reach_of(eye, self.view.extent)
         make_air(self.scene, environment, reach=reach, ground=ground, eye=eye[2])
         return eye[2] - ground
+
+
+def _look(environment: Environment, height: float) -> str:
+    return LOOK if sunshine(environment) > 0.5 and risen(height) < 0.5 else PLAIN
 
 
 def risen(height: float) -> float:
