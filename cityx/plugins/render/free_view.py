@@ -30,6 +30,7 @@ EVERY = 0.5  # seconds between the moments that are looked at
 ARC = 9  # corners of the outer edge of what a lens sees
 PARKED = ("vehicles",)  # layers of the scene
 WAITING = 0.5  # share by which people count who stand; those who cross a street bring it to life
+AT_EDGE = 0.3  # share by which what the edge of a picture nearly cuts counts
 SLOW = 0.2  # metres a second below which one stands
 COLUMNS = 128  # of the grid on which movers hide one another
 LEAST_DEPTH = 0.3  # metres before the lens
@@ -51,9 +52,10 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     busiest
         Whether to take, of the moments with a free view, the one that shows most of what moves:
         each mover within `SEEN` metres counts by how near it is, by the square root of what it
-        covers from the side, and by how much of it no nearer mover hides; of those painted alike
-        the farther ones count for half, a third and so on; people who stand and wait count for
-        half. Vehicles with people count for more than either alone.
+        covers from the side, by how much of it no nearer mover hides, and by how far amid the
+        picture it is; of those painted alike the farther ones count for half, a third and so on;
+        people who stand and wait count for half. Vehicles with people count for more than either
+        alone.
 
     Returns
     -------
@@ -84,7 +86,8 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     np.minimum.at(away, moment[low], np.minimum(far, near)[low])
     shown = (1.0 - far / reach) * np.sqrt(size[:, 0] * size[:, 2])
     if busiest:
-        shown *= _unhidden(camera, found, size, moment, far)
+        framed = _framed(camera, found, size)
+        shown *= _unhidden(camera, found, framed, moment, far) * _amid(camera, framed)
         shown /= 1.0 + _alike(tracks, found, moment, far)
     walks = tracks.on_foot[found.mover]
     if busiest:
@@ -152,13 +155,17 @@ def _alike(tracks: Tracks, found: Moments, moment: IntArray, far: FloatArray) ->
 
 
 def _unhidden(
-    camera: Camera, found: Moments, size: FloatArray, moment: IntArray, far: FloatArray
+    camera: Camera,
+    found: Moments,
+    framed: tuple[IntArray, IntArray],
+    moment: IntArray,
+    far: FloatArray,
 ) -> FloatArray:
     """(m,) share of what a picture shows of each mover that no nearer one of its moment hides.
 
     Movers count as the boxes about them, on a coarse grid of the picture.
     """
-    low, high = _framed(camera, found, size)
+    low, high = framed
     share = np.zeros(len(far))
     free = np.ones((_rows(camera), COLUMNS), bool)
     last = -1
@@ -171,6 +178,13 @@ def _unhidden(
             share[row] = cells.mean()
             cells[:] = False
     return share
+
+
+def _amid(camera: Camera, framed: tuple[IntArray, IntArray]) -> FloatArray:
+    """(m,) weight of boxes by their place: 1 amid a picture, `AT_EDGE` at its edge."""
+    low, high = framed
+    out = np.abs((low + high) / np.array([COLUMNS, _rows(camera)]) - 1.0).max(axis=1, initial=0.0)
+    return np.asarray(1.0 - (1.0 - AT_EDGE) * out**2)
 
 
 def _rows(camera: Camera) -> int:

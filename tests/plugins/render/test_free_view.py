@@ -14,9 +14,12 @@ from cityx.city.rows import without_objects
 from cityx.city.scene import Instances, Prototype
 from cityx.city.store import view_of
 from cityx.plugins.render.free_view import (
+    AT_EDGE,
     NEAR,
     ROOM,
     _alike,
+    _amid,
+    _framed,
     _stands,
     _unhidden,
     free_moment,
@@ -101,13 +104,23 @@ def test_people_who_walk_make_a_moment_busier_than_people_who_wait():
     assert _stands(found).tolist() == [True] * 3 + [False] * 3
 
 
+def test_what_is_amid_the_picture_counts_for_more_than_what_its_edge_cuts():
+    cars = [(100 + n, *CAR[1:4], (20.0, y, 0.0), 0.0, 0.0) for n, y in enumerate((0.0, 6.0, 11.0))]
+    tracks = moving(*cars, seconds=10.0).tracks
+    found = moments_of(tracks, [0.0])
+    size = tracks.size[found.mover].astype(float)
+    weight = _amid(lens(0.0, 0.0), _framed(lens(0.0, 0.0), found, size))
+    assert weight[0] > 0.95
+    assert weight[0] > weight[1] > weight[2] >= AT_EDGE
+
+
 def shown_of(city):
     """Return how much of its second mover a lens 1.2 m above the ground sees."""
     found = moments_of(city.tracks, [0.0])
     size = city.tracks.size[found.mover].astype(float)
     far = np.hypot(*found.position[:, :2].T)
     camera = lens(0.0, 0.0, height=1.2)
-    return _unhidden(camera, found, size, found.number, far)[1]
+    return _unhidden(camera, found, _framed(camera, found, size), found.number, far)[1]
 
 
 def test_a_city_where_nothing_moves_keeps_its_moment():
