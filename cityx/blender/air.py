@@ -22,7 +22,8 @@ def make_air(
 
     A volume would light the fog too, at many times the render time and with noise. Thick air thins
     out with height, and the sky is left to the world, which veils itself. Behind panes the mist
-    pass is noise; in thick air what is seen through them counts as a room's depth behind them.
+    pass is noise, which shows on dark ones; what is seen through them counts as a room's depth
+    behind them.
 
     Parameters
     ----------
@@ -41,6 +42,7 @@ def make_air(
     scene.world.mist_settings.falloff = "LINEAR"
     layer = scene.view_layers[0]
     layer.use_pass_mist = True
+    layer.cycles.denoising_store_passes = True
     layer.use_pass_position = thick
     scene.use_nodes = True
     tree = scene.node_tree
@@ -49,12 +51,10 @@ def make_air(
     layers.name = LAYERS
     sink = tree.nodes.new("CompositorNodeComposite")
     mist = layers.outputs["Mist"]
-    metres = _math(tree, "MULTIPLY", mist, reach)
-    if thick:
-        layer.cycles.denoising_store_passes = True
-        surface = layers.outputs["Denoising Depth"]
-        behind = _math(tree, "ADD", surface, ROOM)
-        metres = _math(tree, "MINIMUM", _math(tree, "MAXIMUM", metres, surface), behind)
+    surface = layers.outputs["Denoising Depth"]
+    behind = _math(tree, "ADD", surface, ROOM)
+    metres = _math(tree, "MAXIMUM", _math(tree, "MULTIPLY", mist, reach), surface)
+    metres = _math(tree, "MINIMUM", metres, behind)
     depth: Socket = _math(
         tree, "MULTIPLY", metres, -CONTRAST_LOG / max(environment.visibility, 1.0)
     )

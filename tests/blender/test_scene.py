@@ -134,3 +134,14 @@ def test_an_instance_shows_its_own_tint_and_place(tmp_path):
 def test_fog_hides_what_is_far(tmp_path):
     air = Environment(visibility=60.0, cloud_cover=1.0)  # as far as the camera is high
     assert np.std(rendered(tmp_path, quarter(1), air)) < 5.0  # of 255
+
+
+def test_what_is_far_behind_a_pane_is_not_speckled_by_haze(tmp_path):
+    square = np.array([(-90, -90, 0), (90, -90, 0), (90, 90, 0), (-90, 90, 0)], float)
+    ground = one_mesh(1, square, [(0, 1, 2, 3)], materials=("bitumen",), tint=(0.05,) * 3)
+    panes = [one_mesh(2 + n, square + [0, 0, 590 - n], [(0, 1, 2, 3)], materials=("pane",))
+             for n in range(4)]  # fmt: skip
+    city = replace(quarter(1), scene=Scene().with_mesh("ground", concatenate([ground, *panes])))
+    air = Environment(visibility=13_000.0, cloud_cover=1.0)
+    high = replace(ABOVE, position=(0.0, 0.0, 600.0))
+    assert np.std(rendered(tmp_path, city, air, high)) < 2.0  # of 255
