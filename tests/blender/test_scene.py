@@ -139,8 +139,8 @@ def test_fog_hides_what_is_far(tmp_path):
 def test_what_is_far_behind_a_pane_is_not_speckled_by_haze(tmp_path):
     square = np.array([(-90, -90, 0), (90, -90, 0), (90, 90, 0), (-90, 90, 0)], float)
     ground = one_mesh(1, square, [(0, 1, 2, 3)], materials=("bitumen",), tint=(0.05,) * 3)
-    panes = [one_mesh(2 + n, square + (0.0, 0.0, 590.0 - n), [(0, 1, 2, 3)], materials=("pane",))
-             for n in range(4)]  # fmt: skip
+    levels = [square + np.array([0.0, 0.0, 590.0 - n]) for n in range(4)]
+    panes = [one_mesh(2, level, [(0, 1, 2, 3)], materials=("pane",)) for level in levels]
     city = replace(quarter(1), scene=Scene().with_mesh("ground", concatenate([ground, *panes])))
     air = Environment(visibility=13_000.0, cloud_cover=1.0)
     high = replace(ABOVE, position=(0.0, 0.0, 600.0))
