@@ -1,4 +1,4 @@
-"""Rows of potted plants before houses and shops: conifers, ferns, flowers, bamboo, vines on sticks.
+"""Rows of potted plants before houses and shops: trees, conifers, ferns, flowers, bamboo, vines.
 
 Each maker is named for a prototype and returns its shapes: z up, front -y (away from the wall),
 origin on the ground at the foot. A row is some 1.5 m long and 0.4 m deep.
@@ -33,6 +33,8 @@ PETALS: tuple[Color, ...] = (
     (0.22, 0.12, 0.75),
 )  # fmt: skip
 WALL_SIDE = 0.42  # of their reach, to the wall and from it, that fronds of a row take
+ASIDE = 0.8  # metres that crowns reach from the middle of a row along its wall
+AT_WALL = 0.16  # metres that crowns reach from the middle of a row toward its wall
 FEWER = 0.18  # of the leaves, away from near views, which are larger there
 LARGER = 1.6
 
@@ -178,6 +180,35 @@ def _vine(name: str, x: float, y: float, foot: float, high: float, radius: float
     return parts
 
 
+def _small_tree(name: str, x: float, y: float, foot: float, high: float, tint: Color) -> Shapes:
+    """Young tree of three stems that part low, its crown of loose clumps flat to the wall."""
+    rng = rng_for(0, f"assets/{name}", 1)
+    reach = 0.29 * high
+    fork = np.array([x, y, foot + 0.12 * high])
+    parts: Shapes = [cylinder((x, y, foot - 0.05), tuple(fork), 0.026, "bark", sides=6)]
+    clumps, crowd = 15, 65
+    turn = 2 * np.pi * (np.arange(clumps) + rng.uniform(0, 0.6, clumps)) * 0.381966
+    level = (np.arange(clumps) + rng.uniform(0.2, 0.8, clumps)) / clumps
+    wide = reach * np.sin(np.pi * (0.15 + 0.8 * level)) * rng.uniform(0.5, 1.0, clumps)
+    out = np.column_stack([np.cos(turn), WALL_SIDE * np.sin(turn)]) * wide[:, None]
+    heart = np.column_stack([x + out[:, 0], y + out[:, 1], foot + high * (0.4 + 0.55 * level)])
+    for k in range(3):
+        tip = heart[clumps - 1 - 2 * k]
+        knee = 0.5 * (fork + tip) + [0.1 * (k - 1), 0.0, 0.0]
+        parts.append(tube([fork, knee, tip], [0.019, 0.013, 0.005], "bark", sides=5))
+    for centre in heart[: clumps - 5]:
+        root = np.array([x, y, centre[2] - 0.12 * high])
+        parts.append(tube([root, centre], [0.008, 0.003], "bark", sides=3))
+    count, large = _count(clumps * crowd)
+    way = _unit(rng.normal(size=(count, 3)))
+    size = np.array([0.5 * reach, 0.22 * reach, 0.4 * reach]) * rng.uniform(0.3, 1.0, (count, 1))
+    centre = heart[np.arange(count) % clumps] + way * size
+    centre[:, 0] = np.clip(centre[:, 0], -ASIDE, ASIDE)
+    centre[:, 1] = np.minimum(centre[:, 1], y + AT_WALL)
+    along = 0.042 * large * _unit(way + [0, 0, -0.3] + 0.7 * rng.normal(size=(count, 3)))
+    return [*parts, *_blades(centre, along, 0.55, tint, rng)]
+
+
 def _unit(vectors: FloatArray) -> FloatArray:
     return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-6))
 
@@ -253,10 +284,34 @@ def pot_row_vines() -> Shapes:
     ]
 
 
-POT_ROWS = ("pot_row", "pot_row_conifers", "pot_row_ferns", "pot_row_bamboo", "pot_row_vines")
+def pot_row_maple() -> Shapes:
+    """Maple of 2.1 m in a large glazed pot, a fern and flowers at its sides."""
+    return [
+        *_pot(0.0, 0.0, 0.21, 0.42, GLAZE),
+        *_small_tree("maple", 0.0, 0.0, 0.39, 1.75, (0.95, 0.95, 0.5)),
+        *_pot(-0.52, 0.0, 0.14, 0.24, TERRACOTTA), *_fern("maple fern", -0.52, 0.0, 0.21, 0.28),
+        *_pot(0.46, -0.02, 0.12, 0.2, BLACK),
+        *_flowers("maple pot", (0.32, -0.18, 0.18), (0.6, 0.14, 0.42), PETALS[2]),
+    ]  # fmt: skip
+
+
+def pot_row_olive() -> Shapes:
+    """Olive of 1.9 m and a smaller one in pale pots."""
+    return [
+        *_pot(-0.34, 0.0, 0.2, 0.4, PALE),
+        *_small_tree("olive 0", -0.34, 0.0, 0.37, 1.55, (0.85, 0.92, 0.85)),
+        *_pot(0.42, 0.0, 0.16, 0.32, PALE),
+        *_small_tree("olive 1", 0.42, 0.0, 0.3, 1.05, (0.85, 0.92, 0.85)),
+    ]
+
+
 POT_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {
         maker.__name__: maker
-        for maker in (pot_row, pot_row_conifers, pot_row_ferns, pot_row_bamboo, pot_row_vines)
+        for maker in (
+            pot_row, pot_row_conifers, pot_row_ferns, pot_row_bamboo, pot_row_vines, pot_row_maple,
+            pot_row_olive,
+        )
     }
-)
+)  # fmt: skip
+POT_ROWS = tuple(POT_MAKERS)

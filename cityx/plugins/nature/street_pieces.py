@@ -344,6 +344,10 @@ def _before_shops(city: City, site: _Site, density: float) -> Pieces:
             tubs &= np.isin(names, ("door_lobby", "door_glass", "door_panel", "door_sidelight"))
             put("planter_round", tubs, 0.5, -1.35)
             put("planter_round", tubs, 0.5, 1.35)
+            if site.place == "japan":  # plants in pots at one side, or both, of doors of houses
+                for side_of, purpose in ((-1.3, "pots left"), (1.3, "pots right")):
+                    pots = level & ~tubs & drawn(purpose, POT_SHARE)
+                    put("pot_row", pots & (room >= 0.48 + left), 0.24, side_of)
     return join_pieces(found)
 
 
