@@ -59,8 +59,8 @@ def _count(fine: int) -> tuple[int, float]:
     return (fine, 1.0) if is_fine() else (max(8, int(FEWER * fine)), LARGER)
 
 
-def _pot(x: float, y: float, radius: float, high: float, color: Color) -> Shapes:
-    """Pot with a rim, and its soil."""
+def pot(x: float, y: float, radius: float, high: float, color: Color) -> Shapes:
+    """Return a pot with a rim, and its soil, about (x, y); metres."""
     rim = 1.1 * radius
     profile = [(0.72 * radius, 0.0), (radius, 0.86 * high), (rim, 0.86 * high), (rim, high),
                (0.9 * radius, high), (0.88 * radius, 0.92 * high)]  # fmt: skip
@@ -113,8 +113,8 @@ def _fern(name: str, x: float, y: float, foot: float, reach: float) -> Shapes:
     return parts
 
 
-def _flowers(name: str, low: Color, high: Color, petals: Color) -> Shapes:
-    """Low leaves in a box, blossom above them."""
+def flowers(name: str, low: Color, high: Color, petals: Color) -> Shapes:
+    """Return low leaves in a box between two corners, metres, and blossom above them."""
     rng = rng_for(0, f"assets/{name}", 1)
     a, b = np.array(low), np.array(high)
     parts: Shapes = []
@@ -180,8 +180,8 @@ def _vine(name: str, x: float, y: float, foot: float, high: float, radius: float
     return parts
 
 
-def _small_tree(name: str, x: float, y: float, foot: float, high: float, tint: Color) -> Shapes:
-    """Young tree of three stems that part low, its crown of loose clumps flat to the wall."""
+def small_tree(name: str, x: float, y: float, foot: float, high: float, tint: Color) -> Shapes:
+    """Return a young tree of three stems that part low, its crown flat to the wall; metres."""
     rng = rng_for(0, f"assets/{name}", 1)
     reach = 0.29 * high
     fork = np.array([x, y, foot + 0.12 * high])
@@ -213,7 +213,8 @@ def _unit(vectors: FloatArray) -> FloatArray:
     return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-6))
 
 
-def _trough(low: Color, high: Color, color: Color) -> Shapes:
+def trough(low: Color, high: Color, color: Color) -> Shapes:
+    """Return a trough between two corners, metres, with its soil."""
     inner = 0.02
     return [
         box(low, high, "plastic", color),
@@ -225,39 +226,39 @@ def _trough(low: Color, high: Color, color: Color) -> Shapes:
 def pot_row() -> Shapes:
     """Flowers in pots of several sizes, a fern among them."""
     return [
-        *_pot(-0.58, 0.0, 0.15, 0.26, TERRACOTTA),
-        *_flowers("pot 0", (-0.76, -0.18, 0.24), (-0.40, 0.18, 0.52), PETALS[0]),
-        *_pot(-0.24, 0.0, 0.11, 0.19, GLAZE), *_fern("pot 1", -0.24, 0.0, 0.17, 0.24),
-        *_pot(0.08, 0.0, 0.17, 0.30, PALE),
-        *_flowers("pot 2", (-0.12, -0.2, 0.28), (0.28, 0.2, 0.62), PETALS[2]),
-        *_pot(0.40, 0.06, 0.10, 0.17, TERRACOTTA),
-        *_flowers("pot 3", (0.28, -0.06, 0.15), (0.52, 0.18, 0.34), PETALS[1]),
-        *_pot(0.64, 0.0, 0.12, 0.24, BLACK), *_conifer("pot 4", 0.64, 0.0, 0.22, 0.55, 0.12),
+        *pot(-0.58, 0.0, 0.15, 0.26, TERRACOTTA),
+        *flowers("pot 0", (-0.76, -0.18, 0.24), (-0.40, 0.18, 0.52), PETALS[0]),
+        *pot(-0.24, 0.0, 0.11, 0.19, GLAZE), *_fern("pot 1", -0.24, 0.0, 0.17, 0.24),
+        *pot(0.08, 0.0, 0.17, 0.30, PALE),
+        *flowers("pot 2", (-0.12, -0.2, 0.28), (0.28, 0.2, 0.62), PETALS[2]),
+        *pot(0.40, 0.06, 0.10, 0.17, TERRACOTTA),
+        *flowers("pot 3", (0.28, -0.06, 0.15), (0.52, 0.18, 0.34), PETALS[1]),
+        *pot(0.64, 0.0, 0.12, 0.24, BLACK), *_conifer("pot 4", 0.64, 0.0, 0.22, 0.55, 0.12),
     ]  # fmt: skip
 
 
 def pot_row_conifers() -> Shapes:
     """Three clipped conifers, and a low pot before them."""
     return [
-        *_pot(-0.5, 0.0, 0.17, 0.34, BLACK),
+        *pot(-0.5, 0.0, 0.17, 0.34, BLACK),
         *_conifer("cone 0", -0.5, 0.0, 0.32, 0.72, 0.17),
-        *_pot(0.0, 0.02, 0.15, 0.28, TERRACOTTA),
+        *pot(0.0, 0.02, 0.15, 0.28, TERRACOTTA),
         *_conifer("cone 1", 0.0, 0.02, 0.26, 0.5, 0.16),
-        *_pot(0.5, 0.0, 0.17, 0.34, BLACK),
+        *pot(0.5, 0.0, 0.17, 0.34, BLACK),
         *_conifer("cone 2", 0.5, 0.0, 0.32, 0.64, 0.18),
-        *_pot(0.25, -0.12, 0.08, 0.13, GLAZE),
-        *_flowers("cone 3", (0.16, -0.2, 0.11), (0.34, -0.03, 0.27), PETALS[3]),
+        *pot(0.25, -0.12, 0.08, 0.13, GLAZE),
+        *flowers("cone 3", (0.16, -0.2, 0.11), (0.34, -0.03, 0.27), PETALS[3]),
     ]
 
 
 def pot_row_ferns() -> Shapes:
     """Ferns of three sizes in glazed pots."""
     return [
-        *_pot(-0.48, 0.0, 0.18, 0.30, GLAZE),
+        *pot(-0.48, 0.0, 0.18, 0.30, GLAZE),
         *_fern("fern 0", -0.48, 0.0, 0.27, 0.42),
-        *_pot(0.02, 0.04, 0.12, 0.22, TERRACOTTA),
+        *pot(0.02, 0.04, 0.12, 0.22, TERRACOTTA),
         *_fern("fern 1", 0.02, 0.04, 0.2, 0.28),
-        *_pot(0.46, 0.0, 0.16, 0.36, PALE),
+        *pot(0.46, 0.0, 0.16, 0.36, PALE),
         *_fern("fern 2", 0.46, 0.0, 0.33, 0.38),
     ]
 
@@ -265,21 +266,21 @@ def pot_row_ferns() -> Shapes:
 def pot_row_bamboo() -> Shapes:
     """Trough of bamboo, 1.1 m high, and a pot of flowers beside it."""
     return [
-        *_trough((-0.62, -0.13, 0.0), (0.32, 0.13, 0.26), BLACK),
+        *trough((-0.62, -0.13, 0.0), (0.32, 0.13, 0.26), BLACK),
         *_bamboo("bamboo", (-0.55, -0.07, 0.26), (0.25, 0.07, 1.12), 8),
-        *_pot(0.56, 0.0, 0.13, 0.24, TERRACOTTA),
-        *_flowers("bamboo pot", (0.4, -0.16, 0.22), (0.72, 0.16, 0.46), PETALS[1]),
+        *pot(0.56, 0.0, 0.13, 0.24, TERRACOTTA),
+        *flowers("bamboo pot", (0.4, -0.16, 0.22), (0.72, 0.16, 0.46), PETALS[1]),
     ]
 
 
 def pot_row_vines() -> Shapes:
     """Two pots of morning glory on sticks, a trough of flowers between them."""
     return [
-        *_pot(-0.52, 0.0, 0.14, 0.22, GLAZE),
+        *pot(-0.52, 0.0, 0.14, 0.22, GLAZE),
         *_vine("vine 0", -0.52, 0.0, 0.2, 0.8, 0.13),
-        *_trough((-0.3, -0.1, 0.0), (0.28, 0.1, 0.18), TERRACOTTA),
-        *_flowers("vine trough", (-0.32, -0.14, 0.18), (0.3, 0.14, 0.4), PETALS[0]),
-        *_pot(0.52, 0.0, 0.14, 0.22, GLAZE),
+        *trough((-0.3, -0.1, 0.0), (0.28, 0.1, 0.18), TERRACOTTA),
+        *flowers("vine trough", (-0.32, -0.14, 0.18), (0.3, 0.14, 0.4), PETALS[0]),
+        *pot(0.52, 0.0, 0.14, 0.22, GLAZE),
         *_vine("vine 1", 0.52, 0.0, 0.2, 0.68, 0.13),
     ]
 
@@ -287,21 +288,21 @@ def pot_row_vines() -> Shapes:
 def pot_row_maple() -> Shapes:
     """Maple of 2.1 m in a large glazed pot, a fern and flowers at its sides."""
     return [
-        *_pot(0.0, 0.0, 0.21, 0.42, GLAZE),
-        *_small_tree("maple", 0.0, 0.0, 0.39, 1.75, (0.95, 0.95, 0.5)),
-        *_pot(-0.52, 0.0, 0.14, 0.24, TERRACOTTA), *_fern("maple fern", -0.52, 0.0, 0.21, 0.28),
-        *_pot(0.46, -0.02, 0.12, 0.2, BLACK),
-        *_flowers("maple pot", (0.32, -0.18, 0.18), (0.6, 0.14, 0.42), PETALS[2]),
+        *pot(0.0, 0.0, 0.21, 0.42, GLAZE),
+        *small_tree("maple", 0.0, 0.0, 0.39, 1.75, (0.95, 0.95, 0.5)),
+        *pot(-0.52, 0.0, 0.14, 0.24, TERRACOTTA), *_fern("maple fern", -0.52, 0.0, 0.21, 0.28),
+        *pot(0.46, -0.02, 0.12, 0.2, BLACK),
+        *flowers("maple pot", (0.32, -0.18, 0.18), (0.6, 0.14, 0.42), PETALS[2]),
     ]  # fmt: skip
 
 
 def pot_row_olive() -> Shapes:
     """Olive of 1.9 m and a smaller one in pale pots."""
     return [
-        *_pot(-0.34, 0.0, 0.2, 0.4, PALE),
-        *_small_tree("olive 0", -0.34, 0.0, 0.37, 1.55, (0.85, 0.92, 0.85)),
-        *_pot(0.42, 0.0, 0.16, 0.32, PALE),
-        *_small_tree("olive 1", 0.42, 0.0, 0.3, 1.05, (0.85, 0.92, 0.85)),
+        *pot(-0.34, 0.0, 0.2, 0.4, PALE),
+        *small_tree("olive 0", -0.34, 0.0, 0.37, 1.55, (0.85, 0.92, 0.85)),
+        *pot(0.42, 0.0, 0.16, 0.32, PALE),
+        *small_tree("olive 1", 0.42, 0.0, 0.3, 1.05, (0.85, 0.92, 0.85)),
     ]
 
 

@@ -98,7 +98,8 @@ def _with(balcony: str) -> FacadeStyle:
     runs = replace(_THINGS[0], name=balcony)
     things = Fixture("balcony_things", "bay", first=1, last=-1, street=True, share=0.4,
                      scattered=True)  # fmt: skip
-    return replace(_BODY, fixtures=(runs, things, *_BODY.fixtures[1:]))
+    green = replace(things, name="balcony_green", share=0.2)
+    return replace(_BODY, fixtures=(runs, things, green, *_BODY.fixtures[1:]))
 
 
 _TOP = FacadeStyle(

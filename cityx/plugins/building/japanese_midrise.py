@@ -66,6 +66,8 @@ def _flats(balcony: str) -> FacadeStyle:
             Fixture(balcony, "bay", "trim", first=1, last=-1, stretch="bay", street=True),
             Fixture("balcony_things", "bay", first=1, last=-1, street=True, share=0.6,
                     scattered=True),
+            Fixture("balcony_green", "bay", first=1, last=-1, street=True, share=0.2,
+                    scattered=True),
             Fixture("laundry", "bay", first=1, last=-1, street=True, share=0.22, scattered=True),
             Fixture("quilt", "bay", first=1, last=-1, street=True, share=0.1, scattered=True),
             Fixture("stair_flight", "bay", first=0, last=-2, every=5, stretch="storey",
