@@ -22,7 +22,7 @@ from cityx.geometry.mirrored import REACH as OUTSKIRTS
 
 # A camera that looks down from high up sees sunlit roofs and streets, where one between the houses
 # sees half of them in shade: it closes by so many stops.
-AERIAL_STOPS = 0.45
+AERIAL_STOPS = 0.3
 # In the sun the plain curve leaves bright walls and streets in the shade nearly alike; under cloud
 # and at night, and from above where streets are dark slots between the roofs, it keeps what is dark
 # from black.
