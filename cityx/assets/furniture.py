@@ -128,19 +128,14 @@ def bus_pole() -> Shapes:
     ]
 
 
-def _head(lit: int | None) -> Shapes:
-    """Head of three lights, facing -y; `lit` is the one that burns."""
+def _head() -> Shapes:
+    """Head of three lights, facing -y; the red one burns unless it is known what is shown."""
     parts = [
         box((-0.16, -0.10, 2.30), (0.16, 0.12, 3.25), "plastic", DARK),
         box((-0.27, 0.10, 2.18), (0.27, 0.125, 3.37), "plastic", DARK),
     ]
-    for index, (z, color) in enumerate(((3.08, RED), (2.775, YELLOW), (2.47, (0.03, 0.5, 0.25)))):
-        shade: Color = (0.3 * color[0], 0.3 * color[1], 0.3 * color[2])
-        red = lit == 0 and index == 0
-        parts.append(
-            disc((0, -0.115, z), 0.105, "signal_red" if red else "plastic",
-                 color if lit == index else shade, sides=10, thickness=0.016)
-        )  # fmt: skip
+    for z, light in ((3.08, "signal_stop"), (2.775, "signal_amber"), (2.47, "signal_green")):
+        parts.append(disc((0, -0.115, z), 0.105, light, sides=10, thickness=0.016))
         hood = [(-0.12, z + 0.03), (0.12, z + 0.03), (0.07, z + 0.125), (-0.07, z + 0.125)]
         parts.append(prism(hood, -0.24, -0.10, "plastic", DARK))
     return parts
@@ -153,7 +148,7 @@ def traffic_signal() -> Shapes:
         box((-0.03, 0.1, 2.45), (0.03, 0.2, 2.52), "metal_grey"),
         box((-0.03, 0.1, 3.05), (0.03, 0.2, 3.12), "metal_grey"),
         box((-0.07, 0.10, 0.95), (0.07, 0.16, 1.22), "plastic", YELLOW),
-        *_head(0),
+        *_head(),
     ]
 
 
@@ -169,8 +164,8 @@ def traffic_signal_mast() -> Shapes:
         tube(arm, [0.07, 0.06, 0.045], "metal_grey", sides=6),
         box((-0.03, 0.1, 2.75), (0.03, 0.2, 2.85), "metal_grey"),
         box((-3.43, 0.1, 5.85), (-3.37, 0.2, 5.98), "metal_grey"),
-        *_head(0),
-        *(moved(part, (-3.4, 0.0, 2.62)) for part in _head(0)),
+        *_head(),
+        *(moved(part, (-3.4, 0.0, 2.62)) for part in _head()),
     ]  # fmt: skip
 
 

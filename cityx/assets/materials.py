@@ -189,6 +189,12 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("rubber", (0.02, 0.02, 0.02), 0.9, takes_tint=False, porosity=0.0),
     _M("lamp_glow", (0.90, 0.85, 0.75), 0.5, takes_tint=False, emission=30.0, porosity=0.0),
     _M("signal_red", (0.60, 0.02, 0.02), 0.4, takes_tint=False, emission=2.0, porosity=0.0),
+    # Lights that burn only while something is shown; what walkers see has lights of its own.
+    _M("signal_stop", (0.30, 0.01, 0.01), 0.4, takes_tint=False, emission=4.0, porosity=0.0),
+    _M("signal_amber", (0.25, 0.17, 0.01), 0.4, takes_tint=False, porosity=0.0),
+    _M("signal_green", (0.01, 0.16, 0.10), 0.4, takes_tint=False, porosity=0.0),
+    _M("walk_red", (0.30, 0.01, 0.01), 0.4, takes_tint=False, emission=4.0, porosity=0.0),
+    _M("walk_green", (0.01, 0.14, 0.09), 0.4, takes_tint=False, porosity=0.0),
     # Gas in tubes: neon itself, and argon with mercury over phosphors of several colours.
     _M("neon_red", (1.0, 0.06, 0.02), 0.4, takes_tint=False, emission=12.0, porosity=0.0),
     _M("neon_amber", (1.0, 0.32, 0.02), 0.4, takes_tint=False, emission=12.0, porosity=0.0),

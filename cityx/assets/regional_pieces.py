@@ -236,13 +236,10 @@ def traffic_signal_japan() -> Shapes:
     for side in (-0.42, 0.42):
         parts.append(box((x + side - 0.025, 0.12, z), (x + side + 0.025, 0.22, 5.68), "metal_grey",
                          grey))  # fmt: skip
-    lights = ((-0.42, (0.0, 0.16, 0.11)), (0.0, (0.25, 0.17, 0.01)), (0.42, RED))
-    for side, color in lights:
-        burns = side > 0
+    for side, light in ((-0.42, "signal_green"), (0.0, "signal_amber"), (0.42, "signal_stop")):
         parts += [
             disc((x + side, -0.062, z), lamp + 0.025, "plastic", DARK, sides=14, thickness=0.02),
-            disc((x + side, -0.075, z), lamp, "signal_red" if burns else "plastic", color,
-                 sides=14, thickness=0.016),
+            disc((x + side, -0.075, z), lamp, light, sides=14, thickness=0.016),
             prism([(x + side - 0.17, z + 0.02), (x + side + 0.17, z + 0.02),
                    (x + side + 0.10, z + 0.19), (x + side - 0.10, z + 0.19)], -0.30, -0.06,
                   "metal_grey", grey),
@@ -250,8 +247,8 @@ def traffic_signal_japan() -> Shapes:
     # Walkers cross beside the pole, and see red above green from the other side.
     parts += [
         box((0.10, 0.05, 2.38), (0.24, 0.35, 3.02), "plastic", DARK),
-        box((0.24, 0.09, 2.73), (0.25, 0.31, 2.97), "signal_red", RED),
-        box((0.24, 0.09, 2.43), (0.25, 0.31, 2.67), "plastic", (0.0, 0.14, 0.09)),
+        box((0.24, 0.09, 2.73), (0.25, 0.31, 2.97), "walk_red"),
+        box((0.24, 0.09, 2.43), (0.25, 0.31, 2.67), "walk_green"),
         box((0.05, 0.17, 2.66), (0.10, 0.23, 2.74), "metal_grey", grey),
         box((-0.08, 0.09, 0.95), (0.08, 0.13, 1.20), "plastic", YELLOW),
     ]

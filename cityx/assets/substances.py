@@ -67,7 +67,8 @@ SUBSTANCES: Mapping[str, Substance] = MappingProxyType(
             (_WOOD, "wood bench_wood bark bark_smooth bark_flaking thatch"),
             (_STEEL, "metal_dark metal_grey metal_panel roof_metal copper rail_steel"),
             (_GLASS, "glass pane car_glass car_pane window_lit glass_wall lamp_glow signal_red "
-             "neon_red neon_amber neon_green neon_cyan neon_blue neon_violet neon_pink"),
+             "signal_stop signal_amber signal_green walk_red walk_green neon_red neon_amber "
+             "neon_green neon_cyan neon_blue neon_violet neon_pink"),
             (_PLASTIC, "plastic sign ware_cream ware_red ware_ochre ware_blue ware_green "
              "lens_white lens_red lens_amber plate_white plate_yellow plate_blue plate_green"),
             (_RUBBER, "rubber"),

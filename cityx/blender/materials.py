@@ -57,6 +57,18 @@ ROOM_GLOW = 0.3
 SIGN_GLOW = 1.6
 INDOORS = "room_wall"  # what lamps light by day as well, while shops are open
 INDOOR_GLOW = 0.42  # radiance of a white wall there, against that of the sky at noon
+# Numbers of instances that tell what signals show: to vehicles one more than the number of their
+# state of `cityx.city.signals`, to people 1 for waiting and 2 for walking; 0 where it is not known.
+SHOWS, WALKS = "shows", "walks"
+# Lights of signals: which number lights them, from and to, and their colour.
+BURNING: Mapping[str, tuple[str, float, float, tuple[float, float, float]]] = {
+    "signal_stop": (SHOWS, 1.5, 3.5, (1.0, 0.03, 0.02)),
+    "signal_amber": (SHOWS, 2.5, 4.5, (1.0, 0.42, 0.02)),
+    "signal_green": (SHOWS, 4.5, 6.5, (0.02, 0.85, 0.42)),
+    "walk_red": (WALKS, 0.5, 1.5, (1.0, 0.03, 0.02)),
+    "walk_green": (WALKS, 1.5, 2.5, (0.02, 0.85, 0.42)),
+}
+BURNING_DAY, BURNING_NIGHT = 1.6, 2.0  # radiance by day, and emission as of a material by night
 # What no snow lies on: water, and panes that are warm from inside.
 SNOWLESS = frozenset({"water", "glass", "pane", "window_lit", "lamp_glow"})
 
@@ -204,6 +216,9 @@ class MaterialLibrary:
             tree.links.new(lights.outputs[WHEN_OPEN], shader.inputs["Emission Strength"])
             material.cycles.emission_sampling = "NONE"
             return
+        if record.name in BURNING and variant:
+            self._burn(material, record)
+            return
         room = record.name == "glass" and variant == "room"
         wall = record.name == "glass_wall"
         sign = record.name == "sign" and variant == "sign"
@@ -235,6 +250,28 @@ class MaterialLibrary:
         tree.links.new(lights.outputs[output], shader.inputs["Emission Strength"])
         # Thousands of panes as light sources would swamp the light tree; lamps near the camera
         # get real lights instead (`cityx.blender.sky`).
+        material.cycles.emission_sampling = "NONE"
+
+    def _burn(self, material: bpy.types.Material, record: Material) -> None:
+        """Let a light of a signal burn while its instance shows it, by day as well."""
+        name, low, high, color = BURNING[record.name]
+        tree = material.node_tree
+        shader = tree.nodes["Principled BSDF"]
+        lights = tree.nodes.new("ShaderNodeGroup")
+        lights.node_tree = self.lights
+        lights.inputs["Strength"].default_value = BURNING_NIGHT * EMISSION_SCALE
+        night = lights.outputs["Lamp"]
+        by_day = nodes.math(tree, "LESS_THAN", night, 1e-6)
+        glow = nodes.math(tree, "MULTIPLY_ADD", by_day, BURNING_DAY, night)
+        given = nodes.attribute(tree, name, instance=True).outputs["Fac"]
+        on = nodes.math(tree, "GREATER_THAN", given, low)
+        on = nodes.math(tree, "MULTIPLY", on, nodes.math(tree, "LESS_THAN", given, high))
+        strength = nodes.math(tree, "MULTIPLY", on, glow)
+        if record.emission:  # what burns where nothing is known
+            unknown = nodes.math(tree, "LESS_THAN", given, 0.5)
+            strength = nodes.math(tree, "MULTIPLY_ADD", unknown, night, strength)
+        shader.inputs["Emission Color"].default_value = (*color, 1.0)
+        tree.links.new(strength, shader.inputs["Emission Strength"])
         material.cycles.emission_sampling = "NONE"
 
 

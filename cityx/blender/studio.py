@@ -17,6 +17,7 @@ from cityx.blender.materials import MaterialLibrary
 from cityx.blender.movers import show_movers
 from cityx.blender.outskirts import Outskirts
 from cityx.blender.passes import render_passes, use_passes
+from cityx.blender.signals import show_signals
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 
@@ -61,7 +62,7 @@ class Studio:
     def show(
         self, environment: Environment, camera: Camera, moment: float | None, *, truth: bool = False
     ) -> None:
-        """Set light, grass, movers and outskirts; a moment of None is that of the view.
+        """Set light, grass, movers, signals and outskirts; a moment of None is that of the view.
 
         A picture that is read as truth shows the site alone.
         """
@@ -75,6 +76,8 @@ class Studio:
             show_movers(self.scene, self.view, wanted, self.library)
         elif self.animated:
             set_moment(self.scene, wanted)
+        if wanted != self.moment:
+            show_signals(self.view, wanted)
         self.moment = wanted
         self.lighting.set(environment)
         self.lighting.set_for(environment, camera)

@@ -86,6 +86,7 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
     from cityx.blender.light import Lighting
     from cityx.blender.materials import MaterialLibrary
     from cityx.blender.operators import call
+    from cityx.blender.signals import show_signals
     from cityx.blender.studio import Studio
     from cityx.city.rows import without_objects
 
@@ -107,6 +108,7 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
         scene = scenes.build_scene(held, objects=job["objects"], library=library)
         if animated:
             animate(scene, view, library)
+        show_signals(view, view.moment)
         lighting = Lighting(scene, view)
         lighting.set(environment)
         cameras = [render.add_camera(scene, camera) for camera, _ in pictures]
