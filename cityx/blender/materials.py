@@ -269,7 +269,7 @@ class MaterialLibrary:
         strength = nodes.math(tree, "MULTIPLY", on, glow)
         if record.emission:  # what burns where nothing is known
             unknown = nodes.math(tree, "LESS_THAN", given, 0.5)
-            strength = nodes.math(tree, "MULTIPLY_ADD", unknown, night, strength)
+            strength = nodes.math(tree, "MULTIPLY_ADD", unknown, glow, strength)
         shader.inputs["Emission Color"].default_value = (*color, 1.0)
         tree.links.new(strength, shader.inputs["Emission Strength"])
         material.cycles.emission_sampling = "NONE"

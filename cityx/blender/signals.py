@@ -9,6 +9,7 @@ import numpy as np
 
 from cityx.blender.materials import SHOWS, WALKS
 from cityx.city.signal_poles import people_see, vehicles_see
+from cityx.city.signals import STATE
 
 if TYPE_CHECKING:
     from cityx.city.store import View
@@ -38,10 +39,11 @@ def show_signals(view: View, moment: float) -> None:
         foot, yaw = rows.position[poles, :2].astype(float), rows.rotation[poles, 2].astype(float)
         facing = np.column_stack([np.sin(yaw), -np.cos(yaw)])  # their lights look along -y
         over = ACROSS * np.column_stack([np.cos(yaw), np.sin(yaw)])  # what walkers see looks there
-        shown = {
-            SHOWS: vehicles_see(foot, facing, view.signals, moment) + 1,
-            WALKS: people_see(foot + over, view.signals, moment) + 1,
-        }
+        vehicles = vehicles_see(foot, facing, view.signals, moment)
+        people = people_see(foot + over, view.signals, moment)
+        # Crossings that no head rules are walked while nobody may drive over them.
+        waiting = np.where(vehicles < 0, -1, vehicles == STATE["red"])
+        shown = {SHOWS: vehicles + 1, WALKS: np.where(people < 0, waiting, people) + 1}
         for name, values in shown.items():
             every = np.zeros(rows.count, np.float32)
             every[poles] = values

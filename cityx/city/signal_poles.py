@@ -60,8 +60,8 @@ def vehicles_see(xy: FloatArray, facing: FloatArray, signals: Signals, moment: f
     return np.where(best >= 0, np.array([STATE[name] for name in RANK])[best], -1)
 
 
-def people_see(xy: FloatArray, signals: Signals, moment: float) -> NDArray[np.bool_]:
-    """(n,) whether people may walk over the crossing nearest to each of places, (n, 2) metres."""
+def people_see(xy: FloatArray, signals: Signals, moment: float) -> IntArray:
+    """(n,) 1 where people may walk over the crossing nearest to a place, 0 where not, else -1."""
     of = np.flatnonzero(signals.crossing != 0)
     middle = signals.position[of, :2]
     pole, head = _pairs(xy, middle, CROSSING)
@@ -69,7 +69,7 @@ def people_see(xy: FloatArray, signals: Signals, moment: float) -> NDArray[np.bo
     order = np.lexsort((head, away, pole))
     first = order[np.flatnonzero(np.diff(pole[order], prepend=-1))]
     go = np.isin(states_at(signals, moment)[of], [STATE[name] for name in GO])
-    found = np.zeros(len(xy), bool)
+    found = np.full(len(xy), -1)
     found[pole[first]] = go[head[first]]
     return found
 

@@ -67,8 +67,8 @@ def test_people_see_the_crossing_next_to_them():
         (1.0, 0.0, NORTH, 0, "red", "red"),
     )  # fmt: skip
     xy = np.array([(1.0, 1.0), (8.0, 1.0), (60.0, 0.0)])
-    assert people_see(xy, signals, 5.0).tolist() == [True, False, False]
-    assert people_see(xy, signals, 15.0).tolist() == [False, True, False]
+    assert people_see(xy, signals, 5.0).tolist() == [1, 0, -1]
+    assert people_see(xy, signals, 15.0).tolist() == [0, 1, -1]
 
 
 @given(st.integers(0, 2**32 - 1))
