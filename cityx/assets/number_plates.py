@@ -59,7 +59,7 @@ _JAPAN = ("見本 00", "0-000")
 PLATES: Mapping[str, Plate] = MappingProxyType(
     {
         "eu": Plate((0.52, 0.11), _WHITE, _WHITE, _BLACK, True, ("XX 00000",)),
-        "gb": Plate((0.52, 0.11), _WHITE, _YELLOW, _BLACK, False, ("XX0 0XX",)),
+        "gb": Plate((0.52, 0.11), _WHITE, _YELLOW, _BLACK, False, ("XX00 XXX",)),
         "us": Plate((0.305, 0.152), _WHITE, _WHITE, _BLUE, False, ("XX 000 000",)),
         "jp": Plate((0.33, 0.165), _WHITE, _WHITE, _GREEN, False, _JAPAN),
         "jk": Plate((0.33, 0.165), _YELLOW, _YELLOW, _BLACK, False, _JAPAN),

@@ -7,6 +7,7 @@ origin on the ground at the foot. A row is some 1.5 m long and 0.4 m deep.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -178,6 +179,35 @@ def _vine(name: str, x: float, y: float, foot: float, high: float, radius: float
         along = size * large * _unit(out + [0, 0, -0.7] + 0.5 * rng.normal(size=(number, 3)))
         parts += _blades(centre, along, slim, tint, rng, material)
     return parts
+
+
+def net_of_vines(name: str, half: float, y: float, low: float, high: float) -> Shapes:
+    """Return a net between poles, of the given half width, and leaves that cover most of it."""
+    rng = rng_for(0, f"assets/{name}", 1)
+    parts: Shapes = [cylinder((x, y, low - 0.1), (x, y, high), 0.009, "plastic", CANE, sides=4)
+                     for x in np.linspace(-half, half, 4)]  # fmt: skip
+    parts.append(tube([[-half, y, high], [half, y, high]], 0.009, "plastic", CANE, sides=4))
+    count, large = _count(900)
+    x = rng.uniform(-half, half, count)
+    # Vines climb unevenly: the rim of what they cover is a wave of several lengths.
+    rim = 0.80 + 0.16 * np.sin(5.1 * x / half + 0.7) + 0.08 * np.sin(11.0 * x / half)
+    z = low + (high - low) * np.minimum(rim, 1.02) * rng.uniform(0.0, 1.0, count) ** 0.85
+    out = rng.uniform(-0.09, 0.03, count)
+    centre = np.column_stack([x, y + out, z])
+    along = 0.05 * large * _unit(rng.normal(size=(count, 3)) * [1, 0.35, 1] + [0, -0.2, -0.5])
+    blossom = slice(0, count // 18)
+    parts += _blades(centre, along, 0.8, (0.8, 0.95, 0.55), rng)
+    petals = centre[blossom] + [0.0, -0.05, 0.03]
+    return [*parts, *_blades(petals, 0.5 * along[blossom], 1.0, PETALS[1], rng, "cloth")]
+
+
+def slim_tree(name: str, foot: float, high: float, tint: Color, reach: float) -> Shapes:
+    """Return a young tree trained along its wall: no farther than `reach` from its stem, metres."""
+    grown = small_tree(name, 0.0, 0.0, foot, high, tint)
+    most = max(float(np.abs(part.vertices[:, 1]).max()) for part in grown)
+    return [
+        replace(part, vertices=part.vertices * [1.0, min(1.0, reach / most), 1.0]) for part in grown
+    ]
 
 
 def small_tree(name: str, x: float, y: float, foot: float, high: float, tint: Color) -> Shapes:

@@ -11,6 +11,7 @@ import numpy as np
 
 from cityx.assets.openings import Shapes, pane
 from cityx.assets.shapes import box, cylinder, disc, loft, moved, prototype
+from cityx.assets.street_pieces import leaf_mound
 from cityx.city.scene import Prototype
 from cityx.geometry.identity import rng_for
 
@@ -199,6 +200,25 @@ def roof_planters() -> Shapes:
     return shapes
 
 
+def roof_lawn() -> Shapes:
+    """Garden on a roof, 5.4 m by 3.8 m: a lawn in a kerb, shrubs about it and a bench on slabs."""
+    shapes: Shapes = [
+        box((-2.7, -1.9, SUNK), (2.7, 1.9, 0.3), "concrete", (1.1, 1.08, 1.04)),
+        box((-2.55, -1.75, 0.2), (2.55, 1.75, 0.34), "grass"),
+        box((-0.9, -1.75, 0.2), (0.9, -0.5, 0.36), "paving"),
+        box((-0.8, -0.95, 0.68), (0.8, -0.6, 0.74), "bench_wood"),
+        *(box((x, -0.9, 0.3), (x + 0.08, -0.65, 0.68), "metal_dark") for x in (-0.7, 0.62)),
+    ]
+    for number, (x, y, wide, high) in enumerate(
+        ((-2.0, 1.1, 0.55, 1.7), (-0.8, 1.2, 0.5, 0.9), (0.5, 1.15, 0.55, 1.3),
+         (1.9, 1.0, 0.6, 1.9), (2.1, -0.3, 0.45, 0.8), (-2.1, -0.5, 0.45, 1.0),
+         (1.9, -1.3, 0.4, 0.6), (-1.9, -1.35, 0.4, 0.7))
+    ):  # fmt: skip
+        shapes.append(leaf_mound(f"roof lawn {number}", (x - wide, y - wide, 0.3),
+                                 (x + wide, y + wide, 0.3 + high), 36, size=0.16))  # fmt: skip
+    return shapes
+
+
 def _stain(number: int) -> Shapes:
     """Dirt that a puddle left: an irregular patch, a finger high, 3 m across."""
     rng = rng_for(number, "assets/roof_stain", 1)
@@ -312,6 +332,29 @@ def _deck_row(cars: Sequence[tuple[str, int]]) -> Shapes:
     return shapes
 
 
+def deck_ramp() -> Shapes:
+    """Head of the ramp to a parking deck in the place of four bays, under a roof at its far end."""
+    half, deep, roof = 2 * DECK_BAY, DECK_STALL / 2, 2.5
+    under = -0.1 * half  # where the roof ends, along x
+    shapes: Shapes = [
+        box((-half, -deep, SUNK), (-half + 0.2, deep, roof), "concrete"),
+        box((-half, -deep, roof), (under, deep, roof + 0.22), "concrete"),
+        box((under - 0.02, -0.45, 0.9 * roof), (under + 0.02, 0.45, 0.98 * roof), "sign"),
+        box((-half, -0.06, SUNK), (half, 0.06, 0.16), "kerb_stone"),
+    ]
+    for side in (-1, 1):
+        y, middle = side * (deep - 0.1), side * deep / 2
+        shapes += [
+            box((-half, y - 0.1, SUNK), (under, y + 0.1, roof), "concrete"),
+            box((under, y - 0.1, SUNK), (half, y + 0.1, 1.0), "concrete"),
+            box((half - 0.1, y - 0.12, SUNK), (half, y + 0.12, 1.15), "marking_yellow"),
+            # The way down, dark below the roof, and the way up beside it.
+            box((-half + 0.2, middle - 1.0, 0.0), (0.75 * half, middle + 1.0, 0.012), "asphalt",
+                (0.45, 0.45, 0.45)),
+        ]  # fmt: skip
+    return shapes
+
+
 DECK_ROWS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {name: partial(_deck_row, cars) for name, cars in _PARKED.items()}
 )
@@ -322,12 +365,13 @@ ROOF_FURNITURE: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
         for maker in (
             hvac_unit, condenser, stair_head, lift_house, antenna, dish, solar_panels, vent,
             water_tank, water_cistern, skylight, chimney, chimney_small, ac_row, roof_patch,
-            roof_hatch, roof_pipes, roof_planters, roof_duct, roof_walkway, roof_railing,
+            roof_hatch, roof_pipes, roof_planters, roof_lawn, roof_duct, roof_walkway, roof_railing,
             roof_sheet,
         )
     }
     | {name: partial(_stain, number) for number, name in enumerate(STAINS)}
     | dict(DECK_ROWS)
+    | {"deck_ramp": deck_ramp}
 )  # fmt: skip
 # Half diagonal of the plan of each piece, metres, for keeping it on its roof.
 REACH: Mapping[str, float] = MappingProxyType(
@@ -336,8 +380,9 @@ REACH: Mapping[str, float] = MappingProxyType(
         "dish": 0.6, "solar_panels": 2.6, "vent": 0.4, "water_tank": 1.9, "water_cistern": 1.3,
         "skylight": 1.6, "chimney": 0.75, "chimney_small": 0.55, "ac_row": 1.95,
         "roof_patch": 1.55, "roof_hatch": 0.9, "roof_pipes": 2.0, "roof_planters": 1.6,
-        "deck_bays": 5.6, "deck_bays_full": 5.6, "deck_bays_free": 5.6, "roof_duct": 2.9,
-        "roof_walkway": 2.5, "roof_railing": 1.6, "roof_sheet": 3.9, **dict.fromkeys(STAINS, 1.45),
+        "roof_lawn": 3.4, "deck_bays": 5.6, "deck_bays_full": 5.6, "deck_bays_free": 5.6,
+        "deck_ramp": 5.6, "roof_duct": 2.9, "roof_walkway": 2.5, "roof_railing": 1.6,
+        "roof_sheet": 3.9, **dict.fromkeys(STAINS, 1.45),
     }
 )  # fmt: skip
 

@@ -62,7 +62,7 @@ SUBSTANCES: Mapping[str, Substance] = MappingProxyType(
              "gutter_slabs"),
             (_RENDER, "plaster trim room_wall"),
             (_STONE, "stone setts small_setts gutter_stones cobbles slate flagstones mosaic "
-             "slab_walk"),
+             "plaza_slabs slab_walk"),
             (_BRICK, "brick clinker"),
             (_WOOD, "wood bench_wood bark bark_smooth bark_flaking thatch"),
             (_STEEL, "metal_dark metal_grey metal_panel roof_metal copper rail_steel"),

@@ -11,6 +11,8 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from cityx.assets.furniture_parts import BLUE, DARK, GREY, PALE, RED, YELLOW, Shapes, post
+from cityx.assets.potted_plants import GLAZE, net_of_vines, pot, slim_tree, trough
+from cityx.assets.potted_plants import PALE as POTTERY
 from cityx.assets.shapes import Color, box, cylinder, tinted, tube
 from cityx.assets.street_pieces import leaf_mound
 
@@ -19,11 +21,13 @@ BLOSSOM: Color = (2.2, 0.6, 1.1)
 # Metres from the wall to the middle of each, and half its length.
 GAPS: Mapping[str, float] = MappingProxyType(
     {"wall_trough": 0.15, "wall_pots": 0.17, "furled_banner": 0.16, "wall_meters": 0.16,
-     "wall_crates": 0.18, "broom_and_pail": 0.15, "hanging_basket": 0.2, "drain_cover": 0.2}
+     "wall_crates": 0.18, "broom_and_pail": 0.15, "wall_tree": 0.2, "wall_olive": 0.2,
+     "green_curtain": 0.18, "hanging_basket": 0.2, "drain_cover": 0.2}
 )  # fmt: skip
 HALVES: Mapping[str, float] = MappingProxyType(
     {"wall_trough": 0.55, "wall_pots": 0.5, "furled_banner": 0.18, "wall_meters": 0.3,
-     "wall_crates": 0.4, "broom_and_pail": 0.3, "hanging_basket": 0.24, "drain_cover": 0.25}
+     "wall_crates": 0.4, "broom_and_pail": 0.3, "wall_tree": 0.82, "wall_olive": 0.8,
+     "green_curtain": 0.85, "hanging_basket": 0.24, "drain_cover": 0.25}
 )  # fmt: skip
 
 
@@ -52,6 +56,33 @@ def wall_pots() -> Shapes:
         parts.append(leaf_mound(f"slender {number}", (x - 0.12, -0.12, high - 0.03),
                                 (x + 0.12, 0.12, high + leaves), 60, size=0.045))  # fmt: skip
     return parts
+
+
+def wall_tree() -> Shapes:
+    """Maple of 2.6 m in a glazed pot, its crown flat to the wall."""
+    return [
+        *pot(0.0, 0.0, 0.17, 0.44, GLAZE),
+        *slim_tree("wall maple", 0.41, 2.2, (0.95, 0.95, 0.5), 0.19),
+    ]
+
+
+def wall_olive() -> Shapes:
+    """Olive of 2.3 m in a pale pot, flowers at its foot."""
+    return [
+        *pot(0.0, 0.0, 0.17, 0.4, POTTERY),
+        *slim_tree("wall olive", 0.37, 1.95, (0.85, 0.92, 0.85), 0.19),
+        *pot(0.4, 0.0, 0.12, 0.24, TERRACOTTA),
+        tinted(leaf_mound("olive pot", (0.26, -0.13, 0.2), (0.54, 0.13, 0.44), 60, size=0.04),
+               BLOSSOM),
+    ]  # fmt: skip
+
+
+def green_curtain() -> Shapes:
+    """Net from a trough up to the lintel, grown over by gourds that shade the window behind."""
+    return [
+        *trough((-0.75, -0.14, 0.0), (0.75, 0.14, 0.24), PALE),
+        *net_of_vines("green curtain", 0.7, 0.04, 0.24, 2.7),
+    ]
 
 
 def furled_banner() -> Shapes:
@@ -133,8 +164,8 @@ WALL_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {
         maker.__name__: maker
         for maker in (
-            wall_trough, wall_pots, furled_banner, wall_meters, wall_crates, broom_and_pail,
-            hanging_basket, drain_cover,
+            wall_trough, wall_pots, wall_tree, wall_olive, green_curtain, furled_banner,
+            wall_meters, wall_crates, broom_and_pail, hanging_basket, drain_cover,
         )
     }
 )  # fmt: skip

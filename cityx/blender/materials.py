@@ -24,8 +24,8 @@ PUDDLED = frozenset(
     {"asphalt", "asphalt_light", "setts", "small_setts", "gutter_stones", "gutter_slabs", "paving",
      "concrete", "bitumen", "pitch", "soil",
      "cobbles", "clinker", "pavers", "yard", "road_concrete", "flagstones", "mosaic", "slab_walk",
-     "walk_blocks", "guided_blocks", "tactile_yellow", "tactile_pale", "tactile_buff",
-     "tactile_red"}
+     "plaza_slabs", "walk_blocks", "guided_blocks", "tactile_yellow", "tactile_pale",
+     "tactile_buff", "tactile_red"}
 )  # fmt: skip
 # Materials of outer walls, which weather: splashes above the ground, streaks of rain, blotches.
 AGED = frozenset({"plaster", "brick", "stone", "concrete", "wood", "trim"})
@@ -43,6 +43,7 @@ REPAIRED = CRACKED | {
     "cobbles",
     "paving",
     "flagstones",
+    "plaza_slabs",
     "slab_walk",
     "walk_blocks",
 }  # what is dug up and filled again

@@ -54,7 +54,7 @@ SURFACES: tuple[Surface, ...] = (
     Surface("bare", 18, KERB_HEIGHT, "soil", "soil"),
     Surface("pitch", 22, KERB_HEIGHT, "pitch", "concrete"),
     Surface("playground", 22, KERB_HEIGHT, "sand", "concrete"),
-    Surface("plaza", 24, KERB_HEIGHT, "paving", "kerb_stone"),
+    Surface("plaza", 24, KERB_HEIGHT, "plaza_slabs", "kerb_stone"),
     Surface("parking", 26, 0.0, "asphalt", "kerb_stone"),
     Surface("water", 30, WATER_LEVEL, "water", "stone"),
     Surface("railway", 34, KERB_HEIGHT, "rail_ballast", "soil"),

@@ -26,8 +26,9 @@ TWO_SIDED = frozenset({"leaf", "foliage", "hedge", "cloth"})
 # Ground that snow whitens; roofs and walls share materials with a tint, which would dye the snow.
 SNOWED = frozenset(
     {"paving", "grass", "meadow", "forest_floor", "farmland", "soil", "sand", "gravel", "pitch",
-     "rail_ballast", "kerb_stone", "yard", "flagstones", "mosaic", "slab_walk", "walk_blocks",
-     "guided_blocks", "tactile_yellow", "tactile_pale", "tactile_buff", "tactile_red"}
+     "rail_ballast", "kerb_stone", "yard", "flagstones", "mosaic", "slab_walk", "plaza_slabs",
+     "walk_blocks", "guided_blocks", "tactile_yellow", "tactile_pale", "tactile_buff",
+     "tactile_red"}
 )  # fmt: skip
 _SNOW = np.array([0.80, 0.82, 0.86])
 _SLUSH_SHARE = 0.35

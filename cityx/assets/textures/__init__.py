@@ -42,7 +42,7 @@ PATTERNS: Mapping[str, Callable[[int], Relief]] = MappingProxyType(
             walls.curtain, walls.paint,
             roofs.roof_tiles, roofs.slate, roofs.seams, roofs.felt, roofs.gravel, roofs.thatch,
             grounds.asphalt, grounds.setts, grounds.gutter_stones, grounds.gutter_slabs,
-            grounds.paving, grounds.grass, grounds.soil,
+            grounds.paving, grounds.plaza_slabs, grounds.grass, grounds.soil,
             grounds.furrows, grounds.ripples,
             roads.asphalt_worn, roads.cobbles, roads.clinker, roads.road_slabs,
             pavements.flagstones, pavements.mosaic, pavements.slab_walk,

@@ -23,6 +23,7 @@ from cityx.assets.textures.relief import Relief
 
 SETT_TILE = 4.0  # metres of a tile of setts
 SETT_COURSE = SETT_TILE / 26  # metres of one course
+PLAZA_TILE, PLAZA_BAND = 7.2, 0.8  # metres of a tile of a square, and of the bands in it
 SAND, MOSS = (0.52, 0.46, 0.38), (0.20, 0.23, 0.12)  # what fills joints, linear RGB
 
 
@@ -115,6 +116,25 @@ def paving(size: int) -> Relief:
     lean = lean + (walk.draw(4) - 0.5) * 0.006 * (walk.up - 0.2)
     height = lean - 0.005 * joint - 0.002 * arris + 0.0006 * grain
     return Relief(2.4, albedo, height, 1 - 0.1 * gum + 0.04 * clouds, brightness=0.66)
+
+
+def plaza_slabs(size: int) -> Relief:
+    """Draw fields of slabs, 6 m square, between bands of dark setts: the ground of squares."""
+    walk = lay("plaza", size, PLAZA_TILE, 12, 18, jitter=0.0)
+    u, v = axes(size)
+    off = np.maximum(np.abs(u - np.float32(0.5)), np.abs(v - np.float32(0.5)))
+    band = off > 0.5 - PLAZA_BAND / 2 / PLAZA_TILE
+    setts = lay("plaza/band", size, PLAZA_TILE, 36, 36, jitter=0.2)
+    clouds = fractal("plaza/clouds", size, 4, octaves=6, gain=0.7)
+    grain = speckle("plaza", size) - np.float32(0.5)
+    joint = 1 - smooth(0.004, 0.012, np.where(band, setts.edge, walk.edge))
+    slab = 1.06 + 0.24 * (walk.draw(1) - 0.5) + 0.06 * clouds
+    stone = 0.46 + 0.16 * (setts.draw(1) - 0.5)
+    tone = (np.where(band, stone, slab) + 0.10 * grain) * (1 - 0.5 * joint)
+    hue = np.where(band, -0.02, 0.07 * (walk.draw(2) - 0.4))
+    albedo = tone[..., None] * np.stack([1 + hue, np.ones_like(hue), 1 - hue], axis=2)
+    height = 0.0006 * grain - 0.005 * joint + np.where(band, 0.002 * setts.draw(3), 0.0)
+    return Relief(PLAZA_TILE, albedo, height.astype(np.float32), 1 + 0.04 * clouds, brightness=0.66)
 
 
 def _spots(key: str, size: int) -> Field:

@@ -135,6 +135,7 @@ def _look(facade: FacadeStyle, walls: Surfaces = _TILED) -> Look:
 _ROOFTOP = MappingProxyType(
     {"condenser": 5, "ac_row": 6, "water_cistern": 4, "stair_head": 4, "lift_house": 3,
      "antenna": 3, "vent": 2, "roof_patch": 6, "roof_hatch": 2, "roof_pipes": 3, "roof_planters": 1,
+     "roof_lawn": 1.6,
      "roof_duct": 2, "roof_walkway": 1.5}
 )  # fmt: skip
 

@@ -80,5 +80,8 @@ def deck_rows(
         over, up = x + shift * np.cos(yaws), y + shift * np.sin(yaws)
         free &= ~covered(volumes, part, over, up, np.full(len(part), REACHING), deck[part])
     piece = np.array(kinds)[drawn]
+    # One comes up in place of the first bays that are free.
+    first = np.flatnonzero(free)[np.unique(part[free], return_index=True)[1]]
+    piece[first] = PIECES.index("deck_ramp")
     return (part[free], piece[free], x[free], y[free], deck[part][free], np.ones(int(free.sum())),
             yaws[free], number[free])  # fmt: skip

@@ -52,23 +52,25 @@ FLAT = tuple(PIECES.index(name) for name in ("roof_patch", "roof_sheet", *STAINS
 LAYERS, LAYER = 10, 0.06
 # What age leaves on flat roofs of all but houses, as shares of the weights of all else.
 WEAR = {"roof_sheet": 0.10, **dict.fromkeys(STAINS, 0.06)}
-# Flat roofs that people use have a railing: share of them, metres from the wall's face to it, of
-# its bays, and of the shortest edge with one.
+# Flat roofs that people use have a railing, and all decks one parks on: share of the former, metres
+# from the wall's face to it, of its bays, and of the shortest edge with one.
 RAILED, RAIL_AREA, RAIL_IN, RAIL_BAY, RAIL_LEAST = 0.4, 90.0, 0.45, 3.0, 1.6
 _WEIGHTS: Mapping[str, Mapping[str, float]] = {  # by group; the order of the words is that of REACH
     "flats": {"condenser": 3, "stair_head": 5, "antenna": 4, "dish": 2, "solar_panels": 3,
               "vent": 4, "skylight": 3, "water_cistern": 1, "roof_patch": 7, "roof_hatch": 3,
-              "roof_pipes": 2, "roof_planters": 2, "ac_row": 1.5, "roof_walkway": 1},
+              "roof_pipes": 2, "roof_planters": 2, "roof_lawn": 1, "ac_row": 1.5,
+              "roof_walkway": 1},
     "office": {"hvac_unit": 7, "condenser": 3, "lift_house": 4, "stair_head": 2, "vent": 4,
                "skylight": 1, "antenna": 1, "roof_patch": 6, "roof_hatch": 1, "roof_pipes": 5,
-               "ac_row": 5, "solar_panels": 1, "roof_duct": 4, "roof_walkway": 2},
+               "roof_lawn": 1.2, "ac_row": 5, "solar_panels": 1, "roof_duct": 4, "roof_walkway": 2},
     "retail": {"hvac_unit": 7, "condenser": 3, "vent": 3, "skylight": 4, "stair_head": 1,
-               "roof_patch": 6, "roof_pipes": 4, "ac_row": 3, "roof_hatch": 1,
+               "roof_patch": 6, "roof_pipes": 4, "roof_lawn": 0.8, "ac_row": 3, "roof_hatch": 1,
                "roof_duct": 4, "roof_walkway": 1.5},
     "industry": {"skylight": 8, "vent": 6, "hvac_unit": 2, "roof_patch": 5, "roof_pipes": 1,
                  "roof_duct": 2, "roof_walkway": 1},
     "civic": {"hvac_unit": 3, "stair_head": 3, "vent": 3, "skylight": 4, "solar_panels": 3,
-              "roof_patch": 5, "roof_hatch": 2, "roof_pipes": 2, "roof_walkway": 1},
+              "roof_patch": 5, "roof_hatch": 2, "roof_pipes": 2, "roof_lawn": 1.2,
+              "roof_walkway": 1},
     "house": {"antenna": 1, "solar_panels": 3, "vent": 2, "dish": 1, "roof_patch": 1},
 }  # fmt: skip
 
@@ -253,9 +255,10 @@ def _railings(
     """Bays of railings along the edges of flat roofs, as `_on_flat`, and their scale along x."""
     ids = city.layout.parts["id"].to_numpy(np.uint64)
     area = np.where(volumes.usable, shapely.area(volumes.polygons), 0.0)
-    used = flat & volumes.walls & (area > RAIL_AREA) & np.isin(np.array(GROUPS)[group], STAFFED)
-    rows = np.flatnonzero(used & (_kinds(city) != DECKED))
-    rows = rows[uniform(city.seed, "roof/railed", ids[rows]) < RAILED]
+    deck = _kinds(city) == DECKED
+    used = np.isin(np.array(GROUPS)[group], STAFFED)
+    used &= uniform(city.seed, "roof/railed", ids) < RAILED
+    rows = np.flatnonzero(flat & volumes.walls & (area > RAIL_AREA) & (used | deck))
     inner = shapely.buffer(volumes.polygons[rows], -RAIL_IN, join_style="mitre")
     kept = (shapely.get_type_id(inner) == 3) & ~shapely.is_empty(inner)
     rows, inner = rows[kept], shapely.simplify(inner[kept], 0.05)

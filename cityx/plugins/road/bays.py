@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -28,6 +28,7 @@ BoolArray = NDArray[np.bool_]
 LAYER = "bay_lines"
 PURPOSE = "road/parked_cars-v1"
 AISLE = 6.0  # metres between two rows of bays
+TRIAL_STEP = 1.5  # metres from one distance between the edge of a car park and its rows to the next
 CAR_RADIUS = 2.7  # metres, half the diagonal of a car
 SMALLEST_LOT = 60.0  # square metres
 MOST_STALLS = 4_000  # per car park; beyond, a mapping error rather than a car park
@@ -75,7 +76,7 @@ def _rows(depth: float) -> tuple[FloatArray, FloatArray]:
     module = 2 * STALL + AISLE
     middles, facing = [], []
     start = 0.0
-    while start + STALL <= depth:
+    while start + STALL + AISLE <= depth:  # cars come to the row from the aisle behind it
         middles.append(start + STALL / 2)
         facing.append(-1.0)
         if start + module <= depth:
@@ -133,40 +134,57 @@ def _island_places(lot: IntArray, row: IntArray, number: IntArray) -> BoolArray:
 
 
 def _laid(city: City) -> tuple[Bays, BoolArray]:
-    """Return the places of the bays of car parks, and which of them are islands."""
+    """Return the places of the bays of car parks, and which of them are islands.
+
+    Of the ways to lay rows in a car park, along either side of the box around it and at several
+    distances from its edge, the one with most bays wins.
+    """
     areas = city.layout.areas
     rows = np.flatnonzero(areas["kind"].to_numpy().astype(str) == "parking")
     shapes = areas.geometry.to_numpy()[rows]
     big = shapely.area(shapes) > SMALLEST_LOT
     rows, shapes = rows[big], shapes[big]
     found: list[Bays] = []
-    where: list[IntArray] = []  # lot, row across it, and number along that
-    for row, frame in zip(rows, shapely.oriented_envelope(shapes), strict=True):
-        corner = shapely.get_coordinates(frame)
-        if len(corner) < 4:
-            continue
-        a, b = corner[1] - corner[0], corner[2] - corner[1]
-        if np.hypot(*a) < np.hypot(*b):
-            a, b, origin = b, -a, corner[1]
-        else:
-            origin = corner[0]
-        length, depth = float(np.hypot(*a)), float(np.hypot(*b))
-        u, v = a / max(length, 1e-6), b / max(depth, 1e-6)
-        across, facing = _rows(depth)
-        along = np.arange(0.5 * BAY + 0.5, length - 0.5 * BAY, BAY)
-        if not len(along) or not len(across) or len(along) * len(across) > MOST_STALLS:
-            continue
-        s, t = np.meshgrid(along, across, indexing="ij")
-        xy = origin + s.reshape(-1, 1) * u + t.reshape(-1, 1) * v
-        key = np.full(len(xy), areas["id"].to_numpy()[row])
-        way = np.tile(facing, len(along))[:, None] * v
-        ids = hash_ids(0, f"{PURPOSE}/lot", key, np.arange(len(xy)))
-        found.append(Bays(xy, ids, np.arctan2(way[:, 0], -way[:, 1])))
-        grid = np.indices(s.shape).reshape(2, -1)
-        where.append(np.stack([np.full(len(xy), len(found) - 1), grid[1], grid[0]]))
+    where: list[IntArray] = []  # lot, way of laying, row across it, and number along that
+    for lot, frame in enumerate(shapely.oriented_envelope(shapes)):
+        key = areas["id"].to_numpy()[rows[lot]]
+        for trial, (xy, yaw, grid) in enumerate(_trials(shapely.get_coordinates(frame))):
+            if len(xy) and len(xy) <= MOST_STALLS:
+                ids = hash_ids(0, f"{PURPOSE}/lot", key, np.arange(len(xy)))
+                found.append(Bays(xy, ids, yaw))
+                of = np.broadcast_to([[lot], [trial]], (2, len(xy)))
+                where.append(np.concatenate([of, grid]))
     if not found:
         return _none(), np.zeros(0, bool)
-    bays = join_bays(found)
+    bays, places = join_bays(found), np.concatenate(where, axis=1)
+    free = _on_lots(city, bays, shapes)
+    bays, places = bays.take(free), places[:, free]
+    count = np.zeros((len(shapes), int(places[1].max(initial=0)) + 1), np.int64)
+    np.add.at(count, (places[0], places[1]), 1)
+    best = count.argmax(axis=1)[places[0]] == places[1]
+    return bays.take(best), _island_places(*places[[0, 2, 3]][:, best])
+
+
+def _trials(corner: FloatArray) -> Iterator[tuple[FloatArray, FloatArray, IntArray]]:
+    """Yield ways to lay bays in a box: (b, 2) middles, (b,) yaw, and (2, b) row and number."""
+    if len(corner) < 4:
+        return
+    a, b = corner[1] - corner[0], corner[2] - corner[1]
+    turned = np.hypot(*a) < np.hypot(*b)
+    for side, end, origin in ((b, -a, corner[1]), (a, b, corner[0]))[:: 1 if turned else -1]:
+        length, depth = float(np.hypot(*side)), float(np.hypot(*end))
+        u, v = side / max(length, 1e-6), end / max(depth, 1e-6)
+        along = np.arange(0.5 * BAY + 0.5, length - 0.5 * BAY, BAY)
+        for start in np.arange(0.0, min(STALL + AISLE, depth - STALL) + 1e-6, TRIAL_STEP):
+            across, facing = _rows(depth - start)
+            s, t = np.meshgrid(along, start + across, indexing="ij")
+            xy = origin + s.reshape(-1, 1) * u + t.reshape(-1, 1) * v
+            way = np.tile(facing, len(along))[:, None] * v
+            yield xy, np.arctan2(way[:, 0], -way[:, 1]), np.indices(s.shape).reshape(2, -1)[::-1]
+
+
+def _on_lots(city: City, bays: Bays, shapes: NDArray[Any]) -> BoolArray:
+    """(b,) bays that lie within car parks, clear of houses and of ways."""
     inside = np.ones(len(bays.id), bool)
     ahead = 0.5 * STALL * np.column_stack([np.sin(bays.yaw), -np.cos(bays.yaw)])
     for share in (-0.95, 0.95):
@@ -174,12 +192,14 @@ def _laid(city: City) -> tuple[Bays, BoolArray]:
         ends = shapely.STRtree(shapely.points(bays.xy + share * ahead))
         hit[ends.query(shapes, predicate="contains")[1]] = True
         inside &= hit
-    inside &= ~near_any(bays.xy, city.layout.buildings.geometry.to_numpy(), CAR_RADIUS)
+    inside[inside] = ~near_any(bays.xy[inside], city.layout.buildings.geometry.to_numpy(),
+                               CAR_RADIUS)  # fmt: skip
     roads = city.layout.roads
     open_ = ~roads["tunnel"].to_numpy() & ~roads["bridge"].to_numpy()
     half = np.nan_to_num(roads["width"].to_numpy()[open_] / 2, nan=1.5)
-    inside &= ~near_any(bays.xy, roads.geometry.to_numpy()[open_], np.fmin(half, 3.0) + 1.3)
-    return bays.take(inside), _island_places(*np.concatenate(where, axis=1)[:, inside])
+    inside[inside] = ~near_any(bays.xy[inside], roads.geometry.to_numpy()[open_],
+                               np.fmin(half, 3.0) + 1.3)  # fmt: skip
+    return inside
 
 
 def yard_bays(city: City) -> Bays:

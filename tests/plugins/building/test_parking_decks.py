@@ -34,7 +34,9 @@ def test_rows_of_bays_lie_within_the_deck_in_pairs_with_aisles(volumes):
     part, piece, x, y, z, height, yaw, number = laid(volumes)
     assert len(part) > 10
     assert set(part.tolist()) == {0}  # nobody drives on so small a one
-    assert set(np.array(list(REACH))[piece].tolist()) == set(DECK_ROWS)
+    names = np.array(list(REACH))[piece]
+    assert set(names.tolist()) == {*DECK_ROWS, "deck_ramp"}
+    assert (names == "deck_ramp").sum() == 1
     assert (z == 5.8).all()
     assert (height == 1).all()
     assert len(np.unique(number)) == len(number)
