@@ -201,6 +201,27 @@ def net_of_vines(name: str, half: float, y: float, low: float, high: float) -> S
     return [*parts, *_blades(petals, 0.5 * along[blossom], 1.0, PETALS[1], rng, "cloth")]
 
 
+def ivy(name: str, half: float, y: float, high: float) -> Shapes:
+    """Return stems that fan out on a wall at y, and leaves that cover it with gaps; metres."""
+    rng = rng_for(0, f"assets/{name}", 1)
+    parts: Shapes = []
+    ends = np.linspace(-0.8 * half, 0.8 * half, 7) + rng.uniform(-0.1, 0.1, 7)
+    tops = high * rng.uniform(0.6, 0.97, 7)
+    for end, top in zip(ends, tops, strict=True):
+        knee = [0.45 * end + rng.uniform(-0.08, 0.08), y, 0.5 * top]
+        stem = [[0.12 * end, y, -0.05], knee, [end, y, top]]
+        parts.append(tube(stem, [0.014, 0.009, 0.003], "bark", sides=4))
+    count, large = _count(1100)
+    of = rng.integers(0, 7, count)
+    t = rng.uniform(0.02, 1.0, count) ** 0.8
+    spread = half * (0.10 + 0.16 * t) * rng.normal(size=count)
+    x = np.clip(ends[of] * t**1.2 + spread, -half, half)
+    z = tops[of] * t + 0.08 * rng.normal(size=count)
+    centre = np.column_stack([x, y - rng.uniform(0.0, 0.08, count), np.maximum(z, 0.02)])
+    along = 0.05 * large * _unit(rng.normal(size=(count, 3)) * [1, 0.25, 1] + [0, -0.15, -0.6])
+    return [*parts, *_blades(centre, along, 0.8, (0.62, 0.80, 0.52), rng)]
+
+
 def slim_tree(name: str, foot: float, high: float, tint: Color, reach: float) -> Shapes:
     """Return a young tree trained along its wall: no farther than `reach` from its stem, metres."""
     grown = small_tree(name, 0.0, 0.0, foot, high, tint)

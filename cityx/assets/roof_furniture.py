@@ -276,6 +276,14 @@ def roof_railing() -> Shapes:
                       for x in (-1.5, -0.02))]  # fmt: skip
 
 
+def deck_parapet() -> Shapes:
+    """Bay of the parapet about a parking deck, as `roof_railing`."""
+    return [
+        box((-1.5, -0.08, SUNK), (1.5, 0.08, 0.95), "concrete", bottom=False),
+        box((-1.5, -0.11, 0.95), (1.5, 0.11, 1.02), "concrete", (1.1, 1.1, 1.08)),
+    ]
+
+
 def chimney() -> Shapes:
     """Chimney of brick with three pots, 3 m high, its foot at the origin, its top at z = 3."""
     shapes: Shapes = [
@@ -366,12 +374,11 @@ ROOF_FURNITURE: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
             hvac_unit, condenser, stair_head, lift_house, antenna, dish, solar_panels, vent,
             water_tank, water_cistern, skylight, chimney, chimney_small, ac_row, roof_patch,
             roof_hatch, roof_pipes, roof_planters, roof_lawn, roof_duct, roof_walkway, roof_railing,
-            roof_sheet,
+            deck_parapet, roof_sheet, deck_ramp,
         )
     }
     | {name: partial(_stain, number) for number, name in enumerate(STAINS)}
     | dict(DECK_ROWS)
-    | {"deck_ramp": deck_ramp}
 )  # fmt: skip
 # Half diagonal of the plan of each piece, metres, for keeping it on its roof.
 REACH: Mapping[str, float] = MappingProxyType(
@@ -382,7 +389,7 @@ REACH: Mapping[str, float] = MappingProxyType(
         "roof_patch": 1.55, "roof_hatch": 0.9, "roof_pipes": 2.0, "roof_planters": 1.6,
         "roof_lawn": 3.4, "deck_bays": 5.6, "deck_bays_full": 5.6, "deck_bays_free": 5.6,
         "deck_ramp": 5.6, "roof_duct": 2.9, "roof_walkway": 2.5, "roof_railing": 1.6,
-        "roof_sheet": 3.9, **dict.fromkeys(STAINS, 1.45),
+        "deck_parapet": 1.6, "roof_sheet": 3.9, **dict.fromkeys(STAINS, 1.45),
     }
 )  # fmt: skip
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from cityx.assets.furniture_parts import BLUE, DARK, GREY, PALE, RED, YELLOW, Shapes, post
-from cityx.assets.potted_plants import GLAZE, net_of_vines, pot, slim_tree, trough
+from cityx.assets.potted_plants import GLAZE, ivy, net_of_vines, pot, slim_tree, trough
 from cityx.assets.potted_plants import PALE as POTTERY
 from cityx.assets.shapes import Color, box, cylinder, tinted, tube
 from cityx.assets.street_pieces import leaf_mound
@@ -22,12 +22,12 @@ BLOSSOM: Color = (2.2, 0.6, 1.1)
 GAPS: Mapping[str, float] = MappingProxyType(
     {"wall_trough": 0.15, "wall_pots": 0.17, "furled_banner": 0.16, "wall_meters": 0.16,
      "wall_crates": 0.18, "broom_and_pail": 0.15, "wall_tree": 0.2, "wall_olive": 0.2,
-     "green_curtain": 0.18, "hanging_basket": 0.2, "drain_cover": 0.2}
+     "green_curtain": 0.18, "wall_ivy": 0.1, "hanging_basket": 0.2, "drain_cover": 0.2}
 )  # fmt: skip
 HALVES: Mapping[str, float] = MappingProxyType(
     {"wall_trough": 0.55, "wall_pots": 0.5, "furled_banner": 0.18, "wall_meters": 0.3,
      "wall_crates": 0.4, "broom_and_pail": 0.3, "wall_tree": 0.82, "wall_olive": 0.8,
-     "green_curtain": 0.85, "hanging_basket": 0.24, "drain_cover": 0.25}
+     "green_curtain": 0.85, "wall_ivy": 1.3, "hanging_basket": 0.24, "drain_cover": 0.25}
 )  # fmt: skip
 
 
@@ -83,6 +83,11 @@ def green_curtain() -> Shapes:
         *trough((-0.75, -0.14, 0.0), (0.75, 0.14, 0.24), PALE),
         *net_of_vines("green curtain", 0.7, 0.04, 0.24, 2.7),
     ]
+
+
+def wall_ivy() -> Shapes:
+    """Ivy that climbs a wall from a crack at its foot, 3.4 m high and wider towards its top."""
+    return ivy("wall ivy", 1.2, 0.05, 3.4)
 
 
 def furled_banner() -> Shapes:
@@ -159,12 +164,12 @@ def drain_cover() -> Shapes:
 
 
 # What takes no room of a walk.
-ROOMLESS = ("hanging_basket", "drain_cover")
+ROOMLESS = ("hanging_basket", "drain_cover", "wall_ivy")
 WALL_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {
         maker.__name__: maker
         for maker in (
-            wall_trough, wall_pots, wall_tree, wall_olive, green_curtain, furled_banner,
+            wall_trough, wall_pots, wall_tree, wall_olive, green_curtain, wall_ivy, furled_banner,
             wall_meters, wall_crates, broom_and_pail, hanging_basket, drain_cover,
         )
     }

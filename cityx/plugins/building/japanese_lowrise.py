@@ -98,7 +98,7 @@ def _with(balcony: str) -> FacadeStyle:
     runs = replace(_THINGS[0], name=balcony)
     things = Fixture("balcony_things", "bay", first=1, last=-1, street=True, share=0.4,
                      scattered=True)  # fmt: skip
-    green = replace(things, name="balcony_green", share=0.2)
+    green = replace(things, name="balcony_green", share=0.4)
     return replace(_BODY, fixtures=(runs, things, green, *_BODY.fixtures[1:]))
 
 

@@ -66,7 +66,7 @@ def _flats(balcony: str) -> FacadeStyle:
             Fixture(balcony, "bay", "trim", first=1, last=-1, stretch="bay", street=True),
             Fixture("balcony_things", "bay", first=1, last=-1, street=True, share=0.6,
                     scattered=True),
-            Fixture("balcony_green", "bay", first=1, last=-1, street=True, share=0.2,
+            Fixture("balcony_green", "bay", first=1, last=-1, street=True, share=0.4,
                     scattered=True),
             Fixture("laundry", "bay", first=1, last=-1, street=True, share=0.22, scattered=True),
             Fixture("quilt", "bay", first=1, last=-1, street=True, share=0.1, scattered=True),

@@ -52,6 +52,9 @@ FLAT = tuple(PIECES.index(name) for name in ("roof_patch", "roof_sheet", *STAINS
 LAYERS, LAYER = 10, 0.06
 # What age leaves on flat roofs of all but houses, as shares of the weights of all else.
 WEAR = {"roof_sheet": 0.10, **dict.fromkeys(STAINS, 0.06)}
+# Flat roofs that people use may have a garden: share of them, square metres of roof for each bed
+# of it, and of the smallest roof with one.
+GARDENS, GARDEN_PER, GARDEN_FROM = 0.22, 45.0, 110.0
 # Flat roofs that people use have a railing, and all decks one parks on: share of the former, metres
 # from the wall's face to it, of its bays, and of the shortest edge with one.
 RAILED, RAIL_AREA, RAIL_IN, RAIL_BAY, RAIL_LEAST = 0.4, 90.0, 0.45, 3.0, 1.6
@@ -200,8 +203,13 @@ def _on_flat(
     # One stair head or lift house is enough for a roof of middle size.
     big = np.isin(piece, [PIECES.index("stair_head"), PIECES.index("lift_house")])
     piece[big & (number > 1)] = PIECES.index("ac_row")
+    staffed = np.isin(words[part], STAFFED)
+    green = staffed & (area[part] > GARDEN_FROM) & (number >= 1)
+    green &= number <= area[part] / GARDEN_PER
+    green &= uniform(seed, "roof/garden", ids[part]) < GARDENS
+    piece[green] = PIECES.index("roof_lawn")
     # A roof that people work on is reached by a stair, a high one by a lift.
-    reached = (number == 0) & (area[part] > HEADED) & np.isin(words[part], STAFFED)
+    reached = (number == 0) & (area[part] > HEADED) & staffed
     levels = city.layout.parts["levels"].to_numpy(int)[part]
     head = np.where(levels >= LIFTED, PIECES.index("lift_house"), PIECES.index("stair_head"))
     piece = np.where(reached & (uniform(seed, "roof/head", ids[part]) < 0.8), head, piece)
@@ -277,8 +285,9 @@ def _railings(
     if len(part):
         free = ~covered(volumes, part, at[:, 0], at[:, 1], np.full(len(part), 1.0), z)
     number = 1000 + np.arange(len(part)) - np.searchsorted(part, part)  # parts ascend
+    parapet, railing = (PIECES.index(name) for name in ("deck_parapet", "roof_railing"))
     found = (
-        part, np.full(len(part), PIECES.index("roof_railing")), *at.T, z, np.ones(len(part)),
+        part, np.where(deck[part], parapet, railing), *at.T, z, np.ones(len(part)),
         np.arctan2(way[of, 1], way[of, 0]), number, (length / bays / RAIL_BAY)[of],
     )  # fmt: skip
     return tuple(each[free] for each in found)

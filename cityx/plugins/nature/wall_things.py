@@ -42,9 +42,10 @@ WEIGHTS: Mapping[str, float] = MappingProxyType({
 })  # fmt: skip
 # The same where nothing may stand; some walks are half a metre wide.
 BARE: Mapping[str, float] = MappingProxyType(
-    {NOTHING: 2.0, "hanging_basket": 2.5, "drain_cover": 1.5}
+    {NOTHING: 1.6, "hanging_basket": 2.2, "drain_cover": 1.0, "wall_ivy": 2.4}
 )
 TO_SHOP = 0.9  # metres from the middle of a shopfront, where one goes in
+CLIMBED = ("wall_ivy", 1.9, 4.0)  # what windows have none of: metres beside them, and below
 
 
 def along_walls(city: City, rims: NDArray[np.object_], density: float) -> Pieces:
@@ -73,8 +74,23 @@ def along_walls(city: City, rims: NDArray[np.object_], density: float) -> Pieces
     shops = city.scene.instances.get("shopfronts")
     if shops is not None:
         fits &= ~near_any(foot, shapely.points(shops.position[:, :2]), TO_SHOP)
+    climber, beside, below = CLIMBED
+    low = _low_windows(city, below)
+    fits[name == climber] &= ~near_any(foot[name == climber], low, beside)
     yaw = yaw_facing(out) + np.where(name == "bicycle", np.pi / 2, 0.0)
     return pieces(name, foot + gap[:, None] * out, ids, yaw).take(fits)
+
+
+def _low_windows(city: City, below: float) -> NDArray[np.object_]:
+    """Return points of windows and doors that lie less than so many metres above the ground."""
+    found = [np.zeros((0, 3))]
+    for layer in ("windows", "doors", "shopfronts"):
+        rows = city.scene.instances.get(layer)
+        if rows is not None:
+            found.append(rows.position)
+    at = np.concatenate(found)
+    at = at[at[:, 2] < city.terrain.height_at(at[:, :2]) + below] if len(at) else at
+    return np.asarray(shapely.points(at[:, :2]), object)
 
 
 def _drawn(
