@@ -142,7 +142,7 @@ def amid_forecourts(
     found, group
         Things, and the id of the group of each: those of one stand as near as they are drawn.
     """
-    foot, out = places_at_walls(city, GROUP_SPACING, MARGIN, LEAST_EDGE / 2, COURT[:2])
+    foot, out = places_at_walls(city, GROUP_SPACING, MARGIN, LEAST_EDGE / 2, COURT)
     if city.ground is None or not len(foot):
         return join_pieces([]), np.zeros(0, np.uint64)
     deep = np.full(len(foot), EDGE_REACH)

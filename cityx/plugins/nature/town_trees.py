@@ -49,7 +49,7 @@ LONE = 5.0  # metres to mapped trees
 YARD_SHARES = {"grass": 0.75, "block": 0.45, "bare": 0.9, "courtyard": 0.35, "frontage": 0.5,
                "gravel": 0.3}  # fmt: skip
 # The same share as a factor, by climate: where land is dear, and where water is.
-GREEN = {"japan": 0.8, "warm": 0.7, "tropic": 0.8}
+GREEN = {"japan": 0.93, "warm": 0.7, "tropic": 0.8}
 BUSH_SHARE = 0.3  # of the plants on lawns
 DOOR_HALF = 1.1  # metres, half the breadth of the way to a door
 

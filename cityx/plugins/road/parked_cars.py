@@ -47,7 +47,7 @@ VAN_SHARE = 0.2
 VANS = 0.1  # of the parked, elsewhere
 # In one-way streets of Japan without a lane for parking, small vans deliver at the left.
 DELIVERED_IN = ("residential", "unclassified", "tertiary")
-DELIVERY = 45.0  # metres of such a street per van
+DELIVERY = 80.0  # metres of such a street per van
 DELIVERED = 2.9  # metres of half a carriageway from which the others pass
 
 
