@@ -28,6 +28,7 @@ BoolArray = NDArray[np.bool_]
 LAYER = "bay_lines"
 PURPOSE = "road/parked_cars-v1"
 AISLE = 6.0  # metres between two rows of bays
+AISLE_AT = 2.0  # half bays from the middle of a bay to the aisle behind it
 TRIAL_STEP = 1.5  # metres from one distance between the edge of a car park and its rows to the next
 CAR_RADIUS = 2.7  # metres, half the diagonal of a car
 SMALLEST_LOT = 60.0  # square metres
@@ -145,19 +146,19 @@ def _laid(city: City) -> tuple[Bays, BoolArray]:
     big = shapely.area(shapes) > SMALLEST_LOT
     rows, shapes = rows[big], shapes[big]
     found: list[Bays] = []
-    where: list[IntArray] = []  # lot, way of laying, row across it, and number along that
+    where: list[IntArray] = []  # lot, way of laying, row across it, number along that, and aisle
     for lot, frame in enumerate(shapely.oriented_envelope(shapes)):
         key = areas["id"].to_numpy()[rows[lot]]
-        for trial, (xy, yaw, grid) in enumerate(_trials(shapely.get_coordinates(frame))):
+        for trial, (xy, yaw, grid, deep) in enumerate(_trials(shapely.get_coordinates(frame))):
             if len(xy) and len(xy) <= MOST_STALLS:
                 ids = hash_ids(0, f"{PURPOSE}/lot", key, np.arange(len(xy)))
                 found.append(Bays(xy, ids, yaw))
-                of = np.broadcast_to([[lot], [trial]], (2, len(xy)))
-                where.append(np.concatenate([of, grid]))
+                of = np.broadcast_to([[lot], [trial], [int(deep)]], (3, len(xy)))
+                where.append(np.concatenate([of[:2], grid, of[2:]]))
     if not found:
         return _none(), np.zeros(0, bool)
     bays, places = join_bays(found), np.concatenate(where, axis=1)
-    free = _on_lots(city, bays, shapes)
+    free = _on_lots(city, bays, shapes, places[4] > 0)
     bays, places = bays.take(free), places[:, free]
     count = np.zeros((len(shapes), int(places[1].max(initial=0)) + 1), np.int64)
     np.add.at(count, (places[0], places[1]), 1)
@@ -165,8 +166,8 @@ def _laid(city: City) -> tuple[Bays, BoolArray]:
     return bays.take(best), _island_places(*places[[0, 2, 3]][:, best])
 
 
-def _trials(corner: FloatArray) -> Iterator[tuple[FloatArray, FloatArray, IntArray]]:
-    """Yield ways to lay bays in a box: (b, 2) middles, (b,) yaw, and (2, b) row and number."""
+def _trials(corner: FloatArray) -> Iterator[tuple[FloatArray, FloatArray, IntArray, bool]]:
+    """Yield ways to lay b bays in a box: middles, yaws, rows and numbers; whether it has aisles."""
     if len(corner) < 4:
         return
     a, b = corner[1] - corner[0], corner[2] - corner[1]
@@ -175,20 +176,25 @@ def _trials(corner: FloatArray) -> Iterator[tuple[FloatArray, FloatArray, IntArr
         length, depth = float(np.hypot(*side)), float(np.hypot(*end))
         u, v = side / max(length, 1e-6), end / max(depth, 1e-6)
         along = np.arange(0.5 * BAY + 0.5, length - 0.5 * BAY, BAY)
-        for start in np.arange(0.0, min(STALL + AISLE, depth - STALL) + 1e-6, TRIAL_STEP):
+        spare = depth - STALL - AISLE
+        for start in np.arange(0.0, max(min(STALL + AISLE, spare), 0.0) + 1e-6, TRIAL_STEP):
             across, facing = _rows(depth - start)
             s, t = np.meshgrid(along, start + across, indexing="ij")
             xy = origin + s.reshape(-1, 1) * u + t.reshape(-1, 1) * v
             way = np.tile(facing, len(along))[:, None] * v
-            yield xy, np.arctan2(way[:, 0], -way[:, 1]), np.indices(s.shape).reshape(2, -1)[::-1]
+            grid = np.indices(s.shape).reshape(2, -1)[::-1]
+            yield xy, np.arctan2(way[:, 0], -way[:, 1]), grid, spare >= 0
 
 
-def _on_lots(city: City, bays: Bays, shapes: NDArray[Any]) -> BoolArray:
-    """(b,) bays that lie within car parks, clear of houses and of ways."""
+def _on_lots(city: City, bays: Bays, shapes: NDArray[Any], deep: BoolArray) -> BoolArray:
+    """(b,) bays that lie within car parks with an aisle behind, clear of houses and of ways.
+
+    The street is the aisle of car parks too narrow for one.
+    """
     inside = np.ones(len(bays.id), bool)
     ahead = 0.5 * STALL * np.column_stack([np.sin(bays.yaw), -np.cos(bays.yaw)])
-    for share in (-0.95, 0.95):
-        hit = np.zeros(len(inside), bool)
+    for share in (-AISLE_AT, -0.95, 0.95):
+        hit = ~deep if share == -AISLE_AT else np.zeros(len(inside), bool)
         ends = shapely.STRtree(shapely.points(bays.xy + share * ahead))
         hit[ends.query(shapes, predicate="contains")[1]] = True
         inside &= hit

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 
 from cityx.city import City, Frame, make_table
 from cityx.city.clear_ways import in_lanes
@@ -42,6 +43,37 @@ def test_two_rows_of_bays_face_the_ends_of_their_car_park(lot):
     assert np.diff(np.sort(bays.xy[bays.xy[:, 1] < 8, 0])) == pytest.approx(BAY)
     ahead = -np.cos(bays.yaw)
     assert (np.sign(ahead) == np.where(bays.xy[:, 1] < 8, -1, 1)).all()
+
+
+# Whose lower edge is too far aslant for a row along it.
+ASLANT = [(-20, 0), (20, 8), (20, 24), (-20, 24)]
+
+
+@pytest.mark.parametrize(
+    ("outline", "least"),
+    [
+        (shapely.Polygon(ASLANT), 22),
+        (shapely.affinity.rotate(shapely.Polygon(ASLANT), 33.0), 22),
+        (shapely.box(-20, 0, 20, 16), 28),
+        (shapely.box(-20, 0, 20, 21), 28),
+    ],
+)
+def test_a_car_park_is_laid_the_way_with_most_bays_and_each_has_its_aisle(
+    outline, least, layout_of
+):
+    layout = layout_of(STREET)
+    areas = make_table("areas", [outline], id=[7], kind=["parking"])
+    city = City("lot", Frame(48.0, 11.0), layout.__class__(layout.extent, roads=layout.roads,
+                areas=areas), lod=2)  # fmt: skip
+    bays = lot_bays(city)
+    assert len(bays.id) >= least
+    assert len(np.unique(bays.id)) == len(bays.id)
+    # Whoever backs out has the aisle behind: no other bay within 5 m of the tail.
+    ahead = np.column_stack([np.sin(bays.yaw), -np.cos(bays.yaw)])
+    behind = bays.xy - ahead * (STALL / 2 + 2.5)
+    gap = np.hypot(*np.moveaxis(behind[:, None] - bays.xy[None], 2, 0))
+    assert gap.min() > 2.5
+    assert shapely.contains_xy(outline.buffer(0.1), *behind.T).all()
 
 
 def test_neighbours_share_a_line_and_all_lie_on_asphalt(lot):
