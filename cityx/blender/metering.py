@@ -15,7 +15,7 @@ from cityx.city.store import View
 FloatArray = NDArray[np.float64]
 
 # A camera follows the light only in part, as the eye does: shade stays darker than sun.
-FOLLOWED = 0.5
+FOLLOWED = 0.6
 MOST_STOPS = 1.4
 SUN_TO_SKY = 5.0  # light of a high sun on a level surface for each of the clear sky, CIE 110
 BOUNCED = 0.25  # of the light of the sky that walls give back
