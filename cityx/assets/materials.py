@@ -62,8 +62,8 @@ _WETTEST = 0.55
 _FILM_ROUGHNESS = 0.12  # of a closed film of water
 # Of the ground that vehicles drive on, where tyres press snow to slush.
 CARRIAGEWAYS = frozenset(
-    {"asphalt", "setts", "small_setts", "gutter_stones", "gutter_slabs", "cobbles", "clinker",
-     "pavers", "road_concrete"}
+    {"asphalt", "asphalt_brown", "setts", "pale_setts", "small_setts", "gutter_stones",
+     "gutter_slabs", "cobbles", "clinker", "pavers", "road_concrete"}
 )  # fmt: skip
 
 
@@ -99,10 +99,12 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("roof_gravel", (0.45, 0.44, 0.42), 0.95, texture="gravel", tile=2.0, porosity=0.5),
     _M("thatch", (0.35, 0.27, 0.15), 0.95, texture="thatch", tile=2.0, porosity=0.7),
     # ground
-    _M("asphalt", (0.104, 0.104, 0.107), 0.88, texture="asphalt", tile=4.0, porosity=0.4),
+    _M("asphalt", (0.086, 0.086, 0.0885), 0.88, texture="asphalt", tile=4.0, porosity=0.4),
     _M("asphalt_light", (0.16, 0.155, 0.15), 0.9, texture="asphalt", tile=3.0, porosity=0.4),
     _M("asphalt_red", (0.20, 0.06, 0.045), 0.9, texture="asphalt", tile=3.0, porosity=0.4),
+    _M("asphalt_brown", (0.235, 0.115, 0.080), 0.9, texture="asphalt", tile=3.0, porosity=0.4),
     _M("setts", (0.205, 0.196, 0.186), 0.75, texture="setts", tile=4.0, porosity=0.4),
+    _M("pale_setts", (0.315, 0.305, 0.288), 0.75, texture="setts", tile=4.0, porosity=0.4),
     _M("small_setts", (0.138, 0.131, 0.124), 0.8, texture="mosaic", tile=3.84, porosity=0.4),
     _M("gutter_stones", (0.265, 0.258, 0.245), 0.75, texture="gutter_stones", tile=2.56,
        porosity=0.4),
@@ -123,7 +125,7 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("yard", (0.158, 0.150, 0.138), 0.88, texture="clinker", tile=2.0, porosity=0.5),
     _M("kerb_stone", (0.345, 0.338, 0.322), 0.8, texture="concrete", tile=2.0, porosity=0.4),
     _M("tactile_yellow", (0.63, 0.385, 0.045), 0.8, texture="domes", tile=1.2, porosity=0.3),
-    _M("tactile_pale", (0.56, 0.555, 0.54), 0.8, texture="ribbed_slabs", tile=1.2, porosity=0.4),
+    _M("tactile_pale", (0.47, 0.465, 0.45), 0.8, texture="ribbed_slabs", tile=1.2, porosity=0.4),
     _M("tactile_buff", (0.52, 0.405, 0.235), 0.85, texture="blisters", tile=1.2, porosity=0.4),
     _M("tactile_red", (0.30, 0.070, 0.050), 0.85, texture="blisters", tile=1.2, porosity=0.4),
     _M("marking_white", (0.70, 0.70, 0.68), 0.7, texture="paint", tile=2.0, porosity=0.1),

@@ -219,6 +219,49 @@ def roof_lawn() -> Shapes:
     return shapes
 
 
+def roof_meadow() -> Shapes:
+    """Stonecrop and grasses on 6.2 m by 4.4 m of a roof, thin and never mown, in an edge of gravel.
+
+    A strip of gravel keeps the edge dry, and no way leads over it.
+    """
+    shapes: Shapes = [
+        box((-3.1, -2.2, SUNK), (3.1, 2.2, 0.07), "gravel"),
+        box((-2.75, -1.85, SUNK), (2.75, 1.85, 0.12), "meadow"),
+        box((-2.4, -1.7, SUNK), (-0.3, 0.2, 0.135), "grass", (0.95, 0.85, 0.6)),
+        box((0.5, -0.4, SUNK), (2.6, 1.6, 0.135), "grass", (0.8, 0.75, 0.7)),
+    ]
+    for number, (x, y, wide, high) in enumerate(
+        ((-1.9, 1.0, 0.7, 0.4), (-0.4, 1.3, 0.5, 0.3), (0.6, -1.2, 0.8, 0.35),
+         (2.1, -1.3, 0.5, 0.5), (1.4, 0.5, 0.6, 0.3))
+    ):  # fmt: skip
+        shapes.append(leaf_mound(f"roof meadow {number}", (x - wide, y - wide, 0.08),
+                                 (x + wide, y + wide, 0.1 + high), 30, size=0.12))  # fmt: skip
+    return shapes
+
+
+def roof_beds() -> Shapes:
+    """Terrace of boards, 5.6 m by 4 m, with troughs on three sides and a table with benches."""
+    wood, board = (0.75, 0.66, 0.55), (0.9, 0.82, 0.7)
+    shapes: Shapes = [
+        box((-2.8, -2.0, SUNK), (2.8, 2.0, 0.1), "wood", board),
+        box((-2.8, 1.3, SUNK), (2.8, 2.0, 0.6), "wood", wood),
+        box((-2.8, -2.0, SUNK), (-2.1, 1.3, 0.6), "wood", wood),
+        box((2.1, -0.6, SUNK), (2.8, 1.3, 0.6), "wood", wood),
+        box((-0.9, -0.9, 0.76), (0.9, -0.1, 0.82), "bench_wood"),
+        *(box((x, -0.8, 0.1), (x + 0.1, -0.2, 0.76), "metal_dark") for x in (-0.7, 0.6)),
+        *(box((-0.9, y, 0.45), (0.9, y + 0.35, 0.52), "bench_wood") for y in (-1.45, 0.15)),
+        *(box((x, y + 0.05, 0.1), (x + 0.1, y + 0.3, 0.45), "metal_dark")
+          for x in (-0.7, 0.6) for y in (-1.45, 0.15)),
+    ]  # fmt: skip
+    rows = [(x, 1.65) for x in (-2.3, -1.2, -0.1, 1.0, 2.2)]
+    rows += [(-2.45, y) for y in (-1.5, -0.5, 0.5)] + [(2.45, y) for y in (0.0, 0.8)]
+    for number, (x, y) in enumerate(rows):
+        high = (0.7, 0.5, 1.1, 0.6, 1.5)[number % 5]
+        shapes.append(leaf_mound(f"roof beds {number}", (x - 0.5, y - 0.32, 0.55),
+                                 (x + 0.5, y + 0.32, 0.6 + high), 26, size=0.14))  # fmt: skip
+    return shapes
+
+
 def _stain(number: int) -> Shapes:
     """Dirt that a puddle left: an irregular patch, a finger high, 3 m across."""
     rng = rng_for(number, "assets/roof_stain", 1)
@@ -374,7 +417,7 @@ ROOF_FURNITURE: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
             hvac_unit, condenser, stair_head, lift_house, antenna, dish, solar_panels, vent,
             water_tank, water_cistern, skylight, chimney, chimney_small, ac_row, roof_patch,
             roof_hatch, roof_pipes, roof_planters, roof_lawn, roof_duct, roof_walkway, roof_railing,
-            deck_parapet, roof_sheet, deck_ramp,
+            deck_parapet, roof_sheet, deck_ramp, roof_meadow, roof_beds,
         )
     }
     | {name: partial(_stain, number) for number, name in enumerate(STAINS)}
@@ -390,6 +433,7 @@ REACH: Mapping[str, float] = MappingProxyType(
         "roof_lawn": 3.4, "deck_bays": 5.6, "deck_bays_full": 5.6, "deck_bays_free": 5.6,
         "deck_ramp": 5.6, "roof_duct": 2.9, "roof_walkway": 2.5, "roof_railing": 1.6,
         "deck_parapet": 1.6, "roof_sheet": 3.9, **dict.fromkeys(STAINS, 1.45),
+        "roof_meadow": 3.9, "roof_beds": 3.5,
     }
 )  # fmt: skip
 

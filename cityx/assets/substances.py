@@ -61,8 +61,8 @@ SUBSTANCES: Mapping[str, Substance] = MappingProxyType(
              "walk_blocks guided_blocks tactile_yellow tactile_pale tactile_buff tactile_red "
              "gutter_slabs"),
             (_RENDER, "plaster trim room_wall"),
-            (_STONE, "stone setts small_setts gutter_stones cobbles slate flagstones mosaic "
-             "plaza_slabs slab_walk"),
+            (_STONE, "stone setts pale_setts small_setts gutter_stones cobbles slate flagstones "
+             "mosaic plaza_slabs slab_walk"),
             (_BRICK, "brick clinker"),
             (_WOOD, "wood bench_wood bark bark_smooth bark_flaking thatch"),
             (_STEEL, "metal_dark metal_grey metal_panel roof_metal copper rail_steel"),
@@ -77,7 +77,8 @@ SUBSTANCES: Mapping[str, Substance] = MappingProxyType(
             (_LEAF, "leaf foliage hedge"),
             (_SOIL, "soil sand gravel roof_gravel rail_ballast farmland forest_floor"),
             (_GRASS, "grass meadow pitch"),
-            (_ASPHALT, "asphalt asphalt_light asphalt_red marking_white marking_yellow"),
+            (_ASPHALT, "asphalt asphalt_light asphalt_red asphalt_brown marking_white "
+             "marking_yellow"),
             (_ROOFING, "roof_tiles bitumen"),
             (_WATER, "water"),
             (_BODY, "skin"),

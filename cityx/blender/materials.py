@@ -21,8 +21,8 @@ from cityx.city.rooms import WORK
 
 # Materials of level ground, where rain stands in puddles.
 PUDDLED = frozenset(
-    {"asphalt", "asphalt_light", "setts", "small_setts", "gutter_stones", "gutter_slabs", "paving",
-     "concrete", "bitumen", "pitch", "soil",
+    {"asphalt", "asphalt_light", "setts", "pale_setts", "small_setts", "gutter_stones",
+     "gutter_slabs", "paving", "concrete", "bitumen", "pitch", "soil",
      "cobbles", "clinker", "pavers", "yard", "road_concrete", "flagstones", "mosaic", "slab_walk",
      "plaza_slabs", "walk_blocks", "guided_blocks", "tactile_yellow", "tactile_pale",
      "tactile_buff", "tactile_red"}
@@ -40,6 +40,7 @@ DRIVEN = CARRIAGEWAYS | PAINTED  # where tyres press snow to slush
 CRACKED = frozenset({"asphalt", "asphalt_light"})
 REPAIRED = CRACKED | {
     "setts",
+    "pale_setts",
     "cobbles",
     "paving",
     "flagstones",
@@ -47,7 +48,7 @@ REPAIRED = CRACKED | {
     "slab_walk",
     "walk_blocks",
 }  # what is dug up and filled again
-SETTS = frozenset({"setts"})  # whose courses are pushed along themselves
+SETTS = frozenset({"setts", "pale_setts"})  # whose courses are pushed along themselves
 FIELDS = frozenset({"yard"})  # what was laid house by house
 GLAZED = frozenset({"glass", "glass_wall", "car_glass", "car_pane"})
 GLASS_IOR = 1.9  # a coated double pane mirrors twice as much as plain glass

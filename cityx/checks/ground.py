@@ -8,7 +8,8 @@ from cityx.city.ground import PAINT
 from cityx.geometry.arrangement import check_arrangement
 
 AREA_ERROR = 1e-6  # relative; rounding to the grid moves the border by half a centimetre at most
-_NO_TRUNK = ("carriageway", "setts", "gutter", "parking_lane", "junction", *PAINT, "water")
+_NO_TRUNK = ("carriageway", "setts", "gutter", "parking_lane", "mouth_setts", "junction",
+             *PAINT, "water")  # fmt: skip
 
 
 def check_ground(city: City) -> list[Check]:

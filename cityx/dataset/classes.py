@@ -164,6 +164,7 @@ _SURFACE = {
     "cycle_lane": "cycle_lane", "rail": "rail_track", "trail": "path", "furnishing": "sidewalk",
     "gravel": "yard", "building": "terrain", "void": "other",
     "bed": "soil", "threshold": "road", "gutter": "road", "parking_lane": "road",
+    "mouth_setts": "road", "coat": "road",
     "edging": "sidewalk", "frontage": "sidewalk",
 }  # fmt: skip
 # Layers of meshes whose objects are all of one class.
@@ -177,6 +178,7 @@ _LAYER = {
 # By the material that most of an object is made of: ground beyond the labels, barriers.
 _MATERIAL = {
     "asphalt": "road", "asphalt_light": "path", "asphalt_red": "cycle_lane", "setts": "road",
+    "asphalt_brown": "road", "pale_setts": "road",
     "small_setts": "road", "gutter_stones": "road", "gutter_slabs": "road",
     "cobbles": "road", "clinker": "road", "pavers": "sidewalk", "road_concrete": "road",
     "paving": "sidewalk", "flagstones": "sidewalk", "mosaic": "sidewalk",

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from made_view import HOUSE, POST, box, plate, shot, street, view
 
+from cityx.assets.materials import MATERIALS
 from cityx.city.scene import Scene
 from cityx.city.store import read_view
 from cityx.dataset.classes import CLASS
@@ -60,7 +61,8 @@ def test_rings_have_their_elevations_and_level_ground_its_circles():
     np.testing.assert_allclose(sweep.points[:, 2], -2.0, atol=1e-5)
     assert (sweep.semantic == CLASS["road"]).all()
     steep = sweep.beam == 0
-    expected = np.sin(np.radians(15.0)) * 0.1042  # cosine of incidence times that of asphalt
+    luminance = np.dot(MATERIALS["asphalt"].color, (0.2126, 0.7152, 0.0722))
+    expected = np.sin(np.radians(15.0)) * luminance  # the sine is the cosine of incidence
     np.testing.assert_allclose(sweep.intensity[steep], expected, rtol=0.01)
 
 

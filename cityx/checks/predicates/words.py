@@ -81,8 +81,10 @@ MATERIALS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 # Surface of a street -> materials of `cityx.assets.materials`.
 PAVINGS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
-        "asphalt": ("asphalt", "asphalt_light", "asphalt_red"), "concrete": ("road_concrete",),
-        "cobbles": ("cobbles", "setts"), "pavers": ("pavers", "paving"), "brick": ("clinker",),
+        "asphalt": ("asphalt", "asphalt_light", "asphalt_red", "asphalt_brown"),
+        "concrete": ("road_concrete",),
+        "cobbles": ("cobbles", "setts", "pale_setts"), "pavers": ("pavers", "paving"),
+        "brick": ("clinker",),
         "gravel": ("gravel",), "soil": ("soil",),
     }
 )  # fmt: skip

@@ -55,6 +55,7 @@ WEAR = {"roof_sheet": 0.10, **dict.fromkeys(STAINS, 0.06)}
 # Flat roofs that people use may have a garden: share of them, square metres of roof for each bed
 # of it, and of the smallest roof with one.
 GARDENS, GARDEN_PER, GARDEN_FROM = 0.22, 45.0, 110.0
+GARDEN_SORTS: Mapping[str, float] = {"roof_lawn": 1.0, "roof_beds": 1.0, "roof_meadow": 1.0}
 # Flat roofs that people use have a railing, and all decks one parks on: share of the former, metres
 # from the wall's face to it, of its bays, and of the shortest edge with one.
 RAILED, RAIL_AREA, RAIL_IN, RAIL_BAY, RAIL_LEAST = 0.4, 90.0, 0.45, 3.0, 1.6
@@ -207,7 +208,8 @@ def _on_flat(
     green = staffed & (area[part] > GARDEN_FROM) & (number >= 1)
     green &= number <= area[part] / GARDEN_PER
     green &= uniform(seed, "roof/garden", ids[part]) < GARDENS
-    piece[green] = PIECES.index("roof_lawn")
+    sort = choose(seed, "roof/garden sort", ids[part[green]], list(GARDEN_SORTS.values()))
+    piece[green] = np.array([PIECES.index(name) for name in GARDEN_SORTS])[sort]
     # A roof that people work on is reached by a stair, a high one by a lift.
     reached = (number == 0) & (area[part] > HEADED) & staffed
     levels = city.layout.parts["levels"].to_numpy(int)[part]

@@ -32,6 +32,7 @@ PAVED = (
     "setts",
     "gutter",
     "parking_lane",
+    "mouth_setts",
     "gravel_road",
     "parking",
     "junction",

@@ -36,7 +36,7 @@ from cityx.protocol import Port, action
 ACTION = "nature/shores-v1"
 LAYER = "shore_pieces"
 HARD = ("sidewalk", "kerb", "plaza", "courtyard", "carriageway", "setts", "gutter",
-        "parking_lane", "junction", "parking", "railway", "marking")  # fmt: skip
+        "parking_lane", "mouth_setts", "junction", "parking", "railway", "marking")  # fmt: skip
 PEDESTRIAN = ("sidewalk", "kerb", "plaza", "courtyard", "path", "trail", "furnishing", "edging",
               "frontage")  # fmt: skip
 INLAND = 3.0  # metres from the shore within which paving makes it a quay

@@ -54,6 +54,7 @@ TREELESS = (
     "setts",
     "gutter",
     "parking_lane",
+    "mouth_setts",
     "junction",
     *PAINT,
     "tramway",

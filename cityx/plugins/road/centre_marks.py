@@ -17,7 +17,8 @@ CROSS, STROKE = 0.9, 0.15  # metres from the middle to the tips of a cross, and 
 LOZENGE_ARMS = 4  # more of them have no middle that all pass alike
 MINOR = RANK.index("unclassified")  # roads that meet at a cross, and lower ones
 LEAST_WIDTH = 3.5  # metres of the streets that meet at a cross
-ARMS = (3, 4)  # of streets with a cross
+CROSS_ARMS = 4
+ARMS = (3, CROSS_ARMS)  # of streets with a cross
 
 
 def centre_marks(street: Street, ways: JunctionWays, road: Carriageway) -> Shapes:
@@ -56,16 +57,21 @@ def _lozenge(at: FloatArray, ahead: FloatArray) -> Any:
     return shapely.difference(shape, shapely.union_all(shapely.buffer(slits, SLIT / 2)))
 
 
-def _crosses(street: Street) -> list[Any]:
-    """Strokes from the middle of each junction of minor streets towards its arms."""
+def minor_junctions(street: Street) -> IntArray:
+    """Nodes at which three or four minor streets meet without signals."""
     network = street.network
     alone = np.bincount(street.cluster, minlength=len(street.cluster)) == 1
     plain = alone & street.joint & (street.best >= MINOR) & ~street.signalled
     narrow = np.zeros(len(plain), bool)
     narrow[network.edge_nodes[2 * network.half_width < LEAST_WIDTH]] = True
     degree = network.node_degree
-    nodes = np.flatnonzero(plain & ~narrow & np.isin(degree, ARMS))
-    edge, end = np.nonzero(np.isin(network.edge_nodes, nodes))
+    return np.flatnonzero(plain & ~narrow & np.isin(degree, ARMS))
+
+
+def _crosses(street: Street) -> list[Any]:
+    """Strokes from the middle of each junction of minor streets towards its arms."""
+    network = street.network
+    edge, end = np.nonzero(np.isin(network.edge_nodes, minor_junctions(street)))
     at = network.edge_nodes[edge, end].astype(np.int64)
     return list(_strokes(street, edge, end, at))
 

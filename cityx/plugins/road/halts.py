@@ -35,6 +35,8 @@ TOOTH = (0.6, 0.5, 0.4, 0.0)
 GIVE_WAY = (0.3, 0.5, 0.25, 0.0)
 DOUBLE = (0.2, 0.6, 0.3, 0.5)  # TSRGD 2016, diagram 1003
 MOUTH_GAP = 0.2  # metres from the mouth of a minor road to the line
+BEFORE_SETTS = 0.9  # metres that the line begins ahead of setts across a mouth
+PAST_SETTS = 0.4  # metres between them and a triangle or a word
 RING_GAP = 0.3  # metres from a roundabout to the line of those who enter
 YIELDING = 4  # rank of a road to which every lower one gives way
 BEFORE_LINE, LEAST_BEFORE = 1.2, 1.0  # metres from the line to the middle one, and of that
@@ -47,14 +49,18 @@ _MOVING = [KIND[name] for name in TRAVELLED]
 
 
 def halt_lines(
-    street: Street, chosen: BoolArray, painting: Painting, through: Through, road: Carriageway
-) -> Marks:
+    street: Street, chosen: BoolArray, painting: Painting, through: Through, road: Carriageway,
+    setts: FloatArray | None = None,
+) -> Marks:  # fmt: skip
     """Lines where traffic that arrives halts or gives way.
 
     A stop line lies before signals, stop signs and the zebras of a junction; at the mouths of
-    minor roads and of the arms of a roundabout it is what the country paints to give way.
+    minor roads and of the arms of a roundabout it is what the country paints to give way. Where
+    `setts` lie across a mouth, from and to metres off its node (e, 2, 2), it lies ahead of them,
+    and words and triangles behind.
     """
     network = street.network
+    laid = np.full((network.edge_count, 2, 2), np.nan) if setts is None else setts
     layout, length = street.layout, street.length
     ring, on_ring = ring_edges(layout, network), ring_nodes(layout, network)
     spots = shapely.points(network.node_position)
@@ -78,7 +84,10 @@ def halt_lines(
         behind = np.where(enters, network.trim[:, end] + RING_GAP, behind)
         yields = minor & ~ruled[node] & (~zebra | enters)
         # Those who give way come up to the road they meet.
-        behind = np.where(yields & ~enters, street.mouth[:, end] + MOUTH_GAP, behind)
+        front, back = laid[:, end].T
+        paved = np.isfinite(front) & yields & ~enters
+        at_mouth = np.where(paved, front - BEFORE_SETTS, street.mouth[:, end] + MOUTH_GAP)
+        behind = np.where(yields & ~enters, at_mouth, behind)
         # The line reaches the kerb, also where cars are parked before, or where it has curved away.
         reaches = yields & (painting.give_way != "stop")
         flared = reaches & ~enters
@@ -92,15 +101,17 @@ def halt_lines(
             span = behind[edge], right[edge], left[edge]
             marks, of = _line_across(street, edge, end, *span, shape, painting.stop_line)
             if shape != "stop":
-                paved = paved_share(marks, road.stars, road.strips, road.curves) > WHOLE
-                marks, of = marks[paved], of[paved]
+                whole = paved_share(marks, road.stars, road.strips, road.curves) > WHOLE
+                marks, of = marks[whole], of[whole]
             found.append((marks, of))
         if painting.give_way == "double dashes":
-            found.append(_line_before(street, stops & flared, end, behind, low, high))
-        roomy = length - network.trim.sum(axis=1) > LEAST_ROOM
+            plain = stops & flared & ~paved
+            found.append(_line_before(street, plain, end, behind, low, high))
+        past = np.where(paved, back + PAST_SETTS - BEHIND_LINE - behind, 0.0)
+        roomy = length - network.trim.sum(axis=1) > LEAST_ROOM + past
         roomy &= stops & yields & ~enters & (high > low + LEAST_LANE)
         edge, middle = _arriving_lanes(street, end, roomy, low, high)
-        found.append(_told(street, edge, end, behind[edge], middle, painting))
+        found.append(_told(street, edge, end, (behind + past)[edge], middle, painting))
     return together(found)
 
 

@@ -25,7 +25,7 @@ BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 
 LAID = ("sidewalk", "ramp", "landing", "tactile", "tactile_pale", "tactile_buff", "tactile_red",
-        "guide_strip", "furnishing", "edging", "setts", "gutter", "parking_lane",
+        "guide_strip", "furnishing", "edging", "setts", "mouth_setts", "gutter", "parking_lane",
         "frontage")  # fmt: skip
 # Laid from the kerb on.
 FROM_KERB = ("sidewalk", "ramp", "landing", "furnishing", "gutter", "parking_lane")

@@ -62,6 +62,7 @@ def marking_regions(
     painted: BoolArray,
     road: Carriageway,
     painting: Painting,
+    setts: FloatArray | None = None,
 ) -> Regions:
     """Paint lane lines, stop lines, zebra crossings, parking bays, and what leads over junctions.
 
@@ -77,6 +78,9 @@ def marking_regions(
         Their surfaces.
     painting
         What the country paints.
+    setts
+        (e, 2, 2) metres from the nodes of streets to both ends of setts across their mouths, NaN
+        where none lie; nowhere when None.
     """
     layout, network, kind = street.layout, street.network, street.kind
     table = layout.roads.iloc[network.edge_road]
@@ -96,7 +100,7 @@ def marking_regions(
         street, found, through, urban & ~quiet, road, stems=painting.stems
     )
     bars, crossing = zebra_bars(street, zebras, road)
-    halts = halt_lines(street, urban, painting, through, road)
+    halts = halt_lines(street, urban, painting, through, road, setts)
     white = [
         _edge_lines(
             street,

@@ -138,6 +138,10 @@ class Painting:
         Whether lines between lanes are unbroken before junctions.
     stop_line
         Metres of breadth of stop lines.
+    paved_mouths
+        Whether setts lead walks across the mouths of side streets in town.
+    coated_crossroads
+        Whether crossroads of minor streets are coloured.
 
     References
     ----------
@@ -169,6 +173,8 @@ class Painting:
     dashes: tuple[float, float] = (3.0, 3.0)
     closing: bool = True
     stop_line: float = 0.4
+    paved_mouths: bool = False
+    coated_crossroads: bool = False
 
 
 def painting_of(frame: Frame) -> Painting:
@@ -206,4 +212,6 @@ def painting_of(frame: Frame) -> Painting:
         dashes=(2.0, 4.0) if british else (3.0, 6.0) if german else (3.0, 3.0),
         closing=not british,
         stop_line=0.3 if british else 0.5 if german else 0.4,
+        paved_mouths=british,
+        coated_crossroads=within(JAPAN),
     )

@@ -20,6 +20,7 @@ from cityx.city.section import KIND
 from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, hash_ids, uniform
 from cityx.geometry.polylines import every, locate, to_linestrings, values_along
+from cityx.geometry.scatter import near_pairs
 from cityx.geometry.standing import earth_over, stand_on
 from cityx.plugins.nature.street_rules import place_of
 from cityx.plugins.road.bays import Bays, join_bays, lot_bays, with_bay_lines, yard_bays
@@ -29,6 +30,8 @@ from cityx.plugins.road.sections import Bands, bands_of
 from cityx.protocol import Port, Range, action
 
 ACTION = "road/parked_cars-v1"
+NEIGHBOURS = 6.5  # metres between the middles of cars that are seen beside one another
+OTHERS = ("body 2", "body 3")  # drawn in turn where two of these are the same
 FINE = 3  # level of detail from which makes and plates are parts of their own
 FloatArray = NDArray[np.float64]
 
@@ -201,7 +204,7 @@ def _bodies(city: City, cars: _Cars, place: str) -> NDArray[np.str_]:
         picked = choose(city.seed, f"{ACTION}/{purpose}", cars.id, shares)
         return np.array(names)[picked]
 
-    body, van = drawn("car", "body"), drawn("van", "van")
+    body, van = _varied(cars, [drawn("car", p) for p in ("body", *OTHERS)]), drawn("van", "van")
     wide = np.array([BODIES[name].width > WIDE_VAN for name in van.tolist()], bool)
     fits = ~(cars.tight & wide)
     loads = uniform(city.seed, f"{ACTION}/vans", cars.id) < VANS
@@ -211,6 +214,23 @@ def _bodies(city: City, cars: _Cars, place: str) -> NDArray[np.str_]:
         loads |= near & (uniform(city.seed, f"{ACTION}/unloading", cars.id) < VAN_SHARE)
     body = np.where(loads & fits, van, body)
     return np.where(cars.delivers, "kei_van", body)
+
+
+def _varied(cars: _Cars, drawn: Sequence[NDArray[np.str_]]) -> NDArray[np.str_]:
+    """(n,) the first body drawn for each car, or the next where one beside it has the same.
+
+    Of two neighbours that of the lower number keeps its own.
+    """
+    found = drawn[0].copy()
+    if not len(found):
+        return found
+    pairs = near_pairs(cars.xy, NEIGHBOURS)
+    low, high = np.where((cars.id[pairs[:, :1]] < cars.id[pairs[:, 1:]]), pairs, pairs[:, ::-1]).T
+    for other in drawn[1:]:
+        same = np.zeros(len(found), bool)
+        same[high[found[low] == found[high]]] = True
+        found = np.where(same, other, found)
+    return found
 
 
 def _placed(city: City, cars: _Cars, body: NDArray[np.str_]) -> FloatArray:

@@ -12,6 +12,7 @@ from cityx.geometry.arrangement import Regions, join_regions
 from cityx.plugins.road.carriageway import Carriageway, build_carriageway
 from cityx.plugins.road.carriageway_regions import carriageway_regions
 from cityx.plugins.road.drops import drive_regions, dropped_regions
+from cityx.plugins.road.junction_paving import junction_paving, paved_mouths, setts_at
 from cityx.plugins.road.landcover import kerbed_areas
 from cityx.plugins.road.markings import marking_regions
 from cityx.plugins.road.marks import USUAL, painted_edges, street_of
@@ -22,7 +23,7 @@ from cityx.plugins.road.roundabouts import roundabout_regions
 from cityx.plugins.road.sections import bands_of
 from cityx.plugins.road.strips import strip_regions, threshold_regions
 from cityx.plugins.road.verges import verge_regions
-from cityx.plugins.road.zebras import mouth_crossings, zebras_of
+from cityx.plugins.road.zebras import joined, mouth_crossings, zebras_of
 
 
 def street_regions(
@@ -47,12 +48,16 @@ def street_regions(
     painted = painted_edges(street, chosen)
     zebras = zebras_of(street, painted, road)
     mouths = mouth_crossings(street, painted, road)
+    crossings = joined(zebras, mouths)
+    setts = paved_mouths(street, crossings, painting)
+    ends = setts_at(street, crossings, setts)
     found = join_regions([
         carriageway_regions(layout, network, chosen, road),
         strip_regions(layout, network, bands, chosen, gutters=painting.gutters),
         threshold_regions(layout, network, chosen),
         verge_regions(network, bands),
-        marking_regions(street, zebras, painted, road, painting),
+        marking_regions(street, zebras, painted, road, painting, ends),
+        junction_paving(street, crossings, setts, road, painting),
         dropped_regions(street, zebras, mouths, road, painting.ribs),
         drive_regions(street, road),
         refuge_regions(street, zebras, painting.ribs),
