@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import shapely
 
+from cityx.assets.roof_furniture import REACH
 from cityx.checks.buildings import floating_gap
 from cityx.city import City, Environment, Frame, Layout, Terrain, make_table
 from cityx.city.content import content_hash
@@ -12,24 +13,25 @@ from cityx.city.ground import KERB_HEIGHT
 from cityx.geometry import facades
 from cityx.plugins.building.dressing import footings
 from cityx.plugins.building.facade import WINDOW_ROLES, facade, facade_of
+from cityx.plugins.building.rooftop import GARDEN_SORTS
 from cityx.plugins.building.shell import shell
 
 SOHO = Path(__file__).parents[3] / "../shared/data/osm/london_soho.osm.gz"
 COUNT = 8
 
 
-def terrace(order=None, *, use="apartments", entrances=()):
-    """Build eight houses in a row along a street that runs before their south fronts."""
-    order = np.arange(COUNT) if order is None else order
-    x = np.arange(COUNT) * 12.0
+def terrace(order=None, *, use="apartments", entrances=(), count=COUNT):
+    """Build houses in a row along a street that runs before their south fronts."""
+    order = np.arange(count) if order is None else order
+    x = np.arange(count) * 12.0
     boxes = shapely.box(x, 0, x + 12.0, 11)[order]
-    ids = (np.arange(1, COUNT + 1, dtype=np.uint64) * np.uint64(7919))[order]
-    same = {"id": ids, "use": [use] * COUNT, "levels": [4] * COUNT}
-    buildings = make_table("buildings", boxes, place=["urban"] * COUNT, **same)
+    ids = (np.arange(1, count + 1, dtype=np.uint64) * np.uint64(7919))[order]
+    same = {"id": ids, "use": [use] * count, "levels": [4] * count}
+    buildings = make_table("buildings", boxes, place=["urban"] * count, **same)
     parts = make_table(
-        "parts", boxes, building=ids, top=[14.0] * COUNT, base=[0.0] * COUNT, walls=[True] * COUNT,
-        roof_shape=["flat"] * COUNT, roof_height=[0.0] * COUNT, wall_color=[-1] * COUNT,
-        roof_color=[-1] * COUNT, **same,
+        "parts", boxes, building=ids, top=[14.0] * count, base=[0.0] * count, walls=[True] * count,
+        roof_shape=["flat"] * count, roof_height=[0.0] * count, wall_color=[-1] * count,
+        roof_color=[-1] * count, **same,
     )  # fmt: skip
     street = shapely.LineString([(-50, -8), (150, -8)])
     roads = make_table("roads", np.array([street], object), id=[5], kind=["residential"])
@@ -188,8 +190,8 @@ def test_chimneys_begin_in_the_roof():
     assert (rows.position[:, 2] + 3 * rows.scale[:, 2] > 14.5).all()
 
 
-def roof_rows(use="apartments"):
-    city = facade(terrace(use=use))
+def roof_rows(use="apartments", count=COUNT):
+    city = facade(terrace(use=use, count=count))
     rows = city.scene.instances["roof_furniture"]
     names = np.array([p.name for p in city.scene.prototypes])[rows.prototype]
     return city, rows, names
@@ -208,6 +210,18 @@ def test_railings_stand_inside_parapets_but_at_walls_shared_with_a_neighbour():
         shared = 1 if owner in city.layout.parts["building"].iloc[[0, -1]].to_numpy() else 2
         around = 2 * (12.0 - 0.9) + (2 - shared) * (11.0 - 0.9)
         assert np.sum(3.0 * rows.scale[of, 0]) == pytest.approx(around, rel=1e-5)
+
+
+def test_roof_gardens_are_of_several_sorts_and_stay_on_their_roofs():
+    city, rows, names = roof_rows(count=150)
+    garden = np.isin(names, list(GARDEN_SORTS))
+    assert set(names[garden]) == set(GARDEN_SORTS)
+    reach = np.array([REACH[name] for name in names[garden]])
+    spots = shapely.points(rows.position[garden, :2])
+    houses = city.layout.buildings.set_index("id").geometry
+    home = houses.loc[rows.owner[garden]].to_numpy()
+    assert shapely.contains(home, spots).all()
+    assert (shapely.distance(shapely.boundary(home), spots) >= 0.6 * reach).all()
 
 
 def test_wear_lies_on_flat_roofs_and_every_piece_has_an_id():

@@ -11,6 +11,7 @@ from cityx.city.rows import without_objects
 from cityx.city.store import view_of
 from cityx.dataset.classes import CLASS
 from cityx.dataset.stage import stage_of
+from cityx.geometry.scatter import near_pairs
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.parked_cars import VAN_LEFT, parked_cars
 from cityx.plugins.road.yards import yard_patches
@@ -49,6 +50,15 @@ def test_no_two_cars_overlap(parked):
 
     xy = parked.scene.instances["vehicles"].position[:, :2]
     assert cKDTree(xy).query(xy, k=2)[0][:, 1].min() > 2.2
+
+
+def test_cars_beside_one_another_are_seldom_alike(parked):
+    rows = parked.scene.instances["vehicles"]
+    pairs = near_pairs(rows.position[:, :2], 6.5)
+    assert len(pairs) > 100
+    first, second = rows.prototype[pairs].T
+    share = np.bincount(rows.prototype) / rows.count
+    assert np.mean(first == second) < 0.5 * np.sum(share**2)  # of what chance would give
 
 
 def test_a_car_park_is_about_half_full_and_keeps_its_cars(parked):
