@@ -78,7 +78,7 @@ SUBSTANCES: Mapping[str, Substance] = MappingProxyType(
             (_SOIL, "soil sand gravel roof_gravel rail_ballast farmland forest_floor"),
             (_GRASS, "grass meadow pitch"),
             (_ASPHALT, "asphalt asphalt_light asphalt_red asphalt_brown marking_white "
-             "marking_yellow"),
+             "marking_yellow marking_blue"),
             (_ROOFING, "roof_tiles bitumen"),
             (_WATER, "water"),
             (_BODY, "skin"),

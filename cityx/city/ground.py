@@ -96,10 +96,11 @@ SURFACES: tuple[Surface, ...] = (
     Surface("parking_lane", 71, 0.0, "small_setts", "concrete"),  # of small stones, beside setts
     Surface("mouth_setts", 73, 0.0, "pale_setts", "concrete"),  # across the mouth of a side street
     Surface("coat", 79, 0.0, "asphalt_brown", "concrete"),  # amid crossroads
+    Surface("feather", 80, 0.0, "marking_blue", "concrete"),  # where bicycles ride
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
 # What lies on a carriageway and is part of it.
-PAINT = ("marking", "marking_yellow", "cycle_lane", "crossing_row", "coat")
+PAINT = ("marking", "marking_yellow", "cycle_lane", "crossing_row", "coat", "feather")
 ON_ROADWAY = (*PAINT, "tramway")  # whatever a roadway is made of below it
 ROADWAY = ("carriageway", "setts", "gravel_road", "junction", "threshold", "gutter",
            "parking_lane", "mouth_setts", *PAINT)  # fmt: skip

@@ -164,7 +164,7 @@ _SURFACE = {
     "cycle_lane": "cycle_lane", "rail": "rail_track", "trail": "path", "furnishing": "sidewalk",
     "gravel": "yard", "building": "terrain", "void": "other",
     "bed": "soil", "threshold": "road", "gutter": "road", "parking_lane": "road",
-    "mouth_setts": "road", "coat": "road",
+    "mouth_setts": "road", "coat": "road", "feather": "road_marking",
     "edging": "sidewalk", "frontage": "sidewalk",
 }  # fmt: skip
 # Layers of meshes whose objects are all of one class.
@@ -184,7 +184,7 @@ _MATERIAL = {
     "paving": "sidewalk", "flagstones": "sidewalk", "mosaic": "sidewalk",
     "plaza_slabs": "sidewalk", "slab_walk": "sidewalk",
     "walk_blocks": "sidewalk", "guided_blocks": "sidewalk", "yard": "yard", "kerb_stone": "kerb",
-    "marking_white": "road_marking",
+    "marking_white": "road_marking", "marking_blue": "road_marking",
     "marking_yellow": "road_marking", "grass": "grass", "meadow": "grass", "pitch": "pitch",
     "forest_floor": "forest_floor", "farmland": "farmland", "soil": "soil", "sand": "sand",
     "gravel": "path", "rail_ballast": "rail_track", "rail_steel": "rail_track", "water": "water",

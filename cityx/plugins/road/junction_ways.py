@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from cityx.city.lanes import MOVEMENTS, LaneGraph
 from cityx.city.section import KIND
@@ -16,6 +17,7 @@ from cityx.plugins.road.lanes import LEFT, RIGHT, STRAIGHT, THROUGH, lane_graph,
 from cityx.plugins.road.marks import BoolArray, FloatArray, IntArray, Shapes, Street
 
 MOST_LANES = 5  # short lanes in a row within one junction
+AT_KERB = 0.05  # metres between a kerb and what lies along it
 CARS = [KIND[name] for name in ("drive", "bus")]
 
 
@@ -35,6 +37,8 @@ class JunctionWays:
         (w,) into `cityx.city.lanes.MOVEMENTS`, by the turn from arm to arm.
     width
         (w,) float, metres of the lane they come from.
+    kerbside
+        (w,) bool, whether it lies along the kerb on the side that traffic keeps to.
     line
         The ways, in the direction of travel.
     """
@@ -46,6 +50,7 @@ class JunctionWays:
     end: IntArray
     movement: IntArray
     width: FloatArray
+    kerbside: BoolArray
     line: Polylines
 
     def take(self, rows: Any) -> JunctionWays:
@@ -69,8 +74,33 @@ def junction_ways(street: Street) -> JunctionWays:
     edge = graph.edge[origin].astype(np.int64)
     end = (graph.direction[origin] > 0).astype(np.int64)
     hub = cluster[street.network.edge_nodes[edge, end]]
+    outer, _ = kerbside(
+        street, edge, graph.direction[origin], graph.left[origin], graph.right[origin]
+    )
     return JunctionWays(hub, origin, target, edge, end, _movements(line),
-                        (graph.left - graph.right)[origin], line)  # fmt: skip
+                        (graph.left - graph.right)[origin], outer, line)  # fmt: skip
+
+
+def kerbside(
+    street: Street, edge: IntArray, direction: NDArray[np.int8], left: FloatArray, right: FloatArray
+) -> tuple[BoolArray, FloatArray]:
+    """Tell which lanes lie along the kerb on the side that traffic keeps to.
+
+    Parameters
+    ----------
+    street
+        The network.
+    edge, direction, left, right
+        (k,) of the lanes, as of `cityx.city.lanes.LaneGraph`.
+
+    Returns
+    -------
+    along, side
+        (k,) bool, and (k,) 1 where that side is the left of the edge, -1 where it is the right.
+    """
+    side = np.where(street.network.left_hand[edge] == (direction > 0), 1.0, -1.0)
+    away = street.network.half_width[edge] - np.where(side > 0, left, -right)
+    return np.abs(away) < AT_KERB, side
 
 
 def conflicts(ways: JunctionWays) -> Shapes:

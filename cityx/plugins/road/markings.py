@@ -18,6 +18,7 @@ from cityx.plugins.road.box_junctions import box_junctions
 from cityx.plugins.road.carriageway import Carriageway, joined_by
 from cityx.plugins.road.carriageway_regions import kerbed_edges
 from cityx.plugins.road.centre_marks import centre_marks
+from cityx.plugins.road.feathers import feathers
 from cityx.plugins.road.guides import guide_lines
 from cityx.plugins.road.halts import halt_lines
 from cityx.plugins.road.junction_ways import junction_ways
@@ -101,6 +102,7 @@ def marking_regions(
     )
     bars, crossing = zebra_bars(street, zebras, road)
     halts = halt_lines(street, urban, painting, through, road, setts)
+    insets = _town_insets(street)
     white = [
         _edge_lines(
             street,
@@ -111,7 +113,7 @@ def marking_regions(
         _edge_lines(
             street,
             _lined(street, urban & kerbed & painting.edge_lines),
-            _town_insets(street),
+            insets,
             painting.edge_line,
         ),
         lane_symbols(street, urban, one_way=painting.one_way_arrows, diamonds=painting.diamonds),
@@ -154,6 +156,12 @@ def marking_regions(
         shown = _clear(*rows, layout, network, road, np.ones(len(rows[0]), bool))
         row = LABEL["crossing_row"]
         parts.append(regions(rows[0][shown], row, SURFACES[row].priority))
+        shapes = np.concatenate([shapes, rows[0][shown]])
+    if painting.feathers:
+        blue, signs = feathers(street, urban & kerbed, ways, insets, road, shapes)
+        color = LABEL["feather"]
+        parts.append(regions(blue, color, SURFACES[color].priority))
+        parts.append(regions(signs, label, SURFACES[label].priority))
     if painting.boxes:
         parts.append(box_junctions(street, ways, road))
     if painting.red_cycleways:

@@ -142,6 +142,8 @@ class Painting:
         Whether setts lead walks across the mouths of side streets in town.
     coated_crossroads
         Whether crossroads of minor streets are coloured.
+    feathers
+        Whether arrowheads tell where bicycles ride on classified roads without a lane for them.
 
     References
     ----------
@@ -175,6 +177,7 @@ class Painting:
     stop_line: float = 0.4
     paved_mouths: bool = False
     coated_crossroads: bool = False
+    feathers: bool = False
 
 
 def painting_of(frame: Frame) -> Painting:
@@ -214,4 +217,5 @@ def painting_of(frame: Frame) -> Painting:
         stop_line=0.3 if british else 0.5 if german else 0.4,
         paved_mouths=british,
         coated_crossroads=within(JAPAN),
+        feathers=within(JAPAN),
     )

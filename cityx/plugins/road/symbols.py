@@ -21,6 +21,7 @@ FIGURE = (3.0, 0.6, 0.35, 0.16)  # metres: long and wide, between two, and of st
 TRIANGLE = (3.75, 1.25, 0.15)  # metres, long and wide, and of its rim
 DIAMOND = (5.0, 1.5, 0.25)  # metres, long and wide, and of its rim
 WHEEL = 0.34  # metres, radius
+FEATHER = (1.5, 0.75, 0.9)  # metres, long and wide, and of its sides
 
 
 def _stroke(*points: tuple[float, float], width: float = STROKE) -> Any:
@@ -133,6 +134,15 @@ def give_way_triangle() -> Any:
     """Return the triangle before give-way lines, its tip at the origin (TSRGD 2016, 1023)."""
     outer = _head((0.0, 0.0), (TRIANGLE[0], 0.0), TRIANGLE[1])
     return outer.difference(shapely.buffer(outer, -TRIANGLE[2], join_style="mitre"))
+
+
+@lru_cache(maxsize=1)
+def feather() -> Any:
+    """Return the arrowhead that tells where bicycles ride, its middle at the origin."""
+    long, wide, side = FEATHER
+    tip, notch, half = long / 2, side - long / 2, wide / 2
+    return shapely.Polygon([(tip, 0.0), (notch, half), (-tip, half), (tip - side, 0.0),
+                            (-tip, -half), (notch, -half)])  # fmt: skip
 
 
 @lru_cache(maxsize=1)
