@@ -159,9 +159,9 @@ def marking_regions(
         shapes = np.concatenate([shapes, rows[0][shown]])
     if painting.feathers:
         blue, signs = feathers(street, urban & kerbed, ways, insets, road, shapes)
-        color = LABEL["feather"]
-        parts.append(regions(blue, color, SURFACES[color].priority))
-        parts.append(regions(signs, label, SURFACES[label].priority))
+        for shapes, color in ((blue, LABEL["feather"]), (signs, label)):
+            seen = shapes[~_in_houses(shapes, layout)]
+            parts.append(regions(seen, color, SURFACES[color].priority))
     if painting.boxes:
         parts.append(box_junctions(street, ways, road))
     if painting.red_cycleways:
