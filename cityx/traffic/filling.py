@@ -81,6 +81,6 @@ class Filling:
         self.sent.add(name)
         self.sumo.route.add(name, route)
         self.sumo.vehicle.add(
-            name, name, typeID=trip["type"], departPos=position, departLane="best",
+            name, name, typeID=trip["type"], departPos=position, departLane=trip["lane"],
             departSpeed="max" if position == "random_free" or trip["rolling"] else "0",
         )  # fmt: skip

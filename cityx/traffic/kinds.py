@@ -21,6 +21,11 @@ class Driving:
         Greatest speed, m/s.
     gap
         Metres kept to a standing vehicle ahead.
+    lane
+        That they set out in, as SUMO's ``departLane``.
+    eager
+        How early they get into the lane from which they turn, as SUMO's ``lcStrategic``; those who
+        never do go where their lane leads.
     """
 
     sumo_class: str
@@ -28,6 +33,8 @@ class Driving:
     decel: float
     top: float
     gap: float
+    lane: str = "best"
+    eager: float = 10.0
 
 
 # Usual values of SUMO's classes; vehicles in streets accelerate less than they could.
@@ -38,7 +45,7 @@ DRIVING: Mapping[str, Driving] = MappingProxyType(
         "truck": Driving("truck", 1.3, 4.0, 25.0, 2.5),
         "bus": Driving("bus", 1.2, 4.0, 24.0, 2.5),
         "motorcycle": Driving("motorcycle", 3.5, 6.0, 45.0, 2.0),
-        "bicycle": Driving("bicycle", 1.2, 3.0, 5.6, 1.0),
+        "bicycle": Driving("bicycle", 1.2, 3.0, 5.6, 1.0, "first", -1.0),
     }
 )
 LARGE = ("bus", "truck")  # need wide lanes and gentle corners

@@ -355,7 +355,8 @@ def _run_worker(job: Path, limit_s: float) -> None:
 
 def _trip(trip: Trip, looks: Sequence[Look]) -> dict[str, Any]:
     return {"id": trip.name, "type": looks[trip.look].type_name, "route": trip.route,
-            "entry": trip.entry, "rolling": trip.rolling}  # fmt: skip
+            "entry": trip.entry, "rolling": trip.rolling,
+            "lane": DRIVING[looks[trip.look].kind].lane}  # fmt: skip
 
 
 def routes_text(run: Run, types: Sequence[str] = ()) -> str:
@@ -381,7 +382,7 @@ def _vehicle(trip: Trip, look: Look, at: float) -> str:
         where["insertionChecks"] = "collision"
     head = tag(
         "vehicle", id=trip.name, type=look.type_name, depart=f"{at:.1f}",
-        departLane="best" if trip.lane is None else trip.lane,
+        departLane=DRIVING[look.kind].lane if trip.lane is None else trip.lane,
         departSpeed=speed if trip.pace is None else f"{trip.pace:.3f}", **where,
     )  # fmt: skip
     return f"{head[:-2]}>{tag('route', edges=' '.join(trip.route))}</vehicle>"
@@ -402,7 +403,8 @@ def type_text(look: Look) -> str:
         width=f"{width:.3f}", height=f"{height:.3f}", accel=drive.accel, decel=drive.decel,
         maxSpeed=f"{top:g}", minGap=drive.gap, sigma="0.3",
         jmTimegapMinor=f"{PASSED:g}",
-        lcStrategic="10", lcSpeedGain="0", lcKeepRight="0", lcCooperative="0", **wanted,
+        lcStrategic=f"{drive.eager:g}", lcSpeedGain="0", lcKeepRight="0", lcCooperative="0",
+        **wanted,
     )  # fmt: skip
 
 

@@ -6,7 +6,8 @@ from cityx.traffic.filling import AHEAD, Filling
 
 
 def trips(start, count):
-    return [{"id": f"{start}{n}", "type": "car", "route": [start, "d"], "rolling": True}
+    return [{"id": f"{start}{n}", "type": "car", "route": [start, "d"], "rolling": True,
+             "lane": "best"}
             for n in range(count)]  # fmt: skip
 
 

@@ -157,7 +157,31 @@ def _connections(
         none = np.zeros(0, np.int64)
         return none, none, none
     found = np.unique(np.array(pairs, np.int64), axis=0)
+    found = np.unique(np.concatenate([found, _onto_own(found, bands, network.left_hand)]), axis=0)
     return found[:, 0], found[:, 1], found[:, 2]
+
+
+def _onto_own(pairs: IntArray, bands: Bands, left_hand: NDArray[np.bool_]) -> IntArray:
+    """(k, 3) pairs that lead bicycles from among the cars into a lane of their own.
+
+    Where one begins behind a junction it is entered from the lane at the kerb of those that lead
+    there.
+    """
+    cycle = np.flatnonzero((bands.kind == KIND["cycle"]) & (bands.direction != 0))
+    arm = 2 * bands.edge + (bands.direction > 0)
+    inward = bands.middle * bands.direction * np.where(left_hand[bands.edge], -1.0, 1.0)
+    cycle = cycle[np.lexsort((inward[cycle], arm[cycle]))]
+    arms, first = np.unique(arm[cycle], return_index=True)
+    origin, goal, _ = pairs.T
+    led = (bands.kind[[origin, goal]] == KIND["drive"]).all(axis=0)
+    led &= np.isin(arm[goal], arms) & ~np.isin(arm[origin], arms)
+    rows = np.flatnonzero(led)
+    rows = rows[np.lexsort((goal[rows], inward[origin[rows]], arm[goal[rows]], arm[origin[rows]]))]
+    between = np.column_stack([arm[origin[rows]], arm[goal[rows]]])
+    rows = rows[np.sort(np.unique(between, axis=0, return_index=True)[1])]
+    found = pairs[rows].copy()
+    found[:, 1] = cycle[first[np.searchsorted(arms, arm[goal[rows]])]]
+    return np.asarray(found)
 
 
 def turns_of_lanes(layout: Layout, network: RoadNetwork, bands: Bands) -> IntArray:

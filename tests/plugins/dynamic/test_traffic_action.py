@@ -15,6 +15,7 @@ from made_streets import CROSS, MIDDLE, REACH, city_of
 
 from cityx.city.content import content_hash
 from cityx.city.ground import KERB_HEIGHT
+from cityx.city.section import KIND
 from cityx.city.signals import GO, STATE, states_at
 from cityx.city.store import read_city, write_city
 from cityx.city.terrain import Terrain
@@ -179,3 +180,21 @@ def test_many_cycle_in_central_europe_and_nobody_on_a_motorway(busy):
     fast = traffic(city_of([(line, {"kind": "motorway"})]), density="heavy", duration=10.0)
     assert fast.tracks.count > 3
     assert not (fast.tracks.kind == MOVER["bicycle"]).any()
+
+
+def test_bicycles_take_the_lane_of_their_own_where_one_begins():
+    section = "cycle 1.6 - | drive 3.25 - | drive 3.25 + | cycle 1.6 +"
+    with_lanes = {"section": section, "width": 9.7}
+    streets = [([(-REACH, 0), MIDDLE], {}), ([MIDDLE, (REACH, 0)], with_lanes),
+               ([MIDDLE, (0, REACH)], {"kind": "residential"})]  # fmt: skip
+    tracks = traffic(city := city_of(streets), density="heavy", duration=120.0, hour=8.0).tracks
+    graph = city.lanes
+    owner = np.repeat(np.arange(len(tracks.object_id)), np.diff(tracks.sample_start))
+    order = np.argsort(graph.lane_id)
+    found = np.searchsorted(graph.lane_id[order], tracks.place)
+    lane = order[np.minimum(found, graph.count - 1)]
+    lane = np.where(graph.lane_id[lane] == tracks.place, lane, -1)
+    rides = (tracks.kind[owner] == MOVER["bicycle"]) & (lane >= 0)
+    beside = np.isin(graph.edge[lane], graph.edge[graph.kind == KIND["cycle"]]) & rides
+    assert beside.sum() > 100
+    assert np.mean(graph.kind[lane[beside]] == KIND["cycle"]) > 0.8

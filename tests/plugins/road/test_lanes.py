@@ -5,6 +5,7 @@ import pytest
 import shapely
 
 from cityx.checks.lanes import check_lanes
+from cityx.city.lanes import MOVEMENTS
 from cityx.city.layout import make_table
 from cityx.city.routes import cars, lane_lengths, nearest_lane, pieces_of, route, side_by_side
 from cityx.city.section import BAND_KINDS, KIND, TURN
@@ -186,6 +187,31 @@ def test_bicycles_go_on_among_the_cars_where_their_lane_ends(layout_of):
     into = graph.connection[graph.connection[:, 0] == lane, 1]
     assert len(into) == 1
     assert graph.kind[into[0]] == KIND["drive"]
+
+
+@pytest.mark.parametrize("left_hand", [False, True])
+def test_bicycles_leave_the_lane_at_the_kerb_for_one_of_their_own(layout_of, left_hand):
+    before = {"section": "drive 3 + | drive 3 +", "oneway": True, "lanes": 2}
+    kerb = "cycle 1.6 + | drive 4 +" if left_hand else "drive 4 + | cycle 1.6 +"
+    after = {"section": kerb, "oneway": True, "lanes": 1}
+    layout = layout_of([([WEST, MIDDLE], before), ([MIDDLE, EAST], after)])
+    graph, _ = graph_of(layout, left_hand=left_hand)
+    own = int(np.flatnonzero(graph.kind == KIND["cycle"])[0])
+    (origin,) = graph.connection[graph.connection[:, 1] == own, 0]
+    west = np.flatnonzero((graph.edge == graph.edge[origin]) & cars(graph))
+    side = graph.left[west] if left_hand else -graph.left[west]
+    assert origin == west[np.argmax(side)]
+    row = int(np.flatnonzero((graph.connection == (origin, own)).all(axis=1))[0])
+    assert graph.movement[row] == MOVEMENTS.index("through")
+
+
+def test_nobody_crosses_into_a_cycle_lane_beside_one_that_goes_on(layout_of):
+    both = {"section": "drive 4 + | cycle 1.6 +", "oneway": True, "lanes": 1}
+    away = ([MIDDLE, NORTH], {"oneway": True, "lanes": 1})
+    graph, _ = graph_of(layout_of([([WEST, MIDDLE], both), ([MIDDLE, EAST], both), away]))
+    into = graph.connection[graph.kind[graph.connection[:, 1]] == KIND["cycle"], 0]
+    assert (graph.kind[into] == KIND["cycle"]).all()
+    assert len(into) == 1
 
 
 def test_a_route_takes_the_quicker_way_and_is_one_line(layout_of):
