@@ -319,7 +319,10 @@ class _Walk:
         let &= far[near] <= halt[near]
         self.granted[rows[near[let]]] = crosswalk[near[let]]
         waits = queues & (far <= halt)
-        self.waited[rows] = np.where(queues, self.waited[rows] + STEP, 0.0)
+        # A gap that others take ends no wait.
+        short = (crosswalk > 0) & (here == 0) & (far <= QUEUE)
+        waited = self.waited[rows]
+        self.waited[rows] = np.where(queues, waited + STEP, np.where(short, waited, 0.0))
         shut = near[queues[near]]
         gives_up = self.gates.opens_in(crosswalk[shut] - 1, now) > LONGEST_WAIT
         gives_up |= self.waited[rows[shut]] > LONGEST_WAIT

@@ -27,7 +27,7 @@ from cityx.plugins.dynamic.pedestrians import ACTION, pedestrians
 from cityx.plugins.dynamic.people_gates import Gates, gates_of
 from cityx.plugins.dynamic.people_room import FLOW, LEAST, SPELL, Room
 from cityx.plugins.dynamic.people_trips import DAYS, Trips, activity
-from cityx.plugins.dynamic.people_walk import _Walk
+from cityx.plugins.dynamic.people_walk import LONGEST_WAIT, _Walk
 from cityx.protocol import Serves, registry
 from cityx.protocol.catalogue import known_records
 from cityx.protocol.example_city import example_city
@@ -265,6 +265,31 @@ def test_who_is_beside_a_crosswalk_is_not_taken_for_one_on_it(town, y, was_on, w
     waiting, _ = walk._wait(walk.present, here, 1.0)
     assert waiting.tolist() == [waits]
     assert walk.granted.tolist() == [number * may_be_on]
+
+
+def test_a_gap_that_others_take_ends_no_wait(town):
+    area = walkable_of(town)
+    x = float(area.crosswalks.ends[1, 0, 0])
+    way = np.column_stack([np.full(41, x), np.linspace(15.0, -5.0, 41)])  # from north to south
+    walks = Polylines(way, np.array([0, 41]))
+    trips = Trips(np.array([7], np.uint64), np.zeros(1, np.int64), walks, np.ones(1), np.zeros(1))
+    shut = np.ones((area.crosswalks.count, 600), bool)
+    for first in range(75, 600, 75):  # 1 s in every 15 s, but who is behind others cannot go on
+        shut[:, first : first + 5] = False
+    gates = Gates(0.2, shut, np.zeros_like(shut), np.full(len(shut), 6.0), np.zeros((0, 6)),
+                  np.zeros(601, np.int64))  # fmt: skip
+    walk = _Walk(trips, area, gates, 120.0)
+    walk.begin(np.zeros((0, 2)))
+    at = int(np.flatnonzero(walk.over)[0]) - 4
+    assert walk.over[at] == 0
+    walk.at[:], walk.position[:] = at, walk.points[at]
+    here = area.at(area.crosswalk, walk.position).astype(np.int64)
+    for now in np.arange(0.0, LONGEST_WAIT + 1.5, 0.1):
+        walk._wait(walk.present, here, now)
+    assert walk.at[0] == at
+    for now in np.arange(LONGEST_WAIT + 1.5, LONGEST_WAIT + 3.0, 0.1):
+        walk._wait(walk.present, here, now)
+    assert walk.at[0] != at  # it has turned back
 
 
 def test_a_flow_goes_from_place_to_place_and_adds_to_what_moves(busy):
