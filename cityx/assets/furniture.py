@@ -34,6 +34,7 @@ from cityx.assets.shapes import (
 from cityx.assets.shore_pieces import SHORE_MAKERS
 from cityx.assets.street_clutter import CLUTTER_MAKERS
 from cityx.assets.street_pieces import STREET_MAKERS
+from cityx.assets.utility_poles import POLE_MAKERS
 from cityx.assets.wall_pieces import WALL_MAKERS
 from cityx.assets.yard_pieces import YARD_MAKERS
 from cityx.city.scene import Prototype
@@ -452,6 +453,7 @@ MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
         )
     }
     | dict(STREET_MAKERS)
+    | dict(POLE_MAKERS)
     | dict(CLUTTER_MAKERS)
     | dict(WALL_MAKERS)
     | dict(PARK_MAKERS)

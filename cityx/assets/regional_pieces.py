@@ -224,6 +224,7 @@ def traffic_signal_japan() -> Shapes:
     the row, on the right of whoever arrives.
     """
     grey: Color = (1.15, 1.15, 1.12)
+    lid: Color = (0.86, 0.87, 0.86)
     z, x, lamp = 5.25, 2.45, 0.15  # metres: middle of the row, and radius of a light
     parts = [
         cylinder((0, 0.2, BURIED), (0, 0.2, 6.1), 0.095, "metal_grey", grey, top=0.075, sides=10,
@@ -238,6 +239,11 @@ def traffic_signal_japan() -> Shapes:
                          grey))  # fmt: skip
     for side, light in ((-0.42, "signal_green"), (0.0, "signal_amber"), (0.42, "signal_stop")):
         parts += [
+            # From behind: the lid of each light, its hinge, and the gap between two.
+            box((x + side - 0.185, 0.12, z - 0.175), (x + side + 0.185, 0.14, z + 0.175),
+                "metal_grey", lid),
+            box((x + side - 0.06, 0.14, z - 0.16), (x + side + 0.06, 0.155, z - 0.13),
+                "metal_dark"),
             disc((x + side, -0.062, z), lamp + 0.025, "plastic", DARK, sides=14, thickness=0.02),
             disc((x + side, -0.075, z), lamp, light, sides=14, thickness=0.016),
             prism([(x + side - 0.17, z + 0.02), (x + side + 0.17, z + 0.02),

@@ -247,25 +247,6 @@ def sign_name() -> Shapes:
     ]
 
 
-def utility_pole() -> Shapes:
-    """Concrete pole of 10 m with cross-arms, a transformer and cables' holders, for east Asia."""
-    parts: Shapes = [
-        cylinder((0, 0, -0.4), (0, 0, 10.2), 0.17, "concrete", (0.95, 0.95, 0.93), top=0.11,
-                 sides=8),
-        box((-1.0, -0.05, 9.5), (1.0, 0.05, 9.6), "metal_grey"),
-        box((-0.75, -0.05, 8.7), (0.75, 0.05, 8.8), "metal_grey"),
-        cylinder((0.42, 0.0, 7.3), (0.42, 0.0, 8.25), 0.27, "metal_grey", sides=10),
-        box((0.0, -0.04, 7.5), (0.3, 0.04, 7.6), "metal_grey"),
-        box((-0.3, -0.14, 5.4), (0.3, -0.08, 5.55), "metal_dark"),
-        box((-0.16, -0.3, 1.5), (0.16, -0.17, 2.3), "sign", YELLOW),
-    ]  # fmt: skip
-    for x in (-0.9, -0.35, 0.9):
-        parts.append(cylinder((x, 0, 9.6), (x, 0, 9.82), 0.05, "plastic", PALE, top=0.03, sides=6))
-    for z in np.arange(2.6, 7.2, 0.45):
-        parts.append(box((-0.3, -0.01, z), (0.3, 0.01, z + 0.02), "metal_dark"))
-    return parts
-
-
 def grating() -> Shapes:
     """Grating of a shaft, flush with the pavement."""
     parts: Shapes = [
@@ -311,7 +292,7 @@ STREET_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
         maker.__name__: maker
         for maker in (
             planter, planter_round, cafe_set, parasol, shop_board, kiosk, bicycle, wheelie_bins,
-            sign_no_entry, sign_one_way, belisha_beacon, sign_crossing, sign_name, utility_pole,
+            sign_no_entry, sign_one_way, belisha_beacon, sign_crossing, sign_name,
             grating, stone_bench, guard_rail_post, traffic_cone,
         )
     }

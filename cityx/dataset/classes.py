@@ -193,7 +193,8 @@ _BARRIER = {"hedge": "hedge", "leaf": "hedge", "metal_dark": "fence", "metal_gre
             "wood": "fence", "bench_wood": "fence"}  # fmt: skip
 # What `cityx.assets.bodies.class_of` says of pieces where the word is not that of a class.
 _PIECE = {
-    "roof_window": "window", "power_pole": "pole", "utility_pole": "pole", "flagpole": "pole",
+    "roof_window": "window", "power_pole": "pole", "flagpole": "pole",
+    "utility_pole": "pole", "utility_pole_wrapped": "pole", "utility_pole_board": "pole",
     "guard_rail_post": "guard_rail", "bus_pole": "sign", "traffic_signal_mast": "traffic_signal",
     "traffic_signal_japan": "traffic_signal",
     "fire_hydrant": "hydrant", "fence_segment": "fence", "wall_segment": "wall",

@@ -35,6 +35,8 @@ LONGEST = 45.0  # metres of a span; where poles are missing, so are the wires
 WIRES = ((-0.9, 9.8, 0.55, 0.012), (-0.35, 9.8, 0.5, 0.012), (0.9, 9.8, 0.6, 0.012),
          (-0.6, 8.75, 0.6, 0.016), (0.6, 8.75, 0.65, 0.016), (0.0, 6.3, 0.7, 0.035),
          (0.12, 5.9, 0.8, 0.028))  # fmt: skip
+# Poles and how many of them there are: bare, and with advertisements.
+KINDS = {"utility_pole": 4.0, "utility_pole_wrapped": 3.0, "utility_pole_board": 2.0}
 PIECES = 8  # straight pieces of a span
 
 
@@ -83,7 +85,8 @@ def utility_poles(city: City, blocked: FloatArray) -> tuple[Pieces, MeshBatch]:
         return join_pieces([]), empty_batch()
     ids = hash_ids(0, PURPOSE, network.edge_id[places.edge], places.number)
     # The arms reach across the street's direction.
-    poles = pieces("utility_pole", places.xy, ids, yaw_facing(places.ahead))
+    kind = np.array(list(KINDS), object)[choose(city.seed, PURPOSE, ids, list(KINDS.values()))]
+    poles = pieces(kind, places.xy, ids, yaw_facing(places.ahead))
     return poles, _wires(city, places)
 
 

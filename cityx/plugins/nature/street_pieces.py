@@ -92,7 +92,7 @@ GOODS = {"grocer": "fruit_stand", "flowers": "flower_stand", "clothes": "clothes
 GOODS_SHARE = 0.7
 # Fronts of first bays of shops, by whose ids one knows the trade (`cityx.plugins.building.shops`).
 KNOWN_FRONTS = ("shop_classic", "shop_modern")
-BOARD_SHARE, TUB_SHARE, MACHINE_SHARE, POT_SHARE = 0.2, 0.2, 0.25, 0.4
+BOARD_SHARE, TUB_SHARE, MACHINE_SHARE, POT_SHARE = 0.2, 0.2, 0.25, 0.55
 BANNERS, BANNER_SHARE = ("banner_red", "banner_blue"), 0.3  # of the shops of Japan
 LEVEL = 1.2  # metres between the ground and the foot of a shopfront that opens onto it
 OPEN_SPACING = 5.2  # metres between things on plazas and in yards
@@ -331,13 +331,14 @@ def _before_shops(city: City, site: _Site, density: float) -> Pieces:
                 laid = level & ~cafe & ~board & (trade == word) & (room >= 0.8 + left)
                 put(name, laid & drawn("goods", GOODS_SHARE), 0.42, -0.75)
             if site.place == "japan":
+                flown = level & drawn("banner", BANNER_SHARE) & (room >= 0.5 + left)
                 for number, name in enumerate(BANNERS):
-                    flown = level & (rows.object_id % np.uint64(2) == number)
-                    flown &= drawn("banner", BANNER_SHARE) & (room >= 0.5 + left)
-                    put(name, flown, 0.3, 1.45, 0.6)
+                    put(name, flown & (rows.object_id % np.uint64(2) == number), 0.3, 1.45, 0.6)
                 machine = level & ~cafe & ~board & drawn("machine", MACHINE_SHARE)
                 pots = level & ~cafe & ~machine & drawn("pots", POT_SHARE)
                 put("pot_row", pots & (room >= 0.48 + left), 0.24, -1.0)
+                pots = level & ~cafe & ~board & ~flown & drawn("more pots", POT_SHARE)
+                put("pot_row", pots & (room >= 0.48 + left), 0.24, 1.0)
                 put("vending_machine", machine & (room >= 0.9 + left), 0.48, -1.0)
         else:
             tubs = level & drawn("tubs", TUB_SHARE) & (room >= 0.8 + STRIP + CLEAR)

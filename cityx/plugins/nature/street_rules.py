@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from cityx.assets.potted_plants import POT_ROWS
 from cityx.assets.regional_pieces import LOCAL
 from cityx.city.city import City
-from cityx.geometry.identity import hash_ids
+from cityx.geometry.identity import choose
 
 CLEAR = 1.5  # metres of free walk past whatever stands by rule
 TIGHT = 1.2  # metres past a pole on a narrow walk; below it nothing stands
@@ -31,6 +31,8 @@ SLOT = 6.0  # metres of kerb per draw
 # their fronts; how much more often than on a narrower one.
 WIDE_WALK, FRONT_LINE = 3.5, 0.45
 MORE = {"bench": 2.8, "planter": 2.4, "waste_basket": 2.2, "bicycle_parking": 1.6, "bollard": 0.6}
+# Weights of rows of pots, 1 for those that are not named: what is tall greens a street.
+POTS = {"pot_row_maple": 2.0, "pot_row_olive": 2.0, "pot_row_bamboo": 1.5}
 FULL = 0.92  # of the slots of a walk that hold something at most
 STREETS = {
     "primary": "main", "secondary": "main", "tertiary": "main", "trunk": "main",
@@ -140,7 +142,8 @@ def local_names(names: NDArray[Any], place: str) -> NDArray[Any]:
 
 def varied(names: NDArray[Any], ids: NDArray[np.uint64]) -> NDArray[Any]:
     """Return (n,) names of pieces, one of its makes for each row of pots."""
-    makes = np.array(POT_ROWS, object)[(hash_ids(0, "pots", ids) % np.uint64(len(POT_ROWS)))]
+    weights = [POTS.get(name, 1.0) for name in POT_ROWS]
+    makes = np.array(POT_ROWS, object)[choose(0, "pots", ids, weights)]
     return np.where(names == "pot_row", makes, names)
 
 

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 NEAR = 5.0  # metres before the lens that movers keep free
 ROOM = 9.0  # the same where the busiest moment is looked for
 SEEN = 60.0  # metres before the lens within which movers make a picture busy
+HIGH_SEEN = 2.5  # of a high lens the same, in heights above the ground
+SOLID = ("buildings", "structures", "decks")  # layers that hide what moves
 TOUCHING = 2.5  # metres within which what is parked is left out
 EVERY = 0.5  # seconds between the moments that are looked at
 ARC = 9  # corners of the outer edge of what a lens sees
@@ -34,6 +36,7 @@ AT_EDGE = 0.3  # share by which what the edge of a picture nearly cuts counts
 SLOW = 0.2  # metres a second below which one stands
 COLUMNS = 128  # of the grid on which movers hide one another
 LEAST_DEPTH = 0.3  # metres before the lens
+UP = np.array([0.0, 0.0, 1.0])
 _CORNERS = tuple(itertools.product((-1, 1), (-1, 1), (0, 1)))  # of a box: along, across, up
 
 FloatArray = NDArray[np.float64]
@@ -51,11 +54,11 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
         Of the picture.
     busiest
         Whether to take, of the moments with a free view, the one that shows most of what moves:
-        each mover within `SEEN` metres counts by how near it is, by the square root of what it
-        covers from the side, by how much of it no nearer mover hides, and by how far amid the
-        picture it is; of those painted alike the farther ones count for half, a third and so on;
-        people who stand and wait count for half. Vehicles with people count for more than either
-        alone.
+        each mover within `SEEN` metres, or more of a high lens, that no house hides counts by how
+        near it is, by the square root of what it covers from the side, by how much of it no nearer
+        mover hides, and by how far amid the picture it is; of those painted alike the farther ones
+        count for half, a third and so on; people who stand and wait count for half. Vehicles with
+        people count for more than either alone.
 
     Returns
     -------
@@ -71,14 +74,18 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     times = np.append(times[times <= tracks.duration], view.moment)
     order = np.argsort(times, kind="stable")
     everybody = moments_of(tracks, times[order])
-    near, reach = (ROOM, SEEN) if busiest else (NEAR, NEAR)
     eye = np.array(camera.position)
+    high = eye[2] - float(view.terrain.height_at(eye[None, :2])[0])
+    near, reach = (ROOM, max(SEEN, HIGH_SEEN * high)) if busiest else (NEAR, NEAR)
     size = tracks.size[everybody.mover].astype(float)
     beside = np.hypot(*(everybody.position[:, :2] - eye[:2]).T)
     beside = beside <= reach + np.hypot(size[:, 0], size[:, 1]) / 2
     foot = everybody.position[:, 2]
     above = np.maximum(eye[2] - foot - size[:, 2], foot - eye[2])
-    seen = beside & (above < reach)
+    seen = np.flatnonzero(beside & (above < reach))
+    if busiest:
+        framed = _framed(camera, everybody.take(seen), size[seen])
+        seen = seen[(framed[1] > framed[0]).all(axis=1) | (above[seen] < near)]
     found, size, above = everybody.take(seen), size[seen], above[seen]
     far = _before(camera, found.boxes(tracks.size), reach)
     moment, low = order[found.number], above < near
@@ -87,6 +94,7 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     shown = (1.0 - far / reach) * np.sqrt(size[:, 0] * size[:, 2])
     if busiest:
         framed = _framed(camera, found, size)
+        shown *= _in_sight(view, camera, found.position + 0.5 * size[:, 2:] * UP)
         shown *= _unhidden(camera, found, framed, moment, far) * _amid(camera, framed)
         shown /= 1.0 + _alike(tracks, found, moment, far)
     walks = tracks.on_foot[found.mover]
@@ -152,6 +160,22 @@ def _alike(tracks: Tracks, found: Moments, moment: IntArray, far: FloatArray) ->
     rank = np.zeros(len(order), np.int64)
     rank[order] = numbered(np.bincount(group)) if len(order) else 0
     return rank
+
+
+def _in_sight(view: View, camera: Camera, places: FloatArray) -> NDArray[np.bool_]:
+    """(m,) whether nothing solid stands between a lens and places."""
+    from cityx.geometry.raycast import cast, ray_scene
+
+    meshes = [view.scene.meshes[layer] for layer in SOLID if layer in view.scene.meshes]
+    if not meshes:
+        return np.ones(len(places), bool)
+    whole = np.broadcast_to(np.eye(3, 4), (len(meshes), 3, 4))
+    solid = ray_scene(
+        [mesh.vertices for mesh in meshes], [mesh.triangles()[0] for mesh in meshes],
+        np.arange(len(meshes)), whole,
+    )  # fmt: skip
+    eye = np.array(camera.position)
+    return np.asarray(cast(solid, eye, places - eye, reach=1.0).instance < 0)
 
 
 def _unhidden(

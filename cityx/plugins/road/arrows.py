@@ -28,7 +28,7 @@ LEAST_SYMBOL = 1.2  # metres of a lane with a symbol
 FROM_LINE = (1.5, 21.5)  # metres from the stop line to the tips of arrows
 AHEAD = (30.0, 50.0)  # metres from a crossing to the lozenges that tell of it
 LIMITS = (20, 30, 40, 50, 60, 80)  # km/h that are painted
-LIMIT_EVERY, LIMIT_FROM = 90.0, 17.0  # metres between figures on a lane, and to the first
+LIMIT_EVERY, LIMIT_FROM = 45.0, 17.0  # metres between figures on a lane, and to the first
 QUIET_LIMIT = 30  # km/h on one-way streets of one lane where the map tells none
 _MOVING = [KIND[name] for name in TRAVELLED]
 

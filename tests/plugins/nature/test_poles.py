@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cityx.city import Frame
-from cityx.plugins.nature.poles import WIRES
+from cityx.plugins.nature.poles import KINDS, WIRES
 from cityx.plugins.nature.street_pieces import LAYER, street_pieces
 from cityx.plugins.road.ground import ground
 
@@ -23,7 +23,7 @@ def tokyo(crossroads):
 def poles(city):
     rows = city.scene.instances[LAYER]
     names = np.array([city.scene.prototypes[i].name for i in rows.prototype])
-    return rows.position[names == "utility_pole"]
+    return rows.position[np.isin(names, list(KINDS))]
 
 
 def test_narrow_streets_of_japan_have_poles_at_one_side(tokyo):
@@ -46,4 +46,4 @@ def test_other_countries_have_their_cables_below_ground(tokyo):
                                    scene=replace(tokyo.scene, instances={})))  # fmt: skip
     rows = berlin.scene.instances.get(LAYER)
     names = [] if rows is None else [berlin.scene.prototypes[i].name for i in rows.prototype]
-    assert "utility_pole" not in names
+    assert not set(KINDS) & set(names)

@@ -87,12 +87,12 @@ def test_the_same_seed_gives_the_same_pieces(avenue, furnished):
 
 
 def trading(avenue, latitude, longitude):
-    """The avenue with thirty shops along the northern walks, at a place on Earth."""
-    x = np.concatenate([np.linspace(-54, -16, 15), np.linspace(16, 54, 15)])
-    one = np.ones((30, 3), np.float32)
+    """The avenue with twenty shops along the northern walks, at a place on Earth."""
+    x = np.concatenate([np.linspace(-54, -16, 10), np.linspace(16, 54, 10)])
+    one = np.ones((20, 3), np.float32)
     shops = Instances(
-        np.zeros(30, np.int32), np.arange(900, 930, dtype=np.uint64), np.zeros(30, np.uint64),
-        np.column_stack([x, np.full(30, 10.0), np.full(30, 0.1)]), 0 * one, one, one,
+        np.zeros(20, np.int32), np.arange(900, 920, dtype=np.uint64), np.zeros(20, np.uint64),
+        np.column_stack([x, np.full(20, 10.0), np.full(20, 0.1)]), 0 * one, one, one,
     )  # fmt: skip
     scene = avenue.scene.with_instances(
         "shopfronts", [Prototype("shop_modern", "shopfront", piece("bench").mesh)], shops

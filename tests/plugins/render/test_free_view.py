@@ -123,6 +123,31 @@ def shown_of(city):
     return _unhidden(camera, found, _framed(camera, found, size), found.number, far)[1]
 
 
+def wall(city, x, height):
+    """Return a view of a city with a wall across the east-west axis."""
+    corners = [(x, -20.0, 0.0), (x, 20.0, 0.0), (x, 20.0, height), (x, -20.0, height)]
+    mesh = one_mesh(1, corners, [[0, 1, 2, 3]])
+    return view_of(replace(city, scene=city.scene.with_mesh("buildings", mesh)))
+
+
+def test_what_a_house_hides_does_not_make_a_moment_busy():
+    car = moving((*CAR[:4], (20.0, -60.0, 0.0), np.pi / 2, 6.0), seconds=20.0)  # past at ten
+    moment = free_moment(at(car, 1.0), lens(0.0, 0.0), busiest=True)
+    assert abs(6.0 * moment - 60.0) < 8.0
+    assert free_moment(replace(wall(car, 15.0, 9.0), moment=1.0), lens(0.0, 0.0), busiest=True) == 1
+    assert free_moment(replace(wall(car, 15.0, 0.2), moment=1.0), lens(0.0, 0.0), busiest=True) == (
+        moment
+    )
+
+
+def test_a_high_lens_sees_farther_for_its_busiest_moment():
+    car = moving((*CAR[:4], (150.0, -60.0, 0.0), np.pi / 2, 6.0), seconds=20.0)
+    above = Camera("aerial", (0.0, 0.0, 120.0), EAST, -0.6)
+    moment = free_moment(at(car, 1.0), above, busiest=True)
+    assert abs(6.0 * moment - 60.0) < 20.0  # amid the picture
+    assert free_moment(at(car, 1.0), above) == 1.0
+
+
 def test_a_city_where_nothing_moves_keeps_its_moment():
     still = replace(moving(CAR), tracks=None)
     assert free_moment(at(still, 3.0), lens(0.0, 0.0)) == 3.0

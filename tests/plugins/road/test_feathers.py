@@ -48,8 +48,15 @@ def test_feathers_lie_along_the_kerb_that_traffic_keeps_to_and_point_ahead(layou
     assert (np.sign(y) == side * np.sign(ahead[:, 0])).all()
     assert np.allclose(4.0 - np.abs(y), 1.1, atol=0.15)  # metres from the kerb
     for row in (y > 0, y < 0):
-        x = np.sort(shapely.get_coordinates(shapely.centroid(shapes[row]))[:, 0])
-        assert np.allclose(np.diff(x), 10.0)
+        x, own = np.sort(shapely.get_coordinates(shapely.centroid(shapes[row]))[:, 0]), y[row][0]
+        steps = np.diff(x) / 10.0
+        assert np.allclose(steps, np.round(steps))
+        # Only where a limit of speed is painted does one give way.
+        absent = [
+            (x[i] + 10.0 * k, own) for i in range(len(steps)) for k in range(1, round(steps[i]))
+        ]
+        assert len(absent) <= 2
+        assert all(white.distance(shapely.Point(at)) < 1.0 for at in absent)
     assert shapely.distance(shapes, white).min() > 0.1
 
 
