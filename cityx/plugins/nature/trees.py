@@ -29,6 +29,7 @@ from cityx.plugins.nature.bed_plants import bed_stands
 from cityx.plugins.nature.climate import band_of, species_of_tags
 from cityx.plugins.nature.furniture import lamp_places
 from cityx.plugins.nature.lot_islands import island_stands
+from cityx.plugins.nature.roundabout_plants import roundabout_stands
 from cityx.plugins.nature.stands import (
     BUSHES,
     INDEX,
@@ -379,6 +380,7 @@ def trees(
         stands += _wooded(city, budget, have)
     if street_trees:
         stands += along_streets(city, have) + bed_stands(city) + island_stands(city)
+        stands += roundabout_stands(city, have)
     if budget:
         stands += in_yards(city, have)
     stand, room = _counted(city, stands, least, most)

@@ -143,39 +143,74 @@ def ring_nodes(layout: Layout, network: RoadNetwork) -> BoolArray:
 
 def roundabout_regions(layout: Layout, network: RoadNetwork, on_ground: BoolArray) -> Regions:
     """Return the islands of roundabouts, and turning circles."""
-    lines = network.lines
     ring = ring_edges(layout, network) & on_ground
-    return join_regions(
-        [_islands(network, lines, ring), _turning_circles(layout, network, on_ground)]
-    )
+    return join_regions([_islands(network, ring), _turning_circles(layout, network, on_ground)])
 
 
-def _islands(network: RoadNetwork, lines: Polylines, ring: BoolArray) -> Regions:
-    """Return apron, kerb and middle of each island."""
-    rows = np.flatnonzero(ring)
-    shapes = to_linestrings(lines)[rows]
-    found = rings_of(shapes)
-    if not len(found.polygon):
-        return Regions()
+@dataclass(frozen=True)
+class Islands:
+    """Islands in the middle of roundabouts, i of them.
+
+    Attributes
+    ----------
+    id
+        (i,) uint64, the least of the ids of the edges round each.
+    polygon
+        (i,) polygons that the middle of the ring's carriageway encloses.
+    half
+        (i,) float, metres from there to the apron.
+    apron
+        (i,) float, metres of setts before the kerb; 0 where there are none.
+    radius
+        (i,) float, metres of a circle as large as apron, kerb and middle.
+    crossed
+        (i,) bool, whether a street runs through.
+    """
+
+    id: NDArray[np.uint64]
+    polygon: Shapes
+    half: FloatArray
+    apron: FloatArray
+    radius: FloatArray
+    crossed: BoolArray
+
+    def within(self, inset: FloatArray | float) -> Shapes:
+        """(i,) polygons that begin so many metres within the carriageway; empty ones beyond."""
+        return np.asarray(shapely.buffer(self.polygon, -(self.half + inset), quad_segs=CIRCLE))
+
+
+def islands_of(network: RoadNetwork, ring: BoolArray) -> Islands:
+    """Find the islands that the chosen edges of rings, (e,) bool, go round."""
+    rows, shapes = np.flatnonzero(ring), to_linestrings(network.lines)
+    found = rings_of(shapes[rows])
     outline = shapely.boundary(found.polygon)
-    row, which = shapely.STRtree(outline).query(shapes, predicate="intersects")
+    row, which = shapely.STRtree(outline).query(shapes[rows], predicate="intersects")
     half = np.zeros(len(outline))
     np.maximum.at(half, which, network.half_width[rows[row]])
+    least = np.full(len(outline), np.iinfo(np.uint64).max)
+    np.minimum.at(least, which, network.edge_id[rows[row]])
     island = found.radius - half
     keep = (half > 0) & (island > 0.5)
     polygon, half, island = found.polygon[keep], half[keep], island[keep]
     crossed = np.zeros(len(island), bool)
     middle = shapely.buffer(polygon, -(half + TIGHT))
-    others = to_linestrings(lines)[~ring]
-    crossed[shapely.STRtree(middle).query(others, predicate="intersects")[1]] = True
-    priority = np.where(crossed, CROSSED_PRIORITY, ISLAND_PRIORITY)
-    aproned = np.where(island > LEAST_APRON, APRON, 0.0)
+    crossed[shapely.STRtree(middle).query(shapes[~ring], predicate="intersects")[1]] = True
+    apron = np.where(island > LEAST_APRON, APRON, 0.0)
+    return Islands(least[keep], polygon, half, apron, island, crossed)
+
+
+def _islands(network: RoadNetwork, ring: BoolArray) -> Regions:
+    """Return apron, kerb and middle of each island."""
+    found = islands_of(network, ring)
+    if not len(found.polygon):
+        return Regions()
+    priority = np.where(found.crossed, CROSSED_PRIORITY, ISLAND_PRIORITY)
     layers = []
     for inset, label, order in (
-        (0.0 * aproned, "apron", 0), (aproned, "kerb", 1), (aproned + KERB_WIDTH, "middle", 2),
+        (0.0, "apron", 0), (found.apron, "kerb", 1), (found.apron + KERB_WIDTH, "middle", 2),
     ):  # fmt: skip
-        shape = shapely.buffer(polygon, -(half + inset), quad_segs=CIRCLE)
-        name = np.where(island < GREEN, "courtyard", "grass") if label == "middle" else label
+        shape = found.within(inset)
+        name = np.where(found.radius < GREEN, "courtyard", "grass") if label == "middle" else label
         names = np.broadcast_to(name, len(shape)).tolist()
         layers.append(regions(shape, [LABEL[word] for word in names], priority + order))
     return join_regions(layers)
