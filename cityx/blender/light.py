@@ -20,9 +20,6 @@ from cityx.city.store import View
 from cityx.geometry.ground_wear import ground_wear
 from cityx.geometry.mirrored import REACH as OUTSKIRTS
 
-# A camera that looks down from high up sees sunlit roofs and streets, where one between the houses
-# sees half of them in shade: it closes by so many stops.
-AERIAL_STOPS = 0.3
 # In the sun the plain curve leaves bright walls and streets in the shade nearly alike; under cloud
 # and at night, and from above where streets are dark slots between the roofs, it keeps what is dark
 # from black.
@@ -77,10 +74,10 @@ class Lighting:
         )
 
     def _stops(self, environment: Environment, camera: Camera, height: float) -> float:
-        """Return the stops a camera opens for its place: more between houses, fewer above them."""
+        """Return the stops a camera opens for shade between houses; above there is none."""
         high = risen(height)
         shade = shade_stops(self.view, camera, environment) if high < 1 else 0.0
-        return sunshine(environment) * ((1 - high) * shade - high * AERIAL_STOPS)
+        return sunshine(environment) * (1 - high) * shade
 
     def _air(self, environment: Environment, eye: tuple[float, float, float]) -> float:
         """Fill the scene with air as seen from a point; returns its height above the ground."""

@@ -31,7 +31,10 @@ TOUCHING = 2.5  # metres within which what is parked is left out
 EVERY = 0.5  # seconds between the moments that are looked at
 ARC = 9  # corners of the outer edge of what a lens sees
 PARKED = ("vehicles",)  # layers of the scene
-WAITING = 0.5  # share by which people count who stand; those who cross a street bring it to life
+WAITING = 0.5  # share by which who stands counts; those who cross a street bring it to life
+PASSING = 0.4  # share by which vehicles that pass each other count: a row across a street looks set
+ABREAST = 5.5  # metres between the middles of two that do
+CAR = 3.0  # metres of the shortest vehicle that does
 AT_EDGE = 0.3  # share by which what the edge of a picture nearly cuts counts
 SLOW = 0.2  # metres a second below which one stands
 COLUMNS = 128  # of the grid on which movers hide one another
@@ -99,7 +102,8 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
         shown /= 1.0 + _alike(tracks, found, moment, far)
     walks = tracks.on_foot[found.mover]
     if busiest:
-        shown[walks & _stands(everybody)[seen]] *= WAITING
+        shown[_stands(everybody)[seen]] *= WAITING
+        shown[_abreast(found, size, moment)] *= PASSING
     both = [np.bincount(moment, shown * own, len(times)) for own in (walks, ~walks)]
     life = np.sqrt((1.0 + both[0]) * (1.0 + both[1])) * busiest
     wait = np.round(np.abs(times - view.moment), 6)
@@ -144,6 +148,17 @@ def _stands(found: Moments) -> NDArray[np.bool_]:
     stands[1:] |= slow
     stands[:-1] |= slow
     return stands
+
+
+def _abreast(found: Moments, size: FloatArray, moment: IntArray) -> NDArray[np.bool_]:
+    """(m,) whether vehicles stand or pass beside another of the same moment."""
+    from scipy.spatial import cKDTree
+
+    rows = np.flatnonzero(size[:, 0] > CAR)
+    places = np.column_stack([found.position[rows, :2], moment[rows] * 2 * ABREAST])
+    beside = np.zeros(len(size), bool)
+    beside[rows[cKDTree(places).query_pairs(ABREAST, output_type="ndarray").ravel()]] = True
+    return beside
 
 
 def _alike(tracks: Tracks, found: Moments, moment: IntArray, far: FloatArray) -> IntArray:

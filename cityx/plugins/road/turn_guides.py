@@ -34,7 +34,6 @@ DASH, GAP, WIDTH = 1.0, 1.0, 0.12  # metres
 LEAST_AREA = 300.0  # square metres of a junction in which one may lose one's way
 ASIDE = 1.5  # metres by which a lane goes on beside where it came from, to be led there
 LEAST_LANES = 2  # of a road that is led along a bend; a single lane finds its way
-MANY_ARMS = 5  # of a junction at which one may miss the arm straight on
 LANE = 3.25  # metres; lines stand no farther apart
 FROM_ENDS = 0.6  # metres of a way without lines at both ends
 OFF_CROSSING = 0.4  # metres between a line and a crossing
@@ -50,7 +49,7 @@ def turn_guides(
 
     Led are those who turn across the traffic that comes towards them from a lane of their own,
     beside others who do where only the outer side has a line, and where both sides of a way have
-    lines those who go on along a bend of a road of several lanes, or from any where many arms meet.
+    lines those who go on along a bend of a road of several lanes.
     No two ways with lines cross: that of the greater road is led.
 
     Parameters
@@ -126,7 +125,7 @@ def _lanes(ways: JunctionWays, chosen: BoolArray) -> IntArray:
 
 
 def _bends(street: Street, ways: JunctionWays) -> BoolArray:
-    """(w,) whether who goes straight on strays from a straight line, or may miss the arm to take.
+    """(w,) whether who goes straight on strays from a straight line.
 
     Where a lane leads on into several, only the way that strays least counts.
     """
@@ -143,8 +142,7 @@ def _bends(street: Street, ways: JunctionWays) -> BoolArray:
     np.minimum.at(best, street.cluster, street.best)
     major = street.rank[ways.edge] == best[ways.hub]
     lanes = _lanes(ways, np.ones(len(ways.edge), bool))
-    bends = (aside > ASIDE) & (lanes >= LEAST_LANES)
-    return np.asarray(nearest & major & (bends | (street.arms[ways.hub] >= MANY_ARMS)))
+    return np.asarray(nearest & major & (aside > ASIDE) & (lanes >= LEAST_LANES))
 
 
 def _line(

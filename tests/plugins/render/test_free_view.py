@@ -17,6 +17,7 @@ from cityx.plugins.render.free_view import (
     AT_EDGE,
     NEAR,
     ROOM,
+    _abreast,
     _alike,
     _amid,
     _framed,
@@ -175,3 +176,12 @@ def test_parked_cars_about_the_lens_or_right_before_it_are_left_out():
     left = without_objects(view.scene, found.tolist())
     assert left.instances["vehicles"].object_id.tolist() == [3, 4]
     assert not len(in_the_way(view, lens(0.0, 0.0, height=40.0)))
+
+
+def test_cars_that_pass_each_other_make_a_moment_less_busy_than_cars_apart():
+    there = (100, *CAR[1:4], (12.0, -1.6, 0.0), 0.0, 5.0)
+    back = (101, *CAR[1:4], (52.0, 1.6, 0.0), np.pi, 5.0)
+    tracks = moving(there, back, MAN, seconds=10.0).tracks
+    found = moments_of(tracks, [0.0, 4.0])
+    abreast = _abreast(found, tracks.size[found.mover].astype(float), found.number)
+    assert abreast.tolist() == [False, True, False, True, False, False]
