@@ -34,6 +34,7 @@ PARKED = ("vehicles",)  # layers of the scene
 WAITING = 0.5  # share by which who stands counts; those who cross a street bring it to life
 PASSING = 0.4  # share by which vehicles that pass each other count: a row across a street looks set
 ABREAST = 5.5  # metres between the middles of two that do
+BROADSIDE = 0.4  # share by which vehicles across the view count; they hide mouths of side streets
 CAR = 3.0  # metres of the shortest vehicle that does
 AT_EDGE = 0.3  # share by which what the edge of a picture nearly cuts counts
 SLOW = 0.2  # metres a second below which one stands
@@ -104,10 +105,13 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
     if busiest:
         shown[_stands(everybody)[seen]] *= WAITING
         shown[_abreast(found, size, moment)] *= PASSING
+        # Headings are from east, those of cameras from north, clockwise.
+        along = np.abs(np.sin(found.heading + camera.heading))
+        shown[~walks] *= (BROADSIDE + (1.0 - BROADSIDE) * along)[~walks]
     both = [np.bincount(moment, shown * own, len(times)) for own in (walks, ~walks)]
     life = np.sqrt((1.0 + both[0]) * (1.0 + both[1])) * busiest
     wait = np.round(np.abs(times - view.moment), 6)
-    best = np.lexsort((times, wait, -np.round(life, 2), -np.round(away, 2)))[0]
+    best = np.lexsort((times, wait, -np.round(life, 3), -np.round(away, 2)))[0]
     return float(times[best])
 
 

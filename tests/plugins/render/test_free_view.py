@@ -185,3 +185,12 @@ def test_cars_that_pass_each_other_make_a_moment_less_busy_than_cars_apart():
     found = moments_of(tracks, [0.0, 4.0])
     abreast = _abreast(found, tracks.size[found.mover].astype(float), found.number)
     assert abreast.tolist() == [False, True, False, True, False, False]
+
+
+def test_a_car_across_the_view_makes_a_moment_less_busy_than_one_along_it():
+    along = (100, *CAR[1:4], (14.0, 0.0, 0.0), 0.0, 10.0)  # next to the lens at once
+    across = (101, *CAR[1:4], (10.5, -40.0, 0.0), np.pi / 2, 5.0)  # a little nearer after 8 s
+    view = at(moving(along, across), 5.0)
+    assert free_moment(view, lens(0.0, 0.0), busiest=True) < 2.0
+    alone = free_moment(at(moving(across), 5.0), lens(0.0, 0.0), busiest=True)
+    assert abs(alone - 8.0) < 1.0  # better than an empty street
