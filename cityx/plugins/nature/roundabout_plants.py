@@ -24,7 +24,7 @@ PURPOSE = "nature/roundabout_plants"
 # trailers of lorries sweep over it.
 VERGE = 2.0  # metres
 # Rows of bushes one behind the other: of which kind, metres between them, metres behind the first,
-# and how high. They hide the far side, so that drivers heed the ring (FGSV, Merkblatt fuer die
+# and how high. They hide the far side, so that drivers heed the ring (FGSV, Merkblatt für die
 # Anlage von Kreisverkehren, 2006).
 ROWS = (("boxwood", 1.0, 0.0, (0.5, 0.7)), ("shrub", 1.5, 1.5, (0.9, 1.4)))
 DESIGNS = (3, 2, 1)  # weights of bushes and trees, of trees alone, of grass alone
@@ -49,6 +49,8 @@ def roundabout_stands(city: City, have: FloatArray) -> list[Stand]:
     if city.ground is None or network is None or not network.edge_count:
         return []
     islands = islands_of(network, ring_edges(city.layout, network))
+    if not len(islands.id):
+        return []
     free = ~islands.crossed & (islands.radius - islands.apron > FOR_ONE)
     told = np.concatenate([shapely.points(have), city.layout.points.geometry.to_numpy()])
     free[shapely.STRtree(islands.within(0.0)).query(told, predicate="within")[1]] = False
@@ -69,16 +71,13 @@ def roundabout_stands(city: City, have: FloatArray) -> list[Stand]:
 
 def _along(rows: NDArray[Any], ids: NDArray[np.uint64], spacing: float, name: str) -> Points:
     """Put points along the outlines of round beds, the same distance apart."""
-    xy, own = [np.zeros((0, 2))], [np.zeros(0, np.uint64)]
-    for row, one in zip(rows, ids, strict=True):
-        outline = row.exterior if row.geom_type == "Polygon" else None
-        if outline is None or outline.length < 2 * np.pi * LEAST_ROW:
-            continue
-        count = int(outline.length / spacing)
-        places = np.arange(count) * (outline.length / count)
-        xy.append(shapely.get_coordinates(shapely.line_interpolate_point(outline, places)))
-        own.append(hash_ids(0, f"{PURPOSE}/{name}", np.full(count, one), np.arange(count)))
-    return Points(np.concatenate(xy), np.concatenate(own))
+    outline = shapely.get_exterior_ring(rows)  # None of a bed in several parts, which has no points
+    length = shapely.length(outline)
+    count = np.where(length >= 2 * np.pi * LEAST_ROW, length // spacing, 0).astype(np.int64)
+    row, place = counted(count)
+    along = shapely.line_interpolate_point(outline[row], place * (length[row] / count[row]))
+    ids = hash_ids(0, f"{PURPOSE}/{name}", ids[row], place)
+    return Points(shapely.get_coordinates(along), ids)
 
 
 def _trees(city: City, islands: Islands, rows: NDArray[np.int64]) -> Stand:
