@@ -32,6 +32,7 @@ FAST = ("motorway", "trunk", "motorway_link", "trunk_link")  # crossed by bars a
 BAR = (0.35, 0.7)  # metres of the width of a bar of a zebra
 BAR_LENGTH = (2.0, 4.6)  # metres, along the road
 APART = 3.0  # metres along a street between two crosswalks
+ASIDE = 6.0  # metres from an end of bars within which people walk there
 CORNER = 1.5  # metres from a junction's mouth to the middle of a crosswalk without bars
 USUAL_DEPTH = 2.4  # metres along the road that such a one takes
 WIDEST_BARE = 12.0  # metres of roadway that are crossed without bars
@@ -120,7 +121,7 @@ def crosswalks_of(ground: Ground, layout: Layout, network: RoadNetwork) -> Cross
     -------
     crosswalks
         Those with bars, those of paths, and at the mouths of quiet streets some without. Where two
-        would lie within `APART` metres the one with bars is kept.
+        would lie within `APART` metres, or both ends within `ASIDE`, the one with bars is kept.
     """
     parts = [_across(_candidates(ground, layout, network), ground, network)]
     parts.append(_along_paths(ground, layout))
@@ -231,12 +232,14 @@ def _rows(
 
 def _bars(ground: Ground) -> FloatArray:
     """(b, 4, 2) corners of the rectangles of paint that measure as bars of a zebra."""
-    of = ground.labelled("marking", "marking_yellow")[ground.triangle_face]
+    painted = ground.labelled("marking", "marking_yellow")
+    of = painted[ground.triangle_face]
     triangles, face = ground.triangles[of], ground.triangle_face[of]
     if not len(triangles):
         return np.zeros((0, 4, 2))
-    order = np.argsort(face, kind="stable")
-    number = np.unique(face[order], return_inverse=True)[1]
+    mark = _marks(ground, painted)[face]
+    order = np.argsort(mark, kind="stable")
+    number = np.unique(mark[order], return_inverse=True)[1]
     corners = ground.vertices[triangles[order]].reshape(-1, 2)
     points = shapely.multipoints(corners, indices=np.repeat(number, 3))
     boxes = shapely.oriented_envelope(points)
@@ -246,6 +249,18 @@ def _bars(ground: Ground) -> FloatArray:
     full = (size[:, 0] >= BAR[0]) & (size[:, 0] <= BAR[1])
     full &= (size[:, 1] >= BAR_LENGTH[0]) & (size[:, 1] <= BAR_LENGTH[1])
     return np.asarray(corners[full])
+
+
+def _marks(ground: Ground, painted: BoolArray) -> IntArray:
+    """(f,) the mark that each face belongs to; where a street meets a junction marks are cut."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    sides = ground.edge_faces
+    both = (sides >= 0).all(axis=1) & painted[sides].all(axis=1)
+    one, other = sides[both].T
+    graph = csr_array((np.ones(len(one), bool), (one, other)), shape=(len(painted),) * 2)
+    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
 
 
 def _across(found: _Candidates, ground: Ground, network: RoadNetwork) -> Crosswalks:
@@ -326,9 +341,17 @@ def no_crosswalks() -> Crosswalks:
 
 
 def _apart(found: Crosswalks) -> BoolArray:
-    """(c,) those that lie apart from each other, those with bars before the others."""
+    """(c,) those that lie apart from each other, those with bars before the others.
+
+    Beside bars nobody crosses from the same walk to the same walk without.
+    """
     middle = shapely.points(found.ends.mean(axis=1))
-    one, other = shapely.STRtree(middle).query(middle, predicate="dwithin", distance=APART)
+    one, other = shapely.STRtree(middle).query(middle, predicate="dwithin", distance=ASIDE)
+    same = np.hypot(*(found.ends[one] - found.ends[other]).T).max(axis=0)
+    turned = np.hypot(*(found.ends[one] - found.ends[other, ::-1]).T).max(axis=0)
+    doubled = found.marked[one] & ~found.marked[other] & (np.minimum(same, turned) < ASIDE)
+    doubled |= shapely.distance(middle[one], middle[other]) <= APART
+    one, other = one[doubled], other[doubled]
     rank = np.lexsort((found.id, ~found.marked))
     place = np.empty(len(rank), np.int64)
     place[rank] = np.arange(len(rank))

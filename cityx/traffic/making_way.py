@@ -152,9 +152,10 @@ def interpolated(values: FloatArray, at: FloatArray) -> FloatArray:
 
 
 def beside(position: FloatArray, heading: FloatArray, aside: FloatArray) -> FloatArray:
-    """Return (p, 3) places so many metres to the left of others, as one looks along headings."""
-    left = np.column_stack([-np.sin(heading), np.cos(heading), np.zeros(len(heading))])
-    return np.asarray(position + aside[:, None] * left)
+    """Return (p, 2 or 3) places so many metres to the left of others, seen along headings."""
+    moved = position.copy()
+    moved[:, :2] += aside[:, None] * np.column_stack([-np.sin(heading), np.cos(heading)])
+    return moved
 
 
 class _Scene:

@@ -15,6 +15,7 @@ from cityx.city.moments import moments_of
 from cityx.city.tracks import GAIT, MOVER, Tracks, no_tracks
 from cityx.geometry.polylines import Polylines, bends, to_linestrings, values_along
 from cityx.geometry.standing import stand_on, surfaces_at
+from cityx.traffic.kerbside import asides, kept_aside
 from cityx.traffic.making_way import Bodies, beside, interpolated, made_way, standing_by
 from cityx.traffic.network import Network
 from cityx.traffic.simulation import STEP, Poses
@@ -84,6 +85,12 @@ def recorded(
     xy, heading, middle = bodies(poses.xy[kept], poses.angle[kept], mover, length)
     edge, place = _lanes(city, streets, network, poses, kept)
     place, edge, time, speed = place[middle], edge[middle], poses.time[kept], poses.speed[kept]
+    cycling = np.array([each.kind == MOVER["bicycle"] for each in about], bool)[mover]
+    if cycling.any():
+        wanted = asides(city.lanes, streets, network, poses.lane_names)[poses.lane[kept][middle]]
+        xy[cycling], heading[cycling] = kept_aside(
+            xy[cycling], heading[cycling], mover[cycling], wanted[cycling]
+        )
     z = _heights(city, xy, mover, edge)
     position, heading = np.column_stack([xy, z]), _unwound(heading, mover)
     if not on_foot.all():

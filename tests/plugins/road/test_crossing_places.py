@@ -105,6 +105,18 @@ def test_crossings_under_signals_have_rows_that_crosswalks_are_found_by(layout_o
     assert found.depth[0] == pytest.approx(4.0, abs=0.2)
 
 
+@pytest.mark.parametrize("angle", [90.0, 60.0, 45.0, 35.0])
+def test_people_cross_on_the_bars_alone_even_where_a_junction_cuts_them(layout_of, angle):
+    ahead = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
+    streets = [([(-90, 0), (0, 0), (90, 0)], MAIN), ([-90 * ahead, (0, 0), 90 * ahead], MAIN)]
+    points = [(tuple(way), "crossing") for way in 9.0 * np.array([(1, 0), (-1, 0), ahead, -ahead])]
+    layout = layout_of(streets, points=points)
+    made = ground(network(City("test", Frame(*TOKYO), layout, lod=2)))
+    found = crosswalks_of(made.ground, layout, made.network)
+    assert found.marked.tolist() == [True] * 4
+    assert found.depth == pytest.approx([4.0] * 4, abs=0.1)
+
+
 def test_a_crossing_without_paint_has_lowered_kerbs_and_no_line_before_it(layout_of):
     layout = told(layout_of(CROSS, points=[((9, 0), "crossing")]), '{"crossing": "unmarked"}')
     regions, _ = street_regions(layout, road_network(layout), painting_of(Frame(*TOKYO)))
