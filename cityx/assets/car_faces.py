@@ -105,30 +105,32 @@ def _headlight(skin: Skin, face: Face, side: float) -> list[MeshBatch]:
         w = float(np.interp(share, u, way))
         z = float(np.interp(share, u, low + level * (high - low)))
         points, normal = skin.frame(side * w, z, 0.008)
-        ring = [points - 0.014 * normal, points, points + 0.003 * normal]
-        glass = [points - 0.004 * normal, points + 0.004 * normal, points + 0.008 * normal]
+        ring = [points - 0.014 * normal, points, points + 0.002 * normal]
+        glass = [points - 0.004 * normal, points + 0.005 * normal, points + 0.009 * normal]
+        spark = [points + 0.006 * normal, points + 0.011 * normal]
         return [
-            tube(ring, [radius, radius, 0.90 * radius], "metal_grey", sides=8),
-            tube(glass, [0.80 * radius, 0.74 * radius, 0.40 * radius], "lens_white", sides=8),
+            tube(ring, [radius, radius, 0.92 * radius], "metal_grey", sides=12),
+            tube(glass, [0.84 * radius, 0.76 * radius, 0.40 * radius], "car_glass", sides=12),
+            tube(spark, [0.34 * radius, 0.24 * radius], "lens_white", sides=8),
         ]
 
     parts = [laid(0.0, 1.0, -0.07, 1.05, "rubber", 0.002, 17),
              laid(0.015, 0.985, 0.0, 1.0, "car_glass", 0.005, 17)]  # fmt: skip
     if face.lamps == "slit":
         parts += [laid(0.02, 0.93, 0.03, 0.20, "lens_white", 0.009, 15),
-                  laid(0.06, 0.60, 0.34, 0.90, "metal_grey", 0.0065, 9)]  # fmt: skip
+                  laid(0.06, 0.60, 0.34, 0.90, "metal_dark", 0.0065, 9)]  # fmt: skip
         parts += [*lens(0.17, 0.62, 0.030), *lens(0.34, 0.62, 0.030), *lens(0.50, 0.62, 0.026)]
         parts.append(laid(0.66, 0.90, 0.42, 0.78, "lens_amber", 0.008, 5))
     elif face.lamps == "block":
-        parts += [laid(0.05, 0.62, 0.14, 0.90, "metal_grey", 0.0065, 9),
-                  laid(0.04, 0.66, 0.80, 0.92, "lens_white", 0.009, 9),
-                  laid(0.66, 0.73, 0.14, 0.92, "lens_white", 0.009, 3)]  # fmt: skip
-        parts += [*lens(0.20, 0.44, 0.052), *lens(0.46, 0.44, 0.052)]
+        parts += [laid(0.05, 0.68, 0.14, 0.74, "metal_dark", 0.0065, 9),
+                  laid(0.04, 0.72, 0.83, 0.92, "lens_white", 0.009, 9),
+                  laid(0.68, 0.72, 0.22, 0.85, "lens_white", 0.009, 3)]  # fmt: skip
+        parts += [*lens(0.20, 0.42, 0.046), *lens(0.46, 0.42, 0.046)]
         parts.append(laid(0.78, 0.95, 0.20, 0.55, "lens_amber", 0.008, 5))
     else:
-        parts += [laid(0.05, 0.72, 0.08, 0.94, "metal_grey", 0.0065, 9)]
-        parts += lens(0.36, 0.50, 0.086)
-        parts += lens(0.36, 0.50, 0.040)
+        parts += [laid(0.05, 0.72, 0.08, 0.94, "metal_dark", 0.0065, 9),
+                  laid(0.06, 0.70, 0.08, 0.17, "lens_white", 0.009, 9)]  # fmt: skip
+        parts += lens(0.36, 0.54, 0.078)
         parts.append(laid(0.76, 0.95, 0.25, 0.70, "lens_amber", 0.008, 5))
     return parts
 
@@ -232,9 +234,11 @@ def _front_bumper(skin: Skin, face: Face) -> list[MeshBatch]:
             parts.append(skin.patch(way, base + tall - 0.022, base + tall - 0.010, "metal_grey",
                                     out=0.008, rows=2))  # fmt: skip
         points, normal = skin.frame(skin.ahead(side * 0.76), base + 0.075, 0.012)
-        parts.append(tube([points - 0.012 * normal, points], 0.028, "metal_grey", sides=8))
-        parts.append(tube([points - 0.008 * normal, points + 0.004 * normal], [0.022, 0.018],
-                          "lens_white", sides=10))  # fmt: skip
+        parts.append(tube([points - 0.012 * normal, points], 0.030, "metal_grey", sides=10))
+        parts.append(tube([points - 0.008 * normal, points + 0.004 * normal], [0.027, 0.020],
+                          "car_glass", sides=10))  # fmt: skip
+        parts.append(tube([points, points + 0.006 * normal], [0.010, 0.008], "lens_white",
+                          sides=6))  # fmt: skip
     # A hollow for the plate, between grille and intake.
     z = plate_places(skin.body, face)[0][1]
     parts.append(skin.patch(_across(skin, 0.20, 9), z - 0.058, z + 0.058, "rubber", out=0.0015))
@@ -353,8 +357,8 @@ def _rear_lamp(skin: Skin, face: Face, side: float) -> list[MeshBatch]:
                   laid(0.78, 0.92, 0.16, 0.34, "lens_white", 0.012, 3)]  # fmt: skip
     elif face.rear == "block":
         parts += [laid(0.02, 0.98, 0.0, 1.0, "lens_red", 0.007, 17),
-                  laid(0.30, 0.94, 0.38, 0.62, "lens_white", 0.010, 7),
-                  laid(0.30, 0.60, 0.40, 0.60, "lens_amber", 0.012, 7),
+                  laid(0.64, 0.92, 0.42, 0.57, "lens_white", 0.010, 5),
+                  laid(0.30, 0.62, 0.42, 0.57, "lens_amber", 0.010, 7),
                   laid(0.34, 0.92, 0.76, 0.86, "signal_red", 0.010, 9),
                   laid(0.34, 0.92, 0.14, 0.24, "signal_red", 0.010, 9)]  # fmt: skip
     else:

@@ -13,6 +13,7 @@ from cityx.city.ground import ROADWAY, Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.signals import Signals
+from cityx.geometry.drape import LOWERED
 from cityx.geometry.identity import hash_ids
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, to_linestrings
 
@@ -32,8 +33,11 @@ FAST = ("motorway", "trunk", "motorway_link", "trunk_link")  # crossed by bars a
 BAR = (0.35, 0.7)  # metres of the width of a bar of a zebra
 BAR_LENGTH = (2.0, 4.6)  # metres, along the road
 APART = 3.0  # metres along a street between two crosswalks
-ASIDE = 6.0  # metres from an end of bars within which people walk there
+ASIDE = 6.0  # metres from an end of bars, or lowered kerbs, within which people walk there
 CORNER = 1.5  # metres from a junction's mouth to the middle of a crosswalk without bars
+INWARD, LOOK = (-4.0, 7.0), 0.4  # metres from there on that lowered kerbs are looked for, and steps
+LONGER = 1e6  # metres; than any edge
+FLARED = 3.0  # metres by which kerbs curve away there at most
 USUAL_DEPTH = 2.4  # metres along the road that such a one takes
 WIDEST_BARE = 12.0  # metres of roadway that are crossed without bars
 ROW_DEPTH = (1.5, 5.5)  # metres along the road between the two rows of marks beside a crossing
@@ -63,6 +67,8 @@ class Crosswalks:
         (c,) int64, edge of the road network that is crossed, -1 where a path tells of it alone.
     marked
         (c,) bool, whether it has bars.
+    lowered
+        (c,) bool, whether it has none but lies where kerbs are lowered on both sides.
     """
 
     id: NDArray[np.uint64]
@@ -70,6 +76,7 @@ class Crosswalks:
     depth: FloatArray
     edge: IntArray
     marked: BoolArray
+    lowered: BoolArray
 
     @property
     def count(self) -> int:
@@ -80,6 +87,11 @@ class Crosswalks:
     def length(self) -> FloatArray:
         """(c,) metres from end to end."""
         return np.asarray(np.hypot(*(self.ends[:, 1] - self.ends[:, 0]).T))
+
+    @property
+    def standing(self) -> IntArray:
+        """(c,) the higher the better known: guesses 0, paths of the map 1, kerbs 2, bars 3."""
+        return np.where(self.marked, 3, np.where(self.lowered, 2, self.edge < 0)).astype(np.int64)
 
     def regions(self) -> NDArray[Any]:
         """(c,) polygons."""
@@ -103,6 +115,7 @@ class _Candidates:
     along: FloatArray
     depth: FloatArray
     marked: BoolArray
+    lowered: BoolArray
 
 
 def crosswalks_of(ground: Ground, layout: Layout, network: RoadNetwork) -> Crosswalks:
@@ -121,7 +134,8 @@ def crosswalks_of(ground: Ground, layout: Layout, network: RoadNetwork) -> Cross
     -------
     crosswalks
         Those with bars, those of paths, and at the mouths of quiet streets some without. Where two
-        would lie within `APART` metres, or both ends within `ASIDE`, the one with bars is kept.
+        would lie within `APART` metres, or their ends within `ASIDE` of those of one with bars or
+        lowered kerbs, the better known is kept.
     """
     parts = [_across(_candidates(ground, layout, network), ground, network)]
     parts.append(_along_paths(ground, layout))
@@ -148,13 +162,66 @@ def _candidates(ground: Ground, layout: Layout, network: RoadNetwork) -> _Candid
     joint = network.node_degree[network.edge_nodes] >= 3
     corner, end = np.nonzero(joint & (quiet & room)[:, None])
     back = network.trim[corner, end] + CORNER
+    inward = np.where(end == 0, -1.0, 1.0)
     there = np.where(end == 0, back, length[corner] - back)
+    told = _near(edge, along, corner, there)
+    corner, there, inward = corner[~told], there[~told], inward[~told]
+    shift = _to_lowered(ground, network, lines, corner, there, inward)
+    there += inward * np.nan_to_num(shift)
     return _Candidates(
         np.concatenate([edge, corner]),
         np.concatenate([along, there]),
         np.concatenate([depth, np.full(len(corner), USUAL_DEPTH)]),
         np.arange(len(edge) + len(corner)) < len(edge),
+        np.concatenate([np.zeros(len(edge), bool), np.isfinite(shift)]),
     )
+
+
+def _near(edge: IntArray, along: FloatArray, other: IntArray, there: FloatArray) -> BoolArray:
+    """(n,) whether others, places on edges as well, have one of places within `ASIDE` metres."""
+    found = np.zeros(len(other), bool)
+    if not len(edge):
+        return found
+    axis = np.sort(edge * LONGER + along)  # edges one behind the other
+    wanted = other * LONGER + there
+    at = np.searchsorted(axis, wanted)
+    for beside in (np.maximum(at - 1, 0), np.minimum(at, len(axis) - 1)):
+        found |= np.abs(axis[beside] - wanted) <= ASIDE
+    return found
+
+
+def _to_lowered(
+    ground: Ground, network: RoadNetwork, lines: Polylines, edge: IntArray, along: FloatArray,
+    inward: FloatArray,
+) -> FloatArray:  # fmt: skip
+    """Return metres towards junctions to where kerbs are lowered on both sides, NaN for nowhere."""
+    shift = np.full(len(edge), np.nan)
+    stones = ground.vertices[ground.triangles_of("kerb_dropped")]
+    if not len(stones) or not len(edge):
+        return shift
+    tree = shapely.STRtree(shapely.points(stones.mean(axis=1)))
+    middle = shapely.points(locate(lines, edge, along)[0])
+    reach = float(network.half_width.max()) + INWARD[1]
+    near = np.unique(tree.query(middle, predicate="dwithin", distance=reach)[0])
+    half = network.half_width[edge[near]]
+    ways = np.arange(INWARD[0], INWARD[1] + LOOK, LOOK)
+    row, way = (each.ravel() for each in np.indices((len(near), len(ways))))
+    spot, ahead = locate(lines, edge[near][row], along[near][row] + inward[near][row] * ways[way])
+    across = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    lateral = half[row][:, None] + np.arange(-0.6, FLARED, STEP)  # (r * w, k)
+    lowered = np.ones(len(row), bool)
+    for side in (1.0, -1.0):
+        spots = (spot[:, None] + side * lateral[:, :, None] * across[:, None]).reshape(-1, 2)
+        first = ground.first_of(spots, *ROADWAY, *LOWERED).reshape(lateral.shape)
+        beyond = np.argmax((first < 0) | (first >= len(ROADWAY)), axis=1)
+        lowered &= first[np.arange(len(row)), beyond] >= len(ROADWAY)
+    found = np.where(lowered.reshape(len(near), len(ways)), ways, np.nan)
+    some = np.isfinite(found).any(axis=1)
+    found, near = found[some], near[some]
+    closest = found[np.arange(len(near)), np.nanargmin(np.abs(found), axis=1)]
+    found[np.abs(found - closest[:, None]) > USUAL_DEPTH] = np.nan
+    shift[near] = np.nanmean(found, axis=1)
+    return shift
 
 
 def _on_ground(network: RoadNetwork) -> BoolArray:
@@ -289,6 +356,7 @@ def _across(found: _Candidates, ground: Ground, network: RoadNetwork) -> Crosswa
         found.depth,
         found.edge,
         found.marked,
+        found.lowered,
     ).take(met)
 
 
@@ -330,29 +398,30 @@ def _along_paths(ground: Ground, layout: Layout) -> Crosswalks:
     count = len(found)
     return Crosswalks(
         np.concatenate(keys), found, np.full(count, USUAL_DEPTH), np.full(count, -1, np.int64),
-        np.zeros(count, bool),
+        np.zeros(count, bool), np.zeros(count, bool),
     ).take(walked)  # fmt: skip
 
 
 def no_crosswalks() -> Crosswalks:
     """Return none."""
     return Crosswalks(np.zeros(0, np.uint64), np.zeros((0, 2, 2)), np.zeros(0),
-                      np.zeros(0, np.int64), np.zeros(0, bool))  # fmt: skip
+                      np.zeros(0, np.int64), np.zeros(0, bool), np.zeros(0, bool))  # fmt: skip
 
 
 def _apart(found: Crosswalks) -> BoolArray:
-    """(c,) those that lie apart from each other, those with bars before the others.
+    """(c,) those that lie apart from each other, the better known before the others.
 
-    Beside bars nobody crosses from the same walk to the same walk without.
+    Beside bars and lowered kerbs nobody crosses from the same walk to the same walk elsewhere.
     """
     middle = shapely.points(found.ends.mean(axis=1))
     one, other = shapely.STRtree(middle).query(middle, predicate="dwithin", distance=ASIDE)
     same = np.hypot(*(found.ends[one] - found.ends[other]).T).max(axis=0)
     turned = np.hypot(*(found.ends[one] - found.ends[other, ::-1]).T).max(axis=0)
-    doubled = found.marked[one] & ~found.marked[other] & (np.minimum(same, turned) < ASIDE)
+    known = found.standing
+    doubled = (known[one] >= 2) & (known[other] < 2) & (np.minimum(same, turned) < ASIDE)
     doubled |= shapely.distance(middle[one], middle[other]) <= APART
     one, other = one[doubled], other[doubled]
-    rank = np.lexsort((found.id, ~found.marked))
+    rank = np.lexsort((found.id, -known))
     place = np.empty(len(rank), np.int64)
     place[rank] = np.arange(len(rank))
     kept = np.ones(found.count, bool)

@@ -304,13 +304,13 @@ def _parted(crosswalks: Crosswalks, over: NDArray[Any]) -> tuple[Crosswalks, NDA
     """Return the crosswalks that cross something, and what each alone covers of the roadway.
 
     Where two lie on one another one would step from one onto the other amid the roadway, and not
-    know whose signal counts. What a path alone tells gives way to a crosswalk with bars, and a
+    know whose signal counts. What a path alone tells gives way to what is better known, and a
     crosswalk that is guessed to a path; those of two arms that meet at a corner share it out.
     """
     kept = shapely.area(over) > CROSSES
     crosswalks, over = crosswalks.take(kept), np.asarray(over[kept], object)
     path = crosswalks.edge < 0
-    rank = np.lexsort((crosswalks.id, ~path, ~crosswalks.marked))
+    rank = np.lexsort((crosswalks.id, -crosswalks.standing))
     crosswalks, over, path = crosswalks.take(rank), over[rank], path[rank]
     kept = np.ones(len(over), bool)
     pairs = np.sort(shapely.STRtree(over).query(over, predicate="intersects"), axis=0)

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cityx.city import make_table
-from cityx.city.crosswalks import FOOTWAYS, crosswalks_of
+from cityx.city.crosswalks import FOOTWAYS, _to_lowered, crosswalks_of
 from cityx.city.walkable import BODY, CELL, DRIVEN, SHOULDER, walk_areas, walkable_of
 from cityx.geometry.polylines import to_linestrings
 
@@ -41,7 +41,11 @@ def test_roadways_are_free_on_crosswalks_alone(town, area):
     spots = cells(area)
     road = town.ground.on(spots, "carriageway", "junction")
     assert road.any()
-    assert (area.at(area.crosswalk, spots[road]) > 0).all()
+    beside = spots[road & (area.at(area.crosswalk, spots) == 0)]
+    assert len(beside) < 0.01 * road.sum()
+    walk = town.ground.vertices[town.ground.triangles_of(*FOOTWAYS)]
+    walk = shapely.union_all(shapely.polygons(walk))
+    assert (shapely.distance(walk, shapely.points(beside)) < 1e-3).all()  # on the rim itself
 
 
 def test_half_a_body_is_kept_from_houses_and_posts(town):
@@ -69,10 +73,18 @@ def test_the_plaza_and_the_walks_are_one_area(area):
 def test_each_arm_has_a_crosswalk_without_bars_or_with(town):
     found = crosswalks_of(town.ground, town.layout, town.network)
     assert found.count == 4
-    assert found.length == pytest.approx([6.0] * 4, abs=1.2)
+    assert found.length == pytest.approx([7.6] * 4, abs=0.2)  # where kerbs curve and are lowered
     ends = found.ends.reshape(-1, 2)
     assert town.ground.on(ends, *FOOTWAYS).all()
     assert len(np.unique(found.id)) == 4
+
+
+def test_kerbs_are_looked_for_near_a_junction_alone(town):
+    network = town.network
+    middle = np.full(network.edge_count, 45.0)
+    edges = np.arange(network.edge_count)
+    found = _to_lowered(town.ground, network, network.lines, edges, middle, np.ones(len(edges)))
+    assert np.isnan(found).all()
 
 
 def test_crosswalks_stay_when_streets_are_listed_the_other_way(town):
@@ -82,14 +94,14 @@ def test_crosswalks_stay_when_streets_are_listed_the_other_way(town):
     assert set(found.id) == set(crosswalks_of(town.ground, town.layout, town.network).id)
 
 
-@pytest.mark.parametrize(("begins", "kept"), [(8.0, 4), (9.7, 5), (14.0, 5)])
-def test_no_two_crosswalks_share_roadway(town, begins, kept):
+@pytest.mark.parametrize(("begins", "paths"), [(4.0, 0), (7.0, 1), (14.0, 1)])
+def test_no_two_crosswalks_share_roadway(town, begins, paths):
     line = shapely.LineString([(begins, -4.4), (begins + 7.0, 4.4)])
     path = make_table("roads", [line], id=[3], kind=["footway"], width=[2.0])
     roads = pd.concat([town.layout.roads, path], ignore_index=True)
     area = walk_areas(replace(town, layout=replace(town.layout, roads=roads)))
-    assert area.crosswalks.count == kept  # the path's, and what is guessed and apart from it
-    assert (area.crosswalks.edge < 0).sum() == 1
+    assert area.crosswalks.count == 4 + paths  # the path's only apart from lowered kerbs
+    assert (area.crosswalks.edge < 0).sum() == paths
     one, other = shapely.STRtree(area.over).query(area.over, predicate="intersects")
     common = shapely.area(shapely.intersection(area.over[one], area.over[other]))
     assert common[one != other].max(initial=0.0) < 1e-3

@@ -23,7 +23,8 @@ from cityx.assets.textures.relief import Relief
 
 SETT_TILE = 4.0  # metres of a tile of setts
 SETT_COURSE = SETT_TILE / 26  # metres of one course
-PLAZA_TILE, PLAZA_BAND = 7.2, 0.8  # metres of a tile of a square, and of the bands in it
+PLAZA_TILE, PLAZA_FIELD, PLAZA_BAND = 7.2, 3.6, 0.4  # metres of a tile of a square, of its fields
+# with the bands about them, and of the bands
 SAND, MOSS = (0.52, 0.46, 0.38), (0.20, 0.23, 0.12)  # what fills joints, linear RGB
 
 
@@ -119,17 +120,18 @@ def paving(size: int) -> Relief:
 
 
 def plaza_slabs(size: int) -> Relief:
-    """Draw fields of slabs, 6 m square, between bands of dark setts: the ground of squares."""
+    """Draw fields of slabs between narrow bands of setts: the ground of squares."""
     walk = lay("plaza", size, PLAZA_TILE, 12, 18, jitter=0.0)
     u, v = axes(size)
-    off = np.maximum(np.abs(u - np.float32(0.5)), np.abs(v - np.float32(0.5)))
-    band = off > 0.5 - PLAZA_BAND / 2 / PLAZA_TILE
+    fields = np.float32(PLAZA_TILE / PLAZA_FIELD)
+    off = np.maximum(*(np.abs(np.mod(w * fields, 1.0) - np.float32(0.5)) for w in (u, v)))
+    band = off > 0.5 - PLAZA_BAND / 2 / PLAZA_FIELD
     setts = lay("plaza/band", size, PLAZA_TILE, 36, 36, jitter=0.2)
     clouds = fractal("plaza/clouds", size, 4, octaves=6, gain=0.7)
     grain = speckle("plaza", size) - np.float32(0.5)
     joint = 1 - smooth(0.004, 0.012, np.where(band, setts.edge, walk.edge))
     slab = 1.06 + 0.24 * (walk.draw(1) - 0.5) + 0.06 * clouds
-    stone = 0.46 + 0.16 * (setts.draw(1) - 0.5)
+    stone = 0.66 + 0.20 * (setts.draw(1) - 0.5)
     tone = (np.where(band, stone, slab) + 0.10 * grain) * (1 - 0.5 * joint)
     hue = np.where(band, -0.02, 0.07 * (walk.draw(2) - 0.4))
     albedo = tone[..., None] * np.stack([1 + hue, np.ones_like(hue), 1 - hue], axis=2)

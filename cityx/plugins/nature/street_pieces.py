@@ -100,7 +100,7 @@ WALL_REACH = 3.5  # metres from a wall within which a thing is moved to it
 # Ground on which things stand apart from kerbs.
 OPEN = ("plaza", "courtyard", "sidewalk", "gravel", "frontage")
 # What stands free on plazas, in yards, and at the walls of yards, with weights; "" is nothing.
-PLAZA = {"": 5.0, "bench": 2.0, "stone_bench": 1.5, "planter": 2.0, "waste_basket": 0.8,
+PLAZA = {"": 3.2, "bench": 2.0, "stone_bench": 1.5, "planter": 2.0, "waste_basket": 0.8,
          "planter_round": 1.0, "advertising_column": 0.15, "kiosk": 0.12,
          "bicycle_parking": 0.5, "street_lamp_post": 0.8}  # fmt: skip
 YARD = {"": 1.6, "planter": 1.4, "planter_round": 1.2, "bench": 0.8, "bicycle_parking": 1.8,
@@ -114,13 +114,13 @@ YARD_WALL_JAPAN = {**YARD_WALL, "vending_machine": 1.6, "pot_row": 3.0, "garden_
 LAWN = {"": 3.0, "bench": 0.8, "clothes_dryer": 1.0, "vegetable_bed": 1.0, "picnic_table": 0.5}
 LAWN_WALL = {"": 3.0, "garden_shed": 1.2, "pot_row": 1.0, "planter": 0.5, "bench": 0.6}
 # At the walls of wide walks; bicycles lean along them.
-WALK_WALL = {"": 5.0, "bicycle": 1.2, "bicycle_parking": 0.6, "planter": 1.2,
+WALK_WALL = {"": 3.2, "bicycle": 1.2, "bicycle_parking": 0.6, "planter": 1.2,
              "planter_round": 1.2, "bench": 1.0, "cartons": 0.9, "street_cabinet": 0.7}  # fmt: skip
 WALK_WALL_JAPAN = {"": 2.5, "bicycle": 3.2, "planter_round": 1.6, "vending_machine": 2.0,
                    "wheelie_bins": 0.6, "motor_scooter": 0.8, "motor_scooter_red": 0.4,
                    "cartons": 0.6, "pot_row": 3.0}  # fmt: skip
 # On walks as wide as squares, as at the corners of large junctions, away from walls and kerbs.
-WALK_OPEN = {"": 2.0, "planter": 1.5, "planter_round": 1.0, "bench": 0.8, "bicycle_parking": 1.4,
+WALK_OPEN = {"": 1.5, "planter": 1.5, "planter_round": 1.0, "bench": 0.8, "bicycle_parking": 1.4,
              "waste_basket": 0.4}  # fmt: skip
 # Metres left to pass on walks and in yards of Japan: bicycles and machines stand at the walls of
 # narrow walks, whose kerbs bear poles alone.

@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 import shapely
 
+from cityx.city.city import City
+from cityx.city.crosswalks import crosswalks_of
 from cityx.city.frame import Frame
 from cityx.city.ground import LABEL
-from cityx.plugins.road.network import road_network
+from cityx.plugins.road.ground import ground
+from cityx.plugins.road.network import network, road_network
 from cityx.plugins.road.painting import painting_of
 from cityx.plugins.road.streets import street_regions
 
@@ -42,6 +45,20 @@ def test_setts_lead_walks_across_the_mouth_of_a_side_street(layout_of):
     rows = shapely.intersection(found["threshold"], shapely.buffer(setts, 0.5))
     assert len(shapely.get_parts(rows)) == 2
     assert shapely.area(shapely.intersection(rows, setts)) < 1e-6
+
+
+@pytest.mark.parametrize("frame", [LONDON, BERLIN])
+def test_people_cross_a_mouth_where_its_kerbs_are_lowered(layout_of, frame):
+    layout = layout_of(TEE, houses=HOUSES)
+    city = ground(network(City("test", frame, layout, lod=2)))
+    found = crosswalks_of(city.ground, layout, city.network)
+    south = found.take(found.ends[:, :, 1].max(axis=1) < -3.0)
+    assert south.count == 1
+    lowered = city.ground.vertices[city.ground.triangles_of("kerb_dropped")].mean(axis=1)
+    lowered = lowered[np.abs(lowered[:, 0]) < 8.0]
+    for side in (-1.0, 1.0):
+        beside = lowered[side * lowered[:, 0] > 0.0, 1]
+        assert abs(south.ends.mean(axis=1)[0, 1] - (beside.min() + beside.max()) / 2) < 0.6
 
 
 def test_who_gives_way_does_so_ahead_of_setts_and_reads_it_behind(layout_of):
