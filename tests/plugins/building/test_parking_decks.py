@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import shapely
+from shapely.affinity import rotate, translate
 
 from cityx.assets.roof_furniture import DECK_BAY, DECK_ROWS, DECK_STALL, REACH
 from cityx.plugins.building.parking_decks import AISLE, EDGE, deck_rows
@@ -55,6 +56,42 @@ def test_rows_of_bays_lie_within_the_deck_in_pairs_with_aisles(volumes):
     assert len(one) == len(bays)
     across = np.unique(np.round(middle @ [-np.sin(TURN), np.cos(TURN)], 3))
     assert np.diff(across).max() == pytest.approx(DECK_STALL + AISLE, abs=0.01)
+
+
+def bays_of(found):
+    """Outlines of rows, and of the aisles before them."""
+    x, y, yaw = found[2], found[3], found[6]
+    wide, deep = 2 * DECK_BAY, DECK_STALL / 2
+    shapes = []
+    for box in (shapely.box(-wide, -deep, wide, deep),
+                shapely.box(-wide, -deep - AISLE, wide, -deep)):  # fmt: skip
+        shapes.append([translate(rotate(box, w, (0, 0), use_radians=True), a, b)
+                       for a, b, w in zip(x, y, yaw, strict=True)])  # fmt: skip
+    return shapes
+
+
+def test_every_row_opens_to_an_aisle_of_the_deck(volumes):
+    rows, aisles = bays_of(laid(volumes))
+    assert shapely.covers(shapely.buffer(volumes.polygons[0], 1e-6), aisles).all()
+    held = shapely.buffer(rows, -0.01)
+    assert not len(shapely.STRtree(held).query(aisles, predicate="intersects")[0])
+
+
+def test_a_wing_has_rows_of_its_own():
+    leg, wing = shapely.box(0, 0, 60, 13), shapely.box(60, -30, 92, 13)
+    shapes = np.array([leg, shapely.union(leg, wing)], object)
+    count = []
+    for shape in shapes:
+        one = SimpleNamespace(polygons=np.array([shape], object), top=np.array([6.0]))
+        found = deck_rows(1, one, np.ones(1, np.uint64), np.zeros(1, np.int64), np.array([5.8]),
+                          _axes(one.polygons))  # fmt: skip
+        rows = bays_of(found)[0]
+        assert shapely.covers(shape, rows).all()
+        held = shapely.buffer(rows, -0.01)
+        assert len(shapely.STRtree(held).query(held, predicate="intersects")[0]) == len(rows)
+        count.append(int(shapely.intersects(wing, shapely.centroid(rows)).sum()))
+    assert count[0] == 0
+    assert count[1] >= 4
 
 
 def test_decks_are_the_same_each_time(volumes):
