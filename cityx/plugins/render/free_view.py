@@ -35,6 +35,8 @@ WAITING = 0.5  # share by which who stands counts; those who cross a street brin
 PASSING = 0.4  # share by which vehicles that pass each other count: a row across a street looks set
 ABREAST = 5.5  # metres between the middles of two that do
 BROADSIDE = 0.4  # share by which vehicles across the view count; they hide mouths of side streets
+TURNING = 0.1  # share by which vehicles that turn or wait amid a junction count; they look askew
+TURN = 0.1  # radians a second from which on one turns
 CAR = 3.0  # metres of the shortest vehicle that does
 AT_EDGE = 0.3  # share by which what the edge of a picture nearly cuts counts
 SLOW = 0.2  # metres a second below which one stands
@@ -61,8 +63,9 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
         each mover within `SEEN` metres, or more of a high lens, that no house hides counts by how
         near it is, by the square root of what it covers from the side, by how much of it no nearer
         mover hides, and by how far amid the picture it is; of those painted alike the farther ones
-        count for half, a third and so on; people who stand and wait count for half. Vehicles with
-        people count for more than either alone.
+        count for half, a third and so on; people who stand and wait count for half, and vehicles
+        that pass each other, lie across the view, or turn or wait amid a junction for less.
+        Vehicles with people count for more than either alone.
 
     Returns
     -------
@@ -103,7 +106,10 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
         shown /= 1.0 + _alike(tracks, found, moment, far)
     walks = tracks.on_foot[found.mover]
     if busiest:
-        shown[_stands(everybody)[seen]] *= WAITING
+        stands = _stands(everybody)[seen]
+        shown[stands] *= WAITING
+        askew = (stands | _turns(everybody)[seen]) & (found.place == 0) & ~walks
+        shown[askew] *= TURNING
         shown[_abreast(found, size, moment)] *= PASSING
         # Headings are from east, those of cameras from north, clockwise.
         along = np.abs(np.sin(found.heading + camera.heading))
@@ -146,12 +152,23 @@ def sector(
 def _stands(found: Moments) -> NDArray[np.bool_]:
     """(m,) whether movers hardly move from the moment before or to the next."""
     way = np.hypot(*np.diff(found.position[:, :2], axis=0).T)
-    slow = way <= SLOW * np.diff(found.time)
-    slow &= (np.diff(found.mover) == 0) & (np.diff(found.time) > 0)
-    stands = np.zeros(len(found.mover), bool)
-    stands[1:] |= slow
-    stands[:-1] |= slow
-    return stands
+    return _between(found, way <= SLOW * np.diff(found.time))
+
+
+def _turns(found: Moments) -> NDArray[np.bool_]:
+    """(m,) whether movers turn from the moment before or to the next."""
+    turn = np.diff(found.heading)
+    turn = np.abs(np.arctan2(np.sin(turn), np.cos(turn)))
+    return _between(found, turn > TURN * np.diff(found.time))
+
+
+def _between(found: Moments, step: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(m,) whether a step, of (m - 1,) from row to row, begins or ends at a mover's moment."""
+    step = step & (np.diff(found.mover) == 0) & (np.diff(found.time) > 0)
+    either = np.zeros(len(found.mover), bool)
+    either[1:] |= step
+    either[:-1] |= step
+    return either
 
 
 def _abreast(found: Moments, size: FloatArray, moment: IntArray) -> NDArray[np.bool_]:

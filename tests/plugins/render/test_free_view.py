@@ -13,6 +13,7 @@ from cityx.city.moments import moments_of
 from cityx.city.rows import without_objects
 from cityx.city.scene import Instances, Prototype
 from cityx.city.store import view_of
+from cityx.city.tracks import join_tracks
 from cityx.plugins.render.free_view import (
     AT_EDGE,
     NEAR,
@@ -22,6 +23,7 @@ from cityx.plugins.render.free_view import (
     _amid,
     _framed,
     _stands,
+    _turns,
     _unhidden,
     free_moment,
     in_the_way,
@@ -194,3 +196,28 @@ def test_a_car_across_the_view_makes_a_moment_less_busy_than_one_along_it():
     assert free_moment(view, lens(0.0, 0.0), busiest=True) < 2.0
     alone = free_moment(at(moving(across), 5.0), lens(0.0, 0.0), busiest=True)
     assert abs(alone - 8.0) < 1.0  # better than an empty street
+
+
+def test_a_car_that_turns_makes_a_moment_less_busy_than_one_that_goes_straight_on():
+    far = (100, *CAR[1:4], (40.0, 2.0, 0.0), 0.0, 0.0)
+    city = moving(far, CAR, seconds=8.0)
+    tracks = city.tracks
+    # The other comes towards the lens and turns off before it.
+    time = np.arange(0.0, 8.5, 0.5)
+    turn = np.clip((time - 4.0) / 4.0, 0.0, 1.0) * np.pi / 2
+    gone = 5.0 * time
+    xy = np.column_stack([46.0 - gone, 0.0 * gone, 0.0 * gone])
+    first = tracks.take(np.array([0]))
+    place = np.zeros(len(time), np.uint64)
+    turner = replace(
+        tracks.take(np.array([1])), time=time, position=xy, heading=np.pi - turn,
+        speed=np.full(len(time), 5.0, np.float32), sample_start=np.array([0, len(time)]),
+        gait=np.full(len(time), tracks.gait[-1]), place=place,
+    )  # fmt: skip
+    found = moments_of(turner, time)
+    assert _turns(found).tolist() == (time >= 4.0).tolist()
+    view = at(replace(city, tracks=join_tracks([first, turner])), 0.0)
+    assert free_moment(view, lens(0.0, 0.0), busiest=True) < 4.0
+    straight = replace(turner, heading=np.full(len(time), np.pi))
+    view = at(replace(city, tracks=join_tracks([first, straight])), 0.0)
+    assert free_moment(view, lens(0.0, 0.0), busiest=True) > 5.0
