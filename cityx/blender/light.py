@@ -10,7 +10,7 @@ from cityx.blender.air import make_air
 from cityx.blender.falling import make_falling
 from cityx.blender.lamps import lamp_positions, place_lamps, shop_positions
 from cityx.blender.leaf_fall import BARE
-from cityx.blender.metering import shade_stops
+from cityx.blender.metering import shade_stops, sunlit_streets
 from cityx.blender.render import use_light_tree
 from cityx.blender.sky import lamp_balance, make_world
 from cityx.blender.weather import show_wear, turn_knobs
@@ -24,6 +24,7 @@ from cityx.geometry.mirrored import REACH as OUTSKIRTS
 # and at night, and from above where streets are dark slots between the roofs, it keeps what is dark
 # from black.
 LOOK, PLAIN = "AgX - Medium High Contrast", "None"
+SLOTS = 0.5  # share of the streets seen from above that the sun reaches where they are such
 AERIAL_HEIGHT = (15.0, 60.0)  # metres above the ground over which it does so
 
 
@@ -57,7 +58,7 @@ class Lighting:
             modifier = tree.modifiers[BARE]
             modifier.show_render = modifier.show_viewport = environment.snow > SNOWED
         self.scene.view_settings.view_transform = "AgX"
-        self.scene.view_settings.look = _look(environment, 0.0)
+        self.scene.view_settings.look = LOOK if sunshine(environment) > 0.5 else PLAIN
         self.scene.view_settings.exposure = environment.exposure
         use_light_tree(self.scene, on=environment.lamps > 0)
 
@@ -68,7 +69,7 @@ class Lighting:
         shops = shop_positions(self.view, environment)
         place_lamps(self.scene, self.lamps, shops, camera, on=on, balance=balance)
         make_falling(self.scene, environment, camera, seed=self.view.seed, height=height)
-        self.scene.view_settings.look = _look(environment, height)
+        self.scene.view_settings.look = self._look(environment, camera, height)
         self.scene.view_settings.exposure = environment.exposure + self._stops(
             environment, camera, height
         )
@@ -79,16 +80,18 @@ class Lighting:
         shade = shade_stops(self.view, camera, environment) if high < 1 else 0.0
         return sunshine(environment) * (1 - high) * shade
 
+    def _look(self, environment: Environment, camera: Camera, height: float) -> str:
+        if sunshine(environment) <= 0.5:
+            return PLAIN
+        slots = risen(height) >= 0.5 and sunlit_streets(self.view, camera, environment) < SLOTS
+        return PLAIN if slots else LOOK
+
     def _air(self, environment: Environment, eye: tuple[float, float, float]) -> float:
         """Fill the scene with air as seen from a point; returns its height above the ground."""
         ground = float(self.view.terrain.height_at([eye[:2]])[0])
         reach = reach_of(eye, self.view.extent)
         make_air(self.scene, environment, reach=reach, ground=ground, eye=eye[2])
         return eye[2] - ground
-
-
-def _look(environment: Environment, height: float) -> str:
-    return LOOK if sunshine(environment) > 0.5 and risen(height) < 0.5 else PLAIN
 
 
 def risen(height: float) -> float:

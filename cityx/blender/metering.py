@@ -5,12 +5,14 @@ from __future__ import annotations
 from math import cos, pi, sin, tan
 
 import numpy as np
-from mathutils.bvhtree import BVHTree
 from numpy.typing import NDArray
 
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.city.store import View
+from cityx.dataset.shots import project
+from cityx.geometry.polylines import arc_lengths, every, locate
+from cityx.geometry.raycast import RayScene, cast, ray_scene
 
 FloatArray = NDArray[np.float64]
 
@@ -21,6 +23,8 @@ SUN_TO_SKY = 5.0  # light of a high sun on a level surface for each of the clear
 BOUNCED = 0.25  # of the light of the sky that walls give back
 COLUMNS, ROWS = np.linspace(-0.8, 0.8, 5), np.linspace(-0.95, 0.35, 8)  # of the picture, -1 to 1
 FARTHEST = 60.0  # metres from the eye to the ground that is metered
+ABREAST, EVERY = 3.0, 4.0  # of a high lens the farthest, in heights above the ground; metres from
+# one place on a street to the next
 HIGHEST = 80.0  # metres from metered ground to houses that may shade it
 ABOVE = 0.3  # metres above the ground at which light is measured
 SOLID = ("buildings", "structures", "decks")  # layers that shade
@@ -43,17 +47,40 @@ def shade_stops(view: View, camera: Camera, environment: Environment) -> float:
     if environment.sun_elevation <= 0:
         return 0.0
     ground = float(view.terrain.height_at([camera.position[:2]])[0])
-    spots = ground_seen(camera, ground)
-    solid = solid_near(view, camera.position)
-    eye = np.array(camera.position)
-    away = spots - eye
-    spots = spots[
-        ~_blocked(solid, np.broadcast_to(eye, spots.shape), away, np.linalg.norm(away, axis=1))
-    ]
+    solid = solid_near(view, camera.position, FARTHEST)
+    spots = _in_sight(solid, camera, ground_seen(camera, ground))
     if not len(spots):
         return 0.0
     light = np.mean(np.log2(light_on(spots, solid, environment)))
     return float(np.clip(-FOLLOWED * light, 0.0, MOST_STOPS))
+
+
+def sunlit_streets(view: View, camera: Camera, environment: Environment) -> float:
+    """Return the share of the streets that a camera over a city sees on which the sun shines.
+
+    Parameters
+    ----------
+    view, camera, environment
+        As of `shade_stops`. Streets in the picture count that no house or bridge hides; 1 where
+        there are none. The shade of trees is left out.
+    """
+    network = view.network
+    if environment.sun_elevation <= 0 or network is None or not network.edge_count:
+        return 1.0
+    place = np.array(camera.position)
+    reach = ABREAST * (place[2] - float(view.terrain.height_at(place[None, :2])[0]))
+    lines = network.lines
+    xy = locate(lines, *every(arc_lengths(lines)[1], EVERY))[0]
+    spots = np.column_stack([xy, view.terrain.height_at(xy) + ABOVE])
+    pixel, depth = project(camera, spots)
+    framed = ((pixel > 0) & (pixel < (camera.width, camera.height))).all(axis=1) & (depth > 0)
+    spots = spots[framed & (np.hypot(*(xy - place[:2]).T) < reach)]
+    solid = solid_near(view, camera.position, reach)
+    spots = _in_sight(solid, camera, spots)
+    if not len(spots):
+        return 1.0
+    sun = np.broadcast_to(_to_sun(environment), spots.shape)
+    return 1.0 - float(_blocked(solid, spots, sun, HIGHEST + FARTHEST).mean())
 
 
 def ground_seen(camera: Camera, ground: float) -> FloatArray:
@@ -74,12 +101,10 @@ def ground_seen(camera: Camera, ground: float) -> FloatArray:
     return np.asarray(met[near & (fall > 0)])
 
 
-def light_on(spots: FloatArray, solid: BVHTree, environment: Environment) -> FloatArray:
+def light_on(spots: FloatArray, solid: RayScene, environment: Environment) -> FloatArray:
     """(n,) light on level places as a share of that in the open under the same sun and sky."""
-    elevation, azimuth = environment.sun_elevation, environment.sun_azimuth
-    level = cos(elevation)
-    sun = np.array([level * sin(azimuth), level * cos(azimuth), sin(elevation)])
-    lit = ~_blocked(solid, spots, np.broadcast_to(sun, spots.shape))
+    sun = _to_sun(environment)
+    lit = ~_blocked(solid, spots, np.broadcast_to(sun, spots.shape), HIGHEST + FARTHEST)
     rings = (np.arange(RINGS) + 0.5) / RINGS
     turn = 2 * pi * (np.arange(SECTORS) + 0.5) / SECTORS
     out, high = np.sqrt(rings), np.sqrt(1 - rings)
@@ -87,36 +112,44 @@ def light_on(spots: FloatArray, solid: BVHTree, environment: Environment) -> Flo
         [np.outer(out, np.sin(turn)), np.outer(out, np.cos(turn)), np.repeat(high, SECTORS).reshape(
             RINGS, SECTORS)], axis=-1,
     ).reshape(-1, 3)  # fmt: skip
-    blocked = _blocked(solid, np.repeat(spots, len(sky), axis=0), np.tile(sky, (len(spots), 1)))
+    blocked = _blocked(solid, np.repeat(spots, len(sky), axis=0), np.tile(sky, (len(spots), 1)),
+                       HIGHEST + FARTHEST)  # fmt: skip
     seen = 1 - blocked.reshape(len(spots), -1).mean(axis=1)
-    power = SUN_TO_SKY * sin(elevation)
+    power = SUN_TO_SKY * float(sun[2])
     found = power * lit + seen + BOUNCED * (1 - seen)
     return np.asarray(found / (power + 1))
 
 
-def solid_near(view: View, place: tuple[float, float, float]) -> BVHTree:
-    """Return the faces of solid layers near enough to shade what is metered from a place."""
-    corners, faces, count = [np.zeros((0, 3))], [np.zeros((0, 3), np.int64)], 0
-    for layer in SOLID:
-        mesh = view.scene.meshes.get(layer)
-        if mesh is None:
-            continue
+def _to_sun(environment: Environment) -> FloatArray:
+    """(3,) direction to the sun."""
+    elevation, azimuth = environment.sun_elevation, environment.sun_azimuth
+    level = cos(elevation)
+    return np.array([level * sin(azimuth), level * cos(azimuth), sin(elevation)])
+
+
+def solid_near(view: View, place: tuple[float, float, float], reach: float) -> RayScene:
+    """Return the faces of solid layers that shade or hide ground within reach of a place."""
+    meshes = [view.scene.meshes[layer] for layer in SOLID if layer in view.scene.meshes]
+    corners, faces = [], []
+    for mesh in meshes:
         triangles = mesh.triangles()[0]
         gap = np.abs(mesh.vertices[:, :2] - np.array(place[:2])).max(axis=1)
-        near = triangles[(gap < FARTHEST + HIGHEST)[triangles].any(axis=1)]
+        near = triangles[(gap < reach + HIGHEST)[triangles].any(axis=1)]
         used, index = np.unique(near, return_inverse=True)
         corners.append(mesh.vertices[used])
-        faces.append(index.reshape(-1, 3) + count)
-        count += len(used)
-    return BVHTree.FromPolygons(
-        np.concatenate(corners).tolist(), np.concatenate(faces).tolist(), all_triangles=True
-    )
+        faces.append(index.reshape(-1, 3))
+    whole = np.broadcast_to(np.eye(3, 4), (len(meshes), 3, 4))
+    return ray_scene(corners, faces, np.arange(len(meshes)), whole)
+
+
+def _in_sight(solid: RayScene, camera: Camera, spots: FloatArray) -> FloatArray:
+    """Return the (n, 3) places that nothing hides from a camera."""
+    eye = np.array(camera.position)
+    return spots[~_blocked(solid, np.broadcast_to(eye, spots.shape), spots - eye, 1.0)]
 
 
 def _blocked(
-    solid: BVHTree, origins: FloatArray, directions: FloatArray, reach: FloatArray | None = None
+    solid: RayScene, origins: FloatArray, directions: FloatArray, reach: float
 ) -> NDArray[np.bool_]:
-    """(r,) whether rays meet a face within their reach, metres; without limit where it is None."""
-    far = np.full(len(origins), HIGHEST + FARTHEST) if reach is None else reach
-    rays = zip(origins.tolist(), directions.tolist(), far.tolist(), strict=True)
-    return np.array([solid.ray_cast(*ray)[0] is not None for ray in rays], bool)
+    """(r,) whether rays meet a face within so many lengths of their directions."""
+    return np.asarray(cast(solid, origins, directions, reach=reach).instance >= 0)

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import bpy  # noqa: TID251
 import numpy as np
-from mathutils.bvhtree import BVHTree
 
 from cityx.blender.leaf_fall import BARE
 from cityx.blender.light import Lighting
@@ -17,6 +16,7 @@ from cityx.blender.scene import build_scene
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.city.store import read_view
+from cityx.geometry.raycast import ray_scene
 from cityx.plugins.background.weather import lit_anew
 
 CHANGES = ("snow dusk", "night", "storm", "clear")
@@ -65,9 +65,10 @@ for change in CHANGES:
         o.modifiers[BARE].show_render for o in bpy.data.objects if BARE in o.modifiers
     ]
 # A wall without end beside two places, between them and the sun in the south.
-wall = BVHTree.FromPolygons(
-    [(-900, -1, 0), (900, -1, 0), (900, -1, 900), (-900, -1, 900)], [(0, 1, 2, 3)]
-)
+wall = ray_scene(
+    [[(-900, -1, 0), (900, -1, 0), (900, -1, 900), (-900, -1, 900)]], [[(0, 1, 2), (0, 2, 3)]],
+    [0], np.eye(3, 4)[None],
+)  # fmt: skip
 noon = Environment(sun_elevation=np.pi / 6, sun_azimuth=np.pi)
 record["light"] = {
     "shade": light_on(np.array([[0.0, -0.999, 0.0]]), wall, noon).tolist(),

@@ -62,7 +62,9 @@ from cityx.plugins.nature.street_rules import (
     SLOT,
     STREETS,
     TALL,
+    TALL_GAP,
     TIGHT,
+    TRUNK_GAP,
     USUAL_GAP,
     WALL_GAP,
     WIDE_WALK,
@@ -96,6 +98,7 @@ BOARD_SHARE, TUB_SHARE, MACHINE_SHARE, POT_SHARE = 0.2, 0.2, 0.25, 0.55
 BANNERS, BANNER_SHARE = ("banner_red", "banner_blue"), 0.3  # of the shops of Japan
 LEVEL = 1.2  # metres between the ground and the foot of a shopfront that opens onto it
 OPEN_SPACING = 5.2  # metres between things on plazas and in yards
+ALONG_WALL = 0.15  # metres that a wall may leave the line of what stands at it
 WALL_REACH = 3.5  # metres from a wall within which a thing is moved to it
 # Ground on which things stand apart from kerbs.
 OPEN = ("plaza", "courtyard", "sidewalk", "gravel", "frontage")
@@ -424,6 +427,10 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
         kerb = np.where(walk[rows], STRIP, 0.0)  # what stands there takes its share of the walk
         left = np.where(walk[rows], *NARROW) if site.place == "japan" else CLEAR + kerb
         keep[rows] &= (length > 0.2) & (lawn[rows] | (room >= 2 * gap + left))
+        # What stands at a corner would touch it alone: the wall goes on behind half of each side.
+        side = np.column_stack([-away[:, 1], away[:, 0]]) * half[rows, None] / 2
+        for end in (foot - side, foot + side):
+            keep[rows] &= shapely.distance(outline, shapely.points(end)) < ALONG_WALL
     return pieces(names, xy, ids, turn).take(keep)
 
 
@@ -473,7 +480,8 @@ def _free(
     free = inside_extent(city, found.xy, 0.5) & ~in_carriageways(city, found.xy, depth)
     if len(site.doors):
         free[shapely.STRtree(site.doors).query(spots, predicate="intersects")[0]] = False
-    for others, gap in ((site.fixed, PIECE_GAP), (site.trunks, 0.9)):
+    trunk_gap = np.where(np.isin(found.name, list(TALL)), TALL_GAP, TRUNK_GAP)
+    for others, gap in ((site.fixed, PIECE_GAP), (site.trunks, trunk_gap)):
         tree = shapely.STRtree(shapely.points(others))
         reach = half + gap
         free[tree.query(shapely.points(found.xy), predicate="dwithin", distance=reach)[0]] = False

@@ -115,6 +115,7 @@ KERB_RULES: tuple[Rule, ...] = (
 APART = {"telephone": 120.0, "kiosk": 90.0, "advertising_column": 70.0, "post_box": 60.0}
 INSTEAD = ("waste_basket", "bench", "planter")
 TALL = frozenset({"advertising_column", "kiosk", "telephone"})  # hide what comes at junctions
+TRUNK_GAP, TALL_GAP = 0.9, 2.6  # metres from trunks, beside their size, of things and of tall ones
 SIGHT = 10.0  # metres from junctions that tall things keep
 # What stands in rows along wide walks rather than alone, and metres between one and the next.
 ROWS = {"bollard": 1.5, "planter": 1.75}

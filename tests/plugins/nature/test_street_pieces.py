@@ -24,7 +24,7 @@ from cityx.plugins.nature.pieces import (
     walk_rims,
     with_pieces,
 )
-from cityx.plugins.nature.street_pieces import GOODS, LAYER, street_pieces
+from cityx.plugins.nature.street_pieces import GOODS, LAYER, _free, _site, street_pieces
 from cityx.plugins.nature.street_rules import KERB_RULES, SCOOTERS, WALL_GAP, rates
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.lanes import lanes
@@ -239,3 +239,19 @@ def test_bollards_follow_the_kerb_of_corners_and_leave_the_walk(avenue, monkeypa
     assert np.allclose(gap, KERB_WIDTH + FROM_CORNER, atol=0.05)
     apart = np.hypot(*(found[:, None] - found).T) + 99.0 * np.eye(len(found))
     assert apart.min() > 1.2
+
+
+def test_tall_things_keep_farther_from_trunks_than_others(avenue):
+    trunk = Prototype("tree", "tree", piece("bollard").mesh)
+    spot = np.array([[40.0, 8.0, 0.0]])
+    one = np.ones((1, 3), np.float32)
+    trunks = Instances(np.zeros(1, np.int32), np.ones(1, np.uint64), np.zeros(1, np.uint64), spot,
+                       0 * one, one, one)  # fmt: skip
+    scene = avenue.scene.with_instances("trees", [trunk], trunks)
+    site = _site(replace(avenue, scene=scene))
+    names = ["telephone", "bench", "telephone"]
+    given = pieces(np.array(names, object), spot[:, :2] + [[2.5, 0.0], [2.5, 0.0], [3.5, 0.0]],
+                   np.arange(1, 4, dtype=np.uint64), np.zeros(3))  # fmt: skip
+    alone = [_free(avenue, site, given.take(np.array([row])), np.full((1, 2), 0.5), given.id[:1])[0]
+             for row in range(3)]  # fmt: skip
+    assert alone == [False, True, True]
