@@ -10,7 +10,7 @@ from cityx.blender.air import make_air
 from cityx.blender.falling import make_falling
 from cityx.blender.lamps import lamp_positions, place_lamps, shop_positions
 from cityx.blender.leaf_fall import BARE
-from cityx.blender.metering import shade_stops, sunlit_streets
+from cityx.blender.metering import metered_stops, sunlit_streets
 from cityx.blender.render import use_light_tree
 from cityx.blender.sky import lamp_balance, make_world
 from cityx.blender.weather import show_wear, turn_knobs
@@ -69,22 +69,11 @@ class Lighting:
         shops = shop_positions(self.view, environment)
         place_lamps(self.scene, self.lamps, shops, camera, on=on, balance=balance)
         make_falling(self.scene, environment, camera, seed=self.view.seed, height=height)
-        self.scene.view_settings.look = self._look(environment, camera, height)
-        self.scene.view_settings.exposure = environment.exposure + self._stops(
-            environment, camera, height
-        )
-
-    def _stops(self, environment: Environment, camera: Camera, height: float) -> float:
-        """Return the stops a camera opens for shade between houses; above there is none."""
-        high = risen(height)
-        shade = shade_stops(self.view, camera, environment) if high < 1 else 0.0
-        return sunshine(environment) * (1 - high) * shade
-
-    def _look(self, environment: Environment, camera: Camera, height: float) -> str:
-        if sunshine(environment) <= 0.5:
-            return PLAIN
-        slots = risen(height) >= 0.5 and sunlit_streets(self.view, camera, environment) < SLOTS
-        return PLAIN if slots else LOOK
+        high, sun = risen(height), sunshine(environment)
+        slots = high >= 0.5 and sunlit_streets(self.view, camera, environment) < SLOTS
+        self.scene.view_settings.look = PLAIN if slots or sun <= 0.5 else LOOK
+        stops = 0.0 if slots else metered_stops(self.view, camera, environment, high=high)
+        self.scene.view_settings.exposure = environment.exposure + sun * stops
 
     def _air(self, environment: Environment, eye: tuple[float, float, float]) -> float:
         """Fill the scene with air as seen from a point; returns its height above the ground."""

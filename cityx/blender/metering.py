@@ -18,7 +18,11 @@ FloatArray = NDArray[np.float64]
 
 # A camera follows the light only in part, as the eye does: shade stays darker than sun.
 FOLLOWED = 0.6
-MOST_STOPS = 1.4
+MOST_STOPS = 1.9
+# Stops that it closes where a high sun shines on all it sees, since roofs and walls are paler than
+# the ground that is metered; ever less the more it opens for shade.
+SUNLIT = 0.5
+HIGH_SUN = 0.5  # sine of its elevation from which it closes by all of them
 SUN_TO_SKY = 5.0  # light of a high sun on a level surface for each of the clear sky, CIE 110
 BOUNCED = 0.25  # of the light of the sky that walls give back
 COLUMNS, ROWS = np.linspace(-0.8, 0.8, 5), np.linspace(-0.95, 0.35, 8)  # of the picture, -1 to 1
@@ -30,6 +34,21 @@ ABOVE = 0.3  # metres above the ground at which light is measured
 SOLID = ("buildings", "structures", "decks")  # layers that shade
 # Directions over the sky, of equal weight for a level surface.
 RINGS, SECTORS = 3, 8
+
+
+def metered_stops(view: View, camera: Camera, environment: Environment, *, high: float) -> float:
+    """Return the stops by which a camera opens for shade, or closes in the sun.
+
+    Parameters
+    ----------
+    view, camera, environment
+        As of `shade_stops`.
+    high
+        0 to 1, how much the camera looks at the city from above, where shade does not count.
+    """
+    shade = (1 - high) * shade_stops(view, camera, environment) if high < 1 else 0.0
+    glare = min(max(sin(environment.sun_elevation), 0.0) / HIGH_SUN, 1.0)
+    return shade - glare * max(SUNLIT - shade / 2, 0.0)
 
 
 def shade_stops(view: View, camera: Camera, environment: Environment) -> float:

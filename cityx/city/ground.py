@@ -94,7 +94,7 @@ SURFACES: tuple[Surface, ...] = (
     Surface("guide_strip", 51, KERB_HEIGHT, "tactile_pale", "kerb_stone"),
     Surface("landing", 51, DROPPED, "paving", "kerb_stone"),  # walk between a kerb and ribs
     Surface("parking_lane", 71, 0.0, "small_setts", "concrete"),  # of small stones, beside setts
-    Surface("mouth_setts", 73, 0.0, "pale_setts", "concrete"),  # across the mouth of a side street
+    Surface("mouth_setts", 81, 0.0, "pale_setts", "concrete"),  # across the mouth of a side street
     Surface("coat", 79, 0.0, "asphalt_brown", "concrete"),  # amid crossroads
     Surface("feather", 80, 0.0, "marking_blue", "concrete"),  # where bicycles ride
 )

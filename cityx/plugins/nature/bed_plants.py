@@ -13,7 +13,8 @@ from cityx.plugins.road.beds import CORNER, LENGTH, Beds, bed_slots
 
 PURPOSE = "nature/bed_plants"
 # What grows in a bed, with weights, and metres between its plants.
-BEDS = (("boxwood", 4, 0.8), ("shrub", 3, 1.4), ("tree", 2, 0.8))
+BEDS = (("boxwood", 3, 0.8), ("shrub", 2, 1.4), ("tree", 5, 0.8))
+CORNER_TREES = 0.65  # of the beds at corners have a tree
 FREE_END = 0.55  # metres of a bed beyond its last plant
 TREE_GAP = 1.0  # metres round a trunk without bushes
 TREES = (4.5, 7.5)  # metres
@@ -28,7 +29,7 @@ def bed_stands(city: City) -> list[Stand]:
     beds = beds.take(city.ground.on(beds.middle, "bed"))
     kind = choose(city.seed, PURPOSE, beds.id, [weight for _, weight, _ in BEDS])
     corner = beds.half[:, 0] <= CORNER
-    stands = [_at_corners(city, beds.take(corner))]
+    stands = _at_corners(city, beds.take(corner))
     beds, kind = beds.take(~corner), kind[~corner]
     for number, (name, _, spacing) in enumerate(BEDS):
         rows = np.flatnonzero(kind == number)
@@ -49,21 +50,25 @@ def bed_stands(city: City) -> list[Stand]:
     return stands
 
 
-def _at_corners(city: City, beds: Beds) -> Stand:
-    """Four bushes in each square bed: no trunk stands where drivers look round a corner."""
+def _at_corners(city: City, beds: Beds) -> list[Stand]:
+    """Four bushes in each square bed, and amid most a tree, which drivers see past and below."""
     aside = np.array([(x, y) for x in (-0.5, 0.5) for y in (-0.5, 0.5)]) * CORNER
     across = np.column_stack([-beds.along[:, 1], beds.along[:, 0]])
     axes = np.stack([beds.along, across], axis=1)  # (b, 2, 2)
     xy = (beds.middle[:, None] + aside @ axes).reshape(-1, 2)
     ids = hash_ids(0, PURPOSE, np.repeat(beds.id, len(aside)), np.tile(range(4), len(beds.id)))
-    return _bushes(city, "boxwood", Points(xy, ids))
+    amid = np.flatnonzero(uniform(city.seed, f"{PURPOSE}/corner", beds.id) < CORNER_TREES)
+    trees = Points(beds.middle[amid], hash_ids(0, PURPOSE, beds.id[amid], len(aside)))
+    return [_bushes(city, "boxwood", Points(xy, ids)), _small_trees(city, trees, mapped=True)]
 
 
-def _small_trees(city: City, points: Points) -> Stand:
-    """Trees that a bed has room for."""
+def _small_trees(city: City, points: Points, *, mapped: bool = False) -> Stand:
+    """Trees that a bed has room for; at a corner they stand near the junction as mapped ones do."""
     low, high = TREES
     height = low + (high - low) * uniform(city.seed, f"{PURPOSE}/tree", points.id)
-    return stand_of(points, draw_species(climate.STREET_MIX, city, points.id), height)
+    return stand_of(
+        points, draw_species(climate.STREET_MIX, city, points.id), height, mapped=mapped
+    )
 
 
 def _bushes(city: City, name: str, points: Points) -> Stand:

@@ -36,13 +36,13 @@ WIDE = 3.0  # metres of walk from which other rules put larger things at walls
 # What stands at a wall, with weights; bicycles stand along it, and need more room.
 NOTHING = "nothing"
 WEIGHTS: Mapping[str, float] = MappingProxyType({
-    NOTHING: 2.6, "wall_trough": 2.0, "wall_pots": 2.4, "wall_tree": 3.0, "wall_olive": 2.4,
-    "green_curtain": 2.0, "furled_banner": 0.9, "wall_meters": 1.2, "wall_crates": 0.8,
+    NOTHING: 1.8, "wall_trough": 2.0, "wall_pots": 2.2, "wall_tree": 4.4, "wall_olive": 3.4,
+    "green_curtain": 1.6, "furled_banner": 0.9, "wall_meters": 1.2, "wall_crates": 0.8,
     "broom_and_pail": 0.6, "bicycle": 1.6,
 })  # fmt: skip
 # The same where nothing may stand; some walks are half a metre wide.
 BARE: Mapping[str, float] = MappingProxyType(
-    {NOTHING: 1.6, "hanging_basket": 2.2, "drain_cover": 1.0, "wall_ivy": 2.4}
+    {NOTHING: 1.2, "hanging_basket": 2.2, "drain_cover": 1.0, "wall_ivy": 3.2}
 )
 TO_SHOP = 0.9  # metres from the middle of a shopfront, where one goes in
 CLIMBED = ("wall_ivy", 1.9, 4.0)  # what windows have none of: metres beside them, and below

@@ -6,8 +6,10 @@ import shapely
 
 from cityx.city import make_table
 from cityx.city.ground import LABEL
+from cityx.plugins.nature import bed_plants
 from cityx.plugins.nature.bed_plants import bed_stands
 from cityx.plugins.nature.stands import BUSHES, INDEX, join_stands
+from cityx.plugins.road.beds import CORNER, bed_slots
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.network import network
 
@@ -41,3 +43,20 @@ def test_the_same_seed_plants_the_same(planted):
     again = join_stands(bed_stands(city))
     assert np.array_equal(stand.id, again.id)
     assert np.array_equal(stand.xy, again.xy)
+
+
+def test_most_square_beds_at_corners_have_a_tree_amid_their_bushes(planted, monkeypatch):
+    city, _ = planted
+    beds = bed_slots(city.layout, city.network)
+    square = replace(beds, half=np.full_like(beds.half, CORNER))
+    monkeypatch.setattr(bed_plants, "bed_slots", lambda *_: square)
+    corners = square.take(city.ground.on(square.middle, "bed"))
+    stand = join_stands(bed_stands(city))
+    bush = np.isin(stand.species, [INDEX[name] for name in BUSHES])
+    places = np.round(corners.middle, 6).tolist()
+    with_tree = [xy in places for xy in np.round(stand.xy[~bush], 6).tolist()]
+    assert all(with_tree)
+    assert 0.4 < len(with_tree) / len(corners.id) < 0.9
+    assert bush.sum() == 4 * len(corners.id)
+    assert stand.mapped.all()  # or nothing would stand near junctions
+    assert len(np.unique(stand.id)) == len(stand.id)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from crossing_town import crossing_town
 
-from cityx.blender.metering import MOST_STOPS, shade_stops, sunlit_streets
+from cityx.blender.metering import MOST_STOPS, SUNLIT, metered_stops, shade_stops, sunlit_streets
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.city.mesh import one_mesh
@@ -61,3 +61,14 @@ def test_a_camera_opens_for_ground_in_shade(y, opens):
     stops = shade_stops(town((y, -70.0, 70.0, 20.0)), LOW, NOON)
     assert (0.3 < stops <= MOST_STOPS) == opens
     assert opens or stops < 0.2
+
+
+def test_a_camera_closes_in_the_sun_and_opens_in_the_shade():
+    shady, sunny = town((-3.5, -70.0, 70.0, 20.0)), town()
+    assert metered_stops(sunny, HIGH, NOON, high=1.0) == pytest.approx(-SUNLIT)
+    low = replace(NOON, sun_elevation=np.radians(8.0))
+    assert -SUNLIT / 2 < metered_stops(sunny, HIGH, low, high=1.0) < 0
+    assert metered_stops(sunny, LOW, NOON, high=0.0) < 0
+    closed = shade_stops(shady, LOW, NOON) - metered_stops(shady, LOW, NOON, high=0.0)
+    assert 0 <= closed < SUNLIT  # less than in the sun
+    assert metered_stops(sunny, LOW, replace(NOON, sun_elevation=-0.1), high=0.0) == 0.0
