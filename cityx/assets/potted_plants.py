@@ -167,12 +167,12 @@ def _vine(name: str, x: float, y: float, foot: float, high: float, radius: float
         at = (x + 0.8 * radius * np.cos(angle), y + 0.8 * radius * np.sin(angle))
         parts.append(cylinder((*at, foot - 0.05), (*at, foot + high), 0.006, "plastic", CANE,
                               sides=4))  # fmt: skip
-    count, large = _count(240)
+    count, large = _count(460)
     for number, tint, size, slim, material in (
-        (count, LEAF, 0.034, 0.85, "leaf"), (count // 8, PETALS[4], 0.03, 1.0, "cloth"),
+        (count, LEAF, 0.036, 0.85, "leaf"), (count // 14, PETALS[4], 0.03, 1.0, "cloth"),
     ):  # fmt: skip
         t = rng.uniform(0.0, 1.0, number)
-        turn = 6 * np.pi * t + rng.normal(0, 0.5, number)
+        turn = 6 * np.pi * t + rng.normal(0, 1.1, number)
         out = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(number)])
         reach = radius * (1.05 - 0.25 * t) * rng.uniform(0.75, 1.2, number)
         centre = out * reach[:, None] + [x, y, foot] + np.outer(t * high, [0, 0, 1])

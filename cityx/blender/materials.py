@@ -7,6 +7,7 @@ changing them in one place wets, whitens or lights the whole city.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
 import bpy
 
@@ -38,16 +39,12 @@ FOLIAGE = LEAVES | {"hedge"}  # what catches snow at any slope
 PAINTED = frozenset({"marking_white", "marking_yellow", "marking_blue"})
 DRIVEN = CARRIAGEWAYS | PAINTED  # where tyres press snow to slush
 CRACKED = frozenset({"asphalt", "asphalt_light"})
-REPAIRED = CRACKED | {
-    "setts",
-    "pale_setts",
-    "cobbles",
-    "paving",
-    "flagstones",
-    "plaza_slabs",
-    "slab_walk",
-    "walk_blocks",
-}  # what is dug up and filled again
+# What is dug up and filled again, and the share of the tone of repairs that it shows: setts are the
+# same afterwards.
+REPAIRED: Mapping[str, float] = MappingProxyType({
+    "asphalt": 1.0, "asphalt_light": 1.0, "setts": 0.35, "pale_setts": 0.35, "cobbles": 0.35,
+    "paving": 1.0, "flagstones": 1.0, "plaza_slabs": 1.0, "slab_walk": 1.0, "walk_blocks": 1.0,
+})  # fmt: skip
 SETTS = frozenset({"setts", "pale_setts"})  # whose courses are pushed along themselves
 FIELDS = frozenset({"yard"})  # what was laid house by house
 GLAZED = frozenset({"glass", "glass_wall", "car_glass", "car_pane"})
@@ -133,7 +130,7 @@ class MaterialLibrary:
         weather.inputs["Puddles"].default_value = float(record.root in PUDDLED)
         weather.inputs["Traffic"].default_value = float(record.root in DRIVEN and not variant)
         weather.inputs["Cracks"].default_value = float(record.root in CRACKED and not variant)
-        weather.inputs["Repairs"].default_value = float(record.root in REPAIRED and not variant)
+        weather.inputs["Repairs"].default_value = 0.0 if variant else REPAIRED.get(record.root, 0.0)
         weather.inputs["Paint"].default_value = float(record.root in PAINTED and not variant)
         weather.inputs["Fields"].default_value = float(record.root in FIELDS and not variant)
         weather.inputs["Snow cover"].default_value = float(record.name not in SNOWLESS)

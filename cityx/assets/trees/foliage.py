@@ -47,6 +47,7 @@ CORE_SHARE = 2.0  # of the dark cards within; many small ones do not show as car
 # a share of up to the last: there one sees the limbs fork.
 RIM, LOW_SHARE, UNDER = 0.75, 0.5, 0.93
 RIM_LEAF = 0.24  # share of its size by which a leaf at the rim is smaller than one within
+SMALLER = 0.93  # of the length of a species' cards, which crowd all the more
 FULLER = 1.22  # leaves cover less than the kite they stand in for
 BROAD = ("alternate", "fan", "palmate")  # patterns of leaves broad enough to show an outline
 BLADES = 0.4  # share of the cards, the best lit, whose leaves have the outline of their species
@@ -138,7 +139,7 @@ def leaf_cards(skeleton: Skeleton, habit: Species, rng: np.random.Generator, cou
     # Leaves lie along their shoot: the axis is kept, the face turns as far to the light as it lets.
     along = _unit(way - 0.75 * np.sum(way * _unit(normal), axis=1, keepdims=True) * _unit(normal))
     normal = _unit(normal - np.sum(normal * along, axis=1, keepdims=True) * along)
-    length = 0.5 * habit.leaf * rng.uniform(0.75, 1.25, (count, 1))
+    length = 0.5 * SMALLER * habit.leaf * rng.uniform(0.75, 1.25, (count, 1))
     length *= 1.0 + RIM_LEAF * (0.5 - np.clip(depth, 0.3, 1.0))[:, None]
 
     clump = rng.uniform(0.72, 1.28, len(skeleton.parent))[home]

@@ -28,7 +28,8 @@ FloatArray = NDArray[np.float64]
 FORMS = ("fine", "near", "light", "far")
 SPECIES = tuple(TREES)
 LIGHT_CARDS, LIGHT_CORE, FAR_CARDS = 900, 120, 14
-NEAR_CARDS = 0.5  # share of the cards that the near form draws, larger for it
+CROWDED = 1.22  # times the cards of a species near the viewer
+NEAR_CARDS = 0.41  # share of the cards that the near form draws, larger for it
 # Kites grow as they become fewer, a little less than the area asks: gaps close by themselves.
 LIGHT_SIZE = 0.85
 THINNEST = {"fine": 0.007, "near": 0.014, "light": 0.05}  # metres, limbs drawn under leaves
@@ -96,7 +97,7 @@ def _grown(species: str, variant: int) -> Arrays:
     rng = rng_for(variant, "assets/leaves", stable_id("tree", species))
     park = TREES[species]
     crown = own.radius * (own.height - own.clear) / (park.radius * (park.height - park.clear))
-    count = int(own.cards * np.clip(crown, 0.65, 1.1))
+    count = int(CROWDED * own.cards * np.clip(crown, 0.65, 1.1))
     arrays: Arrays = {
         "place": np.round(skeleton.position / SCALE["place"]).astype(np.int32),
         "parent": skeleton.parent.astype(np.int32),

@@ -13,7 +13,7 @@ from cityx.plugins.road.beds import CORNER, LENGTH, Beds, bed_slots
 
 PURPOSE = "nature/bed_plants"
 # What grows in a bed, with weights, and metres between its plants.
-BEDS = (("boxwood", 3, 0.8), ("shrub", 2, 1.4), ("tree", 5, 0.8))
+BEDS = (("boxwood", 1, 0.8), ("shrub", 2, 1.4), ("tree", 7, 0.8))
 CORNER_TREES = 0.65  # of the beds at corners have a tree
 FREE_END = 0.55  # metres of a bed beyond its last plant
 TREE_GAP = 1.0  # metres round a trunk without bushes

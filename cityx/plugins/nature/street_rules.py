@@ -32,7 +32,7 @@ SLOT = 6.0  # metres of kerb per draw
 WIDE_WALK, FRONT_LINE = 3.5, 0.45
 MORE = {"bench": 2.8, "planter": 2.4, "waste_basket": 2.2, "bicycle_parking": 1.6, "bollard": 0.6}
 # Weights of rows of pots, 1 for those that are not named: what is tall greens a street.
-POTS = {"pot_row_maple": 2.0, "pot_row_olive": 2.0, "pot_row_bamboo": 1.5}
+POTS = {"pot_row_maple": 3.0, "pot_row_olive": 3.0, "pot_row_bamboo": 1.5, "pot_row_vines": 0.5}
 FULL = 0.92  # of the slots of a walk that hold something at most
 STREETS = {
     "primary": "main", "secondary": "main", "tertiary": "main", "trunk": "main",

@@ -17,6 +17,7 @@ from cityx.city.camera import Camera
 from cityx.city.moments import Moments, moments_of
 from cityx.city.outlines import placed_outlines
 from cityx.city.tracks import Tracks
+from cityx.geometry.polylines import locate, to_linestrings
 from cityx.geometry.ranges import numbered
 
 if TYPE_CHECKING:
@@ -38,6 +39,11 @@ BROADSIDE = 0.4  # share by which vehicles across the view count; they hide mout
 TURNING = 0.1  # share by which vehicles that turn or wait amid a junction count; they look askew
 TURN = 0.1  # radians a second from which on one turns
 CAR = 3.0  # metres of the shortest vehicle that does
+# Factor on a moment for each person within metres before the lens, of the first few, who walks
+# along a roadway: beside a pavement too narrow for two it is so, and yet looks wrong.
+ASTRAY, ASTRAY_NEAR, MOST_ASTRAY = 0.7, 30.0, 4
+ON_ROADWAY = 0.03  # metres above the roadway below which one stands on it
+ALONG = 0.8  # cosine between a street and those who walk along it
 AT_EDGE = 0.3  # share by which what the edge of a picture nearly cuts counts
 SLOW = 0.2  # metres a second below which one stands
 COLUMNS = 128  # of the grid on which movers hide one another
@@ -65,7 +71,8 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
         mover hides, and by how far amid the picture it is; of those painted alike the farther ones
         count for half, a third and so on; people who stand and wait count for half, and vehicles
         that pass each other, lie across the view, or turn or wait amid a junction for less.
-        Vehicles with people count for more than either alone.
+        Vehicles with people count for more than either alone, and each of the first few people
+        near by who walk along a roadway takes `1 - ASTRAY` of the whole.
 
     Returns
     -------
@@ -116,6 +123,11 @@ def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:
         shown[~walks] *= (BROADSIDE + (1.0 - BROADSIDE) * along)[~walks]
     both = [np.bincount(moment, shown * own, len(times)) for own in (walks, ~walks)]
     life = np.sqrt((1.0 + both[0]) * (1.0 + both[1])) * busiest
+    if busiest:
+        astray = walks & (far < ASTRAY_NEAR) & (shown > 0)
+        astray[astray] = _along_roadway(view, found.take(np.flatnonzero(astray)))
+        count = np.bincount(moment[astray], minlength=len(times))
+        life = life * ASTRAY ** np.minimum(count, MOST_ASTRAY)
     wait = np.round(np.abs(times - view.moment), 6)
     best = np.lexsort((times, wait, -np.round(life, 3), -np.round(away, 2)))[0]
     return float(times[best])
@@ -160,6 +172,23 @@ def _turns(found: Moments) -> NDArray[np.bool_]:
     turn = np.diff(found.heading)
     turn = np.abs(np.arctan2(np.sin(turn), np.cos(turn)))
     return _between(found, turn > TURN * np.diff(found.time))
+
+
+def _along_roadway(view: View, found: Moments) -> NDArray[np.bool_]:
+    """(m,) whether people walk along a street on its roadway, rather than across it."""
+    network = view.network
+    if network is None or not network.edge_count or not len(found.mover):
+        return np.zeros(len(found.mover), bool)
+    place = found.position[:, :2]
+    low = found.position[:, 2] - view.terrain.height_at(place) < ON_ROADWAY
+    lines = to_linestrings(network.lines)
+    points = shapely.points(place)
+    edge = shapely.STRtree(lines).nearest(points)
+    foot = shapely.line_locate_point(lines[edge], points)
+    ahead = locate(network.lines, edge, foot)[1]
+    way = np.column_stack([np.cos(found.heading), np.sin(found.heading)])
+    inside = shapely.distance(lines[edge], points) < network.half_width[edge]
+    return np.asarray(low & inside & (np.abs((way * ahead).sum(axis=1)) > ALONG))
 
 
 def _between(found: Moments, step: NDArray[np.bool_]) -> NDArray[np.bool_]:

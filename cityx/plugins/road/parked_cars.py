@@ -41,7 +41,7 @@ VAN_LEFT = 3.7  # metres that vans must leave to a fire engine (Manual for Stree
 WIDE_VAN = 1.85  # metres; narrower ones stand where cars do
 # Share of the bays along kerbs that are taken, by place; nobody may keep a car in streets of Japan.
 TAKEN: Mapping[str, float] = MappingProxyType(
-    {"northern/central europe": 0.92, "mediterranean": 0.92, "british isles": 0.85, "japan": 0.21}
+    {"northern/central europe": 0.92, "mediterranean": 0.92, "british isles": 0.78, "japan": 0.21}
 )
 USUAL = 0.7
 _PASSED = [KIND[name] for name in ("drive", "bus")]

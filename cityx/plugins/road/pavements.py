@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.palettes import region_of
+from cityx.assets.surface_states import state_of
 from cityx.city.frame import Frame
 from cityx.city.ground import Ground
 from cityx.city.layout import Layout
@@ -27,8 +28,12 @@ from cityx.geometry.drape import Paving
 from cityx.geometry.identity import choose, hash_ids
 from cityx.plugins.road.joints import courses
 
+# Hot rolled asphalt of the British Isles has pale chippings rolled into it, laid bare by tyres.
+CHIPPED = state_of("asphalt", age=0.75, wear=0.0)
 # Surface to material, by region; what a region does not name keeps its usual material.
 FLAGS = {
+    "carriageway": CHIPPED,
+    "junction": CHIPPED,
     "sidewalk": "flagstones",
     "ramp": "flagstones",
     "landing": "flagstones",

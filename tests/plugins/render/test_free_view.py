@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from crossing_town import crossing_town
 from moving_city import CAR, MAN, moving
 
 from cityx.assets.movers import size_of
@@ -20,6 +21,7 @@ from cityx.plugins.render.free_view import (
     ROOM,
     _abreast,
     _alike,
+    _along_roadway,
     _amid,
     _framed,
     _stands,
@@ -221,3 +223,30 @@ def test_a_car_that_turns_makes_a_moment_less_busy_than_one_that_goes_straight_o
     straight = replace(turner, heading=np.full(len(time), np.pi))
     view = at(replace(city, tracks=join_tracks([first, straight])), 0.0)
     assert free_moment(view, lens(0.0, 0.0), busiest=True) > 5.0
+
+
+def walker(number, start, heading, speed):
+    return (number, *MAN[1:4], start, heading, speed)
+
+
+def test_people_walk_along_a_roadway_who_neither_cross_it_nor_keep_to_its_pavement():
+    tracks = moving(
+        walker(1, (-40.0, 1.5, 0.0), 0.0, 1.4), walker(2, (-30.0, 1.5, 0.0), np.pi / 2, 1.4),
+        walker(3, (-20.0, 4.4, 0.12), 0.0, 1.4), walker(4, (-20.0, 30.0, 0.0), 0.0, 1.4),
+    ).tracks  # fmt: skip
+    town = view_of(replace(crossing_town(plaza=False), tracks=tracks))
+    found = moments_of(tracks, [0.0])
+    assert _along_roadway(town, found).tolist() == [True, False, False, False]
+    assert not _along_roadway(replace(town, network=None), found).any()
+
+
+def test_a_moment_with_somebody_on_the_roadway_is_not_the_busiest():
+    there = walker(1, (-35.0, 4.4, 0.12), 0.0, 0.5)
+
+    def busiest(y, z):
+        passing = walker(2, (-40.0, y, z), np.pi, 3.0)  # towards the lens and out of its view
+        city = replace(crossing_town(plaza=False), tracks=moving(there, passing).tracks)
+        return free_moment(at(city, 0.0), lens(-60.0, 0.0), busiest=True)
+
+    assert busiest(4.4, 0.12) < 4.0
+    assert busiest(1.5, 0.0) >= 4.0
