@@ -34,6 +34,7 @@ from cityx.plugins.road.through_roads import Through, stems
 TOOTH = (0.6, 0.5, 0.4, 0.0)
 GIVE_WAY = (0.3, 0.5, 0.25, 0.0)
 DOUBLE = (0.2, 0.6, 0.3, 0.5)  # TSRGD 2016, diagram 1003
+ACROSS_EXIT = (0.1, 0.6, 0.3, 0.0)  # diagram 1009: the edge of the road that a mouth opens to
 MOUTH_GAP = 0.2  # metres from the mouth of a minor road to the line
 BEFORE_SETTS = 0.9  # metres that the line begins ahead of setts across a mouth
 PAST_SETTS = 0.4  # metres between them and a triangle or a word
@@ -105,7 +106,15 @@ def halt_lines(
                 marks, of = marks[whole], of[whole]
             found.append((marks, of))
         if painting.give_way == "double dashes":
-            plain = stops & flared & ~paved
+            plain = stops & flared
+            edge = np.flatnonzero(plain)
+            # Across the half of those who leave.
+            far = np.where(on_right, left, -kerb), np.where(on_right, kerb, right)
+            marks, of = _line_across(street, edge, end, behind[edge], far[0][edge], far[1][edge],
+                                     "exit", painting.stop_line)  # fmt: skip
+            whole = paved_share(marks, road.stars, road.strips, road.curves) > WHOLE
+            found.append((marks[whole], of[whole]))
+            plain &= ~paved
             found.append(_line_before(street, plain, end, behind, low, high))
         past = np.where(paved, back + PAST_SETTS - BEHIND_LINE - behind, 0.0)
         roomy = length - network.trim.sum(axis=1) > LEAST_ROOM + past
@@ -152,7 +161,7 @@ def _line_across(
         back = behind + breadth / 2
         along = back if end == 0 else length[edge] - back
         return boxes(lines, edge, along, (low + high) / 2, breadth, high - low - 0.3)
-    row = {"teeth": TOOTH, "dashes": GIVE_WAY, "double dashes": DOUBLE}[shape]
+    row = {"teeth": TOOTH, "dashes": GIVE_WAY, "double dashes": DOUBLE, "exit": ACROSS_EXIT}[shape]
     depth, size, gap, second = row
     which, at = every(high - low, size + gap, size / 2 + 0.15)
     edge, behind, lateral = edge[which], behind[which], low[which] + at

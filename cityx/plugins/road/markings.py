@@ -42,6 +42,7 @@ from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.roundabouts import mini_discs
 from cityx.plugins.road.through_roads import through_roads
 from cityx.plugins.road.turn_guides import crossing_boxes, turn_guides
+from cityx.plugins.road.unused_ground import unused_ground
 from cityx.plugins.road.zebras import Zebras, crossing_rows, zebra_bars
 
 WIDE = 7.0  # metres; a narrower residential street has lines only if the map tells its lanes
@@ -164,6 +165,9 @@ def marking_regions(
             parts.append(regions(seen, color, SURFACES[color].priority))
     if painting.boxes:
         parts.append(box_junctions(street, ways, road))
+    else:
+        taken = np.concatenate([taken, turns, crossing_boxes(street, zebras)])
+        parts.append(unused_ground(street, ways, road, taken))
     if painting.red_cycleways:
         parts.append(_red_lanes(street, painted))
     if painting.red_furten:

@@ -31,7 +31,8 @@ from cityx.plugins.road.marks import (
 from cityx.plugins.road.zebras import Zebras
 
 DASH, GAP, WIDTH = 1.0, 1.0, 0.12  # metres
-LEAST_AREA = 300.0  # square metres of a junction in which one may lose one's way
+# Square metres of a junction in which one may lose one's way, and in which who turns alone may too.
+LEAST_AREA, WIDE_AREA = 300.0, 450.0
 ASIDE = 1.5  # metres by which a lane goes on beside where it came from, to be led there
 LEAST_LANES = 2  # of a road that is led along a bend; a single lane finds its way
 LANE = 3.25  # metres; lines stand no farther apart
@@ -48,8 +49,8 @@ def turn_guides(
     """Paint broken lines along ways across large junctions under signals.
 
     Led are those who turn across the traffic that comes towards them from a lane of their own,
-    beside others who do where only the outer side has a line, and where both sides of a way have
-    lines those who go on along a bend of a road of several lanes.
+    where only the outer side has a line beside others who do or in wide junctions alone, and where
+    both sides of a way have lines those who go on along a bend of a road of several lanes.
     No two ways with lines cross: that of the greater road is led.
 
     Parameters
@@ -74,7 +75,9 @@ def turn_guides(
     turn = ways.movement == far
     led = np.isin(ways.hub, road.node[star])
     own = _own_lane(ways, far)
-    own &= (sides == "both") | (_lanes(ways, own & turn) >= LEAST_LANES)
+    wide = road.node[star][shapely.area(road.stars[star]) > WIDE_AREA]
+    several = (_lanes(ways, own & turn) >= LEAST_LANES) | np.isin(ways.hub, wide)
+    own &= (sides == "both") | several
     led &= np.where(turn, own, (sides == "both") & _bends(street, ways))
     # Where two would cross the first stays: who turns, on the greater road.
     rows = np.flatnonzero(led)

@@ -7,6 +7,8 @@ import pytest
 import shapely
 
 from cityx.city.lanes import MOVEMENTS
+from cityx.geometry.polylines import to_linestrings
+from cityx.plugins.road import turn_guides as turning
 from cityx.plugins.road.arrows import lane_symbols
 from cityx.plugins.road.box_junctions import box_junctions
 from cityx.plugins.road.carriageway import build_carriageway
@@ -17,7 +19,8 @@ from cityx.plugins.road.network import junction_clusters, road_network
 from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.sections import bands_of
 from cityx.plugins.road.through_roads import across_junctions, through_roads
-from cityx.plugins.road.turn_guides import WIDTH, turn_guides
+from cityx.plugins.road.turn_guides import WIDTH, crossing_boxes, turn_guides
+from cityx.plugins.road.unused_ground import _hatching, unused_ground
 from cityx.plugins.road.zebras import zebras_of
 
 WIDE = {"kind": "secondary", "width": 14.0, "lanes": 4, "lanes_forward": 2, "lane_width": 3.5}
@@ -100,13 +103,15 @@ def beside_others(ways):
     return replace(more, origin=origin)
 
 
-def test_who_turns_from_a_lane_of_its_own_is_led_across_signals(layout_of):
+def test_who_turns_from_a_lane_of_its_own_is_led_across_signals(layout_of, monkeypatch):
     streets = [(line, WIDE) for line in CROSS]
     street, ways, zebras, road = built(layout_of(streets, points=SIGNALS))
     # Without arrows of the map the innermost lane also goes straight on: nobody has its own.
     assert (ways.movement == MOVEMENTS.index("left")).any()
     assert not len(turn_guides(street, ways, zebras, road, NONE, "both")[0])
     alone = own_lanes(ways)
+    assert len(turn_guides(street, alone, zebras, road, NONE, "outer")[0]) >= 4
+    monkeypatch.setattr(turning, "WIDE_AREA", 1000.0)
     assert not len(turn_guides(street, alone, zebras, road, NONE, "outer")[0])
     outer = turn_guides(street, beside_others(alone), zebras, road, NONE, "outer")[0]
     both = turn_guides(street, alone, zebras, road, NONE, "both")[0]
@@ -195,3 +200,38 @@ def test_lozenges_tell_of_zebras_ahead_but_not_of_signals(layout_of):
 
     assert diamonds(crossing) == 2
     assert diamonds(crossing + SIGNALS) == 0
+
+
+def unused(layout, taken=NONE, keep=slice(None)):
+    """Return the pieces that are hatched, the ways that are kept, and the junction's surface."""
+    street, ways, zebras, road = built(layout)
+    ways = ways.take(keep)
+    found = unused_ground(
+        street, ways, road, np.concatenate([taken, crossing_boxes(street, zebras)])
+    )
+    return found, ways, road
+
+
+def test_what_no_way_comes_near_is_hatched_under_signals(layout_of):
+    wide = [(line, WIDE | {"width": 24.0}) for line in CROSS]
+    layout = layout_of(wide, points=SIGNALS)
+    straight = np.flatnonzero(built(layout)[1].movement == MOVEMENTS.index("through"))
+    found, ways, road = unused(layout, keep=straight)
+    marks = shapely.union_all(found.polygons)
+    lines = shapely.multilinestrings(to_linestrings(ways.line))
+    assert marks.area > 10.0
+    assert shapely.distance(marks, lines) > 1.7
+    assert shapely.covered_by(marks, shapely.union_all([*road.stars, *road.curves]))
+    bars = shapely.area(marks) / shapely.area(shapely.convex_hull(marks))
+    assert bars < 0.8  # bars, with gaps between
+    blocked = np.array([marks.centroid.buffer(30.0)], object)
+    assert not len(unused(layout, taken=blocked, keep=straight)[0].polygons)
+    assert not len(unused(layout_of(wide), keep=straight)[0].polygons)  # no signals
+
+
+def test_a_piece_is_hatched_aslant_of_its_longer_side():
+    shape = shapely.box(0.0, 0.0, 10.0, 3.0)
+    made = _hatching(shape)
+    assert 0.3 < made.area / shape.area < 0.6
+    turned = _hatching(shapely.affinity.rotate(shape, 30.0, origin=(0, 0)))
+    assert turned.area == pytest.approx(made.area, rel=0.15)

@@ -25,6 +25,7 @@ from cityx.plugins.road.through_roads import stems, through_roads
 MAIN = {"kind": "secondary", "width": 7.0, "lane_width": 3.5}
 WIDE = {"kind": "secondary", "width": 14.0, "lanes": 4, "lanes_forward": 2, "lane_width": 3.5}
 TEE = ([(-90, 0), (0, 0), (90, 0)], [(0, -90), (0, 0)])
+ACROSS_EXIT = 0.08  # square metres; its dashes have 0.06, those to give way 0.12
 
 
 def street(layout):
@@ -148,6 +149,7 @@ def test_a_stem_of_equals_gives_way_where_the_country_says_so(layout_of):
     layout = layout_of([(line, {}) for line in TEE])
     assert len(halts(layout, Painting(give_way="double dashes"))) == 0
     marks = halts(layout, Painting(give_way="double dashes", stems=True))
+    marks = marks[shapely.area(marks) > ACROSS_EXIT]
     box = shapely.bounds(marks)
     assert len(marks) > 4
     assert (box[:, 3] < 0).all()  # all on the stem
@@ -227,9 +229,24 @@ def test_yellow_lines_go_round_corners_at_their_distance_from_the_kerb(layout_of
 def test_dashes_to_give_way_reach_from_the_middle_to_the_curved_kerb(layout_of):
     british = Painting(give_way="double dashes", stems=True)
     marks = halts(layout_of([(line, {}) for line in TEE]), british)
-    bounds = shapely.bounds(marks[shapely.area(marks) < 0.13])
+    area = shapely.area(marks)
+    bounds = shapely.bounds(marks[(area > ACROSS_EXIT) & (area < 0.13)])
     assert bounds[:, 0].min() == pytest.approx(0.2, abs=0.2)
     assert bounds[:, 2].max() == pytest.approx(3.6, abs=0.4)
+    # One thin row across the half of those who leave, in line with the first of the two.
+    thin = shapely.bounds(marks[area < ACROSS_EXIT])
+    assert thin[:, 0].min() == pytest.approx(-3.6, abs=0.4)
+    assert thin[:, 2].max() == pytest.approx(-0.2, abs=0.2)
+    assert np.ptp(thin[:, 3]) < 0.01
+    assert thin[0, 3] == pytest.approx(bounds[:, 3].max(), abs=0.01)
+
+
+def test_no_thin_row_crosses_a_mouth_that_nobody_leaves_by(layout_of):
+    british = Painting(give_way="double dashes", stems=True)
+    stem = ([(0, -90), (0, 0)], {"oneway": True})
+    marks = halts(layout_of([(TEE[0], {}), stem]), british)
+    assert (shapely.area(marks) > ACROSS_EXIT).all()
+    assert len(marks) > 4
 
 
 def test_a_short_arm_to_give_way_has_its_triangle(layout_of):

@@ -1,0 +1,71 @@
+"""Hatching where nothing drives amid junctions under signals, so that their middles are no deserts.
+
+References
+----------
+RMS-1, 1993, mark 298, and the Japanese standard for marks on roads, 1960 as amended, 208-2: oblique
+bars within a line tell where traffic does not go.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+
+from cityx.city.ground import LABEL, SURFACES
+from cityx.geometry.arrangement import Regions, regions
+from cityx.geometry.polylines import to_linestrings
+from cityx.plugins.road.carriageway import Carriageway
+from cityx.plugins.road.junction_ways import JunctionWays
+from cityx.plugins.road.marks import Shapes, Street, hatched
+
+HALF_WAY = 1.75  # metres to either side of a way that vehicles take
+FREE = 0.6  # metres from crossings and other marks
+NECK = 1.75  # metres; what is narrower is no ground of its own
+AREA = (6.0, 80.0)  # square metres
+LINE, BAR, SPACING = 0.12, 0.3, 1.1  # metres: of the line about it, of a bar, from bar to bar
+
+
+def unused_ground(street: Street, ways: JunctionWays, road: Carriageway, taken: Shapes) -> Regions:
+    """Hatch the pieces of junctions under signals that no way of cars comes near.
+
+    Parameters
+    ----------
+    street, ways, road
+        The network, the ways of cars across its junctions, and its surfaces.
+    taken
+        (n,) crossings and other marks, which keep their room.
+    """
+    marks = shapely.STRtree(taken)
+    found: list[Any] = []
+    for hub in street.ruled_hubs.tolist():
+        stars = np.flatnonzero(road.node == hub)
+        lines = to_linestrings(ways.take(np.flatnonzero(ways.hub == hub)).line)
+        if not len(stars) or not len(lines):
+            continue
+        whole = shapely.union_all([*road.stars[stars], *road.curves[road.curve_node == hub]])
+        near = taken[marks.query(whole, predicate="dwithin", distance=FREE)]
+        driven = shapely.buffer(lines, HALF_WAY, cap_style="flat")
+        rest = shapely.difference(
+            shapely.buffer(whole, -FREE),
+            shapely.union_all([*driven, *shapely.buffer(near, FREE, join_style="mitre")]),
+        )
+        rest = shapely.buffer(shapely.buffer(rest, -NECK / 2), NECK / 2 - LINE)
+        parts = shapely.get_parts(rest)
+        area = shapely.area(parts)
+        found.extend(parts[(area > AREA[0]) & (area < AREA[1])])
+    label = LABEL["marking"]
+    painted = [_hatching(shape) for shape in found]
+    return regions(np.array(painted, object), label, SURFACES[label].priority)
+
+
+def _hatching(shape: Any) -> Any:
+    """Rim of a piece and bars at 45 degrees to its longer side."""
+    corners = shapely.get_coordinates(shapely.minimum_rotated_rectangle(shape))
+    sides = np.diff(corners[:3], axis=0)
+    longer = sides[np.argmax(np.hypot(*sides.T))]
+    longer = longer / np.hypot(*longer)
+    slant = np.sqrt(0.5) * np.array([longer[0] - longer[1], longer[0] + longer[1]])
+    rim = shapely.difference(shape, shapely.buffer(shape, -LINE, join_style="mitre"))
+    return shapely.union_all([rim, hatched(shape, slant, SPACING, BAR)])
