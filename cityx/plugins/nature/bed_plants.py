@@ -13,7 +13,7 @@ from cityx.plugins.road.beds import CORNER, LENGTH, Beds, bed_slots
 
 PURPOSE = "nature/bed_plants"
 # What grows in a bed, with weights, and metres between its plants.
-BEDS = (("boxwood", 1, 0.8), ("shrub", 2, 1.4), ("tree", 7, 0.8))
+BEDS = (("tree", 7, 0.8), ("shrub", 2, 1.4), ("boxwood", 1, 0.8))
 CORNER_TREES = 0.65  # of the beds at corners have a tree
 FREE_END = 0.55  # metres of a bed beyond its last plant
 TREE_GAP = 1.0  # metres round a trunk without bushes
@@ -59,16 +59,15 @@ def _at_corners(city: City, beds: Beds) -> list[Stand]:
     ids = hash_ids(0, PURPOSE, np.repeat(beds.id, len(aside)), np.tile(range(4), len(beds.id)))
     amid = np.flatnonzero(uniform(city.seed, f"{PURPOSE}/corner", beds.id) < CORNER_TREES)
     trees = Points(beds.middle[amid], hash_ids(0, PURPOSE, beds.id[amid], len(aside)))
-    return [_bushes(city, "boxwood", Points(xy, ids)), _small_trees(city, trees, mapped=True)]
+    return [_bushes(city, "boxwood", Points(xy, ids)), _small_trees(city, trees)]
 
 
-def _small_trees(city: City, points: Points, *, mapped: bool = False) -> Stand:
-    """Trees that a bed has room for; at a corner they stand near the junction as mapped ones do."""
+def _small_trees(city: City, points: Points) -> Stand:
+    """Trees that a bed has room for; behind a walk they may stand as near things as mapped ones."""
     low, high = TREES
     height = low + (high - low) * uniform(city.seed, f"{PURPOSE}/tree", points.id)
-    return stand_of(
-        points, draw_species(climate.STREET_MIX, city, points.id), height, mapped=mapped
-    )
+    species = draw_species(climate.STREET_MIX, city, points.id)
+    return stand_of(points, species, height, mapped=True)
 
 
 def _bushes(city: City, name: str, points: Points) -> Stand:
