@@ -23,7 +23,7 @@ from cityx.plugins.road.marks import Shapes, Street, hatched
 HALF_WAY = 1.75  # metres to either side of a way that vehicles take
 FREE = 0.6  # metres from crossings and other marks
 NECK = 1.75  # metres; what is narrower is no ground of its own
-AREA = (6.0, 80.0)  # square metres
+AREA = (15.0, 80.0)  # square metres; smaller ones look stray
 LINE, BAR, SPACING = 0.12, 0.3, 1.1  # metres: of the line about it, of a bar, from bar to bar
 
 
