@@ -11,10 +11,10 @@ import bpy
 from cityx.blender.operators import call
 from cityx.city.camera import Camera
 from cityx.cores import core_count
+from cityx.dataset.cryptomatte import FILTER_WIDTH
 
 MAX_BOUNCES = 4
 ADAPTIVE_THRESHOLD = 0.1  # noise that the denoiser removes without a trace
-FILTER = 1.0  # pixels of the Blackman-Harris filter: what is small from above stays crisp
 CLIP = (0.1, 100_000.0)  # metres
 # Tried in this order; the first kind with a device wins.
 GPU_KINDS = ("OPTIX", "CUDA", "HIP", "METAL", "ONEAPI")
@@ -70,7 +70,7 @@ def set_up(scene: bpy.types.Scene, *, samples: int, gpu: bool = True) -> str:
     cycles.samples = samples
     cycles.use_adaptive_sampling = True
     cycles.adaptive_threshold = ADAPTIVE_THRESHOLD
-    cycles.filter_width = FILTER
+    cycles.filter_width = FILTER_WIDTH / 2  # Cycles counts half of it
     cycles.use_denoising = True
     cycles.denoiser = "OPENIMAGEDENOISE"
     cycles.denoising_quality = "BALANCED"

@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 
 RANKS = 6  # things a pixel names at most, two to a layer
 LAYERS = 3
-# Pixels across the Blackman-Harris filter that Cycles draws its samples from: its setting of 1.5
-# counts half of it.
-FILTER_WIDTH = 3.0
+# Pixels across the Blackman-Harris filter that pictures and mattes draw their samples from; with
+# the usual three what is small from above would blur.
+FILTER_WIDTH = 2.0
 TERMS = (0.35875, -0.48829, 0.14128, -0.01168)  # of that filter, cosines of 0, 1, 2, 3 turns
 GOLDEN = (5**0.5 - 1) / 2
 _FINE = 4096  # steps in which the filter is integrated
