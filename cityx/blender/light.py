@@ -69,11 +69,19 @@ class Lighting:
         shops = shop_positions(self.view, environment)
         place_lamps(self.scene, self.lamps, shops, camera, on=on, balance=balance)
         make_falling(self.scene, environment, camera, seed=self.view.seed, height=height)
-        high, sun = risen(height), sunshine(environment)
-        slots = high >= 0.5 and sunlit_streets(self.view, camera, environment) < SLOTS
-        self.scene.view_settings.look = PLAIN if slots or sun <= 0.5 else LOOK
-        stops = 0.0 if slots else metered_stops(self.view, camera, environment, high=high)
-        self.scene.view_settings.exposure = environment.exposure + sun * stops
+        look, stops = self._metered(environment, camera, risen(height))
+        self.scene.view_settings.look = look
+        self.scene.view_settings.exposure = environment.exposure + stops
+
+    def _metered(self, environment: Environment, camera: Camera, high: float) -> tuple[str, float]:
+        """Return the curve and the stops that a camera takes; without sun nothing is measured."""
+        sun = sunshine(environment)
+        if sun == 0:
+            return PLAIN, 0.0
+        if high >= 0.5 and sunlit_streets(self.view, camera, environment) < SLOTS:
+            return PLAIN, 0.0
+        stops = sun * metered_stops(self.view, camera, environment, high=high)
+        return LOOK if sun > 0.5 else PLAIN, stops
 
     def _air(self, environment: Environment, eye: tuple[float, float, float]) -> float:
         """Fill the scene with air as seen from a point; returns its height above the ground."""

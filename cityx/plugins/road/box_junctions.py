@@ -18,7 +18,7 @@ from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrangement import Regions, regions
 from cityx.plugins.road.carriageway import Carriageway
 from cityx.plugins.road.junction_ways import JunctionWays, conflicts
-from cityx.plugins.road.marks import CLASSIFIED, FloatArray, Street, hatched
+from cityx.plugins.road.marks import CLASSIFIED, FloatArray, Street, rimmed
 
 LEAST_ARMS = 3  # of classified roads that meet at signals
 INSET = 0.4  # metres from the rim of the junction
@@ -69,7 +69,5 @@ def _direction(network: RoadNetwork, nodes: Any) -> FloatArray:
 
 def _box(shape: Any, along: FloatArray) -> Any:
     """Rim and crossed bars of one box, at 45 degrees to the road."""
-    rim = shapely.difference(shape, shapely.buffer(shape, -LINE, join_style="mitre"))
     turn = np.sqrt(0.5) * np.array([[1.0, -1.0], [1.0, 1.0]])
-    bars = [hatched(shape, way @ along, SPACING, LINE) for way in (turn, turn.T)]
-    return shapely.union_all([rim, *bars])
+    return rimmed(shape, [turn @ along, turn.T @ along], SPACING, LINE, rim=LINE)

@@ -97,24 +97,20 @@ def halt_lines(
         right = np.where(reaches & on_right, -kerb, low)
         left = np.where(reaches & ~on_right, kerb, high)
         plain = stops & ~(yields & (painting.give_way != "stop"))
-        for rows, shape in ((plain, "stop"), (stops & ~plain, painting.give_way)):
+        lines = [(plain, "stop", right, left), (stops & ~plain, painting.give_way, right, left)]
+        if painting.give_way == "double dashes":  # and across the half of those who leave
+            exit_ = np.where(on_right, left, -kerb), np.where(on_right, kerb, right)
+            lines.append((stops & flared, "exit", *exit_))
+        for rows, shape, begin, stop in lines:
             edge = np.flatnonzero(rows)
-            span = behind[edge], right[edge], left[edge]
+            span = behind[edge], begin[edge], stop[edge]
             marks, of = _line_across(street, edge, end, *span, shape, painting.stop_line)
             if shape != "stop":
                 whole = paved_share(marks, road.stars, road.strips, road.curves) > WHOLE
                 marks, of = marks[whole], of[whole]
             found.append((marks, of))
         if painting.give_way == "double dashes":
-            plain = stops & flared
-            edge = np.flatnonzero(plain)
-            # Across the half of those who leave.
-            far = np.where(on_right, left, -kerb), np.where(on_right, kerb, right)
-            marks, of = _line_across(street, edge, end, behind[edge], far[0][edge], far[1][edge],
-                                     "exit", painting.stop_line)  # fmt: skip
-            whole = paved_share(marks, road.stars, road.strips, road.curves) > WHOLE
-            found.append((marks[whole], of[whole]))
-            plain &= ~paved
+            plain = stops & flared & ~paved
             found.append(_line_before(street, plain, end, behind, low, high))
         past = np.where(paved, back + PAST_SETTS - BEHIND_LINE - behind, 0.0)
         roomy = length - network.trim.sum(axis=1) > LEAST_ROOM + past

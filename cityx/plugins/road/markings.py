@@ -34,8 +34,8 @@ from cityx.plugins.road.marks import (
     Marks,
     Shapes,
     Street,
-    hatched,
     lane_count,
+    rimmed,
     together,
 )
 from cityx.plugins.road.painting import Painting
@@ -135,7 +135,8 @@ def marking_regions(
     taken = np.concatenate([furten, guides[0], centres])
     turns, _ = turn_guides(street, ways, zebras, road, taken, painting.turn_guides)
     corners, _ = corner_lines(street, urban & kerbed & painting.yellow_kerbs, road)
-    corners = corners[~_in_any(corners, crossing_boxes(street, zebras)[zebras.kind != PLAIN])]
+    crossed = crossing_boxes(street, zebras)
+    corners = corners[~_in_any(corners, crossed[zebras.kind != PLAIN])]
     halting = slice(len(centre) + len(crossing), len(centre) + len(crossing) + len(halts[0]))
     marks[halting] = _cut_by(marks[halting], corners)
     clear[: len(marks) - len(kerbs[0])] &= ~_in_any(marks[: len(marks) - len(kerbs[0])], corners)
@@ -166,7 +167,7 @@ def marking_regions(
     if painting.boxes:
         parts.append(box_junctions(street, ways, road))
     else:
-        taken = np.concatenate([taken, turns, crossing_boxes(street, zebras)])
+        taken = np.concatenate([taken, turns, crossed])
         parts.append(unused_ground(street, ways, road, taken))
     if painting.red_cycleways:
         parts.append(_red_lanes(street, painted))
@@ -253,10 +254,10 @@ def _gores(chosen: BoolArray, road: Carriageway) -> Regions:
     width, spacing, inset = HATCH
     shapes = shapely.buffer(road.gores[wedge], -inset, join_style="mitre")
     slope = np.sqrt(0.5) * np.array([1.0, -1.0])
-    bars = [hatched(shape, slope, spacing, width) for shape in shapes]
-    rim = shapely.difference(shapes, shapely.buffer(shapes, -2 * LINE, join_style="mitre"))
     label = LABEL["marking"]
-    painted = shapely.union_all(np.concatenate([rim, bars]))
+    painted = shapely.union_all(
+        [rimmed(shape, [slope], spacing, width, rim=2 * LINE) for shape in shapes]
+    )
     return regions(painted, label, SURFACES[label].priority)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -289,3 +290,12 @@ def hatched(shape: Any, along: FloatArray, spacing: float, width: float) -> Any:
         shapely.linestrings(np.stack(ends, axis=1)), width / 2, cap_style="flat"
     )  # fmt: skip
     return shapely.intersection(shapely.union_all(bars), shape)
+
+
+def rimmed(
+    shape: Any, ways: Sequence[FloatArray], spacing: float, width: float, *, rim: float
+) -> Any:
+    """Return a rim within a shape and the bars of `hatched` along each of some unit vectors."""
+    inner = shapely.buffer(shape, -rim, join_style="mitre")
+    bars = [hatched(shape, way, spacing, width) for way in ways]
+    return shapely.union_all([shapely.difference(shape, inner), *bars])

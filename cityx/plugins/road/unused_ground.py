@@ -18,7 +18,7 @@ from cityx.geometry.arrangement import Regions, regions
 from cityx.geometry.polylines import to_linestrings
 from cityx.plugins.road.carriageway import Carriageway
 from cityx.plugins.road.junction_ways import JunctionWays
-from cityx.plugins.road.marks import Shapes, Street, hatched
+from cityx.plugins.road.marks import Shapes, Street, rimmed
 
 HALF_WAY = 1.75  # metres to either side of a way that vehicles take
 FREE = 0.6  # metres from crossings and other marks
@@ -67,5 +67,4 @@ def _hatching(shape: Any) -> Any:
     longer = sides[np.argmax(np.hypot(*sides.T))]
     longer = longer / np.hypot(*longer)
     slant = np.sqrt(0.5) * np.array([longer[0] - longer[1], longer[0] + longer[1]])
-    rim = shapely.difference(shape, shapely.buffer(shape, -LINE, join_style="mitre"))
-    return shapely.union_all([rim, hatched(shape, slant, SPACING, BAR)])
+    return rimmed(shape, [slant], SPACING, BAR, rim=LINE)

@@ -123,9 +123,9 @@ def test_no_coat_lies_where_three_meet_a_road_is_greater_or_signals_rule(
 
 
 def test_lines_along_kerbs_end_at_setts(layout_of):
-    found = laid(layout_of([(ALONG, MAIN), (SIDE, {"width": 5.5})], houses=HOUSES), LONDON)
-    city = ground(network(City("test", LONDON, layout_of(
-        [(ALONG, MAIN), (SIDE, {"width": 5.5})], houses=HOUSES), lod=2)))  # fmt: skip
+    layout = layout_of([(ALONG, MAIN), (SIDE, {"width": 5.5})], houses=HOUSES)
+    found = laid(layout, LONDON)
+    city = ground(network(City("test", LONDON, layout, lod=2)))
     yellow = city.ground.vertices[city.ground.triangles_of("marking_yellow")]
     shapes = shapely.union_all(shapely.polygons(yellow))
     assert shapely.area(shapely.intersection(shapes, found["mouth_setts"])) < 1e-6
