@@ -26,9 +26,9 @@ VERGE = 2.0  # metres
 # Rows of bushes one behind the other: of which kind, metres between them, metres behind the first,
 # and how high. They hide the far side, so that drivers heed the ring (FGSV, Merkblatt für die
 # Anlage von Kreisverkehren, 2006).
-ROWS = (("boxwood", 1.0, 0.0, (0.5, 0.7)), ("shrub", 1.5, 1.5, (0.9, 1.4)))
-DESIGNS = (3, 2, 1)  # weights of bushes and trees, of trees alone, of grass alone
-BUSHES_AND_TREES, GRASS = 0, 2
+ROWS = (("boxwood", 0.7, 0.0, (0.5, 0.7)), ("shrub", 1.2, 1.3, (0.9, 1.4)))
+DESIGNS = (6, 1)  # weights of bushes about trees and of mown grass alone
+PLANTED = 0
 LEAST_ROW = 1.2  # metres of radius of a row of bushes
 FOR_ONE, FOR_THREE = 4.0, 8.5  # metres of radius of an island with one tree, and with three
 APART = 2.6  # metres from the middle to each of three trees
@@ -54,13 +54,12 @@ def roundabout_stands(city: City, have: FloatArray) -> list[Stand]:
     free = ~islands.crossed & (islands.radius - islands.apron > FOR_ONE)
     told = np.concatenate([shapely.points(have), city.layout.points.geometry.to_numpy()])
     free[shapely.STRtree(islands.within(0.0)).query(told, predicate="within")[1]] = False
-    design = choose(city.seed, PURPOSE, islands.id, DESIGNS)
-    stands = [_trees(city, islands, np.flatnonzero(free & (design != GRASS)))]
-    bushy = np.flatnonzero(free & (design == BUSHES_AND_TREES))
+    planted = np.flatnonzero(free & (choose(city.seed, PURPOSE, islands.id, DESIGNS) == PLANTED))
+    stands = [_trees(city, islands, planted)]
     lawn = islands.apron + KERB_WIDTH + VERGE
     for name, spacing, behind, (low, high) in ROWS:
-        rows = islands.within(lawn + behind)[bushy]
-        points = _along(rows, islands.id[bushy], spacing, name)
+        rows = islands.within(lawn + behind)[planted]
+        points = _along(rows, islands.id[planted], spacing, name)
         on = city.ground.on(points.xy, "grass")
         points = Points(points.xy[on], points.id[on])
         height = low + (high - low) * uniform(city.seed, f"{PURPOSE}/height", points.id)
