@@ -4,7 +4,7 @@ import shapely
 
 from cityx.sources.features.clipping import clip_lines
 from cityx.sources.features.kinds import road_kind
-from cityx.sources.features.roads import cross_section
+from cityx.sources.features.roads import LEAST_WALK_JAPAN, SINGLE_JAPAN, cross_section
 
 NAMES = (
     "section", "kind", "lanes", "lanes_forward", "lane_width", "width", "left", "right",
@@ -13,9 +13,9 @@ NAMES = (
 )  # fmt: skip
 
 
-def section(*, town=False, dense=False, left_hand=False, **tags):
+def section(*, town=False, dense=False, left_hand=False, japan=False, **tags):
     tags = {key.replace("__", ":"): value for key, value in tags.items()}
-    found = cross_section(tags, town=town, dense=dense, left_hand=left_hand)
+    found = cross_section(tags, town=town, dense=dense, left_hand=left_hand, japan=japan)
     return dict(zip(NAMES, found, strict=True))
 
 
@@ -35,6 +35,20 @@ def test_cars_park_along_residential_streets_where_it_is_dense():
     told = section(highway="residential", dense=True, parking__both="no")
     assert not told["park_left"]
     assert section(highway="tertiary", parking__lane__right="parallel")["park_right"]
+
+
+def test_nobody_parks_in_streets_of_japan_unless_the_map_says_so():
+    place = {"town": True, "dense": True, "left_hand": True, "japan": True}
+    street = section(highway="residential", oneway="yes", **place)
+    assert (street["park_left"], street["park_right"]) == (False, False)
+    assert street["width"] == street["lane_width"] == SINGLE_JAPAN
+    assert street["left"] == street["right"] == LEAST_WALK_JAPAN
+    assert section(highway="residential", **place)["width"] == pytest.approx(2 * 2.75)
+    told = section(highway="residential", oneway="yes", parking__left="lane", **place)
+    assert told["park_left"]
+    assert told["width"] == pytest.approx(2.75 + 2.1)
+    assert section(highway="residential", oneway="yes", width="4", **place)["width"] == 4.0
+    assert section(highway="primary", oneway="yes", lanes="1", **place)["width"] == 3.25
 
 
 @pytest.mark.parametrize("left_hand", [False, True])

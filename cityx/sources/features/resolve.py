@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.palettes import region_of
 from cityx.city import Frame, Layout
 from cityx.city.layout import empty_table
 from cityx.geometry.driving import keeps_left
@@ -66,6 +67,7 @@ def resolve(features: Features, frame: Frame, *, seed: int) -> Layout:
         Key of every draw for what the source does not say.
     """
     density = _density(features)
+    japan = region_of(frame.latitude, frame.longitude) == "japan"
     areas = area_table(features.areas, features.area_kinds)
     industrial = areas.geometry.to_numpy()[areas["kind"].to_numpy() == "industrial"]
     buildings, parts = building_tables(
@@ -75,7 +77,7 @@ def resolve(features: Features, frame: Frame, *, seed: int) -> Layout:
         features.box,
         buildings=buildings,
         parts=parts,
-        roads=road_table(features.roads, density, left_hand=keeps_left(frame)),
+        roads=road_table(features.roads, density, left_hand=keeps_left(frame), japan=japan),
         areas=areas,
         lines=line_table(features.lines),
         points=point_table(features.points, seed=seed),

@@ -1,4 +1,11 @@
-"""Roads: the lines that carry movement, with their cross-sections."""
+"""Roads: the lines that carry movement, with their cross-sections.
+
+References
+----------
+Road Structure Ordinance of Japan, 1970, articles 5, 8 and 11: roads of class 4 in towns are 4 m
+wide with shoulders of 0.5 m, and walks at least 2 m. Act on Assurance of Car Parking Spaces, 1962,
+article 11: nobody may keep a car in a street.
+"""
 
 from __future__ import annotations
 
@@ -28,6 +35,9 @@ DENSE = 0.16  # coverage from which cars park along residential streets
 SIDEWALK = 1.8  # metres, where a tag asks for one on a road whose class has none
 CIRCLE = 120.0  # metres round the largest ring that is a roundabout though no tag says so
 MIN_LANE = 2.0  # metres; a narrower carriageway has fewer lanes than its class
+# Metres in Japan from kerb to kerb of a street of one lane beside which cars park elsewhere, and
+# of walks.
+SINGLE_JAPAN, LEAST_WALK_JAPAN = 5.0, 2.0
 _PARKED = frozenset({
     "yes", "lane", "street_side", "on_kerb", "half_on_kerb", "shoulder", "parallel", "diagonal",
     "perpendicular", "marked", "on_street", "painted_area_only",
@@ -35,15 +45,17 @@ _PARKED = frozenset({
 _LEFT, _RIGHT = 0, 1
 
 
-def road_table(roads: Tagged, density: Density, *, left_hand: bool = False) -> GeoDataFrame:
+def road_table(
+    roads: Tagged, density: Density, *, left_hand: bool = False, japan: bool = False
+) -> GeoDataFrame:  # fmt: skip
     """Resolve the cross-section of every road and make the table.
 
     Parameters
     ----------
     density
         Of the site.
-    left_hand
-        Whether traffic keeps to the left.
+    left_hand, japan
+        Whether traffic keeps to the left, and whether the site lies in Japan.
     """
     lines = roads.shapes.copy()
     if len(lines) == 0:
@@ -54,7 +66,7 @@ def road_table(roads: Tagged, density: Density, *, left_hand: bool = False) -> G
     owner = roads.owner.tolist()
     sections = {
         key: cross_section(
-            roads.owners[key[0]].tags, town=key[1], dense=key[2], left_hand=left_hand
+            roads.owners[key[0]].tags, town=key[1], dense=key[2], left_hand=left_hand, japan=japan
         )
         for key in set(zip(owner, town, dense, strict=True))
     }
@@ -82,7 +94,7 @@ _COLUMNS = (
 
 
 def cross_section(
-    tags: Tags, *, town: bool, dense: bool, left_hand: bool = False
+    tags: Tags, *, town: bool, dense: bool, left_hand: bool = False, japan: bool = False
 ) -> tuple[Any, ...]:
     """Resolve one way: the values of `_COLUMNS`, and whether its direction is to be turned.
 
@@ -92,6 +104,8 @@ def cross_section(
         Whether the surroundings are built densely enough for sidewalks and for parked cars.
     left_hand
         Whether traffic keeps to the left.
+    japan
+        Whether it lies in Japan, where nobody parks along streets unless the map says so.
     """
     kind = road_kind(tags)
     lane_width, class_lanes, class_sidewalk, class_surface = ROAD_TABLE[kind]
@@ -104,11 +118,14 @@ def cross_section(
     )
     default = max(1, class_lanes // 2) if oneway else class_lanes
     tagged = measures.count(tags.get("lanes"), 1, MAX_LANES) if cars else None
+    lanes = int(tagged) if tagged else default
+    single = False
     if parking is None:
         near = _LEFT if left_hand != backward else _RIGHT
         parking = _usual_parking(kind, near, tagged, oneway=oneway)
         parking = [dense and known is None and each for each in parking]
-    lanes = int(tagged) if tagged else default
+        if japan:
+            single, parking = any(parking) and oneway and lanes == 1, [False, False]
     parked = PARKING * sum(parking)
     if known is not None and cars and not tagged:
         # A carriageway too narrow for its class has fewer lanes, a wide one has wider lanes.
@@ -119,6 +136,8 @@ def cross_section(
     if known is not None:
         lane_width = (width - parked) / lanes
     forward = lanes if oneway else _forward(tags, lanes)
+    if japan and class_sidewalk:
+        class_sidewalk = max(class_sidewalk, LEAST_WALK_JAPAN)
     sidewalks = _sidewalks(tags, class_sidewalk, default=town) if cars else [0.0, 0.0]
     bands = bands_of_tags(
         tags, kind, lanes, forward, lane_width, (parking[_LEFT], parking[_RIGHT]),
@@ -126,6 +145,8 @@ def cross_section(
     ) if cars else ()  # fmt: skip
     if bands and known is None:
         width = carriageway_width(bands)
+    elif single:
+        lane_width = width = SINGLE_JAPAN
     if backward:
         parking, sidewalks = parking[::-1], sidewalks[::-1]
     bridge = tags.get("bridge", "no") not in ("no", "")
