@@ -22,7 +22,7 @@ from cityx.geometry.polylines import Polylines, arc_lengths, locate, miters, pie
 from cityx.traffic.links import links_of
 from cityx.traffic.shared_ground import HALF_BODY, Heights, Walls, closed_lanes, shared_ground
 from cityx.traffic.streets import Crossing, Halts, Lane, Link, Streets, Way
-from cityx.traffic.sweeps import clear_links, swept_into, tight_links
+from cityx.traffic.sweeps import HALF, LENGTH, clear_links, swept_into, tight_links
 
 if TYPE_CHECKING:
     from cityx.city.city import City
@@ -70,7 +70,7 @@ def streets_of(city: City, halts: Halts) -> Streets:
     walls = Walls(city)
     middles = to_linestrings(lines)
     closed |= open_lane & (walls.near(middles, HALF_BODY) | swept_into(middles, walls.tree))
-    tight = walls.near(middles, HALF_LARGE)
+    tight = walls.near(middles, HALF_LARGE) | swept_into(middles, walls.tree, LENGTH, HALF)
     ways, place_of = _ways(
         network, graph, lines, open_lane, closed, tight, junction, halts.rank, heights
     )

@@ -90,13 +90,15 @@ def clear_links(streets: Streets, walls: shapely.STRtree) -> Streets:
     return replace(streets, links=tuple(kept))
 
 
-def swept_into(lines: NDArray[Any], walls: shapely.STRtree) -> NDArray[np.bool_]:
-    """(n,) whether a car that follows a line sweeps over a wall in one of its bends."""
+def swept_into(
+    lines: NDArray[Any], walls: shapely.STRtree, length: float = CAR_LENGTH, half: float = CAR_HALF
+) -> NDArray[np.bool_]:  # fmt: skip
+    """(n,) whether a body, a car's by default, that follows a line sweeps over a wall in a bend."""
     hit = np.zeros(len(lines), bool)
-    for row in np.unique(walls.query(lines, predicate="dwithin", distance=CAR_LENGTH / 2)[0]):
+    for row in np.unique(walls.query(lines, predicate="dwithin", distance=length / 2)[0]):
         points = shapely.get_coordinates(lines[row])
         if len(points) > 2:
-            swept = _swept_along(shapely.LineString(points), CAR_LENGTH, CAR_HALF)
+            swept = _swept_along(shapely.LineString(points), length, half)
             hit[row] = len(walls.query(swept, predicate="intersects")) > 0
     return hit
 

@@ -41,7 +41,8 @@ def test_nobody_parks_in_streets_of_japan_unless_the_map_says_so():
     place = {"town": True, "dense": True, "left_hand": True, "japan": True}
     street = section(highway="residential", oneway="yes", **place)
     assert (street["park_left"], street["park_right"]) == (False, False)
-    assert street["width"] == street["lane_width"] == SINGLE_JAPAN
+    assert street["width"] == pytest.approx(SINGLE_JAPAN)
+    assert street["section"] == "shoulder 1.125 | drive 2.75 + | shoulder 1.125"
     assert street["left"] == street["right"] == LEAST_WALK_JAPAN
     assert section(highway="residential", **place)["width"] == pytest.approx(2 * 2.75)
     told = section(highway="residential", oneway="yes", parking__left="lane", **place)

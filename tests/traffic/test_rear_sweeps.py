@@ -8,7 +8,7 @@ import shapely
 
 from cityx.traffic.shared_ground import HALF_BODY
 from cityx.traffic.streets import Link, Streets
-from cityx.traffic.sweeps import clear_links, swept_into, turns_back
+from cityx.traffic.sweeps import HALF, LENGTH, clear_links, swept_into, turns_back
 
 TURN = np.linspace(-np.pi / 2, 0.0, 13)
 ARC = np.column_stack([4.0 * np.cos(TURN), 4.0 + 4.0 * np.sin(TURN), 0.0 * TURN])  # to the left
@@ -33,6 +33,14 @@ def test_a_bend_is_closed_where_the_rear_of_a_car_would_be_in_a_wall(gap, clear)
     link = Link((0, 0), (1, 0), ARC)
     streets = Streets(tuple(ways), (link,), (), np.zeros((0, 3)), np.zeros(0, bool), False)
     assert clear_links(streets, walls).links == ((link,) if clear else ())
+
+
+def test_the_rear_of_a_bus_reaches_farther_into_a_bend_than_that_of_a_car():
+    bend = np.array([shapely.LineString(np.concatenate([EAST, ARC[1:-1], NORTH]))])
+    walls = wall(2.0)
+    assert not swept_into(bend, walls).any()
+    assert swept_into(bend, walls, LENGTH, HALF).all()
+    assert not swept_into(bend, wall(6.0), LENGTH, HALF).any()
 
 
 @pytest.mark.parametrize(("across", "tight"), [(12.4, True), (25.0, False)])

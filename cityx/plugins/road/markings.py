@@ -92,7 +92,7 @@ def marking_regions(
     known |= table["section"].to_numpy() != ""
     quiet = (kind == "residential") & ~known & (network.half_width * 2 < WIDE)
     single = table["oneway"].to_numpy(bool) & np.isin(kind, ONE_WAY)
-    quiet |= single & (network.half_width * 2 < WIDE)
+    quiet |= single & (network.half_width * 2 < WIDE) & (not painting.edge_lines)
     bays = tags.contains('"parking', regex=False).to_numpy().astype(bool) | (kind != "residential")
     kerbed = kerbed_edges(layout, network)
     through = through_roads(street)

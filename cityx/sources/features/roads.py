@@ -17,7 +17,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.layout import make_table
-from cityx.city.section import PARKING, carriageway_width, section_text
+from cityx.city.section import PARKING, Band, carriageway_width, section_text
 from cityx.sources.features import measures
 from cityx.sources.features.density import Density
 from cityx.sources.features.kinds import road_kind
@@ -143,10 +143,11 @@ def cross_section(
         tags, kind, lanes, forward, lane_width, (parking[_LEFT], parking[_RIGHT]),
         oneway=oneway, backward=backward, left_hand=left_hand,
     ) if cars else ()  # fmt: skip
+    if single and not bands:
+        aside = Band("shoulder", (SINGLE_JAPAN - lane_width) / 2)
+        bands = (aside, Band("drive", lane_width, 1), aside)
     if bands and known is None:
         width = carriageway_width(bands)
-    elif single:
-        lane_width = width = SINGLE_JAPAN
     if backward:
         parking, sidewalks = parking[::-1], sidewalks[::-1]
     bridge = tags.get("bridge", "no") not in ("no", "")
