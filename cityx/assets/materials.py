@@ -130,7 +130,7 @@ MATERIALS: Mapping[str, Material] = _table(
     _M("tactile_red", (0.30, 0.070, 0.050), 0.85, texture="blisters", tile=1.2, porosity=0.4),
     _M("marking_white", (0.70, 0.70, 0.68), 0.7, texture="paint", tile=2.0, porosity=0.1),
     _M("marking_yellow", (0.70, 0.42, 0.05), 0.7, texture="paint", tile=2.0, porosity=0.1),
-    _M("marking_blue", (0.045, 0.150, 0.340), 0.7, texture="paint", tile=2.0, porosity=0.1),
+    _M("marking_blue", (0.050, 0.125, 0.235), 0.7, texture="paint", tile=2.0, porosity=0.1),
     _M("grass", (0.075, 0.125, 0.032), 0.95, texture="grass", tile=6.0, porosity=0.3),
     _M("meadow", (0.12, 0.15, 0.045), 0.95, texture="grass", tile=8.0, porosity=0.3),
     _M("forest_floor", (0.060, 0.065, 0.028), 0.95, texture="soil", tile=5.0, porosity=0.6),
