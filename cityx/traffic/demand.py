@@ -148,8 +148,7 @@ def demand_of(
         mine = tuple(trip for trip, on in trips if on == road)
         if targets[road] and mine:
             groups.append(Group(tuple(own), targets[road], mine))
-    tight = tuple(number for number, link in enumerate(streets.links) if link.tight)
-    return Demand(every, tuple(groups), net.barred, tight)
+    return Demand(every, tuple(groups), net.barred, net.tight)
 
 
 class Drivable:
@@ -223,6 +222,14 @@ class Drivable:
             for way in self.streets.ways
         ]
         return np.asarray(self.usable & np.array(wide, bool))
+
+    @cached_property
+    def tight(self) -> tuple[int, ...]:
+        """Links that lorries and buses do not take: tight ones, and those onto ways too narrow."""
+        return tuple(
+            number for number, link in enumerate(self.streets.links)
+            if link.tight or not self.wide[link.target[0]]
+        )  # fmt: skip
 
     @cached_property
     def pairs(self) -> IntArray:

@@ -311,11 +311,12 @@ def simulate(run: Run, network: Network, ghosts: Ghosts | None = None) -> Outcom
     files = {key: str(folder / name) for key, name in
              (("poses", "poses.parquet"), ("collisions", "collisions.xml"),
               ("answer", "answer.json"), ("routes", ROUTES))}  # fmt: skip
+    tight = set(run.tight)
     job: dict[str, Any] = {
         "net": str(network.file), **files, "warm": run.warm, "duration": run.duration,
         "step": run.step, "seed": run.seed % (1 << 31), "patience": PATIENCE, "stuck": STUCK,
         "barred": run.barred,
-        "tight": [name for name, link in network.links.items() if link in set(run.tight)],
+        "tight": [name for name, link in network.links.items() if link in tight],
         "facing": network.facing,
         "ghosts": str(folder / GHOSTS) if ghosts is not None else "",
         "groups": [

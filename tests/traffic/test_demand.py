@@ -35,3 +35,17 @@ def test_streets_to_the_border_feed_traffic_by_all_their_ends():
     )  # fmt: skip
     starts = {trip.route[0] for group in demand.groups for trip in group.trips if trip.rolling}
     assert len(starts) == 4
+
+
+@pytest.mark.parametrize(("kind", "barred"), [("residential", False), ("service", True)])
+def test_lorries_and_buses_turn_into_no_street_that_is_too_narrow_for_them(kind, barred):
+    city = city_of([([WEST, MIDDLE, EAST], {}), ([SOUTH, MIDDLE, NORTH], {"kind": kind})])
+    streets = streets_of(city, halts_of(city))
+    demand = demand_of(
+        city, streets, looks_of_kinds(""), hour=12.0, seconds=60.0,
+        per_km=per_km_at("heavy", 12.0), purpose="test",
+    )  # fmt: skip
+    ends = [link.shape[-1, :2] for link in streets.links]
+    aside = {number for number, end in enumerate(ends) if abs(end[1]) > abs(end[0])}
+    assert aside
+    assert aside.issubset(demand.tight) == barred

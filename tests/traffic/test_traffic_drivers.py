@@ -42,6 +42,14 @@ def test_drivers_go_round_a_jam_ahead_unless_that_is_far():
         assert "".join(sumo.cars["car"].route) == way
 
 
+def test_buses_go_round_a_jam_by_no_way_that_is_too_narrow_for_them():
+    narrow = [":j_1_0"]  # from "a" to "c"
+    for kind, way in (("passenger", "acd"), ("bus", "abd")):
+        sumo = Sumo(FORK, {"car": Car("a_0", "abd", kind=kind)})
+        Drivers(sumo, narrow).step({}, {"b"})
+        assert "".join(sumo.cars["car"].route) == way
+
+
 def test_who_stands_before_full_exits_alone_is_taken_out_before_the_tracks_begin():
     others = {way: Car(f"{way}_0", f"{way}d", at=6.0) for way in "bc"}
     for seconds, spare, left in ((HOPELESS, {"a"}, "bc"), (TIRED, {"a"}, "abc"),
