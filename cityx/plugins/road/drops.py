@@ -108,8 +108,10 @@ def _side(
     front = np.where(ribbed, kerb + ribs.gap, kerb)
     back = np.where(ribbed, front + ribs.depth, kerb)
     outer = sign * (half + KERB_WIDTH + zebras.flare)
-    # The walk falls towards the crossing from three sides, and so do the kerb's end stones.
-    stones, ends = (patches(street, zebras, every, sign * half, outer, p) for p in (0.0, RAMP))
+    # The walk falls towards the crossing from three sides, and so do the kerb's end stones. Where
+    # a street bends its kerb is straight for a while, nearer to the middle than half the street.
+    inner = sign * np.maximum(half - FLARE, 0.0)
+    stones, ends = (patches(street, zebras, every, inner, outer, p) for p in (0.0, RAMP))
     begin = half if ribs.gap == 0 else front
     row = patches(street, zebras, every, sign * begin, sign * back)
     landing = patches(street, zebras, every, sign * half, sign * front)

@@ -66,6 +66,27 @@ def test_walks_fall_to_a_crossing_along_the_kerb_without_a_step(city):
         assert np.abs(np.diff(z)).max() < 0.05 / 12 + 0.002
 
 
+@pytest.mark.parametrize(
+    ("before", "turned"), [(11.0, 3.0), (11.0, 6.0), (13.0, 6.0), (12.0, 10.0)]
+)
+def test_no_raised_kerb_is_left_before_a_dropped_one_where_a_street_bends(
+    layout_of, city_of, before, turned
+):
+    fall = np.sin(np.radians(turned)) * 80.0
+    bent = [(-80.0 - before, -fall), (-before, 0), (0, 0), (90, 0)]
+    layout = layout_of([(bent, CROSS[0][1]), CROSS[1]], houses=HOUSES, points=SIGNAL)
+    found = ground(lanes(network(city_of(layout)))).ground
+    raised, dropped = (
+        shapely.union_all(shapely.polygons(found.vertices[found.triangles_of(name)]))
+        for name in ("kerb", "kerb_dropped")
+    )
+    stones = [part for part in shapely.get_parts(dropped) if part.centroid.x < -6.0]
+    assert len(stones) == 2
+    for part in stones:
+        assert part.area == pytest.approx(4.4 * KERB_WIDTH, rel=0.2)
+        assert part.buffer(0.02).intersection(raised).area < 0.02 * 2 * KERB_WIDTH
+
+
 def test_the_ground_has_no_gap_where_kerbs_are_dropped(city):
     mesh = city.scene.meshes["ground"]
     corners = np.round(mesh.vertices * 1e4).astype(np.int64)
