@@ -3,7 +3,8 @@
 SUMO parts vehicles by the lanes that they are on; seen from above, bodies that turn sweep over
 corners that belong to others. So one of two that would touch is where it would have been a moment
 earlier or later, as if its driver had seen the other; its way stays the same. Where that does not
-help, as beside who stands half way into another lane, it keeps a little aside.
+help, as beside who stands half way into another lane, it keeps a little aside, or those behind it
+hold back with it.
 """
 
 from __future__ import annotations
@@ -54,9 +55,13 @@ ASIDE = (
     0.75,
     -0.75,
 )  # metres that one keeps to the left of its way then
-EASING = 10.0, 3.0  # metres over which one falls back, for each metre; the longer first
+# Metres over which one falls back, and over which it catches up, for each metre; the longer first.
+EASING = (10.0, 10.0), (3.0, 3.0)
+BRAKING = 1.5, 3.0  # the same of who does not make way for one alone
 LEAST = 6.0  # metres over which one falls back at least
 ROUNDS = 6  # in which whoever touches then makes way as well
+HELD_UP = (1.0, 2.5, 4.0, 6.0, 8.0, 12.0)  # metres that one holds back, and who follows it
+FILE = 3  # so many of them, one behind the other
 PERSON = 0.17  # metres from the middle of somebody on foot that vehicles never reach
 
 
@@ -135,9 +140,9 @@ def made_way(
     at = np.arange(len(bodies.mover), dtype=float)
     if not len(at):
         return at, np.zeros(0)
-    scene = _Scene(bodies, others)
+    scene = _Scene(bodies, begin, others)
     for _ in range(ROUNDS):
-        meetings = scene.meetings(begin)
+        meetings = scene.meetings()
         if not sum(scene.make_way(*meeting) for meeting in meetings):
             break
     return scene.at, scene.aside
@@ -161,8 +166,9 @@ def beside(position: FloatArray, heading: FloatArray, aside: FloatArray) -> Floa
 class _Scene:
     """Bodies while they make way; a class since it knows where each of them has come to."""
 
-    def __init__(self, bodies: Bodies, others: Bodies | None) -> None:
-        self.bodies, self.count = bodies, len(bodies.mover)
+    def __init__(self, bodies: Bodies, begin: int, others: Bodies | None) -> None:
+        self.bodies, self.begin, self.count = bodies, begin, len(bodies.mover)
+        self.before: list[tuple[IntArray, FloatArray, FloatArray, FloatArray]] = []  # to undo
         self.heading = _unwound(bodies.heading, bodies.mover)
         self.at, self.aside = np.arange(self.count, dtype=float), np.zeros(self.count)
         self.start = np.searchsorted(bodies.mover, np.arange(int(bodies.mover[-1]) + 2))
@@ -174,12 +180,16 @@ class _Scene:
         self.order = np.argsort(self.step, kind="stable")
         self.by_step = np.searchsorted(self.step[self.order], np.arange(self.step.max() + 2))
 
-    def meetings(self, begin: int) -> list[tuple[int, int, int, int]]:
-        """Return who touches whom, and the first and the last row of the one while it does."""
+    def _pairs(self, begin: int, end: int | None = None) -> tuple[IntArray, IntArray]:
+        """Return rows, the lower and the higher, of bodies that touch in some steps."""
         from cityx.traffic.touching import touching
 
-        first, second = touching(self.boxes, self.order, self.by_step[begin:], INTO, STOREY)
-        one, other = np.minimum(first, second), np.maximum(first, second)
+        first, second = touching(self.boxes, self.order, self.by_step[begin:end], INTO, STOREY)
+        return np.minimum(first, second), np.maximum(first, second)
+
+    def meetings(self) -> list[tuple[int, int, int, int]]:
+        """Return who touches whom, and the first and the last row of the one while it does."""
+        one, other = self._pairs(self.begin)
         one, other = one[one < self.count], other[one < self.count]
         pairs: dict[tuple[int, int], list[tuple[int, int]]] = {}
         for a, b in zip(one.tolist(), other.tolist(), strict=True):
@@ -195,15 +205,60 @@ class _Scene:
     def make_way(self, one: int, other: int, one_last: int, other_last: int) -> bool:
         """Let one of two who touch hold back or get on by the least that helps, or keep aside."""
         spans = [span for span in ((one, one_last), (other, other_last)) if span[0] < self.count]
-        return any(
-            self._try(first, last, offset, easing)
-            for offset in OFFSETS for easing in EASING for first, last in spans
-        ) or any(
-            self._keeps_aside(first, last, offset) for offset in ASIDE for first, last in spans
+        self.before.clear()
+        return (
+            self._makes_way(spans)
+            or any(self._keeps_aside(first, last, offset)
+                   for offset in ASIDE for first, last in spans)
+            or any(self._holds_up(*span, int(self.mover[meets]), FILE, 0.0)
+                   for span, meets in (((one, one_last), other), ((other, other_last), one))
+                   if span[0] < self.count)
         )  # fmt: skip
 
+    def _makes_way(self, spans: list[tuple[int, int]]) -> bool:
+        return any(self._try(first, last, offset, easing)
+                   for offset in OFFSETS for easing in EASING for first, last in spans)  # fmt: skip
+
+    def _holds_up(self, first: int, last: int, meets: int, behind: int, least: float) -> bool:
+        """Let a body hold back for another whom it meets, and those behind it do so as well."""
+        for offset in HELD_UP:
+            place = self._offset(first, last, offset, BRAKING) if offset >= least else None
+            if place is None:
+                continue
+            known = len(self.before)
+            self._place(*place)
+            rows = place[0][self.step[place[0]] >= self.begin]
+            if self._is_let_by(rows, meets, behind, offset):
+                return True
+            while len(self.before) > known:
+                self._put_back(*self.before.pop())
+        return False
+
+    def _is_let_by(self, rows: IntArray, meets: int, behind: int, least: float) -> bool:
+        """Let those whom a body touches in some rows make way, but not whom it makes way for."""
+        touched = self._touched(rows)
+        if any(first >= self.count or self.mover[first] == meets for first, _ in touched):
+            return False
+        own = int(self.mover[rows[0]]) if len(rows) else -1
+        return all(
+            self._makes_way([span])
+            or (behind > 0 and self._holds_up(*span, own, behind - 1, least))
+            for span in touched
+        ) and not self._touched(rows)  # fmt: skip
+
+    def _touched(self, rows: IntArray) -> list[tuple[int, int]]:
+        """Return the first and the last row of each whom a body touches in some of its rows."""
+        if not len(rows):
+            return []
+        one, other = self._pairs(int(self.step[rows[0]]), int(self.step[rows[-1]]) + 2)
+        own = self.mover[rows[0]]
+        found = np.concatenate([other[self.mover[one] == own], one[self.mover[other] == own]])
+        mover = self.mover[found]
+        return [(int(found[mover == each].min()), int(found[mover == each].max()))
+                for each in np.unique(mover).tolist()]  # fmt: skip
+
     def _eased(
-        self, first: int, last: int, easing: float
+        self, first: int, last: int, easing: float, after: float
     ) -> tuple[IntArray, FloatArray, FloatArray] | None:
         """Rows of a mover, the way it has gone, and how far it makes way; None where it cannot."""
         mover = int(self.mover[first])
@@ -212,11 +267,11 @@ class _Scene:
         begin, end = gone[first - rows[0]], gone[last - rows[0]]
         if easing > begin:
             return None
-        share = np.interp(gone, [begin - easing, begin, end, end + easing], [0.0, 1.0, 1.0, 0.0])
+        share = np.interp(gone, [begin - easing, begin, end, end + after], [0.0, 1.0, 1.0, 0.0])
         return rows, gone, share
 
     def _keeps_aside(self, first: int, last: int, offset: float) -> bool:
-        eased = self._eased(first, last, LEAST)
+        eased = self._eased(first, last, LEAST, LEAST)
         if eased is None:
             return False
         rows, _, share = eased
@@ -224,19 +279,27 @@ class _Scene:
         aside = self.aside[moved] + offset * share[share > 0.0]
         return self._taken(moved, self.at[moved], aside, first, last)
 
-    def _try(self, first: int, last: int, offset: float, each: float) -> bool:
-        eased = self._eased(first, last, max(each * abs(offset), LEAST))
+    def _offset(
+        self, first: int, last: int, offset: float, each: tuple[float, float]
+    ) -> tuple[IntArray, FloatArray, FloatArray] | None:
+        """Rows of a body that holds back, where it is then and how far aside, if it can."""
+        easing, after = (max(metres * abs(offset), LEAST) for metres in each)
+        eased = self._eased(first, last, easing, after)
         if eased is None:
-            return False
+            return None
         rows, gone, share = eased
         wanted = gone - offset * share
         moved = np.flatnonzero(share > 0.0)
         # Where one stands many rows are one place: the row is found by the way that is gone.
         ahead, keep = np.unique(gone, return_index=True)
         if wanted[moved].min() < 0.0 or wanted[moved].max() > ahead[-1]:
-            return False
+            return None
         at = np.interp(wanted[moved], ahead, self.at[rows][keep])
-        return self._taken(rows[moved], at, self.aside[rows[moved]], first, last)
+        return rows[moved], at, self.aside[rows[moved]]
+
+    def _try(self, first: int, last: int, offset: float, each: tuple[float, float]) -> bool:
+        place = self._offset(first, last, offset, each)
+        return place is not None and self._taken(*place, first, last)
 
     def _taken(
         self, rows: IntArray, at: FloatArray, aside: FloatArray, first: int, last: int
@@ -248,8 +311,17 @@ class _Scene:
         span = np.isin(rows, np.arange(first, last + 1))
         if after[span].any() or after.sum() > max(before.sum() - span.sum(), 0):
             return False
-        self.at[rows], self.aside[rows], self.boxes[rows] = at, aside, boxes
+        self._place(rows, at, aside)
         return True
+
+    def _place(self, rows: IntArray, at: FloatArray, aside: FloatArray) -> None:
+        self.before.append((rows, self.at[rows], self.aside[rows], self.boxes[rows]))
+        self._put_back(rows, at, aside, self._boxes(at, aside, rows))
+
+    def _put_back(
+        self, rows: IntArray, at: FloatArray, aside: FloatArray, boxes: FloatArray
+    ) -> None:
+        self.at[rows], self.aside[rows], self.boxes[rows] = at, aside, boxes
 
     def _boxes(self, at: FloatArray, aside: FloatArray, rows: IntArray) -> FloatArray:
         """(k, 7) bodies at rows between which places may lie, and aside of them."""

@@ -1,6 +1,10 @@
 """Vehicles that would touch make way for each other, each on its own way."""
 
+from dataclasses import replace
+from itertools import combinations
+
 import numpy as np
+import pytest
 
 from cityx.traffic.making_way import ASIDE, Bodies, beside, interpolated, made_way
 
@@ -24,7 +28,14 @@ def moved(bodies, at):
                   interpolated(bodies.heading, at), bodies.half)  # fmt: skip
 
 
-def least_gap(bodies):
+def together(bodies, others):
+    """Bodies, and others that are movers after them."""
+    later = replace(others, mover=others.mover + bodies.mover.max() + 1)
+    return Bodies(*(np.concatenate([getattr(each, name) for each in (bodies, later)])
+                    for name in Bodies.__dataclass_fields__))  # fmt: skip
+
+
+def least_gap(bodies, first=0, second=1):
     """Least distance between the bodies of two movers, 0 where they touch."""
     import shapely
 
@@ -32,8 +43,8 @@ def least_gap(bodies):
     v = np.column_stack([-np.sin(bodies.heading), np.cos(bodies.heading)]) * bodies.half[:, 1:]
     xy = bodies.position[:, :2]
     boxes = shapely.polygons(np.stack([xy - u - v, xy + u - v, xy + u + v, xy - u + v], axis=1))
-    first, second = boxes[bodies.mover == 0], boxes[bodies.mover == 1]
-    return float(shapely.distance(first, second).min())
+    one, other = boxes[bodies.mover == first], boxes[bodies.mover == second]
+    return float(shapely.distance(one, other).min())
 
 
 CROSSING = driving(((-50.0, 0.0), (1.0, 0.0)), ((0.0, -54.0), (0.0, 1.0)))
@@ -84,11 +95,24 @@ def test_those_who_were_there_before_stay_as_they_were():
     at, _ = made_way(parts[0], 0, parts[1])
     assert len(at) == own.sum()
     after = moved(parts[0], at)
-    both = [np.concatenate(pair) for pair in (
-        (after.mover, parts[1].mover + 1), (after.step, parts[1].step),
-        (after.position, parts[1].position), (after.heading, parts[1].heading),
-        (after.half, parts[1].half))]  # fmt: skip
-    assert least_gap(Bodies(*both)) > 0.0
+    assert least_gap(together(after, parts[1])) > 0.0
+
+
+@pytest.mark.parametrize("behind", [1, 2, 3])
+def test_who_cannot_make_way_since_others_follow_closely_does_so_with_them(behind):
+    each = LONG + 0.1  # metres, bumper to bumper behind one that passes just before the other
+    file = [((-155.0 - each * place, 0.0), (1.0, 0.0)) for place in range(-1, behind + 1)]
+    crossing = driving(((0.0, -157.0), (0.0, 1.0)), steps=300)
+    bodies = driving(*file, steps=300)
+    assert least_gap(together(bodies, crossing), 0, len(file)) > 0.0
+    assert least_gap(together(bodies, crossing), 1, len(file)) == 0.0
+    at, aside = made_way(bodies, 0, crossing)
+    assert not aside.any()
+    after = moved(bodies, at)
+    pairs = combinations(range(len(file) + 1), 2)
+    assert all(least_gap(together(after, crossing), *pair) > 0.0 for pair in pairs)
+    last = bodies.mover == len(file) - 1
+    assert (at != np.arange(len(at)))[last].any()
 
 
 def test_who_passes_somebody_half_way_in_its_lane_keeps_aside_there_alone():
