@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -245,6 +247,7 @@ def _front_bumper(skin: Skin, face: Face) -> list[MeshBatch]:
     return parts
 
 
+@lru_cache(maxsize=256)
 def plate_places(body: Body, face: Face) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return (y, z) of the faces that the plates before and behind are fixed on, metres."""
     skin = Skin(body)

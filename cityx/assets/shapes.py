@@ -246,7 +246,7 @@ def _lengths(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.sqrt((vectors * vectors).sum(axis=-1)))
 
 
-def _crossed(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+def crossed(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
     """Cross product of (..., 3) vectors; `numpy.cross` takes ten times as long for a few."""
     out = np.empty(np.broadcast_shapes(a.shape, b.shape))
     out[..., 0] = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
@@ -258,7 +258,7 @@ def _crossed(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float
 def _flat_fans(vertices: NDArray[np.float64], fans: NDArray[np.int64]) -> bool:
     """Whether some triangle of the caps has no area."""
     a, b, c = (vertices[fans[:, corner]] for corner in range(3))
-    return bool((_lengths(_crossed(b - a, c - a)) <= 2 * GRID * GRID).any())
+    return bool((_lengths(crossed(b - a, c - a)) <= 2 * GRID * GRID).any())
 
 
 def _without_slivers(mesh: MeshBatch) -> MeshBatch:
@@ -275,7 +275,7 @@ def _without_slivers(mesh: MeshBatch) -> MeshBatch:
         faces[rows, :3], faces[rows, 3] = faces[rows][:, rest], NO_VERTEX
         uv[rows, :3] = uv[rows][:, rest]
     p = mesh.vertices[faces[:, :3]]
-    area = _lengths(_crossed(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]))
+    area = _lengths(crossed(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]))
     keep = (area > GRID * GRID) | (faces[:, 3] != NO_VERTEX)
     used = np.zeros(len(mesh.vertices), bool)
     used[faces[keep][faces[keep] != NO_VERTEX]] = True
@@ -296,9 +296,9 @@ def tube(path: ArrayLike, radii: ArrayLike, material: str, tint: ArrayLike = WHI
     # A fixed reference keeps the rings from twisting on paths that turn little.
     mean = points[-1] - points[0]
     reference = np.eye(3)[int(np.argmin(np.abs(mean)))]
-    side = _crossed(reference, ahead)
+    side = crossed(reference, ahead)
     side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), GRID)
-    up = _crossed(ahead, side)
+    up = crossed(ahead, side)
     cosine, sine = _circle(sides)
     spokes = cosine[:, None] * side[:, None, :] + sine[:, None] * up[:, None, :]
     return loft(points[:, None, :] + radius[:, None, None] * spokes, material, tint, caps=caps)
@@ -372,7 +372,7 @@ def cards(centres: NDArray[np.float64], along: NDArray[np.float64], across: NDAr
     """
     sink = np.zeros(3)
     if fold:
-        normal = np.cross(along, across)
+        normal = crossed(along, across)
         normal /= np.maximum(lengths(normal), GRID)
         sink = normal * (fold * lengths(across))
     waist = centres - 0.15 * along  # widest nearer to the stalk
@@ -398,7 +398,7 @@ def leaf_blades(centres: NDArray[np.float64], along: NDArray[np.float64],
 
     Arguments are those of `cards`; ``lobed`` leaves have a lobe on each side, as of maples.
     """
-    normal = np.cross(along, across)
+    normal = crossed(along, across)
     normal /= np.maximum(lengths(normal), GRID)
     broad = lengths(across)
     # Share along, share across, share of the breadth by which it sinks: of the base and the tip,

@@ -137,6 +137,8 @@ class TriangleCells:
     ----------
     vertices, triangles
         (v, 2) float, metres, and the (t, 3) corners among them.
+    boxes
+        (4, t) float64, metres, their xmin, xmax, ymin and ymax.
     cell, triangle
         (c,) int64 each, a cell and a triangle whose box meets it, sorted by cell.
     large, tree
@@ -145,6 +147,7 @@ class TriangleCells:
 
     vertices: FloatArray
     triangles: NDArray[np.int32]
+    boxes: FloatArray
     cell: NDArray[np.int64]
     triangle: NDArray[np.int64]
     large: NDArray[np.int64]
@@ -166,7 +169,9 @@ def cells_of_triangles(
     cell = _cell_number(low[row, 0] + part // across, low[row, 1] + part % across)
     order = np.argsort(cell, kind="stable")
     tree = shapely.STRtree(shapely.polygons(vertices[triangles[large]]))
-    return TriangleCells(vertices, triangles, cell[order], row[order], large, tree)
+    boxes = np.stack([end(end(*at[:2]), at[2]) for at in vertices.T[:, triangles.T]
+                      for end in (np.minimum, np.maximum)])  # fmt: skip
+    return TriangleCells(vertices, triangles, boxes, cell[order], row[order], large, tree)
 
 
 def _cells(xy: FloatArray) -> NDArray[np.int64]:
@@ -233,6 +238,9 @@ def triangles_at(
         if among is not None:
             wanted = np.flatnonzero(among[triangle])
             spot, triangle = spot[wanted], triangle[wanted]
+        for axis in (0, 1):
+            near = _within(some[spot, axis], prepared.boxes[2 * axis :], triangle)
+            spot, triangle = spot[near], triangle[near]
         held = _holds(prepared, triangle, some[spot])
         yield spot[held] + begin, triangle[held]
 
@@ -249,6 +257,11 @@ def _candidates(
         return spot, triangle
     held, shape = prepared.tree.query(shapely.points(spots))
     return np.concatenate([spot, held]), np.concatenate([triangle, prepared.large[shape]])
+
+
+def _within(at: FloatArray, boxes: FloatArray, triangle: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Rows of those that lie within the boxes of triangles along the first axis of the boxes."""
+    return np.flatnonzero((at >= boxes[0, triangle]) & (at <= boxes[1, triangle]))
 
 
 def _holds(prepared: TriangleCells, triangle: NDArray[np.int64], xy: FloatArray) -> BoolArray:

@@ -178,7 +178,7 @@ def core_cards(habit: Species, rng: np.random.Generator) -> Cards:
     azimuth = rng.uniform(0, 2 * np.pi, count)
     centre = np.column_stack([reach * np.cos(azimuth), reach * np.sin(azimuth), z])
     along = _unit(rng.normal(size=(count, 3)))
-    normal = _unit(np.cross(along, rng.normal(size=(count, 3))))
+    normal = _unit(shapes.crossed(along, rng.normal(size=(count, 3))))
     size = 0.06 * np.clip(habit.radius, 1.4, 3.2) * rng.uniform(0.7, 1.3, (count, 1))
     return Cards(centre, along * size, normal, rng.uniform(0.42, 0.62, count),
                  rng.uniform(0.2, 0.8, count))  # fmt: skip
@@ -190,7 +190,7 @@ def kites(
 ) -> MeshBatch:  # fmt: skip
     """Draw each card as one folded kite."""
     along = size * cards.along
-    across = np.cross(cards.normal, along) * slim
+    across = shapes.crossed(cards.normal, along) * slim
     return shapes.cards(cards.centre, along, across, material, tint, fold=fold)
 
 
@@ -249,7 +249,7 @@ def stalks(
 ) -> MeshBatch:
     """Draw what bears the leaves: a thin wedge from its twig, (n, 3) metres, to each card."""
     tip = cards.centre + 0.3 * cards.along
-    side = _unit(np.cross(tip - twig, cards.normal)) * STALK
+    side = _unit(shapes.crossed(tip - twig, cards.normal)) * STALK
     corners = np.stack([twig - side, twig + side, tip], axis=1)
     faces = np.arange(corners.size // 3).reshape(-1, 3)
     return one_mesh(0, corners.reshape(-1, 3), faces, materials=(material,), tint=tint)
@@ -267,7 +267,7 @@ def _spread(
     count, each = len(cards.centre), len(rows)
     reach = size * np.linalg.norm(cards.along, axis=1)  # (n,)
     ahead = _unit(cards.along)
-    across = np.cross(cards.normal, ahead)
+    across = shapes.crossed(cards.normal, ahead)
     turn = angle + rng.normal(0, 0.16, (count, each))
     axis = (np.cos(turn)[:, :, None] * ahead[:, None, :]
             + np.sin(turn)[:, :, None] * across[:, None, :])  # fmt: skip
@@ -276,5 +276,5 @@ def _spread(
     length = half * reach[:, None] * rng.uniform(0.85, 1.12, (count, each))
     along = length[:, :, None] * axis
     face = cards.normal[:, None, :] + 0.32 * rng.normal(size=(count, each, 3))
-    broad = (np.maximum(slim, slimmest) * length)[:, :, None] * _unit(np.cross(face, axis))
+    broad = (np.maximum(slim, slimmest) * length)[:, :, None] * _unit(shapes.crossed(face, axis))
     return start + along, along, broad, rng.uniform(0.86, 1.14, (count, each, 1))
