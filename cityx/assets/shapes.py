@@ -61,11 +61,12 @@ def fuse(shapes: Iterable[MeshBatch]) -> MeshBatch:
 def prototype(name: str, kind: str, shapes: Iterable[MeshBatch]) -> Prototype:
     """Make a prototype of shapes; vertices are rounded so that machines agree to the bit."""
     mesh = fuse(shapes)
-    vertices = mesh.vertices / GRID
+    vertices = mesh.vertices  # joined, so that they are no one else's
+    vertices /= GRID
     np.round(vertices, out=vertices)
     vertices *= GRID
     vertices += 0.0  # no negative zeros
-    return Prototype(name, kind, replace(mesh, vertices=vertices))
+    return Prototype(name, kind, mesh)
 
 
 def moved(
@@ -376,10 +377,12 @@ def cards(centres: NDArray[np.float64], along: NDArray[np.float64], across: NDAr
         normal /= np.maximum(lengths(normal), GRID)
         sink = normal * (fold * lengths(across))
     waist = centres - 0.15 * along  # widest nearer to the stalk
-    corners = np.stack(
-        [centres - along, waist + across - sink, centres + along, waist - across - sink], axis=1
-    )
     count = len(centres)
+    corners = np.empty((count, 4, 3))
+    np.subtract(centres, along, out=corners[:, 0])
+    np.subtract(waist + across, sink, out=corners[:, 1])
+    np.add(centres, along, out=corners[:, 2])
+    np.subtract(waist - across, sink, out=corners[:, 3])
     # The diagonal of a quad, which runs from its first corner to its third, is the fold.
     faces = np.arange(4 * count).reshape(-1, 4)
     return one_mesh(0, corners.reshape(-1, 3), faces, materials=(material,), tint=tint)
@@ -408,11 +411,13 @@ def leaf_blades(centres: NDArray[np.float64], along: NDArray[np.float64],
         ((0.12, 1.12, 1.2), (0.28, 0.42, 0.6)) if lobed else ((-0.5, 0.82, 0.7), (0.25, 0.88, 1.0))
     )
     places = (*ends, *side, *((a, -b, c) for a, b, c in side))
-    corners = np.stack(
-        [centres + a * along + b * across - (c * fold) * broad * normal for a, b, c in places],
-        axis=1,
-    )
     count = len(centres)
+    corners = np.empty((count, len(places), 3))
+    for k, (a, b, c) in enumerate(places):
+        place = a * along
+        place += centres
+        place += b * across
+        np.subtract(place, (c * fold) * broad * normal, out=corners[:, k])
     base = 6 * np.arange(count)[:, None]
     # The diagonal of a quad runs from its first corner to its third.
     faces = np.vstack([base + np.array([0, 2, 3, 1]), base + np.array([5, 4, 0, 1])])

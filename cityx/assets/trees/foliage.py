@@ -20,6 +20,7 @@ from cityx.city.mesh import MeshBatch, one_mesh
 
 FloatArray = NDArray[np.float64]
 
+SHORTEST = 1e-6  # metres, of vectors that have a direction
 THICKEST_TWIG = 0.06  # metres, radius of a limb beyond which no leaves grow on it
 # Leaves of a twig's end, along and across its card in half lengths of the card: foot on the twig,
 # angle to it in radians, half length, breadth as a share of the length.
@@ -87,7 +88,7 @@ class Cards:
 
 
 def _unit(vectors: FloatArray) -> FloatArray:
-    return np.asarray(vectors / np.maximum(shapes.lengths(vectors), 1e-6))
+    return np.asarray(vectors / np.maximum(shapes.lengths(vectors), SHORTEST))
 
 
 def leaf_cards(skeleton: Skeleton, habit: Species, rng: np.random.Generator, count: int) -> Cards:
@@ -222,8 +223,11 @@ def leaves(
     """
     centre, along, broad, shade = _spread(cards, np.array(PATTERNS[pattern]), rng, size * FULLER)
     # A leaf is a little more yellow or blue than its neighbour, and some are pale from below.
-    hue = 1 + rng.normal(0, 1, (*shade.shape[:2], 1)) * np.array([0.13, 0.05, -0.10])
-    color = np.clip(tint[:, None, :] * shade * hue, 0.0, 1.0)
+    hue = rng.normal(0, 1, (*shade.shape[:2], 1)) * np.array([0.13, 0.05, -0.10])
+    hue += 1
+    color = tint[:, None, :] * shade
+    color *= hue
+    np.clip(color, 0.0, 1.0, out=color)
     lit = cards.light >= np.quantile(cards.light, 1 - BLADES * (pattern in BROAD))
     parts = []
     for rows, blades in ((lit, True), (~lit, False)):
@@ -269,12 +273,19 @@ def _spread(
     ahead = _unit(cards.along)
     across = shapes.crossed(cards.normal, ahead)
     turn = angle + rng.normal(0, 0.16, (count, each))
-    axis = (np.cos(turn)[:, :, None] * ahead[:, None, :]
-            + np.sin(turn)[:, :, None] * across[:, None, :])  # fmt: skip
-    axis = _unit(axis - rng.uniform(0.05, 0.45, (count, each, 1)) * cards.normal[:, None, :])
-    start = cards.centre[:, None, :] + (foot * reach[:, None])[:, :, None] * ahead[:, None, :]
+    # In place: there are so many leaves that most of the time goes into getting memory for them.
+    axis = np.cos(turn)[:, :, None] * ahead[:, None, :]
+    axis += np.sin(turn)[:, :, None] * across[:, None, :]
+    axis -= rng.uniform(0.05, 0.45, (count, each, 1)) * cards.normal[:, None, :]
+    axis /= np.maximum(shapes.lengths(axis), SHORTEST)
+    middle = (foot * reach[:, None])[:, :, None] * ahead[:, None, :]
+    middle += cards.centre[:, None, :]
     length = half * reach[:, None] * rng.uniform(0.85, 1.12, (count, each))
-    along = length[:, :, None] * axis
-    face = cards.normal[:, None, :] + 0.32 * rng.normal(size=(count, each, 3))
-    broad = (np.maximum(slim, slimmest) * length)[:, :, None] * _unit(shapes.crossed(face, axis))
-    return start + along, along, broad, rng.uniform(0.86, 1.14, (count, each, 1))
+    face = 0.32 * rng.normal(size=(count, each, 3))
+    face += cards.normal[:, None, :]
+    broad = shapes.crossed(face, axis)
+    broad /= np.maximum(shapes.lengths(broad), SHORTEST)
+    broad *= (np.maximum(slim, slimmest) * length)[:, :, None]
+    axis *= length[:, :, None]
+    middle += axis
+    return middle, axis, broad, rng.uniform(0.86, 1.14, (count, each, 1))
