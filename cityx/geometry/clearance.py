@@ -138,7 +138,7 @@ class TriangleCells:
     vertices, triangles
         (v, 2) float, metres, and the (t, 3) corners among them.
     boxes
-        (4, t) float64, metres, their xmin, xmax, ymin and ymax.
+        (2, 2, t) float64, metres, of x and of y their least and their greatest.
     cell, triangle
         (c,) int64 each, a cell and a triangle whose box meets it, sorted by cell.
     large, tree
@@ -169,8 +169,8 @@ def cells_of_triangles(
     cell = _cell_number(low[row, 0] + part // across, low[row, 1] + part % across)
     order = np.argsort(cell, kind="stable")
     tree = shapely.STRtree(shapely.polygons(vertices[triangles[large]]))
-    boxes = np.stack([end(end(*at[:2]), at[2]) for at in vertices.T[:, triangles.T]
-                      for end in (np.minimum, np.maximum)])  # fmt: skip
+    boxes = np.array([[end(end(*at[:2]), at[2]) for end in (np.minimum, np.maximum)]
+                      for at in vertices.T[:, triangles.T]])  # fmt: skip
     return TriangleCells(vertices, triangles, boxes, cell[order], row[order], large, tree)
 
 
@@ -239,7 +239,7 @@ def triangles_at(
             wanted = np.flatnonzero(among[triangle])
             spot, triangle = spot[wanted], triangle[wanted]
         for axis in (0, 1):
-            near = _within(some[spot, axis], prepared.boxes[2 * axis :], triangle)
+            near = _within(some[spot, axis], prepared.boxes[axis], triangle)
             spot, triangle = spot[near], triangle[near]
         held = _holds(prepared, triangle, some[spot])
         yield spot[held] + begin, triangle[held]
@@ -260,7 +260,7 @@ def _candidates(
 
 
 def _within(at: FloatArray, boxes: FloatArray, triangle: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Rows of those that lie within the boxes of triangles along the first axis of the boxes."""
+    """Rows of those that lie within the boxes, (2, t), of triangles along an axis."""
     return np.flatnonzero((at >= boxes[0, triangle]) & (at <= boxes[1, triangle]))
 
 

@@ -203,16 +203,20 @@ class _Scene:
         return found
 
     def make_way(self, one: int, other: int, one_last: int, other_last: int) -> bool:
-        """Let one of two who touch hold back or get on by the least that helps, or keep aside."""
-        spans = [span for span in ((one, one_last), (other, other_last)) if span[0] < self.count]
+        """Let one of two who touch hold back or get on by the least that helps, or keep aside.
+
+        Where neither helps it holds back together with those behind it.
+        """
+        both = (one, one_last, other), (other, other_last, one)
+        sides = [side for side in both if side[0] < self.count]
+        spans = [(first, last) for first, last, _ in sides]
         self.before.clear()
         return (
             self._makes_way(spans)
             or any(self._keeps_aside(first, last, offset)
                    for offset in ASIDE for first, last in spans)
-            or any(self._holds_up(*span, int(self.mover[meets]), FILE, 0.0)
-                   for span, meets in (((one, one_last), other), ((other, other_last), one))
-                   if span[0] < self.count)
+            or any(self._holds_up(first, last, int(self.mover[meets]), FILE, 0.0)
+                   for first, last, meets in sides)
         )  # fmt: skip
 
     def _makes_way(self, spans: list[tuple[int, int]]) -> bool:
@@ -236,10 +240,12 @@ class _Scene:
 
     def _is_let_by(self, rows: IntArray, meets: int, behind: int, least: float) -> bool:
         """Let those whom a body touches in some rows make way, but not whom it makes way for."""
+        if not len(rows):
+            return True
+        own = int(self.mover[rows[0]])
         touched = self._touched(rows)
         if any(first >= self.count or self.mover[first] == meets for first, _ in touched):
             return False
-        own = int(self.mover[rows[0]]) if len(rows) else -1
         return all(
             self._makes_way([span])
             or (behind > 0 and self._holds_up(*span, own, behind - 1, least))
@@ -248,8 +254,6 @@ class _Scene:
 
     def _touched(self, rows: IntArray) -> list[tuple[int, int]]:
         """Return the first and the last row of each whom a body touches in some of its rows."""
-        if not len(rows):
-            return []
         one, other = self._pairs(int(self.step[rows[0]]), int(self.step[rows[-1]]) + 2)
         own = self.mover[rows[0]]
         found = np.concatenate([other[self.mover[one] == own], one[self.mover[other] == own]])
