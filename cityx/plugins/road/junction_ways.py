@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -18,12 +19,12 @@ from cityx.plugins.road.marks import BoolArray, FloatArray, IntArray, Shapes, St
 
 MOST_LANES = 5  # short lanes in a row within one junction
 AT_KERB = 0.05  # metres between a kerb and what lies along it
-CARS = [KIND[name] for name in ("drive", "bus")]
+CARS, BICYCLES = ("drive", "bus"), ("cycle",)
 
 
 @dataclass(frozen=True)
 class JunctionWays:
-    """Ways of cars across junctions, w of them.
+    """Ways across junctions, w of them.
 
     Attributes
     ----------
@@ -61,13 +62,13 @@ class JunctionWays:
         return JunctionWays(**chosen, line=Polylines(self.line.points[point], start))
 
 
-def junction_ways(street: Street) -> JunctionWays:
-    """Find the ways of cars across the junctions of a network."""
+def junction_ways(street: Street, kinds: Sequence[str] = CARS) -> JunctionWays:
+    """Find the ways across the junctions of a network from and to lanes of some kinds."""
     graph = lane_graph(street.layout, street.network)
     cluster = street.cluster
     ends = cluster[street.network.edge_nodes[graph.edge]]
     inside = (ends[:, 0] == ends[:, 1]) if graph.count else np.zeros(0, bool)
-    pairs = _pairs(graph, inside)
+    pairs = _pairs(graph, inside, np.isin(graph.kind, [KIND[name] for name in kinds]))
     origin, target = (np.array(column, np.int64) for column in zip(*pairs, strict=True)) if pairs \
         else (np.zeros(0, np.int64),) * 2  # fmt: skip
     line = ways_between(graph.lines, origin, target)
@@ -112,11 +113,10 @@ def conflicts(ways: JunctionWays) -> Shapes:
     return np.asarray(shapely.intersection(lines[one[apart]], lines[other[apart]]))
 
 
-def _pairs(graph: LaneGraph, inside: BoolArray) -> list[tuple[int, int]]:
-    """Lanes that lead into a junction and those that one leaves it by, in order."""
+def _pairs(graph: LaneGraph, inside: BoolArray, chosen: BoolArray) -> list[tuple[int, int]]:
+    """Chosen lanes that lead into a junction and those that one leaves it by, in order."""
     onward: dict[int, list[int]] = {}
-    cars = np.isin(graph.kind, CARS)
-    driven = cars[graph.connection].all(axis=1) & (graph.movement != MOVEMENTS.index("reverse"))
+    driven = chosen[graph.connection].all(axis=1) & (graph.movement != MOVEMENTS.index("reverse"))
     for origin, target in graph.connection[driven].tolist():
         onward.setdefault(origin, []).append(target)
     found: set[tuple[int, int]] = set()

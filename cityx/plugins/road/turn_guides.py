@@ -35,12 +35,13 @@ DASH, GAP, WIDTH = 1.0, 1.0, 0.12  # metres
 LEAST_AREA, WIDE_AREA = 300.0, 450.0
 ASIDE = 1.5  # metres by which a lane goes on beside where it came from, to be led there
 LEAST_LANES = 2  # of a road that is led along a bend; a single lane finds its way
+PLAIN_ARMS = 4  # where more roads meet whoever goes straight on is led as well
 LANE = 3.25  # metres; lines stand no farther apart
 FROM_ENDS = 0.6  # metres of a way without lines at both ends
 OFF_CROSSING = 0.4  # metres between a line and a crossing
 OFF_TAKEN = 0.4  # metres between a line and other marks
 APART = 0.25  # metres between two lines
-LEAST_DASHES = 4  # of a line; fewer lead nobody
+LEAST_DASHES, LEAST_RUN = 4, 2  # of a line, and of each piece of it; fewer lead nobody
 
 
 def turn_guides(
@@ -49,8 +50,9 @@ def turn_guides(
     """Paint broken lines along ways across large junctions under signals.
 
     Led are those who turn across the traffic that comes towards them from a lane of their own,
-    where only the outer side has a line beside others who do or in wide junctions alone, and where
-    both sides of a way have lines those who go on along a bend of a road of several lanes.
+    where only the outer side has a line beside others who do or in wide junctions alone. Where both
+    sides of a way have lines, those too who go on along a bend of a road of several lanes, or
+    straight on where more than four roads meet.
     No two ways with lines cross: that of the greater road is led.
 
     Parameters
@@ -78,7 +80,7 @@ def turn_guides(
     wide = road.node[star][shapely.area(road.stars[star]) > WIDE_AREA]
     several = (_lanes(ways, own & turn) >= LEAST_LANES) | np.isin(ways.hub, wide)
     own &= (sides == "both") | several
-    led &= np.where(turn, own, (sides == "both") & _bends(street, ways))
+    led &= np.where(turn, own, (sides == "both") & _onward(street, ways))
     # Where two would cross the first stays: who turns, on the greater road.
     rows = np.flatnonzero(led)
     rank = street.rank[ways.edge[rows]]
@@ -127,8 +129,8 @@ def _lanes(ways: JunctionWays, chosen: BoolArray) -> IntArray:
     return np.asarray(np.bincount(lane, minlength=len(arm))[of_arm.ravel()])
 
 
-def _bends(street: Street, ways: JunctionWays) -> BoolArray:
-    """(w,) whether who goes straight on strays from a straight line.
+def _onward(street: Street, ways: JunctionWays) -> BoolArray:
+    """(w,) whether who goes straight on strays from a straight line or may take another arm for it.
 
     Where a lane leads on into several, only the way that strays least counts.
     """
@@ -145,20 +147,21 @@ def _bends(street: Street, ways: JunctionWays) -> BoolArray:
     np.minimum.at(best, street.cluster, street.best)
     major = street.rank[ways.edge] == best[ways.hub]
     lanes = _lanes(ways, np.ones(len(ways.edge), bool))
-    return np.asarray(nearest & major & (aside > ASIDE) & (lanes >= LEAST_LANES))
+    bends = (aside > ASIDE) & (lanes >= LEAST_LANES)
+    return np.asarray(nearest & major & (bends | (street.arms[ways.hub] > PLAIN_ARMS)))
 
 
 def _line(
     ways: JunctionWays, side: float, stars: Shapes, things: tuple[tuple[Shapes, float], ...]
 ) -> tuple[Shapes, IntArray, Shapes]:
-    """Lay the longest row of dashes on one side of each way that nothing interrupts.
+    """Lay dashes on one side of each way where nothing else lies.
 
     Returns
     -------
     marks, own
         The dashes, and the way of each; ways with too few have none.
     whole
-        (w,) each line without its gaps; empty where it has no dashes.
+        (w,) each line from its first dash to its last; empty where it has none.
     """
     length = arc_lengths(ways.line)[1]
     own, along = every(length, DASH + GAP, FROM_ENDS + DASH / 2)
@@ -170,13 +173,8 @@ def _line(
     for shapes, gap in things:
         free[tree.query(shapes, predicate="dwithin", distance=gap)[1]] = False
     run = np.cumsum(np.r_[True, (np.diff(own) != 0) | (free[1:] != free[:-1])][: len(own)]) - 1
-    size = np.bincount(run[free], minlength=int(run.max(initial=-1)) + 1)
-    longest = np.zeros(len(length), np.int64)
-    np.maximum.at(longest, own, size[run])
-    kept = free & (size[run] == longest[own]) & (size[run] >= LEAST_DASHES)
-    first = np.full(len(length), len(size))
-    np.minimum.at(first, own[kept], run[kept])
-    kept &= run == first[own]
+    kept = free & (np.bincount(run)[run] >= LEAST_RUN)
+    kept &= np.bincount(own[kept], minlength=len(length))[own] >= LEAST_DASHES
     begin, end = np.full(len(length), np.inf), np.full(len(length), -np.inf)
     np.minimum.at(begin, own[kept], along[kept] - DASH / 2)
     np.maximum.at(end, own[kept], along[kept] + DASH / 2)

@@ -8,6 +8,7 @@ bars within a line tell where traffic does not go.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -23,17 +24,19 @@ from cityx.plugins.road.marks import Shapes, Street, rimmed
 HALF_WAY = 1.75  # metres to either side of a way that vehicles take
 FREE = 0.6  # metres from crossings and other marks
 NECK = 1.75  # metres; what is narrower is no ground of its own
-AREA = (15.0, 80.0)  # square metres; smaller ones look stray
+AREA = (10.0, 80.0)  # square metres; smaller ones look stray
 LINE, BAR, SPACING = 0.12, 0.3, 1.1  # metres: of the line about it, of a bar, from bar to bar
 
 
-def unused_ground(street: Street, ways: JunctionWays, road: Carriageway, taken: Shapes) -> Regions:
-    """Hatch the pieces of junctions under signals that no way of cars comes near.
+def unused_ground(
+    street: Street, ways: Sequence[JunctionWays], road: Carriageway, taken: Shapes
+) -> Regions:
+    """Hatch the pieces of junctions under signals that no way comes near.
 
     Parameters
     ----------
     street, ways, road
-        The network, the ways of cars across its junctions, and its surfaces.
+        The network, the ways across its junctions, and its surfaces.
     taken
         (n,) crossings and other marks, which keep their room.
     """
@@ -41,7 +44,7 @@ def unused_ground(street: Street, ways: JunctionWays, road: Carriageway, taken: 
     found: list[Any] = []
     for hub in street.ruled_hubs.tolist():
         stars = np.flatnonzero(road.node == hub)
-        lines = to_linestrings(ways.take(np.flatnonzero(ways.hub == hub)).line)
+        lines = np.concatenate([to_linestrings(some.take(some.hub == hub).line) for some in ways])
         if not len(stars) or not len(lines):
             continue
         whole = shapely.union_all([*road.stars[stars], *road.curves[road.curve_node == hub]])
@@ -51,8 +54,11 @@ def unused_ground(street: Street, ways: JunctionWays, road: Carriageway, taken: 
             shapely.buffer(whole, -FREE),
             shapely.union_all([*driven, *shapely.buffer(near, FREE, join_style="mitre")]),
         )
-        rest = shapely.buffer(shapely.buffer(rest, -NECK / 2), NECK / 2 - LINE)
-        parts = shapely.get_parts(rest)
+        core = shapely.buffer(rest, -NECK / 2, join_style="mitre")
+        core = shapely.buffer(core, NECK / 2 - LINE, join_style="mitre")
+        # Corners of what is left may reach past what there was.
+        inside = shapely.intersection(core, shapely.buffer(rest, -LINE))
+        parts = shapely.get_parts(inside)
         area = shapely.area(parts)
         found.extend(parts[(area > AREA[0]) & (area < AREA[1])])
     label = LABEL["marking"]

@@ -13,7 +13,7 @@ from cityx.plugins.road.arrows import lane_symbols
 from cityx.plugins.road.box_junctions import box_junctions
 from cityx.plugins.road.carriageway import build_carriageway
 from cityx.plugins.road.centre_marks import centre_marks
-from cityx.plugins.road.junction_ways import conflicts, junction_ways
+from cityx.plugins.road.junction_ways import BICYCLES, conflicts, junction_ways
 from cityx.plugins.road.marks import street_of
 from cityx.plugins.road.network import junction_clusters, road_network
 from cityx.plugins.road.painting import Painting
@@ -132,13 +132,24 @@ def test_where_turns_would_cross_only_those_of_one_road_are_led(layout_of):
     assert street.kind[np.unique(edge)].tolist() == ["primary", "primary"]
 
 
-@pytest.mark.parametrize(
-    "streets", [star_of(), [(line, ONE_WAY | {"width": 16.0}) for line in CROSS]]
-)
-def test_single_lanes_find_their_way_straight_on(streets, layout_of):
+def test_single_lanes_find_their_way_straight_on(layout_of):
+    streets = [(line, ONE_WAY | {"width": 16.0}) for line in CROSS]
     street, ways, zebras, road = built(layout_of(streets, points=SIGNALS))
     assert shapely.area(road.stars).max() > 300
     assert not len(turn_guides(street, ways, zebras, road, NONE, "both")[0])
+
+
+def test_who_goes_straight_on_where_six_roads_meet_is_led(layout_of):
+    street, ways, zebras, road = built(layout_of(star_of(), points=SIGNALS))
+    marks, edge = turn_guides(street, ways, zebras, road, NONE, "both")
+    assert len(marks) >= 10
+    assert len(np.unique(edge)) == 1  # ways straight on cross here; one of them is led
+    (own,) = np.unique(edge)
+    onward = ways.movement == MOVEMENTS.index("through")
+    led = to_linestrings(ways.take(onward & (ways.edge == own)).line)
+    apart = shapely.distance(shapely.union_all(marks), led)
+    assert apart.min() == pytest.approx(3.25 / 2 - WIDTH / 2, abs=0.1)
+    assert not len(turn_guides(street, ways, zebras, road, NONE, "outer")[0])
 
 
 def test_a_main_road_that_bends_is_led_where_both_sides_have_lines(layout_of):
@@ -160,9 +171,23 @@ def test_a_guide_ends_before_what_is_taken(layout_of):
     left, of = turn_guides(street, alone, zebras, road, taken, "outer")
     assert 0 < len(left) < len(whole)
     assert not shapely.intersects(left, taken[0]).any()
-    # What is left of a line lies in one row of at least four dashes.
+    # At least four dashes are left of a line.
     assert np.unique(of, return_counts=True)[1].min() >= 4
     assert len(np.unique(edges)) == 2
+
+
+def test_a_guide_goes_on_beyond_what_crosses_it(layout_of):
+    layout = layout_of([(line, WIDE) for line in CROSS], points=SIGNALS)
+    street, ways, zebras, road = built(layout)
+    alone = beside_others(own_lanes(ways))
+    whole, edges = turn_guides(street, alone, zebras, road, NONE, "outer")
+    row = whole[edges == edges[0]]
+    across = np.array([shapely.buffer(row[len(row) // 2], 0.3)], object)
+    left, of = turn_guides(street, alone, zebras, road, across, "outer")
+    left = left[of == edges[0]]
+    assert 0 < len(left) < len(row)
+    for end in (row[0], row[-1]):
+        assert shapely.equals_exact(left, end, 1e-9).any()
 
 
 def test_a_box_covers_what_ways_cross_and_stays_in_the_junction(layout_of):
@@ -207,7 +232,7 @@ def unused(layout, taken=NONE, keep=slice(None)):
     street, ways, zebras, road = built(layout)
     ways = ways.take(keep)
     found = unused_ground(
-        street, ways, road, np.concatenate([taken, crossing_boxes(street, zebras)])
+        street, [ways], road, np.concatenate([taken, crossing_boxes(street, zebras)])
     )
     return found, ways, road
 
@@ -227,6 +252,25 @@ def test_what_no_way_comes_near_is_hatched_under_signals(layout_of):
     blocked = np.array([marks.centroid.buffer(30.0)], object)
     assert not len(unused(layout, taken=blocked, keep=straight)[0].polygons)
     assert not len(unused(layout_of(wide), keep=straight)[0].polygons)  # no signals
+
+
+def test_bicycles_keep_their_ways_free_of_hatching(layout_of):
+    section = "cycle 2 - | drive 10 - | drive 10 + | cycle 2 +"
+    wide = [(line, WIDE | {"width": 24.0, "lanes": 2, "section": section}) for line in CROSS]
+    street, ways, zebras, road = built(layout_of(wide, points=SIGNALS))
+    straight = ways.take(ways.movement == MOVEMENTS.index("through"))
+    bicycles = junction_ways(street, BICYCLES)
+    assert (street.network.node_position[bicycles.hub] == 0).all()
+    assert (bicycles.movement == MOVEMENTS.index("through")).sum() == 4
+    taken = crossing_boxes(street, zebras)
+    without, found = (
+        shapely.union_all(unused_ground(street, some, road, taken).polygons)
+        for some in ([straight], [straight, bicycles])
+    )
+    lines = shapely.multilinestrings(to_linestrings(bicycles.line))
+    assert shapely.distance(without, lines) == 0.0
+    assert found.area > 0.0
+    assert shapely.distance(found, lines) > 1.7
 
 
 def test_a_piece_is_hatched_aslant_of_its_longer_side():
