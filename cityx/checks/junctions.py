@@ -13,7 +13,7 @@ from cityx.checks.check import NAMED, Check, named
 from cityx.city import City
 from cityx.city.ground import LABEL, ON_ROADWAY, ROADWAY, Ground
 from cityx.city.layout import Layout
-from cityx.geometry.arrangement import BEYOND, face_areas, owners
+from cityx.geometry.arrangement import BEYOND, edge_lengths, face_areas, owners
 from cityx.geometry.chains import components, join_segments
 from cityx.geometry.polylines import Polylines, every, locate, to_linestrings
 
@@ -144,7 +144,7 @@ def _usual_size(ground: Ground, owner: IntArray, count: int) -> FloatArray:
     inner = right != BEYOND
     left, right = left[inner], right[inner]
     edge = ground.edges[inner].astype(np.int64)
-    length = np.hypot(*np.diff(ground.vertices[edge], axis=1)[:, 0].T)
+    length = edge_lengths(ground)[inner]
     road = ground.labelled(*ROADWAY, "tramway")
     at, wide, place = [], [], []
     for a, b in ((left, right), (right, left)):

@@ -8,7 +8,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.geometry.clearance import TriangleCells, cells_of_triangles, triangle_at, triangles_at
+from cityx.geometry.triangle_cells import (
+    TriangleCells,
+    cells_of_triangles,
+    triangle_at,
+    triangles_at,
+)
 
 KERB_WIDTH = 0.15  # metres
 KERB_HEIGHT = 0.12  # metres; the usual upstand of a city kerb
@@ -138,7 +143,9 @@ class Ground:
 
     def labelled(self, *names: str) -> NDArray[np.bool_]:
         """(f,) whether each face is one of some surfaces, by name."""
-        return np.isin(self.face_label, [LABEL[name] for name in names])
+        wanted = np.zeros(len(LABEL), bool)
+        wanted[[LABEL[name] for name in names]] = True
+        return np.asarray(wanted[self.face_label])
 
     def triangles_of(self, *names: str) -> NDArray[np.int32]:
         """(t, 3) triangles of the faces of some surfaces."""

@@ -23,6 +23,7 @@ from cityx.city.ground import LABEL, ON_ROADWAY, Ground
 from cityx.geometry.chains import components
 from cityx.geometry.faces import OUTSIDE, doubled_areas, trace_faces
 from cityx.geometry.snap_rounding import FINE, snap_round
+from cityx.remembered import Remembered
 
 GRID = 0.01  # metres; finer than a joint between kerb stones, coarser than any rounding error
 PER_METRE = 100  # grid steps per metre
@@ -181,13 +182,17 @@ def _owners(
         return label, object_id
     shapely.prepare(given.polygons)
     point, region = shapely.STRtree(given.polygons).query(shapely.points(points))
-    holds = shapely.contains_xy(given.polygons[region], *points[point].T)
-    point, region = point[holds], region[holds]
     order = np.lexsort((given.object_id[region], -given.priority[region], point))
     point, region = point[order], region[order]
-    winner = np.flatnonzero(np.r_[True, point[1:] != point[:-1]][: len(point)])
-    label[point[winner]] = given.label[region[winner]]
-    object_id[point[winner]] = given.object_id[region[winner]]
+    first = np.flatnonzero(np.r_[True, point[1:] != point[:-1]][: len(point)])
+    last = np.r_[first[1:], len(point)]
+    while len(first):  # the next region of each point that lies in none yet
+        held = shapely.contains_xy(given.polygons[region[first]], *points[point[first]].T)
+        winner = first[held]
+        label[point[winner]] = given.label[region[winner]]
+        object_id[point[winner]] = given.object_id[region[winner]]
+        first, last = first[~held] + 1, last[~held]
+        first, last = first[first < last], last[first < last]
     return label, object_id
 
 
@@ -207,11 +212,35 @@ def half_edges(triangles: NDArray[Any]) -> tuple[IntArray, IntArray]:
     return edges, twin
 
 
+_AREAS: Remembered[NDArray[np.float64]] = Remembered()
+_LENGTHS: Remembered[NDArray[np.float64]] = Remembered()
+
+
 def face_areas(ground: Ground) -> NDArray[np.float64]:
-    """(f,) area of each face, square metres."""
-    area = doubled_areas(ground.vertices, ground.triangles) / 2
-    size = len(ground.face_label)
-    return np.asarray(np.bincount(ground.triangle_face, area, minlength=size), float)
+    """(f,) area of each face, square metres, read only; other labels change nothing."""
+
+    def made() -> NDArray[np.float64]:
+        area = doubled_areas(ground.vertices, ground.triangles) / 2
+        size = len(ground.face_label)
+        return _fixed(np.bincount(ground.triangle_face, area, minlength=size))
+
+    return _AREAS.get(made, [ground.vertices, ground.triangles, ground.triangle_face])
+
+
+def edge_lengths(ground: Ground) -> NDArray[np.float64]:
+    """(e,) metres of each edge, read only."""
+
+    def made() -> NDArray[np.float64]:
+        begin, end = ground.vertices[ground.edges.T]
+        return _fixed(np.hypot(*(end - begin).T))
+
+    return _LENGTHS.get(made, [ground.vertices, ground.edges])
+
+
+def _fixed(values: NDArray[Any]) -> NDArray[np.float64]:
+    found = np.asarray(values, float)
+    found.flags.writeable = False
+    return found
 
 
 def _absorb_slivers(ground: Ground, doubled: IntArray) -> Ground:
@@ -221,7 +250,7 @@ def _absorb_slivers(ground: Ground, doubled: IntArray) -> Ground:
     """
     size = len(ground.face_label)
     area = np.bincount(ground.triangle_face, doubled, minlength=size) / (2 * PER_METRE**2)
-    length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
+    length = edge_lengths(ground)
     rim = np.bincount(ground.edge_faces[:, 0], length, minlength=size)
     inner = ground.edge_faces[:, 1] != BEYOND
     rim += np.bincount(ground.edge_faces[inner, 1], length[inner], minlength=size)
@@ -260,7 +289,7 @@ def owners(ground: Ground, label: int, over: tuple[str, ...]) -> NDArray[np.int6
     left, right = ground.edge_faces.T.astype(np.int64)
     inner = right != BEYOND
     left, right = left[inner], right[inner]
-    length = np.hypot(*np.diff(ground.vertices[ground.edges[inner]], axis=1)[:, 0].T)
+    length = edge_lengths(ground)[inner]
     paint = ground.labelled(*over)
     group = _mended(ground.face_label, paint, left, right, length)
     apart = group[left] != group[right]
@@ -363,7 +392,7 @@ def _given_away(
 
     Of the neighbours only those marked in `takes`, if given.
     """
-    length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
+    length = edge_lengths(ground)
     inner = ground.edge_faces[:, 1] != BEYOND
     pairs, reach = ground.edge_faces[inner], length[inner]
     own = np.concatenate([pairs[:, 0], pairs[:, 1]])

@@ -9,13 +9,14 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.cores import in_threads
 from cityx.geometry.ranges import numbered
 
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 OUTSIDE = -1  # the face beyond the outermost edges
-BATCH = 5000  # faces that are triangulated at once; a triangle as a polygon takes 500 bytes
+BATCH = 2500  # faces that a thread triangulates at once; a triangle as a polygon has 500 bytes
 
 
 @dataclass(frozen=True)
@@ -75,15 +76,20 @@ class Faces:
         owners = [three, np.repeat(four, 2)]
         rest = np.flatnonzero((size != 3) & (size != 4))
         key = (self.points[:, 0] << np.int64(32)) + self.points[:, 1]
-        for low in range(0, len(rest), BATCH):
+
+        def some(low: int) -> tuple[IntArray, IntArray]:
             rows = rest[low : low + BATCH]
             cut, owner = shapely.get_coordinates(
                 shapely.constrained_delaunay_triangles(self.polygons(rows)), return_index=True
             )
             # A triangle is a closed ring of four points.
             spots = np.rint(cut.reshape(-1, 4, 2)[:, :3].reshape(-1, 2)).astype(np.int64)
-            corners.append(np.searchsorted(key, (spots[:, 0] << 32) + spots[:, 1]).reshape(-1, 3))
-            owners.append(rows[owner[::4]])
+            at = np.searchsorted(key, (spots[:, 0] << 32) + spots[:, 1])
+            return at.reshape(-1, 3), rows[owner[::4]]
+
+        for made, owner in in_threads(some, range(0, len(rest), BATCH)):
+            corners.append(made)
+            owners.append(owner)
         face = np.concatenate(owners)
         order = np.argsort(face, kind="stable")
         found = np.concatenate(corners)[order]

@@ -8,14 +8,12 @@ in the mesh's own frame, all arithmetic is float64: a hit is as exact as the ver
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.cores import core_count
+from cityx.cores import in_threads
 
 FloatArray = NDArray[np.float64]
 BLOCK = 8192  # rays that a thread casts at a time
@@ -400,23 +398,20 @@ def cast(
     instance, triangle = np.full(count, -1, np.int64), np.full(count, -1, np.int32)
     u, v = np.zeros(count, np.float32), np.zeros(count, np.float32)
     back = np.zeros(count, bool)
-    workers = min(threads or core_count(), max(1, -(-count // BLOCK)))
-    blocks = range(0, count, BLOCK)
     shift = 0
-    with ThreadPoolExecutor(workers) if workers > 1 else nullcontext() as pool:
-        for part in _parts(scene):
+    for part in _parts(scene):
 
-            def task(low: int, part: RayScene = part, shift: int = shift) -> None:
-                s = part.shapes
-                bvh.trace(
-                    s.root, s.box, s.child, s.corners, s.number, s.mask, s.uv, s.mask_start,
-                    s.mask_size, s.mask_bits, part.root, part.box, part.child, part.order,
-                    part.mesh, part.inverse, begin, ahead, low, min(low + BLOCK, count), shift,
-                    distance, instance, triangle, u, v, back,
-                )  # fmt: skip
+        def task(low: int, part: RayScene = part, shift: int = shift) -> None:
+            s = part.shapes
+            bvh.trace(
+                s.root, s.box, s.child, s.corners, s.number, s.mask, s.uv, s.mask_start,
+                s.mask_size, s.mask_bits, part.root, part.box, part.child, part.order,
+                part.mesh, part.inverse, begin, ahead, low, min(low + BLOCK, count), shift,
+                distance, instance, triangle, u, v, back,
+            )  # fmt: skip
 
-            list(map(task, blocks) if pool is None else pool.map(task, blocks))
-            shift += len(part.mesh)
+        in_threads(task, range(0, count, BLOCK), threads)
+        shift += len(part.mesh)
     missed = instance < 0
     distance[missed] = np.inf
     return Hits(distance, instance, triangle, u, v, back)

@@ -16,6 +16,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
+from cityx.cores import in_threads
 from cityx.geometry.ranges import numbered
 
 IntArray = NDArray[np.int64]
@@ -24,7 +25,7 @@ BoolArray = NDArray[np.bool_]
 FINE = 128  # parts of a grid step in which segments are given: whole numbers make tests exact
 REACH = 1000 * FINE  # the boxes by which slanting segments are compared are no larger
 CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))  # of a square; the first is its own
-BATCH = 50_000  # boxes that are compared with all others at once
+BATCH = 25_000  # boxes that are compared with all others at once, by one thread
 
 
 def snap_round(begin: ArrayLike, end: ArrayLike) -> tuple[IntArray, IntArray]:
@@ -115,8 +116,8 @@ def _crossings(
     first: IntArray, second: IntArray, boxes: NDArray[Any], owner: IntArray, tree: shapely.STRtree
 ) -> tuple[IntArray, IntArray]:
     """Grid points next to where segments cross inside of both, (c, 2), and the pairs, (c, 2)."""
-    found, pairs = [np.zeros((0, 2), np.int64)], [np.zeros((0, 2), np.int64)]
-    for start in range(0, len(boxes), BATCH):
+
+    def some(start: int) -> tuple[IntArray, IntArray]:
         row, other = tree.query(boxes[start : start + BATCH])
         one, two = owner[row + start], owner[other]
         one, two = one[one < two], two[one < two]
@@ -127,11 +128,13 @@ def _crossings(
         )
         share = from_one[across] / (from_one - to_one)[across]
         spot = c[across] + share[:, None] * (d - c)[across]
-        found.append(_square(spot))
-        pairs.append(np.column_stack([one, two])[across])
+        return _square(spot), np.column_stack([one, two])[across]
+
+    parts = in_threads(some, range(0, len(boxes), BATCH))
+    found, pairs = (np.concatenate(column) for column in zip(*parts, strict=True))
     # Two slanting segments may have met in several pairs of boxes.
-    pair, index = np.unique(np.concatenate(pairs), axis=0, return_index=True)
-    return np.concatenate(found)[index], pair
+    pair, index = np.unique(pairs, axis=0, return_index=True)
+    return found[index], pair
 
 
 def _side(a: IntArray, b: IntArray, c: IntArray) -> IntArray:
@@ -145,9 +148,9 @@ def _passed(
 ) -> tuple[IntArray, IntArray]:
     """Segments and the points whose squares, west and south sides included, they pass."""
     tree = shapely.STRtree(shapely.points(FINE * points.astype(float)))
-    segments, passed = [], []
     half = FINE // 2
-    for start in range(0, len(boxes), BATCH):
+
+    def some(start: int) -> IntArray:
         row, point = tree.query(boxes[start : start + BATCH])
         segment = owner[row + start]
         a, b = first[segment], second[segment]
@@ -161,7 +164,7 @@ def _passed(
         most, least = np.maximum.reduce(corners), np.minimum.reduce(corners)
         upright = (a == b).any(axis=1)
         inside = over & (upright | ((most > 0) & (least < 0)) | (corners[0] == 0))
-        segments.append(segment[inside])
-        passed.append(point[inside])
-    keys = np.unique(np.concatenate(segments) * len(points) + np.concatenate(passed))
+        return np.asarray(segment[inside] * len(points) + point[inside])
+
+    keys = np.unique(np.concatenate(in_threads(some, range(0, len(boxes), BATCH))))
     return keys // len(points), keys % len(points)

@@ -9,8 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.ground import SURFACES
 from cityx.city.mesh import NO_VERTEX, MeshBatch
-from cityx.geometry.clearance import TriangleCells, cells_of_triangles, triangle_at, triangles_at
 from cityx.geometry.identity import stable_id
+from cityx.geometry.triangle_cells import (
+    TriangleCells,
+    cells_of_triangles,
+    triangle_at,
+    triangles_at,
+)
 from cityx.remembered import Remembered
 
 FloatArray = NDArray[np.float64]

@@ -3,7 +3,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cityx.geometry.clearance import in_triangles
+from cityx.geometry.triangle_cells import in_triangles
 
 
 @given(seed=st.integers(0, 10_000), size=st.floats(1.0, 900.0))

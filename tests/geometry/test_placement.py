@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.geometry.clearance import distance_within, in_triangles, near_any, push_off
+from cityx.geometry.clearance import distance_within, near_any, push_off
 from cityx.geometry.driving import drives_on
+from cityx.geometry.triangle_cells import in_triangles
 from cityx.plugins.road.kerbs import yaw_facing, yaw_of_compass
 
 ROAD = np.array([shapely.LineString([(0, 0), (100, 0)])], dtype=object)

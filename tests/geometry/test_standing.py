@@ -5,9 +5,9 @@ import shapely
 from cityx.city.ground import LABEL
 from cityx.city.terrain import Terrain
 from cityx.geometry.arrangement import arrange, regions
-from cityx.geometry.clearance import cells_of_triangles, triangle_at
 from cityx.geometry.drape import drape
 from cityx.geometry.standing import NOWHERE, stand_on
+from cityx.geometry.triangle_cells import cells_of_triangles, triangle_at
 
 
 @pytest.fixture(scope="module")

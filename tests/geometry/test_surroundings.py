@@ -8,7 +8,6 @@ from cityx.city.ground import LABEL
 from cityx.city.mesh import NO_VERTEX
 from cityx.city.terrain import Terrain, flat_terrain
 from cityx.geometry.arrangement import BEYOND, arrange, regions
-from cityx.geometry.clearance import cells_of_triangles, triangle_at
 from cityx.geometry.standing import heights_on
 from cityx.geometry.surroundings import (
     FAR_TOLERANCE,
@@ -18,6 +17,7 @@ from cityx.geometry.surroundings import (
     SOIL,
     surroundings,
 )
+from cityx.geometry.triangle_cells import cells_of_triangles, triangle_at
 
 SITE = (0.0, 0.0, 100.0, 80.0)
 

@@ -11,13 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city import City, Frame
 from cityx.city.ground import PAINT
-from cityx.geometry.clearance import (
-    Spots,
-    distance_within,
-    near_any,
-    push_off,
-    spots_of,
-)
+from cityx.geometry.clearance import Spots, distance_within, near_any, push_off, spots_of
 from cityx.geometry.polylines import to_linestrings
 from cityx.geometry.standing import WALKED
 from cityx.plugins.nature.climate import band_of

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cityx.city.ground import LABEL, PAINT, ROADWAY, SURFACES, Ground
 from cityx.city.layout import Layout, in_town
-from cityx.geometry.arrangement import BEYOND, Regions, face_areas, regions
+from cityx.geometry.arrangement import BEYOND, Regions, edge_lengths, face_areas, regions
 from cityx.geometry.chains import components
 from cityx.geometry.identity import choose, mix
 
@@ -85,7 +85,7 @@ def _filled(ground: Ground, road: NDArray[np.bool_], block: IntArray) -> Ground:
     size = len(ground.face_label)
     area = np.bincount(block, np.where(road, 0.0, face_areas(ground)), minlength=size)
     left, right = ground.edge_faces.T.astype(np.int64)
-    length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
+    length = edge_lengths(ground)
     beside = road[left] != road[np.maximum(right, 0)]
     beside &= right != BEYOND
     inner = np.where(road[left], right, left)[beside]
@@ -176,7 +176,7 @@ def _walks_widened(ground: Ground) -> Ground:
     within = (right != BEYOND) & court[left] & court[np.maximum(right, 0)]
     piece = components(np.column_stack([left, right])[within], len(court))
     size = len(court)
-    length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
+    length = edge_lengths(ground)
     rim, beside = np.zeros(size), np.zeros(size)
     walk = ground.labelled("sidewalk", "plaza", "furnishing", "edging")
     for face, other in ((left, right), (right, left)):
@@ -226,7 +226,7 @@ def _yards(ground: Ground) -> Ground:
     within = inner & court[left] & court[np.maximum(right, 0)]
     yard = components(np.column_stack([left, right])[within], len(court))
     size = len(court)
-    length = np.hypot(*np.diff(ground.vertices[ground.edges], axis=1)[:, 0].T)
+    length = edge_lengths(ground)
     rim, street = np.zeros(size), np.zeros(size)
     outer = ground.labelled(*ROAD, "kerb", "sidewalk", "plaza", "furnishing", "edging", "frontage")
     for face, other in ((left, right), (right, left)):

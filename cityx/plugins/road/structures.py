@@ -17,7 +17,6 @@ from cityx.city.mesh import NO_VERTEX, MeshBatch, concatenate
 from cityx.city.roads import RoadNetwork
 from cityx.city.terrain import Terrain
 from cityx.geometry.arrangement import arrange, join_regions
-from cityx.geometry.clearance import in_triangles
 from cityx.geometry.drape import drape
 from cityx.geometry.identity import stable_id
 from cityx.geometry.polylines import (
@@ -33,6 +32,7 @@ from cityx.geometry.polylines import (
 )
 from cityx.geometry.standing import EARTH
 from cityx.geometry.structures import Bodies, beams, rim_edges, slabs
+from cityx.geometry.triangle_cells import in_triangles
 from cityx.plugins.road.carriageway import FINE
 from cityx.plugins.road.embankments import Obstacles, embankments
 from cityx.plugins.road.heights import WATER
