@@ -114,12 +114,15 @@ def trace_faces(points: IntArray, edges: IntArray) -> Faces:
     faces
         In the order of their lowest points.
     """
+    turning = _turning(points, edges)
     while True:
-        after = _followers(points, edges)
+        after = _followers(edges, turning)
         label = _cycles(after)
         idle = label[0::2] == label[1::2]
         if not idle.any():
             break
+        kept = np.repeat(~idle, 2)
+        turning = (np.cumsum(kept) - 1)[turning[kept[turning]]]
         edges = edges[~idle]
     used = np.zeros(len(points), bool)
     used[edges] = True
@@ -159,24 +162,28 @@ def doubled_areas(points: NDArray[Any], triangles: NDArray[Any]) -> NDArray[Any]
     return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
 
 
-def _followers(points: IntArray, edges: IntArray) -> IntArray:
-    """(2k,) the half edge that follows each round the face on its left.
+def _turning(points: IntArray, edges: IntArray) -> IntArray:
+    """(2k,) the half edges point by point, about each to the left.
 
     Half edge 2i runs along edge i, half edge 2i + 1 back.
     """
-    source = edges.ravel()
     ahead = (points[edges[:, 1]] - points[edges[:, 0]]).astype(float)
     ahead = np.stack([ahead, -ahead], axis=1).reshape(-1, 2)
     # Two directions between grid points differ by far more than angles are rounded by.
-    order = np.lexsort((np.arctan2(ahead[:, 1], ahead[:, 0]), source))
-    head = np.r_[True, source[order][1:] != source[order][:-1]][: len(order)]
+    return np.asarray(np.lexsort((np.arctan2(ahead[:, 1], ahead[:, 0]), edges.ravel())))
+
+
+def _followers(edges: IntArray, turning: IntArray) -> IntArray:
+    """(2k,) the half edge that follows each round the face on its left."""
+    source = edges.ravel()[turning]
+    head = np.r_[True, source[1:] != source[:-1]][: len(turning)]
     first = np.flatnonzero(head)
-    last = np.r_[first[1:], len(order)] - 1
-    before = np.arange(len(order)) - 1
+    last = np.r_[first[1:], len(turning)] - 1
+    before = np.arange(len(turning)) - 1
     before[first] = last
-    clockwise = np.empty(len(order), np.int64)
-    clockwise[order] = order[before]
-    return np.asarray(clockwise[np.arange(len(order)) ^ 1])
+    clockwise = np.empty(len(turning), np.int64)
+    clockwise[turning] = turning[before]
+    return np.asarray(clockwise[np.arange(len(turning)) ^ 1])
 
 
 def _cycles(after: IntArray) -> IntArray:

@@ -31,27 +31,29 @@ def ranges(
     return rows, new_start
 
 
-def numbered(count: NDArray[Any]) -> NDArray[np.int64]:
+def numbered(count: NDArray[Any], kind: Any = np.int64) -> NDArray[Any]:
     """Return the number of each row within its own thing, from zero on.
 
     Parameters
     ----------
     count
         (n,) how many rows each thing has, one thing's after the other's.
+    kind
+        Of the whole numbers.
 
     Returns
     -------
     number
         (count.sum(),) of each row within its own thing.
     """
-    end = np.cumsum(count, dtype=np.int64)
-    first = np.repeat(end - count, count)
-    return np.asarray(np.arange(len(first)) - first)
+    end = np.cumsum(count, dtype=kind)
+    first = np.repeat(end - count.astype(kind, copy=False), count)
+    return np.asarray(np.arange(len(first), dtype=kind) - first)
 
 
-def counted(count: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def counted(count: NDArray[Any], kind: Any = np.int64) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return each thing as often as it counts, and the number of each row within its thing."""
-    return np.repeat(np.arange(len(count)), count), numbered(count)
+    return np.repeat(np.arange(len(count), dtype=kind), count), numbered(count, kind)
 
 
 def row_codes(keys: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -24,7 +24,7 @@ BoolArray = NDArray[np.bool_]
 
 FINE = 128  # parts of a grid step in which segments are given: whole numbers make tests exact
 REACH = 1000 * FINE  # the boxes by which slanting segments are compared are no larger
-CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))  # of a square; the first is its own
+CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])  # of a square; the first is its own
 BATCH = 25_000  # boxes that are compared with all others at once, by one thread
 
 
@@ -100,7 +100,10 @@ def _distinct(begin: IntArray, end: IntArray) -> tuple[IntArray, IntArray]:
 
 
 def _boxes(first: IntArray, second: IntArray) -> tuple[NDArray[Any], IntArray]:
-    """Boxes half a step round pieces of the segments, and the segment of each."""
+    """Boxes half a step round pieces of the segments, and the segment of each.
+
+    A box is the line between two of its corners, of which search trees take the bounds.
+    """
     size = np.abs(second - first)
     count = np.maximum(-(-size.min(axis=1) // REACH), 1)
     owner = np.repeat(np.arange(len(first)), count)
@@ -109,7 +112,7 @@ def _boxes(first: IntArray, second: IntArray) -> tuple[NDArray[Any], IntArray]:
     begin = first[owner] + ahead * number[:, None]
     end = begin + ahead
     low, high = np.minimum(begin, end) - FINE / 2, np.maximum(begin, end) + FINE / 2
-    return shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1]), owner
+    return shapely.linestrings(np.stack([low, high], axis=1)), owner
 
 
 def _crossings(
@@ -120,21 +123,28 @@ def _crossings(
     def some(start: int) -> tuple[IntArray, IntArray]:
         row, other = tree.query(boxes[start : start + BATCH])
         one, two = owner[row + start], owner[other]
-        one, two = one[one < two], two[one < two]
-        a, b, c, d = first[one], second[one], first[two], second[two]
+        pair = np.column_stack([one, two])[one < two]
+        a, b, c, d = _ends(first, second, pair)
         from_one, to_one = _side(a, b, c), _side(a, b, d)
-        across = (np.sign(from_one) * np.sign(to_one) < 0) & (
-            np.sign(_side(c, d, a)) * np.sign(_side(c, d, b)) < 0
-        )
+        apart = np.flatnonzero(np.sign(from_one) * np.sign(to_one) < 0)
+        pair, from_one, to_one = pair[apart], from_one[apart], to_one[apart]
+        a, b, c, d = _ends(first, second, pair)
+        across = np.sign(_side(c, d, a)) * np.sign(_side(c, d, b)) < 0
         share = from_one[across] / (from_one - to_one)[across]
         spot = c[across] + share[:, None] * (d - c)[across]
-        return _square(spot), np.column_stack([one, two])[across]
+        return _square(spot), pair[across]
 
     parts = in_threads(some, range(0, len(boxes), BATCH))
     found, pairs = (np.concatenate(column) for column in zip(*parts, strict=True))
     # Two slanting segments may have met in several pairs of boxes.
     pair, index = np.unique(pairs, axis=0, return_index=True)
     return found[index], pair
+
+
+def _ends(first: IntArray, second: IntArray, pair: IntArray) -> tuple[IntArray, ...]:
+    """Return both ends of the one and of the other segment of pairs, (k, 2) each."""
+    one, two = pair.T
+    return first[one], second[one], first[two], second[two]
 
 
 def _side(a: IntArray, b: IntArray, c: IntArray) -> IntArray:
@@ -153,17 +163,15 @@ def _passed(
     def some(start: int) -> IntArray:
         row, point = tree.query(boxes[start : start + BATCH])
         segment = owner[row + start]
-        a, b = first[segment], second[segment]
-        centre = FINE * points[point]
+        a, b, centre = first[segment], second[segment], FINE * points[point]
         low, high = np.minimum(a, b), np.maximum(a, b)
         over = ((low < centre + half) & (high >= centre - half)).all(axis=1)
-        corners = [
-            _side(a, b, centre + half * np.array(way))
-            for way in ((-1, -1), (1, -1), (1, 1), (-1, 1))
-        ]
+        segment, point = segment[over], point[over]
+        a, b, centre = first[segment], second[segment], FINE * points[point]
+        corners = [_side(a, b, centre + half * way) for way in CORNERS]
         most, least = np.maximum.reduce(corners), np.minimum.reduce(corners)
         upright = (a == b).any(axis=1)
-        inside = over & (upright | ((most > 0) & (least < 0)) | (corners[0] == 0))
+        inside = upright | ((most > 0) & (least < 0)) | (corners[0] == 0)
         return np.asarray(segment[inside] * len(points) + point[inside])
 
     keys = np.unique(np.concatenate(in_threads(some, range(0, len(boxes), BATCH))))

@@ -35,7 +35,7 @@ class TriangleCells:
     boxes
         (2, 2, t) float64, metres, of x and of y their least and their greatest.
     cell, start, triangle
-        (c,) int64 cells that triangles meet, rising; (c + 1,) where each begins in (k,) triangles.
+        (c,) cells that triangles meet, rising; (c + 1,) where each begins in (k,) triangles.
     large, tree
         The triangles that meet too many cells, and an STRtree over them.
     """
@@ -45,8 +45,8 @@ class TriangleCells:
     boxes: FloatArray
     cell: IntArray
     start: IntArray
-    triangle: IntArray
-    large: IntArray
+    triangle: NDArray[np.int32]
+    large: NDArray[np.int32]
     tree: Any
 
 
@@ -59,11 +59,11 @@ def cells_of_triangles(
     low, high = _cells(boxes).swapaxes(0, 1)
     size = high - low + 1
     few = size.prod(axis=0) <= FEW_CELLS
-    row, part = counted(np.where(few, size[1], 0))
+    row, part = counted(np.where(few, size[1], 0), np.int32)
     first, last = low[0, row], high[0, row]
     level = low[1, row] + part
-    wide = np.flatnonzero(~few)
-    band, part = counted(size[1, wide])
+    wide = np.flatnonzero(~few).astype(np.int32)
+    band, part = counted(size[1, wide], np.int32)
     own = wide[band]
     height = low[1, own] + part
     reach = _reaches(vertices, triangles[wide], band, height)
@@ -72,7 +72,7 @@ def cells_of_triangles(
     kept = np.flatnonzero(~large[band])
     row, level = np.concatenate([row, own[kept]]), np.concatenate([level, height[kept]])
     first, last = np.concatenate([first, begin[kept]]), np.concatenate([last, end[kept]])
-    run, part = counted(last - first + 1)
+    run, part = counted(last - first + 1, np.int32)
     cell, triangle = _cell_number(first[run] + part, level[run]), row[run]
     order = np.argsort(cell, kind="stable")
     cell = cell[order]
@@ -85,8 +85,9 @@ def cells_of_triangles(
 
 
 def _reaches(
-    vertices: FloatArray, triangles: NDArray[np.int32], band: IntArray, height: IntArray
-) -> FloatArray:
+    vertices: FloatArray, triangles: NDArray[np.int32], band: NDArray[np.int32],
+    height: NDArray[np.int32],
+) -> FloatArray:  # fmt: skip
     """(2, r) the least and the greatest x of triangles within rows of cells, a little more.
 
     Parameters
@@ -112,12 +113,12 @@ def _reaches(
     return np.stack([least - SLACK, most + SLACK])
 
 
-def _cells(xy: FloatArray) -> IntArray:
-    return np.asarray(np.floor(xy / CELL), np.int64)
+def _cells(xy: FloatArray) -> NDArray[np.int32]:
+    return np.asarray(np.floor(xy / CELL), np.int32)
 
 
-def _cell_number(i: IntArray, j: IntArray) -> IntArray:
-    return np.asarray(i * ROWS + j)
+def _cell_number(i: NDArray[np.int32], j: NDArray[np.int32]) -> IntArray:
+    return np.asarray(i.astype(np.int64) * ROWS + j)
 
 
 def in_triangles(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cityx.assets.lettering import is_known, line_of
 from cityx.assets.shop_words import KINDS, USUAL, tongue_of, words_of
-from cityx.geometry.identity import choose, hash_ids
+from cityx.geometry.identity import choose, hash_bits
 from cityx.geometry.polygons import FloatArray
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def _said(text: str, tongue: str, key: int, *, vague: str = "furniture") -> tupl
 
 def _word(kind: str, tongue: str, key: int) -> str:
     words = words_of(tongue)[kind]
-    return words[int(hash_ids(0, "facade/word", np.uint64(key)) % np.uint64(len(words)))]
+    return words[hash_bits(0, "facade/word", key) % len(words)]
 
 
 def cut(name: str) -> str:

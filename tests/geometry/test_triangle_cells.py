@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cityx.geometry.triangle_cells import CELL, cells_of_triangles, in_triangles, triangles_at
+
+
+@given(seed=st.integers(0, 10_000), size=st.floats(1.0, 900.0))
+@settings(max_examples=30, deadline=None, derandomize=True)
+def test_points_are_found_in_the_triangles_that_hold_them(seed, size):
+    rng = np.random.default_rng(seed)
+    vertices = rng.uniform(-size, size, (60, 2))
+    triangles = rng.integers(0, 60, (25, 3)).astype(np.int32)
+    points = np.concatenate([rng.uniform(-size, size, (200, 2)), vertices[triangles[:3, 0]]])
+    shapes = shapely.polygons(vertices[triangles])
+    solid = shapely.area(shapes) > 1e-9
+    wanted = shapely.intersects(shapes[solid][None], shapely.points(points)[:, None]).any(axis=1)
+    assert np.array_equal(in_triangles(points, vertices, triangles[solid]), wanted)
+
+
+@given(seed=st.integers(0, 10_000), reach=st.integers(2, 400))
+@settings(max_examples=60, deadline=None, derandomize=True)
+def test_sides_and_points_on_the_borders_of_cells_are_found_exactly(seed, reach):
+    """Corners and points lie on half cells, so that sides are level and points lie on them."""
+    rng = np.random.default_rng(seed)
+    corner = rng.integers(-reach, reach + 1, (40, 2))
+    triangles = rng.integers(0, 40, (30, 3)).astype(np.int32)
+    spots = np.concatenate([rng.integers(-reach, reach + 1, (200, 2)), corner])
+    a, b, c = corner[triangles].transpose(1, 0, 2)[:, None]  # (1, t, 2) each, whole numbers
+    at = spots[:, None]
+
+    def side(p, q):
+        u, v = q - p, at - p
+        return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+
+    turns = np.stack([side(a, b), side(b, c), side(c, a)])
+    held = (turns >= 0).all(axis=0) | (turns <= 0).all(axis=0)
+    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    held &= ((low <= at) & (at <= high)).all(axis=2)
+    step = CELL / 2
+    prepared = cells_of_triangles(corner * step, triangles)
+    pairs = [np.column_stack(found) for found in triangles_at(spots * step, prepared)]
+    found = np.concatenate(pairs)
+    assert np.array_equal(np.unique(found, axis=0), np.argwhere(held))
+    assert len(found) == held.sum()  # each once
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+def test_needles_across_the_site_are_found_along_all_their_length(kind):
+    vertices = np.array([(-1500.0, -700.0), (1500.0, 811.0), (-1500.0, -699.95)], kind)
+    share = np.linspace(0.01, 0.99, 500)[:, None]
+    first, second, third = vertices.astype(float)
+    middle = (first + third) / 2
+    points = middle * (1 - share) + second * share
+    triangles = np.array([(0, 1, 2)], np.int32)
+    assert in_triangles(points, vertices, triangles).all()
+    assert not in_triangles(points + np.array([0.0, 1.0]), vertices, triangles).any()
+
+
+def test_no_triangle_and_no_point_is_no_error():
+    vertices = np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
+    none = np.zeros((0, 3), np.int32)
+    assert not in_triangles([(0.2, 0.2)], vertices, none).any()
+    assert len(in_triangles(np.zeros((0, 2)), vertices, np.array([(0, 1, 2)], np.int32))) == 0
