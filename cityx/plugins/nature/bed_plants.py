@@ -10,6 +10,7 @@ from cityx.geometry.scatter import Points
 from cityx.plugins.nature import climate
 from cityx.plugins.nature.stands import INDEX, Stand, draw_species, stand_of
 from cityx.plugins.road.beds import CORNER, LENGTH, Beds, bed_slots
+from cityx.plugins.road.tiers import level_network
 
 PURPOSE = "nature/bed_plants"
 # What grows in a bed, with weights, and metres between its plants.
@@ -25,7 +26,7 @@ def bed_stands(city: City) -> list[Stand]:
     """Plant the beds that lie on the ground: hedges, bushes and single trees."""
     if city.ground is None or city.network is None or not city.network.edge_count:
         return []
-    beds = bed_slots(city.layout, city.network)
+    beds = bed_slots(city.layout, level_network(city.network, city.heights))
     beds = beds.take(city.ground.on(beds.middle, "bed"))
     kind = choose(city.seed, PURPOSE, beds.id, [weight for _, weight, _ in BEDS])
     corner = beds.half[:, 0] <= CORNER

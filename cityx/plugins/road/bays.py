@@ -19,6 +19,7 @@ from cityx.geometry.polylines import pack
 from cityx.geometry.standing import stand_on
 from cityx.plugins.nature.painted import painted_strips
 from cityx.plugins.nature.street_rules import place_of
+from cityx.plugins.road.tiers import level_network
 from cityx.plugins.road.yards import BAY, STALL, yard_patches
 
 FloatArray = NDArray[np.float64]
@@ -213,7 +214,9 @@ def yard_bays(city: City) -> Bays:
     network, ground = city.network, city.ground
     if network is None or ground is None:
         return _none()
-    patches = yard_patches(city.layout, network, place_of(city)).labelled("parking")
+    patches = yard_patches(
+        city.layout, level_network(network, city.heights), place_of(city)
+    ).labelled("parking")
     found = [_none()]
     count = np.rint(patches.size[:, 0] / BAY).astype(np.int64)
     for depth in np.unique(patches.size[:, 1]).tolist():

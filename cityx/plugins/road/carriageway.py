@@ -424,6 +424,41 @@ def joined_by(shapes: Shapes, group: IntArray) -> tuple[Shapes, IntArray]:
     return np.asarray(shapely.union_all(np.asarray(heaps, object)[:, None], axis=1)), groups
 
 
+@dataclass(frozen=True)
+class Unions:
+    """Unions of some of many shapes; those of the same ones are made once.
+
+    Attributes
+    ----------
+    shapes
+        (n,) polygons.
+    width
+        Metres by which they are made wider before.
+    """
+
+    shapes: Shapes
+    width: float = 0.0
+    _made: dict[bytes, Any] = field(default_factory=dict)
+
+    def of(self, rows: IntArray, group: IntArray) -> tuple[Shapes, IntArray]:
+        """Unite the shapes, given by their rows, of each group, as `joined_by` does."""
+        order = np.lexsort((rows, group))
+        rows = rows[order]
+        groups, start = np.unique(group[order], return_index=True)
+        heaps = np.split(rows, start[1:]) if len(rows) else []
+        names = [heap.tobytes() for heap in heaps]
+        fresh = {name: heap for name, heap in zip(names, heaps, strict=True)
+                 if name not in self._made}  # fmt: skip
+        if fresh:
+            shapes = self.shapes[np.concatenate(list(fresh.values()))]
+            if self.width:
+                with np.errstate(divide="ignore", invalid="ignore"):  # a needle's mitre is cut off
+                    shapes = shapely.buffer(shapes, self.width, join_style="mitre")
+            number = np.repeat(np.arange(len(fresh)), [len(heap) for heap in fresh.values()])
+            self._made.update(zip(fresh, joined_by(shapes, number)[0], strict=True))
+        return np.array([self._made[name] for name in names], object), groups
+
+
 def _closed(shapes: Shapes, radius: FloatArray) -> Shapes:
     """Round the corners that a shape has towards its outside."""
     with np.errstate(divide="ignore", invalid="ignore"):  # at spikes, which the mitre limit cuts

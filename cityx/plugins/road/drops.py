@@ -13,7 +13,7 @@ from cityx.geometry.arrangement import GRID, Regions, join_regions, regions
 from cityx.geometry.drape import RAMP_SLOPE
 from cityx.geometry.polylines import locate
 from cityx.geometry.ranges import numbered
-from cityx.plugins.road.carriageway import Carriageway, joined_by
+from cityx.plugins.road.carriageway import Carriageway, Unions
 from cityx.plugins.road.corners import LEAST_RADIUS, RADIUS
 from cityx.plugins.road.crossing_places import dense_places
 from cityx.plugins.road.marks import PLAIN, Shapes, Street
@@ -65,17 +65,15 @@ def dropped_regions(
     zebras = joined(zebras, mouths)
     if not len(zebras.edge):
         return Regions()
-    driven = road.kerbed
-    sides = [
-        _side(street, zebras, names, driven, ribs, sign) for sign in (1.0, -1.0)
-    ]  # fmt: skip
+    driven, rims = Unions(road.kerbed), Unions(road.kerbed, KERB_WIDTH)
+    sides = [_side(street, zebras, names, driven, rims, ribs, sign) for sign in (1.0, -1.0)]
     shapes = {name: np.concatenate([side[name] for side in sides]) for name in sides[0]}
     shapes = {name: shapely.make_valid(each) for name, each in shapes.items()}
     ribbed = [each for name, each in shapes.items() if name in names]
     rows = np.concatenate([np.zeros(0, object), *ribbed])
     over = rows
     for name in ("landing", "guide_strip", "ramp"):
-        shapes[name] = _without(shapes[name], over)
+        shapes[name] = _without(shapes[name], Unions(over))
         over = np.concatenate([over, shapes[name]])
     # No line of theirs cuts slivers off what is driven on.
     shapes = {name: _without(each, driven) for name, each in shapes.items()}
@@ -88,8 +86,8 @@ def dropped_regions(
 
 
 def _side(
-    street: Street, zebras: Zebras, names: NDArray[np.str_], driven: Shapes, ribs: Ribs,
-    sign: float,
+    street: Street, zebras: Zebras, names: NDArray[np.str_], driven: Unions, rims: Unions,
+    ribs: Ribs, sign: float,
 ) -> dict[str, Shapes]:  # fmt: skip
     """Return what is lowered on one side of crossings, 1 for the left, by its surface."""
     table = street.layout.roads.iloc[street.network.edge_road[zebras.edge]]
@@ -117,8 +115,8 @@ def _side(
     landing = patches(street, zebras, every, sign * half, sign * front)
     slope = patches(street, zebras, every, sign * half, sign * (back + RAMP), RAMP)
     return {
-        "kerb_dropped": along_rims(stones, driven, KERB_WIDTH),
-        "kerb ends": along_rims(ends[sloped], driven, KERB_WIDTH),
+        "kerb_dropped": along_rims(stones, rims),
+        "kerb ends": along_rims(ends[sloped], rims),
         **{name: row[ribbed & (names == name)] for name in np.unique(names).tolist() if name},
         "guide_strip": _strips(street, zebras, ribs, sign, ribbed, back, half + KERB_WIDTH + broad),
         "landing": landing[sloped & (front > half + KERB_WIDTH + GRID)],
@@ -148,17 +146,17 @@ def _strips(
     ])  # fmt: skip
 
 
-def _without(shapes: Shapes, things: Shapes) -> Shapes:
+def _without(shapes: Shapes, things: Unions) -> Shapes:
     """Cut things out of shapes."""
-    row, thing = shapely.STRtree(things).query(shapes, predicate="intersects")
+    row, thing = shapely.STRtree(things.shapes).query(shapes, predicate="intersects")
     left = shapes.copy()
     if len(row):
-        taken, rows = joined_by(things[thing], row)
+        taken, rows = things.of(thing, row)
         left[rows] = shapely.difference(shapes[rows], taken)
     return left
 
 
-def _kerbs(street: Street, zebras: Zebras, driven: Shapes, sign: float) -> FloatArray:
+def _kerbs(street: Street, zebras: Zebras, driven: Unions, sign: float) -> FloatArray:
     """(z,) metres left of the centreline, times `sign`, that most of the kerb is nearer than.
 
     That is half the street but where its kerb has begun to curve, or the map draws it elsewhere.
@@ -175,10 +173,10 @@ def _kerbs(street: Street, zebras: Zebras, driven: Shapes, sign: float) -> Float
     foot = at[:, None] + ahead[:, None] * step + left[:, None] * near[:, None, None]  # (k, r, 2)
     tip = foot + left[:, None] * (FLARE + flare[rows])[:, None, None]
     rays = shapely.linestrings(np.stack([foot, tip], axis=2))  # (k, r)
-    own, surface = shapely.STRtree(driven).query(
+    own, surface = shapely.STRtree(driven.shapes).query(
         shapely.multilinestrings(rays), predicate="intersects"
     )
-    paved, group = joined_by(driven[surface], own)
+    paved, group = driven.of(surface, own)
     free = shapely.difference(rays[group], paved[:, None])
     off = shapely.distance(free, shapely.points(foot[group]))  # of an empty one not a number
     rows = rows[group]
@@ -196,7 +194,8 @@ def drive_regions(street: Street, road: Carriageway) -> Regions:
     mouths = _mouths(street)
     if not len(mouths.place):
         return Regions()
-    driven = road.kerbed
+    drawn = Unions(road.drawn)
+    rims = {width: Unions(road.kerbed, width) for width in (KERB_WIDTH, KERB_WIDTH + RAMP)}
     shapes, ends = (_mouth_shapes(mouths, past) for past in (0.0, 2 * RAMP))
     parts = []
     for name, rank, where, width in (
@@ -205,7 +204,7 @@ def drive_regions(street: Street, road: Carriageway) -> Regions:
         ("ramp", 0, ends, KERB_WIDTH + RAMP),
     ):
         priority = rank or SURFACES[LABEL[name]].priority
-        lowered = _without(along_rims(where, driven, width), road.drawn)
+        lowered = _without(along_rims(where, rims[width]), drawn)
         parts.append(regions(lowered, LABEL[name], priority))
     return join_regions(parts)
 
@@ -306,12 +305,11 @@ def _mouth_shapes(mouths: _Mouths, past: float) -> Shapes:
     return np.asarray(shapely.polygons(np.stack(corners, axis=1)))
 
 
-def along_rims(shapes: Shapes, driven: Shapes, width: float) -> Shapes:
-    """Cut shapes to what lies so near the rims of what is driven on, in metres."""
-    patch, row = shapely.STRtree(driven).query(shapes, predicate="dwithin", distance=width)
-    with np.errstate(divide="ignore", invalid="ignore"):  # a needle's mitre is cut off
-        grown = shapely.buffer(driven[row], width, join_style="mitre")
-    near, of_patch = joined_by(grown, patch)
+def along_rims(shapes: Shapes, rims: Unions) -> Shapes:
+    """Cut shapes to what lies so near the rims of what is driven on as these are wider."""
+    tree = shapely.STRtree(rims.shapes)
+    patch, row = tree.query(shapes, predicate="dwithin", distance=rims.width)
+    near, of_patch = rims.of(row, patch)
     whole = shapely.make_valid(shapes[of_patch])  # where a way bends its patch may cross itself
     return np.asarray(shapely.intersection(whole, near))
 

@@ -54,7 +54,7 @@ from cityx.plugins.road.retaining_walls import find_walls
 from cityx.plugins.road.stairs import build_stairs
 from cityx.plugins.road.streets import street_regions
 from cityx.plugins.road.structures import Structures, body_batch, build_structures, grounded_lines
-from cityx.plugins.road.tiers import cut_network
+from cityx.plugins.road.tiers import level_network
 from cityx.plugins.road.yards import patch_regions
 from cityx.protocol import Port, action, has_network
 
@@ -101,10 +101,11 @@ def ground(city: City) -> City:
         detail=city.lod > 0,
         painting=painting,
     )
-    found = _regions(city.layout, network, city.heights, built, city.lod, painting, place_of(city))
-    walls = find_walls(city.layout, _on_ground(network, built), city.terrain)
+    level = level_network(network, city.heights)
+    found = _regions(city.layout, level, city.heights, built, city.lod, painting, place_of(city))
+    walls = find_walls(city.layout, level, city.terrain)
     if city.lod > 0:
-        seams = seam_lines(city.layout, _on_ground(network, built))
+        seams = seam_lines(city.layout, level)
         lines = np.concatenate([lines, walls.lines, seams])
     arranged = arrange(found, city.layout.extent, lines=lines)
     if city.lod > 0:
@@ -151,7 +152,7 @@ def _with_heights(city: City) -> City:
 
 def _regions(
     layout: Layout,
-    network: RoadNetwork,
+    level: RoadNetwork,
     heights: WayHeights,
     built: Structures,
     lod: int,
@@ -159,18 +160,12 @@ def _regions(
     place: str = "",
 ) -> Regions:
     """Return what covers the site: the pieces of roads on the ground, and openings for the rest."""
-    level = _on_ground(network, built)
     label = LABEL["void"]
     opened = regions(built.opening, label, SURFACES[label].priority)
     if lod == 0:
         return join_regions([plain_regions(layout, level), opened])
     ways = grounded_lines(layout, heights)
     return join_regions([detailed_regions(layout, level, ways, painting, place), opened])
-
-
-def _on_ground(network: RoadNetwork, built: Structures) -> RoadNetwork:
-    """Return the pieces of roads on the ground."""
-    return cut_network(network, built.spans, np.flatnonzero(~built.spans.off))
 
 
 def plain_regions(layout: Layout, network: RoadNetwork) -> Regions:
@@ -246,6 +241,6 @@ def ground_of(layout: Layout, *, terrain: Terrain | None = None, lod: int = 2) -
     terrain = terrain if terrain is not None else flat_terrain()
     network, heights, terrain, _ = way_heights(layout, road_network(layout), terrain)
     built = build_structures(layout, network, heights, terrain, detail=lod > 0)
-    found = _regions(layout, network, heights, built, lod)
+    found = _regions(layout, level_network(network, heights), heights, built, lod)
     arranged = arrange(found, layout.extent, lines=cell_lines(layout, terrain, lod)[0])
     return pave_blocks(arranged, layout) if lod > 0 else arranged

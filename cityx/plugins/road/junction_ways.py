@@ -14,7 +14,7 @@ from cityx.city.lanes import MOVEMENTS, LaneGraph
 from cityx.city.section import KIND
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.geometry.ranges import ranges
-from cityx.plugins.road.lanes import LEFT, RIGHT, STRAIGHT, THROUGH, lane_graph, ways_between
+from cityx.plugins.road.lanes import LEFT, RIGHT, STRAIGHT, THROUGH, ways_between
 from cityx.plugins.road.marks import BoolArray, FloatArray, IntArray, Shapes, Street
 
 MOST_LANES = 5  # short lanes in a row within one junction
@@ -62,9 +62,18 @@ class JunctionWays:
         return JunctionWays(**chosen, line=Polylines(self.line.points[point], start))
 
 
-def junction_ways(street: Street, kinds: Sequence[str] = CARS) -> JunctionWays:
-    """Find the ways across the junctions of a network from and to lanes of some kinds."""
-    graph = lane_graph(street.layout, street.network)
+def junction_ways(
+    street: Street, graph: LaneGraph, kinds: Sequence[str] = CARS
+) -> JunctionWays:  # fmt: skip
+    """Find the ways across the junctions of a network from and to lanes of some kinds.
+
+    Parameters
+    ----------
+    street, graph
+        The network and its lanes.
+    kinds
+        Of `cityx.city.section.BAND_KINDS`.
+    """
     cluster = street.cluster
     ends = cluster[street.network.edge_nodes[graph.edge]]
     inside = (ends[:, 0] == ends[:, 1]) if graph.count else np.zeros(0, bool)

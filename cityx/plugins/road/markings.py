@@ -25,6 +25,7 @@ from cityx.plugins.road.junction_ways import BICYCLES, junction_ways
 from cityx.plugins.road.kerb_bays import bay_marks, runs_of
 from cityx.plugins.road.kerb_lines import corner_lines, kerb_lines
 from cityx.plugins.road.lane_lines import LONG_DASH, lane_lines, partings_of
+from cityx.plugins.road.lanes import lane_graph
 from cityx.plugins.road.marks import (
     LINE,
     PLAIN,
@@ -130,7 +131,8 @@ def marking_regions(
     amid[len(centre) : len(centre) + len(crossing) + len(halts[0])] = True
     clear = _clear(marks, edge, layout, network, road, amid)
     _keep_whole(clear, slice(len(centre), len(centre) + len(crossing)), crossing)
-    ways = junction_ways(street)
+    graph = lane_graph(layout, network)
+    ways = junction_ways(street, graph)
     centres = centre_marks(street, ways, road) if painting.centre_marks else np.zeros(0, object)
     taken = np.concatenate([furten, guides[0], centres])
     turns, _ = turn_guides(street, ways, zebras, road, taken, painting.turn_guides)
@@ -168,7 +170,7 @@ def marking_regions(
         parts.append(box_junctions(street, ways, road))
     else:
         taken = np.concatenate([taken, turns, crossed])
-        cycled = junction_ways(street, BICYCLES)
+        cycled = junction_ways(street, graph, BICYCLES)
         parts.append(unused_ground(street, (ways, cycled), road, taken))
     if painting.red_cycleways:
         parts.append(_red_lanes(street, painted))

@@ -63,7 +63,7 @@ from cityx.plugins.road.structure_tiers import (
     heights_on,
     tier_of,
 )
-from cityx.plugins.road.tiers import Spans, cut_network, spans_of
+from cityx.plugins.road.tiers import Spans, cut_network, level_network, spans_of
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -93,8 +93,6 @@ class Structures:
 
     Attributes
     ----------
-    spans
-        The pieces of the network's edges.
     surfaces
         Meshes of the carriageways, walks and markings, an object per surface.
     bodies
@@ -103,7 +101,6 @@ class Structures:
         Polygons where there is no ground.
     """
 
-    spans: Spans
     surfaces: MeshBatch
     bodies: MeshBatch
     opening: Shapes
@@ -139,7 +136,7 @@ def build_structures(
     off, others = _with_room(layout, off, others, streets)
     whole = tier_of(layout, off, others)
     obstacles = Obstacles(layout, _areas(layout, WATER))
-    beside = _strips(cut_network(network, spans, np.flatnonzero(~spans.off)), CUTTING_WALL + GAP)
+    beside = _strips(level_network(network, heights), CUTTING_WALL + GAP)
     surfaces, bodies, opening = [], [], [np.zeros(0, object)]
     for number, rows in enumerate(groups_of(whole)):
         cars = rows[rows < off.edge_count]
@@ -150,7 +147,7 @@ def build_structures(
         surfaces.append(made[0])
         bodies.append(made[1])
         opening.append(made[2])
-    return Structures(spans, concatenate(surfaces), concatenate(bodies), np.concatenate(opening))
+    return Structures(concatenate(surfaces), concatenate(bodies), np.concatenate(opening))
 
 
 def _edges(network: RoadNetwork, rows: IntArray) -> RoadNetwork:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cityx.city.heights import WayHeights
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.polylines import arc_lengths, pieces, values_along
+from cityx.remembered import Remembered
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -95,6 +96,21 @@ def spans_of(network: RoadNetwork, heights: WayHeights) -> Spans:
         np.concatenate([table[:, 2], length[rest]])[order],
         np.concatenate([table[:, 3] > 0, np.zeros(len(rest), bool)])[order],
     )
+
+
+_LEVEL: Remembered[RoadNetwork] = Remembered()
+
+
+def level_network(network: RoadNetwork, heights: WayHeights | None) -> RoadNetwork:
+    """Return the pieces of roads on the ground; all where no heights are known."""
+    if heights is None:
+        return network
+
+    def made() -> RoadNetwork:
+        spans = spans_of(network, heights)
+        return cut_network(network, spans, np.flatnonzero(~spans.off))
+
+    return _LEVEL.get(made, [network, heights])
 
 
 def _union(parts: list[tuple[float, float]], size: float) -> list[tuple[float, float]]:

@@ -17,7 +17,7 @@ import shapely
 from cityx.city.ground import LABEL, SURFACES
 from cityx.geometry.arrangement import Regions, regions
 from cityx.geometry.polylines import to_linestrings
-from cityx.plugins.road.carriageway import Carriageway
+from cityx.plugins.road.carriageway import Carriageway, joined_by
 from cityx.plugins.road.junction_ways import JunctionWays
 from cityx.plugins.road.marks import Shapes, Street, rimmed
 
@@ -40,27 +40,26 @@ def unused_ground(
     taken
         (n,) crossings and other marks, which keep their room.
     """
-    marks = shapely.STRtree(taken)
-    found: list[Any] = []
-    for hub in street.ruled_hubs.tolist():
-        stars = np.flatnonzero(road.node == hub)
-        lines = np.concatenate([to_linestrings(some.take(some.hub == hub).line) for some in ways])
-        if not len(stars) or not len(lines):
-            continue
-        whole = shapely.union_all([*road.stars[stars], *road.curves[road.curve_node == hub]])
-        near = taken[marks.query(whole, predicate="dwithin", distance=FREE)]
-        driven = shapely.buffer(lines, HALF_WAY, cap_style="flat")
-        rest = shapely.difference(
-            shapely.buffer(whole, -FREE),
-            shapely.union_all([*driven, *shapely.buffer(near, FREE, join_style="mitre")]),
-        )
-        core = shapely.buffer(rest, -NECK / 2, join_style="mitre")
-        core = shapely.buffer(core, NECK / 2 - LINE, join_style="mitre")
-        # Corners of what is left may reach past what there was.
-        inside = shapely.intersection(core, shapely.buffer(rest, -LINE))
-        parts = shapely.get_parts(inside)
-        area = shapely.area(parts)
-        found.extend(parts[(area > AREA[0]) & (area < AREA[1])])
+    lines = np.concatenate([to_linestrings(some.line) for some in ways])
+    hub = np.concatenate([some.hub for some in ways])
+    crossed = np.intersect1d(street.ruled_hubs, hub)
+    surfaces, node = np.concatenate([road.stars, road.curves]), np.r_[road.node, road.curve_node]
+    own = np.isin(node, crossed) & np.isin(node, road.node)
+    whole, nodes = joined_by(surfaces[own], node[own])
+    led = np.flatnonzero(np.isin(hub, nodes))
+    near, mark = shapely.STRtree(taken).query(whole, predicate="dwithin", distance=FREE)
+    driven = shapely.buffer(lines[led], HALF_WAY, cap_style="flat")
+    kept = shapely.buffer(taken[mark], FREE, join_style="mitre")
+    used, _ = joined_by(
+        np.concatenate([driven, kept]), np.concatenate([np.searchsorted(nodes, hub[led]), near])
+    )
+    rest = shapely.difference(shapely.buffer(whole, -FREE), used)
+    core = shapely.buffer(rest, -NECK / 2, join_style="mitre")
+    core = shapely.buffer(core, NECK / 2 - LINE, join_style="mitre")
+    # Corners of what is left may reach past what there was.
+    parts = shapely.get_parts(shapely.intersection(core, shapely.buffer(rest, -LINE)))
+    area = shapely.area(parts)
+    found = parts[(area > AREA[0]) & (area < AREA[1])]
     label = LABEL["marking"]
     painted = [_hatching(shape) for shape in found]
     return regions(np.array(painted, object), label, SURFACES[label].priority)

@@ -14,6 +14,7 @@ from cityx.plugins.road.box_junctions import box_junctions
 from cityx.plugins.road.carriageway import build_carriageway
 from cityx.plugins.road.centre_marks import centre_marks
 from cityx.plugins.road.junction_ways import BICYCLES, conflicts, junction_ways
+from cityx.plugins.road.lanes import lane_graph
 from cityx.plugins.road.marks import street_of
 from cityx.plugins.road.network import junction_clusters, road_network
 from cityx.plugins.road.painting import Painting
@@ -35,7 +36,12 @@ def built(layout, **painting):
     street = street_of(layout, network, bands_of(layout, network), Painting(**painting))
     every = np.ones(network.edge_count, bool)
     road = build_carriageway(layout, network, every)
-    return street, junction_ways(street), zebras_of(street, every, road), road
+    return (
+        street,
+        junction_ways(street, lane_graph(layout, network)),
+        zebras_of(street, every, road),
+        road,
+    )
 
 
 def star_of():
@@ -259,7 +265,7 @@ def test_bicycles_keep_their_ways_free_of_hatching(layout_of):
     wide = [(line, WIDE | {"width": 24.0, "lanes": 2, "section": section}) for line in CROSS]
     street, ways, zebras, road = built(layout_of(wide, points=SIGNALS))
     straight = ways.take(ways.movement == MOVEMENTS.index("through"))
-    bicycles = junction_ways(street, BICYCLES)
+    bicycles = junction_ways(street, lane_graph(street.layout, street.network), BICYCLES)
     assert (street.network.node_position[bicycles.hub] == 0).all()
     assert (bicycles.movement == MOVEMENTS.index("through")).sum() == 4
     taken = crossing_boxes(street, zebras)

@@ -13,6 +13,7 @@ from cityx.plugins.road.halts import halt_lines
 from cityx.plugins.road.junction_ways import junction_ways
 from cityx.plugins.road.kerb_lines import corner_lines, kerb_lines
 from cityx.plugins.road.lane_lines import SOLID, lane_lines, partings_of
+from cityx.plugins.road.lanes import lane_graph
 from cityx.plugins.road.markings import _lined
 from cityx.plugins.road.marks import street_of
 from cityx.plugins.road.network import road_network
@@ -265,7 +266,9 @@ def test_a_box_is_hatched_under_signals_of_classified_roads_only(layout_of):
         layout = layout_of([(line, options) for line in cross], points=points)
         found = street(layout)
         road = build_carriageway(layout, found.network, everywhere(found))
-        return box_junctions(found, junction_ways(found), road).polygons
+        return box_junctions(
+            found, junction_ways(found, lane_graph(found.layout, found.network)), road
+        ).polygons
 
     assert len(box({}, signals)) == 0
     assert len(box(MAIN, [])) == 0
