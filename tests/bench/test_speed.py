@@ -67,11 +67,13 @@ def test_streets_and_nature_are_timed_apart_from_buildings(town):
     taken = {"import": 9.0, "layout/inputs": 0.5, "road/ground": 2.0, "nature/trees": 1.0,
              "background/sun": 0.25, "building/facade": 4.0, "store": 0.25}  # fmt: skip
     report = {
-        "cpu_s": taken, "counts": {"buildings": 10}, "area_km2": 0.5, "peak_rss_mb": 1.0,
-        "blend_mb": 1.0, "triangles": {"unique": 8, "instanced": 80},
+        "cpu_s": taken, "timings_s": {step: took / 2 for step, took in taken.items()},
+        "counts": {"buildings": 10}, "area_km2": 0.5, "peak_rss_mb": 1.0, "blend_mb": 1.0,
+        "triangles": {"unique": 8, "instanced": 80},
     }  # fmt: skip
     row = row_of(town, 2, [report])
     assert (row["streets, nature s/km2"], row["s/km2"]) == ("6.50", "16.00")
+    assert row["on the clock s/km2"] == "3.25"
 
 
 def test_a_peer_reads_the_map_unpacked(town, tmp_path):
