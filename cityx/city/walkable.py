@@ -39,7 +39,7 @@ DRIVEN = 1.45  # metres on both sides of the middle of a lane, and a way across 
 # vehicles take up: half a lorry, and a little
 MOST_CELLS = 150_000_000  # of a raster: 6 km2, some 2 GB while it is made
 SOLID = (*FURNITURE, "trees", "vehicles")  # layers of the scene that stand in the way
-WALLS = ("barriers", "structures")  # layers of meshes that do
+WALLS = ("barriers", "structures", "guard_rails")  # layers of meshes that do
 FARTHEST = 12.0  # metres of clearance that are told apart
 CROSSES = 0.5  # square metres of roadway that a crosswalk covers at least, or shares at most
 STRIP = 2000  # rows of the raster whose clearance is measured at once

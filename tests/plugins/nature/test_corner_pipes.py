@@ -4,8 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import ndimage
+from scipy.spatial import cKDTree
 
 from cityx.city import Frame
+from cityx.city.walkable import BODY, CELL, walkable_of
 from cityx.geometry.standing import WALKED
 from cityx.plugins.road.ground import ground
 from cityx.plugins.road.guard_rails import FREE_WALK, PIPE, guard_rails
@@ -47,3 +50,18 @@ def test_pipes_go_round_corners_where_walks_are_wide(crossroads, walk, frame, th
     again = guard_rails(city).scene.meshes["guard_rails"]
     assert again.vertices.tobytes() == mesh.vertices.tobytes()
     assert len(np.unique(mesh.object_id)) == mesh.count
+
+
+def test_people_keep_half_a_body_off_pipes_and_pass_behind_them(crossroads):
+    city = junction(crossroads, 3.0, TOKYO)
+    made = guard_rails(city)
+    points = made.scene.meshes["guard_rails"].vertices[:, :2]
+    shut, open_ = walkable_of(made), walkable_of(city)
+    assert open_.holds(points).mean() > 0.5
+    assert not shut.holds(points).any()
+    rows, columns = np.nonzero(shut.free)
+    places = shut.places(np.column_stack([rows, columns]))
+    gap = cKDTree(places).query(points)[0]
+    assert BODY <= gap.min()
+    assert gap.max() < 2 * BODY + 2 * CELL
+    assert ndimage.label(shut.free)[1] == ndimage.label(open_.free)[1]  # nowhere is shut off
