@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 from cityx.geometry.polylines import SAGITTA
-from cityx.plugins.road.carriageway import _closed, build_carriageway
+from cityx.plugins.road.carriageway import Unions, _closed, build_carriageway, joined_by
 from cityx.plugins.road.corners import NOSE_RADIUS
 from cityx.plugins.road.network import road_network
 
@@ -59,3 +59,25 @@ def test_chords_of_a_curve_stay_within_their_sagitta(radius):
     middles = (arc[1:] + arc[:-1]) / 2 - centre
     assert len(arc) > 8
     assert np.abs(np.hypot(*middles.T) - radius).max() < SAGITTA + 0.001
+
+
+def test_unions_of_the_same_shapes_are_made_once():
+    squares = shapely.box(*np.array([(n, 0, n + 1.5, 1) for n in range(5)], float).T)
+    unions = Unions(squares)
+    rows, group = np.array([3, 0, 1, 4, 1, 0]), np.array([7, 2, 2, 7, 9, 9])
+    made, groups = unions.of(rows, group)
+    plain, same = joined_by(squares[rows], group)
+    assert groups.tolist() == same.tolist() == [2, 7, 9]
+    assert shapely.equals(made, plain).all()
+    assert made[0] is made[2]  # of the same two, in another order
+    again, _ = unions.of(np.array([4, 3]), np.array([0, 0]))
+    assert again[0] is made[1]
+    none, nowhere = unions.of(np.zeros(0, np.int64), np.zeros(0, np.int64))
+    assert len(none) == len(nowhere) == 0
+
+
+def test_unions_are_of_wider_shapes_where_they_are_to_be():
+    squares = shapely.box(np.array([0.0, 2.2]), 0.0, np.array([2.0, 4.2]), 1.0)
+    (made,), _ = Unions(squares, 0.5).of(np.array([0, 1]), np.array([0, 0]))
+    assert made.bounds == (-0.5, -0.5, 4.7, 1.5)
+    assert made.area == pytest.approx(5.2 * 2.0)
