@@ -56,6 +56,15 @@ def counted(count: NDArray[Any], kind: Any = np.int64) -> tuple[NDArray[Any], ND
     return np.repeat(np.arange(len(count), dtype=kind), count), numbered(count, kind)
 
 
+def numbered_in_runs(keys: NDArray[Any]) -> NDArray[np.int64]:
+    """Return the number of each row among those before it with the same key, from zero on.
+
+    Rows of one key follow one another; keys need not rise.
+    """
+    first = np.flatnonzero(np.r_[True, keys[1:] != keys[:-1]][: len(keys)])
+    return numbered(np.diff(np.r_[first, len(keys)]))
+
+
 def row_codes(keys: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return a number for each row of a table of whole numbers, (n, k), the same for equal rows.
 

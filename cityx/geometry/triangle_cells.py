@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.geometry.ranges import counted
@@ -16,12 +14,31 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-CELL = 3.0  # metres; points are looked up by such cells
+CELL, COARSER = 3.0, 8  # metres of the finest cells, and how many times larger the next ones are
 FEW_CELLS = 16  # of a box; a triangle counts to all of them, a larger one to those it reaches
-MOST_CELLS = 400  # that a triangle may reach; larger ones ask a search tree
+MOST_CELLS = 36  # that a triangle may reach; larger ones are looked up by larger cells
 ROWS = np.int64(1 << 24)  # of cells, more than any site has
 AT_ONCE = 20_000  # points looked up at once; each may have hundreds of triangles in its cell
+BATCH = 50_000  # triangles whose rows of cells are found at once
 SLACK, LEVEL = 1e-6, 1e-6  # metres by which a row of cells is taken longer; rise of a level side
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Some triangles by cells of one size.
+
+    Attributes
+    ----------
+    size
+        Metres of a cell.
+    cell, start, triangle
+        (c,) cells that triangles meet, rising; (c + 1,) where each begins in (k,) triangles.
+    """
+
+    size: float
+    cell: IntArray
+    start: NDArray[np.int32]
+    triangle: NDArray[np.int32]
 
 
 @dataclass(frozen=True)
@@ -34,20 +51,14 @@ class TriangleCells:
         (v, 2) float, metres, and the (t, 3) corners among them.
     boxes
         (2, 2, t) float64, metres, of x and of y their least and their greatest.
-    cell, start, triangle
-        (c,) cells that triangles meet, rising; (c + 1,) where each begins in (k,) triangles.
-    large, tree
-        The triangles that meet too many cells, and an STRtree over them.
+    levels
+        All of them, the larger by larger cells.
     """
 
     vertices: FloatArray
     triangles: NDArray[np.int32]
     boxes: FloatArray
-    cell: IntArray
-    start: IntArray
-    triangle: NDArray[np.int32]
-    large: NDArray[np.int32]
-    tree: Any
+    levels: tuple[Cells, ...]
 
 
 def cells_of_triangles(
@@ -56,37 +67,51 @@ def cells_of_triangles(
     """Prepare (t, 3) triangles over (v, 2) vertices."""
     boxes = np.array([[end(end(*at[:2]), at[2]) for end in (np.minimum, np.maximum)]
                       for at in vertices.T[:, triangles.T]], float)  # fmt: skip
-    low, high = _cells(boxes).swapaxes(0, 1)
-    size = high - low + 1
-    few = size.prod(axis=0) <= FEW_CELLS
-    row, part = counted(np.where(few, size[1], 0), np.int32)
-    first, last = low[0, row], high[0, row]
-    level = low[1, row] + part
-    wide = np.flatnonzero(~few).astype(np.int32)
-    band, part = counted(size[1, wide], np.int32)
-    own = wide[band]
-    height = low[1, own] + part
-    reach = _reaches(vertices, triangles[wide], band, height)
-    begin, end = _cells(reach)
-    large = np.bincount(band, end - begin + 1, len(wide)) > MOST_CELLS
-    kept = np.flatnonzero(~large[band])
-    row, level = np.concatenate([row, own[kept]]), np.concatenate([level, height[kept]])
-    first, last = np.concatenate([first, begin[kept]]), np.concatenate([last, end[kept]])
+    rows, size = np.arange(len(triangles), dtype=np.int32), CELL
+    levels: list[Cells] = []
+    while len(rows) or not levels:
+        level, rows = _level(vertices, triangles, boxes, rows, size)
+        levels.append(level)
+        size *= COARSER
+    return TriangleCells(vertices, triangles, boxes, tuple(levels))
+
+
+def _level(
+    vertices: FloatArray, triangles: NDArray[np.int32], boxes: FloatArray,
+    rows: NDArray[np.int32], size: float,
+) -> tuple[Cells, NDArray[np.int32]]:  # fmt: skip
+    """Find the cells of one size that triangles, given by their rows, meet; and those too large."""
+    low, high = _cells(boxes[:, :, rows], size).swapaxes(0, 1)
+    span = high - low + 1
+    few = span.prod(axis=0, dtype=np.int64) <= FEW_CELLS
+    # One reaches a cell at least of each row and column of its box.
+    wide = np.flatnonzero(~few & (span.max(axis=0) <= MOST_CELLS)).astype(np.int32)
+    row, part = counted(np.where(few, span[1], 0), np.int32)
+    found = [(row, low[1, row] + part, low[0, row], high[0, row])]
+    fits = few.copy()
+    for begin in range(0, len(wide), BATCH):
+        some = wide[begin : begin + BATCH]
+        band, part = counted(span[1, some], np.int32)
+        own = some[band]
+        height = low[1, own] + part
+        reach = _reaches(vertices, triangles[rows[some]], band, size * height, size)
+        first, last = _cells(reach, size)
+        fits[some] = np.bincount(band, last - first + 1, len(some)) <= MOST_CELLS
+        kept = np.flatnonzero(fits[own])
+        found.append((own[kept], height[kept], first[kept], last[kept]))
+    row, height, first, last = (np.concatenate(column) for column in zip(*found, strict=True))
     run, part = counted(last - first + 1, np.int32)
-    cell, triangle = _cell_number(first[run] + part, level[run]), row[run]
+    cell = _cell_number(first[run] + part, height[run])
     order = np.argsort(cell, kind="stable")
-    cell = cell[order]
+    cell, triangle = cell[order], rows[row[run[order]]]
     start = np.flatnonzero(np.r_[True, cell[1:] != cell[:-1]][: len(cell)])
-    tree = shapely.STRtree(shapely.polygons(vertices[triangles[wide[large]]]))
-    return TriangleCells(
-        vertices, triangles, boxes, cell[start], np.r_[start, len(cell)], triangle[order],
-        wide[large], tree,
-    )  # fmt: skip
+    ends = np.r_[start, len(cell)].astype(np.int32)
+    return Cells(size, cell[start], ends, triangle), rows[~fits]
 
 
 def _reaches(
     vertices: FloatArray, triangles: NDArray[np.int32], band: NDArray[np.int32],
-    height: NDArray[np.int32],
+    south: FloatArray, size: float,
 ) -> FloatArray:  # fmt: skip
     """(2, r) the least and the greatest x of triangles within rows of cells, a little more.
 
@@ -94,10 +119,12 @@ def _reaches(
     ----------
     vertices, triangles
         The (w, 3) triangles.
-    band, height
-        (r,) triangle and number of each row of cells that one meets.
+    band, south
+        (r,) triangle and lower border of each row of cells that one meets.
+    size
+        Metres of a cell.
     """
-    south, north = CELL * height, CELL * (height + 1)
+    north = south + size
     least, most = np.full(len(band), np.inf), np.full(len(band), -np.inf)
     for side in range(3):
         p, q = (np.asarray(vertices[triangles[:, side - k]], float).T for k in range(2))
@@ -110,11 +137,15 @@ def _reaches(
             at = np.where(slanting, px + (np.clip(y, south, north) - py) * slope, x)
             least = np.where(met, np.minimum(least, at), least)
             most = np.where(met, np.maximum(most, at), most)
+    # A corner on the border of two rows may be counted to one and, by rounding, reach the other.
+    missed = np.flatnonzero(least > most)
+    across = np.asarray(vertices[triangles[band[missed]], 0], float)
+    least[missed], most[missed] = across.min(axis=1), across.max(axis=1)
     return np.stack([least - SLACK, most + SLACK])
 
 
-def _cells(xy: FloatArray) -> NDArray[np.int32]:
-    return np.asarray(np.floor(xy / CELL), np.int32)
+def _cells(xy: FloatArray, size: float) -> NDArray[np.int32]:
+    return np.asarray(np.floor(xy / size), np.int32)
 
 
 def _cell_number(i: NDArray[np.int32], j: NDArray[np.int32]) -> IntArray:
@@ -171,7 +202,8 @@ def triangles_at(
     spots = np.asarray(xy, float).reshape(-1, 2)
     for begin in range(0, len(spots), AT_ONCE):
         some = spots[begin : begin + AT_ONCE]
-        spot, triangle = _candidates(some, prepared)
+        pairs = [_candidates(some, level) for level in prepared.levels]
+        spot, triangle = (np.concatenate(column) for column in zip(*pairs, strict=True))
         if among is not None:
             wanted = np.flatnonzero(among[triangle])
             spot, triangle = spot[wanted], triangle[wanted]
@@ -182,20 +214,15 @@ def triangles_at(
         yield spot[held] + begin, triangle[held]
 
 
-def _candidates(spots: FloatArray, prepared: TriangleCells) -> tuple[IntArray, IntArray]:
-    """Pairs of points and triangles: small ones of the same cell, large ones whose box holds it."""
-    cell = _cell_number(*_cells(spots).T)
-    row = np.searchsorted(prepared.cell, cell)
-    known = np.flatnonzero(row < len(prepared.cell))
-    known = known[prepared.cell[row[known]] == cell[known]]
+def _candidates(spots: FloatArray, level: Cells) -> tuple[IntArray, NDArray[np.int32]]:
+    """Pairs of points and triangles of the same cell."""
+    cell = _cell_number(*_cells(spots, level.size).T)
+    row = np.searchsorted(level.cell, cell)
+    known = np.flatnonzero(row < len(level.cell))
+    known = known[level.cell[row[known]] == cell[known]]
     row = row[known]
-    spot, number = counted(np.diff(prepared.start)[row])
-    triangle = prepared.triangle[prepared.start[row][spot] + number]
-    spot = known[spot]
-    if not len(prepared.large):
-        return spot, triangle
-    held, shape = prepared.tree.query(shapely.points(spots))
-    return np.concatenate([spot, held]), np.concatenate([triangle, prepared.large[shape]])
+    spot, number = counted(np.diff(level.start)[row])
+    return known[spot], level.triangle[level.start[row][spot] + number]
 
 
 def _within(at: FloatArray, boxes: FloatArray, triangle: IntArray) -> IntArray:

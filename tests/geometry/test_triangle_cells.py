@@ -4,7 +4,13 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cityx.geometry.triangle_cells import CELL, cells_of_triangles, in_triangles, triangles_at
+from cityx.geometry.triangle_cells import (
+    CELL,
+    MOST_CELLS,
+    cells_of_triangles,
+    in_triangles,
+    triangles_at,
+)
 
 
 @given(seed=st.integers(0, 10_000), size=st.floats(1.0, 900.0))
@@ -48,15 +54,32 @@ def test_sides_and_points_on_the_borders_of_cells_are_found_exactly(seed, reach)
 
 
 @pytest.mark.parametrize("kind", [np.float32, np.float64])
-def test_needles_across_the_site_are_found_along_all_their_length(kind):
-    vertices = np.array([(-1500.0, -700.0), (1500.0, 811.0), (-1500.0, -699.95)], kind)
-    share = np.linspace(0.01, 0.99, 500)[:, None]
-    first, second, third = vertices.astype(float)
-    middle = (first + third) / 2
-    points = middle * (1 - share) + second * share
+@pytest.mark.parametrize("rise", [0.0, 2e-6, 0.4, 40.0, -37.3])
+@pytest.mark.parametrize("reach", [30.0, 60.0, 700.0, 30_000.0])
+def test_needles_are_found_along_all_their_length(kind, rise, reach):
+    """Of different sizes, so that they are looked up by cells of different sizes."""
+    vertices = np.array([(-reach, 0.7), (reach, 0.7 + rise), (-reach, 0.75)], kind)
     triangles = np.array([(0, 1, 2)], np.int32)
+    first, second, third = vertices.astype(float)
+    share = np.linspace(0.01, 0.99, 500)[:, None]
+    points = (first + third) / 2 * (1 - share) + second * share
     assert in_triangles(points, vertices, triangles).all()
     assert not in_triangles(points + np.array([0.0, 1.0]), vertices, triangles).any()
+
+
+def test_each_triangle_is_looked_up_by_cells_of_one_size_and_by_few():
+    rng = np.random.default_rng(3)
+    sizes = 10.0 ** rng.uniform(-1, 4, 300)
+    vertices = (rng.uniform(-1, 1, (300, 3, 2)) * sizes[:, None, None]).reshape(-1, 2)
+    triangles = np.arange(900, dtype=np.int32).reshape(-1, 3)
+    levels = cells_of_triangles(vertices, triangles).levels
+    assert len(levels) > 3
+    assert np.array_equal(
+        np.sort(np.concatenate([np.unique(level.triangle) for level in levels])), np.arange(300)
+    )
+    for level in levels:
+        assert np.bincount(level.triangle).max() <= MOST_CELLS
+        assert (np.diff(level.cell) > 0).all()
 
 
 def test_no_triangle_and_no_point_is_no_error():

@@ -15,6 +15,7 @@ from cityx.geometry.arrangement import Regions, regions
 from cityx.geometry.clearance import near_any, spots_of
 from cityx.geometry.identity import hash_ids, uniform
 from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, pack
+from cityx.geometry.ranges import numbered_in_runs
 from cityx.plugins.road.network import node_corners
 from cityx.plugins.road.yards import grounds_digest, other_ways, told_areas, yard_patches
 from cityx.remembered import Remembered
@@ -131,11 +132,14 @@ def _slots(
     lines: Polylines, ids: NDArray[np.uint64], chosen: IntArray, sign: float, off: FloatArray,
     walk: FloatArray, trim: FloatArray | None = None,
 ) -> Beds:  # fmt: skip
-    """Slots along lines; `trim` is what junctions take of their ends, (n, 2) metres."""
+    """Slots along lines; `trim` is what junctions take of their ends, (n, 2) metres.
+
+    Pieces of one line have its id, and their slots are numbered on.
+    """
     length = arc_lengths(lines)[1]
     row, at = every(length[chosen], SLOT, SLOT / 2)
-    number = np.arange(len(row)) - np.searchsorted(row, row)
     row = chosen[row]
+    number = numbered_in_runs(ids[row])
     if trim is not None:
         straight = (at > trim[row, 0] + SLOT / 2) & (at < length[row] - trim[row, 1] - SLOT / 2)
         row, at, number = row[straight], at[straight], number[straight]

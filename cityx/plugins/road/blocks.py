@@ -153,7 +153,7 @@ def _off_lawns(ground: Ground, dense: BoolArray) -> Ground:
     left, right = ground.edge_faces.T.astype(np.int64)
     inner = right != BEYOND
     left, right = left[inner], right[inner]
-    length = np.hypot(*np.diff(ground.vertices[ground.edges[inner]], axis=1)[:, 0].T)
+    length = edge_lengths(ground)[inner]
     own = ground.labelled("parking", "bare", "gravel", "bed") & (ground.face_object == 0) & ~dense
     lawn = ground.labelled("block", "grass") & ~dense
     patch = components(np.column_stack([left, right])[own[left] & own[right]], len(own))
@@ -202,7 +202,7 @@ def _scraps_walked(ground: Ground) -> Ground:
     left, right = ground.edge_faces.T.astype(np.int64)
     inner = right != BEYOND
     left, right = left[inner], right[inner]
-    length = np.hypot(*np.diff(ground.vertices[ground.edges[inner]], axis=1)[:, 0].T)
+    length = edge_lengths(ground)[inner]
     size = len(scrap)
     piece = components(np.column_stack([left, right])[scrap[left] & scrap[right]], size)
     rim, walked = np.zeros(size), np.zeros(size)
@@ -257,7 +257,7 @@ def _strips_paved(ground: Ground, layout: Layout) -> Ground:
     left, right = ground.edge_faces.T.astype(np.int64)
     inner = right != BEYOND
     left, right = left[inner], right[inner]
-    length = np.hypot(*np.diff(ground.vertices[ground.edges[inner]], axis=1)[:, 0].T)
+    length = edge_lengths(ground)[inner]
     size = len(hard)
     rim = np.bincount(left, length, minlength=size) + np.bincount(right, length, minlength=size)
     held = np.bincount(left, length * hard[right], minlength=size)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -19,7 +18,7 @@ from cityx.plugins.road.marks import BoolArray, FloatArray, IntArray, Shapes, St
 
 MOST_LANES = 5  # short lanes in a row within one junction
 AT_KERB = 0.05  # metres between a kerb and what lies along it
-CARS, BICYCLES = ("drive", "bus"), ("cycle",)
+CARS = [KIND[name] for name in ("drive", "bus")]
 
 
 @dataclass(frozen=True)
@@ -62,22 +61,23 @@ class JunctionWays:
         return JunctionWays(**chosen, line=Polylines(self.line.points[point], start))
 
 
-def junction_ways(
-    street: Street, graph: LaneGraph, kinds: Sequence[str] = CARS
-) -> JunctionWays:  # fmt: skip
-    """Find the ways across the junctions of a network from and to lanes of some kinds.
+def junction_ways(street: Street, graph: LaneGraph, *, bicycles: bool = False) -> JunctionWays:
+    """Find the ways of cars across the junctions of a network, or those of bicycles.
 
     Parameters
     ----------
     street, graph
         The network and its lanes.
-    kinds
-        Of `cityx.city.section.BAND_KINDS`.
+    bicycles
+        Whether ways from or to lanes of bicycles are meant.
     """
     cluster = street.cluster
     ends = cluster[street.network.edge_nodes[graph.edge]]
     inside = (ends[:, 0] == ends[:, 1]) if graph.count else np.zeros(0, bool)
-    pairs = _pairs(graph, inside, np.isin(graph.kind, [KIND[name] for name in kinds]))
+    cars, cycled = np.isin(graph.kind, CARS), graph.kind == KIND["cycle"]
+    pairs = _pairs(graph, inside, cars | cycled if bicycles else cars)
+    if bicycles:
+        pairs = [pair for pair in pairs if cycled[list(pair)].any()]
     origin, target = (np.array(column, np.int64) for column in zip(*pairs, strict=True)) if pairs \
         else (np.zeros(0, np.int64),) * 2  # fmt: skip
     line = ways_between(graph.lines, origin, target)

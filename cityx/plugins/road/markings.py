@@ -21,7 +21,7 @@ from cityx.plugins.road.centre_marks import centre_marks
 from cityx.plugins.road.feathers import feathers
 from cityx.plugins.road.guides import guide_lines
 from cityx.plugins.road.halts import halt_lines
-from cityx.plugins.road.junction_ways import BICYCLES, junction_ways
+from cityx.plugins.road.junction_ways import junction_ways
 from cityx.plugins.road.kerb_bays import bay_marks, runs_of
 from cityx.plugins.road.kerb_lines import corner_lines, kerb_lines
 from cityx.plugins.road.lane_lines import LONG_DASH, lane_lines, partings_of
@@ -170,7 +170,7 @@ def marking_regions(
         parts.append(box_junctions(street, ways, road))
     else:
         taken = np.concatenate([taken, turns, crossed])
-        cycled = junction_ways(street, graph, BICYCLES)
+        cycled = junction_ways(street, graph, bicycles=True)
         parts.append(unused_ground(street, (ways, cycled), road, taken))
     if painting.red_cycleways:
         parts.append(_red_lanes(street, painted))

@@ -31,7 +31,7 @@ from cityx.plugins.road.crossing_places import (
     mapped_crossings,
     mouths,
 )
-from cityx.plugins.road.network import junction_clusters, node_corners
+from cityx.plugins.road.network import arm_bearings, junction_clusters, node_corners
 from cityx.plugins.road.painting import Painting
 from cityx.plugins.road.roundabouts import ring_edges, ring_nodes
 from cityx.plugins.road.sections import Bands
@@ -49,6 +49,7 @@ ZEBRA = DEPTH  # metres along a street
 SIGNAL_REACH = 25.0  # metres from a junction or crossing to the signals or signs that rule it
 KINDS = ("none", "zebra", "dotted", "bare")  # of crossings
 NONE, STRIPED, DOTTED, PLAIN = range(4)
+ONE_ROAD = np.radians(25.0)  # between arms that leave a junction as one road
 QUIET = ("service", "track")  # a drive that meets a street makes no junction of it
 RANK = (
     "motorway", "trunk", "primary", "secondary", "tertiary", "unclassified", "residential",
@@ -155,6 +156,24 @@ class Street:
         ends = self.cluster[self.network.edge_nodes]
         outside = ends[ends[:, 0] != ends[:, 1]]
         return np.bincount(outside.ravel(), minlength=len(self.cluster))
+
+    @cached_property
+    def directions(self) -> IntArray:
+        """(n,) in how many directions streets leave the junction whose lowest node each is.
+
+        Both carriageways of a road leave it in one; drives do not count.
+        """
+        ends = self.cluster[self.network.edge_nodes]
+        street = (ends[:, 0] != ends[:, 1]) & ~np.isin(self.kind, QUIET)
+        edge, end = np.repeat(np.flatnonzero(street), 2), np.tile([0, 1], int(street.sum()))
+        hub, bearing = ends[edge, end], arm_bearings(self.lines, edge, end)
+        order = np.lexsort((bearing, hub))
+        hub, bearing = hub[order], bearing[order]
+        last = np.flatnonzero(np.r_[hub[1:] != hub[:-1], True][: len(hub)])
+        after = np.arange(1, len(hub) + 1)
+        after[last] = np.r_[0, last[:-1] + 1][: len(last)]
+        apart = np.mod(bearing[after] - bearing, 2 * np.pi) > ONE_ROAD
+        return np.bincount(hub[apart], minlength=len(self.cluster))
 
     @cached_property
     def ruled_hubs(self) -> IntArray:

@@ -1,4 +1,4 @@
-"""Broken lines that lead across large junctions: beside turns and along ways that bend.
+"""Broken lines that lead across large junctions: beside turns, bends and ways amid many streets.
 
 References
 ----------
@@ -35,7 +35,7 @@ DASH, GAP, WIDTH = 1.0, 1.0, 0.12  # metres
 LEAST_AREA, WIDE_AREA = 300.0, 450.0
 ASIDE = 1.5  # metres by which a lane goes on beside where it came from, to be led there
 LEAST_LANES = 2  # of a road that is led along a bend; a single lane finds its way
-PLAIN_ARMS = 4  # where more roads meet whoever goes straight on is led as well
+PLAIN = 4  # directions of streets at a junction; amid more whoever goes straight on is led
 LANE = 3.25  # metres; lines stand no farther apart
 FROM_ENDS = 0.6  # metres of a way without lines at both ends
 OFF_CROSSING = 0.4  # metres between a line and a crossing
@@ -52,7 +52,7 @@ def turn_guides(
     Led are those who turn across the traffic that comes towards them from a lane of their own,
     where only the outer side has a line beside others who do or in wide junctions alone. Where both
     sides of a way have lines, those too who go on along a bend of a road of several lanes, or
-    straight on where more than four roads meet.
+    straight on where streets leave in more than four directions.
     No two ways with lines cross: that of the greater road is led.
 
     Parameters
@@ -64,7 +64,7 @@ def turn_guides(
     zebras
         Crossings, which stay free.
     taken
-        Surfaces that stay free as well; a line ends before them.
+        Surfaces that stay free as well; a line goes on beyond them.
     sides
         "both" of a way, the "outer" of a turn, or "" for no lines.
     """
@@ -148,7 +148,7 @@ def _onward(street: Street, ways: JunctionWays) -> BoolArray:
     major = street.rank[ways.edge] == best[ways.hub]
     lanes = _lanes(ways, np.ones(len(ways.edge), bool))
     bends = (aside > ASIDE) & (lanes >= LEAST_LANES)
-    return np.asarray(nearest & major & (bends | (street.arms[ways.hub] > PLAIN_ARMS)))
+    return np.asarray(nearest & major & (bends | (street.directions[ways.hub] > PLAIN)))
 
 
 def _line(

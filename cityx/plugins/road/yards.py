@@ -23,6 +23,7 @@ from cityx.geometry.arrangement import Regions, join_regions, regions
 from cityx.geometry.clearance import near_any
 from cityx.geometry.identity import choose, hash_ids
 from cityx.geometry.polylines import arc_lengths, every, locate, to_linestrings
+from cityx.geometry.ranges import numbered_in_runs
 from cityx.remembered import Remembered
 
 FloatArray = NDArray[np.float64]
@@ -169,8 +170,8 @@ def _drawn(layout: Layout, network: RoadNetwork, place: str) -> Patches:
     for column, sign in enumerate((1.0, -1.0)):
         margin = np.maximum(GATE, network.trim[flat].max(axis=1) + SLOT / 2)
         row, at = every(arc_lengths(lines)[1][flat], SLOT, margin)
-        number = np.arange(len(row)) - np.searchsorted(row, row)
         row = np.flatnonzero(flat)[row]
+        number = numbered_in_runs(network.edge_id[row])  # pieces of one edge are numbered on
         middle, ahead = locate(lines, row, at)
         left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
         front = middle + sign * (back[row, column] + BEHIND)[:, None] * left

@@ -13,7 +13,7 @@ from cityx.plugins.road.arrows import lane_symbols
 from cityx.plugins.road.box_junctions import box_junctions
 from cityx.plugins.road.carriageway import build_carriageway
 from cityx.plugins.road.centre_marks import centre_marks
-from cityx.plugins.road.junction_ways import BICYCLES, conflicts, junction_ways
+from cityx.plugins.road.junction_ways import conflicts, junction_ways
 from cityx.plugins.road.lanes import lane_graph
 from cityx.plugins.road.marks import street_of
 from cityx.plugins.road.network import junction_clusters, road_network
@@ -158,6 +158,25 @@ def test_who_goes_straight_on_where_six_roads_meet_is_led(layout_of):
     assert not len(turn_guides(street, ways, zebras, road, NONE, "outer")[0])
 
 
+DUAL = [([(-90, 6), (0, 6), (90, 6)], ONE_WAY), ([(90, -6), (0, -6), (-90, -6)], ONE_WAY)]
+
+
+@pytest.mark.parametrize(
+    ("streets", "directions"),
+    [
+        (star_of(), 6),
+        ([(line, {}) for line in CROSS], 4),
+        ([(line, {}) for line in CROSS] + [([(0, 0), (60, 60)], {"kind": "service"})], 4),
+        ([*DUAL, ([(0, -90), (0, -6), (0, 6), (0, 90)], {})], 4),
+    ],
+)
+def test_a_drive_and_a_second_carriageway_are_no_directions_of_their_own(
+    streets, directions, layout_of
+):
+    street = built(layout_of(streets, points=SIGNALS))[0]
+    assert street.directions.max() == directions
+
+
 def test_a_main_road_that_bends_is_led_where_both_sides_have_lines(layout_of):
     bent = [(-90, 0), (0, 0), (85, 31)]
     layout = layout_of([(bent, WIDE), (CROSS[1], ONE_WAY | {"width": 9.0})], points=SIGNALS)
@@ -168,7 +187,7 @@ def test_a_main_road_that_bends_is_led_where_both_sides_have_lines(layout_of):
     assert not len(turn_guides(street, ways, zebras, road, NONE, "outer")[0])
 
 
-def test_a_guide_ends_before_what_is_taken(layout_of):
+def test_a_guide_keeps_off_what_is_taken(layout_of):
     layout = layout_of([(line, WIDE) for line in CROSS], points=SIGNALS)
     street, ways, zebras, road = built(layout)
     alone = beside_others(own_lanes(ways))
@@ -265,7 +284,8 @@ def test_bicycles_keep_their_ways_free_of_hatching(layout_of):
     wide = [(line, WIDE | {"width": 24.0, "lanes": 2, "section": section}) for line in CROSS]
     street, ways, zebras, road = built(layout_of(wide, points=SIGNALS))
     straight = ways.take(ways.movement == MOVEMENTS.index("through"))
-    bicycles = junction_ways(street, lane_graph(street.layout, street.network), BICYCLES)
+    graph = lane_graph(street.layout, street.network)
+    bicycles = junction_ways(street, graph, bicycles=True)
     assert (street.network.node_position[bicycles.hub] == 0).all()
     assert (bicycles.movement == MOVEMENTS.index("through")).sum() == 4
     taken = crossing_boxes(street, zebras)

@@ -3,10 +3,11 @@ import pytest
 
 from cityx.city.terrain import flat_terrain
 from cityx.geometry.polylines import arc_lengths
+from cityx.plugins.road.beds import bed_slots
 from cityx.plugins.road.heights import way_heights
 from cityx.plugins.road.network import road_network
-from cityx.plugins.road.tiers import level_network, spans_of
-from cityx.plugins.road.yards import grounds_digest
+from cityx.plugins.road.tiers import Spans, cut_network, level_network, spans_of
+from cityx.plugins.road.yards import grounds_digest, yard_patches
 
 LONG = (-400, -400, 400, 400)
 BRIDGE = [([(-20, 0), (20, 0)], {"bridge": True, "layer": 1}), ([(-390, 0), (-20, 0)], {}),
@@ -39,3 +40,24 @@ def test_they_are_one_network_for_all_who_ask(solved):
 
 def test_without_heights_all_lies_on_the_ground(solved):
     assert level_network(solved[1], None) is solved[1]
+
+
+def test_what_stands_beside_both_pieces_of_a_cut_street_has_ids_of_its_own(layout_of):
+    houses = [(x, y, x + 14, y + 8) for x in range(-290, 280, 40) for y in (32, -40)]
+    layout = layout_of([([(-300, 0), (300, 0)], {})], houses=houses, extent=(-320, -90, 320, 90))
+    network = road_network(layout)
+    assert network.edge_count == 1
+    off = np.array([False, True, False])
+    spans = Spans(
+        np.zeros(3, np.int64), np.array([0.0, 240, 360]), np.array([240.0, 360, 600]), off
+    )
+    level = cut_network(network, spans, np.flatnonzero(~off))
+    beds, yards = bed_slots(layout, level), yard_patches(layout, level)
+    for middle, ids in ((beds.middle, beds.id), (yards.middle, yards.id)):
+        assert len(np.unique(ids)) == len(ids)
+        assert (np.abs(middle[:, 0]) > 55.0).all()
+        assert np.sign(middle[:, 0]).min() == -1
+        assert np.sign(middle[:, 0]).max() == 1
+    whole = bed_slots(layout, network)
+    west = whole.middle[:, 0] < -70.0
+    assert np.isin(whole.id[west], beds.id).all()  # what does not change keeps its id
