@@ -74,10 +74,8 @@ from cityx.plugins.nature.street_rules import (
     varied,
 )
 from cityx.plugins.nature.wall_things import along_walls
-from cityx.plugins.road.bays import yard_bays
+from cityx.plugins.road.bays import yard_bays, yard_lots
 from cityx.plugins.road.kerbs import join_places, places_along, yaw_facing
-from cityx.plugins.road.tiers import level_network
-from cityx.plugins.road.yards import yard_patches
 from cityx.protocol import Port, Range, action
 
 ACTION = "nature/street_pieces-v1"
@@ -444,8 +442,7 @@ def _car_parks(city: City) -> tuple[Pieces, Pieces]:
     stops = stops.take(~near_any(stops.xy, shapely.points(bays.xy), NEXT_BAY))
     if city.network is None:
         return stops, join_pieces([])
-    level = level_network(city.network, city.heights)
-    lots = yard_patches(city.layout, level, place_of(city)).labelled("parking")
+    lots = yard_lots(city)
     aside = lots.size[:, :1] / 2 + BOARD_ASIDE
     across = np.column_stack([-lots.along[:, 1], lots.along[:, 0]])
     xy = lots.middle + aside * lots.along

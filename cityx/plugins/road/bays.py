@@ -20,7 +20,7 @@ from cityx.geometry.standing import stand_on
 from cityx.plugins.nature.painted import painted_strips
 from cityx.plugins.nature.street_rules import place_of
 from cityx.plugins.road.tiers import level_network
-from cityx.plugins.road.yards import BAY, STALL, yard_patches
+from cityx.plugins.road.yards import BAY, STALL, Patches, yard_patches
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -209,14 +209,19 @@ def _on_lots(city: City, bays: Bays, shapes: NDArray[Any], deep: BoolArray) -> B
     return inside
 
 
+def yard_lots(city: City) -> Patches:
+    """Return the car parks of yards of a city with a network."""
+    assert city.network is not None
+    level = level_network(city.network, city.heights)
+    return yard_patches(city.layout, level, place_of(city)).labelled("parking")
+
+
 def yard_bays(city: City) -> Bays:
     """Lay rows of bays on the car parks of yards."""
-    network, ground = city.network, city.ground
-    if network is None or ground is None:
+    ground = city.ground
+    if city.network is None or ground is None:
         return _none()
-    patches = yard_patches(
-        city.layout, level_network(network, city.heights), place_of(city)
-    ).labelled("parking")
+    patches = yard_lots(city)
     found = [_none()]
     count = np.rint(patches.size[:, 0] / BAY).astype(np.int64)
     for depth in np.unique(patches.size[:, 1]).tolist():

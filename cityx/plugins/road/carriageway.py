@@ -7,6 +7,7 @@ trims and rounds the corners. The arrangement resolves what overlaps.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -439,6 +440,11 @@ class Unions:
     shapes: Shapes
     width: float = 0.0
     _made: dict[bytes, Any] = field(default_factory=dict)
+
+    @cached_property
+    def tree(self) -> shapely.STRtree:
+        """Search tree over the shapes as they are."""
+        return shapely.STRtree(self.shapes)
 
     def of(self, rows: IntArray, group: IntArray) -> tuple[Shapes, IntArray]:
         """Unite the shapes, given by their rows, of each group, as `joined_by` does."""

@@ -148,7 +148,7 @@ def _strips(
 
 def _without(shapes: Shapes, things: Unions) -> Shapes:
     """Cut things out of shapes."""
-    row, thing = shapely.STRtree(things.shapes).query(shapes, predicate="intersects")
+    row, thing = things.tree.query(shapes, predicate="intersects")
     left = shapes.copy()
     if len(row):
         taken, rows = things.of(thing, row)
@@ -173,9 +173,7 @@ def _kerbs(street: Street, zebras: Zebras, driven: Unions, sign: float) -> Float
     foot = at[:, None] + ahead[:, None] * step + left[:, None] * near[:, None, None]  # (k, r, 2)
     tip = foot + left[:, None] * (FLARE + flare[rows])[:, None, None]
     rays = shapely.linestrings(np.stack([foot, tip], axis=2))  # (k, r)
-    own, surface = shapely.STRtree(driven.shapes).query(
-        shapely.multilinestrings(rays), predicate="intersects"
-    )
+    own, surface = driven.tree.query(shapely.multilinestrings(rays), predicate="intersects")
     paved, group = driven.of(surface, own)
     free = shapely.difference(rays[group], paved[:, None])
     off = shapely.distance(free, shapely.points(foot[group]))  # of an empty one not a number
@@ -307,8 +305,7 @@ def _mouth_shapes(mouths: _Mouths, past: float) -> Shapes:
 
 def along_rims(shapes: Shapes, rims: Unions) -> Shapes:
     """Cut shapes to what lies so near the rims of what is driven on as these are wider."""
-    tree = shapely.STRtree(rims.shapes)
-    patch, row = tree.query(shapes, predicate="dwithin", distance=rims.width)
+    patch, row = rims.tree.query(shapes, predicate="dwithin", distance=rims.width)
     near, of_patch = rims.of(row, patch)
     whole = shapely.make_valid(shapes[of_patch])  # where a way bends its patch may cross itself
     return np.asarray(shapely.intersection(whole, near))

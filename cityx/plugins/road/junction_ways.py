@@ -77,7 +77,7 @@ def junction_ways(street: Street, graph: LaneGraph, *, bicycles: bool = False) -
     cars, cycled = np.isin(graph.kind, CARS), graph.kind == KIND["cycle"]
     pairs = _pairs(graph, inside, cars | cycled if bicycles else cars)
     if bicycles:
-        pairs = [pair for pair in pairs if cycled[list(pair)].any()]
+        pairs = [(one, other) for one, other in pairs if cycled[one] or cycled[other]]
     origin, target = (np.array(column, np.int64) for column in zip(*pairs, strict=True)) if pairs \
         else (np.zeros(0, np.int64),) * 2  # fmt: skip
     line = ways_between(graph.lines, origin, target)

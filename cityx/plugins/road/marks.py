@@ -15,6 +15,7 @@ from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.section import KIND, TRAVELLED
 from cityx.geometry.polylines import Polylines, arc_lengths, locate
+from cityx.plugins.road.corners import Arms
 from cityx.plugins.road.crossing_places import (
     BARE,
     BARS,
@@ -168,12 +169,9 @@ class Street:
         edge, end = np.repeat(np.flatnonzero(street), 2), np.tile([0, 1], int(street.sum()))
         hub, bearing = ends[edge, end], arm_bearings(self.lines, edge, end)
         order = np.lexsort((bearing, hub))
-        hub, bearing = hub[order], bearing[order]
-        last = np.flatnonzero(np.r_[hub[1:] != hub[:-1], True][: len(hub)])
-        after = np.arange(1, len(hub) + 1)
-        after[last] = np.r_[0, last[:-1] + 1][: len(last)]
-        apart = np.mod(bearing[after] - bearing, 2 * np.pi) > ONE_ROAD
-        return np.bincount(hub[apart], minlength=len(self.cluster))
+        arms = Arms(hub[order], edge[order], end[order], bearing[order])
+        apart = arms.following()[1] > ONE_ROAD
+        return np.bincount(arms.node[apart], minlength=len(self.cluster))
 
     @cached_property
     def ruled_hubs(self) -> IntArray:

@@ -63,7 +63,7 @@ from cityx.plugins.road.structure_tiers import (
     heights_on,
     tier_of,
 )
-from cityx.plugins.road.tiers import Spans, cut_network, level_network, spans_of
+from cityx.plugins.road.tiers import Spans, cut_network, parted_network
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -129,14 +129,13 @@ def build_structures(
     painting
         What the country paints.
     """
-    spans = spans_of(network, heights)
     streets = _strips(network)
-    off = cut_network(network, spans, np.flatnonzero(spans.off))
+    level, off = parted_network(network, heights)
     others = heights.take(np.flatnonzero((heights.edge < 0) & detail))
     off, others = _with_room(layout, off, others, streets)
     whole = tier_of(layout, off, others)
     obstacles = Obstacles(layout, _areas(layout, WATER))
-    beside = _strips(level_network(network, heights), CUTTING_WALL + GAP)
+    beside = _strips(level, CUTTING_WALL + GAP)
     surfaces, bodies, opening = [], [], [np.zeros(0, object)]
     for number, rows in enumerate(groups_of(whole)):
         cars = rows[rows < off.edge_count]

@@ -98,19 +98,25 @@ def spans_of(network: RoadNetwork, heights: WayHeights) -> Spans:
     )
 
 
-_LEVEL: Remembered[RoadNetwork] = Remembered()
+_LAST: Remembered[tuple[RoadNetwork, RoadNetwork]] = Remembered()
+
+
+def parted_network(
+    network: RoadNetwork, heights: WayHeights
+) -> tuple[RoadNetwork, RoadNetwork]:  # fmt: skip
+    """Return the pieces of roads on the ground, and those off it; the last ones are remembered."""
+
+    def made() -> tuple[RoadNetwork, RoadNetwork]:
+        spans = spans_of(network, heights)
+        level, off = (np.flatnonzero(spans.off == where) for where in (False, True))
+        return cut_network(network, spans, level), cut_network(network, spans, off)
+
+    return _LAST.get(made, [network, heights])
 
 
 def level_network(network: RoadNetwork, heights: WayHeights | None) -> RoadNetwork:
     """Return the pieces of roads on the ground; all where no heights are known."""
-    if heights is None:
-        return network
-
-    def made() -> RoadNetwork:
-        spans = spans_of(network, heights)
-        return cut_network(network, spans, np.flatnonzero(~spans.off))
-
-    return _LEVEL.get(made, [network, heights])
+    return network if heights is None else parted_network(network, heights)[0]
 
 
 def _union(parts: list[tuple[float, float]], size: float) -> list[tuple[float, float]]:
