@@ -73,13 +73,13 @@ validator:
 	  echo "npm cannot install: the tests with the Khronos validator are skipped"; \
 	  else echo "npm is absent: the tests with the Khronos validator are skipped"; fi
 
-$(READY): requirements.lock pyproject.toml
+$(READY): requirements.lock pyproject.toml benchmarks/pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' || \
 	  { echo "CityX needs Python 3.11, since Blender 4.5 is built for it; found: $(PYTHON)."; \
 	    echo "Install it (Debian: apt install python3.11-venv) or run: make $(MAKECMDGOALS) PYTHON=/path/to/python3.11"; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install -q --disable-pip-version-check --require-hashes -r requirements.lock
-	$(BIN)/python -m pip install -q --disable-pip-version-check --no-deps -e .
+	$(BIN)/python -m pip install -q --disable-pip-version-check --no-deps -e . -e benchmarks
 	@touch $(READY)
 
 clean:

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cityx.agents.brief import Brief, read_brief, read_note
+from cityx.language import Brief, read_brief, read_note
 
 ROOT = Path(__file__).parents[1]
 TASKS = ROOT.parent / "shared" / "notes" / "bench_tasks.md"

@@ -3,7 +3,7 @@
     python benchmarks/defects.py [--places 10] [--kept FOLDER] [--verbose]
 
 The cities are towns of 300 m made from a sentence and the example city, built here without
-pictures; `--kept` keeps them for the next time. Defects of `cityx.bench.defects.KINDS` are planted
+pictures; `--kept` keeps them for the next time. Defects of `cityx_bench.defects.KINDS` are planted
 one at a time, each at places drawn by hash. A defect is found when a check or goal that speaks of
 it turns and, where the check names things, names it. An alarm without a reason, in a city with
 another defect, in an untouched one or after a harmless change, is false.
@@ -18,13 +18,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from cityx.agents.build import generate, make_job
-from cityx.agents.journal import Journal
-from cityx.agents.loop import Loop
-from cityx.agents.options import BuildOptions
-from cityx.agents.pool import Pool
-from cityx.agents.run import Run, Stopwatch
-from cityx.bench.defects import (
+from cityx_bench.defects import (
     PLACES,
     Base,
     Case,
@@ -35,8 +29,15 @@ from cityx.bench.defects import (
     table,
     untouched,
 )
+
+from cityx.agents.journal import Journal
+from cityx.agents.loop import Loop
+from cityx.agents.pool import Pool
+from cityx.agents.step_runner import Run, Stopwatch
 from cityx.city import City
 from cityx.city.store import read_city, write_city
+from cityx.language.options import BuildOptions
+from cityx.projects.build import generate, make_job
 from cityx.protocol.example_city import example_city
 
 # Name -> what is asked for, seed and level of detail.

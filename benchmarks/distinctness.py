@@ -13,12 +13,12 @@ from collections import Counter
 
 import numpy as np
 
+from cityx.building.catalogue import NAMES, generators
+from cityx.building.design import design
+from cityx.building.facade.facade import facade
+from cityx.building.samples import sample_city, sheet_of
+from cityx.building.shell import shell
 from cityx.checks.descriptors import classified, descriptors
-from cityx.plugins.building.catalogue import NAMES, generators
-from cityx.plugins.building.design import design
-from cityx.plugins.building.facade import facade
-from cityx.plugins.building.samples import sample_city, sheet_of
-from cityx.plugins.building.shell import shell
 
 
 def described(names: list[str], seeds: range) -> tuple[np.ndarray, np.ndarray]:

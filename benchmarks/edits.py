@@ -22,9 +22,9 @@ from resource import RUSAGE_CHILDREN, getrusage
 
 import numpy as np
 
-from cityx.agents.edit import edit_city
 from cityx.city.store import read_city
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
+from cityx.projects.edit import edit_city
 
 CHANGES = {
     "height": "Make {} {} m tall", "material": "Make {} {}", "colour": "Paint {} {}",

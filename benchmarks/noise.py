@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from cityx.city.store import read_view
 from cityx.dataset.pictures import LUMINANCE, QUALITIES, SPREAD, Quality, pictures
 from cityx.dataset.shots import Shot
-from cityx.plugins.render.cameras import choose_camera
+from cityx.views.cameras import choose_camera
 
 Image = NDArray[np.float32]
 REFERENCE = 1024  # samples

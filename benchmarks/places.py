@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
+from cityx.language.options import BuildOptions
+from cityx.projects.build import build
 
 MAPS = Path(__file__).resolve().parents[2] / "shared" / "data" / "osm"
 # Name -> map, middle of the window (latitude, longitude; its own when None), edge in metres.

@@ -32,11 +32,11 @@ from cityx.city import City, Layout
 from cityx.geometry.chains import components
 from cityx.geometry.raster.grid import Grid
 from cityx.geometry.raster.patches import label_patches
-from cityx.plugins.layout.crop import crop
 from cityx.sources.class_map import ClassMap, layout_of
 from cityx.sources.features.vocabulary import CARS
 from cityx.sources.map_classes import class_of
 from cityx.sources.osm import read_osm
+from cityx.town.crop import crop
 
 DATA = Path(__file__).parents[2] / "shared" / "data" / "osm"
 MAPS = (

@@ -29,7 +29,7 @@ from cityx.assets.library.paper_placement import place_as_paper
 from cityx.assets.library.plots import draw_plots
 from cityx.assets.library.records import Catalogue
 from cityx.assets.library.store import Library, open_library
-from cityx.geometry.identity import uniform
+from cityx.ids import uniform
 
 LOTS = 20_000
 VECTORS = 100_000
@@ -186,8 +186,8 @@ def placement(library: Library, maps: Path | None) -> Iterator[str]:
     )
     if maps is None:
         return
-    from cityx.assets.palettes import family_of, region_of
-    from cityx.plugins.building.asset_placement import carriageways, lots_of
+    from cityx.assets.styles.palettes import family_of, region_of
+    from cityx.building.asset_placement import carriageways, lots_of
     from cityx.sources.osm import read_osm
 
     for path in sorted(maps.glob("*.osm*")) if maps.is_dir() else [maps]:

@@ -25,11 +25,11 @@ from cityx.checks.movement import check_movement
 from cityx.city import City, Frame, Layout
 from cityx.city.layout import make_table
 from cityx.city.store import read_city
-from cityx.geometry.identity import hash_ids, id_text, uniform
-from cityx.plugins.dynamic import traffic as action
-from cityx.plugins.dynamic.halts import halts_of
-from cityx.plugins.dynamic.vehicles import looks_of_kinds
-from cityx.plugins.road.lanes import lanes
+from cityx.ids import hash_ids, id_text, uniform
+from cityx.motion import traffic as action
+from cityx.motion.halts import halts_of
+from cityx.motion.vehicles import looks_of_kinds
+from cityx.road.network.lane_graph import lanes
 from cityx.traffic import session
 from cityx.traffic.demand import Drivable, demand_of, per_km_at
 from cityx.traffic.laying import streets_of

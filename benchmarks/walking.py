@@ -27,10 +27,10 @@ from cityx.checks.movement import check_movement
 from cityx.city import City
 from cityx.city.store import read_city
 from cityx.city.tracks import MOVER
-from cityx.city.walkable import walkable_of
-from cityx.plugins.dynamic import crowds
-from cityx.plugins.dynamic import pedestrians as people
-from cityx.plugins.dynamic.traffic import traffic
+from cityx.ground.walking.walkable import walkable_of
+from cityx.motion import crowds
+from cityx.motion import pedestrians as people
+from cityx.motion.traffic import traffic
 from cityx.traffic import session
 from cityx.traffic.demand import PER_KM
 

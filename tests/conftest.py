@@ -27,7 +27,7 @@ def scene_folder(tmp_path_factory):
     """Return the folder of a base scene of the benchmark, built once; it is only to be read."""
     from functools import cache
 
-    from cityx.bench.runner import build_scene
+    from cityx_bench.runner import build_scene
 
     folder = tmp_path_factory.mktemp("scenes")
 

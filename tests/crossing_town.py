@@ -10,9 +10,9 @@ import shapely
 
 from cityx.city import City, Frame, Instances, Layout, make_table, one_mesh
 from cityx.city.scene import Prototype
-from cityx.plugins.road.ground import ground
-from cityx.plugins.road.lanes import lanes
-from cityx.plugins.road.network import network
+from cityx.road.ground.ground_surface import ground
+from cityx.road.network.lane_graph import lanes
+from cityx.road.network.network import network
 
 HALF = 70.0  # metres from the middle to the border
 ARMS = [[(-90, 0), (0, 0), (90, 0)], [(0, -90), (0, 0), (0, 90)]]

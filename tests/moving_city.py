@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cityx.assets.movers import size_of
+from cityx.assets.vehicles.movers import size_of
 from cityx.city import City, Frame, Layout
 from cityx.city.tracks import GAIT, MOVER, Tracks
 

@@ -28,7 +28,7 @@ from cityx.city.camera import Camera
 from cityx.city.city import City
 from cityx.city.ground import ROADWAY
 from cityx.city.store import read_city
-from cityx.geometry.identity import rng_for, stable_id
+from cityx.ids import rng_for, stable_id
 
 PIXEL = 0.6  # metres, the ground resolution that the network sees
 SIDE = 640  # pixels of a picture

@@ -7,13 +7,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from cityx.agents.brief import Brief, read_note
-from cityx.agents.naming import names_of
-from cityx.agents.options import BuildOptions, slots_of
 from cityx.agents.planning.asked import slots_of_brief
 from cityx.agents.roles import BriefMaker, OfflineBriefMaker
 from cityx.city import City, Goal
 from cityx.errors import InputError, UsageError
+from cityx.language import Brief, read_note
+from cityx.language.options import BuildOptions, slots_of
+from cityx.language.references.naming import names_of
 from cityx.protocol.serving import Slots
 
 LONGEST_NOTE = 20_000  # characters of a text file that are read
@@ -152,7 +152,7 @@ def _text_of(path: Path) -> str:
 
 def _checked(slots: Slots) -> Slots:
     """Refuse a style that no building has."""
-    from cityx.assets.palettes import family_of
+    from cityx.assets.styles.palettes import family_of
 
     for style in slots.get("style", ()):
         family_of(str(style))

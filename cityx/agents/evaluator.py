@@ -75,7 +75,7 @@ def judged(city: City, goals: Sequence[Goal], before: City | None = None) -> Jud
 
     What cannot be told is not missed; of the state before, nothing can be where there is none.
     """
-    from cityx.checks.buildings import check_buildings
+    from cityx.checks.building_checks import check_buildings
     from cityx.checks.predicates import measure_all
 
     findings = measure_all((goal.predicate for goal in goals), city, before=before)

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
-from cityx.agents.changes import slots_of_edit
 from cityx.agents.evaluator import HARD, ROUNDS, Judged, judged, of_layout
 from cityx.agents.planning.planner import OfflinePlanner, Situation
 from cityx.agents.planning.search import Fact
@@ -14,13 +13,14 @@ from cityx.agents.planning.workflow import Item, Workflow
 from cityx.agents.pool import Message, Pool
 from cityx.agents.remedies import remedies
 from cityx.agents.roles import Executor, OfflineExecutor, Planner, attempt
-from cityx.agents.run import Run
+from cityx.agents.step_runner import Run
 from cityx.city import City, Goal
 from cityx.city.city import Failure
 from cityx.errors import ActionFailed, ActionRejected
-from cityx.plugins.layout.presets import TOWN
+from cityx.language.references.resolved_changes import slots_of_edit
 from cityx.protocol.serving import Slots
 from cityx.protocol.stages import Stage
+from cityx.town.presets import TOWN
 
 Say = Callable[[str], None]
 MOST_FAILURES = 8  # steps that may fail before a run gives up

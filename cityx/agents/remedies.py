@@ -9,11 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cityx.agents.brief import Edit
 from cityx.checks.predicates.facts import Facts, constant
 from cityx.checks.predicates.parser import parse
 from cityx.checks.predicates.syntax import Call, Comparison, Name, Within
-from cityx.checks.predicates.things import (
+from cityx.checks.predicates.thing_predicates import (
     BoolArray,
     CannotTell,
     FloatArray,
@@ -23,7 +22,8 @@ from cityx.checks.predicates.things import (
 )
 from cityx.checks.predicates.vocabulary import KINDS, NARROWING, split_arguments
 from cityx.city import City
-from cityx.geometry.identity import hash_ids
+from cityx.ids import hash_ids
+from cityx.language import Edit
 
 MEASURES = ("height", "floors")  # of buildings, that an edit can set
 LOOKS = ("style", "material", "color", "roof")  # of buildings, that an edit can give

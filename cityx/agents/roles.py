@@ -12,13 +12,13 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from cityx.agents.annotator import Labels, annotate
-from cityx.agents.brief import Brief, read_brief
 from cityx.agents.planning.planner import OfflinePlanner, Situation
 from cityx.agents.planning.workflow import Item, Workflow
 from cityx.agents.pool import Pool
 from cityx.agents.verdict import Checklist, Measured, Verdict, merge
 from cityx.city import City
 from cityx.errors import ActionRejected
+from cityx.language import Brief, read_brief
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.gate import Call
 from cityx.protocol.serving import Slots
@@ -39,7 +39,7 @@ class BriefMaker(Protocol):
         options: Mapping[str, Any] | None = None,
         names: Iterable[str] = (),
     ) -> Brief:
-        """Return the `Brief` of a text; arguments as of `cityx.agents.brief.read_brief`."""
+        """Return the `Brief` of a text; arguments as of `cityx.language.read_brief`."""
 
 
 class Planner(Protocol):

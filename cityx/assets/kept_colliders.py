@@ -9,10 +9,10 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cityx.assets.kept import edition
-from cityx.cache import Arrays, cached_arrays
+from cityx.assets.kept_prototypes import edition
 from cityx.city.scene import Prototype
 from cityx.geometry.convex import Box, Cylinder, Hull, Solid
+from cityx.system.cache import Arrays, cached_arrays
 
 KINDS: Mapping[str, Callable[..., Solid]] = MappingProxyType(
     {kind.__name__: kind for kind in (Hull, Box, Cylinder)}

@@ -18,8 +18,13 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.movers import Seat, Vehicle, is_person, vehicle
-from cityx.assets.moving import (
+from cityx.assets.people.gaits import lift_at, pose_of, stride_of
+from cityx.assets.people.people import Figure
+from cityx.assets.people.poses import ride
+from cityx.assets.people.skeleton import JOINTS, NUMBER, PARENTS, relative_turns
+from cityx.assets.shapes import tinted
+from cityx.assets.vehicles.movers import Seat, Vehicle, is_person, vehicle
+from cityx.assets.vehicles.moving import (
     PEOPLE,
     TRAFFIC,
     Dressed,
@@ -30,16 +35,11 @@ from cityx.assets.moving import (
     rider_numbers,
     wheel_turn,
 )
-from cityx.assets.people import Figure
-from cityx.assets.people_gaits import lift_at, pose_of, stride_of
-from cityx.assets.people_poses import ride
-from cityx.assets.people_skeleton import JOINTS, NUMBER, PARENTS, relative_turns
-from cityx.assets.shapes import tinted
 from cityx.blender.client import FRAME_RATE
 from cityx.blender.operators import call
 from cityx.blender.scene import MeshUploader, title
 from cityx.city.tracks import GAITS, MOVER_KINDS, Tracks, travelled
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 
 if TYPE_CHECKING:
     from cityx.blender.materials import MaterialLibrary

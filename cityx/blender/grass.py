@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from cityx.assets.grass import CLUMPS, grass_clump
+from cityx.assets.furniture.grass import CLUMPS, grass_clump
 from cityx.blender.materials import MaterialLibrary
 from cityx.blender.scene import add_layer, remove_layer
 from cityx.city.camera import Camera
-from cityx.plugins.render.lawns import grass_rows
+from cityx.views.lawns import grass_rows
 
 if TYPE_CHECKING:
     from cityx.city.store import View

@@ -17,8 +17,8 @@ from cityx.blender.weather import show_wear, turn_knobs
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.city.store import View
-from cityx.geometry.ground_wear import ground_wear
 from cityx.geometry.mirrored import REACH as OUTSKIRTS
+from cityx.ground.ground_wear import ground_wear
 
 # In the sun the plain curve leaves bright walls and streets in the shade nearly alike; under cloud
 # and at night, and from above where streets are dark slots between the roofs, it keeps what is dark

@@ -1,4 +1,4 @@
-"""The materials of a city as Blender node trees, made from `cityx.assets.materials`.
+"""The materials of a city as Blender node trees, made from `cityx.assets.styles.materials`.
 
 All of them run through two node groups (`cityx.blender.weather`) whose values are weather and hour:
 changing them in one place wets, whitens or lights the whole city.
@@ -11,8 +11,8 @@ from types import MappingProxyType
 
 import bpy
 
-from cityx.assets.materials import CARRIAGEWAYS, MATERIALS, Material
-from cityx.assets.surface_states import material_named
+from cityx.assets.styles.materials import CARRIAGEWAYS, MATERIALS, Material
+from cityx.assets.styles.surface_states import material_named
 from cityx.blender import nodes
 from cityx.blender.laid_stones import laid_setts
 from cityx.blender.nodes import Socket, Tree
@@ -91,7 +91,7 @@ class MaterialLibrary:
         Parameters
         ----------
         name
-            Name for `cityx.assets.surface_states.material_named`.
+            Name for `cityx.assets.styles.surface_states.material_named`.
         variant
             "" for shells; "instance" for prototypes, whose colour is also multiplied by the
             instance's tint; "room" for prototypes that have a room behind their glass; "sign" for

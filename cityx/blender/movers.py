@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from cityx.assets.moving import PEOPLE, TRAFFIC, with_movers
+from cityx.assets.vehicles.moving import PEOPLE, TRAFFIC, with_movers
 from cityx.blender.materials import MaterialLibrary
 from cityx.blender.scene import add_layer, remove_layer
 

@@ -2,7 +2,7 @@
 
 Opens a .blend without running anything in it, compares every object with the stored city that it
 shows, and writes the differences to the file that the job names. Nothing is decided here: see
-`cityx.agents.pull`.
+`cityx.projects.pull`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.surface_states import material_named
+from cityx.assets.styles.surface_states import material_named
 from cityx.blender.scene import (
     ID,
     LAYER,
@@ -32,8 +32,8 @@ from cityx.blender.worker import end_with_parent
 from cityx.city.content import scene_key
 from cityx.city.mesh import MeshBatch, feet
 from cityx.city.scene import Instances
-from cityx.geometry.identity import id_text
 from cityx.geometry.turns import euler_of, matrices
+from cityx.ids import id_text
 
 if TYPE_CHECKING:
     from cityx.city.store import View

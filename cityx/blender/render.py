@@ -10,8 +10,8 @@ import bpy
 
 from cityx.blender.operators import call
 from cityx.city.camera import Camera
-from cityx.cores import core_count
 from cityx.dataset.cryptomatte import FILTER_WIDTH
+from cityx.system.cores import core_count
 
 MAX_BOUNCES = 4
 ADAPTIVE_THRESHOLD = 0.1  # noise that the denoiser removes without a trace

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.surface_states import material_named
+from cityx.assets.styles.surface_states import material_named
 from cityx.assets.trees.leaf_fall import LEAF, sheds
 from cityx.blender.leaf_fall import undress
 from cityx.blender.materials import ROUND, MaterialLibrary
@@ -19,7 +19,7 @@ from cityx.city.content import scene_key
 from cityx.city.mesh import NO_VERTEX, MeshBatch, feet
 from cityx.city.rooms import ROOM_KINDS, room_draws, room_uses
 from cityx.city.scene import Instances, Prototype
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 
 if TYPE_CHECKING:
     from cityx.city.store import View

@@ -17,7 +17,7 @@ from cityx.blender.materials import MaterialLibrary
 from cityx.blender.movers import show_movers
 from cityx.blender.outskirts import Outskirts
 from cityx.blender.passes import render_passes, use_passes
-from cityx.blender.signals import show_signals
+from cityx.blender.signal_lights import show_signals
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 

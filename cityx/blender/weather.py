@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cityx.blender import nodes
 from cityx.blender.sky import lamp_balance
 from cityx.city.environment import Environment
-from cityx.geometry.yard_fields import BRICK
+from cityx.ground.yard_fields import BRICK
 
 Tree = Any
 Socket = Any
@@ -51,7 +51,7 @@ SNOW_REACH = 8.0  # metres within which a roof, an awning or a bridge keeps snow
 CAUGHT = (0.42, 0.9)  # shares of open sky between which a leaf is covered
 CLUMP = 0.3  # metres
 SNOW_SAMPLES = 12  # the share of open sky is compared with a threshold: few would blur it
-# The picture of `cityx.geometry.ground_wear`, and how much of the light it takes or gives.
+# The picture of `cityx.ground.ground_wear`, and how much of the light it takes or gives.
 WEAR, WEAR_CORNER, WEAR_SCALE = "Ground wear", "Corner of the wear", "Scale of the wear"
 WORN = "Worn"  # 1 once the picture is there
 RUBBER, REPAIRED, FIELD = 0.42, 0.68, 0.55
@@ -378,7 +378,7 @@ def show_wear(
     Parameters
     ----------
     picture
-        (h, w, 3) uint8 as of `cityx.geometry.ground_wear`, first row in the south.
+        (h, w, 3) uint8 as of `cityx.ground.ground_wear`, first row in the south.
     corner
         South-western corner, metres.
     cell

@@ -18,9 +18,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cityx.allocator import keep_freed_memory, rare_collection
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
+from cityx.system.allocator import keep_freed_memory, rare_collection
 
 if TYPE_CHECKING:
     import bpy
@@ -79,14 +79,14 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
     """Make the scene, save it, render it; returns the record of what was made."""
     import bpy
 
-    from cityx.assets.moving import with_movers
+    from cityx.assets.vehicles.moving import with_movers
     from cityx.blender import render
     from cityx.blender import scene as scenes
     from cityx.blender.animation import animate
     from cityx.blender.light import Lighting
     from cityx.blender.materials import MaterialLibrary
     from cityx.blender.operators import call
-    from cityx.blender.signals import show_signals
+    from cityx.blender.signal_lights import show_signals
     from cityx.blender.studio import Studio
     from cityx.city.rows import without_objects
 

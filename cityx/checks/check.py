@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 
 NAMED = 20  # ids named of each check
 

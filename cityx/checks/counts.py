@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from cityx.assets.moving import mover_counts
+from cityx.assets.vehicles.moving import mover_counts
 from cityx.city import City
 
 

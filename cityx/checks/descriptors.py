@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.materials import MATERIALS
+from cityx.assets.styles.materials import MATERIALS
 from cityx.city import City
 from cityx.city.mesh import NO_VERTEX
 from cityx.city.scene import Instances

@@ -11,8 +11,8 @@ from cityx.city import City
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.levels import ground_levels
 from cityx.city.scene import Instances
-from cityx.geometry.identity import hash_ids
-from cityx.geometry.standing import stand_on
+from cityx.ground.standing import stand_on
+from cityx.ids import hash_ids
 
 RAY = (0.08, 0.35)  # metres before a window between which nothing may stand
 RAY_HEIGHT = 0.6  # metres above the lower edge of a window

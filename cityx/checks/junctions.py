@@ -13,9 +13,9 @@ from cityx.checks.check import NAMED, Check, named
 from cityx.city import City
 from cityx.city.ground import LABEL, ON_ROADWAY, ROADWAY, Ground
 from cityx.city.layout import Layout
-from cityx.geometry.arrangement import BEYOND, edge_lengths, face_areas, owners
 from cityx.geometry.chains import components, join_segments
 from cityx.geometry.polylines import Polylines, every, locate, to_linestrings
+from cityx.ground.arrangement import BEYOND, edge_lengths, face_areas, owners
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -21,9 +21,9 @@ from cityx.city.ground import ON_ROADWAY, ROADWAY
 from cityx.city.lanes import LaneGraph
 from cityx.city.moments import Moments, moments_of
 from cityx.city.tracks import GAIT, Tracks
-from cityx.city.walkable import walk_areas
 from cityx.geometry.polylines import Polylines, to_linestrings
-from cityx.geometry.standing import stand_on, surfaces_at
+from cityx.ground.standing import stand_on, surfaces_at
+from cityx.ground.walking.walkable import walk_areas
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

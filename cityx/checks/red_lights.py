@@ -7,11 +7,11 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
-from cityx.city.crosswalks import heads_of
 from cityx.city.moments import moments_of
 from cityx.city.signals import STATE, Signals, states_at
 from cityx.city.tracks import MOVER, Tracks, travelled
-from cityx.city.walkable import walk_areas
+from cityx.ground.walking.crosswalks import heads_of
+from cityx.ground.walking.walkable import walk_areas
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -9,32 +9,32 @@ from typing import Any
 import numpy as np
 
 from cityx import __version__
-from cityx.checks.bodies import check_bodies
+from cityx.checks.body_checks import check_bodies
 from cityx.checks.bounds import check_bounds
-from cityx.checks.buildings import check_buildings
+from cityx.checks.building_checks import check_buildings
 from cityx.checks.check import Check, named
 from cityx.checks.counts import built_count, counts
 from cityx.checks.facades import check_facades
-from cityx.checks.furniture import check_furniture
-from cityx.checks.ground import check_ground
-from cityx.checks.heights import check_heights
+from cityx.checks.furniture_checks import check_furniture
+from cityx.checks.ground_checks import check_ground
+from cityx.checks.height_checks import check_heights
 from cityx.checks.junctions import check_junctions
-from cityx.checks.lanes import check_lanes
+from cityx.checks.lane_checks import check_lanes
 from cityx.checks.meshes import check_meshes, triangle_counts
 from cityx.checks.movement import check_movement
 from cityx.checks.predicates import measure_all
-from cityx.checks.predicates.buildings import is_built
+from cityx.checks.predicates.building_predicates import is_built
 from cityx.checks.predicates.words import TIMES, WEATHERS
 from cityx.checks.shells import check_shells
-from cityx.checks.standing import check_standing
-from cityx.checks.streets import check_streets
+from cityx.checks.standing_checks import check_standing
+from cityx.checks.street_checks import check_streets
 from cityx.checks.terrain import check_terrain
 from cityx.checks.towns import check_towns
-from cityx.checks.trees import check_trees
+from cityx.checks.tree_checks import check_trees
 from cityx.checks.walkways import check_walkways
 from cityx.city import City, Goal
 from cityx.city.content import content_hash
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 
 FAILED_SHARE = 0.01  # of all buildings; more, and something is wrong with the input or with us
 

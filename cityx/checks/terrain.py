@@ -10,10 +10,10 @@ from cityx.checks.check import Check
 from cityx.city import City
 from cityx.city.ground import LABEL, SURFACES
 from cityx.city.mesh import NO_VERTEX
-from cityx.geometry.grading import FARTHEST
-from cityx.geometry.standing import NOWHERE, heights_on, stand_on
-from cityx.geometry.surroundings import OFFSET
 from cityx.geometry.triangle_cells import cells_of_triangles, triangle_at
+from cityx.ground.grading import FARTHEST
+from cityx.ground.standing import NOWHERE, heights_on, stand_on
+from cityx.ground.surroundings import OFFSET
 
 FloatArray = NDArray[np.float64]
 # Tolerances by which triangles may miss: the corners of a cell keep one, and so does each way to

@@ -1,6 +1,6 @@
 """Checks of towns laid out by rule: blocks, junctions, dead ends, parcels.
 
-They hold for what `cityx.plugins.layout` lays out; a town that was mapped is as it is.
+They hold for what `cityx.town` lays out; a town that was mapped is as it is.
 
 References
 ----------
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from cityx.checks.check import NAMED, Check
 from cityx.checks.predicates.street_pattern import GRID_SHARE, pattern_of
 from cityx.city import Layout
-from cityx.geometry.street_graph import street_graph
+from cityx.geometry.parcels.street_graph import street_graph
 from cityx.sources.features.vocabulary import CARS
 
 FloatArray = NDArray[np.float64]

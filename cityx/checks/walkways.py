@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 
 from cityx.checks.check import Check
 from cityx.city import City
-from cityx.city.crosswalks import FAST, FOOTWAYS, VERGES, crosswalks_of
 from cityx.city.ground import Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
-from cityx.geometry.arrangement import BEYOND
 from cityx.geometry.chains import components
 from cityx.geometry.polylines import to_linestrings
+from cityx.ground.arrangement import BEYOND
+from cityx.ground.walking.crosswalks import FAST, FOOTWAYS, VERGES, crosswalks_of
 
 RAYS = 12  # directions in which walks are looked for where a bridge or a tunnel ends
 BESIDE = (0.0, 1.5, 3.0, 6.0)  # metres from its edge

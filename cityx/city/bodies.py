@@ -1,6 +1,6 @@
 """Bodies: what every object of a city is to a physics engine, as data.
 
-Bodies are derived (`cityx.assets.bodies`), never stored: they follow from meshes, materials and
+Bodies are derived (`cityx.assets.colliders`), never stored: they follow from meshes, materials and
 kinds, and a second truth would be wrong after the first edit. The same city gives the same bodies.
 """
 

@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 from cityx.city.layout import SCHEMA
 from cityx.city.mesh import same_objects
 from cityx.city.rows import take_rows
-from cityx.geometry.identity import UInt64Array, id_text, mix
 from cityx.geometry.ranges import equal_rows
+from cityx.ids import UInt64Array, id_text, mix
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 # Column name -> NumPy dtype ("str" is kept as a Python string column). Every table has in
 # addition ``geometry``. Missing numbers are NaN, missing words are "". Ids are unsigned 64-bit,
-# stable (`cityx.geometry.identity.stable_id`). Rows are sorted by id.
+# stable (`cityx.ids.stable_id`). Rows are sorted by id.
 SCHEMA: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
         # One row per building outline, geometry Polygon (counter-clockwise shell).

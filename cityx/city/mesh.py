@@ -37,7 +37,7 @@ class MeshBatch:
     material
         (f,) int16 into ``materials``.
     materials
-        Names of materials, see `cityx.assets.materials`.
+        Names of materials, see `cityx.assets.styles.materials`.
     uv
         (f, 4, 2) float32, texture coordinates per face corner **in metres** (walls: running length
         along the wall and height; ground: world x and y).

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cityx.city.environment import Environment
 from cityx.city.scene import Instances, Prototype, Scene
-from cityx.geometry.identity import uniform
+from cityx.ids import uniform
 
 if TYPE_CHECKING:
     from cityx.city.store import View

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.geometry.identity import hash_ids
+from cityx.ids import hash_ids
 
 STATES = ("off", "red", "red_yellow", "yellow", "green", "green_yielding")
 STATE = {name: number for number, name in enumerate(STATES)}

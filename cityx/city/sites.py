@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cityx.city.frame import Frame
 from cityx.city.layout import SCHEMA, Layout, joined_tables
-from cityx.geometry.identity import hash_ids
+from cityx.ids import hash_ids
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame

@@ -38,8 +38,8 @@ from cityx.city.signals import Signals
 from cityx.city.terrain import Survey, Terrain
 from cityx.city.tracks import Tracks
 from cityx.errors import InputError
-from cityx.geometry.identity import id_text
-from cityx.packed import read_arrays, write_arrays
+from cityx.ids import id_text
+from cityx.system.packed import read_arrays, write_arrays
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame

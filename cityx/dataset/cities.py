@@ -90,8 +90,8 @@ def build_source(source: Source, order: Order, work: Path, say: Say) -> None:
     InputError
         If it cannot be built; the dataset holds what was made of the cities before.
     """
-    from cityx.agents.build import build
-    from cityx.agents.options import BuildOptions
+    from cityx.language.options import BuildOptions
+    from cityx.projects.build import build
 
     folder = work / "cities" / source.name
     if source.kind == FOLDER or (folder / "report.json").is_file():

@@ -19,14 +19,14 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.bodies import class_of, kind_of
-from cityx.assets.surface_states import material_named
+from cityx.assets.colliders import class_of, kind_of
+from cityx.assets.styles.surface_states import material_named
 from cityx.city.ground import SURFACES
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
 from cityx.city.tracks import MOVER_KINDS
-from cityx.geometry.identity import stable_id
 from cityx.geometry.solids import area_vectors
+from cityx.ids import stable_id
 
 IGNORED = 255  # train id of what Cityscapes does not rate
 SKY = 0
@@ -191,7 +191,7 @@ _MATERIAL = {
 }  # fmt: skip
 _BARRIER = {"hedge": "hedge", "leaf": "hedge", "metal_dark": "fence", "metal_grey": "fence",
             "wood": "fence", "bench_wood": "fence"}  # fmt: skip
-# What `cityx.assets.bodies.class_of` says of pieces where the word is not that of a class.
+# What `cityx.assets.colliders.class_of` says of pieces where the word is not that of a class.
 _PIECE = {
     "roof_window": "window", "power_pole": "pole", "flagpole": "pole",
     "utility_pole": "pole", "utility_pole_wrapped": "pole", "utility_pole_board": "pole",

@@ -20,7 +20,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.surface_states import material_named
+from cityx.assets.styles.surface_states import material_named
 from cityx.city.camera import Camera
 from cityx.dataset.record import Sweep
 from cityx.dataset.shots import Shot, axes

@@ -19,7 +19,7 @@ from cityx.dataset.cryptomatte import LAYERS, filter_offsets, manifest, matte, r
 from cityx.dataset.shots import Shot, axes
 from cityx.dataset.sight import NEAR
 from cityx.dataset.stage import Stage, stage_of
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 
 if TYPE_CHECKING:
     from cityx.city.store import View

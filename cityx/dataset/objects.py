@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.dataset.classes import CLASSES, class_of_mover
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 
 if TYPE_CHECKING:
     from cityx.city.city import City

@@ -14,8 +14,8 @@ from typing import Any
 from cityx.city.environment import Environment
 from cityx.dataset.channels import CYCLES, Channel, chosen
 from cityx.dataset.writers import formats_named, libraries_of
-from cityx.digests import file_sha256
 from cityx.errors import CityxError, InputError, MissingExtra, UsageError, nearest
+from cityx.system.digests import file_sha256
 
 NAME = "dataset.json"
 SEED, FOLDER, MAP = "seed", "folder", "map"
@@ -200,7 +200,7 @@ def check_words(order: Order, faults: Faults) -> None:
         faults.say(f"--views {order.views} is no number of shots, 1 or more is needed.")
     from cityx.dataset.pictures import chosen_quality
     from cityx.dataset.plans.planning import KINDS
-    from cityx.plugins.background.weather import lit_anew
+    from cityx.light.weather import lit_anew
 
     if order.plan not in KINDS and not Path(order.plan).is_file():
         faults.say(f'there is no plan "{order.plan}": it is neither a file nor one of '

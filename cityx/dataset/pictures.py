@@ -27,7 +27,7 @@ from cityx.dataset.mattes import MATTES, Mattes
 from cityx.dataset.record import Record
 from cityx.dataset.shots import Shot
 from cityx.errors import EngineError, MissingExtra, UsageError, nearest
-from cityx.geometry.identity import stable_id
+from cityx.ids import stable_id
 
 FloatArray = NDArray[np.float32]
 RECYCLE = 50  # shots from one Blender process

@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.assets.bodies import kind_of
-from cityx.assets.materials import MATERIALS
-from cityx.assets.moving import PEOPLE, TRAFFIC, with_movers
+from cityx.assets.colliders import kind_of
+from cityx.assets.styles.materials import MATERIALS
 from cityx.assets.trees.leaf_fall import LEAF, SNOWED, sheds
+from cityx.assets.vehicles.moving import PEOPLE, TRAFFIC, with_movers
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Instances, Prototype, Scene
 from cityx.city.tracks import Tracks

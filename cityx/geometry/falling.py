@@ -7,7 +7,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.geometry.identity import stable_id, uniform
+from cityx.ids import stable_id, uniform
 
 FloatArray = NDArray[np.float64]
 

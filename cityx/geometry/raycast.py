@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.cores import in_threads
+from cityx.system.cores import in_threads
 
 FloatArray = NDArray[np.float64]
 BLOCK = 8192  # rays that a thread casts at a time

@@ -19,7 +19,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.geometry.identity import hash_ids, mix, uniform
+from cityx.ids import hash_ids, mix, uniform
 
 ROUNDS = 3  # decisions deeper than this are dropped: 0.3 % of the points, measured
 REACH = 2 * ROUNDS  # radii around a point that can change its fate

@@ -16,8 +16,8 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.cores import in_threads
 from cityx.geometry.ranges import numbered
+from cityx.system.cores import in_threads
 
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]

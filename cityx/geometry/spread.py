@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.geometry.identity import uniform
+from cityx.ids import uniform
 
 _BITS = 16  # of each coordinate along the curve of `nearby_order`
 

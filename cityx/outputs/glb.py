@@ -18,19 +18,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx import __version__
-from cityx.assets.bodies import standing_fast, thing_of
-from cityx.atomic import replaced
+from cityx.assets.colliders import standing_fast, thing_of
 from cityx.city.environment import Environment
 from cityx.city.mesh import MeshBatch
 from cityx.city.rooms import lit_scene
 from cityx.city.scene import Instances, Prototype
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 from cityx.outputs.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfBuffer
 from cityx.outputs.gltf_instances import id_words, tint_groups, y_up_quaternions
 from cityx.outputs.gltf_light import EXTENSION as LIGHTS
 from cityx.outputs.gltf_light import illuminance_of, sun_light, sun_rotation
 from cityx.outputs.gltf_material import GltfMaterials
 from cityx.outputs.gltf_mesh import FlatMesh, finite, flat_mesh, origins, y_up
+from cityx.system.atomic import replaced
 
 # Above this many objects in a layer viewers choke on nodes: objects are merged by tile and keep
 # their ids in a vertex attribute.

@@ -15,8 +15,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.movers import Seat, is_person, vehicle
-from cityx.assets.moving import (
+from cityx.assets.people.gaits import lift_at, pose_of, stride_of
+from cityx.assets.people.people import Figure
+from cityx.assets.people.poses import ride
+from cityx.assets.people.skeleton import JOINTS, NUMBER, PARENT, relative_turns
+from cityx.assets.vehicles.movers import Seat, is_person, vehicle
+from cityx.assets.vehicles.moving import (
     PEOPLE,
     TRAFFIC,
     Dressed,
@@ -26,12 +30,8 @@ from cityx.assets.moving import (
     rider_look,
     rider_numbers,
 )
-from cityx.assets.people import Figure
-from cityx.assets.people_gaits import lift_at, pose_of, stride_of
-from cityx.assets.people_poses import ride
-from cityx.assets.people_skeleton import JOINTS, NUMBER, PARENT, relative_turns
 from cityx.city.tracks import GAIT, MOVER_KINDS, Tracks, travelled
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 from cityx.outputs.gltf_buffer import ARRAY_BUFFER, GltfBuffer
 from cityx.outputs.gltf_instances import y_up_quaternions
 from cityx.outputs.gltf_mesh import flat_mesh, y_up

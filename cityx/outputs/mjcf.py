@@ -17,11 +17,11 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.atomic import replaced
 from cityx.city.bodies import FORM, MOTION, Bodies, take_bodies
 from cityx.city.scene import Scene
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 from cityx.outputs.gltf_instances import quaternions
+from cityx.system.atomic import replaced
 
 SLAB = 0.5  # metres of ground below its surface; a thing that falls cannot get through at once
 STEP = 0.002  # seconds; stiff enough for heavy things on hard ground

@@ -16,8 +16,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from cityx.atomic import replaced
 from cityx.errors import EngineError, MissingExtra
+from cityx.system.atomic import replaced
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Kind, Vt
 
-from cityx.assets.moving import PEOPLE, TRAFFIC, with_movers
+from cityx.assets.vehicles.moving import PEOPLE, TRAFFIC, with_movers
 from cityx.blender.client import FRAME_RATE
 from cityx.city.scene import Instances, Scene
 from cityx.outputs.gltf_instances import quaternions

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from pxr import Kind, Sdf, Usd, UsdGeom, Vt
 
 from cityx import __version__
-from cityx.assets.bodies import thing_of, touch_of
+from cityx.assets.colliders import thing_of, touch_of
 from cityx.city.mesh import MeshBatch
 from cityx.city.rooms import lit_scene
 from cityx.city.scene import Instances, Prototype
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 from cityx.outputs.glb import MOST_OBJECTS, merged_by_tile
 from cityx.outputs.gltf_instances import quaternions
 from cityx.outputs.gltf_material import TWO_SIDED

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.assets.surface_states import material_named
+from cityx.assets.styles.surface_states import material_named
 from cityx.city.mesh import MeshBatch
 from cityx.outputs.gltf_mesh import finite
 

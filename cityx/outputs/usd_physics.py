@@ -11,7 +11,7 @@ from typing import Any
 
 from pxr import Gf
 
-from cityx.assets.bodies import Thing
+from cityx.assets.colliders import Thing
 from cityx.geometry.convex import Box
 from cityx.outputs.usd_prims import Types, add_attribute, add_prim, apply_schemas, point_at
 

@@ -1,13 +1,13 @@
 """The protocol: how a function becomes an action that people, programs and models can call.
 
-`cityx.protocol.gate` checks a call, `cityx.protocol.run` runs it; neither is imported here, so that
+`protocol.gate` checks a call, `protocol.running` runs it; neither is imported here, so that
 a plugin pays for what it uses.
 """
 
 from cityx.protocol.actions import Action, action, encapsulation_of
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.formats import Format, Port
-from cityx.protocol.inputs import InputFiles
+from cityx.protocol.input_files import InputFiles
 from cityx.protocol.parameters import Choice, Color, ObjectName, Points, Range, Text, Way
 from cityx.protocol.preconditions import (
     Pre,

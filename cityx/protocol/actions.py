@@ -20,7 +20,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 CITY = "cityx.city.city:City"
 GENERATOR = "numpy.random._generator:Generator"
-INPUTS = "cityx.protocol.inputs:InputFiles"
+INPUTS = "cityx.protocol.input_files:InputFiles"
 # What the runner hands over by itself; never an argument of a call.
 INJECTED = frozenset({CITY, GENERATOR, INPUTS})
 _THING = "cityx.protocol.values:Footprint"
@@ -221,9 +221,9 @@ LATE_NAMES = {
     "City": "cityx.city.city",
     "Layout": "cityx.city.layout",
     "MeshBatch": "cityx.city.mesh",
-    "Material": "cityx.assets.materials",
+    "Material": "cityx.assets.styles.materials",
     "np": "numpy",
-    "InputFiles": "cityx.protocol.inputs",
+    "InputFiles": "cityx.protocol.input_files",
     "Points": _VALUES,
     "Lines": _VALUES,
     "Surfaces": _VALUES,

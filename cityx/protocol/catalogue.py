@@ -7,11 +7,11 @@ from functools import cache
 from hashlib import blake2b
 from importlib.metadata import version
 
-from cityx.cache import cached_json
 from cityx.errors import UsageError
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.registry import BUILTIN, Registry
 from cityx.protocol.shipped import PACKAGE, fresh_records
+from cityx.system.cache import cached_json
 
 
 @cache

@@ -25,10 +25,10 @@ from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.example_city import example_city
 from cityx.protocol.fingerprint import fingerprint
 from cityx.protocol.formats import FORMATS, Format, type_name
-from cityx.protocol.inputs import InputFiles
+from cityx.protocol.input_files import InputFiles
 from cityx.protocol.parameters import Parameter
 from cityx.protocol.registry import Registry
-from cityx.protocol.run import Call, injected, run_action
+from cityx.protocol.running import Call, injected, run_action
 from cityx.protocol.stages import NEUTRAL, stages_after
 from cityx.protocol.values import (
     GeographicData,
@@ -280,7 +280,7 @@ def example_value(fmt: Format, role: str = "") -> Any:
     if role == "height_field":
         pixels = np.linspace(0, 1, 12).reshape(3, 4, 1)
     square = shapely.box(0, 0, 10, 6)
-    from cityx.assets.materials import MATERIALS
+    from cityx.assets.styles.materials import MATERIALS
 
     made: dict[Format, Callable[[], Any]] = {
         Format.SCENE_LAYOUT: lambda: city.layout,

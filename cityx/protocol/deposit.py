@@ -11,7 +11,7 @@ from cityx.city.city import City
 from cityx.city.layout import Layout
 from cityx.city.mesh import MeshBatch, concatenate
 from cityx.city.sites import merged
-from cityx.geometry.identity import stable_id
+from cityx.ids import stable_id
 from cityx.protocol.conversions import ConversionGraph, Path, apply_path
 from cityx.protocol.formats import Format
 

@@ -11,7 +11,7 @@ from cityx.city.layout import Layout, make_table
 from cityx.city.mesh import concatenate, one_mesh
 from cityx.city.scene import Instances, Prototype, Scene
 from cityx.city.terrain import Terrain
-from cityx.geometry.identity import stable_id
+from cityx.ids import stable_id
 
 _HOUSES = (  # x, y, width, depth, height, use
     (-45.0, 12.0, 20.0, 14.0, 9.0, "house"),

@@ -74,7 +74,7 @@ FORMATS: Mapping[Format, FormatType] = MappingProxyType(
         ),
         Format.TEXTURE_MATERIAL: FormatType(
             "Texture Material",
-            ("cityx.assets.materials:Material",),
+            ("cityx.assets.styles.materials:Material",),
             "A physically based material with its tileable texture.",
         ),
         Format.GEOGRAPHIC_DATA: FormatType(

@@ -21,7 +21,7 @@ from cityx.protocol.stages import NEUTRAL, stages_after
 
 if TYPE_CHECKING:
     from cityx.city.city import City
-    from cityx.protocol.inputs import InputFiles
+    from cityx.protocol.input_files import InputFiles
     from cityx.protocol.registry import Registry
 
 MOST_FAULTS = 5  # names that lead to no object of which one call is told

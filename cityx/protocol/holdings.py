@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from cityx.city.city import City
-    from cityx.protocol.inputs import InputFiles
+    from cityx.protocol.input_files import InputFiles
 
 Node = tuple[Format, str]  # a format and the role of what carries it
 

@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from cityx.errors import ActionFailed, InputError
-from cityx.protocol.inputs import InputFiles
+from cityx.protocol.input_files import InputFiles
 
 if TYPE_CHECKING:
     from cityx.city.city import City
@@ -126,7 +126,7 @@ def main(name: str) -> int:
     from cityx.errors import CityxError
     from cityx.protocol.gate import Call
     from cityx.protocol.registry import registry
-    from cityx.protocol.run import run_action
+    from cityx.protocol.running import run_action
 
     folder = Path(name)
     job = json.loads((folder / "job.json").read_text())

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.errors import nearest
-from cityx.geometry.identity import UInt64Array, id_text
+from cityx.ids import UInt64Array, id_text
 from cityx.protocol.preconditions import TABLES
 
 if TYPE_CHECKING:

@@ -1,6 +1,6 @@
 """The registry: every action by name, none imported before it is asked for.
 
-Built-in actions are known by `records.json` or found by reading the source of `cityx.plugins`,
+Built-in actions are known by `records.json` or found by reading the source of its rooms,
 actions of other packages by their entry points in the group ``cityx.actions``; listing runs no
 plugin code at all.
 """

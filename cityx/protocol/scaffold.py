@@ -16,7 +16,7 @@ _BUILDING = '''
 
     from cityx.city import MeshBatch
     from cityx.protocol import Range, action
-    from cityx.protocol.blocks import block
+    from cityx.protocol.solid_blocks import block
     from cityx.protocol.values import Footprint
 
 

@@ -16,7 +16,19 @@ from pathlib import Path
 from typing import Any
 
 PACKAGE = Path(__file__).parents[1]
-PLUGINS = PACKAGE / "plugins"
+# Rooms of the package that hold actions.
+ROOMS = (
+    "building",
+    "convert",
+    "edit",
+    "light",
+    "motion",
+    "nature",
+    "road",
+    "terrain",
+    "town",
+    "views",
+)
 HELD = Path(__file__).with_name("records.json")
 # What a record looks like is decided here.
 _FORM = ("actions", "docstrings", "encapsulation", "formats", "parameters", "preconditions",
@@ -66,7 +78,7 @@ def module_of(path: Path, root: Path = PACKAGE.parent) -> str:
 
 def plugin_files() -> tuple[Path, ...]:
     """Return the source files of the built-in plugins, sorted."""
-    return tuple(sorted(PLUGINS.rglob("*.py")))
+    return tuple(sorted(path for room in ROOMS for path in (PACKAGE / room).rglob("*.py")))
 
 
 def written_records() -> str:

@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from typing import Any
 
 from cityx.agents.annotator import labels_of
+from cityx.cli.plugins import show_action
 from cityx.errors import UsageError
-from cityx.protocol.commands import show_action
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.formats import Format
 from cityx.protocol.registry import Registry

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 
-from cityx.agents import instructions
+from cityx.projects import instructions
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.gate import Call, GateRejection, find_faults
 from cityx.server import actions

@@ -10,7 +10,7 @@ import numpy as np
 
 from cityx.city import City
 from cityx.city.content import ContentHash
-from cityx.geometry.identity import UInt64Array, id_text
+from cityx.ids import UInt64Array, id_text
 
 # Parts of a city that are no objects.
 PARTS = ("environment", "terrain", "network", "heights", "lanes", "ground")

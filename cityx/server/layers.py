@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cityx.city import City
 from cityx.city.layout import SCHEMA
 from cityx.city.mesh import MeshBatch
-from cityx.geometry.identity import UInt64Array, id_text
+from cityx.ids import UInt64Array, id_text
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cityx import __version__
-from cityx.agents import instructions
+from cityx.projects import instructions
 from cityx.protocol.catalogue import registry_hash
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.stages import Stage

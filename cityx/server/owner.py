@@ -13,12 +13,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, TypeVar
 
-from cityx.agents.desk import STORE, Cancelled, Conflict, Desk, recover
 from cityx.agents.journal import JOURNAL
-from cityx.agents.locks import locked
-from cityx.agents.options import PlannerChoice
-from cityx.agents.results import result_folder
 from cityx.errors import CityxError
+from cityx.language.options import PlannerChoice
+from cityx.projects.desk import STORE, Cancelled, Conflict, Desk, recover
+from cityx.projects.locks import locked
+from cityx.projects.results import result_folder
 from cityx.protocol.registry import Registry
 from cityx.server.differences import changed_ids, changed_parts, difference
 from cityx.server.jobs import Job

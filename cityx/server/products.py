@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cityx.agents.desk import STORE
-from cityx.agents.views import VIEWS
+from cityx.projects.desk import STORE
+from cityx.projects.views import VIEWS
 from cityx.server.jobs import Job
 from cityx.server.owner import Owner
 from cityx.server.replies import Reply
@@ -57,7 +57,7 @@ class Products:
         width, height = arguments.get("size", PICTURE)
 
         def work(job: Job) -> Reply:
-            from cityx.agents.views import blender_views
+            from cityx.projects.views import blender_views
 
             owner.desk()
             path = picture_path(owner.folder, owner.seen.revision, view)
@@ -79,8 +79,8 @@ class Products:
         owner = self.owner
 
         def work(job: Job) -> Reply:
-            from cityx.agents.build import recheck
             from cityx.checks.report import report_passed
+            from cityx.projects.build import recheck
 
             owner.desk()
             report = recheck(owner.folder)

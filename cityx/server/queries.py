@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.agents.desk import Revision
 from cityx.city import City
 from cityx.city.content import ContentHash
 from cityx.errors import UsageError, nearest
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
+from cityx.projects.desk import Revision
 from cityx.server.layers import Layer, layers_of, owned, plain, shown
 from cityx.server.seen import Seen
 

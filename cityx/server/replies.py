@@ -8,7 +8,6 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 from cityx.agents.briefs import Clarify
-from cityx.agents.desk import Cancelled, Conflict
 from cityx.errors import (
     ActionFailed,
     ActionRejected,
@@ -18,6 +17,7 @@ from cityx.errors import (
     MissingDependency,
     UsageError,
 )
+from cityx.projects.desk import Cancelled, Conflict
 
 Status = Literal["ok", "rejected", "failed", "accepted"]
 STATUSES: tuple[Status, ...] = ("ok", "rejected", "failed", "accepted")

@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 
-from cityx.agents.desk import HISTORY, Desk, Revision
 from cityx.agents.journal import RunRecord, Step
 from cityx.city import City
 from cityx.city.content import ContentHash, content_hash
 from cityx.city.store import read_city
 from cityx.errors import UsageError
+from cityx.projects.desk import HISTORY, Desk, Revision
 from cityx.server.replies import NoCity
 
 KEPT = 4  # content hashes in memory: both sides of a difference, twice

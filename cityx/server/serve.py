@@ -14,9 +14,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cityx.agents.options import PlannerChoice
-from cityx.cache import kept_folder
 from cityx.errors import MissingExtra, UsageError
+from cityx.language.options import PlannerChoice
+from cityx.system.cache import kept_folder
 
 if TYPE_CHECKING:
     from mcp.server import Server

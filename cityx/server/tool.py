@@ -1,7 +1,7 @@
 """A tool: what a client may ask for, with the schema of its arguments.
 
 No tool takes code, a path or an address: only names and numbers that are checked, and one text in
-words, which is read by `cityx.agents.instructions` and never run.
+words, which is read by `cityx.projects.instructions` and never run.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ from cityx.city import City, Frame, Layout
 from cityx.errors import InputError, UsageError
 from cityx.geometry.raster.centrelines import Centrelines, centrelines
 from cityx.geometry.raster.grid import Grid
-from cityx.geometry.raster.outlines import outlines
+from cityx.geometry.raster.mask_outlines import outlines
 from cityx.geometry.raster.party_walls import parted
 from cityx.geometry.raster.patches import (
     label_patches,

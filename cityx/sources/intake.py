@@ -12,10 +12,10 @@ from cityx.city.frame import NOWHERE
 from cityx.city.sites import Box, moved
 from cityx.errors import UsageError, nearest
 from cityx.sources.combination import combine
-from cityx.sources.inputs import KINDS, WORDS, Input, classify
+from cityx.sources.input_kinds import KINDS, WORDS, Input, classify
 
 if TYPE_CHECKING:
-    from cityx.sources.heights import Heights
+    from cityx.sources.heights.height_source import Heights
 
 # What a person drew goes before what a map says, and a map before what was seen from above.
 PRECEDENCE = ("drawn", "osm", "semantic", "satellite")
@@ -201,8 +201,8 @@ def read_sources(inputs: Inputs, how: HowToRead) -> Reading:
 
 
 def _read_heights(inputs: Inputs, how: HowToRead) -> Heights:
-    from cityx.sources.height_files import HeightOptions
-    from cityx.sources.heights import read_heights
+    from cityx.sources.heights.height_files import HeightOptions
+    from cityx.sources.heights.height_source import read_heights
 
     options = HeightOptions(span=how.height_range, crs=how.height_crs, pixel=how.pixel)
     return read_heights([item.path for item in inputs.heights], options)
@@ -212,7 +212,7 @@ def _without_layout(heights: Heights | None, how: HowToRead) -> Reading:
     """Return a city of heights alone, or an empty one for a town on the ground that they give."""
     frame = Frame(*how.at) if how.at else NOWHERE
     if heights is not None:
-        from cityx.sources.heights import height_city, place_of
+        from cityx.sources.heights.height_source import height_city, place_of
 
         if heights.has_houses:
             city = height_city(heights, seed=how.seed, at=how.at)

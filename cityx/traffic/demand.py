@@ -12,10 +12,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.palettes import GROUPS, groups_of
+from cityx.assets.styles.palettes import GROUPS, groups_of
 from cityx.city.city import City
-from cityx.geometry.identity import choose, draw, hash_ids, id_text, uniform
 from cityx.geometry.polylines import Polylines, arc_lengths
+from cityx.ids import choose, draw, hash_ids, id_text, uniform
 from cityx.traffic.kinds import DRIVING, LARGE, shares_on
 from cityx.traffic.simulation import Group, Look, Trip
 from cityx.traffic.streets import Lane, Streets, Way
@@ -121,7 +121,7 @@ def demand_of(
     purpose
         Key of all draws, the id of the action.
     place
-        As of `cityx.plugins.nature.street_rules.place_of`; it decides how many cycle.
+        As of `cityx.ground.street_rules.place_of`; it decides how many cycle.
 
     Returns
     -------

@@ -7,10 +7,10 @@ from pathlib import Path
 from shutil import copyfile
 from tempfile import TemporaryDirectory
 
-from cityx.atomic import replaced
 from cityx.city.city import City
 from cityx.city.tracks import MOVER_KINDS, Tracks
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
+from cityx.system.atomic import replaced
 from cityx.traffic.demand import Drivable
 from cityx.traffic.engine import require_sumo
 from cityx.traffic.flows import route_between

@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.errors import ActionFailed
-from cityx.geometry.identity import choose, hash_ids, id_text
+from cityx.ids import choose, hash_ids, id_text
 from cityx.traffic.demand import Drivable
 from cityx.traffic.kinds import LARGE
 from cityx.traffic.simulation import Look, Trip

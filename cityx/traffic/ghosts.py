@@ -7,7 +7,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.tracks import MOVER, MOVER_KINDS, Tracks, poses_at
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 from cityx.traffic.kinds import DRIVING
 from cityx.traffic.network import Network
 from cityx.traffic.simulation import Ghosts, Look, Run, type_text

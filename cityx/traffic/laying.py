@@ -17,8 +17,8 @@ from shapely.ops import substring
 
 from cityx.city.section import KIND
 from cityx.geometry.chains import components
-from cityx.geometry.identity import id_text
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, miters, pieces, to_linestrings
+from cityx.ids import id_text
 from cityx.traffic.links import links_of
 from cityx.traffic.shared_ground import HALF_BODY, Heights, Walls, closed_lanes, shared_ground
 from cityx.traffic.streets import Crossing, Halts, Lane, Link, Streets, Way

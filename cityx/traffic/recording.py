@@ -14,7 +14,7 @@ from cityx.city.ground import KERB_HEIGHT, LABEL
 from cityx.city.moments import moments_of
 from cityx.city.tracks import GAIT, MOVER, Tracks, no_tracks
 from cityx.geometry.polylines import Polylines, bends, to_linestrings, values_along
-from cityx.geometry.standing import stand_on, surfaces_at
+from cityx.ground.standing import stand_on, surfaces_at
 from cityx.traffic.kerbside import asides, kept_aside
 from cityx.traffic.making_way import Bodies, beside, interpolated, made_way, standing_by
 from cityx.traffic.network import Network

@@ -10,11 +10,11 @@ from tempfile import TemporaryDirectory
 from cityx.city.city import City
 from cityx.city.signals import Signals
 from cityx.city.tracks import Tracks
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 from cityx.traffic.ghosts import ghosts_of
 from cityx.traffic.network import make_network
 from cityx.traffic.recording import Mover, recorded
-from cityx.traffic.signals import signals_of
+from cityx.traffic.signal_programs import signals_of
 from cityx.traffic.simulation import Outcome, Run, simulate
 from cityx.traffic.streets import Streets
 

@@ -18,23 +18,23 @@ import numpy as np
 import streets
 from PIL import Image, ImageDraw, ImageFont
 
-from cityx.agents.views import TIMEOUT_S
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
+from cityx.building.catalogue import NAMES, generators
+from cityx.building.design import design
+from cityx.building.facade.facade import facade
+from cityx.building.samples import Sample, sample_city, sheet_of
+from cityx.building.shell import shell
 from cityx.city.camera import Camera
 from cityx.city.city import City
 from cityx.city.store import write_city
-from cityx.plugins.background.sun import sun
-from cityx.plugins.background.weather import weather
-from cityx.plugins.building.catalogue import NAMES, generators
-from cityx.plugins.building.design import design
-from cityx.plugins.building.facade import facade
-from cityx.plugins.building.samples import Sample, sample_city, sheet_of
-from cityx.plugins.building.shell import shell
-from cityx.plugins.road.ground import ground
-from cityx.plugins.road.network import network
+from cityx.light.sun import sun
+from cityx.light.weather import weather
+from cityx.projects.views import TIMEOUT_S
 from cityx.protocol import registry
 from cityx.protocol.gate import Call
-from cityx.protocol.run import run_step
+from cityx.protocol.running import run_step
+from cityx.road.ground.ground_surface import ground
+from cityx.road.network.network import network
 
 SEEDS = (1, 2, 3)
 TIME = "15:30"  # the sun stands before the fronts, to the left: sides lie in the shade

@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
+from cityx.building.catalogue import generators
+from cityx.building.samples import STREET_WIDTH, Sample, sample_city, setback_of
 from cityx.city.camera import Camera
 from cityx.city.city import City
 from cityx.city.layout import make_table
-from cityx.geometry.identity import choose, stable_id, uniform
-from cityx.plugins.building.catalogue import generators
-from cityx.plugins.building.samples import STREET_WIDTH, Sample, sample_city, setback_of
+from cityx.ids import choose, stable_id, uniform
 
 LENGTH = 260.0  # metres
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from cityx.assets import style_tables
-from cityx.assets.palettes import GROUPS
-from cityx.plugins.building import selection
-from cityx.plugins.building.catalogue import generators
+from cityx.assets.styles import style_tables
+from cityx.assets.styles.palettes import GROUPS
+from cityx.building import selection
+from cityx.building.catalogue import generators
 from cityx.protocol.registry import registry
 
 NAME = "examples/buildings/table.py"

@@ -10,7 +10,7 @@ from cityx.city.camera import Camera
 from cityx.dataset.classes import CLASSES
 from cityx.dataset.record import Boxes, Sweep
 from cityx.dataset.shots import axes, project
-from cityx.geometry.identity import hash_ids
+from cityx.ids import hash_ids
 
 Picture = NDArray[np.uint8]
 FloatArray = NDArray[np.float64]

@@ -15,9 +15,9 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
-from cityx.agents.views import render_views
+from cityx.language.options import BuildOptions
+from cityx.projects.build import build
+from cityx.projects.views import render_views
 
 SHARED = Path(__file__).parents[2] / ".." / "shared"
 CAMERAS = SHARED / "reference" / "cameras.json"

@@ -10,10 +10,10 @@ import math
 import tempfile
 from pathlib import Path
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city.camera import Camera
+from cityx.language.options import BuildOptions
+from cityx.projects.build import build
 
 DRAWING = Path(__file__).with_name("crossing.geojson")
 TIMEOUT = 1800.0  # seconds

@@ -15,13 +15,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from cityx_bench.runner import build_scene
 from PIL import Image, ImageDraw, ImageFont
 
-from cityx.agents.edit import edit_city
-from cityx.agents.views import TIMEOUT_S
-from cityx.bench.runner import build_scene
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city.camera import Camera
+from cityx.projects.edit import edit_city
+from cityx.projects.views import TIMEOUT_S
 
 RENDERED = (480, 300)  # pixels
 CELL = (376, 235)  # of one picture on the sheet

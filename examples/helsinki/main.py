@@ -26,7 +26,7 @@ def helsinki() -> Path:
 
 
 if __name__ == "__main__":
-    from cityx.cli import main
+    from cityx.cli.main import main
 
     sys.argv = ["cityx", "build", str(helsinki()), *WINDOW, *sys.argv[1:]]
     main()

@@ -16,9 +16,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
-from cityx.agents.views import render_views
+from cityx.language.options import BuildOptions
+from cityx.projects.build import build
+from cityx.projects.views import render_views
 from cityx.sources.intake import HowToRead
 
 DATA = Path(__file__).parents[2] / ".." / "shared" / "data"

@@ -16,12 +16,12 @@ from pathlib import Path
 
 from town import river_town
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city.camera import Camera
 from cityx.city.store import read_view
-from cityx.plugins.render.free_view import free_moment
+from cityx.language.options import BuildOptions
+from cityx.projects.build import build
+from cityx.views.free_view import free_moment
 
 MAPS = Path(__file__).parents[2] / ".." / "shared" / "data" / "osm"
 LIFE = "200 pedestrians"

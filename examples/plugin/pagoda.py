@@ -6,7 +6,7 @@ import shapely
 
 from cityx.city import MeshBatch
 from cityx.protocol import Range, action
-from cityx.protocol.blocks import block, one_object
+from cityx.protocol.solid_blocks import block, one_object
 from cityx.protocol.values import Footprint
 
 

@@ -15,23 +15,23 @@ from pathlib import Path
 
 import numpy as np
 import shapely
+from cityx_bench.scenes import SCENES, write_drawing
 from numpy.typing import NDArray
 from PIL import Image
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
-from cityx.bench.scenes import SCENES, write_drawing
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city import City
 from cityx.city.camera import Camera
 from cityx.city.moments import moments_of
-from cityx.city.outlines import placed_outlines
 from cityx.city.store import read_city, write_city
-from cityx.city.walkable import walkable_of
-from cityx.plugins.render.free_view import sector
+from cityx.city.thing_outlines import placed_outlines
+from cityx.ground.walking.walkable import walkable_of
+from cityx.language.options import BuildOptions
+from cityx.projects.build import build
 from cityx.protocol import registry
 from cityx.protocol.gate import Call
-from cityx.protocol.run import run_step
+from cityx.protocol.running import run_step
+from cityx.views.free_view import sector
 
 FloatArray = NDArray[np.float64]
 

@@ -18,8 +18,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from cityx.agents.views import TIMEOUT_S
-from cityx.assets.people import person
+from cityx.assets.people.people import person
 from cityx.assets.trees import SPECIES, individuals, plant, size_of
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city import City, Instances, Scene
@@ -29,8 +28,9 @@ from cityx.city.layout import Layout
 from cityx.city.mesh import concatenate, one_mesh
 from cityx.city.scene import Prototype
 from cityx.city.store import write_city
-from cityx.geometry.identity import stable_id
-from cityx.plugins.background.sun import sun
+from cityx.ids import stable_id
+from cityx.light.sun import sun
+from cityx.projects.views import TIMEOUT_S
 
 NAMES = (*SPECIES, "palm", "shrub", "boxwood")
 STRIP = (960, 190)  # pixels of one species

@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
-from cityx.agents.views import cameras_of
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city.store import read_view
-from cityx.plugins.background.weather import lit_anew
-from cityx.plugins.render.free_view import free_moment, in_the_way
+from cityx.language.options import BuildOptions
+from cityx.light.weather import lit_anew
+from cityx.projects.build import build
+from cityx.projects.views import cameras_of
+from cityx.views.free_view import free_moment, in_the_way
 
 ROOT = Path(__file__).parents[2]
 SHEET = ROOT / "docs" / "weather.png"

@@ -1,16 +1,16 @@
 """Less of the records is planned by less well, and the gate still knows everything."""
 
 import pytest
+from cityx_bench.arms import ablation_of, chance, driver_of, name_of, write_ablation
+from cityx_bench.drivers import driver_named
+from cityx_bench.scoring import Sample
 
 from cityx.agents.ablation import ARMS, UNSAID, arm_of, shown_records
-from cityx.agents.build import build
 from cityx.agents.journal import JOURNAL, Journal
-from cityx.agents.options import BuildOptions, PlannerChoice
 from cityx.agents.planning.planner import OfflinePlanner, Situation
-from cityx.bench.arms import ablation_of, chance, driver_of, name_of, write_ablation
-from cityx.bench.drivers import driver_named
-from cityx.bench.scoring import Sample
 from cityx.errors import UsageError
+from cityx.language.options import BuildOptions, PlannerChoice
+from cityx.projects.build import build
 from cityx.protocol.catalogue import known_records
 from cityx.protocol.registry import registry
 from cityx.protocol.serving import DO

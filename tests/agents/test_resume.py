@@ -19,8 +19,8 @@ SCRIPT = """
 import sys
 from pathlib import Path
 from cityx.agents import run
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
+from cityx.projects.build import build
+from cityx.language.options import BuildOptions
 run.SNAPSHOT_S = 0.0
 options = BuildOptions(formats=(), render=False, seed=4)
 say = lambda text: print(text, flush=True)

@@ -5,14 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
-from cityx.assets.bodies import bodies_of, class_of, collider_of, mass_of, motion_of
-from cityx.assets.car_bodies import BODIES
-from cityx.assets.furniture import MAKERS, furniture
-from cityx.assets.materials import MATERIALS
-from cityx.assets.substances import LOOSE, SUBSTANCES
-from cityx.assets.vehicles import car
+from cityx.assets.colliders import bodies_of, class_of, collider_of, mass_of, motion_of
+from cityx.assets.furniture.street_furniture import MAKERS, furniture
+from cityx.assets.styles.materials import MATERIALS
+from cityx.assets.styles.substances import LOOSE, SUBSTANCES
+from cityx.assets.vehicles.car_bodies import BODIES
+from cityx.assets.vehicles.vehicles import car
 from cityx.city.bodies import FORM, MOTION, colliders_of, take_bodies
 from cityx.city.mesh import one_mesh
 from cityx.city.scene import Scene
@@ -20,6 +18,8 @@ from cityx.city.store import read_city
 from cityx.city.tracks import GAIT, MOVER, no_tracks
 from cityx.geometry.convex import hull_of
 from cityx.geometry.solids import volume
+from cityx.language.options import BuildOptions
+from cityx.projects.build import build
 
 STRAY = 0.02  # metres over a collider that a vertex may lie without counting as outside
 OUTSIDE = 0.01  # share of vertices that may

@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
-from cityx.assets.furniture import MAKERS, furniture
-from cityx.assets.materials import MATERIALS
-from cityx.assets.potted_plants import POT_ROWS
-from cityx.assets.shore_pieces import SHORE_MAKERS
-from cityx.checks.bodies import DEEP
-from cityx.plugins.nature.street_rules import WALL_GAP
+from cityx.assets.furniture.potted_plants import POT_ROWS
+from cityx.assets.furniture.shore_pieces import SHORE_MAKERS
+from cityx.assets.furniture.street_furniture import MAKERS, furniture
+from cityx.assets.styles.materials import MATERIALS
+from cityx.checks.body_checks import DEEP
+from cityx.ground.street_rules import WALL_GAP
 
 HEIGHTS = {
     "street_lamp_mast": 8.2, "street_lamp_post": 4.55, "bench": 0.87, "bollard": 0.96,

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cityx.assets import kept
-from cityx.assets.openings import door, window
+from cityx.assets import kept_prototypes as kept
+from cityx.assets.openings.openings import door, window
 from cityx.assets.shapes import box, prototype
-from cityx.cache import VARIABLE
 from cityx.city.content import hash_mesh
+from cityx.system.cache import VARIABLE
 
 
 @pytest.fixture

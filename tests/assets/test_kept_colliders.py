@@ -7,11 +7,11 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from cityx.assets.bodies import _collider, collider_of
-from cityx.assets.furniture import furniture
+from cityx.assets.colliders import _collider, collider_of
+from cityx.assets.furniture.street_furniture import furniture
 from cityx.assets.trees import plant
-from cityx.assets.vehicles import car
-from cityx.cache import VARIABLE
+from cityx.assets.vehicles.vehicles import car
+from cityx.system.cache import VARIABLE
 
 
 @pytest.mark.parametrize(

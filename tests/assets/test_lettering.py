@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from cityx.assets.fonts import CAP, outline
-from cityx.assets.lettering import glyph, is_known, line_of, word
-from cityx.assets.shop_words import KINDS, USUAL, WORDS, WORLD, tongue_of, words_of
+from cityx.assets.shops.fonts import CAP, outline
+from cityx.assets.shops.lettering import glyph, is_known, line_of, word
+from cityx.assets.shops.shop_words import KINDS, USUAL, WORDS, WORLD, tongue_of, words_of
 from cityx.geometry.solids import area_vectors
 
 

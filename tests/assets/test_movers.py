@@ -1,10 +1,15 @@
 import numpy as np
 import pytest
 
-from cityx.assets.car_bodies import BODIES, CAR_SHARES
-from cityx.assets.large_vehicles import LARGE
-from cityx.assets.materials import MATERIALS
-from cityx.assets.movers import (
+from cityx.assets.people.gaits import going, lift_at, stride_of
+from cityx.assets.people.hair import CYCLE_HELMET, HELMET
+from cityx.assets.people.looks import STYLES, drawn_person
+from cityx.assets.people.people import figure
+from cityx.assets.people.skeleton import NUMBER
+from cityx.assets.styles.materials import MATERIALS
+from cityx.assets.vehicles.car_bodies import BODIES, CAR_SHARES
+from cityx.assets.vehicles.large_vehicles import LARGE
+from cityx.assets.vehicles.movers import (
     RIDERS,
     figure_of,
     is_person,
@@ -18,13 +23,8 @@ from cityx.assets.movers import (
     vehicle,
     vehicle_looks,
 )
-from cityx.assets.moving import rider_look
-from cityx.assets.people import figure
-from cityx.assets.people_gaits import going, lift_at, stride_of
-from cityx.assets.people_hair import CYCLE_HELMET, HELMET
-from cityx.assets.people_looks import STYLES, drawn_person
-from cityx.assets.people_skeleton import NUMBER
-from cityx.assets.two_wheelers import TWO_WHEELERS, wheel_of
+from cityx.assets.vehicles.moving import rider_look
+from cityx.assets.vehicles.two_wheelers import TWO_WHEELERS, wheel_of
 from cityx.city.tracks import GAIT
 from cityx.errors import UsageError
 from cityx.geometry.solids import open_groups, volumes_by_group

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from moving_city import BIKE, CAR, MAN, moving
 
-from cityx.assets.movers import vehicle
-from cityx.assets.moving import PEOPLE, TRAFFIC, mover_counts, with_movers
+from cityx.assets.vehicles.movers import vehicle
+from cityx.assets.vehicles.moving import PEOPLE, TRAFFIC, mover_counts, with_movers
 from cityx.city import City, Frame, Layout
 from cityx.city.content import content_hash
 

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from cityx.assets.materials import MATERIALS
-from cityx.assets.openings import DOORS, DRESSINGS, WINDOWS, door, window
-from cityx.assets.roof_furniture import DECK_ROWS, REACH, ROOF_FURNITURE, roof_furniture
-from cityx.assets.shopfronts import FITTINGS, HEIGHT, SHOPFRONTS, WIDTH, fitting, shopfront
-from cityx.assets.trims import TRIMS, trim
+from cityx.assets.openings.openings import DOORS, DRESSINGS, WINDOWS, door, window
+from cityx.assets.shops.shopfronts import FITTINGS, HEIGHT, SHOPFRONTS, WIDTH, fitting, shopfront
+from cityx.assets.styles.materials import MATERIALS
+from cityx.assets.trims.roof_furniture import DECK_ROWS, REACH, ROOF_FURNITURE, roof_furniture
+from cityx.assets.trims.trims import TRIMS, trim
 
 ALL = [
     *(window(name, dressing) for name in WINDOWS for dressing in range(len(DRESSINGS))),

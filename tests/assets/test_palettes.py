@@ -3,12 +3,12 @@ import pytest
 import shapely
 from skimage.color import rgb2lab
 
-from cityx.assets.materials import MATERIALS
-from cityx.assets.palettes import REGIONS, STYLES, family_of, finishes_for, region_of
+from cityx.assets.styles.materials import MATERIALS
+from cityx.assets.styles.palettes import REGIONS, STYLES, family_of, finishes_for, region_of
+from cityx.building.catalogue import generators
+from cityx.building.selection import choose_generators
 from cityx.city import Layout, make_table
 from cityx.errors import UsageError
-from cityx.plugins.building.catalogue import generators
-from cityx.plugins.building.selection import choose_generators
 
 COUNT = 60
 

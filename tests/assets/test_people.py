@@ -6,11 +6,11 @@ import shapely
 
 from cityx.assets.library.grow import grow_library
 from cityx.assets.library.local_text import LocalText
-from cityx.assets.materials import MATERIALS
-from cityx.assets.people import body_of, figure, person, posed
-from cityx.assets.people_looks import Person, drawn_person, words_of
-from cityx.assets.people_poses import run, sit, stand, walk
-from cityx.assets.people_skeleton import JOINTS, NUMBER, PARENT, joint_motions
+from cityx.assets.people.looks import Person, drawn_person, words_of
+from cityx.assets.people.people import body_of, figure, person, posed
+from cityx.assets.people.poses import run, sit, stand, walk
+from cityx.assets.people.skeleton import JOINTS, NUMBER, PARENT, joint_motions
+from cityx.assets.styles.materials import MATERIALS
 from cityx.errors import UsageError
 from cityx.geometry.solids import area_vectors, open_groups, volumes_by_group
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cityx.assets.materials import MATERIALS
+from cityx.assets.styles.materials import MATERIALS
 from cityx.assets.textures import PATTERNS, texture
 from cityx.assets.textures.courses import lay
 from cityx.assets.textures.noise import cells, fractal, gradient_noise, value_noise

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cityx.assets.materials import MATERIALS
+from cityx.assets.styles.materials import MATERIALS
 from cityx.assets.trees import (
     PARK_FORMS,
     SEASONS,

@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
 
-from cityx.assets.bodies import collider_of, mass_of
-from cityx.assets.car_bodies import BODIES, CAR_SHARES, VAN_SHARES
-from cityx.assets.car_faces import front, rear
-from cityx.assets.car_parts import PART, REGISTRATIONS, car_parts, fixed_to, meshes_of
-from cityx.assets.materials import MATERIALS
-from cityx.assets.number_plates import COUNTRIES, PLATES, number_plate
+from cityx.assets.colliders import collider_of, mass_of
 from cityx.assets.shapes import fine_shapes, prototype
-from cityx.assets.vehicles import PAINT_SHARES, PAINTS, car
+from cityx.assets.styles.materials import MATERIALS
+from cityx.assets.vehicles.car_bodies import BODIES, CAR_SHARES, VAN_SHARES
+from cityx.assets.vehicles.car_faces import front, rear
+from cityx.assets.vehicles.car_parts import PART, REGISTRATIONS, car_parts, fixed_to, meshes_of
+from cityx.assets.vehicles.number_plates import COUNTRIES, PLATES, number_plate
+from cityx.assets.vehicles.vehicles import PAINT_SHARES, PAINTS, car
 from cityx.geometry.turns import matrices
 
 

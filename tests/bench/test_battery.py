@@ -6,12 +6,12 @@ import json
 import numpy as np
 import pytest
 import shapely
+from cityx_bench.battery import KINDS, _Town, things_of, write_battery
+from cityx_bench.inputs import write_map
+from cityx_bench.runner import Bench, run_bench
+from cityx_bench.scenes import FRAME, Thing
 from PIL import Image
 
-from cityx.bench.battery import KINDS, _Town, things_of, write_battery
-from cityx.bench.inputs import write_map
-from cityx.bench.runner import Bench, run_bench
-from cityx.bench.scenes import FRAME, Thing
 from cityx.checks.predicates import parse
 from cityx.city.sites import moved
 from cityx.errors import UsageError

@@ -1,8 +1,7 @@
 from dataclasses import replace
 
 import pytest
-
-from cityx.bench.edits import CLASSES, REFUSE, class_of, run_edits, sentences, tables
+from cityx_bench.edits import CLASSES, REFUSE, class_of, run_edits, sentences, tables
 
 
 def test_there_are_twenty_sentences_of_each_class_and_twenty_held_back():

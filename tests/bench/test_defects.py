@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from cityx.bench import planting
-from cityx.bench.defects import (
+from cityx_bench import planting
+from cityx_bench.defects import (
     HARMLESS,
     KINDS,
     Case,
@@ -16,14 +15,15 @@ from cityx.bench.defects import (
     rows_of,
     table,
 )
+
+from cityx.building.shell import shell
 from cityx.city import Goal
 from cityx.city.content import content_hash
-from cityx.plugins.building.shell import shell
-from cityx.plugins.road.ground import ground
-from cityx.plugins.road.heights import heights
-from cityx.plugins.road.lanes import lanes
-from cityx.plugins.road.network import network
 from cityx.protocol.example_city import example_city
+from cityx.road.ground.ground_surface import ground
+from cityx.road.heights.way_heights import heights
+from cityx.road.network.lane_graph import lanes
+from cityx.road.network.network import network
 
 SOME = (
     "shell 30 % too high", "building without mesh", "two buildings in one place",

@@ -5,13 +5,13 @@ import os
 from dataclasses import replace
 
 import pytest
+from cityx_bench.drivers import GOLD, Oracle, driver_named, planner_choice
+from cityx_bench.outcome import CRASH, Workplace, fault_of, faults_of
+from cityx_bench.report import results_of, summary, write_results
+from cityx_bench.runner import LOG, Bench, build_scene, numbers_of, read_log, run_bench
+from cityx_bench.scoring import judged, rates_of
+from cityx_bench.tasks import Task, read_tasks
 
-from cityx.bench.drivers import GOLD, Oracle, driver_named, planner_choice
-from cityx.bench.outcome import CRASH, Workplace, fault_of, faults_of
-from cityx.bench.report import results_of, summary, write_results
-from cityx.bench.runner import LOG, Bench, build_scene, numbers_of, read_log, run_bench
-from cityx.bench.scoring import judged, rates_of
-from cityx.bench.tasks import Task, read_tasks
 from cityx.city.store import read_city
 from cityx.errors import UsageError
 
@@ -84,7 +84,7 @@ def test_a_sample_in_the_log_is_not_made_again(folder, monkeypatch):
     def fail(*_):
         raise AssertionError("it was run again")
 
-    monkeypatch.setattr("cityx.bench.runner.judged", fail)
+    monkeypatch.setattr("cityx_bench.runner.judged", fail)
     assert run(folder, "null", "P28") == first
     with pytest.raises(AssertionError, match="run again"):
         run(folder, "null", "P28", seeds=(7,))
@@ -130,7 +130,7 @@ class Hands:
         self.city = city
 
     def propose(self, place):
-        from cityx.bench.drivers import Null
+        from cityx_bench.drivers import Null
 
         return replace(Null().propose(place), city=self.city)
 

@@ -7,10 +7,9 @@ import sys
 import time
 
 import pytest
+from cityx_bench.commands import bench
+from cityx_bench.runner import LOG, read_log
 from typer.testing import CliRunner
-
-from cityx.bench.commands import bench
-from cityx.bench.runner import LOG, read_log
 
 pytestmark = pytest.mark.slow
 LONGEST = 600.0  # seconds until the first proposal is logged

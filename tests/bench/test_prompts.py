@@ -7,12 +7,12 @@ import pytest
 
 pytest.importorskip("pydantic_ai")
 
+from cityx_bench.runner import Bench, export_prompts, run_bench
+from cityx_bench.tasks import Task
 from pydantic_ai.messages import ModelResponse, TextPart, ToolCallPart
 from pydantic_ai.models.function import FunctionModel
 
 from cityx.agents.models.prompts import read_prompts
-from cityx.bench.runner import Bench, export_prompts, run_bench
-from cityx.bench.tasks import Task
 from cityx.errors import InputError
 
 pytestmark = pytest.mark.slow

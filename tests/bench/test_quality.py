@@ -7,15 +7,15 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from cityx_bench.inputs import write_osm
+from cityx_bench.quality import MEASURES, plot_of, quality_of, table_of, write_quality
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
-from cityx.bench.inputs import write_osm
-from cityx.bench.quality import MEASURES, plot_of, quality_of, table_of, write_quality
 from cityx.checks.facades import repeated_share
 from cityx.city.scene import no_instances
 from cityx.city.store import read_city
 from cityx.errors import InputError
+from cityx.language.options import BuildOptions
+from cityx.projects.build import build
 
 
 @pytest.fixture(scope="module")

@@ -3,14 +3,14 @@
 import json
 
 import pytest
+from cityx_bench.commands import bench
+from cityx_bench.results import groups_of, page_of, write_page
+from cityx_bench.scoring import Sample
+from cityx_bench.survey.answers import keep
+from cityx_bench.survey.study import make_study, read_study, sources_of
 from PIL import Image
 from typer.testing import CliRunner
 
-from cityx.bench.commands import bench
-from cityx.bench.results import groups_of, page_of, write_page
-from cityx.bench.scoring import Sample
-from cityx.bench.survey.answers import keep
-from cityx.bench.survey.study import make_study, read_study, sources_of
 from cityx.errors import InputError
 from cityx.protocol.catalogue import registry_hash
 from cityx.protocol.registry import registry
@@ -123,7 +123,7 @@ def test_inputs_are_counted_by_kind(logs):
 
 
 def test_quality_has_its_plot_beside_the_page(logs):
-    from cityx.bench.quality import MEASURES, write_quality
+    from cityx_bench.quality import MEASURES, write_quality
 
     (logs / "quality").mkdir(parents=True)
     rows = {"a": dict.fromkeys((m.name for m in MEASURES), 0.5) | {"style": float("nan")}}
@@ -138,7 +138,7 @@ def test_quality_has_its_plot_beside_the_page(logs):
 
 
 def test_quality_counts_every_city_that_was_generated(logs):
-    from cityx.bench.quality import MEASURES
+    from cityx_bench.quality import MEASURES
 
     good = dict.fromkeys((m.name for m in MEASURES), 1.0) | {"overlap": 0.0, "repetition": 0.0}
     log(logs / "inputs", [

@@ -5,16 +5,16 @@ import hashlib
 import numpy as np
 import pytest
 import rasterio
+from cityx_bench.inputs import SITE, SMALL_INPUTS, TRUTH, town, write_inputs
+from cityx_bench.runner import build_scene
+from cityx_bench.scenes import SCENES, write_drawing
 from PIL import Image
 
-from cityx.bench.inputs import SITE, SMALL_INPUTS, TRUTH, town, write_inputs
-from cityx.bench.runner import build_scene
-from cityx.bench.scenes import SCENES, write_drawing
 from cityx.checks.predicates import clean, measure_all
 from cityx.city.content import content_hash
 from cityx.city.store import read_city
 from cityx.sources.drawn import read_drawn
-from cityx.sources.inputs import classify
+from cityx.sources.input_kinds import classify
 from cityx.sources.osm import read_osm
 
 HOLDS = {

@@ -1,10 +1,9 @@
 """Rates, intervals and the agreement of slots."""
 
 import pytest
-
-from cityx.bench.paper import ABLATION, MODELS
-from cityx.bench.scoring import Rate, Sample, fault_codes, rates_of, slot_counts, slot_score
-from cityx.bench.tasks import Task
+from cityx_bench.paper import ABLATION, MODELS
+from cityx_bench.scoring import Rate, Sample, fault_codes, rates_of, slot_counts, slot_score
+from cityx_bench.tasks import Task
 
 # As the paper prints them: ER@1 and SR@1, percent.
 PRINTED = {

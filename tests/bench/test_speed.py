@@ -6,11 +6,10 @@ import re
 import sys
 
 import pytest
-
-from cityx.bench import speed
-from cityx.bench.inputs import write_osm
-from cityx.bench.peers import PEERS, Peer, peer_once, peers_named
-from cityx.bench.speed import (
+from cityx_bench import speed
+from cityx_bench.inputs import write_osm
+from cityx_bench.peers import PEERS, Peer, peer_once, peers_named
+from cityx_bench.speed import (
     BEGIN,
     END,
     content_of,
@@ -20,6 +19,7 @@ from cityx.bench.speed import (
     text_of,
     write_into,
 )
+
 from cityx.errors import EngineError, InputError, MissingExtra, UsageError
 
 READER = """

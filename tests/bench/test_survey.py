@@ -8,12 +8,12 @@ from urllib.request import Request, urlopen
 
 import numpy as np
 import pytest
+from cityx_bench.survey.answers import Rating, faults_of, keep, read_ratings, scores_of, steadiness
+from cityx_bench.survey.serving import server_of
+from cityx_bench.survey.study import make_study, read_study, sources_of
 from PIL import Image
 from scipy import stats
 
-from cityx.bench.survey.answers import Rating, faults_of, keep, read_ratings, scores_of, steadiness
-from cityx.bench.survey.serving import server_of
-from cityx.bench.survey.study import make_study, read_study, sources_of
 from cityx.errors import InputError
 
 

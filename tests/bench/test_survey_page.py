@@ -5,10 +5,9 @@ import shutil
 import threading
 
 import pytest
+from cityx_bench.survey.serving import server_of
+from cityx_bench.survey.study import make_study
 from PIL import Image
-
-from cityx.bench.survey.serving import server_of
-from cityx.bench.survey.study import make_study
 
 BROWSER = next(
     (found for name in ("chromium", "google-chrome", "chromium-browser")

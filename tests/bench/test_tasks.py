@@ -4,8 +4,8 @@ import json
 from collections import Counter
 
 import pytest
+from cityx_bench.tasks import PUBLIC, Task, read_tasks, write_tasks
 
-from cityx.bench.tasks import PUBLIC, Task, read_tasks, write_tasks
 from cityx.errors import InputError, UsageError
 
 LINES = """

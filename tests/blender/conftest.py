@@ -20,7 +20,7 @@ from cityx.city import (
     make_table,
     one_mesh,
 )
-from cityx.geometry.identity import stable_id, uniform
+from cityx.ids import stable_id, uniform
 
 BOX = np.array([(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
 SIDES = np.array([(0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (4, 5, 6, 7)])

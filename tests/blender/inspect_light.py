@@ -17,7 +17,7 @@ from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.city.store import read_view
 from cityx.geometry.raycast import ray_scene
-from cityx.plugins.background.weather import lit_anew
+from cityx.light.weather import lit_anew
 
 CHANGES = ("snow dusk", "night", "storm", "clear")
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy  # noqa: TID251
 import numpy as np
 
-from cityx.assets.moving import with_movers
+from cityx.assets.vehicles.moving import with_movers
 from cityx.blender.leaf_fall import show_twigs
 from cityx.blender.light import Lighting
 from cityx.blender.scene import build_scene

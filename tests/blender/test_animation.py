@@ -11,9 +11,9 @@ from moving_city import BIKE, CAR, MAN, RUNNER, moving
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
-from cityx.assets.movers import figure_of, vehicle
-from cityx.assets.moving import gait_phase
-from cityx.assets.people_gaits import going, stride_of
+from cityx.assets.people.gaits import going, stride_of
+from cityx.assets.vehicles.movers import figure_of, vehicle
+from cityx.assets.vehicles.moving import gait_phase
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city.camera import Camera
 from cityx.city.store import write_city

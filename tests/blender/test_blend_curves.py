@@ -9,11 +9,11 @@ import pytest
 import shapely
 from crossing_town import crossing_town
 
-from cityx.agents.edit import planned
 from cityx.agents.requests import with_requests
 from cityx.city.store import write_city
 from cityx.errors import InputError, UsageError
-from cityx.plugins.dynamic.character import add_characters
+from cityx.motion.character import add_characters
+from cityx.projects.edit import planned
 from cityx.protocol import registry
 from cityx.sources.blend_curves import read_blend_curves
 from cityx.sources.drawn import read_drawing
@@ -71,7 +71,7 @@ def test_a_character_runs_along_a_curve_object_named_on_the_command_line(blend):
 
 
 def test_a_sentence_names_a_curve_of_a_file_that_is_given_with_it(blend, tmp_path):
-    from cityx.agents.desk import Desk
+    from cityx.projects.desk import Desk
 
     write_city(crossing_town(), tmp_path / "city")
     with Desk(tmp_path) as desk:

@@ -9,17 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cityx.agents.build import build
-from cityx.agents.desk import Conflict, Desk
-from cityx.agents.edit import planned, undo
-from cityx.agents.options import BuildOptions
-from cityx.agents.pull import pull
 from cityx.city.content import content_hash
 from cityx.city.layout import CURVE
 from cityx.city.store import read_city
 from cityx.errors import InputError, UsageError
-from cityx.geometry.identity import id_text, stable_id
 from cityx.geometry.turns import matrices
+from cityx.ids import id_text, stable_id
+from cityx.language.options import BuildOptions
+from cityx.projects.build import build
+from cityx.projects.desk import Conflict, Desk
+from cityx.projects.edit import planned, undo
+from cityx.projects.pull import pull
 from cityx.protocol.gate import Call
 
 pytestmark = pytest.mark.blender

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
 from cityx.blender.scene import title
 from cityx.city.mesh import NO_VERTEX
 from cityx.city.store import read_city
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
+from cityx.language.options import BuildOptions
+from cityx.projects.build import build
 
 pytestmark = pytest.mark.blender
 

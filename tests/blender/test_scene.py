@@ -14,7 +14,7 @@ from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city import Environment, Scene, concatenate, one_mesh
 from cityx.city.camera import Camera
 from cityx.city.store import write_city
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 
 pytestmark = pytest.mark.blender
 ABOVE = Camera("above", (0.0, 0.0, 60.0), 0.0, radians(-90), radians(12), 64, 64)

@@ -7,7 +7,7 @@ import pytest
 from conftest import quarter
 from PIL import Image
 
-from cityx.assets.furniture import furniture
+from cityx.assets.furniture.street_furniture import furniture
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city import Scene
 from cityx.city.camera import Camera

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cityx_bench.scenes import SCENES, write_drawing
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
-from cityx.bench.scenes import SCENES, write_drawing
-from cityx.checks.bodies import check_bodies, outlines_of
+from cityx.checks.body_checks import check_bodies, outlines_of
 from cityx.city.store import read_city
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
+from cityx.language.options import BuildOptions
+from cityx.projects.build import build
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import shapely
 from cityx.checks.terrain import check_terrain
 from cityx.city import City, Frame, Layout, make_table
 from cityx.city.terrain import Survey, Terrain
-from cityx.plugins.road.ground import ground
+from cityx.road.ground.ground_surface import ground
 
 SITE = (-200.0, -200.0, 200.0, 200.0)
 

@@ -5,12 +5,12 @@ import pytest
 import shapely
 
 from cityx.assets.trees import tree
-from cityx.checks.ground import check_ground
-from cityx.checks.trees import check_trees
+from cityx.checks.ground_checks import check_ground
+from cityx.checks.tree_checks import check_trees
 from cityx.city import City, Frame, Instances, Layout, Scene, make_table
-from cityx.plugins.road.ground import ground
-from cityx.plugins.road.lanes import lanes
-from cityx.plugins.road.network import network
+from cityx.road.ground.ground_surface import ground
+from cityx.road.network.lane_graph import lanes
+from cityx.road.network.network import network
 
 HOUSE = shapely.box(-20, 12, 20, 22)
 

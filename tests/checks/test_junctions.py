@@ -16,9 +16,9 @@ from cityx.city.frame import Frame
 from cityx.city.ground import LABEL
 from cityx.city.layout import Layout, make_table
 from cityx.geometry.polylines import Polylines
-from cityx.plugins.road.ground import ground
-from cityx.plugins.road.lanes import lanes
-from cityx.plugins.road.network import network
+from cityx.road.ground.ground_surface import ground
+from cityx.road.network.lane_graph import lanes
+from cityx.road.network.network import network
 
 STREET = {
     "lanes": 2, "lanes_forward": 1, "lane_width": 3.0, "width": 6.0, "sidewalk_left": 2.0,

@@ -9,8 +9,8 @@ from crossing_town import crossing_town
 from cityx.checks.movement import check_movement
 from cityx.city.signals import STATE, Signals
 from cityx.city.tracks import GAIT, MOVER, Tracks, join_tracks
-from cityx.geometry.identity import id_text
-from cityx.plugins.dynamic.feasible import ground_height
+from cityx.ids import id_text
+from cityx.motion.feasible import ground_height
 
 LENGTHS = {"car": (4.5, 1.8, 1.5), "pedestrian": (0.3, 0.46, 1.75)}
 

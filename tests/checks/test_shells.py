@@ -13,8 +13,8 @@ from cityx.city.city import Failure
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.mesh import empty_batch
 from cityx.city.terrain import Terrain
-from cityx.geometry.identity import id_text
 from cityx.geometry.solids import plan_middle
+from cityx.ids import id_text
 
 HOUSE, OTHER = 7, 9
 SIDES = [[3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]

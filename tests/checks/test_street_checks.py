@@ -7,15 +7,15 @@ import pytest
 import shapely
 
 from cityx.assets.trees import tree
-from cityx.checks.buildings import check_buildings
-from cityx.checks.standing import check_standing, ground_gaps
-from cityx.checks.streets import check_streets
+from cityx.checks.building_checks import check_buildings
+from cityx.checks.standing_checks import check_standing, ground_gaps
+from cityx.checks.street_checks import check_streets
 from cityx.city import City, Frame, Instances, Layout, make_table, one_mesh
 from cityx.city.ground import KERB_HEIGHT, LABEL, ON_ROADWAY
-from cityx.geometry.identity import id_text
-from cityx.plugins.road.ground import ground
-from cityx.plugins.road.lanes import lanes
-from cityx.plugins.road.network import network
+from cityx.ids import id_text
+from cityx.road.ground.ground_surface import ground
+from cityx.road.network.lane_graph import lanes
+from cityx.road.network.network import network
 
 ARMS = [[(-90, 0), (0, 0), (90, 0)], [(0, -90), (0, 0), (0, 90)]]
 

@@ -8,9 +8,9 @@ import shapely
 
 from cityx.checks.towns import check_towns
 from cityx.city import Frame
-from cityx.plugins.layout.plane import PATTERNS, Plan
-from cityx.plugins.layout.site import layout_of_site
-from cityx.plugins.layout.window import layout_of_window
+from cityx.town.bounded_town import layout_of_site
+from cityx.town.plane import PATTERNS, Plan
+from cityx.town.window import layout_of_window
 
 FRAME = Frame(50.0, 10.0)
 BOX = (-230.0, -230.0, 230.0, 230.0)

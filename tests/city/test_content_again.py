@@ -46,7 +46,7 @@ def test_objects_are_the_same_wherever_they_stand_in_a_batch():
 
 
 def test_prototypes_that_a_change_adds_get_a_file_of_their_own(tmp_path):
-    from cityx.assets.furniture import furniture
+    from cityx.assets.furniture.street_furniture import furniture
 
     city = example_city(built=True)
     write_city(city, tmp_path / "one")

@@ -5,7 +5,7 @@ import pytest
 
 from cityx.city import Environment, Instances, Prototype, Scene, one_mesh
 from cityx.city.rooms import HOME, SHOP, WORK, lit_rooms, lit_scene, room_uses
-from cityx.geometry.identity import hash_ids
+from cityx.ids import hash_ids
 
 OBJECTS = {1: {"use": "apartments"}, 2: {"use": "office"}, 3: {"use": "retail"}}
 COUNT = 3000  # rows per kind

@@ -9,11 +9,11 @@ import numpy as np
 from crossing_town import crossing_town
 from moving_city import moving
 
+from cityx.building.prism import prism
 from cityx.city import City
 from cityx.city.store import view_of
 from cityx.dataset.plans.planning import plan
 from cityx.dataset.stage import Stage, stage_of
-from cityx.plugins.building.prism import prism
 
 SECONDS = 10.0
 # Cars that go east and west, one behind the other, and two people on the pavements.

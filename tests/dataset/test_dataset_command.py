@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
-from cityx.cli import main
+from cityx.cli.main import main
 from cityx.dataset.cities import read_shots
 from cityx.dataset.classes import CLASSES
 from cityx.dataset.writers.exr import read_exr
+from cityx.language.options import BuildOptions
+from cityx.projects.build import build
 
 
 def run(monkeypatch, capsys, *words):

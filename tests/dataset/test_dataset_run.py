@@ -15,12 +15,12 @@ import boxworld
 import pytest
 from boxworld import HANDS, ORDER, Quiet, made, world
 
-from cityx.dataset import run as making
+from cityx.dataset import making
 from cityx.dataset.card import MADE
 from cityx.dataset.classes import CLASS
+from cityx.dataset.making import Hands
 from cityx.dataset.manifest import DiskFull, Done, Manifest
 from cityx.dataset.order import Faults, Order, differences, sources_of
-from cityx.dataset.run import Hands
 from cityx.dataset.taking import Failed
 from cityx.dataset.workers import Died, Pool
 from cityx.dataset.writers.files import Written

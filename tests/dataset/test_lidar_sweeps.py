@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from made_view import HOUSE, POST, box, plate, shot, street, view
 
-from cityx.assets.materials import MATERIALS
+from cityx.assets.styles.materials import MATERIALS
 from cityx.city.scene import Scene
 from cityx.city.store import read_view
 from cityx.dataset.classes import CLASS

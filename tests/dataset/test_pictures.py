@@ -19,7 +19,7 @@ from cityx.dataset.cryptomatte import coverage_of, filter_offsets
 from cityx.dataset.pictures import QUALITIES, PictureFailed, chosen_quality, noise_of, pictures
 from cityx.dataset.shots import Shot
 from cityx.errors import EngineError, UsageError
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 
 OpenEXR = pytest.importorskip("OpenEXR", reason="the extra `dataset` is not installed")
 QUICK = replace(QUALITIES["draft"], samples=4, rays=2)

@@ -4,10 +4,10 @@ import shapely
 from crossing_town import HOUSES
 from planned_town import CARS, SECONDS, eyes, planned, stage, town
 
-from cityx.city.crosswalks import FOOTWAYS
 from cityx.city.tracks import poses_at
 from cityx.dataset.plans.planning import KINDS
 from cityx.geometry.polylines import Polylines, to_linestrings
+from cityx.ground.walking.crosswalks import FOOTWAYS
 
 MADE = {
     "street": (40, {}), "walk": (48, {"length": 24}), "drive": (60, {"length": 20}),
@@ -99,7 +99,7 @@ def test_walkers_go_at_walking_speed_and_look_where_they_go(plans):
 
 
 def test_walks_stay_where_one_may_walk(plans):
-    from cityx.city.walkable import walkable_of
+    from cityx.ground.walking.walkable import walkable_of
 
     places = eyes(plans["walk"].shots)[:, :2]
     areas = shapely.union_all(walkable_of(town()).areas)

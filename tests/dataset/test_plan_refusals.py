@@ -7,8 +7,8 @@ from moving_city import moving
 from planned_town import planned, stage, town
 
 from cityx.city import City, Frame, Layout
+from cityx.dataset.plans.plan_site import Site, Wishes
 from cityx.dataset.plans.planning import plan
-from cityx.dataset.plans.site import Site, Wishes
 from cityx.dataset.plans.takes import Take, still
 from cityx.dataset.plans.views import judged
 from cityx.dataset.rigs import RIGS

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from town import small_town
 
-from cityx.assets.furniture import MAKERS, furniture
-from cityx.assets.movers import vehicle, vehicle_looks
+from cityx.assets.furniture.street_furniture import MAKERS, furniture
+from cityx.assets.vehicles.movers import vehicle, vehicle_looks
 from cityx.city.ground import SURFACES
 from cityx.city.mesh import one_mesh
 from cityx.city.scene import Prototype
@@ -19,7 +19,7 @@ from cityx.dataset.classes import (
     class_of_piece,
     classes_of_layer,
 )
-from cityx.geometry.identity import stable_id
+from cityx.ids import stable_id
 
 OTHER = CLASS["other"]
 MAP = Path(__file__).parents[3] / "shared" / "data" / "osm" / "tokyo_kanda.osm.gz"
@@ -103,8 +103,8 @@ def named(view):
 
 
 def built(source, folder):
-    from cityx.agents.build import build
-    from cityx.agents.options import BuildOptions
+    from cityx.language.options import BuildOptions
+    from cityx.projects.build import build
 
     build([source], folder, BuildOptions(lod=2, formats=(), render=False))
     return read_view(folder / "city")

@@ -6,8 +6,8 @@ from glb_scenes import box, read_glb, rows, small_city, view
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cityx.assets.furniture import furniture
-from cityx.assets.materials import MATERIALS
+from cityx.assets.furniture.street_furniture import furniture
+from cityx.assets.styles.materials import MATERIALS
 from cityx.assets.textures import texture
 from cityx.city import Environment, Prototype, Scene, concatenate, one_mesh
 from cityx.outputs import glb as glb_module

@@ -11,12 +11,12 @@ import pytest
 from glb_scenes import box, read_glb, small_city, view
 from town import small_town
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
 from cityx.city import Environment, Scene, concatenate
 from cityx.city.store import read_city
+from cityx.language.options import BuildOptions
 from cityx.outputs import glb as glb_module
 from cityx.outputs.glb import write_glb
+from cityx.projects.build import build
 
 SCRIPT = """
 const validator = require(process.argv[1]);

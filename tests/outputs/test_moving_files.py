@@ -7,9 +7,9 @@ from moving_city import BIKE, CAR, MAN, RUNNER, moving
 from scipy.spatial.transform import Rotation, Slerp
 from test_glb_validator import EXPECTED, messages
 
-from cityx.assets.movers import figure_of, vehicle
-from cityx.assets.moving import gait_phase, with_movers
-from cityx.assets.people_gaits import going, stride_of
+from cityx.assets.people.gaits import going, stride_of
+from cityx.assets.vehicles.movers import figure_of, vehicle
+from cityx.assets.vehicles.moving import gait_phase, with_movers
 from cityx.city.tracks import GAIT
 from cityx.outputs.glb import write_glb
 from cityx.outputs.gltf_animation import MOST_BYTES, span_of

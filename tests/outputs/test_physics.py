@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
+from cityx_bench.scenes import SCENES, write_drawing
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
-from cityx.assets.bodies import bodies_of
-from cityx.bench.scenes import SCENES, write_drawing
+from cityx.assets.colliders import bodies_of
 from cityx.city.store import read_city, read_view
-from cityx.geometry.identity import id_text
-from cityx.outputs.bodies import read_bodies, write_bodies
+from cityx.ids import id_text
+from cityx.language.options import BuildOptions
+from cityx.outputs.body_files import read_bodies, write_bodies
 from cityx.outputs.mjcf import write_mjcf
+from cityx.projects.build import build
 
 SETTLE = 2.0  # seconds
 STILL = 0.05  # metres that a thing at rest may move meanwhile

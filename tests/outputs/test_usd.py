@@ -12,18 +12,18 @@ from glb_scenes import box, rows, small_city, view
 from scipy.spatial.transform import Rotation
 from town import small_town
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
-from cityx.assets.furniture import furniture
-from cityx.assets.materials import MATERIALS
+from cityx.assets.furniture.street_furniture import furniture
+from cityx.assets.styles.materials import MATERIALS
 from cityx.assets.textures import texture
 from cityx.city import Environment, Prototype, Scene, concatenate
 from cityx.city.mesh import NO_VERTEX
 from cityx.city.store import read_view
-from cityx.cli import main
+from cityx.cli.main import main
 from cityx.errors import EngineError, MissingExtra
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
+from cityx.language.options import BuildOptions
 from cityx.outputs.usd import write_usd
+from cityx.projects.build import build
 
 needs_usd = pytest.mark.skipif(
     find_spec("pxr") is None, reason='usd-core is not installed: pip install "cityx[usd]"'

@@ -7,7 +7,7 @@ import shapely
 
 from cityx.city import City, MeshBatch, one_mesh
 from cityx.errors import ActionFailed, ActionRejected
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 from cityx.protocol import (
     InputFiles,
     ObjectName,
@@ -21,7 +21,7 @@ from cityx.protocol import (
 from cityx.protocol.example_city import example_city
 from cityx.protocol.fingerprint import fingerprint
 from cityx.protocol.gate import Budget, GateRejection, check, find_faults
-from cityx.protocol.run import Call, run_action, run_step
+from cityx.protocol.running import Call, run_action, run_step
 from cityx.protocol.values import Footprint, Points, Surfaces, make_surfaces
 
 NETWORK = Port("network", "line", "road_network")

@@ -60,7 +60,7 @@ def odd(tmp_path, monkeypatch):
 
 
 def test_it_runs_elsewhere_sees_no_keys_and_changes_what_it_may(odd):
-    from cityx.protocol.run import run_step
+    from cityx.protocol.running import run_step
 
     city = example_city()
     made = run_step(city, Call("odd"), odd)

@@ -38,8 +38,8 @@ def test_actions_are_found_in_source_without_running_it(tmp_path):
 
 def test_listing_imports_no_plugin():
     code = (
-        "import sys; from cityx.protocol.commands import list_actions; list_actions();"
-        "print([m for m in sys.modules if m.startswith('cityx.plugins.')"
+        "import sys; from cityx.cli.plugins import list_actions; list_actions();"
+        "print([m for m in sys.modules if m.startswith('cityx.road.')"
         " or m in ('shapely', 'pandas', 'bpy')])"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -109,7 +109,7 @@ def test_ten_thousand_plugins_are_listed_within_five_seconds(tmp_path, monkeypat
     monkeypatch.syspath_prepend(str(tmp_path))
     begin = time.perf_counter()
     made = registry()
-    from cityx.protocol.commands import list_actions
+    from cityx.cli.plugins import list_actions
 
     table = list_actions(made)
     assert time.perf_counter() - begin < 5

@@ -76,19 +76,19 @@ def package(tmp_path, monkeypatch):
 
 
 def test_a_plugin_whose_face_changed_is_read_anew_and_no_other(package):
-    path = package / "plugins" / "edit" / "air.py"
+    path = package / "edit" / "air.py"
     path.write_text(path.read_text() + "\nMORE = 1\n")
     held = shipped.fresh_records()
-    assert "cityx.plugins.edit.air" not in held
-    assert "cityx.plugins.edit.moment" in held
+    assert "cityx.edit.air" not in held
+    assert "cityx.edit.moment" in held
 
 
 def test_a_table_of_words_elsewhere_makes_the_plugins_that_use_it_be_read_anew(package):
-    path = package / "assets" / "palette_tables.py"
+    path = package / "assets" / "styles" / "palette_tables.py"
     path.write_text(path.read_text() + "\nMORE = 1\n")
     held = shipped.fresh_records()
-    assert "cityx.plugins.edit.set_material" not in held
-    assert "cityx.plugins.edit.moment" in held
+    assert "cityx.edit.buildings.set_material" not in held
+    assert "cityx.edit.moment" in held
 
 
 def test_another_form_of_records_makes_all_be_read_anew(package):
@@ -100,7 +100,7 @@ def test_another_form_of_records_makes_all_be_read_anew(package):
 def test_a_first_start_plans_without_importing_the_generators():
     code = (
         "import sys; from cityx.agents.explain import explain; explain('A modern town.');"
-        "print([m for m in ('geopandas', 'pandas', 'scipy', 'cityx.plugins.building.shell')"
+        "print([m for m in ('geopandas', 'pandas', 'scipy', 'cityx.building.shell')"
         " if m in sys.modules])"
     )
     run = subprocess.run(

@@ -11,7 +11,7 @@ from cityx.geometry.solids import check_closed
 from cityx.protocol import registry
 from cityx.protocol.conformance import check_action
 from cityx.protocol.example_city import example_city
-from cityx.protocol.run import Call, run_step
+from cityx.protocol.running import Call, run_step
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "plugin"
 

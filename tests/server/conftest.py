@@ -7,8 +7,8 @@ pytest.importorskip("mcp", reason="cityx serve needs the extra mcp")
 
 from mcp import Client
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
+from cityx.language.options import BuildOptions
+from cityx.projects.build import build
 from cityx.protocol.registry import registry
 from cityx.server.app import CityServer
 from cityx.server.owner import Owner

@@ -5,8 +5,8 @@ import pytest
 from mcp import Client, MCPError
 from mcp.types import INVALID_PARAMS, ResourceUpdatedNotification
 
-from cityx.agents.build import build
-from cityx.agents.options import BuildOptions
+from cityx.language.options import BuildOptions
+from cityx.projects.build import build
 from cityx.protocol.registry import registry
 from cityx.server.app import CityServer
 from cityx.server.owner import Owner

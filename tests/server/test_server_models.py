@@ -16,9 +16,9 @@ from cityx.agents.models.brief_maker import ModelBriefMaker
 from cityx.agents.models.budget import Ledger
 from cityx.agents.models.library import LibraryRespondent
 from cityx.agents.models.recording import Decisions
-from cityx.agents.options import PlannerChoice
 from cityx.agents.roles import OfflineBriefMaker
 from cityx.errors import UsageError
+from cityx.language.options import PlannerChoice
 from cityx.protocol.registry import registry
 from cityx.server.app import CityServer
 from cityx.server.owner import Owner

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from PIL import Image
 
-from cityx.agents import edit, views
-from cityx.agents import run as runs
+from cityx.agents import step_runner as runs
+from cityx.projects import edit, views
 from cityx.server import app
 from cityx.server.replies import SCHEMA, STATUSES
 

@@ -15,9 +15,9 @@ import requests
 from mcp import Client, StdioServerParameters
 from mcp.client.streamable_http import streamable_http_client
 
-from cityx.agents.desk import Desk
 from cityx.city.content import content_hash
-from cityx.cli import main
+from cityx.cli.main import main
+from cityx.projects.desk import Desk
 
 pytestmark = pytest.mark.anyio
 SERVE = [sys.executable, "-m", "cityx.cli", "serve"]

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from cityx.city import Frame
 from cityx.errors import UsageError
-from cityx.geometry.parcels import DOOR, parcels_of
+from cityx.geometry.parcels.parcels import DOOR, parcels_of
 from cityx.geometry.rectangles import rectangles_of
 from cityx.geometry.seams import NEEDLE
 from cityx.sources.features.gather import gather

@@ -6,10 +6,10 @@ from affine import Affine
 
 from cityx.city import Frame
 from cityx.errors import InputError
-from cityx.sources.height_files import HeightOptions, open_height
-from cityx.sources.height_kinds import Shows, kind_of
-from cityx.sources.heights import height_city, lay_terrain, place_of, read_heights
-from cityx.sources.measured_heights import heights_from_surface
+from cityx.sources.heights.height_files import HeightOptions, open_height
+from cityx.sources.heights.height_kinds import Shows, kind_of
+from cityx.sources.heights.height_source import height_city, lay_terrain, place_of, read_heights
+from cityx.sources.heights.measured_heights import heights_from_surface
 
 FRAME = Frame(52.5, 13.4)
 SIZE = 300  # metres and cells of a side, about the origin

@@ -7,7 +7,7 @@ from affine import Affine
 
 from cityx.city import Frame
 from cityx.errors import InputError
-from cityx.sources.height_field import SMOOTHED, read_height, survey_site
+from cityx.sources.heights.height_field import SMOOTHED, read_height, survey_site
 
 FRAME = Frame(52.5, 13.5)
 SITE = (-200.0, -200.0, 200.0, 200.0)

@@ -5,9 +5,9 @@ from affine import Affine
 
 from cityx.city import Frame
 from cityx.errors import InputError, UsageError
-from cityx.sources.height_field import read_height, survey_site
-from cityx.sources.height_files import HeightOptions, open_height
-from cityx.sources.height_mosaic import open_heights
+from cityx.sources.heights.height_field import read_height, survey_site
+from cityx.sources.heights.height_files import HeightOptions, open_height
+from cityx.sources.heights.height_mosaic import open_heights
 
 FRAME = Frame(52.5, 13.5)
 SITE = (-200.0, -200.0, 200.0, 200.0)
@@ -225,7 +225,7 @@ FILES = {
 @pytest.mark.shared
 @pytest.mark.parametrize("name", FILES)
 def test_every_shared_file_is_the_terrain_of_a_site_within_it(name, shared_height):
-    from cityx.sources.height_mosaic import corners
+    from cityx.sources.heights.height_mosaic import corners
 
     path, options = shared_height(name), HeightOptions(crs="EPSG:3007")
     longitude, latitude = corners(open_height(path, options)).mean(axis=0)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.geometry.identity import stable_id
+from cityx.ids import stable_id
 
 TOWER = {"building__part": "yes", "height": 40}
 

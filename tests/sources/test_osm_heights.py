@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.sources.features.heights import TYPE, TYPES, building_types, fill_levels, prior_levels
+from cityx.sources.features.building_heights import (
+    TYPE,
+    TYPES,
+    building_types,
+    fill_levels,
+    prior_levels,
+)
 from cityx.sources.features.parts import known_levels
 from cityx.sources.features.vertical import read_vertical
 from cityx.sources.osm import read_osm

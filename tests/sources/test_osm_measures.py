@@ -14,7 +14,7 @@ from cityx.sources.features.kinds import (
     type_word,
     use_of,
 )
-from cityx.sources.features.roads import cross_section
+from cityx.sources.features.road_features import cross_section
 from cityx.sources.features.vertical import read_vertical
 from cityx.sources.features.vocabulary import area_kind, closed_is_area, is_underground
 

@@ -4,7 +4,7 @@ import shapely
 
 from cityx.sources.features.clipping import clip_lines
 from cityx.sources.features.kinds import road_kind
-from cityx.sources.features.roads import LEAST_WALK_JAPAN, SINGLE_JAPAN, cross_section
+from cityx.sources.features.road_features import LEAST_WALK_JAPAN, SINGLE_JAPAN, cross_section
 
 NAMES = (
     "section", "kind", "lanes", "lanes_forward", "lane_width", "width", "left", "right",

@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cityx.city.section import TURN, read_section
-from cityx.sources.features.roads import cross_section
+from cityx.sources.features.road_features import cross_section
 
 
 def section(tags, **options):

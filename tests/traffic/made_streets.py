@@ -5,8 +5,8 @@ import shapely
 from cityx.city.city import City
 from cityx.city.frame import Frame
 from cityx.city.layout import Layout, make_table
-from cityx.plugins.road.lanes import lanes
-from cityx.plugins.road.network import road_network
+from cityx.road.network.lane_graph import lanes
+from cityx.road.network.network import road_network
 
 STREET = {
     "kind": "secondary", "lanes": 2, "lanes_forward": 1, "lane_width": 3.25, "width": 6.5,

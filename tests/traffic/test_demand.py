@@ -4,8 +4,8 @@ from collections import Counter
 
 import pytest
 
-from cityx.plugins.dynamic.halts import halts_of
-from cityx.plugins.dynamic.vehicles import looks_of_kinds
+from cityx.motion.halts import halts_of
+from cityx.motion.vehicles import looks_of_kinds
 from cityx.traffic.demand import demand_of, per_km_at
 from cityx.traffic.laying import streets_of
 from tests.traffic.made_streets import EAST, MIDDLE, NORTH, SOUTH, WEST, city_of

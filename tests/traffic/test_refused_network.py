@@ -5,12 +5,12 @@ from hashlib import sha256
 from importlib.util import find_spec
 
 import pytest
+from cityx_bench.runner import build_scene
 from made_streets import CROSS, city_of
 
-from cityx.bench.runner import build_scene
-from cityx.cli import main
+from cityx.cli.main import main
 from cityx.errors import EngineError
-from cityx.plugins.dynamic.halts import halts_of
+from cityx.motion.halts import halts_of
 from cityx.traffic import network
 from cityx.traffic.laying import streets_of
 from cityx.traffic.network import make_network

@@ -5,12 +5,12 @@ from importlib.util import find_spec
 import pytest
 from made_streets import CROSS, MIDDLE, city_of
 
-from cityx.agents import build as building
-from cityx.agents.options import BuildOptions
 from cityx.city.tracks import poses_at
 from cityx.errors import MissingExtra
-from cityx.plugins.dynamic.halts import halts_of
-from cityx.plugins.dynamic.traffic import traffic
+from cityx.language.options import BuildOptions
+from cityx.motion.halts import halts_of
+from cityx.motion.traffic import traffic
+from cityx.projects import build as building
 from cityx.traffic import engine
 from cityx.traffic.engine import run_program
 from cityx.traffic.files import CONFIG, FILES, write_sumo

@@ -16,17 +16,17 @@ from typing import Annotated, Any
 
 from pydantic import Field, WithJsonSchema, create_model
 
-from cityx.agents.brief.brief import Brief, Slot, Span, Value
-from cityx.agents.brief.conflicts import conflicts_of
-from cityx.agents.brief.goals import goals_of
-from cityx.agents.brief.nouns import NOUNS
-from cityx.agents.brief.phrases import SLOTS, TABLES
-from cityx.agents.brief.slots import KEYS, SINGLE
 from cityx.agents.models.asking import Answer, Channel, Question
 from cityx.agents.models.quoting import quoted
 from cityx.agents.models.restating import restated, understood
 from cityx.agents.roles import BriefMaker
 from cityx.errors import nearest
+from cityx.language.brief import Brief, Slot, Span, Value
+from cityx.language.conflicts import conflicts_of
+from cityx.language.goals import goals_of
+from cityx.language.lexicon.nouns import NOUNS
+from cityx.language.lexicon.phrases import SLOTS, TABLES
+from cityx.language.slots import KEYS, SINGLE
 
 MOST_SLOTS = 40  # no instruction of a few sentences asks for more
 LONGEST_TEXT = 4000  # letters of an instruction
@@ -98,7 +98,7 @@ class ModelBriefMaker:
     offline
         The rules.
     vocabulary
-        What may be said; that of `cityx.agents.brief` when None.
+        What may be said; that of `cityx.language` when None.
     """
 
     def __init__(
@@ -117,7 +117,7 @@ class ModelBriefMaker:
         options: Mapping[str, Any] | None = None,
         names: Iterable[str] = (),
     ) -> Brief:
-        """Return the brief of a text; arguments as of `cityx.agents.brief.read_brief`."""
+        """Return the brief of a text; arguments as of `cityx.language.read_brief`."""
         brief = self._offline.read(text, inputs=inputs, base=base, options=options, names=names)
         if not text.strip():
             return brief

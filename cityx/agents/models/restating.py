@@ -14,11 +14,11 @@ from typing import Annotated
 
 from pydantic import Field
 
-from cityx.agents.brief.brief import Brief, Note
-from cityx.agents.brief.numbers import read_number
-from cityx.agents.brief.words import words_of
 from cityx.agents.models.asking import Answer, Channel, Question
 from cityx.agents.models.quoting import quoted
+from cityx.language.brief import Brief, Note
+from cityx.language.lexicon.numbers import read_number
+from cityx.language.lexicon.words import words_of
 
 MOST_COMMANDS = 12  # no wish of a few sentences asks for more
 LONGEST = 160  # letters of a command

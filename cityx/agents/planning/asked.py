@@ -1,7 +1,7 @@
 """What is asked for: the slots of a brief, with what they mean for actions.
 
 A brief says "downtown", "dense" or "two hectares"; actions take zones, shares and metres.
-`cityx.plugins.layout.presets` says what the words mean; here numbers go over them. What follows is
+`cityx.town.presets` says what the words mean; here numbers go over them. What follows is
 written with the name of the action it is for: "town.zone" is the parameter ``zone`` of
 ``layout/town``, and the key "do" lists actions that are called for, with their arguments.
 """
@@ -13,10 +13,10 @@ from math import sqrt
 from types import MappingProxyType
 from typing import Any
 
-from cityx.agents.brief import Brief
-from cityx.plugins.edit.moment import SEASONS
-from cityx.plugins.layout.presets import PRESETS, plan_of, zone_for
+from cityx.edit.moment import SEASONS
+from cityx.language import Brief
 from cityx.protocol.serving import DO, Slots
+from cityx.town.presets import PRESETS, plan_of, zone_for
 
 Found = dict[str, tuple[Any, ...]]
 Wishes = dict[str, dict[str, Any]]  # action, with its kind where it may be called for twice

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.assets.materials import srgb_to_linear
+from cityx.assets.styles.materials import srgb_to_linear
 
 # sRGB of colour words; the nearest by Euclid in the sRGB cube names a colour well enough.
 COLORS = {

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from cityx.assets.library.choice import NONE, Chooser, neighbours_of
 from cityx.assets.library.records import Catalogue
-from cityx.geometry.identity import hash_ids
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.rectangles import inner_rectangles, rectangles_of
+from cityx.ids import hash_ids
 
 BAND = (0.85, 1.18)  # of the scale: beyond it doors and storeys look wrong beside a neighbour's
 STOREY = (2.5, 6.0)  # metres a storey may be high after scaling

@@ -26,8 +26,8 @@ from cityx.assets.library.store import Library, LibraryWriter
 from cityx.assets.library.things import FRONT, LICENCE, capacity, grow_things
 from cityx.city.city import City
 from cityx.errors import UsageError, nearest
-from cityx.geometry.identity import choose, stable_id
 from cityx.geometry.polygons import FloatArray
+from cityx.ids import choose, stable_id
 
 GROWN_GROUPS = ("buildings", "plants", "vehicles", "people", "furniture")
 SHARES = {"buildings": 0.92, "plants": 0.03, "vehicles": 0.025, "people": 0.01,
@@ -51,9 +51,9 @@ def grow_buildings(
     uses
         Keys of `PLOTS` to choose from, () for all.
     """
-    from cityx.assets.palettes import STYLES
+    from cityx.assets.styles.palettes import STYLES
     from cityx.protocol import registry
-    from cityx.protocol.run import Call, run_action
+    from cityx.protocol.running import Call, run_action
 
     batch = np.array([stable_id("batch", seed, int(numbers[0]) // BATCH)], np.uint64)
     style = STYLES[int(numbers[0]) // BATCH % len(STYLES)]
@@ -135,7 +135,7 @@ def main_surfaces(models: Models) -> tuple[list[tuple[str, str]], list[tuple[str
     wall, roof
         (colour word, material) per asset; ("", "") where there is none.
     """
-    from cityx.assets.materials import MATERIALS
+    from cityx.assets.styles.materials import MATERIALS
     from cityx.geometry.solids import area_vectors
 
     shells = models.shells

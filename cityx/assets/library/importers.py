@@ -38,7 +38,7 @@ from cityx.assets.library.records import (
 )
 from cityx.assets.library.store import Library, LibraryWriter
 from cityx.assets.library.thesaurus import CONCEPTS_OF
-from cityx.assets.materials import MATERIALS
+from cityx.assets.styles.materials import MATERIALS
 from cityx.city.mesh import NO_VERTEX, one_mesh
 from cityx.city.scene import Prototype
 from cityx.errors import InputError, MissingDependency

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from cityx.assets.library.encoding import DIMENSION, Vectors, unit
 from cityx.assets.library.thesaurus import CONCEPTS_OF, NUMBER_WORDS, STOP_WORDS
 from cityx.errors import UsageError
-from cityx.geometry.identity import hash_ids, stable_id
+from cityx.ids import hash_ids, stable_id
 
 VERSION = 1  # rises when a text gets another vector
 # What a token counts: its concept says most, its letters help against misspelling.

@@ -23,9 +23,9 @@ from cityx.city.mesh import MeshBatch, concatenate, empty_batch
 from cityx.city.rows import join_rows, take_rows
 from cityx.city.scene import Instances, Prototype, Scene, no_instances
 from cityx.errors import InputError
-from cityx.geometry.identity import id_text, mix
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.ranges import numbered
+from cityx.ids import id_text, mix
 
 STEPS = 1e3  # fittings count in millimetres and thousandths
 _ROWS = ("position", "rotation", "scale", "tint")
@@ -134,7 +134,7 @@ def turns(rotation: NDArray[Any]) -> FloatArray:
 
 def _copies(mesh: MeshBatch, rows: Instances) -> MeshBatch:
     """Return one object of as many copies of a mesh as there are rows."""
-    from cityx.assets.materials import MATERIALS
+    from cityx.assets.styles.materials import MATERIALS
 
     count = rows.count
     scaled = mesh.vertices[None] * rows.scale[:, None, :].astype(float)

@@ -13,8 +13,8 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.city import City
-from cityx.geometry.identity import choose, stable_id, uniform
 from cityx.geometry.polygons import FloatArray
+from cityx.ids import choose, stable_id, uniform
 
 BATCH = 64  # buildings grown together; fixed, so that the number asked for changes nothing
 SPACING = 400.0  # metres between plots, further than anything looks about for neighbours

@@ -18,7 +18,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.errors import InputError
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 
 GROUPS = ("buildings", "plants", "vehicles", "people", "furniture")
 SOURCES = ("procedural", "imported")

@@ -14,7 +14,7 @@ from cityx.assets.library.models import Models, join_models
 from cityx.assets.library.plots import BATCH
 from cityx.assets.library.records import Catalogue, join_catalogues
 from cityx.geometry.polygons import FloatArray
-from cityx.protocol.inputs import InputFiles
+from cityx.protocol.input_files import InputFiles
 
 STARTER = 2  # batches grown where no library is given
 STARTER_SEED = 0
@@ -62,7 +62,7 @@ def shelf_of(inputs: InputFiles, style: str) -> Shelf:
 @lru_cache(maxsize=4)
 def starter(style: str) -> Grown:
     """Grow some buildings of a style family."""
-    from cityx.assets.palettes import STYLES
+    from cityx.assets.styles.palettes import STYLES
 
     first = STYLES.index(style)
     parts = [

@@ -39,10 +39,10 @@ from cityx.assets.library.records import (
     join_catalogues,
     make_catalogue,
 )
-from cityx.atomic import replaced
 from cityx.city.scene import Prototype
 from cityx.errors import InputError, UsageError
-from cityx.geometry.identity import id_text, stable_id
+from cityx.ids import id_text, stable_id
+from cityx.system.atomic import replaced
 
 FORMAT = 1
 HEAD = "library.json"

@@ -47,8 +47,8 @@ def _plants(numbers: Sequence[int]) -> tuple[list[Prototype], list[str], list[st
 
 
 def _vehicles(numbers: Sequence[int]) -> tuple[list[Prototype], list[str], list[str]]:
-    from cityx.assets.furniture import furniture
-    from cityx.assets.vehicles import PAINTS, car
+    from cityx.assets.furniture.street_furniture import furniture
+    from cityx.assets.vehicles.vehicles import PAINTS, car
 
     kinds = list(_VEHICLE_WORDS)
     colors = color_words(PAINTS * 0.8)
@@ -69,21 +69,21 @@ def _painted(prototype: Prototype, paint: Any, name: str) -> Prototype:
 
 
 def _people(numbers: Sequence[int]) -> tuple[list[Prototype], list[str], list[str]]:
-    from cityx.assets.people import person
-    from cityx.assets.people_looks import drawn_person, words_of
+    from cityx.assets.people.looks import drawn_person, words_of
+    from cityx.assets.people.people import person
 
     looks = [drawn_person(number) for number in numbers]
     return [person(n) for n in numbers], [words_of(p) for p in looks], [p.age for p in looks]
 
 
 def _pieces() -> list[str]:
-    from cityx.assets.furniture import MAKERS
+    from cityx.assets.furniture.street_furniture import MAKERS
 
     return [name for name in MAKERS if name != "bus"]
 
 
 def _furniture(numbers: Sequence[int]) -> tuple[list[Prototype], list[str], list[str]]:
-    from cityx.assets.furniture import furniture
+    from cityx.assets.furniture.street_furniture import furniture
 
     names = [_pieces()[number] for number in numbers]
     return [furniture(n) for n in names], [n.replace("_", " ") for n in names], names
@@ -95,7 +95,7 @@ _THINGS = {"plants": _plants, "vehicles": _vehicles, "people": _people, "furnitu
 def capacity(group: str) -> float:
     """Return how many distinct assets of a group there can be."""
     if group == "vehicles":
-        from cityx.assets.vehicles import PAINTS
+        from cityx.assets.vehicles.vehicles import PAINTS
 
         return len(PAINTS) * len(_VEHICLE_WORDS)
     return len(_pieces()) if group == "furniture" else float("inf")

@@ -16,7 +16,9 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.textures import barks, grounds, pavements, roads, roofs, walls
+from cityx import ids
+from cityx.assets.textures import barks, grounds, pavements, roofs, walls
+from cityx.assets.textures import road_textures as roads
 from cityx.assets.textures.relief import (
     Relief,
     exact_mean,
@@ -25,10 +27,9 @@ from cityx.assets.textures.relief import (
     normal_bytes,
     srgb_bytes,
 )
-from cityx.cache import Arrays, cached_arrays
-from cityx.digests import edition_of
 from cityx.errors import UsageError, nearest
-from cityx.geometry import identity
+from cityx.system.cache import Arrays, cached_arrays
+from cityx.system.digests import edition_of
 
 __all__ = ["PATTERNS", "Texture", "TextureFiles", "texture", "texture_files"]
 
@@ -185,5 +186,5 @@ def _drawn(name: str, size: int) -> Arrays:
 @lru_cache(maxsize=1)
 def _edition() -> str:
     """Hash of the code that draws, so that a cached texture is never that of other code."""
-    sources = [*sorted(Path(__file__).parent.glob("*.py")), Path(identity.__file__)]
+    sources = [*sorted(Path(__file__).parent.glob("*.py")), Path(ids.__file__)]
     return edition_of(sources)

@@ -11,7 +11,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.geometry.identity import uniform
+from cityx.ids import uniform
 
 Field = NDArray[np.float32]  # (size, size)
 

@@ -1,6 +1,6 @@
 """Patterns of pavements: flags of sandstone, slabs and bands of small stones, blocks, ribs.
 
-Those with bands are drawn for v = 0 at the kerb (`cityx.plugins.road.joints` lays them so).
+Those with bands are drawn for v = 0 at the kerb (`cityx.road.ground.joints` lays them so).
 """
 
 from __future__ import annotations

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets import shapes
-from cityx.assets.materials import MATERIALS
+from cityx.assets.styles.materials import MATERIALS
 from cityx.assets.trees.seasons import FOLIAGE
 from cityx.assets.trees.species import GREEN
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
-from cityx.geometry.identity import rng_for, stable_id
+from cityx.ids import rng_for, stable_id
 
 FloatArray = NDArray[np.float64]
 

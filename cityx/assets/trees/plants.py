@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx import ids
 from cityx.assets import shapes
 from cityx.assets.trees import bushes, foliage, seasons
 from cityx.assets.trees.foliage import Cards
@@ -16,12 +17,11 @@ from cityx.assets.trees.seasons import FOLIAGE
 from cityx.assets.trees.skeletons import GOLDEN, TWIG, Skeleton, crown_radius, grow
 from cityx.assets.trees.species import PARK_FORMS, TREES, WALLED, Species, habit
 from cityx.assets.trees.wood import wood
-from cityx.cache import Arrays, cached_arrays
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
-from cityx.digests import edition_of
-from cityx.geometry import identity
-from cityx.geometry.identity import rng_for, stable_id
+from cityx.ids import rng_for, stable_id
+from cityx.system.cache import Arrays, cached_arrays
+from cityx.system.digests import edition_of
 
 FloatArray = NDArray[np.float64]
 
@@ -131,7 +131,7 @@ def _unpacked(held: Arrays, name: str) -> Cards:
 @lru_cache(maxsize=1)
 def _edition() -> str:
     """Hash of the code that grows, so that a cached tree is never that of other code."""
-    sources = [*sorted(Path(__file__).parent.glob("*.py")), Path(identity.__file__)]
+    sources = [*sorted(Path(__file__).parent.glob("*.py")), Path(ids.__file__)]
     return edition_of(sources)
 
 

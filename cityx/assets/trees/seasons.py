@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.materials import MATERIALS
+from cityx.assets.styles.materials import MATERIALS
 from cityx.assets.trees.foliage import Cards
 from cityx.assets.trees.species import Species
 

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.trees.species import Species, Whorls
-from cityx.geometry.identity import rng_for, stable_id
 from cityx.geometry.ranges import numbered
+from cityx.ids import rng_for, stable_id
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.materials import srgb_to_linear
+from cityx.assets.styles.materials import srgb_to_linear
 from cityx.checks.predicates.words import COLORS
 
 FloatArray = NDArray[np.float64]

@@ -12,10 +12,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.predicates.buildings import Buildings
+from cityx.checks.predicates.building_predicates import Buildings
 from cityx.checks.predicates.pieces import Pieces
 from cityx.checks.predicates.places import Lands
-from cityx.checks.predicates.streets import Bridges, Roads
+from cityx.checks.predicates.street_predicates import Bridges, Roads
 from cityx.checks.predicates.syntax import (
     Argument,
     Call,
@@ -28,7 +28,7 @@ from cityx.checks.predicates.syntax import (
     Predicate,
     Within,
 )
-from cityx.checks.predicates.things import (
+from cityx.checks.predicates.thing_predicates import (
     Absent,
     BoolArray,
     CannotTell,

@@ -26,8 +26,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.predicates.buildings import Buildings
-from cityx.checks.predicates.changes import (
+from cityx.checks.predicates.building_predicates import Buildings
+from cityx.checks.predicates.change_predicates import (
     changed_ids,
     changed_parts,
     far_ids,
@@ -50,9 +50,9 @@ from cityx.checks.predicates.relations import (
     side,
     spans,
 )
-from cityx.checks.predicates.streets import Roads, street_pattern
+from cityx.checks.predicates.street_predicates import Roads, street_pattern
 from cityx.checks.predicates.syntax import Call, Comparison, Name, Within
-from cityx.checks.predicates.things import Absent, CannotTell, FloatArray, union
+from cityx.checks.predicates.thing_predicates import Absent, CannotTell, FloatArray, union
 from cityx.checks.predicates.vocabulary import (
     KINDS,
     OTHERS,

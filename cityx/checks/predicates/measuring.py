@@ -22,7 +22,7 @@ from cityx.checks.predicates.syntax import (
     Predicate,
     Within,
 )
-from cityx.checks.predicates.things import Absent, CannotTell
+from cityx.checks.predicates.thing_predicates import Absent, CannotTell
 from cityx.city import City
 from cityx.errors import CityxError
 

@@ -11,11 +11,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.movers import is_person, person_of
-from cityx.assets.moving import with_movers
-from cityx.assets.surface_states import material_named
+from cityx.assets.styles.surface_states import material_named
+from cityx.assets.vehicles.movers import is_person, person_of
+from cityx.assets.vehicles.moving import with_movers
 from cityx.checks.predicates import words
-from cityx.checks.predicates.things import (
+from cityx.checks.predicates.thing_predicates import (
     BoolArray,
     CannotTell,
     FloatArray,

@@ -12,7 +12,13 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates import words
-from cityx.checks.predicates.things import FloatArray, IntArray, Layer, UInt64Array, column
+from cityx.checks.predicates.thing_predicates import (
+    FloatArray,
+    IntArray,
+    Layer,
+    UInt64Array,
+    column,
+)
 from cityx.city import City
 
 TOUCH = 0.5  # metres between pieces of one area

@@ -11,13 +11,13 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates.facts import Facts
-from cityx.checks.predicates.things import BoolArray, CannotTell
+from cityx.checks.predicates.thing_predicates import BoolArray, CannotTell
 from cityx.city import City, Frame
 from cityx.city.frame import NOWHERE
 from cityx.city.sites import moved
 from cityx.geometry.raster.grid import Grid
 from cityx.sources.class_map import ClassMap
-from cityx.sources.inputs import classify
+from cityx.sources.input_kinds import classify
 from cityx.sources.map_classes import Role
 
 CELL = 1.0  # metres
@@ -169,7 +169,7 @@ def height_correlation(city: City, path: Path) -> tuple[float, str]:
     InputError
         If it cannot be read or does not cover the site.
     """
-    from cityx.sources.heights import lay_terrain, read_heights
+    from cityx.sources.heights.height_source import lay_terrain, read_heights
 
     heights = read_heights(path)
     if not heights.has_ground:

@@ -12,7 +12,7 @@ from cityx.checks.predicates import words
 from cityx.checks.predicates.facts import SURFACES, Facts, Options, said
 from cityx.checks.predicates.finding import Measured
 from cityx.checks.predicates.syntax import Name
-from cityx.checks.predicates.things import Absent
+from cityx.checks.predicates.thing_predicates import Absent
 from cityx.checks.predicates.vocabulary import Group, kind_named
 
 OPEN_SIDE = np.pi  # radians; a wider gap between two of them as seen from there is an open side

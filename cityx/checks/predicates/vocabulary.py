@@ -55,7 +55,7 @@ MOVING = ("speed", "mode")  # attributes of what moves
 
 @cache
 def _word_lists() -> Mapping[tuple[str, str], tuple[str, ...]]:
-    from cityx.assets.style_shares import KNOWN
+    from cityx.assets.styles.style_shares import KNOWN
 
     return {
         ("building", "style"): KNOWN,

@@ -1,7 +1,7 @@
 """When a thing is what a predicate calls it, in numbers.
 
 Each is a definition by what can be measured, so that nothing becomes a tower by being called one.
-What a wish such as "a dense city" asks for is in `cityx.agents.brief.goals`.
+What a wish such as "a dense city" asks for is in `cityx.language.goals`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from cityx.assets.palette_tables import HOUSE_AREA, SHED_AREA
+from cityx.assets.styles.palette_tables import HOUSE_AREA, SHED_AREA
 
 ROUGHLY = 0.1  # of a number, by which "~" may miss it
 ANY = (0.0, float("inf"))
@@ -31,7 +31,7 @@ class Form:
     slender
         Least height over the root of the footprint's area.
     uses
-        Use groups of `cityx.assets.palettes`, () for any.
+        Use groups of `cityx.assets.styles.palettes`, () for any.
     """
 
     height: tuple[float, float] = ANY
@@ -58,7 +58,7 @@ BUILDING_TYPES: Mapping[str, Form] = MappingProxyType(
     }
 )  # fmt: skip
 
-# Use of a building -> use groups of `cityx.assets.palettes`.
+# Use of a building -> use groups of `cityx.assets.styles.palettes`.
 USES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "residential": ("house", "flats"), "commercial": ("office", "retail"),
@@ -68,7 +68,7 @@ USES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     }
 )  # fmt: skip
 
-# Material of walls or roofs -> materials of `cityx.assets.materials`.
+# Material of walls or roofs -> materials of `cityx.assets.styles.materials`.
 MATERIALS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "glass": ("glass_wall", "glass", "pane"), "brick": ("brick", "clinker"),
@@ -78,7 +78,7 @@ MATERIALS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "grass": ("grass",), "gravel": ("roof_gravel",), "bitumen": ("bitumen",),
     }
 )  # fmt: skip
-# Surface of a street -> materials of `cityx.assets.materials`.
+# Surface of a street -> materials of `cityx.assets.styles.materials`.
 PAVINGS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "asphalt": ("asphalt", "asphalt_light", "asphalt_red", "asphalt_brown"),

@@ -6,11 +6,11 @@ import numpy as np
 from scipy.ndimage import maximum_filter
 
 from cityx.dataset.plans.motion import headings, smoothed
-from cityx.dataset.plans.site import Site
+from cityx.dataset.plans.plan_site import Site
 from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Source, Take, still
 from cityx.errors import InputError
 from cityx.geometry.airways import Airspace, Airways, airway, airways, rounded
-from cityx.geometry.identity import draw, uniform
+from cityx.ids import draw, uniform
 
 FOV = 65.0  # degrees
 LOWEST, HIGHEST = 40.0, 120.0  # metres above the ground; 120 is the limit of the open category

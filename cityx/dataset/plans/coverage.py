@@ -10,10 +10,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.dataset.plans.streets import street_lines
+from cityx.dataset.plans.street_stretches import street_lines
 from cityx.dataset.shots import Shot, project
 from cityx.geometry.polylines import arc_lengths, every, locate
-from cityx.geometry.standing import stand_on
+from cityx.ground.standing import stand_on
 
 if TYPE_CHECKING:
     from cityx.city.city import City

@@ -28,7 +28,7 @@ from cityx.city.city import City
 from cityx.city.environment import Environment
 from cityx.dataset.plans.takes import FloatArray, Take, still
 from cityx.errors import InputError, UsageError
-from cityx.plugins.background.weather import lit_anew
+from cityx.light.weather import lit_anew
 
 LONGEST = 10_000  # frames of a trajectory
 LATEST = 1e6  # seconds

@@ -15,12 +15,12 @@ from cityx.city.moments import moments_of
 from cityx.city.roads import RoadNetwork
 from cityx.city.routes import cars, lane_lengths
 from cityx.dataset.plans.motion import along_line, headings, length_of, smoothed, speeds
-from cityx.dataset.plans.site import Site
-from cityx.dataset.plans.streets import stations
+from cityx.dataset.plans.plan_site import Site
+from cityx.dataset.plans.street_stretches import stations
 from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Source, Take
 from cityx.errors import InputError
-from cityx.geometry.identity import draw
 from cityx.geometry.polylines import to_linestrings, values_along
+from cityx.ids import draw
 
 FOV = 70.0  # degrees
 EYE = 1.6  # metres above the lane: on the roof of a car

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from cityx.city.mesh import MeshBatch
-from cityx.dataset.plans.site import Site
+from cityx.dataset.plans.plan_site import Site
 from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Source, Take
 from cityx.errors import UsageError, nearest
-from cityx.geometry.identity import id_text, uniform
+from cityx.ids import id_text, uniform
 
 FOV = 60.0  # degrees
 ROOM = 1.1  # times as far as where the target just fills the picture

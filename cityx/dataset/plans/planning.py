@@ -18,7 +18,7 @@ from cityx.dataset.plans.aerial import aerial
 from cityx.dataset.plans.custom import read_plan
 from cityx.dataset.plans.drive import drive
 from cityx.dataset.plans.orbit import orbit
-from cityx.dataset.plans.site import Site, Wishes
+from cityx.dataset.plans.plan_site import Site, Wishes
 from cityx.dataset.plans.street import street
 from cityx.dataset.plans.takes import Refusal, Source, Take
 from cityx.dataset.plans.views import judged
@@ -26,7 +26,7 @@ from cityx.dataset.plans.walk import walk
 from cityx.dataset.rigs import Rig, mounted, rig_named
 from cityx.dataset.shots import Shot
 from cityx.errors import CityxError, InputError, UsageError, nearest
-from cityx.geometry.identity import hash_bits
+from cityx.ids import hash_bits
 
 if TYPE_CHECKING:
     from cityx.city.city import City
@@ -131,7 +131,7 @@ def plan(
     hfov
         Horizontal field of view, radians; that of the kind when None.
     weathers, times
-        As of `cityx.plugins.background.weather.lit_anew`; each sequence has one of each, and all
+        As of `cityx.light.weather.lit_anew`; each sequence has one of each, and all
         pairs come up equally often. Without any the light is the city's own.
     target, radius, height
         Of orbits, see `cityx.dataset.plans.takes.Wishes`.
@@ -213,7 +213,7 @@ def _out_of_range(
 
 def _lights(city: City, weathers: Sequence[str], times: Sequence[str]) -> list[Environment | None]:
     """Return the light of every pair of a weather and a time; none is the city's own."""
-    from cityx.plugins.background.weather import lit_anew
+    from cityx.light.weather import lit_anew
 
     if not weathers and not times:
         return [None]

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.city.crosswalks import FOOTWAYS
 from cityx.city.ground import LABEL, ROADWAY, SURFACES
-from cityx.dataset.plans.site import Site
-from cityx.dataset.plans.streets import stations, street_lines
+from cityx.dataset.plans.plan_site import Site
+from cityx.dataset.plans.street_stretches import stations, street_lines
 from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Source, Take, still
 from cityx.errors import InputError
-from cityx.geometry.identity import uniform
 from cityx.geometry.polylines import locate
-from cityx.geometry.standing import stand_on
+from cityx.ground.standing import stand_on
+from cityx.ground.walking.crosswalks import FOOTWAYS
+from cityx.ids import uniform
 
 FOV = 70.0  # degrees
 LOWEST, HIGHEST = 1.4, 1.9  # metres of eyes above the pavement

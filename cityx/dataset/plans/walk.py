@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from cityx.city.walkable import Walkable, walkable_of
-from cityx.city.walks import WalkGraph, walk_graph, walks_between
 from cityx.dataset.plans.motion import along_line, headings, length_of, smoothed
-from cityx.dataset.plans.site import Site
+from cityx.dataset.plans.plan_site import Site
 from cityx.dataset.plans.takes import IntArray, Refusal, Source, Take
 from cityx.errors import InputError
-from cityx.geometry.identity import draw
 from cityx.geometry.spread import nearby_order
-from cityx.plugins.dynamic.feasible import ground_height
+from cityx.ground.walking.walkable import Walkable, walkable_of
+from cityx.ground.walking.walks import WalkGraph, walk_graph, walks_between
+from cityx.ids import draw
+from cityx.motion.feasible import ground_height
 
 FOV = 70.0  # degrees
 SPEED = 1.4  # metres per second, the usual one of adults

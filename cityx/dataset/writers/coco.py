@@ -18,7 +18,7 @@ from cityx.dataset.record import Record
 from cityx.dataset.writers.files import Files
 from cityx.dataset.writers.streams import stream_json
 from cityx.dataset.writers.writer import Format, Kept, Part, Place, Whole, picture_of
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 
 if TYPE_CHECKING:
     from cityx.dataset.classes import Class

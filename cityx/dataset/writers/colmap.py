@@ -29,7 +29,7 @@ from cityx.dataset.writers.writer import (
     by_city,
     picture_of,
 )
-from cityx.geometry.identity import stable_id, uniform
+from cityx.ids import stable_id, uniform
 
 if TYPE_CHECKING:
     from cityx.dataset.classes import Class

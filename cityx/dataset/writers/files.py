@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.atomic import replaced
+from cityx.system.atomic import replaced
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ from cityx.dataset.writers.poses import (
 )
 from cityx.dataset.writers.streams import stream_list
 from cityx.dataset.writers.writer import Format, Kept, Part, Place, Whole, picture_of
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 
 if TYPE_CHECKING:
     from cityx.city.store import View

@@ -18,7 +18,7 @@ from cityx.dataset.writers.exr import write_exr
 from cityx.dataset.writers.files import Files
 from cityx.dataset.writers.poses import camera_to_world, lidar_to_world
 from cityx.dataset.writers.writer import Format, Part, Place, picture_of
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 
 if TYPE_CHECKING:
     from cityx.dataset.classes import Class

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.identity import UInt64Array
+from cityx.ids import UInt64Array
 from cityx.sources.features.clipping import FloatArray, IntArray
 
 TOLERANCE = 0.5  # square metres of overlap that is drawing noise

@@ -10,17 +10,17 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.layout import make_table
-from cityx.geometry.identity import UInt64Array, hash_ids
 from cityx.geometry.polygons import cut_at_waists
-from cityx.sources.features.clipping import FloatArray, IntArray
-from cityx.sources.features.density import PLACES, Density
-from cityx.sources.features.heights import (
+from cityx.ids import UInt64Array, hash_ids
+from cityx.sources.features.building_heights import (
     TOWER_HEIGHT,
     building_types,
     fill_levels,
     height_of_levels,
     levels_of_height,
 )
+from cityx.sources.features.clipping import FloatArray, IntArray
+from cityx.sources.features.density import PLACES, Density
 from cityx.sources.features.kinds import PLACE, type_word, use_of
 from cityx.sources.features.overlaps import separate_volumes
 from cityx.sources.features.roofs import SHAPE, SHAPES, fill_shapes, roof_heights

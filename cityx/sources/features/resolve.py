@@ -9,14 +9,14 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.palettes import region_of
+from cityx.assets.styles.palettes import region_of
 from cityx.city import Frame, Layout
 from cityx.city.layout import empty_table
-from cityx.geometry.driving import keeps_left
+from cityx.places.driving import keeps_left
 from cityx.sources.features.clipping import Box
 from cityx.sources.features.density import Density, measure_density
 from cityx.sources.features.parts import building_tables, known_levels
-from cityx.sources.features.roads import road_table
+from cityx.sources.features.road_features import road_table
 from cityx.sources.features.shells import Shells
 from cityx.sources.features.tables import area_table, line_table, point_table
 from cityx.sources.features.tagged import Tagged, nothing

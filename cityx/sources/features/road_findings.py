@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cityx.sources.features import measures
 from cityx.sources.features.clipping import Box
-from cityx.sources.features.roads import MAX_LANES, MAX_WIDTH
+from cityx.sources.features.road_features import MAX_LANES, MAX_WIDTH
 from cityx.sources.features.tagged import Owner, Report, Tagged, Tags
 from cityx.sources.features.vocabulary import CARS
 

@@ -8,9 +8,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.identity import UInt64Array, choose, uniform
+from cityx.ids import UInt64Array, choose, uniform
+from cityx.sources.features.building_heights import TYPES
 from cityx.sources.features.clipping import FloatArray, IntArray
-from cityx.sources.features.heights import TYPES
 
 SHAPES = (
     "flat", "gabled", "hipped", "half-hipped", "pyramidal", "skillion", "gambrel", "mansard",

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.identity import UInt64Array
+from cityx.ids import UInt64Array
 from cityx.sources.features.clipping import Box, IntArray, inside_site
 from cityx.sources.features.overlaps import separate_outlines
 from cityx.sources.features.tagged import (

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.layout import make_table
-from cityx.geometry.identity import uniform
+from cityx.ids import uniform
 from cityx.sources.features import measures
 from cityx.sources.features.kinds import line_kind, point_kind
 from cityx.sources.features.tagged import Tagged, Tags

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.identity import stable_id
+from cityx.ids import stable_id
 from cityx.sources.features.clipping import Box, IntArray, clip_lines, clip_polygons
 
 Tags = dict[str, str]

@@ -21,14 +21,14 @@ from cityx.sources.features.resolve import Features, resolve
 from cityx.sources.features.road_findings import name_points, name_repairs
 from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import Owner, Report, Tagged, clipped_lines, tag
-from cityx.sources.inputs import place_name
+from cityx.sources.input_kinds import place_name
 from cityx.sources.osm.areas import read_areas
-from cityx.sources.osm.buildings import candidate_ways, read_outlines
+from cityx.sources.osm.building_outlines import candidate_ways, read_outlines
 from cityx.sources.osm.elements import OsmMap
+from cityx.sources.osm.map_window import site_degrees
 from cityx.sources.osm.outlines import relation_rings, tagged_lines
 from cityx.sources.osm.reader import read_elements
 from cityx.sources.osm.restrictions import restriction_table
-from cityx.sources.osm.site import site_degrees
 
 __all__ = ["ATTRIBUTION", "read_osm"]
 

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from cityx.city.layout import empty_table, make_table
-from cityx.geometry.identity import stable_id
+from cityx.ids import stable_id
 from cityx.sources.features.clipping import Box, FloatArray
 from cityx.sources.features.tagged import Tags
 from cityx.sources.osm.elements import OsmMap

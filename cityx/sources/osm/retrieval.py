@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import urlsplit
 
 from cityx import __version__
-from cityx.atomic import replaced
 from cityx.errors import InputError, UsageError
+from cityx.system.atomic import replaced
 
 if TYPE_CHECKING:
     import requests

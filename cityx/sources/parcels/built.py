@@ -10,11 +10,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.identity import UInt64Array, id_text
-from cityx.geometry.plots import Pads, Plots
+from cityx.geometry.parcels.plots import Pads, Plots
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.seams import moved
-from cityx.sources.features.heights import TYPE_OF_USE, height_of_levels, levels_of_height
+from cityx.ids import UInt64Array, id_text
+from cityx.sources.features.building_heights import TYPE_OF_USE, height_of_levels, levels_of_height
 from cityx.sources.features.tagged import Owner, Tagged, Tags
 
 LEAST_ROOM = 4.2  # metres; no building is narrower

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.plots import Plots, pads_in
+from cityx.geometry.parcels.plots import Plots, pads_in
 from cityx.geometry.polygons import FloatArray
 from cityx.geometry.seams import unite
 from cityx.sources.parcels.built import (

@@ -11,11 +11,11 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.errors import UsageError
-from cityx.geometry.identity import id_text
-from cityx.geometry.parcels import Parcels
-from cityx.geometry.plots import Plots, plots_of
+from cityx.geometry.parcels.parcels import Parcels
+from cityx.geometry.parcels.plots import Plots, plots_of
 from cityx.geometry.polygons import IntArray
 from cityx.geometry.seams import moved, on_grid
+from cityx.ids import id_text
 from cityx.sources.features.tagged import Owner, Tagged, Tags, joined, number_pieces
 from cityx.sources.parcels.built import Built, built, tagged_of
 from cityx.sources.parcels.city_blocks import core_towers, perimeter_blocks

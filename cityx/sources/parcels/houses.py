@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.plots import Pads, Plots, pads_in
+from cityx.geometry.parcels.plots import Pads, Plots, pads_in
 from cityx.geometry.polygons import FloatArray
 from cityx.geometry.seams import unite
 from cityx.sources.parcels.built import Built, building_tags, built, habitable, pad_box

@@ -19,7 +19,7 @@ from cityx.geometry.raster.regions import filled
 from cityx.sources.class_map import EXACT, PLAUSIBLE, ClassMap, check_asked, city_of, features_of
 from cityx.sources.features.tagged import Tagged
 from cityx.sources.georeference import ground_of, laid_on_ground
-from cityx.sources.inputs import place_name
+from cityx.sources.input_kinds import place_name
 from cityx.sources.map_classes import MapClass, Role, class_of
 from cityx.sources.satellite.painted import painted_segmenter
 from cityx.sources.satellite.plausible import plausible_features

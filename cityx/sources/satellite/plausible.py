@@ -14,12 +14,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.identity import stable_id
-from cityx.geometry.parcels import parcels_of
+from cityx.geometry.parcels.parcels import parcels_of
 from cityx.geometry.raster.centrelines import Centrelines
 from cityx.geometry.raster.grid import Grid
 from cityx.geometry.raster.patches import label_patches
 from cityx.geometry.raster.regions import filled
+from cityx.ids import stable_id
 from cityx.sources.class_map import ClassMap, features_of, traced
 from cityx.sources.features.tagged import Tagged, joined
 from cityx.sources.map_classes import Role

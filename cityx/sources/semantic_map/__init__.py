@@ -20,7 +20,7 @@ from cityx.sources.class_map import (
     rows_of_houses,
 )
 from cityx.sources.georeference import laid_on_ground
-from cityx.sources.inputs import place_name
+from cityx.sources.input_kinds import place_name
 from cityx.sources.map_classes import Role, class_of
 from cityx.sources.semantic_map.evidence import best_reading, chosen_legend
 from cityx.sources.semantic_map.legends import Legend, find_legend

@@ -1,10 +1,10 @@
 import pytest
 from talk import channel_of
 
-from cityx.agents.brief import Brief, read_brief
-from cityx.agents.brief.brief import GoalText, Slot
 from cityx.agents.models.brief_maker import ModelBriefMaker, brief_vocabulary, settled
 from cityx.agents.roles import OfflineBriefMaker
+from cityx.language import Brief, read_brief
+from cityx.language.brief import GoalText, Slot
 
 # "Big Apple feel" and "drizzling mood" are in no phrase book.
 TEXT = "A quarter with a Big Apple feel,\nwhite walls and 12 houses."

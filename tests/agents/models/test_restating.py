@@ -7,14 +7,14 @@ import sqlite3
 import pytest
 from talk import OPEN, channel_of
 
-from cityx.agents.build import build
-from cityx.agents.edit import edit_city
 from cityx.agents.models.brief_maker import ModelBriefMaker
 from cityx.agents.models.recording import Decisions, NotRecorded
-from cityx.agents.options import BuildOptions, PlannerChoice
 from cityx.agents.roles import OfflineBriefMaker
 from cityx.city.store import read_city
 from cityx.errors import UsageError
+from cityx.language.options import BuildOptions, PlannerChoice
+from cityx.projects.build import build
+from cityx.projects.edit import edit_city
 
 TEXT = "Send every last streetlamp to the scrapyard and bathe the place in drizzle."
 

@@ -94,9 +94,9 @@ def refuse(*args, **kwargs):
 socket.socket.connect = socket.socket.connect_ex = refuse
 socket.getaddrinfo = socket.create_connection = refuse
 
-from cityx.agents.build import make_job
+from cityx.projects.build import make_job
 from cityx.agents.models import Recording, roles_for
-from cityx.agents.options import BuildOptions, slots_of
+from cityx.language.options import BuildOptions, slots_of
 from cityx.agents.planning.planner import Situation
 from cityx.protocol.catalogue import known_records
 

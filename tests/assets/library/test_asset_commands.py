@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from cityx.cli import main
+from cityx.cli.main import main
 
 
 def run(monkeypatch, capsys, *words):

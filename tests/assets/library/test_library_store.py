@@ -12,7 +12,7 @@ from cityx.assets.library.plots import draw_plots
 from cityx.assets.library.records import validate_document
 from cityx.assets.library.store import check_library, embed_library, open_library
 from cityx.errors import InputError, UsageError
-from cityx.geometry.identity import id_text
+from cityx.ids import id_text
 
 
 def tree_of(folder):

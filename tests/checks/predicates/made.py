@@ -9,7 +9,7 @@ from cityx.city import City, Environment, Frame, Instances, Layout, Prototype, S
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.layout import make_table
 from cityx.city.mesh import concatenate
-from cityx.geometry.identity import stable_id
+from cityx.ids import stable_id
 
 SITE = (0.0, 0.0, 400.0, 400.0)
 SIDES = [[3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]

@@ -3,7 +3,7 @@
 import numpy as np
 import shapely
 
-from cityx.checks.predicates.streets import carriageways
+from cityx.checks.predicates.street_predicates import carriageways
 
 EAST = shapely.linestrings([[0, 0], [300, 0]])
 BACK = shapely.linestrings([[300, 12], [0, 12]])

@@ -12,7 +12,7 @@ from PIL import Image
 from cityx.checks.predicates import measure
 from cityx.city import Terrain
 from cityx.errors import InputError
-from cityx.sources.heights import lay_terrain, read_heights
+from cityx.sources.heights.height_source import lay_terrain, read_heights
 from cityx.sources.osm import read_osm
 from cityx.sources.semantic_map import read_semantic_map
 

@@ -207,9 +207,9 @@ SLOW = 2.0  # CPU seconds for all predicates of a task
 def town():
     """A kilometre square of town with streets, ground and shells."""
     from cityx.city import City, Frame, Layout
-    from cityx.plugins.layout.town import town as lay_out
     from cityx.protocol import registry
-    from cityx.protocol.run import Call, run_action
+    from cityx.protocol.running import Call, run_action
+    from cityx.town.town import town as lay_out
 
     city = City("Town", Frame(50.0, 10.0), Layout((0.0, 0.0, 1.0, 1.0)), seed=3)
     city = lay_out(city, width=1000.0, depth=1000.0, density=0.5, lakes=0.3, river=True)

@@ -10,7 +10,7 @@ from cityx.checks.predicates import measure
 from cityx.checks.predicates.street_pattern import orientation_order, pattern_of, pieces_of
 from cityx.city import City, Frame, Layout
 from cityx.city.layout import make_table
-from cityx.geometry.identity import stable_id
+from cityx.ids import stable_id
 
 SIDE = 800.0
 
@@ -128,7 +128,7 @@ def test_a_street_of_many_ways_counts_once():
     ("cul_de_sac", "organic"),
 ])  # fmt: skip
 def test_towns_are_told_by_the_pattern_they_were_laid_out_with(asked, word):
-    from cityx.plugins.layout.town import town
+    from cityx.town.town import town
 
     city = City("Town", Frame(50.0, 10.0), Layout((0.0, 0.0, 1.0, 1.0)), seed=1)
     city = town(city, width=1000.0, depth=1000.0, pattern=asked, density=0.6)

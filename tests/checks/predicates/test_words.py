@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from cityx.assets.palette_tables import GROUPS
-from cityx.assets.style_shares import of_any_style, speaking_of
-from cityx.assets.style_tables import TABLE
+from cityx.assets.styles.palette_tables import GROUPS
+from cityx.assets.styles.style_shares import of_any_style, speaking_of
+from cityx.assets.styles.style_tables import TABLE
 from cityx.checks.predicates import words
 from cityx.checks.predicates.colors import nearest_word
 from cityx.checks.predicates.environment import times_of, weathers_of
 from cityx.city import Environment
-from cityx.plugins.background.sun import sun_of
-from cityx.plugins.background.weather import weather_of
+from cityx.light.sun import sun_of
+from cityx.light.weather import weather_of
 
 
 @pytest.mark.parametrize("word", list(words.WEATHERS))

@@ -7,7 +7,7 @@ from rasterio.features import rasterize
 from scipy import ndimage
 from shapely import affinity
 
-from cityx.geometry.raster.outlines import outlines
+from cityx.geometry.raster.mask_outlines import outlines
 
 HOUSE = shapely.box(0, 0, 40, 24)
 ANGLE = shapely.union(shapely.box(0, 0, 60, 20), shapely.box(0, 0, 22, 50))

@@ -82,7 +82,7 @@ def test_parts_fill_their_bodies_without_overlap(seed):
     from skimage.measure import label
 
     parts = label(np.where(mask, bodies * 4 + labels, 0), background=0, connectivity=1)
-    from cityx.geometry.raster.outlines import outlines
+    from cityx.geometry.raster.mask_outlines import outlines
 
     outer, _ = outlines(bodies, jog=2)
     shapes, number = parted(outer, bodies, parts)

@@ -1,0 +1,162 @@
+"""One run of actions on a city: gate, journal, clock and snapshots around every step."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from cityx.agents.journal import Journal, derivation_key
+from cityx.city import City
+from cityx.errors import ActionFailed, ActionRejected, InputError, UsageError
+from cityx.protocol.gate import Budget, Call
+from cityx.protocol.input_files import InputFiles
+from cityx.protocol.registry import Registry
+
+SNAPSHOT_S = 30.0  # seconds of work that a killed process may lose; to keep them takes one
+SNAPSHOTS = "snapshots"
+
+
+@dataclass
+class Stopwatch:
+    """Seconds and CPU seconds per named step, in order."""
+
+    wall: dict[str, float] = field(default_factory=dict)
+    cpu: dict[str, float] = field(default_factory=dict)
+
+    @contextmanager
+    def step(self, name: str) -> Iterator[None]:
+        """Measure the block; children that ended within it count."""
+        wall, cpu = time.perf_counter(), _cpu_seconds()
+        try:
+            yield
+        finally:
+            self.wall[name] = self.wall.get(name, 0.0) + time.perf_counter() - wall
+            self.cpu[name] = self.cpu.get(name, 0.0) + _cpu_seconds() - cpu
+
+
+def _cpu_seconds() -> float:
+    used = os.times()
+    return used.user + used.system + used.children_user + used.children_system
+
+
+@dataclass
+class Run:
+    """A run; a step that fails is rolled back: the city stays as it was and the journal says why.
+
+    Attributes
+    ----------
+    journal, number
+        Where steps are recorded, and of which run.
+    state
+        Key of the city as it is; see `cityx.agents.journal.derivation_key`.
+    actions
+        The registry.
+    inputs
+        Files the user handed in.
+    keep
+        Folder for snapshots of long work, or None for none.
+    budget
+        Steps and seconds that may be spent; None for any.
+    hold
+        Whether no snapshot is to be kept now, since what is made may be given up again.
+    """
+
+    journal: Journal
+    number: int
+    state: str
+    actions: Registry
+    watch: Stopwatch = field(default_factory=Stopwatch)
+    inputs: InputFiles = field(default_factory=InputFiles)
+    keep: Path | None = None
+    budget: Budget | None = None
+    hold: bool = False
+    first: str = field(init=False, default="")
+    _spent: float = 0.0
+    _seen: dict[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Remember the state that the run starts from."""
+        self.first = self.state
+
+    def do(self, city: City, call: Call) -> City:
+        """Run one action and return the new city.
+
+        Raises
+        ------
+        ActionRejected, ActionFailed
+            The city is unchanged.
+        InputError, UsageError
+            What a user asked for cannot be; their words say it best.
+        """
+        from cityx.protocol.running import run_action
+
+        index = self.journal.start_step(
+            self.number, call.action, call.args, self.state, bind=call.bind
+        )
+        begin = time.perf_counter()
+        seen = [key for key, state in self._seen.items() if state == self.state]
+        try:
+            with self.watch.step(call.action.rsplit("-v", 1)[0]):
+                outcome = run_action(
+                    city, call, self.actions, inputs=self.inputs, seen=seen, budget=self.budget
+                )
+        except (ActionRejected, ActionFailed) as error:
+            status = "rejected" if isinstance(error, ActionRejected) else "rolled_back"
+            self.journal.end_step(self.number, index, status, state=self.state, error=str(error))
+            if isinstance(error.__cause__, (InputError, UsageError)):
+                raise error.__cause__ from error
+            raise
+        self._seen[call.key] = self.state
+        self.state = derivation_key(self.state, call.action, call.args)
+        spent = time.perf_counter() - begin
+        self._count(spent)
+        self.journal.end_step(
+            self.number, index, "done", state=self.state, ms=round(spent * 1000),
+            snapshot=self._snapshot(outcome.city),
+        )  # fmt: skip
+        for port, path in outcome.conversions.items():
+            for name in path.steps:
+                step = self.journal.start_step(self.number, name, {"fills": port}, self.state)
+                self.journal.end_step(self.number, step, "done", state=self.state)
+        return outcome.city
+
+    def _count(self, seconds: float) -> None:
+        self._spent += seconds
+        if self.budget is not None:
+            self.budget = Budget(self.budget.steps - 1, self.budget.seconds - seconds)
+
+    def _snapshot(self, city: City) -> str:
+        """Keep the city if much work would be lost otherwise; the older snapshot goes."""
+        if self.keep is None or self.hold or self._spent < SNAPSHOT_S:
+            return ""
+        from cityx.city.store import write_city
+
+        self._spent = 0.0
+        with self.watch.step("snapshot"):
+            write_city(city, self.keep / self.state)
+            held = self.journal.snapshot(self.number)
+            wanted = {self.state, held[1] if held is not None else self.state}
+            for folder in self.keep.iterdir():
+                if folder.name not in wanted:
+                    shutil.rmtree(folder)
+        return self.state
+
+    def resumed(self) -> City | None:
+        """Return the last city that was kept before the process was killed, None without one."""
+        held = self.journal.snapshot(self.number)
+        if held is None or self.keep is None:
+            return None
+        from cityx.city.store import read_city
+
+        state, folder = held
+        try:
+            kept = read_city(self.keep / folder)
+        except (InputError, OSError, ValueError, KeyError):
+            return None  # the snapshot was lost; all is done again
+        self.state = state
+        return kept

@@ -1,0 +1,407 @@
+"""The bodies of a city: colliders, masses and friction, from meshes, materials and kinds."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.assets.kept_colliders import kept_collider
+from cityx.assets.styles.substances import (
+    BUILDING_DENSITY,
+    CLASSES,
+    LOOSE,
+    MOVER_WEIGHTS,
+    UPRIGHT,
+    VEHICLE_DENSITY,
+    WEIGHTS,
+    substance,
+)
+from cityx.assets.vehicles.car_parts import PART
+from cityx.assets.vehicles.number_plates import PLATES
+from cityx.city.bodies import (
+    MOTION,
+    Bodies,
+    Colliders,
+    colliders_of,
+    join_bodies,
+)
+from cityx.city.mesh import NO_VERTEX, MeshBatch
+from cityx.city.scene import Instances, Prototype, Scene
+from cityx.city.tracks import MOVER_KINDS, Tracks, poses_at
+from cityx.geometry.convex import (
+    Box,
+    Cylinder,
+    Hull,
+    Solid,
+    box_round,
+    fewer_corners,
+    hull_of,
+    hulls_round,
+    simplest,
+)
+from cityx.geometry.convex_plan import pieces_of_mesh, upright_hulls
+from cityx.geometry.solids import area_vectors, check_closed, volume, volumes_by_group
+
+# A car, then the country and the number of its plates, and whether these are apart.
+_CAR = re.compile(rf"(car_\w+?)(?:_(?:{'|'.join(filter(None, PLATES))})?\d*)?(?:_bare)?")
+MOST_PARTS = 6  # hulls of one thing
+AIR = 0.04  # share of a thing's hull that a part may hold beyond its pieces
+MOST_PIECES = 24  # of a thing that are told apart; smaller ones go with the nearest of these
+HOLLOW = 1.5  # hulls over the volume of a mesh from which it is taken for hollow, as a tunnel is
+FOOT = 0.5  # metres below the ground down to which things have their feet
+AFLOAT = 0.1  # metres above the ground up to which a thing stands on it all the same
+CROWN = 0.02  # share of the leaves that hang below what counts as the crown
+FLAT_KINDS = frozenset({"window", "trim", "shopfront", "street_cover"})  # a box each
+STANDING_KINDS = frozenset({"furniture", "vehicle", "tree"})  # their origin is on the ground
+DOORSTEP = frozenset({"step_stone", "concrete", "kerb_stone", "asphalt_light", "stone"})
+LAYER_KINDS = {
+    "buildings": "building", "garden_paths": "ground", "lawn_edging": "ground", "shores": "ground",
+    "decks": "bridge",
+    "structures": "bridge", "surroundings": "terrain", "barriers": "barrier",
+}  # fmt: skip
+
+
+def bodies_of(scene: Scene, tracks: Tracks | None = None, moment: float = 0.0) -> Bodies:
+    """Return the bodies of everything in a scene, and of what moves in it at a moment.
+
+    Parameters
+    ----------
+    scene
+        Meshes and instances.
+    tracks
+        What moves by itself, None for nothing.
+    moment
+        Seconds since the tracks begin.
+
+    Returns
+    -------
+    bodies
+        Layer by layer in the order of the scene, meshes first; movers last.
+    """
+    tables = [mesh_bodies(name, batch) for name, batch in scene.meshes.items() if batch.count]
+    used = [rows.prototype for rows in scene.instances.values()]
+    numbers = np.unique(np.concatenate([np.zeros(0, np.int32), *used])).tolist()
+    things = {number: thing_of(scene.prototypes[number]) for number in numbers}
+    for rows in scene.instances.values():
+        if rows.count:
+            tables.append(_instance_bodies(things, rows))
+    movers = _mover_bodies(tracks, moment)
+    if movers.count or not tables:
+        tables.append(movers)
+    return join_bodies(tables)
+
+
+# --- things that are placed -----------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Thing:
+    """The body of a prototype at scale 1.
+
+    Attributes
+    ----------
+    kind
+        Semantic class; see `class_of`.
+    motion
+        "fixed", "free" or "hinge".
+    collider
+        Convex parts in the prototype's frame; none if it has no shape.
+    mass
+        Kilograms; times the product of an instance's scale that of the instance.
+    friction, restitution
+        Of what it stands on.
+    """
+
+    kind: str
+    motion: str
+    collider: tuple[Solid, ...]
+    mass: float
+    friction: float
+    restitution: float
+
+    def to_json(self) -> dict[str, str | float]:
+        """Return it without the shape, for files that have a mesh of it."""
+        return {
+            "kind": self.kind, "motion": self.motion, "mass": round(self.mass, 3),
+            "friction": self.friction, "restitution": self.restitution,
+        }  # fmt: skip
+
+
+def thing_of(prototype: Prototype) -> Thing:
+    """Return the body of a prototype."""
+    collider = tuple(collider_of(prototype))
+    mass = mass_of(prototype, collider)
+    return Thing(class_of(prototype), motion_of(prototype), collider, mass, *_sole(prototype))
+
+
+def class_of(prototype: Prototype) -> str:
+    """Return the semantic class of a prototype: "bench", "car", "tree", "window", ..."""
+    for begin, name in CLASSES.items():
+        if prototype.name.startswith(begin):
+            return name
+    if prototype.kind not in ("furniture", "vehicle"):
+        return prototype.kind
+    return prototype.name.removesuffix("_fine")
+
+
+def motion_of(prototype: Prototype) -> str:
+    """Return how a thing may move: "fixed", "free" or "hinge"."""
+    if prototype.kind == "vehicle":
+        return "free"
+    if prototype.kind == "door":
+        return "hinge"
+    return "free" if class_of(prototype) in LOOSE else "fixed"
+
+
+def collider_of(prototype: Prototype) -> list[Solid]:
+    """Return the collider of a prototype, in its own frame.
+
+    What stands on the ground has its collider above it: posts and feet reach deeper, but there is
+    nothing to push there.
+    """
+    return kept_collider(prototype, _collider)
+
+
+def _collider(prototype: Prototype) -> list[Solid]:
+    if prototype.kind == PART:  # it goes with its car, whose body is whole without it
+        return []
+    mesh = prototype.mesh
+    vertices = mesh.vertices
+    if not len(mesh.faces):
+        return [box_round(vertices)] if len(vertices) else []
+    if prototype.kind in FLAT_KINDS:
+        return [box_round(vertices)]
+    if prototype.kind == "door":
+        return [box_round(vertices[_leaf(mesh)])]
+    if class_of(prototype) in UPRIGHT:
+        return [box_round(_on_ground(vertices))]
+    if prototype.kind in STANDING_KINDS and vertices[:, 2].min() > -FOOT:
+        vertices = _on_ground(vertices)
+    if prototype.kind == "tree":
+        return _tree(mesh, vertices)
+    pieces = [vertices[rows] for rows in pieces_of_mesh(vertices, mesh.faces.astype(np.int64))]
+    above = [points for points in pieces if np.ptp(points, axis=0).any() and points[:, 2].max() > 0]
+    hulls = hulls_round(_gathered(above or pieces), most=MOST_PARTS, slack=AIR)
+    return [simplest(hull) for hull in hulls]
+
+
+def _on_ground(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the vertices of what stands on the ground with its feet drawn to the ground."""
+    height = np.maximum(vertices[:, 2], 0.0)
+    lowest = height.min()
+    height = np.where((height <= lowest) & (lowest < AFLOAT), 0.0, height)
+    return np.column_stack([vertices[:, :2], height])
+
+
+def _leaf(mesh: MeshBatch) -> NDArray[np.int64]:
+    """Return the rows of the vertices of a door but its steps and its canopy."""
+    return _rows_of(mesh, [name not in DOORSTEP for name in mesh.materials])
+
+
+def _rows_of(mesh: MeshBatch, materials: list[bool]) -> NDArray[np.int64]:
+    """Return the rows of the vertices of faces in some materials, of all if there are none."""
+    corners = mesh.faces[_faces_of(mesh, materials)]
+    return np.asarray(np.unique(corners[corners != NO_VERTEX]), np.int64)
+
+
+def _faces_of(mesh: MeshBatch, materials: list[bool]) -> NDArray[np.bool_]:
+    """(f,) whether each face is of some materials; all are if none is."""
+    chosen = np.array(materials, bool)[mesh.material]
+    return chosen if chosen.any() else np.ones(len(chosen), bool)
+
+
+def _tree(mesh: MeshBatch, vertices: NDArray[np.float64]) -> list[Solid]:
+    """Return a trunk and a crown; a bush is a crown alone, and so is what has no leaves."""
+    green = [substance(name) is substance("leaf") for name in mesh.materials]
+    base = float(np.quantile(vertices[_rows_of(mesh, green), 2], CROWN))
+    wood = np.setdiff1d(np.flatnonzero(vertices[:, 2] <= base), _rows_of(mesh, green))
+    if not any(green) or base < FOOT or len(wood) < 4:
+        return [fewer_corners(hull_of(vertices))]
+    stem = vertices[wood]
+    low, high = stem.min(axis=0), stem.max(axis=0)
+    middle = np.array([*((low + high)[:2] / 2), base / 2])
+    radius = float(np.hypot(*(stem - middle)[:, :2].T).max())
+    crown = fewer_corners(hull_of(vertices[vertices[:, 2] >= base]))
+    return [Cylinder(middle, radius, base / 2), crown]
+
+
+def _gathered(pieces: Sequence[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+    """Put the small ones of very many pieces, such as leaves, to the nearest larger one."""
+    if len(pieces) <= MOST_PIECES:
+        return list(pieces)
+    size = np.array([np.linalg.norm(np.ptp(points, axis=0)) for points in pieces])
+    order = np.argsort(-size, kind="stable")
+    kept = [[pieces[row]] for row in order[:MOST_PIECES].tolist()]
+    low = np.array([points[0].min(axis=0) for points in kept])
+    high = np.array([points[0].max(axis=0) for points in kept])
+    for row in order[MOST_PIECES:].tolist():
+        middle = pieces[row].mean(axis=0)
+        away = np.linalg.norm(middle - np.clip(middle, low, high), axis=1)
+        kept[int(np.argmin(away))].append(pieces[row])
+    return [np.concatenate(group) for group in kept]
+
+
+def mass_of(prototype: Prototype, collider: Sequence[Solid]) -> float:
+    """Return the weight of a prototype, kilograms: what is known of its kind, else of its pieces.
+
+    A piece weighs as much as it holds, or as its skin does if that is less: posts are hollow.
+    """
+    name = prototype.name.removesuffix("_fine")
+    car = _CAR.fullmatch(name)
+    known = WEIGHTS.get(car[1] if car else name)
+    if known is not None:
+        return known
+    if prototype.kind == "vehicle":
+        return VEHICLE_DENSITY * sum(solid.volume for solid in collider)
+    mesh = prototype.mesh
+    counted = np.ones(len(mesh.faces), bool)
+    if prototype.kind == "door":
+        counted = _faces_of(mesh, [name not in DOORSTEP for name in mesh.materials])
+    faces, material = mesh.faces[counted].astype(np.int64), mesh.material[counted]
+    if not len(faces):
+        return 0.0
+    piece = np.zeros(len(mesh.vertices), np.int64)
+    groups = pieces_of_mesh(mesh.vertices, faces)
+    for number, rows in enumerate(groups):
+        piece[rows] = number
+    of_face = piece[faces[:, 0]]
+    held = np.abs(volumes_by_group(mesh.vertices, faces, of_face, len(groups)))
+    area = np.linalg.norm(area_vectors(mesh.vertices, faces), axis=1)
+    skin = np.bincount(of_face, area, minlength=len(groups))
+    made = [substance(name) for name in mesh.materials]
+    density = np.array([item.density for item in made])[material]
+    wall = np.array([item.wall for item in made])[material]
+    # Spread over its skin a piece is as thick as this; of two materials each has its share.
+    thick = np.minimum(wall, (held / np.maximum(skin, 1e-12))[of_face])
+    return float((area * thick * density).sum())
+
+
+def touch_of(mesh: MeshBatch) -> tuple[float, float]:
+    """Return friction and restitution of a mesh: of the material it shows most of."""
+    if not len(mesh.faces):
+        return substance("concrete").friction, substance("concrete").restitution
+    area = np.nan_to_num(np.linalg.norm(area_vectors(mesh.vertices, mesh.faces), axis=1))
+    shown = np.bincount(mesh.material, area, minlength=len(mesh.materials))
+    most = substance(mesh.materials[int(np.argmax(shown))])
+    return most.friction, most.restitution
+
+
+def _sole(prototype: Prototype) -> tuple[float, float]:
+    """Return friction and restitution of what a thing stands on: its tyres, its feet."""
+    mesh = prototype.mesh
+    if not len(mesh.faces) or motion_of(prototype) == "fixed":
+        return touch_of(mesh)
+    lowest = mesh.vertices[mesh.faces[:, 0], 2]
+    foot = substance(mesh.materials[int(mesh.material[int(np.argmin(lowest))])])
+    return foot.friction, foot.restitution
+
+
+def _instance_bodies(things: Mapping[int, Thing], rows: Instances) -> Bodies:
+    """Return the bodies of one layer of instances; those without a shape have none."""
+    full = np.array([bool(things[n].collider) for n in rows.prototype.tolist()], bool)
+    used, local = np.unique(rows.prototype[full], return_inverse=True)
+    own = [things[number] for number in used.tolist()]
+    kinds = tuple(dict.fromkeys(thing.kind for thing in own))
+    facts = np.array([(t.mass, t.friction, t.restitution) for t in own]).reshape(-1, 3)[local]
+    scale = rows.scale[full].astype(float)
+    return Bodies(
+        rows.object_id[full],
+        rows.owner[full],
+        np.array([kinds.index(thing.kind) for thing in own], np.int16)[local],
+        kinds,
+        local.astype(np.int32),
+        colliders_of([thing.collider for thing in own]),
+        rows.position[full].astype(float),
+        rows.rotation[full].astype(float),
+        scale,
+        facts[:, 0] * np.abs(scale.prod(axis=1)),
+        facts[:, 1],
+        facts[:, 2],
+        np.array([MOTION[thing.motion] for thing in own], np.uint8)[local],
+    )
+
+
+# --- meshes of their own, and what moves ----------------------------------------------------------
+
+
+def standing_fast(layer: str, batch: MeshBatch) -> list[dict[str, str | float]]:
+    """Return the body of each object of a layer of meshes without its shape, as `Thing.to_json`."""
+    weights = masses_of(layer, batch)
+    return [
+        Thing(kind_of(layer), "fixed", (), float(weights[row]), *touch_of(batch.one(row))).to_json()
+        for row in range(batch.count)
+    ]
+
+
+def kind_of(layer: str) -> str:
+    """Return the semantic class of the objects of a layer of meshes."""
+    return LAYER_KINDS.get(layer, layer.removesuffix("s"))
+
+
+def masses_of(layer: str, batch: MeshBatch) -> NDArray[np.float64]:
+    """Return the weight of each object of a layer of meshes, (k,) kilograms; 0 of open ones."""
+    building = kind_of(layer) == "building"
+    density = BUILDING_DENSITY if building else substance("concrete").density
+    return np.nan_to_num(np.where(check_closed(batch), density * volume(batch), 0.0))
+
+
+def mesh_bodies(layer: str, batch: MeshBatch) -> Bodies:
+    """Return the bodies of a layer of meshes: closed ones as convex parts, ground as its faces."""
+    rows = np.flatnonzero(np.diff(batch.face_start) > 0)
+    closed, size = check_closed(batch), volume(batch)
+    shapes = [_parts(batch.one(row), size[row]) if closed[row] else [] for row in rows.tolist()]
+    touch = np.array([touch_of(batch.one(row)) for row in rows.tolist()]).reshape(-1, 2)
+    count = len(rows)
+    return Bodies(
+        batch.object_id[rows],
+        np.zeros(count, np.uint64),
+        np.zeros(count, np.int16),
+        (kind_of(layer),),
+        np.arange(count, dtype=np.int32),
+        colliders_of(shapes),
+        np.zeros((count, 3)),
+        np.zeros((count, 3)),
+        np.ones((count, 3)),
+        masses_of(layer, batch)[rows],
+        touch[:, 0],
+        touch[:, 1],
+        np.full(count, MOTION["fixed"], np.uint8),
+    )
+
+
+def _parts(mesh: MeshBatch, size: float) -> list[Solid]:
+    """Return the convex parts of a closed mesh; none if they would fill what is hollow."""
+    hulls: list[Hull] = upright_hulls(mesh.vertices, mesh.faces.astype(np.int64))
+    if sum(hull.volume for hull in hulls) > HOLLOW * max(size, 1e-9):
+        return []
+    return [simplest(hull) for hull in hulls]
+
+
+def _mover_bodies(tracks: Tracks | None, moment: float) -> Bodies:
+    """Return the bodies of what moves: people as cylinders, the others as boxes of their size."""
+    unit = np.full(3, 0.5)
+    up = np.array([0.0, 0.0, 0.5])
+    shapes: Colliders = colliders_of([[Box(up, unit, 0.0)], [Cylinder(up, 0.5, 0.5)]])
+    poses = None if tracks is None else poses_at(tracks, moment)
+    rows = np.zeros(0, np.int64) if poses is None else poses.row
+    kind = np.zeros(0, np.int16) if tracks is None else tracks.kind[rows].astype(np.int16)
+    rubber, count = substance("rubber"), len(rows)
+    return Bodies(
+        np.zeros(0, np.uint64) if tracks is None else tracks.object_id[rows],
+        np.zeros(count, np.uint64),
+        kind,
+        MOVER_KINDS,
+        (kind == MOVER_KINDS.index("pedestrian")).astype(np.int32),
+        shapes,
+        np.zeros((0, 3)) if poses is None else poses.position,
+        np.zeros((0, 3)) if poses is None else poses.heading[:, None] * [0.0, 0.0, 1.0],
+        np.zeros((0, 3)) if tracks is None else tracks.size[rows].astype(float),
+        np.array([MOVER_WEIGHTS[name] for name in MOVER_KINDS])[kind],
+        np.full(count, rubber.friction),
+        np.full(count, rubber.restitution),
+        np.full(count, MOTION["driven"], np.uint8),
+    )

@@ -1,0 +1,1 @@
+"""Street, park, yard and waterside furniture as prototypes."""

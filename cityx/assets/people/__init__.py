@@ -1,0 +1,1 @@
+"""People as prototypes: bodies, clothes, hair, poses and gaits."""

@@ -1,0 +1,340 @@
+"""Clothes of people: what covers trunk, arms, legs and feet, in body units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.assets.people.body import (
+    ARM_BINDING,
+    FRONT,
+    TRUNK_BINDING,
+    Body,
+    Part,
+    arm_centre,
+    both,
+    bound,
+    creased,
+    curve,
+    heights,
+    leg_centre,
+    level,
+    ring_angles,
+    sheet,
+    stacked,
+)
+from cityx.assets.people.skeleton import chained, hanging, rigid
+from cityx.assets.shapes import Color, is_fine, loft
+from cityx.city.mesh import MeshBatch
+
+FloatArray = NDArray[np.float64]
+
+TRUNK_Y = 0.006  # middle of the trunk behind that of the body
+NECK_TOP = 0.846
+SHORT = 0.46  # height of a hem above which a jacket stays with the pelvis of who sits
+_HANG = hanging(((0.690, 0.045), (0.595, 0.035), (0.520, 0.035), (0.425, 0.055)), 0.035)
+_SHOE = chained(("left_ankle", "left_toes"), ((-0.066, 0.014),), axis=1)
+_SHANK = chained(("left_knee", "left_ankle"), ((0.058, 0.012),))
+_HEM = chained(("left_hip", "left_knee"), ((0.285, 0.034),))
+
+
+@dataclass(frozen=True)
+class Top:
+    """What is worn on the trunk.
+
+    Attributes
+    ----------
+    words
+        Its name in a description.
+    hem
+        Height of the lower edge.
+    sleeve
+        Height of the sleeve's end; 0.481 is the wrist.
+    ease
+        Thickness over the body.
+    collar
+        Height of the collar.
+    open
+        (at the hem, at the waist, at the neck) half width of the opening in front; () is closed.
+    flare
+        How much wider than the hips the hem is, as a share.
+    """
+
+    words: str
+    hem: float
+    sleeve: float
+    ease: float
+    collar: float = 0.0
+    open: tuple[float, ...] = ()
+    flare: float = 0.0
+
+
+TOPS: Mapping[str, Top] = MappingProxyType(
+    {
+        "t_shirt": Top("T-shirt", 0.508, 0.700, 0.004, flare=0.02),
+        "shirt": Top("shirt", 0.512, 0.484, 0.004, collar=0.018, flare=0.02),
+        "blouse": Top("blouse", 0.545, 0.510, 0.004),
+        "jumper": Top("jumper", 0.520, 0.482, 0.007, collar=0.006),
+        "hoodie": Top("hooded jumper", 0.512, 0.480, 0.009, collar=0.012),
+        "jacket": Top("jacket", 0.500, 0.478, 0.011, collar=0.026),
+        "open_jacket": Top("open jacket", 0.498, 0.478, 0.011, 0.020, (0.040, 0.030, 0.034)),
+        "suit": Top("suit jacket", 0.470, 0.490, 0.009, 0.016, (0.020, 0.003, 0.034), 0.02),
+        "coat": Top("coat", 0.330, 0.478, 0.014, 0.026, (), 0.16),
+        "open_coat": Top("open coat", 0.320, 0.478, 0.014, 0.022, (0.045, 0.028, 0.034), 0.14),
+        "dress": Top("dress", 0.285, 0.690, 0.004, flare=0.34),
+        "long_dress": Top("long dress", 0.120, 0.640, 0.004, flare=0.40),
+    }
+)
+# (height, ease across, ease along) of trouser legs above the leg itself.
+BOTTOMS: Mapping[str, tuple[tuple[float, float], ...]] = MappingProxyType(
+    {
+        "slim trousers": ((0.045, 0.007), (0.20, 0.003), (0.30, 0.004), (0.50, 0.004)),
+        "trousers": ((0.034, 0.018), (0.10, 0.016), (0.20, 0.007), (0.30, 0.008), (0.50, 0.005)),
+        "wide trousers": ((0.026, 0.034), (0.10, 0.031), (0.20, 0.018), (0.30, 0.016),
+                          (0.50, 0.006)),
+        "shorts": ((0.310, 0.015), (0.40, 0.010), (0.50, 0.006)),
+    }
+)  # fmt: skip
+SKIRTS: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {"skirt": (0.300, 0.24), "short skirt": (0.370, 0.20), "long skirt": (0.115, 0.42)}
+)
+SHOES = ("shoes", "trainers", "boots")
+
+
+def trunk_rings(body: Body, z: FloatArray, ease: float | FloatArray, angles: FloatArray, *,
+                flare: float = 0.0) -> FloatArray:  # fmt: skip
+    """Rings about the trunk; below the hips they fall straight, or flare."""
+    reach = body.trunk(np.maximum(z, 0.515)) + np.reshape(ease, (-1, 1))
+    below = np.clip((0.53 - z) / 0.30, 0.0, 2.0)
+    reach *= (1.0 + flare * below)[:, None]
+    rings = stacked(z, np.array([0.0, TRUNK_Y]), reach, angles, power=2.45)
+    x, y = rings[..., 0], rings[..., 1]
+    height = rings[..., 2]
+    front = y < TRUNK_Y
+    bust = np.exp(-(((np.abs(x) - 0.044) / 0.030) ** 2) - ((height - 0.728) / 0.034) ** 2)
+    rings[..., 1] -= np.where(front, (0.017 * body.female + 0.003) * (1 - body.child) * bust, 0.0)
+    seat = np.exp(-(((np.abs(x) - 0.045) / 0.035) ** 2) - ((height - 0.505) / 0.035) ** 2)
+    spine = np.exp(-((x / 0.014) ** 2)) * np.exp(-(((height - 0.69) / 0.09) ** 2))
+    rings[..., 1] += np.where(front, 0.0, 0.007 * seat - 0.004 * spine)
+    return rings
+
+
+def top_parts(body: Body, kind: str, color: Color, *, tucked: bool = False,
+              sleeves: bool = True) -> list[Part]:  # fmt: skip
+    """Make a top with its collar; `kind` is a key of `TOPS`.
+
+    One without `sleeves` is worn under a jacket and ends over the trousers.
+    """
+    look = TOPS[kind]
+    hem = 0.588 if tucked else look.hem if sleeves else 0.556
+    binding = TRUNK_BINDING if hem > SHORT else _HANG
+    rows = (7, 20) if sleeves else (4, 8)  # what is worn under a jacket hardly shows
+    # Under a jacket cloth lies close: the flat sides of a plain jacket come near to the body.
+    ease = look.ease if sleeves else (0.0 if is_fine() else -0.009)
+    z = heights(hem, NECK_TOP, *rows)
+    if look.open:
+        z = np.concatenate([np.linspace(hem, 0.73, level(3, 11)),
+                            np.linspace(0.79, NECK_TOP, level(3, 6))])  # fmt: skip
+    if look.open:
+        solids = [_open_front(body, look, z, color)]
+    else:
+        rings = trunk_rings(body, z, ease * _narrowing(z), ring_angles(level(10, 25)),
+                            flare=look.flare)  # fmt: skip
+        if look.flare > 0.1:
+            rings = _pleated(rings)
+        rings = creased(rings, [(0.60, 0.05, 0.0030), (0.70, 0.04, 0.0012), (hem, 0.03, 0.0015)])
+        solids = [loft(_hollowed(rings), "cloth", color)]
+    parts = [bound(solid, binding) for solid in solids]
+    if look.collar:
+        parts.append(_collar(body, look, color))
+    if kind == "hoodie":
+        parts.append(_hood(color))
+    return [*parts, *_sleeves(body, look, color)] if sleeves else parts
+
+
+def _narrowing(z: FloatArray) -> FloatArray:
+    """Ease of a top by height: less at the neck."""
+    return np.clip((NECK_TOP + 0.012 - z) / 0.05, 0.2, 1.0)
+
+
+def _hollowed(rings: FloatArray) -> FloatArray:
+    """Close a hem by a hollow, so that legs do not seem to grow from a lid."""
+    if not is_fine():
+        return rings
+    low = rings[:1]
+    middle = low.mean(axis=1, keepdims=True)
+    inner = middle + (low - middle) * 0.90
+    deep = np.broadcast_to(middle + np.array([0.0, 0.0, 0.05]), inner.shape)
+    return np.concatenate([deep, inner, rings])
+
+
+def _pleated(rings: FloatArray) -> FloatArray:
+    """Let the cloth of a skirt fall in pleats that deepen to the hem."""
+    middle = rings.mean(axis=1, keepdims=True)
+    low = rings[0, 0, 2]
+    share = np.clip((0.50 - rings[..., 2]) / max(0.50 - low, 1e-3), 0.0, 1.0)
+    turn = np.arctan2(rings[..., 1], rings[..., 0])
+    wave = 0.035 * share * np.sin(9 * turn + 0.6) if rings.shape[1] > 20 else 0.0 * share
+    return np.asarray(middle + (rings - middle) * (1.0 + wave)[..., None] * [1.0, 1.0, 1.0])
+
+
+def hem_of(bottom: str, top: str) -> float:
+    """Height down to which a skirt or a dress covers the legs."""
+    return SKIRTS[bottom][0] if bottom in SKIRTS else TOPS[top].hem
+
+
+def _open_front(body: Body, look: Top, z: FloatArray, color: Color) -> MeshBatch:
+    """Make a jacket whose front edges stand apart."""
+    at_hem, waist, at_neck = look.open
+    gap = np.interp(z, [look.hem, 0.62, 0.80, NECK_TOP], [at_hem, waist, at_neck, at_neck * 0.7])
+    reach = body.trunk(np.maximum(z, 0.515))[:, 0]
+    half = np.arcsin(np.clip(gap / reach, 0.0, 0.95) ** (2.45 / 2))  # (m,)
+    share = np.linspace(0.0, 1.0, level(8, 22))
+    outer, inner = [], []
+    for number in range(len(z)):
+        angles = FRONT + half[number] + share * 2 * (np.pi - half[number])
+        row = z[number : number + 1]
+        ease = look.ease * _narrowing(row)
+        outer.append(trunk_rings(body, row, ease, angles, flare=look.flare)[0])
+        inner.append(trunk_rings(body, row, ease - 0.006, angles, flare=look.flare)[0])
+    skin = creased(np.array(outer), [(0.60, 0.05, 0.0025)])
+    return sheet(skin, np.array(inner), "cloth", color, around=False)
+
+
+def _collar(body: Body, look: Top, color: Color) -> Part:
+    """Collar about the neck, open in front where the top is."""
+    gap = 0.55 if look.open else (0.12 if look.collar > 0.015 else 0.0)
+    share = np.linspace(0.0, 1.0, level(8, 20))
+    angles = FRONT + gap + share * 2 * (np.pi - gap)
+    if gap == 0.0:
+        angles = ring_angles(level(8, 20))
+    z = np.linspace(NECK_TOP - 0.012, NECK_TOP + look.collar, level(2, 3))
+    base = body.trunk([0.846])[0]
+    spread = np.linspace(0.007, 0.003, len(z))[:, None]
+    outer = stacked(z, np.array([0.0, 0.010]), base + look.ease * 0.6 + spread, angles, power=2.0)
+    inner = stacked(z, np.array([0.0, 0.010]), base + look.ease * 0.6 + spread - 0.004, angles,
+                    power=2.0)  # fmt: skip
+    for rings in (outer, inner):  # lower in front, as the neck leans forward
+        rings[..., 2] += 0.20 * (rings[..., 1] - 0.015)
+    shade = (0.94 * color[0], 0.94 * color[1], 0.94 * color[2])
+    return bound(sheet(outer, inner, "cloth", shade, around=gap == 0.0), rigid("chest"))
+
+
+def _hood(color: Color) -> Part:
+    """Hood lying on the back of the neck."""
+    angles = np.linspace(-0.5, np.pi + 0.5, level(6, 16))
+    z = np.array([0.795, 0.815, 0.838, 0.855])
+    reach = np.array([(0.066, 0.02, 0.074), (0.068, 0.03, 0.086), (0.060, 0.03, 0.080),
+                      (0.047, 0.026, 0.060)])  # fmt: skip
+    outer = stacked(z, np.array([0.0, 0.012]), reach, angles, power=2.0)
+    inner = stacked(z, np.array([0.0, 0.012]), reach - 0.016, angles, power=2.0)
+    outer[..., 2] += 0.15 * outer[..., 1]
+    inner[..., 2] += 0.15 * inner[..., 1]
+    return bound(sheet(outer, inner, "cloth", color, around=False), rigid("chest"))
+
+
+def _sleeves(body: Body, look: Top, color: Color) -> list[Part]:
+    z = heights(look.sleeve, 0.8095, 6, 24, domed=True)
+    ease = look.ease + 0.006 * np.clip((look.sleeve + 0.06 - z) / 0.06, 0.0, 1.0) * (
+        look.sleeve > 0.6
+    )
+    shape = body.arm(z)
+    rows = shape + (ease * np.clip(shape[:, 0] / 0.026, 0.0, 1.0) ** 2)[:, None]
+    if look.sleeve < 0.6:  # cloth hangs straight to the cuff
+        rows = np.maximum(rows, (0.0175 * body.girth + 0.8 * look.ease) * (z < 0.75)[:, None])
+    rings = stacked(z, arm_centre(body, z), rows, level(6, 14), power=2.0)
+    rings = creased(rings, [(0.628, 0.035, 0.0022), (0.515, 0.03, 0.0018), (0.755, 0.03, 0.0014)])
+    return both([bound(loft(rings, "cloth", color), ARM_BINDING)])
+
+
+def trousers(body: Body, kind: str, color: Color, *, over: bool = False) -> list[Part]:
+    """Make trousers or shorts, worn `over` a top or under it; `kind` is a key of `BOTTOMS`."""
+    rows = np.array([(z, ease, ease) for z, ease in BOTTOMS[kind]])
+    low = float(rows[0, 0])
+    z = heights(low, 0.552, 6 if low < 0.2 else 5, 28 if low < 0.2 else 14, domed=True)
+    ease = curve(rows, z)[:, :1]
+    shape = body.leg(z)
+    reach = shape + ease * np.clip(shape[:, :1] / 0.03, 0.0, 1.0)
+    if kind != "slim trousers" and low < 0.2:  # the cloth hangs from the calf and the knee
+        least = {"trousers": 0.036, "wide trousers": 0.048}[kind] * body.girth
+        reach = np.where((z < 0.36)[:, None], np.maximum(reach, least), reach)
+    rings = stacked(z, leg_centre(body, z), reach, level(7, 16), power=2.1)
+    rings = creased(rings, [(0.285, 0.045, 0.0026), (0.075, 0.05, 0.0032), (0.47, 0.03, 0.0020)])
+    parts = both([bound(loft(_hollowed(rings), "cloth", color), _HEM)])
+    return [*parts, _seat(body, color, over=over)]
+
+
+def _seat(body: Body, color: Color, *, over: bool) -> Part:
+    """Trunk of trousers, from the crotch to the waist."""
+    z = np.concatenate([[0.448, 0.452], heights(0.462, 0.604 if over else 0.572, 3, 8)])
+    reach = body.trunk(np.maximum(z, 0.47)) + (0.006 if over else 0.001)
+    share = np.interp(z, [0.448, 0.452, 0.462, 0.50], [0.0, 0.35, 0.78, 1.0])
+    reach *= share[:, None]
+    rings = stacked(z, np.array([0.0, TRUNK_Y]), reach, level(10, 26), power=2.4)
+    return bound(loft(rings, "cloth", color), rigid("pelvis"))
+
+
+def skirt(body: Body, kind: str, color: Color) -> list[Part]:
+    """Make a skirt; `kind` is a key of `SKIRTS`."""
+    hem, flare = SKIRTS[kind]
+    z = heights(hem, 0.605, 5, 14)
+    rings = trunk_rings(body, z, 0.003, ring_angles(level(10, 28)), flare=flare)
+    return [bound(loft(_hollowed(_pleated(rings)), "cloth", color), _HANG)]
+
+
+def shoes(body: Body, kind: str, color: Color, sole: Color) -> list[Part]:
+    """Make shoes, one of `SHOES`: a sole and an upper."""
+    x = float(leg_centre(body, np.array([0.048]))[0, 0])
+    size = 1.0 + 0.05 * body.child - 0.05 * body.female
+    heel, toe = 0.042 * size, 0.112 * size
+    ground = 0.012 if kind != "trainers" else 0.016
+    angles = ring_angles(level(8, 18))
+    centre = np.array([x + 0.004, 0.008])
+
+    def outline(z: FloatArray, reach: FloatArray) -> FloatArray:
+        rings = stacked(z, centre, reach, angles, power=2.5)
+        # The ball of the foot is broader than the heel, and toes turn out a little.
+        along = np.clip((0.01 - rings[..., 1]) / toe, -0.5, 1.0)
+        rings[..., 0] = centre[0] + (rings[..., 0] - centre[0]) * (1.0 + 0.16 * along)
+        rings[..., 0] += 0.004 * along
+        rings[..., 2] += 0.007 * np.clip((along - 0.62) / 0.38, 0, 1) ** 2  # toe spring
+        return rings
+
+    wide = 0.0255 * size
+    under = np.array([0.0, 0.002, ground])
+    rim = np.array([(wide - 0.001, toe - 0.002, heel - 0.002), (wide + 0.001, toe, heel),
+                    (wide + 0.001, toe, heel)])  # fmt: skip
+    # (height, half width, front, back) of the upper.
+    rows = np.array([
+        (ground - 0.002, wide - 0.0005, toe - 0.002, heel - 0.002),
+        (ground + 0.012, wide, toe - 0.004, heel),
+        (ground + 0.022, wide - 0.002, toe - 0.022, heel),
+        (ground + 0.032, wide - 0.004, 0.052 * size, heel - 0.002),
+        (ground + 0.042, wide - 0.004, 0.034, heel - 0.006),
+        (0.062, 0.0215, 0.0245, heel - 0.011),
+    ])  # fmt: skip
+    z = heights(float(rows[0, 0]), 0.062, 4, 8)
+    leather = "cloth" if kind == "trainers" else "leather"
+    left = [
+        bound(loft(outline(under, rim), "leather", sole), _SHOE),
+        bound(loft(outline(z, curve(rows, z)), leather, color), _SHOE),
+    ]
+    if kind == "boots":
+        z = heights(0.050, 0.150, 2, 6)
+        shaft = stacked(z, leg_centre(body, z), body.leg(z) + 0.005, level(7, 16), power=2.1)
+        left.append(bound(loft(shaft, "leather", color), _SHANK))
+    return both(left)
+
+
+def tie(body: Body, color: Color) -> list[Part]:
+    """Make a tie down the front of a shirt."""
+    z = np.linspace(0.600, 0.832, level(3, 14))
+    front = trunk_rings(body, z, 0.006 * _narrowing(z), np.array([FRONT, 0.0]))[:, 0, 1]
+    width = np.interp(z, [0.60, 0.615, 0.80, 0.815, 0.832], [0.002, 0.016, 0.009, 0.007, 0.010])
+    reach = np.column_stack([width, np.full(len(z), 0.003), np.full(len(z), 0.012)])
+    rings = stacked(z, np.column_stack([np.zeros(len(z)), front]), reach, level(4, 8), power=3.0)
+    return [bound(loft(rings, "cloth", color), TRUNK_BINDING)]

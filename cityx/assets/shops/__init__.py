@@ -1,0 +1,1 @@
+"""Shopfronts, signs, lettering and the rooms behind the panes."""

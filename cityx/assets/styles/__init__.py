@@ -1,0 +1,1 @@
+"""Styles: facade measures, palettes, materials and generator tables."""

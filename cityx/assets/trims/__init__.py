@@ -1,0 +1,1 @@
+"""Trims: balconies, mouldings, dormers and roof furniture as prototypes."""

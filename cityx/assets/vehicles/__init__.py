@@ -1,0 +1,1 @@
+"""Vehicles as prototypes, and everything that moves as rows of a scene."""

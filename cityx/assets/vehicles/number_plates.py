@@ -1,0 +1,153 @@
+"""Number plates in the shapes and colours of their countries; what they say is invented.
+
+No plate says what an authority may have issued: every series is one that the country has not, as
+letters before the wrong number of figures.
+
+References
+----------
+Council Regulation (EC) 2411/98, recognition of the distinguishing sign of a member state.
+The Road Vehicles (Display of Registration Marks) Regulations 2001 (United Kingdom).
+Ministry of Land, Infrastructure, Transport and Tourism, form of number plates: 330 by 165 mm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from cityx.assets.shapes import bevelled, box, is_fine, moved
+from cityx.assets.shops.lettering import word
+from cityx.city.mesh import MeshBatch
+from cityx.ids import hash_ids
+
+DEEP = 0.02  # metres
+_WHITE, _YELLOW, _BLUE, _GREEN = "plate_white", "plate_yellow", "plate_blue", "plate_green"
+_BLACK = "rubber"
+
+
+@dataclass(frozen=True)
+class Plate:
+    """Plates of a country.
+
+    Attributes
+    ----------
+    size
+        Breadth and height, metres.
+    front, rear
+        Material of the ground.
+    ink
+        Material of what is written.
+    band
+        Whether a blue band runs down its left end.
+    rows
+        What is written: lines from above, 0 for any figure and X for any of `LETTERS`.
+    """
+
+    size: tuple[float, float]
+    front: str
+    rear: str
+    ink: str
+    band: bool
+    rows: tuple[str, ...]
+
+
+LETTERS = "CQX"
+_JAPAN = ("見本 00", "0-000")
+PLATES: Mapping[str, Plate] = MappingProxyType(
+    {
+        "eu": Plate((0.52, 0.11), _WHITE, _WHITE, _BLACK, True, ("XX 00000",)),
+        "gb": Plate((0.52, 0.11), _WHITE, _YELLOW, _BLACK, False, ("XX00 XXX",)),
+        "us": Plate((0.305, 0.152), _WHITE, _WHITE, _BLUE, False, ("XX 000 000",)),
+        "jp": Plate((0.33, 0.165), _WHITE, _WHITE, _GREEN, False, _JAPAN),
+        "jk": Plate((0.33, 0.165), _YELLOW, _YELLOW, _BLACK, False, _JAPAN),
+        "": Plate((0.52, 0.11), _WHITE, _WHITE, _BLACK, False, ("XX 0000",)),
+    }
+)  # fmt: skip
+# What countries put on cars, by kind of place.
+COUNTRIES: Mapping[str, str] = MappingProxyType(
+    {
+        "british isles": "gb", "japan": "jp", "north america": "us", "mediterranean": "eu",
+        "northern/central europe": "eu",
+    }
+)  # fmt: skip
+
+
+def inscription(country: str, number: int) -> tuple[str, ...]:
+    """Return the lines of the plate of a number, a pure function of it.
+
+    Parameters
+    ----------
+    country
+        A key of `PLATES`.
+    number
+        Of the registration.
+    """
+    found = []
+    for row, line in enumerate(PLATES[country].rows):
+        draw = hash_ids(0, f"number_plate/{country}/{row}", number, np.arange(len(line)))
+        signs = zip(line, draw.tolist(), strict=True)
+        found.append("".join(_drawn(sign, value) for sign, value in signs))
+    return tuple(found)
+
+
+def _drawn(sign: str, value: int) -> str:
+    """Return what stands for a sign of a row: a figure, a letter or itself."""
+    if sign == "0":
+        return str(value % 10)
+    return LETTERS[value % len(LETTERS)] if sign == "X" else sign
+
+
+def number_plate(
+    country: str, number: int, y: float, z: float, *, rear: bool = False, kei: bool = False
+) -> list[MeshBatch]:
+    """Make a plate that looks ahead, or to the rear.
+
+    Parameters
+    ----------
+    country
+        A key of `PLATES`.
+    number
+        Of the registration; see `inscription`.
+    y, z
+        Metres: the face that it is fixed on, and its middle.
+    rear
+        Whether it is the one behind.
+    kei
+        Whether it is that of a small car, which Japan tells apart.
+    """
+    key = "jk" if kei and country == "jp" else country
+    style = PLATES[key]
+    wide, high = style.size[0] / 2, style.size[1] / 2
+    face, ground = -abs(y) - 0.012, style.rear if rear else style.front
+    low, top = (-wide, face, z - high), (wide, face + DEEP, z + high)
+    parts = [bevelled(low, top, ground, bevel=0.003) if is_fine() else box(low, top, ground)]
+    if is_fine():
+        start = -wide
+        if style.band:
+            start += 0.045
+            low, top = (
+                (-wide + 0.003, face - 0.0015, z - high + 0.003),
+                (start, face, z + high - 0.003),
+            )
+            parts.append(box(low, top, _BLUE))
+        parts += _written(style, inscription(key, number), (start, wide), z, face)
+    return [moved(part, yaw=np.pi) for part in parts] if rear else parts
+
+
+def _written(
+    style: Plate, lines: tuple[str, ...], span: tuple[float, float], z: float, face: float
+) -> list[MeshBatch]:
+    """Write the lines of a plate: one fills it, of two the lower is the larger."""
+    high = style.size[1] / 2
+    edges = [(z - 0.72 * high, z + 0.72 * high)]
+    if len(lines) == 2:
+        edges = [(z + 0.36 * high, z + 0.86 * high), (z - 0.84 * high, z + 0.20 * high)]
+    middle, reach = (span[0] + span[1]) / 2, 0.44 * (span[1] - span[0])
+    made = []
+    for text, (low, top) in zip(lines, edges, strict=True):
+        for letter in word(text, reach, low, top, face, style.ink, deep=0.002):
+            made.append(moved(letter, (middle, 0.0, 0.0)))
+    return made

@@ -1,0 +1,1 @@
+"""Buildings: massing, roofs, facades, shops and the generators that combine them."""

@@ -1,0 +1,1 @@
+"""Facades: walls divided into bays, with openings, cornices and fixtures."""

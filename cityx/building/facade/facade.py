@@ -1,0 +1,260 @@
+"""Facades: windows, doors, shopfronts and ornament on every wall."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.assets.openings.openings import DOORS, WINDOWS, door, window
+from cityx.assets.styles.palettes import Finishes
+from cityx.building.assembly import finishes_of
+from cityx.building.facade import grammar as facades
+from cityx.building.facade.dressing import dress, opening_ids
+from cityx.building.facade.facings import facing_pieces
+from cityx.building.facade.fixtures import fixtures
+from cityx.building.facade.fronts import (
+    Designs,
+    designs_of,
+    fronts_of,
+    lowered,
+    reserve_of,
+    walled_up,
+)
+from cityx.building.facade.grammar import Fronts, Openings, Storeys, lay_out, storeys_of, wall_key
+from cityx.building.facade.niches import FINE_LOD, Setting, fitted, set_back
+from cityx.building.facade.placing import Placing, used
+from cityx.building.facade.strips import strips
+from cityx.building.facade.wall_faces import wall_faces
+from cityx.building.facade.walls import WallTable
+from cityx.building.growth import grown
+from cityx.building.roofs.crown import crown, pitched_field
+from cityx.building.roofs.rooftop import furnish_roofs
+from cityx.building.selection import designs_of_parts
+from cityx.building.volumes import Volumes, volumes_of, walls_of_volumes
+from cityx.city.city import City
+from cityx.city.ground import KERB_HEIGHT
+from cityx.geometry.polygons import FloatArray
+from cityx.ids import choose, hash_ids, mix
+from cityx.protocol import Port, action
+
+LAYERS = {
+    "windows": "window",
+    "doors": "door",
+    "shopfronts": "shopfront",
+    "trims": "trim",
+}
+MIN_LOD = 2
+WINDOW_ROLES = (facades.WINDOW, facades.BACK, facades.GROUND, facades.FRENCH)
+DRESSING_SHARES = (0.52, 0.16, 0.22, 0.10)
+STONE_DOORS = ("door_bronze", "door_parking")  # entrances that are built rather than painted
+GATE_TINTS = ((0.75, 0.75, 0.74), (0.5, 0.52, 0.53), (0.85, 0.84, 0.8), (0.22, 0.24, 0.25),
+              (0.32, 0.22, 0.16), (0.16, 0.22, 0.26))  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Facade:
+    """Everything known about the facades of a city before instances are made.
+
+    Attributes
+    ----------
+    volumes, walls, storey_walls
+        The volumes, their walls, and the walls up to the ceiling of the last storey.
+    finishes, designs
+        Per part.
+    fronts, storeys
+        Per wall.
+    openings
+        What the grammar placed.
+    """
+
+    volumes: Volumes
+    walls: WallTable
+    storey_walls: WallTable
+    finishes: Finishes
+    designs: Designs
+    fronts: Fronts
+    storeys: Storeys
+    openings: Openings
+
+
+def facade_of(city: City, trade: FloatArray | None = None) -> Facade:
+    """Work out the openings of every wall of a city; `trade` as of `fronts_of`."""
+    volumes = volumes_of(city.layout, city.terrain)
+    walls = walls_of_volumes(volumes)
+    finishes = finishes_of(city)
+    designs = designs_of(designs_of_parts(city), volumes.building, city.seed)
+    reserve = reserve_of(volumes, city.layout.parts, city.seed)
+    storey_walls = lowered(walls, reserve)
+    fronts = fronts_of(city, volumes, storey_walls, designs, finishes.wall_material, trade)
+    openings = lay_out(storey_walls, fronts, city.seed)
+    windows = np.flatnonzero(np.isin(openings.role, WINDOW_ROLES))
+    table = openings.take(windows)
+    shut = walled_up(
+        volumes, storey_walls, table.wall, table.along, table.low, table.width, table.height
+    )
+    openings = openings.take(np.setdiff1d(np.arange(openings.count), windows[shut]))
+    openings = _on_the_pavement(city, storey_walls, openings)
+    storeys = storeys_of(storey_walls, fronts)
+    return Facade(volumes, walls, storey_walls, finishes, designs, fronts, storeys, openings)
+
+
+@action(
+    "building/facade-v1",
+    limits=[
+        "Runs at level of detail 2 and above; below it changes nothing.",
+        "Openings lie on the walls; at level 3 they are niches. Only shops have rooms.",
+        "Signs are in Latin, Greek, Cyrillic and Japanese letters; other names become words.",
+    ],
+    requires=("layout",),
+    takes=(Port("design", "scene_layout", "building_design"),),
+    gives=(Port("facades", "complex_geometry", "facades"),),
+    labels=("facade", "windows", "doors", "shops", "balconies", "ornament"),
+)
+def facade(city: City) -> City:
+    """Give every building windows, doors, shopfronts, ornament and roof furniture.
+
+    Walls are split into storeys and bays; party walls stay blind. Shops lie on the ground floors of
+    commercial streets, and every building has one main door, at the pavement of its best street.
+    """
+    return faced(city) if city.lod >= MIN_LOD else city
+
+
+def faced(city: City, trade: FloatArray | None = None) -> City:
+    """Do what `facade` does, at level of detail 2 and above; `trade` as of `fronts_of`."""
+    found = facade_of(city, trade)
+    building = found.volumes.building[found.walls.part]
+    walled = np.where(found.volumes.walls, found.volumes.polygons, shapely.Polygon())
+    # Parts that stand on one another have walls in the same place.
+    own = city.layout.parts["id"].to_numpy(np.uint64)[found.walls.part]
+    key = mix(wall_key(found.walls) ^ own)
+    placing = Placing(found.walls, wall_faces(walled), building, key, detail=city.lod)
+    scene, notes = city.scene, city.notes
+    setting = Setting(np.zeros(found.openings.count))
+    shells = scene.meshes.get("buildings")
+    if city.lod >= FINE_LOD and shells is not None:
+        setting = set_back(placing, found, _names_of(found), city)
+        share = setting.recessed.mean() if found.openings.count else 1.0
+        notes += (f"Openings: {share:.2%} of {found.openings.count} are set back into the walls.",)
+    _place_windows(placing, found, setting, city)
+    _place_doors(placing, found, setting, city.seed)
+    dress(placing, found, city, setting)
+    strips(placing, found, city.seed)
+    fixtures(placing, found, city)
+    pieces = []
+    if setting.piece is not None and shells is not None:
+        pieces = [setting.piece, *facing_pieces(shells, placing, found)]
+    field = pitched_field(city, found)
+    mouldings = crown(placing, found, city, field)
+    if shells is not None:
+        pieces += [] if mouldings is None else [mouldings]
+        scene = scene.with_mesh("buildings", grown(shells, pieces, setting.kept))
+    for layer, kind in LAYERS.items():
+        scene = scene.with_instances(layer, *used(*placing.layer(kind)))
+    prototypes, rows = furnish_roofs(city, found.volumes, found.finishes, field, found.walls)
+    scene = scene.with_instances("roof_furniture", *used(prototypes, rows))
+    return replace(city, scene=scene, stages_done=city.stages_done | {"building"}, notes=notes)
+
+
+def _names_of(found: Facade) -> NDArray[np.str_]:
+    """Return the name of what fills each opening, (k,)."""
+    names = np.full(found.openings.count, "shop", "U20")
+    for role, named in ((WINDOW_ROLES, _window_names), (facades.DOORS, _door_names)):
+        rows = np.flatnonzero(np.isin(found.openings.role, role))
+        names[rows] = named(found, found.openings.take(rows))
+    return names
+
+
+def _on_the_pavement(city: City, walls: WallTable, openings: Openings) -> Openings:
+    """Set doors and shopfronts on the pavement before them."""
+    rows = np.flatnonzero(np.isin(openings.role, [*facades.DOORS, facades.SHOP]))
+    wall = openings.wall[rows]
+    unit = (walls.end - walls.start)[wall] / walls.length[wall, None]
+    at = walls.start[wall] + unit * openings.along[rows, None]
+    ground = city.terrain.height_at(at + 0.4 * walls.normal[wall]) + KERB_HEIGHT
+    low, height = openings.low.copy(), openings.height.copy()
+    # Up into the slope before it as far as the wall is high.
+    head = walls.z_high[wall] - facades.EAVE_GAP - low[rows] - height[rows]
+    drop = np.clip(low[rows] - ground, -np.maximum(head, 0.0), 4.0)
+    low[rows] -= drop
+    shop = openings.role[rows] == facades.SHOP
+    height[rows] += np.where(shop, np.clip(drop, 0.0, 0.8), 0.0)
+    return replace(openings, low=low, height=height)
+
+
+def _window_names(found: Facade, table: Openings) -> NDArray[np.str_]:
+    """Return the name of the window in each opening."""
+    name = found.designs.window[found.walls.part[table.wall]]
+    name = np.where(table.role == facades.FRENCH, "window_french", name)
+    # Narrow walls and stairs take the small window rather than a squeezed one.
+    squeezed = (table.width < 0.62 * _window_sizes(name)[:, 0]) & (name != "window_arched")
+    return np.where(squeezed, "window_small", name)
+
+
+def _window_sizes(name: NDArray[np.str_]) -> FloatArray:
+    known, index = np.unique(name, return_inverse=True)
+    size = np.array([WINDOWS[word][1:] for word in known.tolist()], float).reshape(-1, 2)
+    return size[index] if len(name) else np.zeros((0, 2))
+
+
+def _place_windows(placing: Placing, found: Facade, setting: Setting, city: City) -> None:
+    rows = np.flatnonzero(np.isin(found.openings.role, WINDOW_ROLES))
+    table = found.openings.take(rows)
+    ids = opening_ids(placing, table)
+    part = found.walls.part[table.wall]
+    name = _window_names(found, table)
+    size = _window_sizes(name)
+    dressing = choose(city.seed, "facade/dressing", ids, DRESSING_SHARES)
+    tint = found.finishes.frame_tint[part]
+    arched = name == "window_arched"
+    tint = np.where(arched[:, None], found.finishes.trim_tint[part], tint)
+    code = np.unique(name, return_inverse=True)[1] * 4 + dressing
+    for value in np.unique(code).tolist():
+        of = np.flatnonzero(code == value)
+        word, which = str(name[of[0]]), int(value % 4)
+        placing.add(
+            f"{word}_{which}", partial(window, word, which),
+            table.wall[of], table.along[of], table.low[of],
+            **fitted(placing, setting.depth[rows[of]], table.width[of], table.height[of], size[of]),
+            tint=tint[of], ids=ids[of], reach=table.width[of] / 2,
+        )  # fmt: skip
+
+
+def _door_names(found: Facade, table: Openings) -> NDArray[np.str_]:
+    """Return the name of the door in each opening."""
+    fixed = {facades.SERVICE: "door_service", facades.GARAGE: "door_garage",
+             facades.ROLLER: "door_roller"}  # fmt: skip
+    name = found.designs.door[found.walls.part[table.wall]]
+    for role, word in fixed.items():
+        name = np.where(table.role == role, word, name)
+    name = np.where((name == "door_portal") & (table.height < 2.9), "door_panel", name)
+    return np.where((name == "door_double") & (table.width < 1.5), "door_panel", name)
+
+
+def _place_doors(placing: Placing, found: Facade, setting: Setting, seed: int) -> None:
+    rows = np.flatnonzero(np.isin(found.openings.role, facades.DOORS))
+    table = found.openings.take(rows)
+    ids = opening_ids(placing, table)
+    part = found.walls.part[table.wall]
+    name = _door_names(found, table)
+    gates = np.array(GATE_TINTS)
+    gate = gates[hash_ids(seed, "facade/gate tint", placing.building[table.wall])
+                 % np.uint64(len(gates))]  # fmt: skip
+    tint = np.where(
+        (name == "door_glass")[:, None],
+        found.finishes.frame_tint[part],
+        found.finishes.accent_tint[part],
+    )
+    tint = np.where(np.isin(name, ["door_garage", "door_roller"])[:, None], gate, tint)
+    tint = np.where(np.isin(name, STONE_DOORS)[:, None], found.finishes.trim_tint[part], tint)
+    for word in np.unique(name).tolist():
+        of = np.flatnonzero(name == word)
+        size = np.tile(DOORS[word][1:], (len(of), 1))
+        placing.add(
+            word, partial(door, word), table.wall[of], table.along[of], table.low[of],
+            **fitted(placing, setting.depth[rows[of]], table.width[of], table.height[of], size),
+            tint=tint[of], ids=ids[of], reach=table.width[of] / 2,
+        )  # fmt: skip

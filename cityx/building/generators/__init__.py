@@ -1,0 +1,1 @@
+"""Building generators, one module per kind."""

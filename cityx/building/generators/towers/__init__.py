@@ -1,0 +1,1 @@
+"""Generators of towers and office buildings."""

@@ -1,0 +1,1 @@
+"""Generators of buildings for trade, industry and farming."""

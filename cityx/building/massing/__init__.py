@@ -1,0 +1,1 @@
+"""Massing: the volume of a building grows by grammar rules."""

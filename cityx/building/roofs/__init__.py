@@ -1,0 +1,1 @@
+"""Roofs: shapes, meshes, edges, dormers and rooftop furniture."""

@@ -1,0 +1,1 @@
+"""Shops: names, signs and shopfronts on ground floors."""

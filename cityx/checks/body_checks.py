@@ -1,0 +1,131 @@
+"""Check of bodies: what can be pushed about stands free of walls and of other things."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.assets.colliders import Thing, thing_of
+from cityx.checks.check import Check, named
+from cityx.city import City
+from cityx.city.bodies import colliders_of
+from cityx.city.levels import ground_levels
+from cityx.city.scene import Instances
+from cityx.city.thing_outlines import placed_rings
+
+FloatArray = NDArray[np.float64]
+LAYERS = ("street_furniture", "street_pieces", "park_pieces", "vehicles")
+DEEP = 0.05  # metres that one thing may reach into another: bumpers touch, bins lean on walls
+OVER = 0.01  # metres of height that two share who are beside, not on top of each other
+LEAVES = ("parasol", "reeds", "flower_bed", "hedge_segment")  # what yields to a thing beside it
+SHARE = 0.02  # of what can be pushed about: plots of maps are drawn roughly
+LET_PASS = 2  # things, of which a small map has few
+
+
+@dataclass(frozen=True)
+class Outlines:
+    """Plans of the parts of colliders, p of them.
+
+    Attributes
+    ----------
+    shape
+        (p,) polygons, drawn in by half of `DEEP`; empty for what is thinner.
+    low, high
+        (p,) float64, metres.
+    object_id
+        (p,) uint64.
+    movable
+        (p,) bool.
+    """
+
+    shape: NDArray[Any]
+    low: FloatArray
+    high: FloatArray
+    object_id: NDArray[np.uint64]
+    movable: NDArray[np.bool_]
+
+
+def check_bodies(city: City) -> list[Check]:
+    """Run the check; none where nothing can be pushed about."""
+    parts = outlines_of(city)
+    movable = np.unique(parts.object_id[parts.movable])
+    if not len(movable):
+        return []
+    caught = np.union1d(_in_each_other(parts), _in_buildings(city, parts))
+    # What the map shows stands where the map has it.
+    caught = np.setdiff1d(caught, city.layout.points["id"].to_numpy(np.uint64))
+    beyond = max(len(caught) - LET_PASS, 0)
+    return [
+        Check("bodies_interpenetrating", beyond / len(movable), SHARE,
+              f"share of the things that can be pushed about which reach over {DEEP:g} m into a "
+              f"wall or another thing, {LET_PASS} let pass", ids=named(caught))
+    ]  # fmt: skip
+
+
+def outlines_of(city: City) -> Outlines:
+    """Return the plans of what stands outdoors by itself."""
+    scene = city.scene
+    layers = [rows for name, rows in scene.instances.items() if name in LAYERS and rows.count]
+    used = np.unique(np.concatenate([np.zeros(0, np.int32), *(rows.prototype for rows in layers)]))
+    chosen = [n for n in used.tolist() if not scene.prototypes[n].name.startswith(LEAVES)]
+    things = {number: thing_of(scene.prototypes[number]) for number in chosen}
+    found = [_placed(thing, rows, number) for number, thing in things.items() for rows in layers]
+    empty = Outlines(
+        np.zeros(0, object), np.zeros(0), np.zeros(0), np.zeros(0, np.uint64), np.zeros(0, bool)
+    )
+    columns = zip(*(vars(table).values() for table in [empty, *found]), strict=True)
+    return Outlines(*(np.concatenate(column) for column in columns))
+
+
+def _placed(thing: Thing, rows: Instances, prototype: int) -> Outlines:
+    """Return the plans of all instances of one prototype in a layer, upright ones turned by yaw."""
+    of = np.flatnonzero(rows.prototype == prototype)
+    shapes = colliders_of([thing.collider])
+    size = rows.scale[of].astype(float)
+    polygons, low, high = [], [], []
+    for part in range(len(shapes.form)):
+        corners = shapes.corners(part)
+        ring = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(corners[:, :2])))
+        turned = placed_rings(ring, rows.position[of, :2], rows.rotation[of, 2], size)
+        polygons.append(shapely.buffer(shapely.polygons(turned), -DEEP / 2))
+        low.append(rows.position[of, 2] + corners[:, 2].min() * size[:, 2])
+        high.append(rows.position[of, 2] + corners[:, 2].max() * size[:, 2])
+    count = len(shapes.form)
+    return Outlines(
+        np.concatenate(polygons),
+        np.concatenate(low),
+        np.concatenate(high),
+        np.tile(rows.object_id[of], count),
+        np.full(len(of) * count, thing.motion == "free"),
+    )
+
+
+def _in_each_other(parts: Outlines) -> NDArray[np.uint64]:
+    """Return the ids of movable things that reach into another."""
+    tree = shapely.STRtree(parts.shape)
+    one, other = tree.query(parts.shape[parts.movable], predicate="intersects")
+    one = np.flatnonzero(parts.movable)[one]
+    high = np.minimum(parts.high[one], parts.high[other])
+    deep = high - np.maximum(parts.low[one], parts.low[other]) > OVER
+    apart = parts.object_id[one] != parts.object_id[other]
+    return np.asarray(np.unique(parts.object_id[one[deep & apart]]))
+
+
+def _in_buildings(city: City, parts: Outlines) -> NDArray[np.uint64]:
+    """Return the ids of movable things that reach into a building with walls."""
+    table = city.layout.parts
+    level = ground_levels(city.layout, city.terrain)
+    walled = table["walls"].to_numpy(bool)
+    movable = np.flatnonzero(parts.movable)
+    shapes = table.geometry.to_numpy()[walled]
+    low = (level + table["base"].to_numpy(float))[walled]
+    low = np.where(table["base"].to_numpy(float)[walled] > 0, low, -np.inf)
+    high = (level + table["top"].to_numpy(float))[walled]
+    row, part = shapely.STRtree(shapes).query(parts.shape[movable], predicate="intersects")
+    row = movable[row]
+    deep = np.minimum(parts.high[row], high[part]) - np.maximum(parts.low[row], low[part]) > OVER
+    return np.asarray(np.unique(parts.object_id[row[deep]]))

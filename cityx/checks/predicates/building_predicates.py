@@ -1,0 +1,279 @@
+"""Buildings, measured on their shells, their footprints and what they are built of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.assets.styles.palette_tables import GROUPS
+from cityx.assets.styles.palettes import building_groups, owner_rows
+from cityx.assets.styles.style_shares import of_any_style, speaking_of
+from cityx.assets.styles.surface_states import material_named
+from cityx.checks.predicates import words
+from cityx.checks.predicates.colors import nearest_word
+from cityx.checks.predicates.thing_predicates import (
+    BoolArray,
+    CannotTell,
+    FloatArray,
+    IntArray,
+    TableLayer,
+    UInt64Array,
+    column,
+)
+from cityx.city import City
+from cityx.city.levels import ground_levels
+from cityx.city.mesh import MeshBatch
+
+POINTS = 0.02  # of a share of the ground under buildings, by which it may be missed
+AGREES = 0.25  # metres between the height of the layout and that of the shell
+UPRIGHT = 0.2  # vertical part of a normal below which a face is a wall; a mansard is a roof
+ASSETS = "building_assets"
+TRIM = "trim"  # copings and gutters, which are no part of a roof
+
+
+@dataclass(frozen=True)
+class Faces:
+    """Faces of buildings: row of the layer, area, vertical part of the normal, material, colour.
+
+    The normal points out; floors, which lie on the ground, are neither walls nor roofs.
+    """
+
+    row: IntArray
+    area: FloatArray
+    up: FloatArray
+    material: NDArray[np.str_]
+    color: FloatArray
+
+    @property
+    def walls(self) -> BoolArray:
+        """Whether each face is part of a wall."""
+        return np.asarray(np.abs(self.up) < UPRIGHT)
+
+    @property
+    def roofs(self) -> BoolArray:
+        """Whether each face is part of a roof: its covering, not its copings."""
+        return np.asarray((self.up >= UPRIGHT) & (self.material != TRIM))
+
+
+@dataclass(frozen=True)
+class Buildings(TableLayer):
+    """The buildings of a city that stand; those of its layout while none is built."""
+
+    @cached_property
+    def _kept(self) -> IntArray:
+        table = self.city.layout.buildings
+        built = is_built(self.city)
+        rows = np.arange(len(table)) if not self._any_built else np.flatnonzero(built)
+        if self.kind == "building":
+            return rows
+        return np.asarray(rows[self._typed(self.kind, rows)])
+
+    @cached_property
+    def _any_built(self) -> bool:
+        scene = self.city.scene
+        return "buildings" in scene.meshes or ASSETS in scene.instances
+
+    @cached_property
+    def _table(self) -> Any:
+        return self.city.layout.buildings.iloc[self._kept]
+
+    @property
+    def remark(self) -> str:
+        """Say that nothing is built yet."""
+        return "" if self._any_built else "of the layout; none is built yet"
+
+    @cached_property
+    def heights(self) -> FloatArray:
+        """(n,) metres from the ground to the top, see `_heights`."""
+        return _heights(self.city)[self._kept]
+
+    def number(self, attribute: str) -> FloatArray:
+        """Return heights, storeys or areas of footprints."""
+        if attribute == "height":
+            return self.heights
+        if attribute in ("floors", "levels"):
+            return np.asarray(self._table["levels"].to_numpy(float))
+        if attribute == "area":
+            return np.asarray(shapely.area(self.shapes))
+        return super().number(attribute)
+
+    def has(self, attribute: str, word: str) -> BoolArray:
+        """Tell which have a style, use, type, material or colour."""
+        if attribute == "style":
+            return self._speaks(speaking_of(word))
+        if attribute == "use":
+            return np.isin(self._groups, [GROUPS.index(name) for name in words.USES[word]])
+        if attribute == "tag":
+            return np.asarray(column(self._table, "use") == word)
+        if attribute == "type":
+            return self._typed(word, self._kept)
+        if attribute in ("material", "roof"):
+            return self._mostly(words.MATERIALS[word], walls=attribute == "material")
+        if attribute == "color":
+            return np.asarray(self.color_words == word)
+        if attribute == "roof_color":
+            return np.asarray(nearest_word(self._mean_colors(walls=False)) == word)
+        if attribute == "roof_form":
+            return np.asarray(self._flat == (word == "flat"))
+        return super().has(attribute, word)
+
+    def applies(self, attribute: str) -> BoolArray:
+        """Whether an attribute says anything: sheds, works and churches speak of no style."""
+        return self._speaks(of_any_style()) if attribute == "style" else super().applies(attribute)
+
+    def _speaks(self, generators: Mapping[str, frozenset[str]]) -> BoolArray:
+        name = column(self._table, "generator")
+        if len(name) and not (name != "").any():
+            raise CannotTell("no building has a generator yet, so none has a style")
+        found = np.zeros(len(name), bool)
+        for group, known in generators.items():
+            found |= (self._groups == GROUPS.index(group)) & np.isin(name, sorted(known))
+        return found
+
+    @cached_property
+    def _groups(self) -> IntArray:
+        return building_groups(self.city.layout, self.city.seed)[self._kept]
+
+    def _typed(self, word: str, rows: IntArray) -> BoolArray:
+        """Tell which rows of the layout measure what a type must."""
+        form = words.BUILDING_TYPES[word]
+        table = self.city.layout.buildings.iloc[rows]
+        area = shapely.area(table.geometry.to_numpy())
+        height, floors = _heights(self.city)[rows], table["levels"].to_numpy(float)
+        kept = height >= form.slender * np.sqrt(area)
+        limits = ((height, form.height), (floors, form.floors), (area, form.area))
+        for value, (low, high) in limits:
+            kept &= (value >= low) & (value <= high)
+        if form.uses:
+            wanted = [GROUPS.index(name) for name in form.uses]
+            kept &= np.isin(building_groups(self.city.layout, self.city.seed)[rows], wanted)
+        return np.asarray(kept, bool)
+
+    @cached_property
+    def faces(self) -> Faces:
+        """The faces of all shells and assets."""
+        if not self._any_built:
+            raise CannotTell("no building is built yet, so none has a material or a colour")
+        return _faces(self.city, self.ids)
+
+    def _mostly(self, materials: tuple[str, ...], *, walls: bool) -> BoolArray:
+        faces = self.faces
+        wanted = faces.walls if walls else faces.roofs
+        total = np.bincount(faces.row, faces.area * wanted, minlength=len(self.ids))
+        own = wanted & np.isin(faces.material, materials)
+        part = np.bincount(faces.row, faces.area * own, minlength=len(self.ids))
+        return np.asarray((part >= words.MAIN_SHARE * total) & (total > 0))
+
+    @cached_property
+    def colors(self) -> FloatArray:
+        """(n, 3) linear RGB of the walls, the mean over their area."""
+        return self._mean_colors(walls=True)
+
+    @cached_property
+    def _flat(self) -> BoolArray:
+        """(n,) whether most of what faces up is flat."""
+        faces = self.faces
+        roof = np.bincount(faces.row, faces.area * faces.roofs, minlength=len(self.ids))
+        level = faces.area * (faces.up >= words.FLAT_ROOF)
+        return np.asarray(np.bincount(faces.row, level, minlength=len(self.ids)) > roof / 2)
+
+    def _mean_colors(self, *, walls: bool) -> FloatArray:
+        """(n, 3) linear RGB of walls or roofs, the mean over their area."""
+        faces = self.faces
+        weight = faces.area * (faces.walls if walls else faces.roofs)
+        total = np.maximum(np.bincount(faces.row, weight, minlength=len(self.ids)), 1e-9)
+        sums = [
+            np.bincount(faces.row, weight * channel, minlength=len(self.ids))
+            for channel in faces.color.T
+        ]
+        return np.asarray(np.column_stack(sums) / total[:, None])
+
+    @cached_property
+    def color_words(self) -> NDArray[Any]:
+        """(n,) word of each building's colour."""
+        return nearest_word(self.colors)
+
+
+def share_slack(area: FloatArray) -> float:
+    """Return by how much a share of the ground may be missed: half a usual building, if larger."""
+    return max(POINTS, float(np.median(area) / area.sum()) / 2) if len(area) else POINTS
+
+
+def is_built(city: City) -> BoolArray:
+    """(n,) whether each building of the layout has a shape in the scene."""
+    ids = [np.zeros(0, np.uint64)]
+    if "buildings" in city.scene.meshes:
+        ids.append(city.scene.meshes["buildings"].object_id)
+    if ASSETS in city.scene.instances:
+        ids.append(city.scene.instances[ASSETS].owner)
+    return np.isin(city.layout.buildings["id"].to_numpy(), np.concatenate(ids))
+
+
+def _heights(city: City) -> FloatArray:
+    """(n,) metres of every building of the layout, by its shell where the two disagree."""
+    table = city.layout.buildings
+    height: FloatArray = table["height"].to_numpy(float).copy()
+    batch = city.scene.meshes.get("buildings")
+    if batch is None or not batch.count:
+        return height
+    full = np.diff(batch.vertex_start) > 0
+    top = np.full(batch.count, np.nan)
+    starts = batch.vertex_start[:-1][full]
+    top[full] = np.maximum.reduceat(batch.vertices[:, 2], starts)
+    owner, described = owner_rows(city.layout)
+    level = np.full(len(table), np.nan)
+    level[owner[described]] = ground_levels(city.layout, city.terrain)[described]
+    ids = table["id"].to_numpy(np.uint64)
+    row = np.minimum(np.searchsorted(ids, batch.object_id), max(len(ids) - 1, 0))
+    known = (ids[row] == batch.object_id) & np.isfinite(level[row])
+    shell = top[known] - level[row[known]]
+    differs = np.abs(shell - height[row[known]]) > AGREES
+    height[row[known][differs]] = shell[differs]
+    return height
+
+
+def _faces(city: City, ids: UInt64Array) -> Faces:
+    found = []
+    batch = city.scene.meshes.get("buildings")
+    if batch is not None:
+        found.append(_faces_of(batch, batch.object_id, ids))
+    rows = city.scene.instances.get(ASSETS)
+    for at in range(0 if rows is None else rows.count):
+        assert rows is not None
+        mesh = city.scene.prototypes[int(rows.prototype[at])].mesh
+        one = _faces_of(mesh, np.full(mesh.count, rows.owner[at]), ids)
+        tint = rows.tint[at].astype(float)
+        scale = float(np.prod(rows.scale[at].astype(float))) ** (2 / 3)
+        found.append(Faces(one.row, one.area * scale, one.up, one.material, one.color * tint))
+    if not found:
+        raise CannotTell("no building is built yet")
+    names = ("row", "area", "up", "material", "color")
+    return Faces(*(np.concatenate([getattr(each, name) for each in found]) for name in names))
+
+
+def _faces_of(batch: MeshBatch, owner: UInt64Array, ids: UInt64Array) -> Faces:
+    """Measure the faces of the objects among some ids, sorted."""
+    triangles, face = batch.triangles()
+    corner = batch.vertices[triangles]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 2
+    vector = np.column_stack([
+        np.bincount(face, part, minlength=len(batch.faces)) for part in normal.T
+    ])  # fmt: skip
+    area = np.linalg.norm(vector, axis=1)
+    up = vector[:, 2] / np.maximum(area, 1e-12)
+    owners = owner[batch.face_object()]
+    row = np.minimum(np.searchsorted(ids, owners), max(len(ids) - 1, 0))
+    kept = (ids[row] == owners) if len(ids) else np.zeros(len(owners), bool)
+    known = [material_named(name) for name in batch.materials]
+    roots = np.array([material.root for material in known] or [""], "U32")
+    base = np.array([material.color for material in known] or [(0.5, 0.5, 0.5)])
+    takes = np.array([material.takes_tint for material in known] or [True])
+    tint = np.where(takes[batch.material][:, None], batch.tint, 1.0)
+    color = base[batch.material] * tint
+    return Faces(row[kept], area[kept], up[kept], roots[batch.material][kept], color[kept])

@@ -1,0 +1,124 @@
+"""Checks that streets can be driven: a surface under every one, and a way over every junction."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.check import NAMED, Check
+from cityx.checks.height_checks import carriageway_places
+from cityx.checks.standing_checks import ground_gaps
+from cityx.city import City
+from cityx.city.ground import ON_ROADWAY, ROADWAY
+from cityx.city.routes import cars
+from cityx.geometry.polylines import Polylines, every, locate, to_linestrings
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+OFF_SURFACE = 0.6  # metres between a carriageway and what carries it; on slopes up to half that
+BORDER = 2.0  # metres from the site's rectangle, where streets are cut
+APART = 5.0  # metres between the places of a street that are tested; no deck is shorter
+SPACING = 2.0  # metres between the places of a turn that are tested
+BLOCKED = 0.5  # share of the turns over a junction that leave its surface; corners cut are less
+ARMS = 3  # from which a node is a junction
+
+
+def check_streets(city: City) -> list[Check]:
+    """Run every check on streets; none where there is no network or no ground."""
+    network = city.network
+    if network is None or not network.edge_count or "ground" not in city.scene.meshes:
+        return []
+    bare = bare_places(city)
+    checks = [
+        Check("streets_without_surface", float(len(bare)), 0,
+              f"places on carriageways over {OFF_SURFACE:g} m from any ground or deck",
+              ids=_spots(bare))
+    ]  # fmt: skip
+    if city.lanes is None or not city.lanes.count:
+        return checks
+    closed, covered = closed_junctions(city), covered_junctions(city)
+    return [
+        *checks,
+        Check("junctions_closed", float(len(closed)), 0,
+              "junctions that cars come to and leave, but over which no way leads",
+              ids=_spots(network.node_position[closed])),
+        Check("junctions_covered", float(len(covered)), 0,
+              f"junctions where over {BLOCKED:.0%} of the ways across lie on no roadway",
+              ids=_spots(network.node_position[covered])),
+    ]  # fmt: skip
+
+
+def _spots(points: FloatArray) -> tuple[str, ...]:
+    return tuple(f"({x:.1f}, {y:.1f})" for x, y in points[:NAMED].tolist())
+
+
+def bare_places(city: City) -> FloatArray:
+    """Return the (k, 2) places on carriageways that no ground and no deck carries, metres.
+
+    What lies under buildings, where the ground is open, is left out.
+    """
+    xy, z = carriageway_places(city, APART)
+    xy, z = xy[(inside := _within(city, xy))], z[inside]
+    return np.asarray(xy[ground_gaps(city, np.column_stack([xy, z])) > OFF_SURFACE])
+
+
+def _within(city: City, xy: FloatArray) -> NDArray[np.bool_]:
+    low, high = np.array(city.layout.extent[:2]), np.array(city.layout.extent[2:])
+    return np.asarray(((xy > low + BORDER) & (xy < high - BORDER)).all(axis=1))
+
+
+def closed_junctions(city: City) -> IntArray:
+    """Return the nodes that cars come to and leave while no connection leads over them, (k,)."""
+    graph, network = city.lanes, city.network
+    assert graph is not None
+    assert network is not None
+    drivable = cars(graph)
+    first, last = _nodes(city)
+    reached, left, crossed = (np.zeros(len(network.node_degree), bool) for _ in range(3))
+    reached[last[drivable]] = True
+    left[first[drivable]] = True
+    crossed[last[graph.connection[drivable[graph.connection].all(axis=1), 0]]] = True
+    return np.flatnonzero(reached & left & ~crossed & (network.node_degree >= ARMS))
+
+
+def _nodes(city: City) -> tuple[IntArray, IntArray]:
+    """Return the nodes where each lane begins and ends, (l,) each."""
+    assert city.lanes is not None
+    assert city.network is not None
+    ends = city.network.edge_nodes[city.lanes.edge].astype(np.int64)
+    ahead = city.lanes.direction > 0
+    return np.where(ahead, ends[:, 0], ends[:, 1]), np.where(ahead, ends[:, 1], ends[:, 0])
+
+
+def covered_junctions(city: City) -> IntArray:
+    """Return the nodes over which cars would drive on something else than a roadway, (k,).
+
+    Ramps and cuttings, for which the ground opens, carry what leads over them. Junctions on bridges
+    and in tunnels, which have no face of the ground, and aisles in buildings are left out.
+    """
+    graph, network, ground = city.lanes, city.network, city.ground
+    if graph is None or network is None or ground is None:
+        return np.zeros(0, np.int64)
+    turns = np.flatnonzero(cars(graph)[graph.connection].all(axis=1))
+    if not len(turns):
+        return np.zeros(0, np.int64)
+    lines = Polylines(graph.curve, graph.curve_start)
+    turn, along = every(shapely.length(to_linestrings(lines))[turns], SPACING)
+    xy = locate(lines, turns[turn], along)[0]
+    node = _nodes(city)[1][graph.connection[turns[turn], 0]]
+    kept = _within(city, xy) & ~_lifted(city)[node] & ~ground.on(xy, "building")
+    off = kept & ~ground.on(xy, *ROADWAY, *ON_ROADWAY, "void")
+    total = np.bincount(node[kept], minlength=len(network.node_degree))
+    missed = np.bincount(node[off], minlength=len(total))
+    return np.flatnonzero((missed > BLOCKED * total) & (network.node_degree >= ARMS))
+
+
+def _lifted(city: City) -> NDArray[np.bool_]:
+    """(n,) whether a street at a node lies off the ground."""
+    network = city.network
+    assert network is not None
+    found = np.zeros(len(network.node_degree), bool)
+    for end, point in ((0, network.point_start[:-1]), (1, network.point_start[1:] - 1)):
+        found[network.edge_nodes[np.abs(network.lift[point]) > OFF_SURFACE, end]] = True
+    return found

@@ -1,0 +1,5 @@
+"""The command line as ``python -m cityx.cli``."""
+
+from cityx.cli import main
+
+main()

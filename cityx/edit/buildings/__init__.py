@@ -1,0 +1,1 @@
+"""Edits of buildings: heights, storeys, roofs, materials, styles."""

@@ -1,0 +1,1 @@
+"""Edits of streets and open land: widths, trees, furniture, ponds, fences."""

@@ -1,0 +1,150 @@
+"""Adding things that stand about."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.assets.furniture.street_furniture import MAKERS, furniture
+from cityx.building.splicing import with_rows
+from cityx.city.city import City
+from cityx.city.scene import Instances
+from cityx.edit.land.room import faults, refuse, stand_of
+from cityx.edit.land.spots import ROWS, facing, spots_beyond, spots_within
+from cityx.errors import ActionFailed
+from cityx.geometry.compass import SIDES
+from cityx.ground.pieces import heights
+from cityx.ids import stable_id
+from cityx.protocol import Choice, ObjectName, Points, Port, Range, action
+from cityx.protocol.serving import Serves
+
+LAYER = "street_pieces"
+MOST = 500  # things that one call adds
+# Word for a thing -> its prototype.
+WORDS: Mapping[str, str] = MappingProxyType(
+    {
+        "bench": "bench", "fountain": "fountain", "statue": "statue",
+        "streetlight": "street_lamp_post", "traffic_light": "traffic_signal",
+        "billboard": "advertising_column", "flower": "planter", "bus": "bus",
+        "waste_basket": "waste_basket", "bollard": "bollard", "planter": "planter",
+        "bicycle_stand": "bicycle_parking", "bus_stop": "bus_stop", "kiosk": "kiosk",
+        "picnic_table": "picnic_table", "hydrant": "fire_hydrant", "flagpole": "flagpole",
+        "post_box": "post_box", "parasol": "parasol", "cone": "traffic_cone",
+    }
+)  # fmt: skip
+
+
+@action(
+    "edit/add-v1",
+    limits=[
+        "Nothing is put into walls, water, carriageways or other things.",
+        "Where there is room for fewer than are asked for, none is added.",
+    ],
+    takes=(Port("place", "point"),),
+    gives=(Port("object", "complex_geometry"),),
+    labels=("add", "place", "put", "bench", "fountain", "statue", "lamp"),
+    serves=tuple(
+        Serves("edit=add", f"element={word}", place, thing=name)
+        for word, name in WORDS.items()
+        for place in ("within", "from")
+    ),
+    binds={
+        "within": "within",
+        "count": "count",
+        "beyond": "from",
+        "side": "side",
+        "off": "off",
+        "row": "row",
+    },
+)
+def add(
+    city: City,
+    *,
+    thing: Annotated[str, Choice(*sorted(MAKERS))],
+    at: Annotated[tuple[tuple[float, ...], ...] | None, Points(1, MOST)] = None,
+    within: Annotated[tuple[str, ...] | None, ObjectName()] = None,
+    beyond: Annotated[tuple[str, ...] | None, ObjectName()] = None,
+    side: Annotated[str, Choice(*SIDES)] = "south",
+    off: Annotated[float | None, Range(0.0, 500.0)] = None,
+    count: Annotated[int, Range(1, MOST)] = 1,
+    row: Annotated[str | None, Choice(*ROWS)] = None,
+    angle: Annotated[float | None, Range(-2 * np.pi, 2 * np.pi)] = None,
+) -> City:
+    """Add things that stand about: benches, lamps, a fountain.
+
+    Parameters
+    ----------
+    city
+        The city.
+    thing
+        Name of its prototype.
+    at
+        Where they stand, scene frame, metres; one for each.
+    within
+        Squares and parks that they stand in, or objects that they stand near, instead.
+    beyond
+        Objects that they stand beyond a side of, instead.
+    side
+        Which side, where they do.
+    off
+        Metres from the edge there to their middle; as near as there is room when left out.
+    count
+        How many, where no places are given.
+    row
+        Where each stands from the one before, looking as that does; anywhere when left out.
+    angle
+        Radians counter-clockwise by which their front is turned from the south; towards the nearest
+        way when left out.
+    """
+    prototype = furniture(thing, detail=city.lod)
+    stand = stand_of(prototype)
+    if at is not None:
+        xy = np.array([point[:2] for point in at], float)
+    elif within is not None:
+        xy = spots_within(city, within, count, stand, row=row or "")
+    elif beyond is not None:
+        xy = spots_beyond(city, beyond, side, off, count, stand, row=row or "")
+    else:
+        raise ActionFailed("Nothing is said of the place: points, or what they are to be in.")
+    yaw = facing(city, xy[:1] if row else xy) if angle is None else np.array([angle])
+    yaw = np.broadcast_to(yaw, len(xy)) if len(yaw) == 1 else yaw
+    for place, why in enumerate(faults(city, stand, xy, yaw, but=np.zeros(0, np.uint64))):
+        if why:
+            none = np.zeros(0, np.uint64)
+            refuse(city, stand, xy[place], float(yaw[place]), why, but=none)
+    rows = _rows(city, thing, xy, yaw)
+    taken = np.isin(rows.object_id, _known(city))
+    if taken.any():
+        spot = xy[np.flatnonzero(taken)[0]]
+        raise ActionFailed(f"A {thing.replace('_', ' ')} stands at {spot[0]:.1f}, {spot[1]:.1f}.")
+    return _with(city, rows, thing)
+
+
+def _with(city: City, rows: Instances, thing: str) -> City:
+    from dataclasses import replace
+
+    prototype = furniture(thing, detail=city.lod)
+    return replace(city, scene=with_rows(city.scene, LAYER, [prototype], rows))
+
+
+def _known(city: City) -> NDArray[np.uint64]:
+    rows = city.scene.instances.get(LAYER)
+    return rows.object_id if rows is not None else np.zeros(0, np.uint64)
+
+
+def _rows(city: City, thing: str, xy: NDArray[np.float64], yaw: NDArray[np.float64]) -> Instances:
+    """Return rows of things; each is known by what it is and where it was put."""
+    number = len(xy)
+    places = np.rint(1000 * xy).astype(np.int64).tolist()
+    ids = np.array([stable_id("edit/add", thing, *place) for place in places], np.uint64)
+    rotation = np.zeros((number, 3), np.float32)
+    rotation[:, 2] = yaw
+    return Instances(
+        np.zeros(number, np.int32), ids, np.zeros(number, np.uint64),
+        np.column_stack([xy, heights(city, xy)]), rotation,
+        np.ones((number, 3), np.float32), np.ones((number, 3), np.float32),
+    )  # fmt: skip

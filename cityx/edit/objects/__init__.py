@@ -1,0 +1,1 @@
+"""Edits of objects: move, copy, turn, scale, paint, replace, remove."""

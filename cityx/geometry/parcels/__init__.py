@@ -1,0 +1,1 @@
+"""Blocks, parcels, lots and street patterns as arrays."""

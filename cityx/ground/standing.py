@@ -1,0 +1,152 @@
+"""What lies under points of the ground: its surface and its height there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cityx.city.ground import SURFACES
+from cityx.city.mesh import NO_VERTEX, MeshBatch
+from cityx.geometry.triangle_cells import (
+    TriangleCells,
+    cells_of_triangles,
+    triangle_at,
+    triangles_at,
+)
+from cityx.ids import stable_id
+from cityx.system.remembered import Remembered
+
+FloatArray = NDArray[np.float64]
+NOWHERE = -1  # label beyond the ground, and under buildings, where the mesh is open
+# Surfaces people walk on, beside those that cars share.
+WALKED = ("sidewalk", "kerb", "plaza", "path", "courtyard", "trail", "furnishing", "gravel",
+          "edging", "frontage")  # fmt: skip
+LAWNS = ("grass", "park", "meadow", "block")
+EARTH = "grass"  # material of slopes heaped against ramps
+FLAT = 1e-9  # square metres in plan; what covers less stands upright
+
+
+@dataclass(frozen=True)
+class Footing:
+    """What n points stand on.
+
+    Attributes
+    ----------
+    label
+        (n,) int64 into `cityx.city.ground.SURFACES`, `NOWHERE` where there is no ground.
+    z
+        (n,) float64, metres; NaN where there is no ground.
+    face
+        (n,) int64, face of the mesh, `NOWHERE` where there is no ground.
+    """
+
+    label: NDArray[np.int64]
+    z: FloatArray
+    face: NDArray[np.int64]
+
+
+def stand_on(ground: MeshBatch | None, xy: ArrayLike) -> Footing:
+    """Look up the draped ground under (n, 2) points.
+
+    Parameters
+    ----------
+    ground
+        The mesh layer "ground": an object per surface, its tops triangles.
+    xy
+        (n, 2) float, metres.
+    """
+    spots = np.asarray(xy, float).reshape(-1, 2)
+    label = np.full(len(spots), NOWHERE, np.int64)
+    z = np.full(len(spots), np.nan)
+    under = np.full(len(spots), NOWHERE, np.int64)
+    if ground is None or not ground.count or not len(spots):
+        return Footing(label, z, under)
+    faces, prepared = _tops(ground)
+    found = triangle_at(spots, prepared)
+    hit = np.flatnonzero(found >= 0)
+    known = {stable_id("ground", surface.name): i for i, surface in enumerate(SURFACES)}
+    labels = np.array([known.get(int(own), NOWHERE) for own in ground.object_id])
+    face = faces[found[hit]]
+    own = np.searchsorted(ground.face_start, face, side="right") - 1
+    label[hit], under[hit] = labels[own], face
+    z[hit] = heights_on(ground.vertices[ground.faces[face, :3]], spots[hit])
+    return Footing(label, z, under)
+
+
+def surfaces_at(
+    batch: MeshBatch | None, xy: FloatArray, *, material: str = ""
+) -> tuple[NDArray[np.int64], FloatArray]:
+    """Find where vertical lines through (n, 2) places meet a mesh.
+
+    Parameters
+    ----------
+    batch
+        The mesh; none of it is met by no line.
+    xy
+        (n, 2) float, metres.
+    material
+        Of the faces that count; all when left out.
+
+    Returns
+    -------
+    place, height
+        (h,) int64 rows of ``xy``, and (h,) metres.
+    """
+    if batch is None or not len(xy):
+        return np.zeros(0, np.int64), np.zeros(0)
+    triangles, face = batch.triangles()
+    if material:
+        own = np.array(batch.materials, object)[batch.material] == material
+        triangles = triangles[own[face]]
+    corners = batch.vertices[triangles]
+    u, v = (corners[:, 1] - corners[:, 0])[:, :2], (corners[:, 2] - corners[:, 0])[:, :2]
+    corners = corners[np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) > FLAT]
+    if not len(corners):
+        return np.zeros(0, np.int64), np.zeros(0)
+    faces = cells_of_triangles(
+        corners[:, :, :2].reshape(-1, 2), np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3)
+    )
+    spot, hit = (np.concatenate(column) for column in zip(*triangles_at(xy, faces), strict=True))
+    return spot, heights_on(corners[hit], xy[spot])
+
+
+def earth_over(structures: MeshBatch | None, xy: FloatArray) -> FloatArray:
+    """Return (n,) heights of the slopes of earth at points, metres; NaN where there is none.
+
+    Parameters
+    ----------
+    structures
+        The mesh layer of that name.
+    xy
+        (n, 2) float, metres.
+    """
+    top = np.full(len(xy), np.nan)
+    spot, height = surfaces_at(structures, xy, material=EARTH)
+    np.fmax.at(top, spot, height)
+    return top
+
+
+def heights_on(corners: FloatArray, xy: FloatArray) -> FloatArray:
+    """Return (n,) heights at (n, 2) places on the planes of (n, 3, 3) triangles."""
+    a, b, c = corners.transpose(1, 0, 2)
+    u, v, w = (b - a)[:, :2], (c - a)[:, :2], xy - a[:, :2]
+    area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    area = np.where(np.abs(area) < 1e-12, 1.0, area)
+    s = (w[:, 0] * v[:, 1] - w[:, 1] * v[:, 0]) / area
+    t = (u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0]) / area
+    return np.asarray(a[:, 2] + s * (b - a)[:, 2] + t * (c - a)[:, 2])
+
+
+_LAST: Remembered[tuple[NDArray[np.int64], TriangleCells]] = Remembered()
+
+
+def _tops(ground: MeshBatch) -> tuple[NDArray[np.int64], TriangleCells]:
+    """Return the top faces of the ground, prepared; those of the last ground are remembered."""
+
+    def made() -> tuple[NDArray[np.int64], TriangleCells]:
+        faces = np.flatnonzero(ground.faces[:, 3] == NO_VERTEX)
+        return faces, cells_of_triangles(ground.vertices[:, :2], ground.faces[faces, :3])
+
+    return _LAST.get(made, [ground.vertices])

@@ -1,0 +1,1 @@
+"""Where people walk: walkable areas, crosswalks and the graph of walks."""

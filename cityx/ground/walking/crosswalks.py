@@ -1,0 +1,448 @@
+"""Crosswalks: where people cross roadways, with bars, along footways, or at corners without."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city.ground import ROADWAY, Ground
+from cityx.city.layout import Layout
+from cityx.city.roads import RoadNetwork
+from cityx.city.signals import Signals
+from cityx.geometry.polylines import Polylines, arc_lengths, locate, to_linestrings
+from cityx.ground.drape import LOWERED
+from cityx.ids import hash_ids
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+FOOTWAYS = (
+    "sidewalk", "furnishing", "edging", "ramp", "kerb", "kerb_dropped", "tactile", "tactile_pale",
+    "tactile_buff", "tactile_red", "landing", "guide_strip", "plaza", "path", "trail", "frontage",
+)  # fmt: skip
+# Land beside a roadway that people walk on where there is no pavement.
+VERGES = ("block", "courtyard", "gravel", "grass", "meadow", "park", "bare", "sand", "farmland",
+          "wood")  # fmt: skip
+PATHS = ("footway", "path", "pedestrian", "cycleway", "steps")
+FAST = ("motorway", "trunk", "motorway_link", "trunk_link")  # crossed by bars and paths alone
+BAR = (0.35, 0.7)  # metres of the width of a bar of a zebra
+BAR_LENGTH = (2.0, 4.6)  # metres, along the road
+APART = 3.0  # metres along a street between two crosswalks
+ASIDE = 6.0  # metres from an end of bars, or lowered kerbs, within which people walk there
+CORNER = 1.5  # metres from a junction's mouth to the middle of a crosswalk without bars
+INWARD, LOOK = (-4.0, 7.0), 0.4  # metres from there on that lowered kerbs are looked for, and steps
+LONGER = 1e6  # metres; than any edge
+FLARED = 3.0  # metres by which kerbs curve away there at most
+USUAL_DEPTH = 2.4  # metres along the road that such a one takes
+WIDEST_BARE = 12.0  # metres of roadway that are crossed without bars
+ROW_DEPTH = (1.5, 5.5)  # metres along the road between the two rows of marks beside a crossing
+ROW_SPACE = 4.5  # metres along the road from one mark to the next of the same crossing at most
+LEAST_MARKS = 6
+BEYOND = 5.0  # metres past the rim of the roadway that the other side is looked for
+STEP = 0.2  # metres between the places looked at
+INTO = 0.4  # metres that a crosswalk reaches into the walks it joins
+LONGEST = 18.0  # metres; a path that runs longer on a roadway shares it
+HEAD_REACH = 4.0  # metres from the middle of a crosswalk to that of what a head rules
+ON_GROUND = 0.05  # metres by which an edge of the ground may be off it
+
+
+@dataclass(frozen=True)
+class Crosswalks:
+    """Places where people cross, c of them.
+
+    Attributes
+    ----------
+    id
+        (c,) uint64, stable.
+    ends
+        (c, 2, 2) float64, metres: where the crosswalk begins and ends, on the walks it joins.
+    depth
+        (c,) float64, metres across the way that people go.
+    edge
+        (c,) int64, edge of the road network that is crossed, -1 where a path tells of it alone.
+    marked
+        (c,) bool, whether it has bars.
+    lowered
+        (c,) bool, whether it has none but lies where kerbs are lowered on both sides.
+    """
+
+    id: NDArray[np.uint64]
+    ends: FloatArray
+    depth: FloatArray
+    edge: IntArray
+    marked: BoolArray
+    lowered: BoolArray
+
+    @property
+    def count(self) -> int:
+        """Number of crosswalks."""
+        return len(self.depth)
+
+    @property
+    def length(self) -> FloatArray:
+        """(c,) metres from end to end."""
+        return np.asarray(np.hypot(*(self.ends[:, 1] - self.ends[:, 0]).T))
+
+    @property
+    def standing(self) -> IntArray:
+        """(c,) the higher the better known: guesses 0, paths of the map 1, kerbs 2, bars 3."""
+        return np.where(self.marked, 3, np.where(self.lowered, 2, self.edge < 0)).astype(np.int64)
+
+    def regions(self) -> NDArray[Any]:
+        """(c,) polygons."""
+        ahead = (self.ends[:, 1] - self.ends[:, 0]) / np.maximum(self.length, 1e-9)[:, None]
+        side = np.column_stack([-ahead[:, 1], ahead[:, 0]]) * (self.depth / 2)[:, None]
+        a, b = self.ends[:, 0], self.ends[:, 1]
+        return np.asarray(
+            shapely.polygons(np.stack([a - side, b - side, b + side, a + side], axis=1)), object
+        )
+
+    def take(self, rows: BoolArray | IntArray) -> Crosswalks:
+        """Return some of them."""
+        return Crosswalks(**{name: getattr(self, name)[rows] for name in self.__annotations__})
+
+
+@dataclass(frozen=True)
+class _Candidates:
+    """Lines across edges along which the walks on both sides are looked for."""
+
+    edge: IntArray
+    along: FloatArray
+    depth: FloatArray
+    marked: BoolArray
+    lowered: BoolArray
+
+
+def crosswalks_of(ground: Ground, layout: Layout, network: RoadNetwork) -> Crosswalks:
+    """Find the crosswalks of a city on its finished ground.
+
+    Parameters
+    ----------
+    ground
+        The ground; bars of zebras are found among its faces.
+    layout
+        Paths that cross roadways.
+    network
+        The streets.
+
+    Returns
+    -------
+    crosswalks
+        Those with bars, those of paths, and at the mouths of quiet streets some without. Where two
+        would lie within `APART` metres, or their ends within `ASIDE` of those of one with bars or
+        lowered kerbs, the better known is kept.
+    """
+    parts = [_across(_candidates(ground, layout, network), ground, network)]
+    parts.append(_along_paths(ground, layout))
+    joined = Crosswalks(
+        *(np.concatenate([getattr(p, name) for p in parts]) for name in Crosswalks.__annotations__)
+    )
+    return joined.take(_apart(joined))
+
+
+def _candidates(ground: Ground, layout: Layout, network: RoadNetwork) -> _Candidates:
+    lines = network.lines
+    level = _on_ground(network)
+    edge, along, depth = (
+        np.concatenate(columns)
+        for columns in zip(
+            _zebras(ground, network, lines, level), _rows(ground, lines, level),
+            strict=True,
+        )
+    )  # fmt: skip
+    kind = layout.roads["kind"].to_numpy().astype(str)[network.edge_road]
+    quiet = ~np.isin(kind, FAST) & (2 * network.half_width <= WIDEST_BARE) & level
+    length = arc_lengths(lines)[1]
+    room = length - network.trim.sum(axis=1) > 2 * (CORNER + USUAL_DEPTH)
+    joint = network.node_degree[network.edge_nodes] >= 3
+    corner, end = np.nonzero(joint & (quiet & room)[:, None])
+    back = network.trim[corner, end] + CORNER
+    inward = np.where(end == 0, -1.0, 1.0)
+    there = np.where(end == 0, back, length[corner] - back)
+    told = _near(edge, along, corner, there)
+    corner, there, inward = corner[~told], there[~told], inward[~told]
+    shift = _to_lowered(ground, network, lines, corner, there, inward)
+    there += inward * np.nan_to_num(shift)
+    return _Candidates(
+        np.concatenate([edge, corner]),
+        np.concatenate([along, there]),
+        np.concatenate([depth, np.full(len(corner), USUAL_DEPTH)]),
+        np.arange(len(edge) + len(corner)) < len(edge),
+        np.concatenate([np.zeros(len(edge), bool), np.isfinite(shift)]),
+    )
+
+
+def _near(edge: IntArray, along: FloatArray, other: IntArray, there: FloatArray) -> BoolArray:
+    """(n,) whether others, places on edges as well, have one of places within `ASIDE` metres."""
+    found = np.zeros(len(other), bool)
+    if not len(edge):
+        return found
+    axis = np.sort(edge * LONGER + along)  # edges one behind the other
+    wanted = other * LONGER + there
+    at = np.searchsorted(axis, wanted)
+    for beside in (np.maximum(at - 1, 0), np.minimum(at, len(axis) - 1)):
+        found |= np.abs(axis[beside] - wanted) <= ASIDE
+    return found
+
+
+def _to_lowered(
+    ground: Ground, network: RoadNetwork, lines: Polylines, edge: IntArray, along: FloatArray,
+    inward: FloatArray,
+) -> FloatArray:  # fmt: skip
+    """Return metres towards junctions to where kerbs are lowered on both sides, NaN for nowhere."""
+    shift = np.full(len(edge), np.nan)
+    stones = ground.vertices[ground.triangles_of("kerb_dropped")]
+    if not len(stones) or not len(edge):
+        return shift
+    tree = shapely.STRtree(shapely.points(stones.mean(axis=1)))
+    middle = shapely.points(locate(lines, edge, along)[0])
+    reach = float(network.half_width.max()) + INWARD[1]
+    near = np.unique(tree.query(middle, predicate="dwithin", distance=reach)[0])
+    half = network.half_width[edge[near]]
+    ways = np.arange(INWARD[0], INWARD[1] + LOOK, LOOK)
+    row, way = (each.ravel() for each in np.indices((len(near), len(ways))))
+    spot, ahead = locate(lines, edge[near][row], along[near][row] + inward[near][row] * ways[way])
+    across = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    lateral = half[row][:, None] + np.arange(-0.6, FLARED, STEP)  # (r * w, k)
+    lowered = np.ones(len(row), bool)
+    for side in (1.0, -1.0):
+        spots = (spot[:, None] + side * lateral[:, :, None] * across[:, None]).reshape(-1, 2)
+        first = ground.first_of(spots, *ROADWAY, *LOWERED).reshape(lateral.shape)
+        beyond = np.argmax((first < 0) | (first >= len(ROADWAY)), axis=1)
+        lowered &= first[np.arange(len(row)), beyond] >= len(ROADWAY)
+    found = np.where(lowered.reshape(len(near), len(ways)), ways, np.nan)
+    some = np.isfinite(found).any(axis=1)
+    found, near = found[some], near[some]
+    closest = found[np.arange(len(near)), np.nanargmin(np.abs(found), axis=1)]
+    found[np.abs(found - closest[:, None]) > USUAL_DEPTH] = np.nan
+    shift[near] = np.nanmean(found, axis=1)
+    return shift
+
+
+def _on_ground(network: RoadNetwork) -> BoolArray:
+    """(e,) whether an edge lies on the ground from end to end."""
+    if not network.edge_count:
+        return np.zeros(0, bool)
+    off = np.maximum.reduceat(np.abs(network.lift), network.point_start[:-1])
+    return np.asarray(off <= ON_GROUND)
+
+
+def _zebras(
+    ground: Ground, network: RoadNetwork, lines: Polylines, level: BoolArray
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Find crossings by their bars: edge, metres along it, and metres along the road."""
+    none = np.zeros(0, np.int64), np.zeros(0), np.zeros(0)
+    bars = _bars(ground)
+    edges = np.flatnonzero(level)
+    if not len(bars) or not len(edges):
+        return none
+    middle = bars.mean(axis=1)
+    side = np.diff(bars, axis=1)[:, :2]  # (b, 2, 2)
+    size = np.hypot(side[:, :, 0], side[:, :, 1])
+    longer = np.argmax(size, axis=1)
+    row = np.arange(len(bars))
+    shapes = to_linestrings(lines)[edges]
+    tree = shapely.STRtree(shapes)
+    spot, near = tree.query_nearest(shapely.points(middle), max_distance=25.0, all_matches=False)
+    edge = edges[near]
+    along = shapely.line_locate_point(shapes[near], shapely.points(middle[spot]))
+    ahead = side[row, longer][spot] / size[row, longer][spot][:, None]
+    within = shapely.distance(shapes[near], shapely.points(middle[spot]))
+    straight = np.abs((ahead * locate(lines, edge, along)[1]).sum(axis=1)) > 0.9
+    kept = straight & (within <= network.half_width[edge])
+    edge, along, depth = edge[kept], along[kept], size[row, longer][spot][kept]
+    order = np.lexsort((along, edge))
+    edge, along, depth = edge[order], along[order], depth[order]
+    group = np.cumsum(np.r_[True, (np.diff(edge) != 0) | (np.diff(along) > 1.0)][: len(edge)]) - 1
+    if not len(group):
+        return none
+    count = np.bincount(group)
+    several = count >= 2  # one bar alone is some other mark
+    at = np.bincount(group, along) / count
+    first = np.searchsorted(group, np.arange(len(count)))
+    return edge[first][several], at[several], (np.bincount(group, depth) / count)[several]
+
+
+def _rows(
+    ground: Ground, lines: Polylines, level: BoolArray
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Find crossings by the two rows of marks beside them, as `_zebras` does."""
+    none = np.zeros(0, np.int64), np.zeros(0), np.zeros(0)
+    of = ground.labelled("crossing_row")[ground.triangle_face]
+    edges = np.flatnonzero(level)
+    if not of.any() or not len(edges):
+        return none
+    face, row = np.unique(ground.triangle_face[of], return_inverse=True)
+    middle = ground.vertices[ground.triangles[of]].mean(axis=1)
+    count = np.bincount(row)[:, None]
+    spots = shapely.points(
+        np.column_stack([np.bincount(row, middle[:, axis], len(face)) for axis in (0, 1)]) / count
+    )
+    shapes = to_linestrings(lines)[edges]
+    spot, near = shapely.STRtree(shapes).query_nearest(spots, max_distance=25.0, all_matches=False)
+    edge, along = edges[near], shapely.line_locate_point(shapes[near], spots[spot])
+    order = np.lexsort((along, edge))
+    edge, along = edge[order], along[order]
+    begins = np.r_[True, (np.diff(edge) != 0) | (np.diff(along) > ROW_SPACE)][: len(edge)]
+    group = np.cumsum(begins) - 1
+    first = np.flatnonzero(begins)
+    last = np.r_[first[1:], len(edge)] - 1
+    depth = along[last] - along[first]
+    kept = (np.bincount(group) >= LEAST_MARKS) & (depth > ROW_DEPTH[0]) & (depth < ROW_DEPTH[1])
+    return edge[first][kept], ((along[first] + along[last]) / 2)[kept], depth[kept]
+
+
+def _bars(ground: Ground) -> FloatArray:
+    """(b, 4, 2) corners of the rectangles of paint that measure as bars of a zebra."""
+    painted = ground.labelled("marking", "marking_yellow")
+    of = painted[ground.triangle_face]
+    triangles, face = ground.triangles[of], ground.triangle_face[of]
+    if not len(triangles):
+        return np.zeros((0, 4, 2))
+    mark = _marks(ground, painted)[face]
+    order = np.argsort(mark, kind="stable")
+    number = np.unique(mark[order], return_inverse=True)[1]
+    corners = ground.vertices[triangles[order]].reshape(-1, 2)
+    points = shapely.multipoints(corners, indices=np.repeat(number, 3))
+    boxes = shapely.oriented_envelope(points)
+    boxes = boxes[shapely.get_type_id(boxes) == shapely.GeometryType.POLYGON]
+    corners = shapely.get_coordinates(boxes).reshape(-1, 5, 2)[:, :4]
+    size = np.sort(np.hypot(*np.diff(corners, axis=1)[:, :2].transpose(2, 0, 1)), axis=1)
+    full = (size[:, 0] >= BAR[0]) & (size[:, 0] <= BAR[1])
+    full &= (size[:, 1] >= BAR_LENGTH[0]) & (size[:, 1] <= BAR_LENGTH[1])
+    return np.asarray(corners[full])
+
+
+def _marks(ground: Ground, painted: BoolArray) -> IntArray:
+    """(f,) the mark that each face belongs to; where a street meets a junction marks are cut."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    sides = ground.edge_faces
+    both = (sides >= 0).all(axis=1) & painted[sides].all(axis=1)
+    one, other = sides[both].T
+    graph = csr_array((np.ones(len(one), bool), (one, other)), shape=(len(painted),) * 2)
+    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
+
+
+def _across(found: _Candidates, ground: Ground, network: RoadNetwork) -> Crosswalks:
+    """Lead lines square to streets from walk to walk; those that meet none are left out."""
+    lines = network.lines
+    middle, ahead = locate(lines, found.edge, found.along)
+    across = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    half = network.half_width[found.edge]
+    reach = float(half.max(initial=0.0)) + BEYOND
+    steps = np.arange(0.0, reach + STEP, STEP)
+    ends, met = [], np.ones(len(half), bool)
+    for side in (1.0, -1.0):
+        spots = middle[:, None] + side * steps[:, None] * across[:, None]  # (c, k, 2)
+        walk = ground.on(spots.reshape(-1, 2), *FOOTWAYS, *VERGES).reshape(len(half), len(steps))
+        road = ground.on(spots.reshape(-1, 2), *ROADWAY).reshape(len(half), len(steps))
+        # The far rim is where the walk begins for good: islands lie nearer than the rim.
+        walk &= (steps >= half[:, None] - 1.0) & (steps <= half[:, None] + BEYOND)
+        first = np.argmax(walk, axis=1)
+        before = np.arange(len(steps)) < first[:, None]
+        met &= walk.any(axis=1) & ((road | walk | ~before).mean(axis=1) > 0.9)
+        ends.append(middle + side * (steps[first] + INTO)[:, None] * across)
+    key = hash_ids(0, "crosswalk", network.edge_id[found.edge], np.rint(10 * found.along))
+    return Crosswalks(
+        key,
+        np.stack(ends, axis=1),
+        found.depth,
+        found.edge,
+        found.marked,
+        found.lowered,
+    ).take(met)
+
+
+def _along_paths(ground: Ground, layout: Layout) -> Crosswalks:
+    """Return where footways lead over roadways."""
+    roads = layout.roads
+    level = ~roads["bridge"].to_numpy() & ~roads["tunnel"].to_numpy()
+    level &= (roads["layer"].to_numpy() == 0) & roads["kind"].isin(PATHS).to_numpy()
+    shapes, ids = roads.geometry.to_numpy()[level], roads["id"].to_numpy(np.uint64)[level]
+    faces = shapely.polygons(ground.vertices[ground.triangles_of(*ROADWAY)])
+    if not len(shapes) or not len(faces):
+        return no_crosswalks()
+    way, face = shapely.STRtree(faces).query(shapes, predicate="intersects")
+    if not len(way):
+        return no_crosswalks()
+    start = np.flatnonzero(np.r_[True, way[1:] != way[:-1]])
+    ends, keys = [np.zeros((0, 2, 2))], [np.zeros(0, np.uint64)]
+    for rows in np.split(np.arange(len(way)), start[1:]):
+        line = shapes[way[rows[0]]]
+        over = shapely.intersection(line, shapely.union_all(faces[face[rows]], grid_size=0.001))
+        parts = shapely.get_parts(shapely.line_merge(over))
+        parts = parts[shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING]
+        if not len(parts):
+            continue
+        points = shapely.get_coordinates(parts)
+        last = np.cumsum(shapely.get_num_coordinates(parts)) - 1
+        first = np.r_[0, last[:-1] + 1]
+        pair = np.stack([points[first], points[last]], axis=1)
+        length = np.hypot(*(pair[:, 1] - pair[:, 0]).T)
+        pair, length = pair[length > 2 * STEP], length[length > 2 * STEP]
+        into = (pair[:, 1] - pair[:, 0]) / length[:, None] * INTO
+        ends.append(np.stack([pair[:, 0] - into, pair[:, 1] + into], axis=1)[length < LONGEST])
+        keys.append(hash_ids(0, "crosswalk", ids[way[rows[0]]], np.rint(10 * pair[:, 0, 0]))[
+            length < LONGEST])  # fmt: skip
+    found = np.concatenate(ends)
+    if not len(found):
+        return no_crosswalks()
+    walked = ground.on(found.reshape(-1, 2), *FOOTWAYS, *VERGES).reshape(-1, 2).all(axis=1)
+    count = len(found)
+    return Crosswalks(
+        np.concatenate(keys), found, np.full(count, USUAL_DEPTH), np.full(count, -1, np.int64),
+        np.zeros(count, bool), np.zeros(count, bool),
+    ).take(walked)  # fmt: skip
+
+
+def no_crosswalks() -> Crosswalks:
+    """Return none."""
+    return Crosswalks(np.zeros(0, np.uint64), np.zeros((0, 2, 2)), np.zeros(0),
+                      np.zeros(0, np.int64), np.zeros(0, bool), np.zeros(0, bool))  # fmt: skip
+
+
+def _apart(found: Crosswalks) -> BoolArray:
+    """(c,) those that lie apart from each other, the better known before the others.
+
+    Beside bars and lowered kerbs nobody crosses from the same walk to the same walk elsewhere.
+    """
+    middle = shapely.points(found.ends.mean(axis=1))
+    one, other = shapely.STRtree(middle).query(middle, predicate="dwithin", distance=ASIDE)
+    same = np.hypot(*(found.ends[one] - found.ends[other]).T).max(axis=0)
+    turned = np.hypot(*(found.ends[one] - found.ends[other, ::-1]).T).max(axis=0)
+    known = found.standing
+    doubled = (known[one] >= 2) & (known[other] < 2) & (np.minimum(same, turned) < ASIDE)
+    doubled |= shapely.distance(middle[one], middle[other]) <= APART
+    one, other = one[doubled], other[doubled]
+    rank = np.lexsort((found.id, -known))
+    place = np.empty(len(rank), np.int64)
+    place[rank] = np.arange(len(rank))
+    kept = np.ones(found.count, bool)
+    for row in rank.tolist():
+        if kept[row]:
+            near = other[one == row]
+            kept[near[place[near] > place[row]]] = False
+    return kept
+
+
+def heads_of(crosswalks: Crosswalks, signals: Signals | None) -> IntArray:
+    """Return (c,) the head of signals that rules each crosswalk for people, -1 for none."""
+    found = np.full(crosswalks.count, -1, np.int64)
+    if signals is None or not crosswalks.count:
+        return found
+    rows = np.flatnonzero(signals.crossing > 0)
+    if len(rows):
+        middle = shapely.points(crosswalks.ends.mean(axis=1))
+        heads = shapely.points(signals.position[rows, :2])
+        near = shapely.STRtree(heads).query_nearest(
+            middle, max_distance=HEAD_REACH, all_matches=False
+        )
+        found[near[0]] = rows[near[1]]
+    return found

@@ -1,0 +1,26 @@
+"""The brief: what an instruction asks for, read word by word without a language model."""
+
+from cityx.language.brief import (
+    Brief,
+    Conflict,
+    Edit,
+    GoalText,
+    Note,
+    Question,
+    Selector,
+    Slot,
+)
+from cityx.language.reading import read_brief, read_note
+
+__all__ = [
+    "Brief",
+    "Conflict",
+    "Edit",
+    "GoalText",
+    "Note",
+    "Question",
+    "Selector",
+    "Slot",
+    "read_brief",
+    "read_note",
+]

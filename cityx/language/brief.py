@@ -1,0 +1,232 @@
+"""A brief: what an instruction asks for, and what nobody understood of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+Span = tuple[int, int]  # first and one past the last character of the text
+Value = str | float | int
+
+
+@dataclass(frozen=True)
+class Slot:
+    """One thing that is asked for.
+
+    Attributes
+    ----------
+    key, value
+        A key of `cityx.language.slots.KEYS`; the value is a word or a number in SI units.
+    span, text
+        Where the text says so, and in which words; (0, 0) and "" for an option.
+    every
+        Whether it is asked of each thing it is about: "every house of brick".
+    """
+
+    key: str
+    value: Value
+    span: Span = (0, 0)
+    text: str = ""
+    every: bool = False
+
+
+@dataclass(frozen=True)
+class Selector:
+    """The objects an edit is about.
+
+    Attributes
+    ----------
+    kind
+        "building", "tree", "house"...; "" where ids alone are named, "it" for a pronoun.
+    ids
+        Objects named by their ids.
+    rank, k, nth
+        "tallest" and how many of them, or which one in that order.
+    filters
+        Conditions on single objects: "height>30", "material=brick".
+    share
+        Part of the objects, 0 to 1.
+    near, inside, along, side, of
+        Where the objects are: near, in or along what, on which side (of what). The place may be
+        one of a rank, as in "tallest building".
+    reach
+        Metres that count as near, 0 where nothing is said.
+    alone
+        Whether the words mean one object, as "the church" does.
+    """
+
+    kind: str = ""
+    ids: tuple[str, ...] = ()
+    rank: str = ""
+    k: int = 0
+    nth: int = 0
+    filters: tuple[str, ...] = ()
+    share: float | None = None
+    near: str = ""
+    reach: float = 0.0
+    inside: str = ""
+    along: str = ""
+    side: str = ""
+    of: str = ""
+    alone: bool = False
+
+    def items(self) -> Iterator[tuple[str, Value]]:
+        """Yield what is said, as keys and values."""
+        if not self.ids and self.kind:
+            yield "target", self.kind
+        for one in self.ids:
+            yield "target", one
+        yield from (("filter", text) for text in self.filters)
+        for key in ("rank", "k", "nth", "share", "near", "reach", "inside", "along", "side", "of"):
+            value = getattr(self, key)
+            if value not in ("", 0, None) and not (key == "k" and self.nth):
+                yield {"inside": "in"}.get(key, key), value
+
+
+@dataclass(frozen=True)
+class Edit:
+    """One change of a city that exists.
+
+    Attributes
+    ----------
+    verb
+        "set_color", "remove", "add_agent"...: a value of the key "edit".
+    target
+        What is changed; None where something is added.
+    change
+        What it becomes: pairs of a key and a value in SI units.
+    span
+        Where the text says so.
+    wished
+        Whether a file asks for it, and not the user.
+    """
+
+    verb: str
+    target: Selector | None = None
+    change: tuple[tuple[str, Value], ...] = ()
+    span: Span = (0, 0)
+    wished: bool = False
+
+    def items(self) -> Iterator[tuple[str, Value]]:
+        """Yield the edit as keys and values, the verb first."""
+        if self.verb in ("undo", "redo"):
+            yield from self.change
+            return
+        yield "edit", self.verb
+        if self.target is not None:
+            yield from self.target.items()
+        yield from self.change
+
+
+@dataclass(frozen=True)
+class GoalText:
+    """A goal that can be measured: a predicate over the finished city, as text."""
+
+    text: str
+    predicate: str
+    hard: bool = True
+    span: Span = (0, 0)
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """Two parts of an instruction that cannot both hold; the text says what would be right."""
+
+    code: str
+    text: str
+    spans: tuple[Span, ...] = ()
+
+
+@dataclass(frozen=True)
+class Question:
+    """Something to ask the user before anything runs, with answers to choose from."""
+
+    text: str
+    candidates: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Note:
+    """Something the user should know of the reading: a mended word, an ignored sentence."""
+
+    code: str
+    text: str
+    span: Span = (0, 0)
+
+
+@dataclass(frozen=True)
+class Brief:
+    """What an instruction asks for.
+
+    Attributes
+    ----------
+    text
+        The instruction.
+    slots, edits
+        What is asked of a city, and what is to be changed of one.
+    goals
+        The same as predicates.
+    unread
+        Spans of content words that nobody understood.
+    conflicts, questions
+        What has to be settled before anything runs.
+    kept, negated
+        What must stay as it is, and what must not be there.
+    notes
+        Mended spellings, words that leave something open, ignored instructions.
+    """
+
+    text: str = ""
+    slots: tuple[Slot, ...] = ()
+    edits: tuple[Edit, ...] = ()
+    goals: tuple[GoalText, ...] = ()
+    unread: tuple[Span, ...] = ()
+    conflicts: tuple[Conflict, ...] = ()
+    questions: tuple[Question, ...] = ()
+    kept: tuple[Slot, ...] = ()
+    negated: tuple[Slot, ...] = ()
+    notes: tuple[Note, ...] = field(default=())
+
+    def items(self) -> list[tuple[str, Value]]:
+        """Return everything asked for as keys and values, once each, in the order of the text."""
+        said = [(slot.span, [(slot.key, slot.value)]) for slot in self.slots]
+        said += [(slot.span, [("not", slot.value)]) for slot in self.negated]
+        said += [(slot.span, [("keep", slot.value)]) for slot in self.kept]
+        said += [(edit.span, list(edit.items())) for edit in self.edits]
+        ordered = sorted(said, key=lambda one: one[0])
+        return list(dict.fromkeys(pair for _, pairs in ordered for pair in pairs))
+
+    def value(self, key: str) -> Value | None:
+        """Return the value of a slot, or None."""
+        return next((slot.value for slot in self.slots if slot.key == key), None)
+
+    def values(self, key: str) -> tuple[Value, ...]:
+        """Return every value of a slot."""
+        return tuple(slot.value for slot in self.slots if slot.key == key)
+
+    @property
+    def words_unread(self) -> tuple[str, ...]:
+        """The words that nobody understood."""
+        return tuple(self.text[first:last] for first, last in self.unread)
+
+    def joined(self, note: Brief) -> Brief:
+        """Return this brief with what a text file asks for; its spans point into that file."""
+        names = ("slots", "edits", "goals", "conflicts", "questions", "kept", "negated", "notes")
+        return replace(self, **{name: getattr(self, name) + getattr(note, name) for name in names})
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain values, for report.json and `cityx explain`."""
+        record = asdict(self)
+        record["unread"] = [
+            {"text": self.text[first:last], "span": [first, last]} for first, last in self.unread
+        ]
+        return _plain(record)  # type: ignore[no-any-return]
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items() if item not in ("", None, ())}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    return value

@@ -1,0 +1,1 @@
+"""Commands: sentences that change a city, parsed by a grammar."""

@@ -1,0 +1,522 @@
+"""Edits: a parsed command becomes the changes it asks for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from cityx.checks.predicates.vocabulary import family_of
+from cityx.language.brief import Edit, Selector, Value
+from cityx.language.commands.grammar import Node
+from cityx.language.commands.selection import (
+    IT,
+    MEASURES,
+    Place,
+    is_plural,
+    kind_of,
+    places_of,
+    targets_of,
+)
+from cityx.language.commands.terminals import share_of
+from cityx.language.lexicon.changing import SPECIES
+from cityx.language.measurable import things
+from cityx.language.scan import Item
+
+Pairs = list[tuple[str, Value]]
+
+_LOOKS = {
+    "COLOR": ("set_color", "color"), "MATERIAL": ("set_material", "material"),
+    "STYLE": ("set_style", "style"), "ROOF": ("set_roof", "roof"),
+}  # fmt: skip
+_FACTORS = {"DOUBLE": 2.0, "TRIPLE": 3.0, "QUADRUPLE": 4.0, "HALVE": 0.5}
+_TIMES = {"twice": 2.0, "thrice": 3.0, "half as": 0.5}
+# Verbs of sizes -> whether they make larger.
+_GROWS = {
+    "enlarge": 1, "upscale": 1, "magnify": 1, "blow": 1, "scale up": 1, "make bigger": 1,
+    "shrink": -1, "downscale": -1, "scale down": -1,
+}  # fmt: skip
+_ROWS = {"behind": "behind", "in front of": "before"}  # else one is beside the other
+_WHERE = ("in", "on", "near", "along", "around", "side", "of", "off", "path")  # keys of places
+_GENDERS = {"man": "male", "woman": "female"}
+_GAITS = ("run", "walk", "stand", "sit")
+_FLAT = (
+    "main_street", "road", "side_street", "river", "canal", "avenue", "ring_road", "sidewalk",
+)  # fmt: skip
+_LENGTHS = ("height", "width", "floors", "lanes", "length", "count")
+KMH = 3.6  # kilometres per hour, of a metre per second
+_NEW = {"type": "building.type", "element": "element", "plant": "nature"}
+
+
+class Unclear(Exception):
+    """A command names what to change and not by how much; or what else is open, as a question."""
+
+
+def edits_of(command: Node) -> list[Edit]:
+    """Return the edits of a command; several targets or changes make several.
+
+    Raises
+    ------
+    Unclear
+        If it does not say by how much.
+    """
+    return _RULES[command.name](command)
+
+
+def _item(node: Node) -> Item:
+    assert node.item is not None
+    return node.item
+
+
+def _value(item: Item) -> float:
+    """Return the number of an item, its bound where it is one."""
+    quantity = item.quantity
+    assert quantity is not None
+    return (quantity.high if quantity.low is None else quantity.low) or 0.0
+
+
+def _whole(value: float) -> float | int:
+    value = round(value, 4)
+    return int(value) if value == int(value) else value
+
+
+def _measured(name: str, item: Item) -> Iterator[tuple[str, Value]]:
+    quantity = item.quantity
+    assert quantity is not None
+    if quantity.exact is not None:
+        yield name, _whole(quantity.exact)
+        return
+    if quantity.low is not None:
+        yield f"{name}.min", _whole(quantity.low)
+    if quantity.high is not None:
+        yield f"{name}.max", _whole(quantity.high)
+
+
+def _each(command: Node, verb: str, change: Sequence[tuple[str, Value]] = ()) -> list[Edit]:
+    """Return one edit for every target; of a street, its height is its width."""
+    return [
+        Edit(own_verb(verb, one), None if one == Selector() else one, tuple(change))
+        for one in targets_of(command)
+    ]
+
+
+def own_verb(verb: str, target: Selector) -> str:
+    """Return what a change of height is of a target: of a street, its width; of a tree, of all."""
+    if target.kind in _FLAT:
+        return verb.replace("height", "width")
+    known = things(target.kind)
+    piece = bool(known) and not known.startswith("building")
+    return "scale" if piece and verb == "scale_height" else verb
+
+
+# -- what becomes of objects ---------------------------------------------------------------------
+
+
+def _remove(command: Node) -> list[Edit]:
+    return _each(command, "remove")
+
+
+def _look(command: Node) -> list[Edit]:
+    named = command.branch("attr")
+    about = named.first("ATTR") if named is not None else None
+    changes: dict[str, Pairs] = {}
+    for change in command.own("change", "roofing"):
+        of_part = change.first("ATTR") if change.children[0].name in ("COLOR", "MATERIAL") else None
+        verb, pairs = _change(change.children[0], _attribute(of_part or about))
+        changes.setdefault(verb, []).extend(pairs)
+    if "replace" in changes:  # "into brick houses": the look is that of what is new
+        changes = {"replace": [pair for pairs in changes.values() for pair in pairs]}
+    return [
+        edit
+        for verb, pairs in reversed(changes.items())
+        for edit in _each(command, verb, tuple(dict.fromkeys(pairs)))
+    ]
+
+
+def _attribute(item: Item | None) -> str:
+    if item is None:
+        return ""
+    return item.get("attr") or item.noun  # "the roofs of all houses"
+
+
+def _change(word: Node, about: str) -> tuple[str, Pairs]:
+    if word.name == "factor":
+        named = word.first("ATTR")
+        if word.first("SIZE") is not None:  # "twice as big"
+            return "scale", [("factor", _factor(word))]
+        what = named.get("attr") if named is not None else about
+        return f"scale_{'width' if what == 'width' else 'height'}", [("factor", _factor(word))]
+    item = _item(word)
+    own = _of_street(item)
+    if own is not None:
+        return own
+    if about == "roof" and (item.text == "flat" or word.name in ("COLOR", "MATERIAL")):
+        key = "roof.color" if word.name == "COLOR" else "roof"
+        return "set_roof", [(key, item.get("color") or item.get("material") or "flat")]
+    if word.name in _LOOKS:
+        verb, key = _LOOKS[word.name]
+        return verb, [(key, item.get(key) or item.get("slot").split()[0].partition("=")[2])]
+    if word.name == "KIND":
+        return "replace", [("building.type", item.noun)]
+    quantity = item.quantity
+    assert quantity is not None
+    measure = quantity.attribute or about or MEASURES.get(quantity.dimension, "")
+    if quantity.dimension in ("floors", "lanes"):
+        measure = quantity.dimension
+    if measure not in _LENGTHS:
+        raise Unclear
+    if quantity.relative:
+        return f"raise_{measure}", [("by", _whole(_value(item) * quantity.relative))]
+    return f"set_{measure}", list(_measured(measure, item))
+
+
+def _of_street(item: Item) -> tuple[str, Pairs] | None:
+    """Return what a word makes of a street: its surface, its direction, its speed, no cars."""
+    if item.has("surface"):
+        return "set_surface", [("surface", item.get("surface"))]
+    if item.has("direction"):
+        return "set_direction", [("direction", item.get("direction"))]
+    if item.get("slot") == "not=vehicle":
+        return "close", []
+    if item.quantity is not None and item.quantity.dimension == "speed":
+        return "set_speed", [("speed_kmh", _whole(_value(item) * KMH))]
+    return None
+
+
+def _pave(command: Node) -> list[Edit]:
+    """Read "put cobbles on every street" and "cobble the street"."""
+    surface = command.first("SURFACE")
+    assert surface is not None
+    return _each(command, "set_surface", [("surface", surface.get("surface"))])
+
+
+def _strip(command: Node) -> list[Edit]:
+    """Read "add a cycle lane to both sides of the main street" and "no parking on x1"."""
+    strip = command.first("STRIP")
+    assert strip is not None
+    key = "cycling" if strip.noun == "cycleway" else "parking"
+    sides = "none" if command.children[0].name in ("REMOVE", "CLOSE") else "both"
+    return _each(command, f"set_{key}", [(key, sides)])
+
+
+def _factor(node: Node) -> float | int:
+    times, share, count = node.first("TIMES"), node.first("SHARE"), node.first("COUNT")
+    if times is not None:
+        return _whole(_TIMES[times.get("rel")])
+    if share is not None:
+        more = share.quantity.relative if share.quantity is not None else 0
+        return _whole(1 + more * share_of(share) if more else share_of(share))
+    if count is None:
+        raise Unclear
+    return _whole(_value(count))
+
+
+def _resize(command: Node) -> list[Edit]:
+    verb = command.children[0].name
+    named = command.branch("attr")
+    about = next(named.leaves("ATTR")).get("attr") if named is not None else "height"
+    about = "width" if verb in ("WIDEN", "NARROW") else about
+    about = about if about in _LENGTHS else "height"
+    if verb in _FACTORS:
+        return _each(command, f"scale_{about}", [("factor", _whole(_FACTORS[verb]))])
+    amount = command.branch("amount")
+    if amount is None:
+        raise Unclear
+    way = command.branch("way")
+    by = way is not None and way.first("TO") is None
+    return _resized(command, amount, about, grows=verb in ("RAISE", "WIDEN"), by=by)
+
+
+def _resized(command: Node, amount: Node, about: str, *, grows: bool, by: bool) -> list[Edit]:
+    """Read "by 10 m", "to three floors", "by half" and "by a factor of 2"."""
+    inner = amount.branch("factor")
+    if inner is not None and inner.first("SHARE") is None:
+        factor = _factor(inner)
+        return _each(
+            command, f"scale_{about}", [("factor", factor if grows else _whole(1 / factor))]
+        )
+    item = next(amount.leaves())
+    dimension = item.quantity.dimension if item.quantity is not None else "share"
+    if dimension in ("share", "part"):
+        part = share_of(item) if by else share_of(item) - 1
+        factor = 1 + (part if grows or not by else -part)
+        return _each(command, f"scale_{about}", [("factor", _whole(factor))])
+    if dimension == "speed" and not by:
+        return _each(command, "set_speed", [("speed_kmh", _whole(_value(item) * KMH))])
+    about = dimension if dimension in ("floors", "lanes") else about
+    if by:
+        return _each(
+            command, f"raise_{about}", [("by", _whole(_value(item) * (1 if grows else -1)))]
+        )
+    return _each(command, f"set_{about}", list(_measured(about, item)))
+
+
+def _shift(command: Node) -> list[Edit]:
+    """Read "add two floors to b15" and "shave 5 m off it"."""
+    amount = command.branch("amount")
+    assert amount is not None
+    grows = command.children[0].name in ("ADD", "RAISE")
+    return _resized(command, amount, "height", grows=grows, by=True)
+
+
+def _replace(command: Node) -> list[Edit]:
+    new = command.branch("new")
+    assert new is not None
+    noun = new.first("KIND", "THING", "AGENT", "PLANT", "BUILDING")
+    assert noun is not None
+    key = _NEW.get(noun.noun_class)
+    change: Pairs = [(key, kind_of(noun))] if key else []
+    return _each(command, "replace", change + _traits(new))
+
+
+def _traits(new: Node) -> Pairs:
+    """Return material, colour, style, roof, floors and height of something new."""
+    found: Pairs = []
+    for item in new.leaves("MATERIAL", "COLOR", "STYLE", "ROOF"):
+        kind = next((name for name in ("material", "color") if item.has(name)), "")
+        key, _, value = item.get("slot").partition(" ")[0].partition("=")
+        found.append((kind, item.get(kind)) if kind else (key, value))
+    for item in new.leaves("FLOORS", "LENGTH", "LIMIT"):
+        floors = item.quantity is not None and item.quantity.dimension == "floors"
+        found += _measured(f"building.{'floors' if floors else 'height'}", item)
+    return found
+
+
+def _move(command: Node) -> list[Edit]:
+    way = _way(command)
+    far = [pair for pair in way if pair[0] == "by"]
+    towards = [pair for pair in way if pair[0] == "direction"]
+    if len(far) > 1 and len(far) == len(towards) and len(way) == 2 * len(far):
+        # "10 m north and 5 m east" is one after the other
+        steps = zip(far, towards, strict=True)
+        return [edit for step in steps for edit in _each(command, "move", step)]
+    return _each(command, "move", way)
+
+
+def _way(command: Node) -> Pairs:
+    """Read how far and where to something is moved."""
+    change: Pairs = [("by", _whole(_value(_item(word)))) for word in command.own("LENGTH")]
+    for word in command.own("direction"):
+        change.append(("direction", next(word.leaves()).get("side")))
+    for place in places_of(command.own("place")):
+        change += [("direction", place.side)] if place.side and not place.spot else place.items()
+    for place in places_of(command.own("destination")):  # into a park, but up to a church
+        within = family_of(place.spot.rpartition(" ")[2]) == "land" and not place.named
+        change.append(("in" if within else "near", place.spot))
+    return change
+
+
+def _rotate(command: Node) -> list[Edit]:
+    angle = math.radians(_value(_item(command.own("ANGLE", "COUNT")[0])))
+    turn = command.first("CLOCKWISE")
+    back = turn is not None and turn.get("rel") == "clockwise"
+    return _each(command, "rotate", [("angle", round(-angle if back else angle, 4))])
+
+
+def _scale(command: Node) -> list[Edit]:
+    words = command.own("factor", "COUNT", "SHARE")
+    holder = words[0] if words[0].name == "factor" else Node("factor", None, tuple(words))
+    factor = float(_factor(holder))
+    said = _item(command.children[0]).text
+    way = _GROWS.get(said.split()[0], _GROWS.get(said, 0))
+    share = holder.first("SHARE")
+    if way and share is not None and share.quantity is not None and not share.quantity.relative:
+        to = any(link.first("TO") is not None for link in command.own("link"))
+        factor = factor if to else 1 + way * factor  # "enlarge it by 50 %"
+    elif way < 0 and factor > 1:
+        factor = 1 / factor  # "shrink it by a factor of 2"
+    named = holder.first("ATTR")
+    about = named.get("attr") if named is not None else ""
+    verb = f"scale_{about}" if about in _LENGTHS else "scale"  # "shrink it to half its height"
+    return _each(command, verb, [("factor", _whole(factor))])
+
+
+def _close(command: Node) -> list[Edit]:
+    return _each(command, command.children[0].name.lower())
+
+
+def _lights(command: Node) -> list[Edit]:
+    """Read "turn off the lamps"; those of one place alone are told by what is meant."""
+    state = "off" if command.children[0].name == "TURN_OFF" else "on"
+    return [
+        Edit("set_lights", None if one == Selector(one.kind, alone=one.alone) else one,
+             (("lights", state),))
+        for one in targets_of(command)
+    ]  # fmt: skip
+
+
+def _copy(command: Node) -> list[Edit]:
+    """Read "copy b03 to the west of b05"; what is copied counts for "beside it"."""
+    verb = command.children[0].item
+    count = int(verb.get("copies") or 1) if verb is not None else 1
+    change: Pairs = [("count", count)] if count > 1 else []
+    return _each(command, "copy", [*change, *(pair for pair in _way(command) if pair[1] != IT)])
+
+
+def _lined(command: Node) -> list[Edit]:
+    """Read "line the main street with bollards"."""
+    places = [
+        Place("", "along", name) for one in targets_of(command) for name in one.ids or (one.kind,)
+    ]
+    things_ = command.branch("things")
+    if things_ is None:
+        return _plant(command, places)
+    return [_added(thing, places) for thing in things_.own("thing")]
+
+
+def _swap(command: Node) -> list[Edit]:
+    """Read "swap concrete for glass on the five tallest" as giving those a look of glass."""
+    old, new = list(command.leaves("MATERIAL", "COLOR", "STYLE", "SURFACE"))[:2]
+    key = next((name for name in ("surface", "material", "color") if new.has(name)), "style")
+    value = new.get(key) if key != "style" else new.get("slot").split()[0].partition("=")[2]
+    verb = f"set_{key}"
+    if command.branch("targets") is not None:
+        return _each(command, verb, [(key, value)])
+    kind, own = ("road", "surface") if key == "surface" else ("building", key)
+    was = old.get(own) if own != "style" else old.get("slot").split()[0].partition("=")[2]
+    return [Edit(verb, Selector(kind, filters=(f"{own}={was}",)), ((key, value),))]
+
+
+# -- what is new ---------------------------------------------------------------------------------
+
+
+def _add(command: Node) -> list[Edit]:
+    places = places_of(_places(command))
+    late = command.own("SPEED", "MODE", "EVERY", "AXIS")
+    things = command.branch("things")
+    assert things is not None
+    added = [
+        _added(replace(thing, children=(*thing.children, *late)), places)
+        for thing in things.own("thing")
+    ]
+    return _again(added, command)
+
+
+def _again(added: list[Edit], command: Node) -> list[Edit]:
+    """Read "and another behind it", a row of the same, and "and another near b02", one more."""
+    again = command.branch("again")
+    if again is None:
+        return added
+    last, said = added[-1], again.first("COUNT")
+    more = int(_value(said)) if said is not None else 1
+    places = places_of([*again.own("place"), *again.own("destination")])
+    if any(place.spot != IT for place in places):
+        kept = [pair for pair in last.change if pair[0] not in _WHERE and pair[0] != "count"]
+        own = [pair for place in places for pair in place.items()]
+        count = [("count", more)] if more > 1 else []
+        return [*added, replace(last, change=(*kept, *count, *own))]
+    if last.verb != "add":
+        raise Unclear('Where is "it"? Name the place of each.')
+    change = dict(last.change)
+    where = again.first("REL")
+    row = _ROWS.get(where.text, "beside") if where is not None else "beside"
+    change |= {"count": int(change.get("count", 1)) + more, "row": row}
+    return [*added[:-1], replace(last, change=tuple(change.items()))]
+
+
+def _places(command: Node) -> list[Node]:
+    inner = [child for child in command.children if child.name != "again"]
+    held = Node(command.name, None, tuple(inner))
+    return [*held.find("place"), *held.find("destination")]
+
+
+FULL = 20  # people or vehicles that fill a place where no number is told
+
+
+def _fill(command: Node) -> list[Edit]:
+    """Read "fill the plaza with 50 people"."""
+    places = [
+        Place("", "in", name) for one in targets_of(command) for name in one.ids or (one.kind,)
+    ]
+    things = command.branch("things")
+    assert things is not None
+    added = [_added(thing, places) for thing in things.own("thing")]
+    return [
+        replace(edit, change=(*edit.change, ("count", FULL)))
+        if edit.verb == "add_agent" and "count" not in dict(edit.change) else edit
+        for edit in added
+    ]  # fmt: skip
+
+
+def _added(thing: Node, places: Sequence[Place]) -> Edit:
+    noun = thing.first("AGENT", "THING", "KIND", "BUILDING")
+    assert noun is not None
+    if noun.noun_class in ("vehicle", "person"):
+        return _agent(thing, noun, places)
+    change: Pairs = [(key, noun.noun)] if (key := _NEW.get(noun.noun_class)) else []
+    size = thing.first("SIZE")
+    change += [("size", size.get("size"))] if size is not None else []
+    count = thing.first("COUNT")
+    change += [("count", _whole(_value(count)))] if count is not None else []
+    change += _amount(thing) if count is None and noun.noun_class == "element" else []
+    change += _traits(thing)
+    every = thing.first("EVERY")
+    change += [("spacing", _whole(_value(every)))] if every is not None else []
+    change += [pair for place in places for pair in place.items()]
+    return Edit("add" if noun.noun_class == "element" else "add_building", None, tuple(change))
+
+
+def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
+    change: Pairs = []
+    traffic = noun.text == "traffic"
+    if not traffic:
+        car = noun.noun == "vehicle" and "car" in noun.text
+        change.append(("agent", "car" if car else kind_of(noun)))
+        if noun.noun in _GENDERS:
+            change.append(("gender", _GENDERS[noun.noun]))
+        modes = dict.fromkeys(item.get("mode") for item in thing.leaves() if item.has("mode"))
+        change += [("mode", mode) for mode in modes if mode in _GAITS]
+        count = _count(thing, noun)
+        change += [("count", count)] if count else []
+    change += _amount(thing)
+    speed = thing.first("SPEED")
+    change += [("speed", round(_value(speed), 4))] if speed is not None else []
+    axis = thing.first("AXIS")
+    change += [("direction", axis.get("axis"))] if axis is not None else []
+    # "around the park on loop1": the way that has a name leads around the park.
+    for place in [place for place in places if place.named] or places:
+        key = "near" if place.relation == "near" else "path"
+        change.append((key, place.spot) if place.spot else ("side", place.side))
+    return Edit("add_traffic" if traffic else "add_agent", None, tuple(change))
+
+
+def _count(thing: Node, noun: Item) -> int:
+    """Return how many are asked for: a singular noun is one, a bare plural no number."""
+    said = thing.first("COUNT")
+    if said is not None:
+        return int(_value(said))
+    return 0 if is_plural(noun) or thing.first("AMOUNT") is not None else 1
+
+
+def _amount(thing: Node) -> Pairs:
+    words = [item.get("amount") for item in thing.leaves("AMOUNT")]
+    return [("amount", word) for word in words if word]
+
+
+def _singular(plant: Item) -> str:
+    return plant.text.removesuffix("s").replace("cherrie", "cherry")
+
+
+def _plant(command: Node, places: Sequence[Place] = ()) -> list[Edit]:
+    plants = command.branch("plants")
+    assert plants is not None
+    change: Pairs = [("nature", "tree")]
+    plant = plants.first("PLANT")
+    assert plant is not None
+    change += [("species", name) for name, words in SPECIES.items() if _singular(plant) in words]
+    count, every = plants.first("COUNT"), command.first("EVERY")
+    change += [("count", int(_value(count)))] if count is not None else []
+    change += _amount(plants) if every is None else []  # "some trees, one every 8 m"
+    change += [("spacing", _whole(_value(every)))] if every is not None else []
+    for place in places or places_of(_places(command)):
+        change += place.items()
+    return _again([Edit("plant", None, tuple(change))], command)
+
+
+_RULES: Mapping[str, Callable[[Node], list[Edit]]] = {
+    "remove": _remove, "look": _look, "resize": _resize, "shift": _shift,
+    "replace": _replace, "add": _add, "plant": _plant, "move": _move,
+    "rotate": _rotate, "scale": _scale, "close": _close, "lights": _lights,
+    "pave": _pave, "strip": _strip,
+    "copy": _copy, "fill": _fill, "lined": _lined, "swap": _swap,
+}  # fmt: skip

@@ -1,0 +1,275 @@
+"""Selection: the objects and the places that a command names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+from cityx.language.brief import Selector, Value
+from cityx.language.commands.grammar import Node
+from cityx.language.commands.terminals import share_of
+from cityx.language.scan import Item
+
+_NUMBERED = re.compile(r"(\D+)(\d+)")
+# What a bare number with a unit measures of an object.
+MEASURES = {"length": "height", "floors": "floors", "speed": "speed", "area": "area"}
+_THROUGH = ("path", "center", "road", "sidewalk", "green")  # "the path around the park": the park
+_ROADS = ("main_street", "road", "side_street", "avenue", "ring_road")
+_MOST_IDS = 500  # in one range
+_MANY = (
+    "ALL",
+    "COUNT",
+    "SHARE",
+    "RANK",
+    "NEAREST",
+    "ORDINAL",
+    "REST",
+)  # what says how many are meant
+_SPOTS = ("BUILDING", "KIND", "THING", "ROAD", "PLANT", "WHOLE", "QUARTER", "ID", "IT")
+ABOUT = 1.5  # times the metres told to something, within which it is looked for
+IT = "it"  # kind of what was named last
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where something is: on a side (of something), or near, along, in, on an object.
+
+    Attributes
+    ----------
+    side, relation, spot
+        Words for them, "" for none.
+    named
+        Whether the object is told by a name or an id rather than by its kind.
+    off
+        Metres from the object, on the side; None where none are told.
+    """
+
+    side: str
+    relation: str
+    spot: str
+    named: bool = False
+    off: float | None = None
+
+    def items(self) -> Iterator[tuple[str, Value]]:
+        """Yield the place as keys and values."""
+        if self.side:
+            yield "side", self.side
+            if self.spot:
+                yield "of", self.spot
+            if self.off is not None:
+                yield "off", self.off
+        else:
+            own = self.relation in ("along", "in", "on", "around")
+            to = "in" if self.relation == "to" else "near"
+            yield (self.relation if own else to), self.spot
+
+
+def kind_of(noun: Item) -> str:
+    """Return the kind of object that a noun names."""
+    if noun.noun in ("man", "woman"):
+        return "pedestrian"
+    return {"plant": "tree"}.get(noun.noun_class, noun.noun)
+
+
+def is_plural(noun: Item) -> bool:
+    """Tell whether a noun stands for several."""
+    words = [word for word in noun.words if not word.endswith("ed")]  # "cars parked"
+    last = (words or noun.words)[-1]
+    return (last.endswith("s") and last not in ("bus", "grass")) or last in (
+        "people", "men", "women", "children",
+    )  # fmt: skip
+
+
+def targets_of(command: Node) -> list[Selector]:
+    """Return what a command is about; ids in a row make one selection."""
+    found: list[Selector] = []
+    for target in next(command.find("targets")).own("target"):
+        one = _selector(target)
+        if found and found[-1].ids and one.ids:
+            found[-1] = replace(found[-1], ids=found[-1].ids + one.ids)
+        else:
+            found.append(one)
+    return found
+
+
+def places_of(nodes: Iterable[Node]) -> list[Place]:
+    """Return the places of some nodes."""
+    return [_place(node) for node in nodes]
+
+
+def _selector(target: Node) -> Selector:
+    selector = Selector()
+    for child in target.children:
+        if child.name == "mod":
+            selector = _modified(selector, child.children[0])
+        elif child.name == "filter":
+            selector = _filtered(selector, child)
+        elif child.name == "NEAREST" and child.item is not None:
+            selector = replace(selector, rank=child.item.get("rank"))
+        elif child.name == "reference":  # "the nearest bench to the church"
+            selector = replace(selector, near=_spot(next(child.find("spot"))))
+        elif child.name == "ID" and child.item is not None:
+            selector = replace(selector, ids=_ids((*selector.ids, child.item.text)))
+        elif child.name in ("TO", *_SPOTS) and target.own("ID"):
+            continue  # "buildings b01 to b05"
+        elif child.name == "IT":
+            selector = replace(selector, kind=IT)
+        elif child.name == "BUILDING" and child.item is None:  # "the tallest"
+            selector = replace(selector, kind="building", k=selector.k or (not selector.nth))
+        elif child.name == "QUARTER" and child.item is not None:
+            selector = replace(selector, kind="building", inside=_quarter(child.item))
+        elif child.item is not None:
+            selector = _of_kind(selector, child.item)
+            many = bool(target.own("NEAREST"))
+            many |= any(mod.own(*_MANY) for mod in target.own("mod"))
+            selector = replace(selector, alone=_is_one(child.item) and not many)
+    return selector
+
+
+def _quarter(item: Item) -> str:
+    """Return the kind of quarter that "the old town" names."""
+    return item.get("slot").split()[0].partition("=")[2]
+
+
+def _is_one(noun: Item) -> bool:
+    """Tell whether a noun stands for a single object: no plural, no mass, no place."""
+    mass = noun.text in ("traffic", "vegetation", "foliage", "planting", "greenery")
+    return not (is_plural(noun) or mass or noun.noun in ("city", "everything", "landscape"))
+
+
+def _ids(named: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the ids of "b01 to b05", or those named."""
+    begin, end = _NUMBERED.fullmatch(named[0]), _NUMBERED.fullmatch(named[-1])
+    if begin is None or end is None or begin[1] != end[1]:
+        return named
+    numbers = range(int(begin[2]), min(int(end[2]), int(begin[2]) + _MOST_IDS) + 1)
+    return tuple(f"{begin[1]}{number:0{len(begin[2])}d}" for number in numbers)
+
+
+def _of_kind(selector: Selector, noun: Item) -> Selector:
+    """Add the kind; "the tallest tower" is one, the city as a whole is no object."""
+    selector = replace(selector, kind="" if noun.noun == "city" else kind_of(noun))
+    if selector.rank and not selector.k and not selector.nth and not is_plural(noun):
+        selector = replace(selector, k=1)
+    return selector
+
+
+def _modified(selector: Selector, word: Node) -> Selector:
+    item = word.item
+    assert item is not None
+    if word.name == "COUNT" and item.quantity is not None:
+        return replace(selector, k=int(item.quantity.low or 0))
+    if word.name == "SHARE":
+        return replace(selector, share=share_of(item))
+    if word.name in ("RANK", "NEAREST"):
+        return replace(selector, rank=item.get("rank"))
+    if word.name == "ORDINAL":
+        return replace(selector, nth=int(item.get("ordinal")))
+    if word.name == "SIDE":
+        return replace(selector, side=item.get("side"))
+    return replace(selector, filters=(*selector.filters, *_conditions(item)))
+
+
+def _filtered(selector: Selector, node: Node) -> Selector:
+    place = node.branch("place")
+    if place is not None:
+        return _placed(selector, _place(place))
+    spot = node.branch("spot")
+    if spot is not None:  # "the benches from the park"
+        return replace(selector, inside=_spot(spot))
+    close = node.branch("within") or node.branch("nearest")
+    if close is not None:  # "within 50 m of the church", "closest to the lake"
+        spot = close.branch("spot")
+        assert spot is not None
+        limit, rank = close.first("LIMIT"), close.own("NEAREST")
+        if rank and rank[0].item is not None:
+            word = rank[0].item.get("rank")
+            return replace(selector, near=_spot(spot), rank=word)
+        far = limit.quantity.high if limit is not None and limit.quantity is not None else None
+        return replace(selector, near=_spot(spot), reach=far or 0.0)
+    for item in node.leaves("LIMIT", "ROOF", "MATERIAL", "FLOORS"):
+        selector = replace(selector, filters=(*selector.filters, *_conditions(item)))
+    return selector
+
+
+def _conditions(item: Item) -> Iterator[str]:
+    """Yield a word or a bound as conditions on single objects."""
+    quantity = item.quantity
+    if quantity is not None:
+        name = quantity.attribute or MEASURES.get(quantity.dimension, quantity.dimension)
+        if quantity.exact is not None:
+            yield f"{name}={quantity.exact:g}"
+        elif quantity.low is not None:
+            yield f"{name}>{quantity.low:g}"
+        if quantity.exact is None and quantity.high is not None:
+            yield f"{name}<{quantity.high:g}"
+        return
+    for kind in ("material", "color"):
+        if item.has(kind):
+            yield f"{kind}={item.get(kind)}"
+            return
+    key, _, value = item.get("slot").partition("=")
+    if value:
+        yield f"{key.rpartition('.')[2]}={value}"
+
+
+def _placed(selector: Selector, place: Place) -> Selector:
+    if place.off is not None:  # "the bench 10 m north of b05"
+        near, reach = place.spot, ABOUT * place.off
+        return replace(selector, side=place.side, of=place.spot, near=near, reach=reach)
+    if place.side:
+        return replace(selector, side=place.side, of=place.spot)
+    if place.relation == "along" or (place.relation == "on" and place.spot in _ROADS):
+        return replace(selector, along=place.spot)
+    if place.relation in ("in", "on"):
+        return replace(selector, inside=place.spot)
+    return replace(selector, near=place.spot)
+
+
+def _place(node: Node) -> Place:
+    node = node.branch("away") or node
+    side = next((child.item for child in node.own("SIDE")), None)
+    where = next(node.find("where"), None)
+    relation = (
+        where.first() if where is not None else next((to.item for to in node.own("TO")), None)
+    )
+    spot = node.branch("spot")
+    return Place(
+        side.get("side") if side is not None else "",
+        relation.get("rel") if relation is not None else "",
+        _spot(spot) if spot is not None else "",
+        spot is not None and any(item.kind == "id" for item in spot.leaves()),
+        next((_metres(far) for far in node.own("AWAY")), None),
+    )
+
+
+def _metres(far: Node) -> float:
+    quantity = far.item.quantity if far.item is not None else None
+    assert quantity is not None
+    return round(quantity.exact or 0.0, 4)
+
+
+def _spot(spot: Node) -> str:
+    """Return the object a place is about; of "the path around the park" it is the park."""
+    item = spot.own(*_SPOTS)[0].item
+    if item is None:
+        return f"{_rank_of(spot)} building".strip()
+    if item.get("rel") == IT:
+        return IT
+    if item.get("slot").startswith("district="):
+        return _quarter(item)
+    beyond = spot.branch("beyond")
+    inner = beyond.branch("spot") if beyond is not None else None
+    if inner is not None and item.noun in _THROUGH:
+        return _spot(inner)
+    if item.kind == "id":
+        return item.text
+    return f"{_rank_of(spot)} {kind_of(item)}".strip()
+
+
+def _rank_of(spot: Node) -> str:
+    """Return the rank of "the tallest building", "" for none."""
+    return next(
+        (item.get("rank") for node in spot.own("RANK", "NEAREST") for item in node.leaves()), ""
+    )

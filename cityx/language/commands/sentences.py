@@ -1,0 +1,551 @@
+"""Commands: the sentences of an instruction for a city that exists."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+from cityx.language.brief import Edit, Question, Selector, Span, Value
+from cityx.language.commands.edits import Unclear, edits_of, own_verb
+from cityx.language.commands.grammar import Node, parse
+from cityx.language.commands.selection import is_plural, targets_of
+from cityx.language.commands.terminals import Terminal, terminals_of
+from cityx.language.conflicts import reconcile
+from cityx.language.describe import describe
+from cityx.language.here import Findings
+from cityx.language.lexicon.changing import part_named
+from cityx.language.lexicon.idioms import changed_air, complaint, plain
+from cityx.language.scan import ENDS, Item
+from cityx.language.scopes import READ
+
+PARSES = 60  # attempts of the grammar for one instruction, so that time stays short
+LONGEST_COMMAND = 32  # terminals; no command of a person is longer
+# Slot -> the edit that sets it. What lies in one edit is said together.
+ENVIRONMENT = {
+    "weather": "set_weather", "rain.intensity": "set_weather", "snow.intensity": "set_weather",
+    "fog.intensity": "set_weather", "wetness": "set_weather", "time": "set_time",
+    "season": "set_season", "style": "set_style", "traffic": "set_traffic",
+    "pedestrians": "set_pedestrians", "lights": "set_lights", "density": "set_density",
+}  # fmt: skip
+_WITH_WEATHER = ("set_time", "set_season")
+_OF_THE_CITY = {
+    "building.roof": "set_roof", "building.material": "set_material",
+    "building.color": "set_color", "roof.color": "set_roof", "roads.width": "set_width",
+}  # fmt: skip
+_PARTS_OF_BUILDINGS = ("facade", "roof", "window")  # "with red facades" says all with its colour
+_LOOKS = ("color", "material", "surface")
+_OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road")
+
+
+@dataclass
+class Commands:
+    """What the commands of an instruction came to.
+
+    Attributes
+    ----------
+    edits, questions, found
+        What changes, what is to be asked, and what describes the city.
+    named
+        What "it" stands for.
+    place
+        What "there" stands for: how something lies to it, and its kind or its name.
+    about
+        What was said to be wrong with it: its "width" or its "height".
+    open
+        Complaints: their spans, and how many edits there were before.
+    parses
+        Attempts of the grammar.
+    """
+
+    edits: list[Edit] = field(default_factory=list)
+    questions: list[Question] = field(default_factory=list)
+    found: Findings = field(default_factory=lambda: Findings(""))
+    named: list[Selector] = field(default_factory=list)
+    place: tuple[str, str] | None = None
+    about: str = ""
+    open: list[tuple[Span, int]] = field(default_factory=list)
+    parses: int = 0
+
+
+def read_edits(text: str, items: Sequence[Item]) -> Commands:
+    """Read every command of an instruction; what no command takes describes the city."""
+    commands = Commands(found=Findings(text))
+    told = False
+    for clause in commands_of(items):
+        named = len(commands.edits)
+        _read(commands, text, clause, told=told)
+        told = clause[-1:] != [] and clause[-1].is_mark(":") and len(commands.edits) == named
+    for span, edits in commands.open:
+        if len(commands.edits) == edits:
+            commands.questions.append(_how_much(text[slice(*span)]))
+            commands.edits.append(Edit("unspecified", span=span))
+    return commands
+
+
+def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
+    """Cut items into commands: at the ends of sentences, and before a verb after "and"."""
+    clause: list[Item] = []
+    for at, item in enumerate(items):
+        if item.is_mark(ENDS + ":"):
+            yield [*clause, item]
+            clause = []
+            continue
+        before = items[at - 1] if at else None
+        joined = before is not None and (before.is_mark(",") or before.get("rel") in ("and", "but"))
+        begins = item.has("verb") and _is_command(items, at) and _has_object(clause)
+        if joined and (begins or (_is_told(clause) and _tells_again(items, at))):
+            yield clause
+            clause = []
+        clause.append(item)
+    yield clause
+
+
+def _is_command(items: Sequence[Item], at: int) -> bool:
+    """Tell whether a word that may be a verb is one here: "and | plant trees"."""
+    if not items[at].has("noun", "material", "side"):
+        return not items[at].state
+    after = items[at + 1] if at + 1 < len(items) else None
+    return after is not None and (after.kind in ("function", "quantity", "id") or after.has("noun"))
+
+
+def _is_told(clause: Sequence[Item]) -> bool:
+    """Tell whether a clause has said of an object what becomes of it: "b20 in blue"."""
+    named = next((at for at, item in enumerate(clause) if item.kind == "id"), len(clause))
+    return any(item.has(*_LOOKS) for item in clause[named + 1 :])
+
+
+def _tells_again(items: Sequence[Item], at: int) -> bool:
+    """Tell whether an object and what becomes of it follow: ", | b21 in green"."""
+    after = items[at + 1 : at + 4]
+    said = next((item for item in after if item.has(*_LOOKS)), None)
+    linked = any(item.get("rel") in ("in", "be", "to") for item in after)
+    return items[at].kind == "id" and said is not None and linked
+
+
+def _has_object(clause: Sequence[Item]) -> bool:
+    return any(item.kind == "id" or item.has("noun", "slot", "rel") for item in clause)
+
+
+def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = False) -> None:
+    plain(clause)
+    live = [item for item in clause if not item.state and item.kind != "mark"]
+    if not live:
+        _settle(commands, text, clause)
+        return
+    if _leaves_open(clause):
+        words = text[slice(*_span(clause))]
+        commands.questions.append(Question(
+            f'What does "{words}" leave out? Name it, as in: paint all buildings except b01 red.'
+        ))  # fmt: skip
+        commands.edits.append(Edit("unspecified", span=_span(clause)))
+        for item in clause:
+            item.state = READ
+        return
+    verb = next((item.get("verb") for item in live if item.kind != "function"), "")
+    last = {item.get("rel") for item in live} >= {"last", "change"}
+    if verb == "REDO":
+        commands.edits.append(_undo(live, "redo"))
+        return
+    if verb == "UNDO" or (last and verb != "APPLY") or (last and live[0].text == "take"):
+        commands.edits.append(_undo(live))
+        return
+    if any(item.has("vague") for item in live) or (verb == "IMPROVE" and not _named(live)):
+        _ask(commands, live)
+        return
+    if _complained(commands, live):
+        return
+    changed = _amounts_of_life(live)
+    if changed:
+        commands.edits += changed
+        return
+    air = changed_air(live, _span(live))
+    commands.edits += air
+    live = [item for item in live if not item.state]
+    if air and not any(item.kind == "id" or item.has("noun", "slot", "verb") for item in live):
+        return
+    if _named(live) or _means_it(commands, live):
+        edits = _parsed(commands, clause)
+        if edits is not None:
+            commands.edits += edits
+            _settle(commands, text, clause)
+            return
+    if told and commands.named and live:  # "b08: flat roof, grey"
+        edits = _parsed(commands, clause, about_it=True)
+        if edits is not None:
+            commands.edits += edits
+            return
+    _describe(commands, text, clause, live)
+
+
+def _leaves_open(clause: Sequence[Item]) -> bool:
+    """Tell whether a clause leaves something out that it does not name."""
+    at = next((at for at, item in enumerate(clause) if item.has("except")), len(clause))
+    after = next((item for item in clause[at + 1 :] if item.kind != "function"), None)
+    return at < len(clause) and (after is None or not (after.kind == "id" or after.noun))
+
+
+def _complained(commands: Commands, items: list[Item]) -> bool:
+    """Read "the street is too narrow", of which the next command says what is done about it."""
+    found = complaint(items)
+    if found is None:
+        return False
+    end, about = found
+    command = parse(terminals_of(items[:end], verb_first=False), items[:end])
+    if command is None or command.name != "topic":
+        return False
+    commands.named, commands.about = targets_of(command), about
+    commands.open.append((_span(items), len(commands.edits)))
+    for item in items:
+        item.state = READ
+    return True
+
+
+def _how_much(words: str) -> Question:
+    return Question(f'By how much? "{words}" does not say it.')
+
+
+def _settle(commands: Commands, text: str, clause: Sequence[Item]) -> None:
+    """Take what a command protects or denies."""
+    inner = describe(text, [item for item in clause if item.state and item.state != READ])
+    commands.found.kept += inner.kept
+    commands.found.negated += inner.negated
+
+
+def _named(items: Iterable[Item]) -> bool:
+    """Tell whether objects are named, rather than the city as a whole."""
+    items = list(items)
+    whole = any(item.noun == "everything" for item in items)
+    weather = any(item.get("slot").startswith("weather=") for item in items)
+    swap = sum(item.has(*_LOOKS) for item in items) > 1 and items[0].get("verb") == "REPLACE"
+    quarter = any(
+        item.has("side") and after.noun == "city"
+        for item, after in pairwise(item for item in items if item.kind != "function")
+    ) or any(item.get("slot").startswith("district=") for item in items)
+    told = any(item.has(*_LOOKS) or "style=" in item.get("slot") for item in items)
+    return (
+        (whole and not weather)
+        or swap
+        or (quarter and told)
+        or any(
+            item.kind == "id"
+            or item.has("rank")
+            or (item.noun_class in _OBJECTS and not item.has("slot"))
+            for item in items
+        )
+    )
+
+
+def _means_it(commands: Commands, items: Iterable[Item]) -> bool:
+    """Tell whether "it" is what was named before, rather than the city."""
+    whole = any(item.get("slot").partition("=")[0] in ENVIRONMENT for item in items)
+    return bool(commands.named) and not whole and any(item.get("rel") == "it" for item in items)
+
+
+def _span(items: Sequence[Item]) -> Span:
+    return min(item.span[0] for item in items), max(item.span[1] for item in items)
+
+
+def _undo(items: Sequence[Item], verb: str = "undo") -> Edit:
+    count = next((item.quantity.low for item in items if item.quantity is not None), 1.0)
+    every = any(item.get("rel") == "all" or item.noun == "everything" for item in items)
+    for item in items:
+        item.state = READ
+    return Edit(verb, change=((verb, "all" if every else int(count or 1)),), span=_span(items))
+
+
+def _ask(commands: Commands, items: Sequence[Item]) -> None:
+    for item in items:
+        item.state = READ
+    commands.edits.append(Edit("unspecified", span=_span(items)))
+    commands.questions.append(
+        Question(
+            "What should change? The words do not say it.",
+            ("the weather or the time", "the style of the buildings", "more trees", "the traffic"),
+        )
+    )
+
+
+_PLACED = ("along", "near", "around", "on", "in", "from")  # "more traffic on x1"
+_BUSY = {"more": "heavy", "many": "heavy", "few": "light", "RAISE": "heavy", "LOWER": "light"}
+
+
+def _amounts_of_life(items: Sequence[Item]) -> list[Edit]:
+    """Read "more traffic and fewer people", which name no object that exists."""
+    objects = [at for at, item in enumerate(items) if item.noun_class in _OBJECTS]
+    words = [item for item in items if item.kind != "function"]
+    found = []
+    start = 0
+    for at in objects:
+        how = _how_busy(items[start:at]) or _BUSY.get(items[0].get("verb"), "")
+        if not how and len(objects) == 1:  # "make the traffic heavy"
+            how = _how_busy(items[at + 1 :])
+        start = at + 1
+        crowd = items[at].noun == "pedestrian" and is_plural(items[at])
+        cars = items[at].noun == "vehicle" and is_plural(items[at]) and not items[at].has("mode")
+        if not how or not (crowd or cars or items[at].text == "traffic"):
+            return []
+        key = "pedestrians" if crowd else "traffic"
+        found.append(Edit(f"set_{key}", change=((key, how),), span=_span(items)))
+    placed = any(item.kind == "id" for item in items) or any(
+        item.get("rel") in _PLACED and after.noun for item, after in pairwise(words)
+    )
+    if placed or any(item.quantity is not None for item in items):
+        return []
+    for item in items if found else ():
+        item.state = READ
+    return found
+
+
+def _how_busy(words: Sequence[Item]) -> str:
+    for word in words:
+        amount = "more" if word.get("rel") == "more" else word.get("amount")
+        how = _BUSY.get(amount) or word.get("strength")
+        if how:
+            return how
+    return ""
+
+
+def _resolved(commands: Commands, edit: Edit) -> Iterator[Edit]:
+    """Put what was named last for "it"; ask where nothing was."""
+    if edit.target is None or edit.target.kind != "it":
+        commands.named = [edit.target] if edit.target is not None else commands.named
+        yield edit
+    elif commands.named:
+        verb = edit.verb.replace("height", commands.about or "height")
+        yield from (
+            replace(edit, target=target, verb=own_verb(verb, target)) for target in commands.named
+        )
+    else:
+        commands.questions.append(Question("Which object is meant? Name its kind or its id."))
+        yield Edit("unspecified", span=edit.span)
+
+
+def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item]) -> None:
+    """Read a command that names no object: weather, time, style; or one nobody understands."""
+    begins = next((item for item in live if item.kind != "function"), live[0])
+    stops = live[0].get("verb") == "REMOVE"
+    gone = stops or next((item.get("verb") for item in live if item.get("verb")), "") == "REMOVE"
+    if live[0].has("verb"):
+        live[0].state = READ  # "plant" is no factory here
+    inner = describe(text, clause)
+    inner.slots = reconcile(inner.slots)
+    if stops:  # "stop the rain"
+        inner.slots = [
+            replace(slot, value="clear") if slot.key == "weather" else slot for slot in inner.slots
+        ]
+    found = commands.found
+    found.kept += inner.kept
+    found.negated += inner.negated
+    found.notes += inner.notes
+    grouped: dict[str, list[tuple[str, Value]]] = {}
+    for slot in inner.slots:
+        verb = ENVIRONMENT.get(slot.key) or _OF_THE_CITY.get(slot.key, "")
+        if verb:
+            grouped.setdefault(verb, []).append((slot.key, slot.value))
+        else:
+            found.slots.append(slot)
+    if "set_weather" in grouped:
+        for verb in _WITH_WEATHER:
+            grouped["set_weather"] += grouped.pop(verb, [])
+    commands.edits += [
+        Edit(verb, change=tuple(change), span=_span(live)) for verb, change in grouped.items()
+    ]
+    unread_command = _named(live) and live[0].has("verb") and not grouped
+    nothing = not (inner.slots or inner.kept or inner.negated) or unread_command
+    if (gone and {"set_color", "set_material", "set_style", "set_roof"} & {*grouped}) or (
+        begins.kind == "unknown" and {*grouped} & {"set_traffic", "set_pedestrians"}
+    ):  # "remove that grey block", "ban cars from it": nothing is to look so, or to drive
+        words = text[slice(*_span(live))]
+        commands.questions.append(Question(f'What should "{words}" change, and how?'))
+    sides = [i for i in live if not i.state and (i.kind == "id" or i.has("side"))]
+    if sides and grouped:  # what is said of a part of the city is not for all of it
+        commands.questions.append(_unknown(text, clause, sides))
+    if nothing and live[0].get("verb") != "APPLY" and any(i.kind != "function" for i in live):
+        words = text[slice(*_span(live))]
+        commands.questions.append(Question(f'What should "{words}" change, and how?'))
+
+
+def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -> list[Edit] | None:
+    """Parse a command; where it does not fit, leave out one word after the other.
+
+    A command about what was named before a colon says only what becomes of it.
+    """
+    for verb_first in (True, False):
+        terminals = terminals_of(clause, verb_first=verb_first)
+        if about_it:
+            looks = [terminal for terminal in terminals if terminal[0] != "AND"]
+            terminals = [("MAKE", -1), ("IT", -1), *looks] if looks else []
+        if not terminals or len(terminals) > LONGEST_COMMAND:
+            continue
+        counted = terminals[0][0] in ("AMOUNT", "COUNT")
+        counted = counted and all(name != "RANK" for name, _ in terminals[:3])
+        if (counted and all(name != "BE" for name, _ in terminals)) or _is_new(clause, terminals):
+            terminals.insert(0, ("ADD", -1))
+        for attempt in _attempts(terminals):
+            if commands.parses >= PARSES:
+                return None
+            commands.parses += 1
+            command = parse(attempt, clause)
+            if command is not None and _adds_the(command, clause):
+                words = commands.found.text[slice(*_span(clause))].rstrip(".!? ")
+                commands.questions.append(
+                    Question(f'What should "{words}" change, and how?')  # it adds none
+                )
+                return [Edit("unspecified", span=_span(clause))]
+            if command is not None and (command.name != "topic" or clause[-1].is_mark(":")):
+                for _, index in attempt:
+                    if index >= 0:
+                        clause[index].state = READ
+                for item in clause:
+                    if item.noun in _PARTS_OF_BUILDINGS:
+                        item.state = item.state or READ
+                edits = _made(commands, command, _span(clause))
+                lost = _lost(clause, edits)
+                lost += [clause[at] for name, at in terminals if name == "AGAIN"
+                         and clause[at].state != READ and clause[at] not in lost]  # fmt: skip
+                if lost:
+                    commands.questions.append(_unknown(commands.found.text, clause, lost))
+                return _there(commands, edits) if _says_there(clause) else _noted(commands, edits)
+    return None
+
+
+_TAKES_AWAY = ("remove", "replace")
+
+
+def _adds_the(command: Node, clause: Sequence[Item]) -> bool:
+    """Tell whether a command would make things that it speaks of as those there are."""
+    verb = command.children[0]
+    if command.name != "add" or verb.name != "MAKE" or verb.item is None:
+        return False
+    after = clause[clause.index(verb.item) + 1 :]
+    return bool(after) and after[0].words[0] in ("the", "these", "those", "all")
+
+
+def _lost(clause: Sequence[Item], edits: Sequence[Edit]) -> list[Item]:
+    """Return words that name what nobody read, of which a change may be: a name, a side, a look.
+
+    Of what is taken away every such word counts: who says "remove the spire of the church" does
+    not want the church removed; of what is new, things and plants do. Parts of buildings are read
+    by `cityx.language.references.parts`.
+    """
+    left = [item for item in clause if not item.state and not part_named(item.text)]
+    gone = any(edit.verb in _TAKES_AWAY for edit in edits)
+    new = any(edit.verb in ("add", "plant") for edit in edits)
+    return [
+        item for item in left
+        if item.kind == "id" or item.has("side", *_LOOKS)
+        or (gone and (item.kind == "unknown" or item.noun))
+        or (new and item.noun_class in ("element", "plant"))
+    ]  # fmt: skip
+
+
+def _unknown(text: str, clause: Sequence[Item], lost: Sequence[Item]) -> Question:
+    words = ", ".join(f'"{text[slice(*item.span)]}"' for item in lost)
+    return Question(f'What is meant by {words} in "{text[slice(*_span(clause))]}"?')
+
+
+_PLACES = ("in", "on", "along", "around", "near", "path")  # keys of a change that name a place
+_OF_STREETS = ("set_surface", "set_speed", "set_lanes", "set_width", "raise_width", "scale_width")
+_LINED = ("road", "street", "avenue", "main_street", "side_street", "ring_road", "river", "canal")
+
+
+def _noted(commands: Commands, edits: list[Edit]) -> list[Edit]:
+    """Note the place that edits speak of, which "there" is in the next command."""
+    for edit in edits:
+        target = edit.target
+        named = [(key, str(value)) for key, value in edit.change if key in _PLACES]
+        if target is not None and edit.verb != "move":
+            told = (("in", target.inside), ("along", target.along), ("near", target.near))
+            named = [(key, word) for key, word in told if word]
+            if not named and edit.verb != "remove" and (target.alone or len(target.ids) == 1):
+                lined = target.kind in _LINED or edit.verb in _OF_STREETS
+                beside = "near" if target.ids else "in"
+                named = [("along" if lined else beside, (*target.ids, target.kind)[0])]
+        commands.place = named[-1] if named else commands.place
+    return edits
+
+
+def _says_there(clause: Sequence[Item]) -> bool:
+    """Tell whether "there" is a place here: "put five benches there", not "there are"."""
+    words = [*(item for item in clause if item.kind != "mark"), None]
+    return any(
+        item is not None
+        and item.text in _THERE
+        and (after is None or (after.get("rel") != "be" and after.text not in ("s", "'s")))
+        for item, after in pairwise(words[1:])
+    )
+
+
+_THERE = ("there", "in there", "over there", "on there")
+
+
+def _there(commands: Commands, edits: list[Edit]) -> list[Edit]:
+    """Put the place that was named last for "there"; ask where none was."""
+    found = []
+    for edit in edits:
+        target = edit.target
+        placed = any(key in (*_PLACES, "side") for key, _ in edit.change)
+        if target is not None:
+            placed = bool(target.ids or target.inside or target.along or target.near or target.side)
+        if placed or edit.verb == "unspecified":
+            found.append(edit)
+        elif not commands.place:
+            commands.questions.append(Question('Where is "there"? Name the place.'))
+            return [Edit("unspecified", span=edit.span)]
+        else:
+            found.append(_put(edit, *commands.place))
+    return found
+
+
+def _put(edit: Edit, relation: str, spot: str) -> Edit:
+    """Return a change at a place."""
+    if edit.target is None:
+        agent = edit.verb in ("add_agent", "add_traffic")
+        return replace(edit, change=(*edit.change, ("path" if agent else relation, spot)))
+    if relation == "along":
+        return replace(edit, target=replace(edit.target, along=spot))
+    if relation == "near":
+        return replace(edit, target=replace(edit.target, near=spot))
+    return replace(edit, target=replace(edit.target, inside=spot))
+
+
+def _is_new(clause: Sequence[Item], terminals: Sequence[Terminal]) -> bool:
+    """Tell whether what is not there yet is told of: "a woman circles the park", "a bench by x"."""
+    first = next((item for item in clause if not item.state or item.kind == "function"), None)
+    names = [name for name, _ in terminals]
+    at = next((at for at, name in enumerate(names) if name in ("AGENT", "THING")), len(names))
+    goes = any(name in _GOES for name in names[at + 1 :])
+    goes = goes and "BE" not in names  # "a car is parked on x1"
+    introduced = first is not None and first.words[0] in ("a", "an", "another", "some")
+    return introduced and goes and set(names[:at]) <= {"MODE", "SIZE", "SPEED"}
+
+
+_GOES = ("MODE", "REL", "ON", "IN", "TO", "BY", "AWAY")
+
+
+def _made(commands: Commands, command: Node, span: Span) -> list[Edit]:
+    if command.name == "topic":
+        commands.named = targets_of(command)
+        return []
+    try:
+        edits = [replace(edit, span=span) for edit in edits_of(command)]
+        return [known for edit in edits for known in _resolved(commands, edit)]
+    except Unclear as error:
+        words = commands.found.text[slice(*span)]
+        asked = Question(str(error)) if error.args else _how_much(words)
+        commands.questions.append(asked)
+        return [Edit("unspecified", span=span)]
+
+
+def _attempts(terminals: list[Terminal]) -> Iterator[list[Terminal]]:
+    yield terminals
+    soft = [at for at, (name, _) in enumerate(terminals) if name in _SOFT]
+    for at in reversed(soft):
+        yield terminals[:at] + terminals[at + 1 :]
+    for end in range(len(terminals) - 1, 1, -1):
+        yield terminals[:end]
+
+
+_SOFT = ("ATTR", "SIDE", "MODE", "AMOUNT", "OF", "TO", "BY", "WITH", "ON", "IN", "AND",
+         "BE", "IT", "WHOLE", "ALL", "REL", "STYLE", "ORDINAL")  # fmt: skip

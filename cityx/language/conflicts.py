@@ -1,0 +1,224 @@
+"""Conflicts: parts of an instruction that cannot both hold, found before anything runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from cityx.language.brief import Conflict, Slot, Span
+from cityx.language.slots import SINGLE
+
+# Least ground of one building, square metres; streets and yards take at least the rest.
+FOOTPRINTS: Mapping[str, float] = {
+    "tower": 250.0, "house": 50.0, "terrace": 35.0, "villa": 90.0, "apartment": 150.0,
+    "warehouse": 400.0, "factory": 500.0, "cottage": 30.0, "bungalow": 60.0,
+}  # fmt: skip
+SMALLEST, FULLEST = 40.0, 0.75  # square metres of any building, share of ground under buildings
+STOREY = (2.2, 6.0)  # metres of the lowest and the highest storey
+THAW = 8.0  # degrees Celsius above which no snow stays
+_WEATHER_TOGETHER = (
+    # Of two words about one sky, the later in a row says more: "overcast, light snow".
+    ("clear", "haze"), ("cloudy", "overcast", "rain", "storm"), ("cloudy", "overcast", "snow"),
+    ("cloudy", "overcast", "haze", "fog"), ("clear", "cloudy"), ("clear", "snow"),
+)  # fmt: skip
+_TIMES_TOGETHER = (
+    ("morning", "dawn"), ("morning", "sunrise"), ("dawn", "sunrise"), ("afternoon", "golden_hour"),
+    ("afternoon", "sunset"), ("evening", "golden_hour"), ("evening", "sunset"),
+    ("evening", "dusk"), ("sunset", "dusk"), ("evening", "night"), ("sunset", "golden_hour"),
+    ("sunrise", "golden_hour"), ("morning", "golden_hour"),
+)  # fmt: skip
+# What "no X" forbids: keys that begin so, and values of the keys that name things.
+_FORBIDS: Mapping[str, tuple[str, ...]] = {
+    "building": ("building.count", "building.type", "building.height", "building.floors"),
+    "road": ("roads.", "traffic", "bridge.count"),
+    "tree": ("nature.trees", "tree.count", "nature.spacing"),
+    "vehicle": ("traffic", "vehicle.count", "vehicle.speed"),
+    "pedestrian": ("pedestrians", "pedestrian.count"),
+}
+_NAMING = ("element", "agent", "building.type", "weather", "style", "district")
+# What is denied with its kind: who wants no water wants no river.
+_KINDS: Mapping[str, tuple[str, ...]] = {
+    "water": ("river", "canal", "lake", "pond", "sea", "waterfall"),
+    "pedestrian": ("man", "woman"),
+}
+
+
+def reconcile(slots: Sequence[Slot]) -> list[Slot]:
+    """Keep of two words that say the same thing more or less exactly the more exact one."""
+    found = list(slots)
+    clocks = [slot for slot in found if slot.key == "time" and ":" in str(slot.value)]
+    if len(clocks) == 1:
+        found = [slot for slot in found if slot.key != "time" or slot is clocks[0]]
+    for key, rows in (("weather", _WEATHER_TOGETHER), ("time", _TIMES_TOGETHER)):
+        values = {slot.value for slot in found if slot.key == key}
+        for row in rows:
+            if len(values) > 1 and values <= set(row):
+                last = max(values, key=lambda value: row.index(str(value)))
+                found = [slot for slot in found if slot.key != key or slot.value == last]
+                break
+    found = _counted_apart(found)
+    measured = any(slot.key.startswith("size.") for slot in found)
+    found = [slot for slot in found if slot.key != "size" or not measured]
+    return [slot for slot in found if not _weaker(slot, found)]
+
+
+def _counted_apart(slots: list[Slot]) -> list[Slot]:
+    """Count each type by itself where two are counted: "80 houses and 20 towers"."""
+    if sum(slot.key == "building.count" for slot in slots) < 2:
+        return slots
+    types = [slot for slot in slots if slot.key == "building.type"]
+    found = []
+    for slot in slots:
+        own = [one for one in types if slot.span[0] <= one.span[0] and one.span[1] <= slot.span[1]]
+        counted = slot.key.startswith("building.count") and own
+        key = slot.key.replace("building", str(own[0].value)) if counted else slot.key
+        found.append(replace(slot, key=key))
+    return found
+
+
+def _weaker(slot: Slot, slots: Sequence[Slot]) -> bool:
+    """Tell whether another slot says the same more exactly."""
+    if slot.key == "nature.trees":
+        words = {one.value for one in slots if one.key == slot.key}
+        counted = any(one.key in ("tree.count", "nature.spacing") for one in slots)
+        return slot.value == "some" and (len(words) > 1 or counted)
+    if slot.key in ("traffic", "pedestrians") and slot.value == "medium":
+        return any(one.key == slot.key and one.value != "medium" for one in slots)
+    if slot.key == "element":
+        return any(one.key == f"{slot.value}.count" for one in slots)
+    if slot.key == "building.height" and isinstance(slot.value, str):
+        return any(one.key.startswith("building.height.") for one in slots)
+    if slot.key == "district" and slot.value == "residential" and "neighbo" in slot.text.lower():
+        return any(one.key == "district" and one is not slot for one in slots) or any(
+            one.key == "source" for one in slots
+        )
+    return False
+
+
+def conflicts_of(slots: Sequence[Slot], negated: Sequence[Slot]) -> tuple[Conflict, ...]:
+    """Return every contradiction, each with where it stands and what would be right."""
+    return (
+        *_two_values(slots),
+        *_bounds(slots),
+        *_denied(slots, negated),
+        *_crowded(slots),
+        *_storeys(slots),
+        *_warm_snow(slots),
+    )
+
+
+def _spans(*slots: Slot) -> tuple[Span, ...]:
+    return tuple(slot.span for slot in slots)
+
+
+def _two_values(slots: Sequence[Slot]) -> Iterator[Conflict]:
+    for key in sorted(SINGLE):
+        found = [slot for slot in slots if slot.key == key]
+        if len(found) > 1:
+            said = " and ".join(f'"{slot.text}"' for slot in found)
+            yield Conflict(
+                f"two_values:{key}",
+                f"{said} give {key} {len(found)} values; name one: "
+                f"{' or '.join(str(slot.value) for slot in found)}.",
+                _spans(*found),
+            )
+
+
+def _bounds(slots: Sequence[Slot]) -> Iterator[Conflict]:
+    for low in slots:
+        if not low.key.endswith(".min") or isinstance(low.value, str):
+            continue
+        base = low.key.removesuffix(".min")
+        for high in slots:
+            over = high.key in (f"{base}.max", base) and not isinstance(high.value, str)
+            if over and float(low.value) > float(high.value):
+                yield Conflict(
+                    f"min_over_max:{base}",
+                    f"{base} must be at least {low.value:g} and at most {high.value:g}; the first "
+                    "must not be above the second.",
+                    _spans(low, high),
+                )
+
+
+def _denied(slots: Sequence[Slot], negated: Sequence[Slot]) -> Iterator[Conflict]:
+    for denial in negated:
+        what = str(denial.value)
+        for slot in slots:
+            kinds = (what, *_KINDS.get(what, ()))
+            counted = slot.key in [f"{kind}.count" for kind in kinds] and slot.value != 0
+            named = slot.key in _NAMING and slot.value in kinds
+            listed = any(slot.key.startswith(start) for start in _FORBIDS.get(what, ()))
+            if (counted or named or listed) and not slot.key.endswith(".max"):
+                yield Conflict(
+                    f"denied_and_wanted:{what}",
+                    f'"{denial.text}" is not to be there, but "{slot.text}" asks for it '
+                    f"({slot.key} = {slot.value}); leave one of the two out.",
+                    _spans(denial, slot),
+                )
+                break
+
+
+def _area(slots: Sequence[Slot]) -> tuple[float, Slot] | None:
+    sizes = {slot.key: slot for slot in slots if not isinstance(slot.value, str)}
+    if "size.area" in sizes:
+        return float(sizes["size.area"].value), sizes["size.area"]
+    if "size.x" in sizes and "size.y" in sizes:
+        return float(sizes["size.x"].value) * float(sizes["size.y"].value), sizes["size.x"]
+    return None
+
+
+def _crowded(slots: Sequence[Slot]) -> Iterator[Conflict]:
+    area = _area(slots)
+    if area is None:
+        return
+    kinds = [str(slot.value) for slot in slots if slot.key == "building.type"]
+    ground = min((FOOTPRINTS.get(kind, SMALLEST) for kind in kinds), default=SMALLEST)
+    for slot in slots:
+        wanted = slot.key in ("building.count", "building.count.min")
+        if wanted and float(slot.value) * ground > FULLEST * area[0]:
+            most = int(FULLEST * area[0] / ground)
+            yield Conflict(
+                "too_many:building",
+                f"{slot.value:g} buildings of at least {ground:g} m2 do not fit on "
+                f"{area[0]:g} m2; at most {most} do, or the city must be larger.",
+                _spans(slot, area[1]),
+            )
+
+
+def _storeys(slots: Sequence[Slot]) -> Iterator[Conflict]:
+    numbers = {slot.key: slot for slot in slots if not isinstance(slot.value, str)}
+
+    def either(*keys: str) -> Slot | None:
+        return next((numbers[key] for key in keys if key in numbers), None)
+
+    floors_max = either("building.floors.max", "building.floors")
+    floors_min = either("building.floors.min", "building.floors")
+    height_max = either("building.height.max", "building.height")
+    height_min = either("building.height.min", "building.height")
+    if floors_max and height_min and float(height_min.value) > float(floors_max.value) * STOREY[1]:
+        yield Conflict(
+            "floors_against_height",
+            f"{floors_max.value:g} floors reach no {height_min.value:g} m; ask for at least "
+            f"{float(height_min.value) / STOREY[1]:.0f} floors, or for less height.",
+            _spans(floors_max, height_min),
+        )
+    if floors_min and height_max and float(floors_min.value) * STOREY[0] > float(height_max.value):
+        yield Conflict(
+            "floors_against_height",
+            f"{floors_min.value:g} floors do not fit into {height_max.value:g} m; at most "
+            f"{float(height_max.value) / STOREY[0]:.0f} do.",
+            _spans(floors_min, height_max),
+        )
+
+
+def _warm_snow(slots: Sequence[Slot]) -> Iterator[Conflict]:
+    snow = next((s for s in slots if s.key == "weather" and s.value == "snow"), None)
+    warm = [s for s in slots if s.key in ("temperature", "temperature.min")]
+    for slot in warm:
+        if snow is not None and float(slot.value) > THAW:
+            yield Conflict(
+                "snow_in_the_heat",
+                f"Snow does not lie at {slot.value:g} degrees; ask for at most {THAW:g} degrees, "
+                "or for other weather.",
+                _spans(snow, slot),
+            )

@@ -1,0 +1,292 @@
+"""Describing: the items of an instruction become slots."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from cityx.language.here import BUILDINGS, COUNTED, LANDMARKS, ROADS, Findings, Here
+from cityx.language.quantities import read_quantity
+from cityx.language.scan import ENDS, Item
+from cityx.language.scopes import KEPT, NEGATED, READ
+
+_WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
+_FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
+_AIR = ("season=", "time=", "weather=", "wetness=")
+_OF_BUILDINGS = ("style", "building.roof")
+_NO_PLACE = ("city", "landscape", "center", "sky")
+_TURNED = ("right", "left", "top", "bottom")  # sides of a picture, not of a city
+# What stands behind a word about how much of it there is.
+_THINGS = {"nature.trees": "tree", "pedestrians": "pedestrian", "lights": "light"}
+_CONTENT = {
+    "slot", "noun", "material", "color", "amount", "strength", "size", "height", "width", "side",
+    "axis", "use", "compared", "attr", "source", "mode", "rank", "verb", "vague",
+}  # fmt: skip
+# Kinds of words that carry a meaning only beside others.
+_FUNCTION = {
+    "amount", "strength", "attr", "mode", "verb", "size", "rank", "rel", "bound", "approx",
+    "exact", "neg", "after_neg", "neither", "nothing_but", "except", "keep", "unchanged",
+    "ordinal", "any_source",
+}  # fmt: skip
+
+
+def describe(text: str, items: Sequence[Item]) -> Findings:
+    """Read what the items say of a city; each item that says something counts as read."""
+    found = Findings(text)
+    for at, item in enumerate(items):
+        if item.state in (NEGATED, KEPT):
+            _settled(Here(found, items, at))
+    for rule in (_strengths, read_quantity, _amounts, _shapes, _sides, _phrases, _nouns, _looks):
+        for at, item in enumerate(items):
+            if not item.state:
+                rule(Here(found, items, at))
+    return found
+
+
+def unread(items: Iterable[Item]) -> list[Item]:
+    """Return the items with content that nobody read."""
+    return [item for item in items if not item.state and _has_content(item)]
+
+
+def _has_content(item: Item) -> bool:
+    if item.kind in ("unknown", "id", "file"):
+        return True
+    if item.quantity is not None:
+        return item.quantity.exact != 1
+    kinds = {kind for kind, _ in item.senses}
+    return bool(kinds & _CONTENT) and not kinds <= _FUNCTION
+
+
+def _settled(here: Here) -> None:
+    """Put what is denied or protected into its own list."""
+    item = here.item
+    denied = item.state == NEGATED
+    value = _settled_value(here)
+    if denied and item.get("slot") in ("weather=cloudy", "weather=overcast"):
+        here.found.add("weather", "clear", item)
+    elif value and denied and _there_alone(here):
+        here.found.leave(item, "denied in one place alone")
+    elif value and denied and _of_a_kind(here):
+        here.found.leave(item, "denied of one kind alone")
+    elif value and denied:
+        here.found.deny(value, item)
+    elif value:
+        here.found.keep(value, item)
+    elif denied and item.has("height", "width", "size"):
+        here.found.leave(item, "denied")
+
+
+def _there_alone(here: Here) -> bool:
+    """Tell whether something is denied in one place alone: "no trees on the main road"."""
+    place = here.items[here.at + 2 : here.at + 4]
+    beside = here.after is not None and here.after.get("rel") in ("on", "along", "near", "around")
+    nouns = [one for one in place if one.noun and one.noun not in ("road", "city", "landscape")]
+    element = any(one.noun_class == "element" for one in nouns)
+    within = here.after is not None and here.after.get("rel") == "in" and here.item.noun in ROADS
+    return (beside and bool(nouns)) or (within and element)
+
+
+def _of_a_kind(here: Here) -> bool:
+    """Tell whether streets of one width alone are denied: "no narrow streets"."""
+    before = here.before
+    return before is not None and before.has("width", "size") and here.item.noun in ROADS
+
+
+def _settled_value(here: Here) -> str:
+    """Return the name of what is denied or protected; of a slot and a noun, the noun is it."""
+    item = here.item
+    if item.kind == "id":
+        return item.text
+    if item.has("noun"):
+        if item.noun in _NO_PLACE:
+            return "" if item.state == NEGATED else "everything"
+        return COUNTED["plant"] if item.noun_class == "plant" else item.noun
+    if item.has("slot"):
+        key, _, value = item.get("slot").partition(" ")[0].partition("=")
+        return _THINGS.get(key, value)
+    alone = here.after is None or not here.after.noun
+    return (item.get("material") or item.get("color")) if alone else ""
+
+
+def _strengths(here: Here) -> None:
+    """Read "heavy" beside rain, snow, fog or traffic."""
+    strength = here.item.get("strength")
+    if not strength:
+        return
+    for other in (*here.items[here.at + 1 : here.at + 3], here.before):
+        if other is None or other.is_mark(ENDS + ",") or other.state == NEGATED:
+            continue
+        weather = other.get("slot").removeprefix("weather=")
+        if weather in _FALLS:
+            here.found.add("weather", weather, other)
+            here.found.add(f"{weather}.intensity", strength, here.item)
+        elif weather in ("storm", "haze"):
+            here.found.leave(here.item, f"strength of {weather}")
+        elif other.text == "traffic" or (other.noun == "vehicle" and here.item.text == "busy"):
+            here.found.add("traffic", strength, here.item, other)
+        if other.has("noun", "slot"):
+            return
+
+
+def _amounts(here: Here) -> None:
+    """Read "lots of" and "few" with the noun they go with."""
+    amount = here.item.get("amount")
+    if not amount or here.item.has("slot"):
+        return
+    noun = here.before if here.item.text == "everywhere" else here.noun_behind()
+    if noun is None:
+        return
+    busy = "heavy" if amount == "many" else "light"
+    if noun.noun_class == "plant" or (noun.noun == "green" and amount == "many"):
+        here.found.add("nature.trees", amount, here.item, noun)
+    elif noun.noun == "vehicle":
+        here.found.add("traffic", busy, here.item, noun)
+    elif noun.noun_class == "person" and noun.noun != "dog":
+        here.found.add("pedestrians", busy, here.item, noun)
+
+
+def _shapes(here: Here) -> None:
+    """Read "wide", "tall" and "small" with the noun they go with."""
+    item = here.item
+    if item.has("slot") or not item.has("width", "height", "size"):
+        return
+    noun = here.noun_behind()
+    if item.has("width", "height"):
+        noun = noun or _subject(here)
+        _shape(here, noun)
+    elif (noun is None and _district_behind(here)) or (noun is not None and noun.noun == "city"):
+        here.found.add("size", item.get("size"), item)
+    elif noun is not None:
+        here.found.leave(item, f"size of the {noun.noun}")
+
+
+def _shape(here: Here, noun: Item | None) -> None:
+    width, height = here.item.get("width"), here.item.get("height")
+    if noun is None:
+        return
+    if height and (noun.noun_class in BUILDINGS or noun.noun == "everything"):
+        here.found.add("building.height", height, here.item)
+    elif width and noun.noun in ROADS:
+        here.found.add(f"{ROADS[noun.noun]}.width", width, here.item)
+    elif width and noun.noun in _WIDE:
+        here.found.add(f"{noun.noun}.width", width, here.item)
+    else:
+        here.found.leave(here.item, f"{'width' if width else 'height'} of the {noun.noun}")
+
+
+def _subject(here: Here) -> Item | None:
+    """Return the noun of "the streets are wide"."""
+    before = here.before
+    linked = before is not None and (
+        before.get("rel") == "be" or before.kind == "function" or before.is_mark(":")
+    )
+    return here.noun_before(4) if linked else None
+
+
+def _district_behind(here: Here) -> bool:
+    for item in here.items[here.at + 1 : here.at + 4]:
+        if "district=" in item.get("slot"):
+            return True
+        if not item.has("slot", "material", "color") and item.kind != "function":
+            return False
+    return False
+
+
+def _sides(here: Here) -> None:
+    """Read an axis, and a side with the element it places: one before it, or the next."""
+    item = here.item
+    if item.has("axis"):
+        street = here.noun()
+        own = "motorway" if street is not None and street.noun == "motorway" else "main"
+        here.found.add(f"roads.{own}.axis", item.get("axis"), item)
+    if not item.has("side") or item.text in _TURNED:
+        return
+    things = [
+        one for one in here.clause()
+        if (one.noun_class == "element" or one.noun in LANDMARKS) and one.state in ("", READ)
+    ]  # fmt: skip
+    before = [one for one in things if one.span < item.span]
+    behind = [one for one in things if one.span > item.span]
+    placed = {slot.key for slot in here.found.slots}
+    free = [one for one in before if f"{one.noun}.side" not in placed]
+    if free or behind or before:
+        thing = free[-1] if free else (behind or before[::-1])[0]
+        here.found.add(f"{thing.noun}.side", item.get("side"), item)
+
+
+def _phrases(here: Here) -> None:
+    """Read a phrase that says its slots by itself."""
+    for pair in here.item.get("slot").split():
+        key, _, value = pair.partition("=")
+        if key == "not":
+            here.item.state = READ
+            here.found.deny(value, here.item)
+        else:
+            every = key in _OF_BUILDINGS and here.of_every_building()
+            here.found.add(key, value, here.item, every=every)
+    if here.item.has("use"):
+        every = here.of_every_building()
+        here.found.add("building.use", here.item.get("use"), here.item, every=every)
+
+
+def _nouns(here: Here) -> None:
+    """Read what is there because it is named."""
+    item = here.item
+    noun, group = item.noun, item.noun_class
+    if group == "type":
+        every = any(one.get("rel") == "all" for one in here.items[max(0, here.at - 3) : here.at])
+        landmark = noun in LANDMARKS and not every and not item.words[-1].endswith("s")
+        here.found.add("element" if landmark else "building.type", noun, item)
+    elif group == "element":
+        here.found.add("element", noun, item)
+    elif group == "plant":
+        here.found.add("nature.trees", "some", item)
+    elif noun in ("vehicle", "pedestrian"):
+        here.found.add("traffic" if noun == "vehicle" else "pedestrians", "medium", item)
+    elif group in ("vehicle", "person"):
+        here.found.add("agent", noun, item)
+    elif noun == "ring_road":
+        here.found.add("roads.rings", 1, item)
+    elif noun == "motorway":
+        here.found.add("roads.motorways", 1, item)
+    elif group in ("building", "road", "place"):
+        item.state = READ
+
+
+def _of_roofs(here: Here, noun: Item | None) -> bool:
+    """Tell whether a colour is that of roofs: "red roofs", "give the roofs a red colour"."""
+    if noun is not None:
+        return noun.noun == "roof"
+    return any(one.noun == "roof" for one in here.clause())
+
+
+def _of_the_air(here: Here) -> bool:
+    """Tell whether a colour is that of the day: "a grey and gloomy November afternoon"."""
+    for item in here.items[here.at + 1 :]:
+        if item.get("slot").startswith(_AIR):
+            return True
+        passes = item.kind in ("function", "unknown") or item.is_mark(",")
+        if not (passes or item.get("rel") == "and" or item.has("color", "strength", "size")):
+            return False
+    return False
+
+
+def _looks(here: Here) -> None:
+    """Read materials and colours with what they are of."""
+    material, color = here.item.get("material"), here.item.get("color")
+    if not (material or color):
+        return
+    noun = here.noun_behind()
+    if color and noun is None and _of_the_air(here):
+        if color == "grey":
+            here.found.add("weather", "overcast", here.item)
+        else:
+            here.found.leave(here.item, "colour of the light")
+    elif color and _of_roofs(here, noun):
+        here.found.add("roof.color", color, here.item)
+    elif noun is not None and noun.noun_class not in (*BUILDINGS, "place"):
+        here.found.leave(here.item, f"look of the {noun.noun}")
+    else:
+        here.found.add(
+            f"building.{'material' if material else 'color'}", material or color, here.item,
+            every=here.of_every_building(),
+        )  # fmt: skip

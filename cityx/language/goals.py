@@ -1,0 +1,464 @@
+"""Goals: every slot and edit as predicates over the finished city; what has none is noted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from types import MappingProxyType
+
+from cityx.language.brief import Edit, GoalText, Note, Selector, Slot
+from cityx.language.measurable import PATTERNS, SIDES, condition, things
+
+WITHIN = 0.10  # of a number in the text; counts hold exactly
+WITHIN_SIZE = 0.01  # of a size or a factor, which can be built exactly
+MOST, PART = 0.6, 0.25  # share of buildings that makes a style, and one of several styles
+EACH = 0.95  # share of buildings that is nearly each of them
+AROUND_SHARE = 0.05  # by which a share of buildings may differ
+
+# Slot -> value -> predicates; "*" stands for every other value, {v} for the value.
+WORDS: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {
+        "district": {
+            "downtown": ("stat(building, height, p90) >= 45",),
+            "old_town": ("stat(building, floors, p90) <= 6",),
+            "suburban": ("stat(building, floors, max) <= 3",),
+            "village": ("stat(building, floors, p90) <= 3",),
+            "slum": ("stat(building, floors, p90) <= 3",),
+            "industrial": ("share(building, use=industrial) >= 0.6",),
+            "residential": ("share(building, use=residential) >= 0.6",),
+            "commercial": ("share(building, use=commercial) >= 0.6",),
+            "entertainment": ("share(building, use=retail) >= 0.2",),
+            "campus": ("share(building, use=civic) >= 0.2",),
+            "coastal": ("n(sea) >= 1",),
+            "harbour": ("n(pier) >= 1",),
+        },
+        "density": {
+            "high": ("cover(building) >= 0.35",),
+            "medium": ("cover(building) in [0.15, 0.4]",),
+            "low": ("cover(building) <= 0.2",),
+        },
+        "size": {
+            "small": ("size.area <= 160000",),
+            "medium": ("size.area in [160000, 1000000]",),
+            "large": ("size.area >= 1000000",),
+        },
+        "building.height": {
+            "tall": ("stat(building, height, p90) >= 45",),
+            "medium": ("stat(building, height, p50) in [10, 30]",),
+            "low": ("stat(building, floors, p90) <= 3",),
+            "varied": ("stat(building, height, max) >= 2 * stat(building, height, p10)",),
+        },
+        "roads.width": {
+            "wide": ("stat(road, width, p50) >= 12",),
+            "narrow": ("stat(road, width, p50) <= 7",),
+        },
+        "roads.main.width": {
+            "wide": ("stat(road, class=main, width, p50) >= 16",),
+            "narrow": ("stat(road, class=main, width, p50) <= 9",),
+        },
+        "roads.other.width": {
+            "wide": ("stat(road, class=local, width, p50) >= 10",),
+            "narrow": ("stat(road, class=local, width, p50) <= 7",),
+        },
+        "roads.main.axis": {
+            "north_south": (
+                "axis(road, class=primary) == north_south",
+                "spans(road, class=primary, dir=y) >= 0.95",
+            ),
+            "east_west": (
+                "axis(road, class=primary) == east_west",
+                "spans(road, class=primary, dir=x) >= 0.95",
+            ),
+            "*": ("axis(road, class=primary) == {v}",),
+        },
+        "roads.motorway.axis": {
+            "north_south": ("spans(road, class=motorway, dir=y) >= 0.95",),
+            "east_west": ("spans(road, class=motorway, dir=x) >= 0.95",),
+        },
+        "nature.trees": {
+            "many": ("n(tree) >= 60",),
+            "some": ("n(tree) >= 10",),
+            "few": ("n(tree) in [1, 20]",),
+        },
+        "weather": {
+            "rain": ("env.weather == rain", "env.wetness >= 0.4"),
+            "storm": ("env.weather == storm", "env.cloud >= 0.8"),
+            "fog": ("env.weather == fog", "env.fog >= 0.4"),
+            "*": ("env.weather == {v}",),
+        },
+        "snow.intensity": {
+            "light": ("env.snow_cover in [0.05, 0.5]",),
+            "heavy": ("env.snow_cover >= 0.5",),
+        },
+        "rain.intensity": {"light": ("env.rain <= 4",), "heavy": ("env.rain >= 4",)},
+        "fog.intensity": {"light": ("env.fog <= 0.7",), "heavy": ("env.fog >= 0.6",)},
+        "wetness": {"high": ("env.wetness >= 0.5",), "low": ("env.wetness <= 0.1",)},
+        "time": {
+            "night": ("env.time == night", "env.sun_elev < -6"),
+            "noon": ("env.sun_elev >= 45",),
+            "afternoon": ("env.sun_elev in [15, 55]",),
+            "golden_hour": ("env.sun_elev in [2, 12]",),
+            "sunset": ("env.sun_elev in [0, 8]", "sun_azimuth in [240, 300]"),
+            "sunrise": ("env.sun_elev in [0, 8]", "sun_azimuth in [60, 120]"),
+            "dusk": ("env.time == dusk", "env.sun_elev in [-6, 6]"),
+            "dawn": ("env.time == dawn", "env.sun_elev in [-6, 6]"),
+            "morning": ("env.time == morning",),
+            "evening": ("env.time == evening",),
+        },
+        "traffic": {
+            "heavy": ("density(vehicle, road.class=main) >= 25",),
+            "medium": ("density(vehicle, road) >= 4",),
+            "light": ("density(vehicle, road) in [1, 8]",),
+        },
+        "pedestrians": {
+            "heavy": ("density(pedestrian, sidewalk) >= 15",),
+            "medium": ("density(pedestrian, sidewalk) >= 3",),
+            "light": ("density(pedestrian, sidewalk) in [0.5, 5]",),
+        },
+        "lights": {
+            "neon": ("n(light, type=neon) >= 20",),
+            "on": ("n(streetlight, on=true) >= 10",),
+            "off": ("n(streetlight, on=true) == 0",),
+        },
+    }
+)
+# Source -> predicates over its file, {v}.
+SOURCES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "osm": ("iou(building, {v}) >= 0.85", "iou(road, {v}) >= 0.8"),
+        "semantic_map": ("iou(building, {v}) >= 0.85", "iou(water, {v}) >= 0.8"),
+        "height_field": ("corr(terrain, {v}) >= 0.99",),
+        "satellite": ("iou(building, {v}) >= 0.5", "iou(road, {v}) >= 0.4"),
+    }
+)
+# Slot with a number -> what is measured; the comparison follows from exact, ".min" or ".max".
+NUMBERS: Mapping[str, str] = MappingProxyType(
+    {
+        "size.x": "size.x", "size.y": "size.y", "size.area": "size.area",
+        "green.share": "cover(green)", "roads.slope": "stat(road, slope, max)",
+        "roads.width": "stat(road, width, p50)",
+        "roads.main.width": "stat(road, class=main, width, p50)",
+        "roads.other.width": "stat(road, class=local, width, p50)",
+        "roads.avenues": "n(road, class=avenue)", "roads.rings": "n(road, class=ring)",
+        "roads.motorways": "n(road, class=motorway)",
+        "roads.speed": "stat(road, speed, p50)", "roads.main.count": "n(road, class=primary)",
+        "roads.count": "n(road)", "nature.spacing": "spacing(tree, road)",
+    }
+)  # fmt: skip
+_LANES = {
+    "roads.lanes": "share(road, lanes={v:g}) >= 0.9",
+    "roads.main.lanes": "n(road, class=primary, lanes={v:g}) >= 1",
+    "roads.motorway.lanes": "n(road, class=motorway, lanes={half:g}) >= 1",
+    "roads.other.lanes": "share(road, class=local, lanes={v:g}) == 1.0",
+}
+QUARTER = 500.0  # metres of a site below which the widest roads may pass it by
+_SHARED = (
+    "style", "building.type", "building.material", "building.color", "building.roof",
+    "building.use",
+)  # fmt: skip
+_COUNTS = ("count", "avenues", "rings", "motorways")
+_FUNCTIONS = {"min": "min", "max": "max", "": "mean"}
+_MEASURES = ("width", "height", "floors", "area", "length", "speed")
+_WEATHERS = ("clear", "cloudy", "overcast", "rain", "storm", "fog", "haze", "snow")
+_FAR = 100_000.0  # no measure of a thing is greater
+_PLAIN_NAME = frozenset("abcdefghijklmnopqrstuvwxyz0123456789_.")
+
+
+def goals_of(
+    slots: Sequence[Slot],
+    negated: Sequence[Slot] = (),
+    kept: Sequence[Slot] = (),
+    edits: Sequence[Edit] = (),
+    files: Mapping[str, str] | None = None,
+) -> tuple[tuple[GoalText, ...], tuple[Note, ...]]:
+    """Return the predicates of everything a brief asks for, each once.
+
+    Parameters
+    ----------
+    slots, negated, kept, edits
+        The brief.
+    files
+        Names of the input files by source.
+
+    Returns
+    -------
+    goals
+        One or more for all that predicates can measure.
+    notes
+        One for all that they cannot.
+    """
+    found: list[GoalText] = []
+    notes: list[Note] = []
+
+    def take(text: str, predicates: Iterable[str], span: tuple[int, int]) -> None:
+        goals = [GoalText(text, one, span=span) for one in predicates]
+        found.extend(goals)
+        if not goals:
+            notes.append(Note("not_checkable", f"Nothing measures {text}.", span))
+
+    for slot in slots:
+        take(f"{slot.key} = {slot.value}", _slot_predicates(slot, slots, files or {}), slot.span)
+    for slot in negated:
+        take(f"not {slot.value}", _absent(str(slot.value)), slot.span)
+    for slot in kept:
+        chosen = things(str(slot.value))
+        kept_goal = "same(others)" if slot.value == "everything" else f"same({chosen})"
+        take(f"keep {slot.value}", [kept_goal] if chosen else [], slot.span)
+    for edit in edits:
+        text = " ".join(f"{key}={value}" for key, value in edit.items())
+        part = bool(kept) and edit.target is not None and not edit.target.ids  # the rest of them
+        if edit.verb not in ("undo", "redo", "unspecified") and not part:
+            take(text, _edit_predicates(edit), edit.span)
+    if any(edit.target is not None for edit in edits):
+        found.append(GoalText("nothing else changes", "same(others)"))
+    return tuple({goal.predicate: goal for goal in found}.values()), tuple(notes)
+
+
+def _heavy_traffic(slots: Sequence[Slot]) -> Iterator[str]:
+    """Yield what makes traffic heavy: full main roads, or full streets in quarters without any."""
+    keys = {slot.key for slot in slots}
+    if "district" in keys and "source" not in keys:
+        yield "density(vehicle, road) >= 8"
+        return
+    if "source" not in keys:
+        sides = [float(slot.value) for slot in slots if slot.key in ("size.x", "size.y")]
+        rank = "main" if sides and max(sides) < QUARTER else "primary"
+        yield f"n(road, class={rank}) >= 1"
+    yield from _said("traffic", "heavy", MOST)
+
+
+def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]) -> Iterator[str]:
+    if slot.key == "source":
+        name = files.get(str(slot.value), "").lower()
+        plain = bool(name) and set(name) <= _PLAIN_NAME
+        yield from (one.format(v=name) for one in SOURCES.get(str(slot.value), ()) if plain)
+    elif isinstance(slot.value, str):
+        if (slot.key, slot.value) == ("traffic", "heavy"):
+            yield from _heavy_traffic(slots)
+            return
+        most = EACH if slot.every else MOST
+        share = most if sum(one.key == slot.key for one in slots) == 1 else PART
+        yield from _said(slot.key, slot.value, share)
+    else:
+        yield from _measured(slot.key, float(slot.value), slots)
+
+
+def _said(key: str, value: str, share: float) -> Iterator[str]:
+    table = WORDS.get(key)
+    if table is not None:
+        yield from (one.format(v=value) for one in table.get(value, table.get("*", ())))
+    elif key in _SHARED:
+        told = condition(key, value)
+        if told:
+            yield f"share(building, {told}) >= {share}"
+    elif key in ("element", "agent"):
+        chosen = things(value)
+        if chosen:
+            yield "cover(green) >= 0.1" if value == "green" else f"n({chosen}) >= 1"
+    elif key == "roads.pattern" and value in PATTERNS:
+        yield f"road.pattern == {value}"
+    elif key.endswith(".side") and value in SIDES and things(key.removesuffix(".side")):
+        yield f"side({things(key.removesuffix('.side'))}) == {value}"
+    elif key.endswith(".width") and things(key.removesuffix(".width")):
+        bound = ">= 30" if value == "wide" else "<= 10"
+        yield f"stat({things(key.removesuffix('.width'))}, width, mean) {bound}"
+
+
+def _measured(key: str, value: float, slots: Sequence[Slot]) -> Iterator[str]:
+    end = key.rpartition(".")[2] if key.endswith((".min", ".max")) else ""
+    base = key.removesuffix(f".{end}") if end else key
+    if base in _LANES:
+        yield _LANES[base].format(v=value, half=(value + 1) // 2)
+        return
+    left = _left(base, end, slots)
+    if left:
+        yield f"{left} {_compared(base, value, end)}"
+
+
+def _left(base: str, end: str, slots: Sequence[Slot]) -> str:
+    """Return what is measured for a key, "" where nothing does."""
+    if base in NUMBERS:
+        return NUMBERS[base]
+    if base == "building.count":
+        kinds = [str(slot.value) for slot in slots if slot.key == "building.type"]
+        told = condition("building.type", kinds[0]) if len(kinds) == 1 else ""
+        return f"n(building, {told})" if told else "n(building)"
+    kind, _, measure = base.rpartition(".")
+    if measure == "share":
+        told = condition("building.material", kind) or condition("building.type", kind)
+        return f"share(building, {told})" if told else ""
+    chosen = things(kind)
+    if not chosen:
+        return ""
+    if measure == "count":
+        return f"n({chosen})"
+    return f"stat({chosen}, {measure}, {_FUNCTIONS[end]})" if _has(chosen, measure) else ""
+
+
+def _has(chosen: str, measure: str) -> bool:
+    """Tell whether things of a kind have a measure."""
+    if measure not in _MEASURES:
+        return False
+    kind = chosen.partition(",")[0]
+    if kind in ("vehicle", "bus", "pedestrian"):
+        return measure == "speed"
+    if kind == "building":
+        return measure in ("height", "floors", "area")
+    if kind in ("tree", "streetlight", "bench", "fountain", "statue"):
+        return measure == "height"
+    if kind in ("road", "bridge", "path", "railway"):
+        return measure in ("width", "length") or (measure == "speed" and kind == "road")
+    return measure in ("area", "width")
+
+
+def _compared(base: str, value: float, end: str) -> str:
+    size = base.startswith("size.")
+    if end == "min":
+        return f">= {value * (1 - (WITHIN_SIZE if size else 0)):.8g}"
+    if end == "max":
+        return f"<= {value * (1 + (WITHIN_SIZE if size else 0)):.8g}"
+    if base.rpartition(".")[2] in _COUNTS:
+        return f"== {value:g}"
+    return _around(value, WITHIN_SIZE if base in ("size.x", "size.y") else WITHIN)
+
+
+def _around(value: float, slack: float) -> str:
+    return f"in [{value * (1 - slack):.8g}, {value * (1 + slack):.8g}]"
+
+
+def _absent(what: str) -> Iterator[str]:
+    chosen = things(what)
+    if what in _WEATHERS:
+        yield f"env.weather != {what}"
+    elif condition("style", what):
+        yield f"share(building, style={what}) == 0"
+    elif condition("building.material", what):
+        yield f"share(building, {condition('building.material', what)}) == 0"
+    elif what == "water":
+        yield "cover(water) == 0"
+    elif chosen:
+        yield f"n({chosen}) == 0"
+
+
+# -- edits ---------------------------------------------------------------------------------------
+
+
+def _edit_predicates(edit: Edit) -> Iterator[str]:
+    if edit.target is not None:
+        for chosen in _chosen(edit.target):
+            yield from _target_predicates(edit, chosen)
+    elif edit.verb in ("add_agent", "add_traffic"):
+        yield from _agent_predicates(edit)
+    elif edit.verb == "plant":
+        yield _gained("tree", edit)
+        spacing = dict(edit.change).get("spacing")
+        if spacing is not None:
+            yield f"spacing(tree, road) {_around(float(spacing), WITHIN)}"
+    elif edit.verb in ("add", "add_building"):
+        chosen = things(str(dict(edit.change).get("element", "building")))
+        if chosen:
+            yield _gained(chosen, edit)
+    else:
+        for key, value in edit.change:
+            yield from _said(_full(key), str(value), MOST)
+
+
+def _gained(chosen: str, edit: Edit) -> str:
+    """Return how many more things of a kind there must be: as many as asked for, else some."""
+    count = dict(edit.change).get("count")
+    return f"gained({chosen}) >= 1" if count is None else f"gained({chosen}) == {count}"
+
+
+def _full(key: str) -> str:
+    """Return the slot that an edit of the whole city sets."""
+    return f"building.{key}" if key in ("material", "color", "roof") else key
+
+
+def quoted(name: str) -> str:
+    """Return a name as predicates write it: in quotes where it is more than a word."""
+    plain = name.replace("_", "a").isalnum() and not name[:1].isdigit()
+    escaped = name.replace("\\", "\\\\").replace('"', '\\"')
+    return name if plain else f'"{escaped}"'
+
+
+def _chosen(target: Selector) -> Iterator[str]:
+    """Return a target as choices of things; none where predicates cannot choose it."""
+    if target.ids:
+        yield from map(quoted, target.ids)
+        return
+    kind = things(target.kind)
+    conditions = [condition_of(text) for text in target.filters]
+    placed = target.near or target.inside or target.along or target.side
+    if not kind or placed or target.nth or not all(conditions):
+        return
+    chosen = ", ".join([kind, *conditions])
+    if target.rank == "tallest":
+        yield f"top({chosen}, height, {target.k or 1})"
+    elif not target.rank and not target.k:
+        yield chosen
+
+
+def condition_of(text: str) -> str:
+    """Return a filter of a selector as a condition of predicates, "" where none says it."""
+    for sign, span in ((">", "{0} in [{1}, {2:g}]"), ("<", "{0} in [0, {1}]")):
+        name, found, value = text.partition(sign)
+        if found:
+            return span.format(name, value, _FAR) if name in ("height", "floors", "area") else ""
+    name, _, value = text.partition("=")
+    return f"floors={value}" if name == "floors" else condition(name, value)
+
+
+def _target_predicates(edit: Edit, chosen: str) -> Iterator[str]:
+    target = edit.target
+    assert target is not None
+    change = dict(edit.change)
+    measure = edit.verb.partition("_")[2]
+    if edit.verb == "remove" and target.share is None:
+        yield f"n(building, id={chosen}) == 0" if target.ids else f"n({chosen}) == 0"
+    elif edit.verb.startswith("scale_") and "factor" in change and _has(chosen, measure):
+        yield f"ratio({chosen}, {measure}) {_around(float(change['factor']), WITHIN_SIZE)}"
+    elif edit.verb in ("set_material", "set_color", "set_style", "set_roof", "replace"):
+        yield from _look_predicates(edit, chosen)
+    elif edit.verb in ("set_height", "set_floors", "set_width"):
+        for key, value in edit.change:
+            end = key.partition(".")[2]
+            left = f"stat({chosen}, {measure}, {_FUNCTIONS[end]})"
+            yield f"{left} {_compared(measure, float(value), end)}"
+    else:
+        yield f"changed({chosen})"
+
+
+def _look_predicates(edit: Edit, chosen: str) -> Iterator[str]:
+    """Yield what share of the chosen buildings must look as asked."""
+    share = edit.target.share if edit.target is not None else None
+    told = [
+        f"floors={value:g}" if not isinstance(value, str) else condition(_full(key), value)
+        for key, value in edit.change
+        if key != "building.height"
+    ]
+    terms = ", ".join(term for term in told if term)
+    filtered = edit.target is not None and bool(edit.target.filters)
+    if not terms or (filtered and edit.verb in ("replace", "set_material")):
+        yield f"changed({chosen.partition(',')[0]})"  # the filter no longer holds afterwards
+    elif share is None:
+        yield f"share({chosen}, {terms}) == 1.0"
+    else:
+        low, high = share - AROUND_SHARE, share + AROUND_SHARE
+        yield f"share({chosen}, {terms}) in [{low:.4g}, {high:.4g}]"
+
+
+def _agent_predicates(edit: Edit) -> Iterator[str]:
+    change = dict(edit.change)
+    kind = things(str(change.get("agent", "vehicle")))
+    if not kind:
+        return
+    place = things(str(change.get("path", "")))
+    where = f", on={place}" if place and "," not in place else ""
+    where = where if kind.startswith(("vehicle", "bus")) else ""
+    mode = f", mode={change['mode']}" if change.get("mode") in ("walk", "run", "stand") else ""
+    yield _gained(f"{kind}{mode}", edit)
+    if where:
+        yield f"n({kind}{where}) >= 1"
+    if "speed" in change:
+        yield f"stat({kind}{where}, speed, mean) {_around(float(change['speed']), WITHIN)}"
+    if kind.startswith("pedestrian") and place and "," not in place:
+        yield f"follows(pedestrian, {place}, dev=0.5)"

@@ -1,0 +1,1 @@
+"""The lexicon: words, numbers, units and the phrase book."""

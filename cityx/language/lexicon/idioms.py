@@ -1,0 +1,241 @@
+"""Idioms: ways to put a command that are rewritten as plain ones before it is parsed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from cityx.language.brief import Edit, Span
+from cityx.language.lexicon.changing import part_named
+from cityx.language.lexicon.words import forms_of
+from cityx.language.scan import Item, Quantity
+from cityx.language.scopes import NEGATED, READ
+
+_TAKEN = (
+    "take",
+    "tear",
+    "knock",
+    "pull",
+    "cut",
+    "chop",
+    "rip",
+    "throw",
+    "strip",
+)  # "take the bench out"
+_CLEARED = ("clear", "strip", "empty", "rid", "free", "relieve", "cleanse")  # "the park of trees"
+_WANTS = ("i want", "i would like", "would like", "i'd like", "want")
+DEGREES = 360.0  # of a whole turn
+_ONE_STOREY = ("one story", "single story")  # folded; of a city that is described, low houses
+_COPIES = frozenset(("copy", "duplicate", "replica", "clone", "twin"))  # "a copy of the church"
+# Words after a share -> whether it is more or less than before.
+_COMPARED = {
+    "larger": 1, "bigger": 1, "taller": 1, "higher": 1, "smaller": -1, "shorter": -1, "lower": -1,
+}  # fmt: skip
+_AWAY = ("out", "away", "off", "down", "out of")
+_THINGS = ("element", "plant", "vehicle", "person", "building", "type")
+# Word for weather -> what there can be more or less of.
+_AMOUNTS = {"cloudy": "clouds", "overcast": "clouds"}
+
+
+def plain(clause: list[Item]) -> None:
+    """Rewrite the items of a command: verbs in two parts, and "no trees along the street"."""
+    live = [item for item in clause if item.kind != "mark"]
+    _join_verb(live)
+    _deny(live)
+    _clear(clause)
+    _duplicate(clause)
+    _turn(live)
+    for part, link in pairwise(live):
+        if part_named(part.text) and ("rel", "from") in link.senses:
+            link.state = READ  # "the balconies from b03" are those of b03
+    _want(live)
+    _trees(live)
+    _fraction(clause)
+    for before, item in pairwise(live):
+        if before.has("side") and item.quantity is not None and item.quantity.dimension == "part":
+            item.state = READ  # "the western half of the city" is its west
+        if item.text in _ONE_STOREY:
+            item.quantity, item.senses = Quantity("floors", 1.0, 1.0), ()
+
+
+def _clear(clause: list[Item]) -> None:
+    """Read "clear the park of trees" as "remove trees from the park"."""
+    first = next((k for k, one in enumerate(clause) if one.kind != "function"), len(clause))
+    of = next((at for at, item in enumerate(clause) if item.get("rel") == "of"), 0)
+    if of <= first or clause[first].words[0] not in _CLEARED or clause[first].state:
+        return
+    place, gone = clause[first + 1 : of], clause[of + 1 :]
+    named = any(item.noun_class in _THINGS for item in gone)
+    if not named or not any(item.noun or item.kind == "id" for item in place):
+        return
+    end = next((at for at, item in enumerate(gone) if item.kind == "mark"), len(gone))
+    while end and gone[end - 1].get("rel") in ("and", "but"):
+        end -= 1  # what follows is another command
+    clause[first].senses, clause[of].senses = (("verb", "REMOVE"),), (("rel", "from"),)
+    clause[first + 1 :] = [*gone[:end], clause[of], *place, *gone[end:]]
+
+
+def _turn(live: list[Item]) -> None:
+    """Read "turn the tree by 45 degrees" as "rotate the tree by 45 degrees"."""
+    if any(one.quantity is not None and one.quantity.dimension == "angle" for one in live):
+        for item in live:
+            if item.words[0] == "turn" and item.get("verb") == "MAKE":
+                item.senses = (("verb", "ROTATE"),)
+
+
+def _fraction(clause: list[Item]) -> None:
+    """Read "a fifth larger" as "20 % larger", by which something is more or less than it was."""
+    for at, (article, part) in enumerate(pairwise(clause)):
+        number = "4" if part.text == "quarter" else part.get("ordinal")
+        if article.text != "a" or not number.isdigit():
+            continue
+        after = clause[at + 2].text if at + 2 < len(clause) else ""
+        by = at > 0 and clause[at - 1].get("rel") == "by"
+        if after == "turn":
+            angle = DEGREES / int(number)
+            part.quantity, clause[at + 2].state = Quantity("angle", angle, angle), READ
+        elif after in _COMPARED or by:
+            part.quantity = Quantity("share", 1.0 / int(number), 1.0 / int(number), unit=0.01)
+        else:
+            continue
+        part.senses, article.state = (), READ
+    for part, more in pairwise(clause):
+        if part.quantity is not None and part.quantity.dimension == "share":
+            sign = _COMPARED.get(more.text, 0)
+            if sign and not part.quantity.relative:
+                part.quantity = replace(part.quantity, relative=sign)
+                more.senses, more.state = (), READ
+
+
+def _want(live: Sequence[Item]) -> None:
+    """Read "I want a statue in the park" as "add a statue in the park"."""
+    if len(live) > 2 and live[0].text in _WANTS and live[1].text in ("a", "an", "some", "another"):
+        noun = next((item for item in live[2:] if item.noun), None)
+        if noun is not None and noun.noun_class == "element":
+            live[0].senses = (("verb", "ADD"),)
+
+
+def _trees(live: Sequence[Item]) -> None:
+    """Read "plant rows of trees on both sides of it" as planting trees along it."""
+    if not live or live[0].get("verb") not in ("PLANT", "ADD"):
+        return
+    for item, after in zip(live, [*live[1:], None], strict=True):
+        if item.get("slot") == "nature.trees=many" and "trees" in item.words:
+            item.senses = (("noun", "plant:tree"),)
+            if "sides" in item.words and after is not None and after.get("rel") == "of":
+                after.senses = (("rel", "along"),)
+
+
+def _duplicate(clause: list[Item]) -> None:
+    """Read "put a copy of the church beside it" as "copy the church beside it"."""
+    for at, item in enumerate(clause[:-1]):
+        twin = item.get("verb") == "COPY" or not _COPIES.isdisjoint(forms_of(item.words[-1]))
+        if twin and clause[at + 1].get("rel") == "of" and not item.state:
+            for other in [*clause[:at], clause[at + 1]]:
+                other.state = other.state or READ
+            said = next((one.quantity for one in clause[:at] if one.quantity is not None), None)
+            count = int(said.exact or 1) if said is not None else 1
+            item.senses = (("verb", "COPY"), ("copies", str(count)))
+            return
+
+
+def complaint(items: Sequence[Item]) -> tuple[int, str] | None:
+    """Read "the street is too narrow": where the subject ends, and what is wrong with it."""
+    for at, item in enumerate(items[1:-1], start=1):
+        after = items[at + 1]
+        said = next((kind for kind in ("width", "height") if after.has(kind)), "")
+        if item.text in ("too", "far too", "much too") and said:
+            be = next((k for k in range(at) if items[k].get("rel") == "be"), 0)
+            return (be, said) if be else None
+    return None
+
+
+def _join_verb(items: Sequence[Item]) -> None:
+    """Read "take all benches out of the park" as "remove all benches from the park"."""
+    first = next((item for item in items if item.senses or item.text in _TAKEN), None)
+    if first is None or first.text not in _TAKEN or first.state:
+        return
+    at = items.index(first) + 1
+    if at < len(items) and _is_measured(items[at]):  # "take two floors off the tower"
+        after = items[at + 1] if at + 1 < len(items) else None
+        if after is not None and (after.get("rel") == "from" or after.text in _AWAY):
+            first.senses, after.senses = (("verb", "REMOVE"),), (("rel", "from"),)
+        return
+    named = False
+    for item, after in zip(items, [*items[1:], None], strict=True):
+        named |= bool(item.noun) or item.kind == "id" or part_named(item.text) != ""
+        away = item.text in _AWAY and (after is None or after.get("rel") != "to")
+        if named and (away or item.text in ("from", "off of")):
+            first.senses = (("verb", "REMOVE"),)
+            leaves = after is not None and ("rel", "from") in item.senses  # "off the hotel"
+            item.senses = (("rel", "from"),) if leaves or item.text.endswith("of") else ()
+            item.state = "" if item.senses else READ
+            return
+
+
+def _is_measured(item: Item) -> bool:
+    return item.quantity is not None and item.quantity.dimension in ("floors", "length")
+
+
+def _deny(items: Sequence[Item]) -> None:
+    """Read "no trees along the main street" as "remove the trees along the main street"."""
+    said = [item for item in items if item.has("neg") or item.state == NEGATED or _tells(item)]
+    if len(said) < 2 or not said[0].has("neg"):
+        return
+    denied = [item for item in said[1:] if item.state == NEGATED]
+    if not denied or not any(item.noun_class in _THINGS or item.has("strip") for item in denied):
+        return
+    said[0].senses, said[0].state = (("verb", "REMOVE"),), ""
+    for item in denied:
+        item.state = ""
+
+
+def _tells(item: Item) -> bool:
+    return item.kind in ("id", "quantity") or item.has("noun", "slot", "verb", "material", "color")
+
+
+def changed_air(items: Sequence[Item], span: Span) -> list[Edit]:
+    """Read "thicker fog" and "one hour later"; what says so counts as read."""
+    return [*_degrees(items, span), *_shifts(items, span)]
+
+
+def _degrees(items: Sequence[Item], span: Span) -> Iterator[Edit]:
+    """Read more or less of a kind of weather: "thicken the fog", "more rain"."""
+    for at, item in enumerate(items):
+        degree = item.get("degree") or _degree_of_amount(item)
+        beside = [*items[at + 1 : at + 3], *reversed(items[:at])] if degree else []
+        weather = next((one for one in beside if one.get("slot").startswith("weather=")), None)
+        if weather is None:
+            continue
+        kind = weather.get("slot").partition(" ")[0].partition("=")[2]
+        if kind == "clear":
+            continue
+        item.state = weather.state = READ
+        what = _AMOUNTS.get(kind, kind)
+        yield Edit(f"{degree}_weather", None, (("air", what),), span)
+
+
+def _degree_of_amount(item: Item) -> str:
+    if item.get("rel") == "more" or item.text == "more":
+        return "more"
+    return "less" if item.text in ("less", "fewer") else ""
+
+
+def _shifts(items: Sequence[Item], span: Span) -> Iterator[Edit]:
+    """Read "three hours earlier" and "move the clock forward by two hours"."""
+    way = next((item for item in items if item.has("later")), None)
+    for item in items:
+        quantity = item.quantity
+        if way is None or quantity is None or quantity.dimension != "duration":
+            continue
+        hours = (quantity.exact or 0.0) * int(way.get("later"))
+        for one in items:
+            one.state = one.state or (READ if _of_clock(one) else "")
+        item.state = way.state = READ
+        yield Edit("shift_time", None, (("hours", round(hours, 4)),), span)
+
+
+def _of_clock(item: Item) -> bool:
+    clock = item.text in ("clock", "time", "same weather", "same", "weather", "now", "it", "by")
+    return clock or item.has("verb") or item.kind == "function"

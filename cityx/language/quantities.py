@@ -1,0 +1,219 @@
+"""Quantities: numbers with units become slots of what they measure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from cityx.language.here import BUILDINGS, COUNTED, LANDMARKS, ROADS, Here
+from cityx.language.scan import ENDS, Item, Quantity
+from cityx.language.scopes import READ
+
+_GREEN = ("green", "park", "garden", "forest", "lawn")
+_WHOLE = ("city", "landscape", "everything")
+_SIDES = {"width": ("size.x",), "length": ("size.y",)}
+_BEHIND_LANES = 3  # items between "two lanes" and "in each direction"
+
+
+def read_quantity(here: Here) -> None:
+    """Add the slots that a quantity says."""
+    rule = _RULES.get(here.quantity.dimension) if here.item.quantity is not None else None
+    if rule is not None:
+        rule(here)
+
+
+def _value(quantity: Quantity) -> float:
+    return quantity.high or quantity.low or 0.0
+
+
+def _key(noun: Item) -> str:
+    if noun.noun_class == "road":
+        return ROADS.get(noun.noun, noun.noun)
+    return COUNTED.get(noun.noun_class, noun.noun)
+
+
+def _counts(here: Here) -> None:
+    noun = here.noun_behind()
+    if noun is None and here.quantity.exact != 1:
+        of_them = here.after is not None and here.after.get("rel") == "of"
+        noun = here.noun_before() or here.buildings_before(past_end=of_them)
+    pronoun = noun is not None and here.item.text == "one" and noun.noun_class in ("place", "road")
+    if noun is None or pronoun:
+        if here.quantity.exact == 1:
+            here.item.state = READ
+        return
+    key = _count_key(noun)
+    if key:
+        here.found.add_bounded(key, here.quantity, here.item, noun)
+    if noun.noun_class == "type" and noun.noun not in LANDMARKS:
+        here.found.add("building.type", noun.noun, noun)
+
+
+def _count_key(noun: Item) -> str:
+    if noun.noun in LANDMARKS:
+        return f"{noun.noun}.count"
+    if noun.noun_class in BUILDINGS or noun.noun == "everything":
+        return "building.count"
+    if noun.noun_class in ("element", "vehicle", "person", "plant"):
+        return f"{_key(noun)}.count"
+    return {
+        "avenue": "roads.avenues", "ring_road": "roads.rings", "road": "roads.count",
+        "main_street": "roads.main.count", "motorway": "roads.motorways",
+    }.get(noun.noun, "")  # fmt: skip
+
+
+def _lanes(here: Here) -> None:
+    """Read lanes; "in each direction" doubles them."""
+    both = 1.0
+    for other in here.items[here.at + 1 : here.at + 1 + _BEHIND_LANES]:
+        if other.is_mark(ENDS) or other.quantity is not None:
+            break
+        if other.get("rel") == "direction" or other.get("attr") == "side":
+            both = 2.0
+            other.state = READ
+            break
+    low, high = (
+        None if end is None else end * both for end in (here.quantity.low, here.quantity.high)
+    )
+    noun = here.noun()
+    key = ROADS.get(noun.noun, "roads") if noun is not None else "roads"
+    here.found.add_bounded(f"{key}.lanes", Quantity("lanes", low, high), here.item)
+
+
+def _lengths(here: Here) -> None:
+    what = here.quantity.attribute
+    noun = here.noun()
+    if noun is None and what == "width":
+        noun = here.noun_past_comma()
+    every = here.before is not None and here.before.text in ("every", "each")
+    if _is_depth(here):
+        here.found.leave(here.item, "depth")
+    elif what == "slope":
+        here.found.add_bounded("roads.slope", here.quantity, here.item)
+    elif what == "spacing" or (every and not what):
+        here.found.add("nature.spacing", _value(here.quantity), here.item)
+    elif _is_extent(here, noun):
+        _extent(here, "")
+    elif what == "height" or (not what and (noun is None or noun.noun_class in BUILDINGS)):
+        own = noun is not None and noun.noun_class in ("element", "plant")
+        key = _key(noun) if own and noun is not None else "building"
+        here.found.add_bounded(f"{key}.height", _highest(here, noun), here.item)
+    elif noun is None or noun.noun in _WHOLE:
+        _extent(here, what)
+    else:
+        _width(here, noun)
+
+
+def _is_extent(here: Here, noun: Item | None) -> bool:
+    """Tell whether a length is the city's: "500 m across", "a town of | 600 m with a river"."""
+    if here.quantity.attribute in ("side", "across"):
+        return noun is None or noun.noun_class == "place"
+    if here.quantity.attribute or here.noun_behind() is not None:
+        return False
+    place = here.items[here.at - 2] if here.at > 1 else None
+    of = here.before is not None and here.before.get("rel") == "of"
+    one = place is not None and place.noun_class == "place" and not place.words[-1].endswith("s")
+    return of and one
+
+
+def _is_depth(here: Here) -> bool:
+    """Tell whether a length is that of lying snow or water: "20 cm of snow"."""
+    what = here.items[here.at + 2] if here.at + 2 < len(here.items) else None
+    of = here.after is not None and here.after.get("rel") == "of"
+    return of and what is not None and what.get("slot").startswith("weather=")
+
+
+def _highest(here: Here, noun: Item | None) -> Quantity:
+    """Return the height of "the highest building", which bounds that of all."""
+    ranks = [one for one in here.clause() if one.get("rank") == "tallest"]
+    if noun is None or not ranks or here.quantity.exact is None:
+        return here.quantity
+    ranks[0].state = READ
+    return replace(here.quantity, low=None)
+
+
+def _extent(here: Here, what: str) -> None:
+    if here.before is not None and here.before.text == "each":
+        return  # "blocks, each 100 m wide" are no city of that width
+    for key in _SIDES.get(what, ("size.x", "size.y")):
+        here.found.add(key, _value(here.quantity), here.item)
+
+
+def _width(here: Here, noun: Item) -> None:
+    measure = "length" if here.quantity.attribute == "length" else "width"
+    own = noun.noun_class in ("road", "element", "plant")
+    key = f"{_key(noun)}.{measure}" if own else "building.height"
+    here.found.add_bounded(key, here.quantity, here.item)
+
+
+def _pairs(here: Here) -> None:
+    noun = here.noun()
+    own = noun is not None and noun.noun_class == "element"
+    key = f"{noun.noun}.size" if own and noun is not None else "size"
+    here.found.add(f"{key}.x", here.quantity.low or 0.0, here.item)
+    here.found.add(f"{key}.y", here.quantity.other or 0.0, here.item)
+
+
+def _areas(here: Here) -> None:
+    noun = here.noun_behind()
+    if noun is None and here.before is not None and here.before.get("rel") == "of":
+        noun = here.noun_before(3)
+    if noun is None and here.before is not None and here.before.text == "each":
+        noun = here.element_before()
+    own = noun is not None and noun.noun_class == "element"
+    key = f"{noun.noun}.area" if own and noun is not None else "size.area"
+    value = here.quantity.exact
+    if value is None:
+        here.found.add_bounded(key, here.quantity, here.item)
+    elif value >= 1.0:
+        here.found.add(key, round(value), here.item)
+
+
+def _shares(here: Here) -> None:
+    """Read a percentage: of green ground, of a slope, or of the buildings."""
+    clause = here.clause()
+    green = next((one for one in clause if _is_green(one)), None)
+    if here.quantity.attribute == "slope" or any(one.get("attr") == "slope" for one in clause):
+        here.found.add_bounded("roads.slope", here.quantity, here.item)
+    elif green is not None:
+        here.found.add_bounded("green.share", here.quantity, here.item, green)
+    else:
+        look = next((one for one in clause if one.has("material")), None)
+        kind = next((one for one in clause if one.noun_class == "type"), None)
+        named = look or kind
+        if named is not None:
+            value = named.get("material") or named.noun
+            here.found.add_bounded(f"{value}.share", here.quantity, here.item, named)
+
+
+def _is_green(item: Item) -> bool:
+    return item.get("rel") == "green" or item.noun in _GREEN
+
+
+def _speeds(here: Here) -> None:
+    noun = here.noun()
+    of = {"road": "roads", "person": "pedestrian"}.get(noun.noun_class if noun else "", "vehicle")
+    of = "roads" if "limit" in here.item.words else of
+    here.found.add_bounded(f"{of}.speed", here.quantity, here.item)
+
+
+def _hours(here: Here) -> None:
+    minutes = round((here.quantity.low or 0.0) * 60)
+    here.found.add("time", f"{minutes // 60 % 24:02d}:{minutes % 60:02d}", here.item)
+
+
+def _bounds_of(key: str) -> Callable[[Here], None]:
+    """Return a rule for a dimension that measures one thing only."""
+
+    def rule(here: Here) -> None:
+        here.found.add_bounded(key, here.quantity, here.item)
+
+    return rule
+
+
+_RULES: Mapping[str, Callable[[Here], None]] = {
+    "count": _counts, "floors": _bounds_of("building.floors"), "lanes": _lanes,
+    "length": _lengths, "pair": _pairs, "area": _areas, "share": _shares, "part": _shares,
+    "speed": _speeds, "hour": _hours, "temperature": _bounds_of("temperature"),
+    "people": _bounds_of("population"),
+}  # fmt: skip

@@ -1,0 +1,141 @@
+"""Reading: an instruction becomes a brief, without a language model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from cityx.language import untrusted
+from cityx.language.brief import Brief, Conflict, Edit, Note, Question, Slot, Span, Value
+from cityx.language.commands.sentences import read_edits
+from cityx.language.conflicts import conflicts_of, reconcile
+from cityx.language.describe import describe, unread
+from cityx.language.goals import goals_of
+from cityx.language.measures import join_measures
+from cityx.language.scan import LONGEST_TEXT, scan
+from cityx.language.scopes import settle_scopes
+from cityx.language.sources import SOURCE_OF, read_sources
+
+
+def read_brief(
+    text: str,
+    *,
+    inputs: Sequence[tuple[str, str]] = (),
+    base: bool = False,
+    options: Mapping[str, Any] | None = None,
+    names: Iterable[str] = (),
+) -> Brief:
+    """Read an instruction.
+
+    Parameters
+    ----------
+    text
+        The instruction, in English.
+    inputs
+        Name and kind of the files that came with it: "osm", "semantic", "satellite", "height",
+        "drawn" or "text".
+    base
+        Whether a city exists: sentences are commands to change it, and describe it otherwise.
+    options
+        Keys and values that hold whatever the text says, those of a command line; where the text
+        says otherwise, that is a conflict.
+    names
+        What things of the city that is to be changed are called.
+
+    Returns
+    -------
+    brief
+        Slots, edits, goals, and the words that nobody understood. Every span lies inside the text.
+    """
+    items, notes = scan(text, names)
+    items = join_measures(items)
+    settle_scopes(items)
+    edits: list[Edit] = []
+    questions: list[Question] = []
+    if base:
+        commands = read_edits(text, items)
+        found, edits, questions = commands.found, commands.edits, commands.questions
+    else:
+        found = describe(text, items)
+    read_sources(found, items, inputs)
+    slots, against = _with_options(reconcile(found.slots), options or {})
+    left = [item.span for item in unread(items)]
+    if len(text) > LONGEST_TEXT:
+        left.append((LONGEST_TEXT, len(text)))
+        said = f"Only the first {LONGEST_TEXT} characters were read."
+        notes.append(Note("too_long", said, left[-1]))
+    files = {SOURCE_OF.get(kind, kind): name for name, kind in inputs}
+    goals, open_notes = goals_of(slots, found.negated, found.kept, edits, files)
+    return Brief(
+        text,
+        tuple(slots),
+        tuple(edits),
+        goals,
+        tuple(left),
+        (*against, *conflicts_of(slots, found.negated)),
+        tuple(questions),
+        tuple(found.kept),
+        tuple(found.negated),
+        (*notes, *found.notes, *open_notes),
+    )
+
+
+def read_note(text: str, *, base: bool = True, names: Iterable[str] = ()) -> Brief:
+    """Read the wishes of a text file; what it orders beyond them is noted and ignored.
+
+    Returns
+    -------
+    brief
+        Slots and edits of an allowed kind; its spans point into the file's text.
+    """
+    wishes, ignored = untrusted.split(text)
+    brief = read_brief(wishes, base=base, names=names)
+    edits: list[Edit] = []
+    for edit, note in untrusted.allowed(brief.edits, text):
+        if edit is not None:
+            edits.append(replace(edit, wished=True))
+        elif note is not None:
+            ignored.append(note)
+    goals, _ = goals_of(brief.slots, brief.negated, brief.kept, edits)
+    return replace(
+        brief, text=text, edits=tuple(edits), goals=goals, notes=(*brief.notes, *ignored)
+    )
+
+
+def _with_options(
+    slots: Sequence[Slot], options: Mapping[str, Any]
+) -> tuple[list[Slot], list[Conflict]]:
+    """Put the values of a command line over those of the text."""
+    found = list(slots)
+    against = []
+    for key, value in _pairs(options):
+        others = [slot for slot in found if slot.key == key and slot.value != value]
+        for other in others:
+            against.append(
+                Conflict(
+                    f"option_against_text:{key}",
+                    f'The text says "{other.text}" ({key} = {other.value}), the option {value}; '
+                    "the option holds. Leave one of the two out.",
+                    (other.span,),
+                )
+            )
+        at = next((index for index, slot in enumerate(found) if slot.key == key), len(found))
+        span: Span = found[at].span if at < len(found) and not others else (0, 0)
+        found = [slot for slot in found if slot.key != key]
+        found.insert(min(at, len(found)), Slot(key, value, span))
+    return found, against
+
+
+def _pairs(options: Mapping[str, Any]) -> list[tuple[str, Value]]:
+    """Return options as slots; "size" may be "600x400" or two numbers."""
+    found: list[tuple[str, Value]] = []
+    for key, value in options.items():
+        if value in (None, ""):
+            continue
+        if key == "size":
+            sides = value.lower().split("x") if isinstance(value, str) else list(value)
+            found += [(f"size.{axis}", float(one)) for axis, one in zip("xy", sides, strict=False)]
+        else:
+            found.append((key, value))
+    return found

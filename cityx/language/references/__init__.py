@@ -1,0 +1,1 @@
+"""References: what the words of a sentence are in a city that exists."""

@@ -1,0 +1,58 @@
+"""Parts of buildings that a sentence names: "the balconies of the tallest building"."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from cityx.assets.styles.materials import srgb_to_linear
+from cityx.checks.predicates.thing_predicates import Selection
+from cityx.city import City
+from cityx.ids import id_text
+from cityx.language.lexicon.changing import PARTS
+from cityx.language.references.selecting import Open
+from cityx.protocol.serving import Slots
+
+_OF = r"\s+(?:of|on|from|off|at)\b"
+# What may be done to parts -> what that is called where actions serve it.
+VERBS: Mapping[str, str] = MappingProxyType({"remove": "remove_parts", "set_color": "paint_parts"})
+
+
+def part_of(text: str) -> str:
+    """Return the part of something else that a command is about, "" for none."""
+    said = [
+        (found.start(), part)
+        for word, part in PARTS.items()
+        if (found := re.search(rf"\b{word}{_OF}", text, re.IGNORECASE)) is not None
+    ]
+    return min(said)[1] if said else ""
+
+
+def with_parts(slots: Slots, text: str, chosen: Selection | None, city: City) -> Slots:
+    """Let a command that names a part of buildings be about the part, not about the buildings.
+
+    Raises
+    ------
+    Open
+        If the buildings have no such part, or something else than removing or painting is asked.
+    """
+    part = part_of(text)
+    verb = str(slots["edit"][0])
+    if not part or chosen is None or slots.get("family") != ("building",):
+        return slots
+    if verb not in VERBS:
+        raise Open(f"A {part} of a building can be removed or painted; which of the two?")
+    found: set[int] = set()
+    for rows in city.scene.instances.values():
+        such = [item.name.split("_")[0] == part for item in city.scene.prototypes] or [False]
+        mine = np.isin(rows.owner, chosen.ids) & np.array(such)[rows.prototype]
+        found |= set(rows.object_id[mine].tolist())
+    if not found:
+        raise Open(f"{chosen.examples()} has no {part} of its own.")
+    more: Slots = {"edit": (VERBS[verb],), "objects": (tuple(map(id_text, sorted(found))),)}
+    if "rgb" in slots:
+        more = {**more, "part.tint": (srgb_to_linear(int(slots["rgb"][0])),)}
+    return {**slots, **more, "family": ("part",)}

@@ -1,0 +1,438 @@
+"""Selecting: which objects of a city a command means, by what predicates measure of them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.predicates import words
+from cityx.checks.predicates.facts import Facts
+from cityx.checks.predicates.parser import parse
+from cityx.checks.predicates.syntax import Call, Comparison
+from cityx.checks.predicates.thing_predicates import Absent, CannotTell, Selection
+from cityx.checks.predicates.vocabulary import KINDS, Group, kind_named, split_arguments
+from cityx.city import City
+from cityx.errors import nearest
+from cityx.geometry.compass import SIDES
+from cityx.ids import hash_ids, id_text
+from cityx.language import Edit, Question, Selector
+from cityx.language.goals import condition_of
+from cityx.language.measurable import things
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+NEAR = 50.0  # metres from the edge of what things are near to: across a street and its yards
+LINED = 30.0  # metres from the carriageway of the street that buildings stand along
+ROADSIDE = 8.0  # metres from it to trees, lamps and benches along a street
+MIDDLE = 0.15  # of the shorter side of the site, within which something is in its middle
+DIAGONAL = np.cos(np.radians(45.0))  # what lies more north than east or west is in the north
+_LAST = re.compile(r"[/ ]")  # parts a source: "osm/way/12", "drawn/town.geojson/feature b01"
+# Kind of quarter -> the use of its buildings, or how far it reaches from the middle of the site as
+# a share of the shorter side.
+QUARTER_USES: Mapping[str, str] = MappingProxyType(
+    {"industrial": "industrial", "residential": "residential", "commercial": "commercial"}
+)
+CENTRAL: Mapping[str, float] = MappingProxyType({"downtown": 0.25, "old_town": 0.25})
+BETWEEN = 15.0  # metres between the buildings of a quarter: half a street
+SHOWN = 6  # candidates that a question lists
+MOST_BY_FILE = 0.2  # of the things of a kind, that a file may have removed or replaced
+MAIN_STREET = "main_street"
+TAKES_AWAY = ("remove", "replace")
+LOOKS = ("set_style", "set_material", "set_color", "set_roof")
+# Rank -> what is measured, and whether the greatest come first.
+_RANKS: Mapping[str, tuple[str, bool]] = MappingProxyType(
+    {
+        "tallest": ("height", True), "lowest": ("height", False), "largest": ("size", True),
+        "smallest": ("size", False), "longest": ("length", True),
+    }
+)  # fmt: skip
+_MOST = {f"{side}ernmost": side for side in ("north", "east", "south", "west")}
+# Family of things -> the attribute that says how large one is.
+_SIZES = {"building": "area", "land": "area", "road": "width", "bridge": "length"}
+
+
+class Open(Exception):
+    """What a command means is not settled; the question says what has to be."""
+
+    def __init__(self, text: str, candidates: tuple[str, ...] = ()) -> None:
+        super().__init__(text)
+        self.question = Question(text, candidates)
+
+
+def choose(selector: Selector, city: City) -> Selection:
+    """Return the objects that a selector means, always the same of the same city.
+
+    Parameters
+    ----------
+    selector
+        As the brief reads it.
+    city
+        Where to look. Kinds, heights, materials and places are those that predicates measure.
+
+    Returns
+    -------
+    chosen
+        At least one thing; ranks are settled by the measure and ties by the id, shares and counts
+        by a hash of the ids.
+
+    Raises
+    ------
+    Open
+        If nothing is meant, or one thing and there are several.
+    """
+    facts = Facts(city)
+    try:
+        chosen = _named(selector, facts) if selector.ids else _of_kind(selector, facts)
+        if selector.rank not in ("nearest", "farthest"):
+            chosen = chosen.where(_placed(selector, chosen, facts))
+        chosen = _counted(selector, chosen, facts)
+    except CannotTell as error:
+        raise Open(f"It cannot be told which {said(selector)} is meant: {error}.") from error
+    if not len(chosen.rows):
+        raise Open(f"There is no {said(selector)} in the city.", _alternatives(selector, facts))
+    if selector.alone and selector.kind == MAIN_STREET:
+        chosen = _foremost(chosen)
+    if selector.alone and chosen.count > 1:
+        raise Open(f"Which {selector.kind or 'one'}? There are {chosen.count}.", listed(chosen))
+    return chosen
+
+
+def _foremost(chosen: Selection) -> Selection:
+    """Return the streets of the highest class among main streets: "the" main street is one."""
+    for word in words.MAIN:
+        if word in words.ROAD_CLASSES:
+            found = chosen.where(chosen.layer.has("class", word)[chosen.rows])
+            if len(found.rows):
+                return found
+    return chosen
+
+
+def chosen_by(edit: Edit, city: City) -> Selection | None:
+    """Return the objects that an edit changes; None where it adds something or sets the air.
+
+    A look that is given to nothing in particular is that of every building.
+
+    Raises
+    ------
+    Open
+        As of `choose`.
+    """
+    if edit.target is not None:
+        chosen = choose(edit.target, city)
+        if edit.wished and edit.verb in TAKES_AWAY:
+            _bounded(chosen)
+        return chosen
+    return choose(Selector("building"), city) if edit.verb in LOOKS else None
+
+
+def _bounded(chosen: Selection) -> None:
+    """Ask before what a file wishes takes away a large part of what there is of a kind."""
+    total = len(chosen.layer.ids)
+    if len(chosen.rows) > MOST_BY_FILE * total:
+        raise Open(
+            f"A file wants {chosen.count} of {total} {chosen.layer.kind}s gone; say so yourself "
+            "if that is meant."
+        )
+
+
+def said(selector: Selector) -> str:
+    """Return a selector in words."""
+    kind = " and ".join(selector.ids) or selector.kind.replace("_", " ") or "object"
+    parts = [*(text.replace("=", " ") for text in selector.filters), kind]
+    for relation in ("near", "inside", "along"):
+        if getattr(selector, relation):
+            parts.append(f"{relation.replace('inside', 'in')} {getattr(selector, relation)}")
+    if selector.side:
+        parts.append(f"{selector.side} of {selector.of or 'the middle'}")
+    return " ".join(parts)
+
+
+def listed(chosen: Selection, most: int = SHOWN) -> tuple[str, ...]:
+    """Describe things one can choose from: name, id, height and place."""
+    found = [_described(chosen, place) for place in range(min(most, len(chosen.rows)))]
+    more = len(chosen.rows) - most
+    return (*found, f"and {more} more") if more > 0 else tuple(found)
+
+
+def _described(chosen: Selection, place: int) -> str:
+    name = chosen.where(np.arange(len(chosen.rows)) == place).examples(1)
+    own = id_text(int(chosen.ids[place]))
+    x, y = shapely.get_coordinates(shapely.centroid(chosen.shapes[place]))[0]
+    try:
+        height = f", {chosen.layer.number('height')[chosen.rows[place]]:.0f} m high"
+    except CannotTell:
+        height = ""
+    called = own if name == own else f"{_LAST.split(name)[-1] if '/' in name else name} ({own})"
+    return f"{called}{height}, at {x:.0f}, {y:.0f}"
+
+
+def group_of(text: str) -> Group:
+    """Return a choice of things, such as "building, type=tower", as predicates write it."""
+    predicate = parse(f"n({text}) >= 0")
+    assert isinstance(predicate, Comparison)
+    assert isinstance(predicate.left, Call)
+    return split_arguments(predicate.left)[0][0]
+
+
+def _of_kind(selector: Selector, facts: Facts) -> Selection:
+    """Return the things of a kind that hold to the filters; a place alone is of buildings."""
+    kind = selector.kind or "building"
+    conditions = [condition_of(text) for text in selector.filters]
+    unknown = [t for t, told in zip(selector.filters, conditions, strict=True) if not told]
+    if unknown:
+        raise Open(f"Nothing measures {' and '.join(unknown)} of a {kind}; name what is meant.")
+    text = things(kind)
+    if not text:
+        known = sorted(k for k in KINDS if things(k))
+        raise Open(f"A {kind.replace('_', ' ')} cannot be chosen.{nearest(kind, known)}")
+    return facts.select(group_of(", ".join([text, *conditions])))
+
+
+def _named(selector: Selector, facts: Facts) -> Selection:
+    """Return the things of some names; every name must lead to one thing, or one street."""
+    found: list[Selection] = []
+    faults: list[tuple[str, tuple[str, ...]]] = []
+    for word in selector.ids:
+        try:
+            one = facts.named(word)
+        except Absent:
+            faults.append((f'Nothing is called "{word}".{nearest(word, _names(facts))}', ()))
+            continue
+        found.append(one)
+        if one.count > 1:
+            faults.append((f'"{word}" names {one.count} things.', listed(one)))
+    if faults:
+        candidates = tuple(each for _, more in faults for each in more)
+        raise Open(" ".join(text for text, _ in faults), candidates)
+    kinds = {each.layer.kind for each in found}
+    if len(kinds) > 1:
+        raise Open(f"{' and '.join(selector.ids)} are of several kinds; change one kind at a time.")
+    rows = np.unique(np.concatenate([each.rows for each in found]))
+    return Selection(found[0].layer, rows, ", ".join(selector.ids))
+
+
+def _names(facts: Facts) -> list[str]:
+    layer = facts.layer("building")
+    tails = [str(text).rpartition("/")[2] for text in layer.names["source"].tolist()]
+    return [*dict.fromkeys([*map(str, layer.names["name"].tolist()), *tails])]
+
+
+def _alternatives(selector: Selector, facts: Facts) -> tuple[str, ...]:
+    """Return what there is of the kind anywhere, of any look."""
+    if selector.ids or not (selector.filters or _has_place(selector)):
+        return ()
+    try:
+        return listed(_of_kind(Selector(selector.kind), facts))
+    except (Open, CannotTell):
+        return ()
+
+
+# -- where ---------------------------------------------------------------------------------------
+
+
+def _has_place(selector: Selector) -> bool:
+    return bool(selector.near or selector.inside or selector.along or selector.side)
+
+
+def _placed(selector: Selector, chosen: Selection, facts: Facts) -> BoolArray:
+    """(r,) whether things are where the selector says."""
+    kept = np.ones(len(chosen.rows), bool)
+    if selector.near:
+        kept &= distance_to(selector.near, chosen, facts) <= (selector.reach or NEAR)
+    if selector.inside:
+        lined = _is_street(selector.inside, facts)  # "the houses on Mill Lane"
+        kept &= (_along if lined else _within)(selector.inside, chosen, facts)
+    if selector.along:
+        kept &= _along(selector.along, chosen, facts)
+    if selector.side:
+        kept &= _beside(selector, chosen, facts)
+    return kept
+
+
+def region_of(word: str, facts: Facts) -> Any:
+    """Return the ground of what a place is called after: a kind, an id or a name.
+
+    Raises
+    ------
+    Open
+        If the city has no such place.
+    """
+    if kind_named(word) == "center":
+        return facts.region("center")
+    return shapely.union_all(shapely.make_valid(_place(word, facts).grounds))
+
+
+def place_selector(word: str) -> Selector:
+    """Return what a place is called after: "park", "b03", "Mill Lane" or "tallest building"."""
+    rank, _, kind = word.partition(" ")
+    if things(kind) and (rank in _RANKS or rank in _MOST):
+        return Selector(kind, rank=rank, k=1)
+    return Selector(kind=word) if things(word) else Selector(ids=(word,))
+
+
+def _is_street(word: str, facts: Facts) -> bool:
+    """Tell whether a word is the name of a street, of which nothing but its surface is inside."""
+    if kind_named(word):
+        return False
+    try:
+        return KINDS[facts.named(word).layer.kind] == "road"
+    except (Absent, CannotTell):
+        return False
+
+
+def _place(word: str, facts: Facts) -> Selection:
+    """Return the things that a place is called after."""
+    own = place_selector(word)
+    if own.rank:
+        return choose(own, facts.city)
+    text = things(word)
+    try:
+        chosen = facts.select(group_of(text)) if text else facts.named(word)
+    except Absent:
+        chosen = None
+    if chosen is None or not len(chosen.rows):
+        raise Open(f"There is no {word.replace('_', ' ')} in the city.")
+    return chosen
+
+
+def distance_to(word: str, chosen: Selection, facts: Facts) -> FloatArray:
+    """(r,) metres from each thing to a place; what touches it has none."""
+    return np.asarray(shapely.distance(chosen.shapes, region_of(word, facts)), float)
+
+
+def _within(word: str, chosen: Selection, facts: Facts) -> BoolArray:
+    """Whether the middle of a thing lies in a place; in the city's middle means near it."""
+    if kind_named(word) == "center":
+        xmin, ymin, xmax, ymax = facts.city.layout.extent
+        reach = MIDDLE * min(xmax - xmin, ymax - ymin)
+        return distance_to(word, chosen, facts) <= reach
+    if word in QUARTER_USES:
+        region = _quarter(word, facts)
+    elif word in CENTRAL:
+        xmin, ymin, xmax, ymax = facts.city.layout.extent
+        reach = CENTRAL[word] * min(xmax - xmin, ymax - ymin)
+        return distance_to("center", chosen, facts) <= reach
+    else:
+        region = region_of(word, facts)
+    shapely.prepare(region)
+    return np.asarray(shapely.intersects(shapely.centroid(chosen.shapes), region), bool)
+
+
+def _quarter(word: str, facts: Facts) -> Any:
+    """Return the ground of a quarter: that of the buildings of its use, and between them."""
+    group = ", ".join(["building", f"use={QUARTER_USES[word]}"])
+    own = facts.select(group_of(group))
+    if not len(own.rows):
+        raise Open(f"There is no {word} quarter in the city: no building of such a use.")
+    return shapely.buffer(shapely.union_all(shapely.buffer(own.grounds, BETWEEN)), -BETWEEN)
+
+
+def _along(word: str, chosen: Selection, facts: Facts) -> BoolArray:
+    """Whether things line a street: near enough, and no house stands between."""
+    away = distance_to(word, chosen, facts)
+    houses = KINDS[chosen.layer.kind] == "building"
+    near = away <= (LINED if houses else ROADSIDE)
+    if not houses:
+        return np.asarray(near, bool)
+    rows = np.flatnonzero(near)
+    sight = shapely.shortest_line(chosen.shapes[rows], region_of(word, facts))
+    others = facts.layer("building")
+    look, house = shapely.STRtree(others.shapes).query(sight, predicate="intersects")
+    hidden = others.ids[house] != chosen.ids[rows[look]]
+    near[rows[look[hidden]]] = False
+    return np.asarray(near, bool)
+
+
+def _beside(selector: Selector, chosen: Selection, facts: Facts) -> BoolArray:
+    """Whether things lie on a side of something, or of the site."""
+    way = np.array(SIDES[selector.side.replace("_", "")])
+    middle = shapely.centroid(chosen.shapes)
+    at = shapely.get_coordinates(middle)
+    if not selector.of:
+        xmin, ymin, xmax, ymax = facts.city.layout.extent
+        off = (at - [(xmin + xmax) / 2, (ymin + ymax) / 2]) * way
+        return np.asarray((off > 0)[:, way != 0].all(axis=1), bool)
+    lines = shapely.shortest_line(region_of(selector.of, facts), middle)
+    ends = shapely.get_coordinates(lines).reshape(-1, 2, 2)
+    off = ends[:, 1] - ends[:, 0]
+    far = np.hypot(*off.T)
+    ahead = (off @ way) / np.hypot(*way)
+    return np.asarray((far > 0) & (ahead > DIAGONAL * far - 1e-9), bool)
+
+
+# -- which and how many ----------------------------------------------------------------------------
+
+
+def _counted(selector: Selector, chosen: Selection, facts: Facts) -> Selection:
+    """Take the part, the first or the n-th of what is chosen."""
+    if selector.share is not None:
+        part = max(round(selector.share * len(chosen.rows)), 1)
+        return _first(chosen, _by_hash(chosen, facts), part)
+    if selector.rank:
+        order = _ranked(selector, chosen, facts)
+        if selector.nth:
+            return _nth(selector, chosen, order)
+        return _first(chosen, order, _at_most(selector, chosen) if selector.k else 1)
+    if selector.nth and chosen.count > 1:
+        raise Open(f"Number {selector.nth} of {chosen.count} in which order? Say it as in: the "
+                   "second tallest.", listed(chosen))  # fmt: skip
+    if selector.k:
+        return _first(chosen, _by_hash(chosen, facts), _at_most(selector, chosen))
+    return chosen
+
+
+def _at_most(selector: Selector, chosen: Selection) -> int:
+    if chosen.count < selector.k and len(chosen.rows):
+        raise Open(f"{selector.k} {said(selector)} are asked for, the city has {chosen.count}.",
+                   listed(chosen))  # fmt: skip
+    return selector.k
+
+
+def _nth(selector: Selector, chosen: Selection, order: NDArray[np.int64]) -> Selection:
+    if selector.nth > len(order):
+        raise Open(f"There are only {len(order)} {said(selector)}.", listed(chosen))
+    return replace(chosen, rows=chosen.rows[order[selector.nth - 1 : selector.nth]])
+
+
+def _first(chosen: Selection, order: NDArray[np.int64], number: int) -> Selection:
+    return replace(chosen, rows=np.sort(chosen.rows[order[:number]]))
+
+
+def _by_hash(chosen: Selection, facts: Facts) -> NDArray[np.int64]:
+    key = hash_ids(facts.city.seed, "edit/chosen", chosen.ids)
+    return np.asarray(np.argsort(key, kind="stable"))
+
+
+def _ranked(selector: Selector, chosen: Selection, facts: Facts) -> NDArray[np.int64]:
+    """Return the order of things by a rank, those of equal measure by their ids."""
+    value = np.round(_rank_value(selector, chosen, facts), 6)
+    return np.asarray(np.lexsort((chosen.ids, value)))
+
+
+def _rank_value(selector: Selector, chosen: Selection, facts: Facts) -> FloatArray:
+    """(r,) numbers of which the least come first."""
+    rank = selector.rank
+    if rank in _MOST:
+        at = shapely.get_coordinates(shapely.centroid(chosen.shapes))
+        return np.asarray(-at @ np.array(SIDES[_MOST[rank]]))
+    if rank in ("nearest", "farthest"):
+        word = selector.near or selector.inside or selector.of or selector.along
+        if not word:
+            raise Open(f"The {rank} {selector.kind} to what?")
+        away = distance_to(word, chosen, facts)
+        return away if rank == "nearest" else -away
+    if rank not in _RANKS:
+        raise Open(f"Nothing measures which {selector.kind} is the {rank}.")
+    attribute, greatest = _RANKS[rank]
+    if attribute == "size":
+        attribute = _SIZES.get(KINDS[chosen.layer.kind], "height")
+    value = chosen.layer.number(attribute)[chosen.rows]
+    return -value if greatest else value

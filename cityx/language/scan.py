@@ -1,0 +1,309 @@
+"""Scanning: an instruction becomes items, each a phrase, a quantity or a mark, none overlapping."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from cityx.language.brief import Note, Span
+from cityx.language.lexicon.lexicon import Sense, find, known, mended
+from cityx.language.lexicon.numbers import read_number, read_part
+from cityx.language.lexicon.speech import FUNCTION_WORDS
+from cityx.language.lexicon.units import read_unit
+from cityx.language.lexicon.words import Word, forms_of, words_of
+
+LONGEST_TEXT = 6000  # characters; what comes later is listed as unread, so that time stays short
+ENDS = ".;!?\n"
+LONGEST_NAME = 6  # words of the name of a thing
+_AGAIN = ("another", "additional", "extra", "further")  # before a number
+_MORE = {"more": 1, "additional": 1, "extra": 1, "further": 1, "fewer": -1, "less": -1}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number with its unit and bounds.
+
+    Attributes
+    ----------
+    dimension
+        "length", "area", "speed", "floors", "lanes", "share", "angle", "temperature", "hour",
+        "duration" (hours),
+        "count" for a plain number, "pair" for "600 x 400 m".
+    low, high
+        Bounds in SI units; both the same for an exact value, None where open.
+    other
+        The second length of a pair.
+    attribute
+        "height", "width", "slope"... where the words say so.
+    approximate
+        Whether the text says "about".
+    unit
+        Size of the unit in SI units, for a number that shares it.
+    relative
+        1 in "20 m higher", -1 in "20 m lower", else 0.
+    """
+
+    dimension: str
+    low: float | None
+    high: float | None
+    other: float | None = None
+    attribute: str = ""
+    approximate: bool = False
+    unit: float = 1.0
+    relative: int = 0
+
+    @property
+    def exact(self) -> float | None:
+        """The value, if it is one."""
+        return self.low if self.low == self.high else None
+
+
+@dataclass(eq=False)
+class Item:
+    """A piece of the text with what it may mean.
+
+    Attributes
+    ----------
+    senses
+        Kinds and values of a phrase; empty for function words and unknown words.
+    words
+        Its words, folded.
+    span
+        Its place in the text.
+    kind
+        "phrase", "quantity", "id", "file", "mark", "function" or "unknown".
+    quantity
+        Of a quantity.
+    """
+
+    kind: str
+    span: Span
+    words: tuple[str, ...] = ()
+    senses: tuple[Sense, ...] = ()
+    quantity: Quantity | None = None
+    state: str = field(default="")  # "negated", "kept", "dropped" or "read" once it is settled
+
+    def get(self, kind: str) -> str:
+        """Return the value of the first sense of a kind, or ""."""
+        return next((value for name, value in self.senses if name == kind), "")
+
+    def has(self, *kinds: str) -> bool:
+        """Tell whether the item has a sense of one of the kinds."""
+        return any(name in kinds for name, _ in self.senses)
+
+    @property
+    def noun(self) -> str:
+        """The canonical noun, that of the last word too ("winding streets"), or ""."""
+        return (self.get("noun") or self.get("head")).partition(":")[2]
+
+    @property
+    def noun_class(self) -> str:
+        """The class of the noun: "type", "element", "person"..., or ""."""
+        return (self.get("noun") or self.get("head")).partition(":")[0]
+
+    @property
+    def text(self) -> str:
+        """The words, joined."""
+        return " ".join(self.words)
+
+    def is_mark(self, marks: str) -> bool:
+        """Tell whether the item is one of some marks."""
+        return self.kind == "mark" and self.words[0] in marks
+
+
+def scan(text: str, names: Iterable[str] = ()) -> tuple[list[Item], list[Note]]:
+    """Cut a text into items: names first, then longest phrases, numbers with their units.
+
+    Parameters
+    ----------
+    text
+        The instruction.
+    names
+        What things of the city are called; a name of one word that the book knows is that word.
+    """
+    called = _by_words(names)
+    words = _with_lines(text[:LONGEST_TEXT])
+    words, notes = _mended(words, {word for key in called for word in key})
+    items: list[Item] = []
+    at = 0
+    while at < len(words):
+        item, length = _called(words, at, called) or _next(words, at)
+        items.append(item)
+        at += length
+    return items, notes
+
+
+def _with_lines(text: str) -> list[Word]:
+    """Return the words of a text, a full stop at every empty line and bullet."""
+    words = words_of(text)
+    found: list[Word] = []
+    for word in words:
+        gap = text[found[-1].end : word.start] if found else ""
+        if "\n" in gap and not (found[-1].kind == "mark" and found[-1].text in ENDS + ","):
+            place = found[-1].end
+            found.append(Word("\n", "mark", place, place + 1))
+        found.append(word)
+    return found
+
+
+Names = Mapping[tuple[str, ...], str]  # the folded words of a name -> the name
+
+
+def _by_words(names: Iterable[str]) -> Names:
+    found: dict[tuple[str, ...], str] = {}
+    for name in names:
+        key = tuple(word.text for word in words_of(name))
+        if len(key) > 1 or (key and not known(key[0])):
+            found.setdefault(key, name)
+    return found
+
+
+def _called(words: Sequence[Word], at: int, names: Names) -> tuple[Item, int] | None:
+    """Return the longest name that begins at a word, as an id."""
+    for length in range(min(LONGEST_NAME, len(words) - at), 0, -1):
+        key = tuple(word.text for word in words[at : at + length])
+        if key in names:
+            item = _item(words, at, length, "id")
+            return replace(item, words=(names[key],)), length
+    return None
+
+
+def _mended(words: list[Word], names: Container[str]) -> tuple[list[Word], list[Note]]:
+    """Mend misspelt words, with a note on each; words of names stay as they are."""
+    notes = []
+    for index, word in enumerate(words):
+        better = mended(word.text) if word.kind == "word" and word.text not in names else None
+        if better is not None:
+            words[index] = replace(word, text=better)
+            said = f'"{word.text}" was read as "{better}".'
+            notes.append(Note("spelling", said, (word.start, word.end)))
+    return words, notes
+
+
+def _next(words: Sequence[Word], at: int) -> tuple[Item, int]:
+    word = words[at]
+    if word.kind in ("id", "file"):
+        return _item(words, at, 1, word.kind), 1
+    phrase = find(words, at)
+    number = _number(words, at)
+    if number is not None and (phrase is None or phrase[1] < number[1]):
+        return _item(words, at, number[1], "quantity", quantity=number[0]), number[1]
+    if phrase is not None:
+        senses = (*phrase[0], *_head(words[at : at + phrase[1]], phrase[0]))
+        return _item(words, at, phrase[1], "phrase", senses=senses), phrase[1]
+    if word.kind == "mark":
+        return _item(words, at, 1, "mark"), 1
+    plain = any(form in FUNCTION_WORDS for form in forms_of(word.text)) or len(word.text) == 1
+    return _item(words, at, 1, "function" if plain else "unknown"), 1
+
+
+def _head(words: Sequence[Word], senses: tuple[Sense, ...]) -> tuple[Sense, ...]:
+    """Return the noun that the last word of a phrase is: a street, of "winding streets"."""
+    if len(words) < 2 or any(kind == "noun" for kind, _ in senses):
+        return ()
+    last = find(words[-1:], 0)
+    nouns = () if last is None else (value for kind, value in last[0] if kind == "noun")
+    return tuple(("head", value) for value in nouns)[:1]
+
+
+def _item(
+    words: Sequence[Word],
+    at: int,
+    length: int,
+    kind: str,
+    *,
+    senses: tuple[Sense, ...] = (),
+    quantity: Quantity | None = None,
+) -> Item:
+    taken = words[at : at + length]
+    span = (taken[0].start, taken[-1].end)
+    return Item(kind, span, tuple(word.text for word in taken), senses, quantity)
+
+
+def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
+    """Read a clock, a number with its unit, "half a hectare" or "half of"."""
+    word = words[at]
+    if word.kind == "clock":
+        hours, minutes = map(int, word.text.split(":"))
+        return _clock(words, at, hours + minutes / 60, 1)
+    past = _past_the_hour(words, at)
+    if past is not None:
+        return past
+    again = _once_more(words, at)
+    if again is not None:
+        return again
+    part, found = read_part(words, at), read_number(words, at)
+    if part is not None and (found is None or word.text != "half"):  # but "half a dozen"
+        return _part(words, at, *part)
+    if found is None:
+        return None
+    value, length = found
+    more = _MORE.get(words[at + length].text, 0) if at + length < len(words) else 0
+    unit = read_unit(words, at + length + abs(more))
+    if unit is None:
+        return Quantity("count", value, value), length
+    dimension, factor, extra = unit
+    length += abs(more)
+    if dimension in ("hour", "half_day"):
+        return _clock(words, at, value, length)
+    size = value * factor
+    return Quantity(dimension, size, size, unit=factor, relative=more), length + extra
+
+
+def _once_more(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
+    """Read "another two metres" and "an extra storey", which are so much more."""
+    if words[at].text not in _AGAIN:
+        return None
+    value, length = read_number(words, at + 1) or (1.0, 0)
+    unit = read_unit(words, at + 1 + length) if at + 1 + length < len(words) else None
+    if unit is None or unit[0] not in ("length", "floors", "lanes"):
+        return None
+    size = value * unit[1]
+    return Quantity(unit[0], size, size, unit=unit[1], relative=1), 1 + length + unit[2]
+
+
+def _past_the_hour(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
+    """Read "half past six" and "quarter to seven"."""
+    minutes = {"half": 30, "quarter": 15}.get(words[at].text)
+    way = words[at + 1].text if at + 2 < len(words) else ""
+    if minutes is None or way not in ("past", "to"):
+        return None
+    hour = read_number(words, at + 2)
+    if hour is None or hour[0] > 24:
+        return None
+    sign = 1 if way == "past" else -1
+    return _clock(words, at, hour[0] + sign * minutes / 60, hour[1] + 2)
+
+
+def _part(words: Sequence[Word], at: int, share: float, length: int) -> tuple[Quantity, int] | None:
+    """Read what follows "half": a unit makes a measure of it, anything else a share."""
+    skip = length + (length < len(words) - at and words[at + length].text in ("a", "an", "of"))
+    skip += skip < len(words) - at and words[at + skip].text in ("a", "an")
+    unit = read_unit(words, at + skip) if at + skip < len(words) else None
+    if unit is not None and unit[0] in ("length", "area", "duration"):
+        return Quantity(unit[0], share * unit[1], share * unit[1]), skip + unit[2]
+    after = words[at + length].text if at + length < len(words) else ""
+    later = words[at + length + 1].text if at + length + 1 < len(words) else ""
+    if "quarter" in words[at + length - 1].text and later not in ("the", "all", "its"):
+        return None  # "a quarter of narrow alleys"
+    half = words[at].text == "half" and (after in ("the", "all", "a", "an") or known(after))
+    if after == "of" or (after and half):
+        return Quantity("part", share, share), length + (after == "of")
+    return None
+
+
+def _of_the_later_day(words: Sequence[Word], at: int) -> bool:
+    """Tell whether "in the afternoon" or "at night" follows an hour."""
+    return any(word.text in ("afternoon", "evening", "night") for word in words[at : at + 3])
+
+
+def _clock(words: Sequence[Word], at: int, hour: float, length: int) -> tuple[Quantity, int] | None:
+    """Read what follows an hour, "pm" or "o'clock"."""
+    unit = read_unit(words, at + length) if at + length < len(words) else None
+    if unit is not None and unit[0] in ("half_day", "hour"):
+        length += unit[2]
+    if unit is not None and unit[0] == "half_day":
+        hour = hour % 12 + unit[1]
+    elif hour < 12 and _of_the_later_day(words, at + length):
+        hour += 12
+    return (Quantity("hour", hour % 24, hour % 24), length) if 0 <= hour <= 24 else None

@@ -1,0 +1,187 @@
+"""Scopes: what a "no" denies, what "keep" protects and what "instead of" leaves out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from cityx.language.scan import ENDS, Item
+
+NEGATED, KEPT, DROPPED, READ = "negated", "kept", "dropped", "read"
+_DESCRIBES = ("amount", "size", "height", "width", "strength", "material", "color", "compared")
+# "leave" and "keep" also lead a street out of a square, or a street narrow.
+_MILD_KEEPS = {
+    "leave",
+    "keep",
+    "maintain",
+    "retain",
+    "leaves",
+    "leaving",
+    "keeping",
+    "left",
+    "spare",
+}
+
+
+def settle_scopes(items: Sequence[Item]) -> None:
+    """Give every item inside a scope its state; negation comes first."""
+    for at, item in enumerate(items):
+        if item.state:
+            continue
+        if item.has("keep") and _keeps(items, at):
+            item.state = READ
+            _mark(_kept_scope(items, at + 1), KEPT)
+        elif item.has("unchanged") and not item.has("noun"):
+            _keep_before(items, at)
+        elif item.has("nothing_but"):
+            item.state = READ
+        elif item.has("neither"):
+            item.state = READ
+            _mark(_scope(items, at + 1), DROPPED)
+        elif item.has("after_neg"):
+            item.state = READ
+            _mark(_list_before(items, at), NEGATED)
+        elif item.has("neg") and not item.has("after_neg"):
+            item.state = READ
+            _mark(_scope(items, at + 1), NEGATED)
+        elif item.has("except") or _is_exception(items, at):
+            item.state, item.senses = READ, (("except", "but"),)
+            _mark(_named_after(items, at + 1) or _scope(items, at + 1), KEPT)
+
+
+def _is_exception(items: Sequence[Item], at: int) -> bool:
+    """Tell whether a "but" leaves something out of all: "everything but b01"."""
+    before = [item for item in items[:at] if item.kind != "function"]
+    after = next((item for item in items[at + 1 :] if item.kind != "function"), None)
+    if items[at].get("rel") != "but" or not before or after is None:
+        return False
+    whole = any(item.get("rel") in ("all", "every") or item.noun == "everything" for item in before)
+    thing = before[-1].noun or before[-1].get("rel") == "all"
+    return bool(whole and thing) and (after.kind == "id" or bool(after.noun) or after.has("rank"))
+
+
+def _named_after(items: Sequence[Item], at: int) -> list[Item]:
+    """Return the names in a row from an item on: "b02, b03 and b04"."""
+    found: list[Item] = []
+    for item in items[at:]:
+        if item.kind == "id":
+            found.append(item)
+        elif item.kind != "function" and not item.is_mark(",") and item.get("rel") != "and":
+            break
+    for item in items[at : items.index(found[-1])] if found else ():
+        if item not in found:
+            item.state = item.state or READ
+    return found
+
+
+def _mark(items: Iterable[Item], state: str) -> None:
+    for item in items:
+        if not item.state and (item.senses or item.kind in ("id", "quantity")):
+            item.state = state
+
+
+def _scope(items: Sequence[Item], at: int) -> list[Item]:
+    """Return the items a "no" reaches: to a comma, a "but", or the end of the list."""
+    reached: list[Item] = []
+    while at < len(items):
+        item = items[at]
+        if item.is_mark(ENDS + ":()") or item.get("rel") == "but" or item.has("except", "keep"):
+            break
+        if reached and (item.has("neg") or item.get("rel") == "with"):
+            break
+        if item.is_mark(",") and not _list_goes_on(items, at):
+            break
+        if item.get("rel") == "and" and reached and not _noun_follows(items, at):
+            break
+        placed = item.get("rel") in ("on", "along", "near", "around", "in")
+        if item.has("axis") or ((item.has("exact") or placed) and reached):
+            break
+        reached.append(item)
+        at += 1
+    return reached
+
+
+def _list_goes_on(items: Sequence[Item], at: int) -> bool:
+    """Tell whether a comma parts the nouns of a list that ends in "or": "no A, B or C"."""
+    nouns = 0
+    for item in items[at + 1 :]:
+        if item.get("rel") == "or" or item.text == "nor":
+            return True
+        if item.is_mark(","):
+            continue
+        if not item.has("noun", "slot") or item.has("neg", "verb", "keep"):
+            return False
+        nouns += 1
+    return False
+
+
+def _noun_follows(items: Sequence[Item], at: int) -> bool:
+    """Tell whether "and" is followed by a bare noun, so that the "no" before it reaches on."""
+    if at + 1 >= len(items):
+        return False
+    item = items[at + 1]
+    if not item.has("noun") or item.has("amount"):
+        return False
+    after = items[at + 2] if at + 2 < len(items) else None
+    return after is None or after.kind != "quantity"
+
+
+def _list_before(items: Sequence[Item], at: int) -> list[Item]:
+    """Return the nouns of "cars, buses and trams" before "are not allowed"."""
+    reached: list[Item] = []
+    for index in range(at - 1, -1, -1):
+        item = items[index]
+        between = item.is_mark(",") or item.get("rel") in ("and", "or")
+        if item.has("noun") or item.kind == "id":
+            reached.append(item)
+        elif not (between and reached and index and items[index - 1].has("noun")):
+            if item.kind == "function" or item.has("amount", "rel", "exact"):
+                if reached and not between:
+                    continue
+                if not reached:
+                    continue
+            break
+    return reached
+
+
+def _keeps(items: Sequence[Item], at: int) -> bool:
+    """Tell whether "keep" or "leave" protects something, here."""
+    clause = _kept_scope(items, at + 1)
+    if any(item.has("unchanged") for item in clause):
+        return True
+    named = [item for item in clause if item.has("noun") or item.kind == "id"]
+    if not named:
+        return False
+    if items[at].text not in _MILD_KEEPS:
+        return True
+    begins = at == 0 or items[at - 1].kind in ("mark", "function") or items[at - 1].has("rel")
+    last = clause.index(named[-1])
+    told = any(item.senses and not item.has("rel", "noun") for item in clause[last + 1 :])
+    shaped = any(item.has(*_DESCRIBES) for item in clause[last:])
+    return begins and not told and not shaped
+
+
+def _kept_scope(items: Sequence[Item], at: int) -> list[Item]:
+    reached: list[Item] = []
+    for item in items[at:]:
+        stops = item.has("verb") and not item.has("noun") and item.get("verb") != "MAKE"
+        if item.is_mark(ENDS + ",") or item.get("rel") == "but" or (stops and reached):
+            break
+        reached.append(item)
+    return reached
+
+
+def _keep_before(items: Sequence[Item], at: int) -> None:
+    """Protect the nouns before "stay as they are"; a lone "the same" says nothing."""
+    named = _list_before(items, at)
+    alone = items[at].text in (
+        "alone",
+        "the same",
+        "stay",
+        "stays",
+        "remain",
+        "remains",
+        "in place",
+    )
+    if named and not alone:
+        items[at].state = READ
+        _mark(named, KEPT)

@@ -1,0 +1,1 @@
+"""Sun, sky, weather and lights."""

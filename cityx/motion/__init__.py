@@ -1,0 +1,1 @@
+"""Motion: traffic, pedestrians, crowds and characters on paths."""

@@ -1,0 +1,125 @@
+"""Traffic: vehicles that keep the streets as full as asked, driven by SUMO."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated, Literal
+
+import numpy as np
+
+from cityx.city import City
+from cityx.city.tracks import MOVER, Tracks, join_tracks, no_tracks
+from cityx.ground.street_rules import place_of
+from cityx.motion.halts import halts_of
+from cityx.motion.vehicles import looks_of_kinds, movers_of
+from cityx.protocol import Port, Range, action, has_network
+from cityx.road.network.lane_graph import lanes
+from cityx.traffic.demand import PER_KM, demand_of, per_km_at
+from cityx.traffic.kinds import DRIVING
+from cityx.traffic.laying import streets_of
+from cityx.traffic.session import driven
+from cityx.traffic.simulation import WARM, Outcome, Run
+
+ACTION = "dynamic/traffic-v1"
+
+
+def with_tracks(city: City, kept: Tracks, new: Tracks) -> City:
+    """Put new tracks into a city beside those that are kept."""
+    joined = join_tracks([kept, new])
+    return replace(city, tracks=joined if joined.count else None,
+                   stages_done=city.stages_done | {"dynamic"})  # fmt: skip
+
+
+def told(outcome: Outcome) -> tuple[str, ...]:
+    """Return what a reader of the report should know of a run."""
+    found = []
+    if outcome.teleported:
+        found.append(f"traffic: {len(outcome.teleported)} vehicles could not go on for two minutes "
+                     "and were taken out")  # fmt: skip
+    if outcome.halted:
+        found.append(f"traffic: {len(outcome.halted)} vehicles stood for a minute at the end")
+    return tuple(found)
+
+
+def held_tracks(city: City) -> Tracks:
+    """Return what moves in a city."""
+    return city.tracks if city.tracks is not None else no_tracks()
+
+
+@action(
+    ACTION,
+    limits=[
+        "A lane for both directions on which two cars cannot pass is driven in one direction.",
+        "Nobody turns on the spot: trips that enter a dead end stay there.",
+    ],
+    requires=("layout", has_network()),
+    takes=(Port("lanes", "line", role="lane_graph", optional=True),),
+    gives=(Port("traffic", "line", role="vehicle_tracks"),),
+    labels=("traffic", "vehicles", "cars", "SUMO"),
+    serves=("traffic",),
+    binds={"density": "traffic"},
+    needs=("libsumo",),
+)
+def traffic(
+    city: City,
+    *,
+    density: Literal["usual", "none", "light", "medium", "heavy"] = "usual",
+    per_km: Annotated[float | None, Range(0.0, 60.0)] = None,
+    duration: Annotated[float, Range(1.0, 3600.0)] = 60.0,
+    hour: Annotated[float | None, Range(0.0, 24.0)] = None,
+) -> City:
+    """Let vehicles drive in the streets by their rules; earlier traffic of this action is replaced.
+
+    Parameters
+    ----------
+    city
+        City with a road network and lanes.
+    density
+        How full the streets are; "usual" is what the hour brings, "none" takes every moving
+        vehicle away.
+    per_km
+        Vehicles per kilometre of all streets together, which goes before `density`; main roads get
+        more and side streets fewer.
+    duration
+        Seconds of the tracks.
+    hour
+        Of the day, which decides where trips begin and end; None for that of the city's light.
+    """
+    held = held_tracks(city)
+    if per_km is None and density == "none":
+        vehicles = np.isin(held.kind, [MOVER[kind] for kind in DRIVING])
+        return with_tracks(city, held.take(~vehicles), no_tracks())
+    kept = held.take(held.origin != ACTION)
+    if per_km == 0.0:
+        return with_tracks(city, kept, no_tracks())
+    hour = city.environment.hour if hour is None else hour
+    city = city if city.lanes is not None else lanes(city)
+    streets = streets_of(city, halts_of(city))
+    place = place_of(city)
+    demand = demand_of(
+        city, streets, looks_of_kinds(place), hour=hour, seconds=WARM + duration, purpose=ACTION,
+        per_km=_per_km(city, density, per_km, hour), place=place,
+    )  # fmt: skip
+    run = Run(demand.looks, demand.groups, barred=demand.barred, tight=demand.tight,
+              duration=duration, seed=city.seed)  # fmt: skip
+    trips = tuple(trip for group in demand.groups for trip in group.trips)
+    movers = movers_of(trips, demand.looks, city.seed, place)
+    found = driven(city, streets, run, movers, ACTION, kept)
+    notes = tuple(note for note in city.notes if not note.startswith("traffic: "))
+    changed = with_tracks(city, kept, found.tracks)
+    return replace(changed, signals=found.signals, notes=(*notes, *told(found.outcome)))
+
+
+def _per_km(city: City, density: str, per_km: float | None, hour: float) -> dict[str, float]:
+    """Return vehicles per kilometre of each class of road."""
+    if per_km is None:
+        return per_km_at(density, hour)
+    usual = per_km_at("medium", hour)
+    roads = city.layout.roads
+    kinds = roads["kind"].str.replace("_link", "", regex=False)
+    lengths = roads.geometry.length.groupby(kinds).sum()
+    known = {road: float(length) for road, length in lengths.items() if road in PER_KM}
+    mean = sum(usual[road] * length for road, length in known.items()) / max(
+        sum(known.values()), 1e-9
+    )
+    return {road: value * per_km / max(mean, 1e-9) for road, value in usual.items()}

@@ -1,0 +1,1 @@
+"""Nature and furniture: trees, land and street furniture."""

@@ -1,0 +1,1 @@
+"""Where street furniture stands."""

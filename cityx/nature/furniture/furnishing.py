@@ -1,0 +1,455 @@
+"""Street furniture: what the map shows, lamps along the kerbs and signals at the junctions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city import City
+from cityx.city.ground import ROADWAY
+from cityx.geometry.clearance import near_any, push_off
+from cityx.geometry.polylines import locate, to_linestrings
+from cityx.geometry.ranges import numbered
+from cityx.ground.pieces import (
+    FloatArray,
+    Pieces,
+    in_carriageways,
+    join_pieces,
+    may_stand,
+    pieces,
+    room_along,
+    walk_rims,
+    with_pieces,
+)
+from cityx.ground.standing import WALKED
+from cityx.ground.street_rules import TIGHT, local_names, place_of
+from cityx.ids import hash_ids, uniform
+from cityx.places.driving import keeps_left
+from cityx.protocol import Port, action
+from cityx.road.markings.crossing_places import BEFORE, FLARE
+from cityx.road.markings.marks import Street, street_of
+from cityx.road.markings.painting import painting_of
+from cityx.road.network.network import arm_bearings, arms_of
+from cityx.road.network.sections import bands_of
+from cityx.road.network.signal_places import signal_rows
+from cityx.road.surface.kerbs import (
+    edge_lengths,
+    join_places,
+    places_along,
+    yaw_facing,
+    yaw_of_compass,
+)
+
+ACTION = "nature/furniture-v1"
+
+# Kinds of points that are things by themselves, and the prototype of each.
+PIECES = {
+    "bench": "bench", "waste_basket": "waste_basket", "bollard": "bollard",
+    "bus_stop": "bus_stop", "fire_hydrant": "fire_hydrant", "post_box": "post_box",
+    "telephone": "telephone", "bicycle_parking": "bicycle_parking", "fountain": "fountain",
+    "advertising_column": "advertising_column", "power_pole": "power_pole", "statue": "statue",
+    "vending_machine": "vending_machine", "recycling": "recycling", "flagpole": "flagpole",
+    "street_lamp": "street_lamp_post", "stop": "sign_stop", "give_way": "sign_give_way",
+}  # fmt: skip
+# Signs and signals are mapped on the carriageway; they go to the kerb of the side one drives on.
+KERBSIDE = ("stop", "give_way", "bus_stop")
+MAIN = ("motorway", "trunk", "primary", "secondary", "motorway_link", "trunk_link",
+        "primary_link", "secondary_link")  # fmt: skip
+NOT_FOR_CARS = ("footway", "path", "cycleway", "steps", "pedestrian", "corridor", "bridleway",
+                "rail", "tram", "subway", "light_rail")  # fmt: skip
+LIT = ("primary", "secondary", "tertiary", "residential", "unclassified", "living_street", "trunk")
+
+LAMP_SPACING = 30.0  # metres between lamps of a street, the sides in turn
+LAMP_SETBACK = 0.6  # metres from the kerb
+WIDE_WALK, NARROW_SETBACK = 2.2, 0.3  # metres; on a narrower walk a lamp stands nearer to the kerb
+POLE_SETBACK = 0.5  # metres, clear of mirrors of passing cars
+KERB_GAP = 0.35  # metres between a mapped thing and the kerb at least
+# Half the size of large things, metres, by which they keep off carriageways.
+DEPTH = {"recycling": 1.0, "telephone": 0.55, "bicycle_parking": 0.95, "fountain": 2.2,
+         "advertising_column": 0.85, "statue": 0.9, "vending_machine": 0.6,
+         "bus_stop": 0.85}  # fmt: skip
+FEW_LAMPS = 5.0  # per kilometre; a map with fewer has not mapped its lamps
+MOST_PUSH = 3.0  # metres a mapped thing may be moved out of a carriageway
+SIGNAL_REACH = 25.0  # metres from a mapped signal to the junction it belongs to
+ONWARD = np.radians(40.0)  # a way that turns by more does not go straight on
+AT_LINE, BEHIND = 0.7, 1.3  # metres from a crossing to a pole at its line, and to one behind it
+FRONT_REACH = 40.0  # metres within which a thing turns to a road
+SHELTER_ROOM = 2.6  # metres of free sidewalk that a shelter needs
+POLE = 0.2  # metres, half the foot of a lamp or a signal
+WALL_GAP = 0.32  # metres from a wall to the middle of a pole that stands at it
+WITHIN = 0.9  # metres behind a lamp of a street without walks of its own that are paved
+WALK_REACH = 6.0  # metres of walk beside a pole that are looked at
+
+
+class _Roads:
+    """Carriageways as lines, with half widths and the class of lamp each gets."""
+
+    def __init__(self, city: City) -> None:
+        roads = city.layout.roads
+        kind = roads["kind"].to_numpy().astype(str)
+        if city.network is not None and city.network.edge_count:
+            rows = city.network.edge_road
+            self.lines = to_linestrings(city.network.lines)
+            self.half = city.network.half_width
+        else:
+            cars = ~np.isin(kind, NOT_FOR_CARS)
+            rows = np.flatnonzero(cars & ~roads["tunnel"].to_numpy())
+            self.lines = roads.geometry.to_numpy()[rows]
+            self.half = np.fmax(np.nan_to_num(roads["width"].to_numpy()[rows] / 2, nan=2.5), 1.2)
+        self.main = np.isin(kind[rows], MAIN)
+        self.oneway = roads["oneway"].to_numpy()[rows]
+        self.tree = shapely.STRtree(self.lines)
+
+    def nearest(self, xy: FloatArray, reach: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Return points that have a road within reach, and the nearest road of each."""
+        if not len(self.lines) or not len(xy):
+            return np.zeros(0, np.int64), np.zeros(0, np.int64)
+        spots = shapely.points(xy)
+        spot, line = self.tree.query_nearest(spots, max_distance=reach)
+        first = np.unique(spot, return_index=True)[1]  # ties go to the first line
+        return spot[first], line[first]
+
+    def foot(self, xy: FloatArray, line: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+        """Return the nearest point of each given line and the line's direction there."""
+        shapes, spots = self.lines[line], shapely.points(xy)
+        along = shapely.line_locate_point(shapes, spots)
+        length = shapely.length(shapes)
+        near = shapely.get_coordinates(shapely.line_interpolate_point(shapes, along))
+        step = 0.5  # metres, over which the direction is taken
+        back = shapely.line_interpolate_point(shapes, np.maximum(along - step, 0))
+        ahead = shapely.line_interpolate_point(shapes, np.minimum(along + step, length))
+        way = shapely.get_coordinates(ahead) - shapely.get_coordinates(back)
+        size = np.hypot(*way.T)
+        return near, way / np.where(size > 0, size, 1.0)[:, None]
+
+
+def _mapped(city: City, roads: _Roads, drive: float) -> Pieces | None:
+    """Place the things of the points table, turned as mapped or towards the road."""
+    table = city.layout.points
+    kind = table["kind"].to_numpy().astype(str)
+    rows = np.flatnonzero(np.isin(kind, list(PIECES)))
+    if not len(rows):
+        return None
+    kind = kind[rows]
+    ids = table["id"].to_numpy()[rows]
+    xy = shapely.get_coordinates(table.geometry.to_numpy()[rows])
+    direction = table["direction"].to_numpy()[rows]
+    yaw = uniform(city.seed, f"{ACTION}/yaw", ids) * 2 * np.pi
+    names = np.array([PIECES[k] for k in kind], dtype=object)
+
+    spot, line = roads.nearest(xy, FRONT_REACH)
+    if len(spot):
+        near, way = roads.foot(xy[spot], line)
+        toward = near - xy[spot]
+        gap = np.hypot(*toward.T)
+        yaw[spot] = yaw_facing(toward)
+        left = np.column_stack([-way[:, 1], way[:, 0]])
+        on_road = gap < roads.half[line] + 0.3
+        kerbside = np.isin(kind[spot], KERBSIDE) & on_road
+        # The sign of a stop line faces the traffic that arrives at it; which way that is, the
+        # map seldom says, so it is drawn from the nearer end of the road.
+        end = shapely.line_locate_point(roads.lines[line], shapely.points(xy[spot]))
+        onward = np.where(end > shapely.length(roads.lines[line]) / 2, 1.0, -1.0)
+        onward = np.where(roads.oneway[line], 1.0, onward)
+        sign = np.isin(kind[spot], ("stop", "give_way"))
+        offset = (roads.half[line] + POLE_SETBACK + 0.45 * (kind[spot] == "bus_stop"))[:, None]
+        beside = near - left * (drive * np.where(sign, onward, 1.0))[:, None] * offset
+        xy[spot] = np.where(kerbside[:, None], beside, xy[spot])
+        facing = np.where(sign[:, None], -way * onward[:, None], near - beside)
+        yaw[spot] = np.where(kerbside, yaw_facing(facing), yaw[spot])
+        lamp = kind[spot] == "street_lamp"
+        names[spot[lamp & roads.main[line]]] = "street_lamp_mast"
+    given = np.isfinite(direction) & ~np.isin(kind, KERBSIDE)
+    yaw = np.where(given, yaw_of_compass(np.where(given, direction, 0.0)), yaw)
+    bus = np.flatnonzero(names == "bus_stop")
+    if len(bus):
+        houses = city.layout.buildings.geometry.to_numpy()
+        back = np.column_stack([-np.sin(yaw[bus]), np.cos(yaw[bus])])
+        tight = near_any(xy[bus] + 1.0 * back, houses, SHELTER_ROOM)
+        tight |= in_carriageways(city, xy[bus] + 0.6 * back, np.full(len(bus), DEPTH["bus_stop"]))
+        names[bus[tight]] = "bus_pole"
+        roomy = bus[~tight]
+        xy[roomy] += 0.6 * back[~tight]  # the shelter's front stays clear of the kerb
+    found = pieces(names, xy, ids, yaw)
+    height = table["height"].to_numpy()[rows]
+    size = np.isfinite(height) & np.isin(names, ("street_lamp_mast", "street_lamp_post", "flagpole",
+                                                 "power_pole"))  # fmt: skip
+    full = {"street_lamp_mast": 8.2, "street_lamp_post": 4.5, "flagpole": 9.0, "power_pole": 9.0}
+    scale = np.array(
+        [h / full[n] if s else 1.0 for h, n, s in zip(height, names, size, strict=True)]
+    )
+    return replace(found, scale=np.clip(scale, 0.5, 2.5))
+
+
+def _lamps(city: City, have: int) -> Pieces | None:
+    """Lamps along the kerbs of lit streets, unless the map has its own."""
+    network = city.network
+    if network is None or not network.edge_count:
+        return None
+    table = city.layout.roads
+    kind = table["kind"].to_numpy().astype(str)[network.edge_road]
+    lit = np.isin(kind, LIT) & table["lit"].to_numpy()[network.edge_road]
+    lit &= ~table["bridge"].to_numpy()[network.edge_road]
+    lit &= table["layer"].to_numpy()[network.edge_road] == 0
+    lit &= ~table["roundabout"].to_numpy(bool)[network.edge_road]
+    kilometres = edge_lengths(network)[lit].sum() / 1000.0
+    if have >= FEW_LAMPS * kilometres or not lit.any():
+        return None
+    groups = []
+    for side, phase, column in ((1, 0.0, "sidewalk_left"), (-1, 0.5, "sidewalk_right")):
+        walk = table[column].to_numpy()[network.edge_road]
+        for chosen, beyond in (
+            (walk >= WIDE_WALK, LAMP_SETBACK),
+            ((walk > 0) & (walk < WIDE_WALK), NARROW_SETBACK),
+            # Paving from the kerb to the houses is no walk of the street, and lit as one.
+            (walk == 0, LAMP_SETBACK),
+        ):
+            groups.append(
+                places_along(network, np.flatnonzero(lit & chosen), side, spacing=LAMP_SPACING,
+                             beyond=beyond, margin=3.0, phase=phase)
+            )  # fmt: skip
+    places = join_places(*groups)
+    left, right = (table[name].to_numpy()[network.edge_road][places.edge]
+                   for name in ("sidewalk_left", "sidewalk_right"))  # fmt: skip
+    walked = np.where(places.side > 0, left, right) > 0
+    if city.ground is not None:
+        walked |= city.ground.on(places.xy - WITHIN * places.toward_road, *WALKED)
+    places = places.take(walked)
+    main = np.isin(kind, MAIN)[places.edge]
+    ids = hash_ids(0, f"{ACTION}/lamp", network.edge_id[places.edge],
+                   2 * places.number + (places.side > 0))  # fmt: skip
+    names = np.where(main, "street_lamp_mast", "street_lamp_post").astype(object)
+    return pieces(names, places.xy, ids, yaw_facing(places.toward_road))
+
+
+def lamp_places(city: City) -> FloatArray:
+    """Return the (n, 2) places of mapped lamps and of those that `furniture` will add."""
+    table = city.layout.points
+    rows = np.flatnonzero(table["kind"].to_numpy().astype(str) == "street_lamp")
+    mapped = shapely.get_coordinates(table.geometry.to_numpy()[rows])
+    added = _lamps(city, len(rows))
+    return mapped if added is None else np.concatenate([mapped, added.xy])
+
+
+def _signals(city: City, drive: float) -> Pieces | None:
+    """Signals at the kerb corner of every arm of a signalised junction, and at crossings."""
+    network = city.network
+    table = city.layout.points
+    rows, ruling = signal_rows(city.layout)
+    if network is None or not network.edge_count or not len(rows):
+        return None
+    spots = table.geometry.to_numpy()[rows]
+    joint = np.flatnonzero(network.node_degree >= 3)
+    node_of = np.full(len(rows), -1)
+    if len(joint):
+        tree = shapely.STRtree(shapely.points(network.node_position[joint]))
+        spot, node = tree.query_nearest(spots[ruling], max_distance=SIGNAL_REACH)
+        node_of[np.flatnonzero(ruling)[spot]] = joint[node]
+    signalled = np.zeros(len(network.node_position), bool)
+    signalled[node_of[node_of >= 0]] = True
+    roads = city.layout.roads
+    oneway = roads["oneway"].to_numpy()[network.edge_road]
+    main = np.isin(roads["kind"].to_numpy().astype(str)[network.edge_road], MAIN)
+    lines = network.lines
+    length = edge_lengths(network)
+    street = street_of(city.layout, network, bands_of(city.layout, network),
+                       painting_of(city.frame))  # fmt: skip
+    found = []
+    for end in (0, 1):
+        # Traffic arrives at the far end of an edge, and at its start unless it is one way.
+        edge = np.flatnonzero(signalled[network.edge_nodes[:, end]] & ((end == 1) | ~oneway))
+        long = length[edge] > network.trim[edge].sum(axis=1) + 4.0
+        edge = edge[long | street.marked[edge, end]]
+        found.append(_beside(lines, network, edge, *_poles(street, edge, end, AT_LINE),
+                             1.0 if end == 1 else -1.0, drive, main,
+                             f"{ACTION}/signal/{end}"))  # fmt: skip
+        if _repeated(city, drive):
+            found.append(_beyond(street, edge, end, drive, f"{ACTION}/signal/far/{end}"))
+    lone = np.flatnonzero(node_of < 0)
+    if len(lone):
+        shapes = to_linestrings(lines)
+        spot, edge = shapely.STRtree(shapes).query_nearest(spots[lone], max_distance=2.0)
+        first = np.unique(spot, return_index=True)[1]
+        spot, edge = spot[first], edge[first]
+        along = shapely.line_locate_point(shapes[edge], spots[lone][spot])
+        for way in (1.0, -1.0):
+            ok = (way > 0) | ~oneway[edge]
+            own = table["id"].to_numpy()[rows][lone[spot[ok]]]
+            found.append(_beside(lines, network, edge[ok], along[ok] - 2.0 * way,
+                                 np.zeros(int(ok.sum())), way, drive, main,
+                                 f"{ACTION}/signal/mid{way:+.0f}", own))  # fmt: skip
+    return join_pieces(found)
+
+
+def _poles(
+    street: Street, edge: NDArray[np.int64], end: int, before: float
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Metres along edges to poles beside their crossings, and how far the kerb has curved away."""
+    trim = street.network.trim[edge, end]
+    beyond = np.where(street.marked[edge, end], street.halt[edge, end] - BEFORE + before, 0.6)
+    inside = np.maximum(-beyond, 0.0) / np.maximum(trim - street.mouth[edge, end], 0.1)
+    along = trim + beyond
+    along = along if end == 0 else street.length[edge] - along
+    return along, FLARE * np.minimum(inside, 1.5) ** 2
+
+
+def _repeated(city: City, drive: float) -> bool:
+    """Tell whether signals stand behind junctions, too: where one drives left, in North America."""
+    return drive < 0 or place_of(city) == "north america"
+
+
+def _beyond(
+    street: Street, edge: NDArray[np.int64], end: int, drive: float, purpose: str
+) -> Pieces:  # fmt: skip
+    """Poles behind the junction, beside the arm in which traffic of each edge goes straight on."""
+    lines, network = street.lines, street.network
+    node, arm, side = arms_of(lines, network.edge_nodes)
+    bearing = arm_bearings(lines, arm, side)
+    own = arm_bearings(lines, edge, np.full(len(edge), end))
+    low = np.searchsorted(node, network.edge_nodes[edge, end])
+    size = np.searchsorted(node, network.edge_nodes[edge, end], side="right") - low
+    row = np.repeat(np.arange(len(edge)), size)
+    other = low[row] + numbered(size)
+    turn = np.abs(np.mod(bearing[other] - own[row], 2 * np.pi) - np.pi)
+    order = np.lexsort((other, np.round(turn, 6), row))
+    first = order[np.unique(row[order], return_index=True)[1]]
+    first = first[turn[first] < ONWARD]
+    row, other = row[first], other[first]
+    found = []
+    for far in (0, 1):
+        some = np.flatnonzero(side[other] == far)
+        onto = arm[other[some]]
+        # Whoever goes on leaves the junction along this arm.
+        found.append(_beside(lines, network, onto, *_poles(street, onto, far, BEHIND),
+                             1.0 if far == 0 else -1.0, drive,
+                             np.zeros(network.edge_count, bool), f"{purpose}/{far}",
+                             network.edge_id[edge[row[some]]]))  # fmt: skip
+    return join_pieces(found)
+
+
+def _beside(lines: Any, network: Any, edge: NDArray[np.int64], along: FloatArray,
+            flare: FloatArray, way: float, drive: float, main: NDArray[np.bool_], purpose: str,
+            ids: NDArray[np.uint64] | None = None) -> Pieces:  # fmt: skip
+    """Poles on the side one drives on, facing traffic that moves along (`way` +1) or against."""
+    position, ahead = locate(lines, edge, along)
+    travel = ahead * way
+    right = np.column_stack([travel[:, 1], -travel[:, 0]]) * drive
+    xy = position + right * (network.half_width[edge] + flare + POLE_SETBACK)[:, None]
+    # Arms reach over the lanes for traffic on the right; elsewhere the plain pole serves.
+    wide = main[edge] & (network.half_width[edge] > 4.5) & (drive > 0)
+    names = np.where(wide, "traffic_signal_mast", "traffic_signal").astype(object)
+    key = network.edge_id[edge] if ids is None else ids
+    return pieces(names, xy, hash_ids(0, purpose, key), yaw_facing(-travel))
+
+
+def _cleared(city: City, roads: _Roads, given: Pieces, mapped: int) -> Pieces:
+    """Move mapped things off carriageways; drop what still stands in one or in a house."""
+    depth = np.array([DEPTH.get(str(name), 0.0) for name in given.name])
+    xy, free = given.xy.copy(), np.ones(len(given), bool)
+    for deep in np.unique(depth):
+        of = depth == deep
+        gap = roads.half + max(deep + 0.05, KERB_GAP)
+        xy[of], free[of] = push_off(given.xy[of], roads.lines, gap, most=MOST_PUSH)
+    shifted = np.hypot(*(xy - given.xy).T) > 1e-9
+    own = np.arange(len(xy)) < mapped
+    free &= own | ~shifted
+    houses = city.layout.buildings.geometry.to_numpy()
+    inside = near_any(xy, houses, 0.0)
+    soft = np.isin(given.name, ("vending_machine", "post_box", "telephone"))
+    free &= ~(inside & ~soft)
+    free &= ~(near_any(xy, houses, 0.3) & ~own)
+    network = city.network
+    if network is not None and network.edge_count:
+        radius = np.zeros(len(network.node_position))
+        np.maximum.at(radius, network.edge_nodes.ravel(), np.repeat(network.half_width, 2))
+        joint = network.node_degree >= 3
+        nodes = shapely.points(network.node_position[joint])
+        free &= ~near_any(xy, nodes, radius[joint] + 0.3)
+    if city.ground is not None:
+        ground = city.ground
+        free &= ~ground.on(xy, *ROADWAY)
+    xmin, ymin, xmax, ymax = city.layout.extent
+    free &= (xy[:, 0] >= xmin) & (xy[:, 0] <= xmax) & (xy[:, 1] >= ymin) & (xy[:, 1] <= ymax)
+    return replace(given, xy=xy).take(free)
+
+
+def _let_pass(city: City, roads: _Roads, ours: Pieces) -> Pieces:
+    """Move poles that leave too little of a walk to its far side.
+
+    Lamps that leave too little there as well are left out; signals stay.
+    """
+    if city.ground is None or not len(ours):
+        return ours
+    rows, line = roads.nearest(ours.xy, FRONT_REACH)
+    walked = city.ground.on(ours.xy[rows], *WALKED)
+    rows, line = rows[walked], line[walked]
+    xy = ours.xy[rows]
+    out = xy - roads.foot(xy, line)[0]
+    out /= np.maximum(np.hypot(*out.T), 1e-6)[:, None]
+    rims = walk_rims(city.ground)
+    behind, before = (room_along(xy, way, rims, WALK_REACH) for way in (out, -out))
+    tight = np.maximum(behind, before) < TIGHT + POLE
+    roomy = behind + before >= TIGHT + POLE + WALL_GAP
+    moved, keep = ours.xy.copy(), np.ones(len(ours), bool)
+    back = tight & roomy
+    moved[rows[back]] += (out * (behind - WALL_GAP)[:, None])[back]
+    lamp = np.char.startswith(ours.name.astype(str), "street_lamp")
+    keep[rows[tight & ~roomy]] = ~lamp[rows[tight & ~roomy]]
+    return replace(ours, xy=moved).take(keep)
+
+
+def _as_here(city: City, standing: Pieces) -> NDArray[Any]:
+    """(n,) names of pieces as the region builds them, but for hydrants that are said to stand."""
+    points = city.layout.points
+    pillar = points["tags"].str.contains('"fire_hydrant:type": *"pillar"', regex=True)
+    named = np.isin(standing.id, points["id"].to_numpy()[pillar.to_numpy().astype(bool)])
+    return np.where(named, standing.name, local_names(standing.name, place_of(city)))
+
+
+@action(
+    ACTION,
+    limits=["Bridges and tunnels get no lamps of their own."],
+    requires=("layout",),
+    after=("road/ground-v1",),
+    takes=(Port("layout", "scene_layout"),),
+    gives=(Port("furniture", "point", role="street_furniture"),),
+    labels=("street lamps", "benches", "traffic lights", "bus stops"),
+)
+def furniture(
+    city: City,
+    *,
+    lamps: bool = True,
+) -> City:
+    """Place mapped street furniture, lamps along kerbs and signals at junctions.
+
+    Parameters
+    ----------
+    city
+        City with a layout; lamps and signals need the road network.
+    lamps
+        Whether lit streets get lamps when the map has next to none.
+    """
+    done = city.stages_done | {"nature"}
+    if city.lod < 1:
+        return replace(city, stages_done=done)
+    network = city.network
+    left = keeps_left(city.frame) if network is None else bool(network.left_hand.any())
+    drive = -1.0 if left else 1.0
+    roads = _Roads(city)
+    mapped = _mapped(city, roads, drive) or join_pieces([])
+    posts = int((city.layout.points["kind"].to_numpy().astype(str) == "street_lamp").sum())
+    added = (_lamps(city, posts) if lamps else None, _signals(city, drive))
+    ours = _let_pass(city, roads, join_pieces([group for group in added if group is not None]))
+    if not len(mapped) + len(ours):
+        return replace(city, stages_done=done)
+    standing = _cleared(city, roads, join_pieces([mapped, ours]), len(mapped))
+    # A shelter that the kerb leaves no room for is a pole.
+    tight = (standing.name == "bus_stop") & ~may_stand(city, standing)
+    standing = replace(standing, name=np.where(tight, "bus_pole", standing.name))
+    standing = standing.take(may_stand(city, standing))
+    standing = replace(standing, name=_as_here(city, standing))
+    return with_pieces(replace(city, stages_done=done), "street_furniture", standing)

@@ -1,0 +1,122 @@
+"""Signs at junctions: give way, stop, no entry, crossings, street names."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.city import City
+from cityx.geometry.clearance import near_any
+from cityx.geometry.polylines import locate
+from cityx.ground.pieces import FloatArray, Pieces, join_pieces, pieces
+from cityx.ids import hash_ids, uniform
+from cityx.road.markings.marks import STRIPED, street_of
+from cityx.road.markings.painting import painting_of
+from cityx.road.network.sections import bands_of
+from cityx.road.network.signal_places import signal_places
+from cityx.road.surface.kerbs import edge_lengths, yaw_facing
+
+PURPOSE = "nature/signs"
+# The lower gives way to the higher.
+RANK = {"motorway": 6, "trunk": 6, "primary": 5, "secondary": 4, "tertiary": 3, "unclassified": 2,
+        "residential": 2, "living_street": 1, "service": 0}  # fmt: skip
+FROM_KERB = 0.45  # metres from the kerb to a pole
+BEHIND = 0.8  # metres before the junction
+BESIDE = 0.3  # metres from a zebra to a beacon
+ZEBRA = 4.2  # metres that a zebra takes before the junction
+SIGNALLED = 30.0  # metres from a mapped signal within which no sign rules
+NAMED = 0.8  # share of the arms of junctions that tell their name
+TOLD = 15.0  # metres from a mapped sign within which none is added
+
+
+def junction_signs(city: City, place: str) -> tuple[Pieces, FloatArray]:
+    """Draw the signs of every junction.
+
+    Returns
+    -------
+    signs, outward
+        The signs, and (n, 2) unit vectors from each away from the carriageway.
+    """
+    network = city.network
+    if network is None or not network.edge_count:
+        return join_pieces([]), np.zeros((0, 2))
+    roads = city.layout.roads
+    kind = roads["kind"].to_numpy().astype(str)[network.edge_road]
+    rank = np.array([RANK.get(name.removesuffix("_link"), -1) for name in kind])
+    oneway = roads["oneway"].to_numpy()[network.edge_road]
+    flat = (roads["layer"].to_numpy() == 0) & ~roads["tunnel"].to_numpy()
+    flat = (flat & ~roads["bridge"].to_numpy())[network.edge_road]
+    roundabout = roads["roundabout"].to_numpy()[network.edge_road]
+    top = np.full(len(network.node_position), -1)
+    np.maximum.at(top, network.edge_nodes.ravel(), np.repeat(rank, 2))
+    ring = np.zeros(len(top), bool)
+    ring[network.edge_nodes[roundabout].ravel()] = True
+    joint = network.node_degree >= 3
+    points = city.layout.points
+    what, where = points["kind"].to_numpy().astype(str), points.geometry.to_numpy()
+    painting = painting_of(city.frame)
+    street = street_of(city.layout, network, bands_of(city.layout, network), painting)
+    signalled = near_any(network.node_position, signal_places(city.layout), SIGNALLED)
+    told = near_any(network.node_position, where[np.isin(what, ("stop", "give_way"))], TOLD)
+    drive = np.where(network.left_hand, -1.0, 1.0)
+    length = edge_lengths(network)
+    long = length > network.trim.sum(axis=1) + 8.0
+    minor = "sign_stop" if place in ("japan", "north america") else "sign_give_way"
+    found: list[tuple[Pieces, FloatArray]] = []
+    for end in (0, 1):
+        node = network.edge_nodes[:, end]
+        here = joint[node] & flat & long & (rank >= 0) & ~roundabout
+        arrives = (end == 1) | ~oneway
+        yields = here & arrives & ~signalled[node] & ~told[node]
+        yields &= ((rank < top[node]) | ring[node]) & (rank >= 1)
+        zebra = street.crossing[:, end] == STRIPED
+        found.append(_at(network, minor, np.flatnonzero(yields), end, BEHIND, drive, True))
+        entry = here & oneway & (end == 1)
+        found.append(
+            _at(network, "sign_no_entry", np.flatnonzero(entry), end, BEHIND + 1.5, -drive, False)
+        )
+        into = here & oneway & (end == 0)
+        found.append(_at(network, "sign_one_way", np.flatnonzero(into), end, BEHIND, -drive, False))
+        told_zebra = here & zebra & ~signalled[node] & (place != "japan")
+        if painting.beacons:
+            rows = np.flatnonzero(told_zebra)
+            off = (street.setback[:, end] + street.depth)[rows] + BESIDE
+            sides = [_at(network, "belisha_beacon", rows, end, off, side * drive, True)
+                     for side in (1.0, -1.0)]  # fmt: skip
+            far = hash_ids(0, f"{PURPOSE}/far", sides[1][0].id)
+            found += [sides[0], (replace(sides[1][0], id=far), sides[1][1])]
+        else:
+            rows = np.flatnonzero(told_zebra & arrives)
+            found.append(_at(network, "sign_crossing", rows, end, ZEBRA, drive, True))
+        named = here & (roads["name"].to_numpy().astype(str)[network.edge_road] != "")
+        # Most arms tell their name.
+        some = uniform(city.seed, f"{PURPOSE}/name", network.edge_id, end) < NAMED
+        if place != "japan":
+            found.append(
+                _at(network, "sign_name", np.flatnonzero(named & some), end, 0.3, -drive, True)
+            )
+    return join_pieces([f[0] for f in found]), np.concatenate([f[1] for f in found])
+
+
+def _at(network: Any, name: str, edge: NDArray[np.int64], end: int, behind: Any,
+        drive: FloatArray, facing: bool) -> tuple[Pieces, FloatArray]:  # fmt: skip
+    """Poles beside the ends of edges, some metres `behind` the junction.
+
+    They are `facing` the traffic that arrives, or who would enter.
+    """
+    lines = network.lines
+    setback = network.trim[edge, end] + behind
+    along = setback if end == 0 else edge_lengths(network)[edge] - setback
+    position, ahead = locate(lines, edge, along)
+    travel = ahead if end == 1 else -ahead
+    out = np.column_stack([travel[:, 1], -travel[:, 0]]) * drive[edge][:, None]
+    xy = position + out * (network.half_width[edge] + FROM_KERB)[:, None]
+    ids = hash_ids(0, f"{PURPOSE}/{name}/{end}", network.edge_id[edge])
+    if name == "sign_name":
+        yaw = np.arctan2(ahead[:, 1], ahead[:, 0])
+    else:
+        yaw = yaw_facing(-travel if facing else travel)
+    return pieces(name, xy, ids, yaw), out

@@ -1,0 +1,1 @@
+"""Parks, gardens, shores, barriers and frontages."""

@@ -1,0 +1,377 @@
+"""Walls, fences and hedges along the lines of the layout."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city import City, MeshBatch
+from cityx.city.ground import KERB_HEIGHT
+from cityx.city.mesh import concatenate, empty_batch
+from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, pack
+from cityx.ground.standing import earth_over
+from cityx.ids import uniform
+from cityx.nature.land.frontages import frontage_edges
+from cityx.protocol import Port, action
+
+ACTION = "nature/barriers-v1"
+FloatArray = NDArray[np.float64]
+
+STEP = 4.0  # metres; a barrier follows the terrain by pieces of this length at most
+# Clipped, but not ruled: metres between the points of a hedge near by, how far its face swells and
+# sinks there, and the shade of its leaves.
+TWIG, SWELL, SHADE = 0.4, 0.045, (0.55, 1.35)
+BURIED = 0.4  # metres below the ground, so that no light passes under it
+SHORTEST = 0.3  # metres; what is left of a line between two gates and shorter is dropped
+GATE = 0.4  # metres beyond the carriageway that a drive through a barrier leaves open
+PATHS = ("footway", "path", "cycleway", "pedestrian")
+POSTS = 2.5  # metres between the posts of a fence
+MITRE = 3.0  # a corner's offset grows to this many half widths at most
+
+
+@dataclass(frozen=True)
+class Kind:
+    """How a barrier is built: a swept profile, and posts for a fence.
+
+    Attributes
+    ----------
+    height
+        Metres, when the map does not say.
+    width
+        Metres.
+    material
+        Name of the material.
+    tints
+        Linear RGB colours to draw from.
+    """
+
+    height: float
+    width: float
+    material: str
+    tints: tuple[tuple[float, float, float], ...]
+
+
+_STONE = ((0.80, 0.77, 0.70), (0.70, 0.66, 0.60), (0.85, 0.83, 0.78))
+KINDS = {
+    "wall": Kind(1.6, 0.24, "brick", ((0.62, 0.34, 0.26), (0.70, 0.45, 0.32), (0.75, 0.70, 0.62))),
+    "city_wall": Kind(6.0, 1.4, "stone", _STONE),
+    "retaining_wall": Kind(1.4, 0.4, "stone", _STONE),
+    "fence": Kind(1.3, 0.05, "metal_dark", ((1.0, 1.0, 1.0),)),
+    "hedge": Kind(1.4, 0.7, "hedge", ((0.95, 1.0, 0.9), (0.8, 0.9, 0.8), (1.15, 1.1, 0.9))),
+    # Edges of plots along walks (`cityx.nature.land.frontages`).
+    "front_wall": Kind(0.75, 0.24, "brick", ((0.62, 0.34, 0.26), (0.70, 0.45, 0.32))),
+    "front_hedge": Kind(1.0, 0.55, "hedge", ((0.95, 1.0, 0.9), (0.8, 0.9, 0.8), (1.2, 1.1, 0.9))),
+    "block_wall": Kind(1.15, 0.13, "concrete", ((1.0, 1.0, 0.98), (0.85, 0.84, 0.82))),
+    "planted_wall": Kind(0.42, 0.50, "concrete", ((1.1, 1.08, 1.04), (0.85, 0.80, 0.74))),
+    "rail_fence": Kind(1.05, 0.04, "metal_grey", ((1.0, 1.0, 1.0),)),
+    "railing": Kind(1.05, 0.035, "metal_dark", ((1.0, 1.0, 1.0),)),
+}
+# Rails of a fence as shares of its height, and metres between its posts.
+RAILS = {
+    "fence": (((0.12, 0.16), (0.52, 0.55), (0.93, 0.97)), POSTS),
+    "rail_fence": (((0.10, 0.15), (0.31, 0.34), (0.52, 0.55), (0.73, 0.76), (0.94, 1.0)), 1.6),
+    "railing": (((0.10, 0.14), (0.86, 0.90)), 0.16),
+}
+SLENDER = {"railing": 0.011}  # metres, half of a post
+GREEN_TOP = (0.36, 0.85)  # metres between which plants fill a planted wall
+
+
+def _cut(
+    city: City, lines: NDArray[Any], *, beside_paths: bool = False
+) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """Cut lines at the site and at passing roads; return what is left and the row of each.
+
+    With `beside_paths`, paths that merely run along a line cut nothing out of it.
+    """
+    owner = np.arange(len(lines))
+    lines = shapely.intersection(lines, shapely.box(*city.layout.extent))
+    roads = city.layout.roads
+    kind = roads["kind"].to_numpy().astype(str)
+    passing = ~roads["tunnel"].to_numpy() & ~roads["bridge"].to_numpy() & (kind != "subway")
+    ways = roads.geometry.to_numpy()[passing]
+    half = np.fmax(np.nan_to_num(roads["width"].to_numpy()[passing] / 2, nan=1.0), 0.6) + GATE
+    if len(ways) and len(lines):
+        way, line = shapely.STRtree(lines).query(ways, predicate="dwithin", distance=half)
+        if beside_paths:
+            crossing = shapely.intersects(ways[way], lines[line])
+            crossing |= ~np.isin(kind[passing][way], PATHS)
+            way, line = way[crossing], line[crossing]
+        if len(way):
+            order = np.lexsort((way, line))
+            way, line = way[order], line[order]
+            strips = shapely.buffer(ways[way], half[way], cap_style="flat", quad_segs=2)
+            hit, start = np.unique(line, return_index=True)
+            for row, group in zip(hit, np.split(strips, start[1:]), strict=True):
+                lines[row] = shapely.difference(lines[row], shapely.union_all(group))
+    houses = city.layout.buildings.geometry.to_numpy()
+    inside = shapely.STRtree(houses).query(lines, predicate="within")[0] if len(houses) else []
+    lines[np.unique(inside).astype(int)] = shapely.LineString()
+    parts, index = shapely.get_parts(lines, return_index=True)
+    good = (shapely.get_type_id(parts) == 1) & (shapely.length(parts) > SHORTEST)
+    return parts[good], owner[index[good]]
+
+
+def _ground(city: City, xy: FloatArray) -> FloatArray:
+    """(n,) height of the ground, or of what is heaped on it, under points."""
+    land = city.terrain.height_at(xy) + KERB_HEIGHT
+    return np.asarray(np.fmax(land, earth_over(city.scene.meshes.get("structures"), xy)))
+
+
+def _resampled(lines: NDArray[Any], step: float = STEP) -> Polylines:
+    """Clean lines and add points, so that they can follow the terrain."""
+    clean = shapely.remove_repeated_points(shapely.force_2d(lines), 0.02)
+    return pack(shapely.segmentize(clean, step))
+
+
+def _offsets(lines: Polylines) -> FloatArray:
+    """(p, 2) mitre vectors to the left for a half width of one; closed rings meet at the seam."""
+    points = lines.points
+    first, last = lines.start[:-1], lines.start[1:] - 1
+    closed = np.hypot(*(points[first] - points[last]).T) < 0.01
+    before = np.arange(len(points)) - 1
+    after = np.arange(len(points)) + 1
+    before[first] = np.where(closed, last - 1, first)
+    after[last] = np.where(closed, first + 1, last)
+
+    def unit(v: FloatArray) -> FloatArray:
+        size = np.hypot(*v.T)
+        return np.asarray(v / np.where(size > 1e-9, size, 1.0)[:, None])
+
+    back, ahead = unit(points - points[before]), unit(points[after] - points)
+    back[before == np.arange(len(points))] = ahead[before == np.arange(len(points))]
+    stop = after == np.arange(len(points))
+    ahead[stop] = back[stop]
+    left_back: FloatArray = np.column_stack([-back[:, 1], back[:, 0]])
+    left_ahead: FloatArray = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    mid = unit(left_back + left_ahead)
+    flat = np.hypot(*mid.T) < 0.5  # the line turns back on itself
+    mid[flat] = left_ahead[flat]
+    cosine = np.maximum(np.sum(mid * left_ahead, axis=1), 1.0 / MITRE)
+    return np.asarray(mid / cosine[:, None])
+
+
+def sweep(
+    lines: Polylines, ids: NDArray[np.uint64], ground: FloatArray, profile: FloatArray,
+    size: FloatArray, material: str, tint: FloatArray,
+) -> MeshBatch:  # fmt: skip
+    """Sweep a closed profile along lines, one closed solid per line.
+
+    Parameters
+    ----------
+    lines
+        The lines, n of them with p points.
+    ids
+        (n,) object of each line.
+    ground
+        (p,) height of the ground at every point, metres.
+    profile
+        (k, 2) float, across (left positive) in half widths and up in heights; seen along the line
+        it runs counter-clockwise when left is to the left, and is convex.
+    size
+        (n, 2) half width and height, metres. Heights below zero of the profile are metres.
+    material
+        Name of the material.
+    tint
+        (n, 3) linear RGB.
+    """
+    if not lines.count:
+        return empty_batch()
+    k, count = len(profile), lines.count
+    owner = lines.line_of_point()
+    side = _offsets(lines)
+    across = profile[:, 0] * size[owner, :1]  # (p, k)
+    up = np.where(profile[:, 1] < 0, profile[:, 1], profile[:, 1] * size[owner, 1:])
+    xy = lines.points[:, None, :] + side[:, None, :] * across[:, :, None]
+    vertices = np.concatenate([xy, (ground[:, None] + up)[:, :, None]], axis=2).reshape(-1, 3)
+    along, _ = arc_lengths(lines)
+    girth = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(profile[np.r_[0:k, 0]], axis=0).T))])
+
+    here = np.flatnonzero(owner[1:] == owner[:-1])  # segments by their first point
+    j = np.arange(k)
+    a = (here[:, None] * k + j).ravel()
+    b = (here[:, None] * k + (j + 1) % k).ravel()
+    quads = np.column_stack([a, a + k, b + k, b])
+    u0 = np.repeat(along[here], k)
+    u1 = np.repeat(along[here + 1], k)
+    v0, v1 = np.tile(girth[:-1], len(here)), np.tile(girth[1:], len(here))
+    uv = np.stack([np.column_stack([u0, v0]), np.column_stack([u1, v0]),
+                   np.column_stack([u1, v1]), np.column_stack([u0, v1])], axis=1)  # fmt: skip
+    fan = np.arange(1, k - 1)
+    none = np.full((count, k - 2), -1)
+    head = lines.start[:-1, None] * k
+    tail = (lines.start[1:, None] - 1) * k
+    first = np.stack([head + 0 * fan, head + fan, head + fan + 1, none], axis=2).reshape(-1, 4)
+    last = np.stack([tail + 0 * fan, tail + fan + 1, tail + fan, none], axis=2).reshape(-1, 4)
+    faces = np.concatenate([quads, first, last])
+    face_line = np.concatenate([np.repeat(owner[here], k), np.repeat(np.arange(count), k - 2),
+                                np.repeat(np.arange(count), k - 2)])  # fmt: skip
+    caps = np.zeros((2 * count * (k - 2), 4, 2))
+    uv = np.concatenate([uv, caps])
+    order = np.argsort(face_line, kind="stable")
+    faces, face_line, uv = faces[order], face_line[order], uv[order]
+    return MeshBatch(
+        ids.astype(np.uint64),
+        (lines.start * k).astype(np.int64),
+        np.searchsorted(face_line, np.arange(count + 1)).astype(np.int64),
+        vertices,
+        faces.astype(np.int32),
+        np.zeros(len(faces), np.int16),
+        (material,),
+        uv.astype(np.float32),
+        tint[face_line].astype(np.float32),
+    )
+
+
+def _grown(city: City, hedges: MeshBatch) -> MeshBatch:
+    """Let the faces of swept hedges near by swell and sink, and lie in more light or less."""
+    if city.lod <= 2:
+        return hedges
+    rows = np.repeat(np.arange(hedges.count), np.diff(hedges.vertex_start))
+    number = np.arange(len(rows)) - hedges.vertex_start[rows]
+    drawn = [uniform(city.seed, f"{ACTION}/swell", hedges.object_id[rows], 3 * number + axis)
+             for axis in range(3)]  # fmt: skip
+    vertices = hedges.vertices + SWELL * (2.0 * np.column_stack(drawn) - 1.0)
+    face = np.repeat(np.arange(hedges.count), np.diff(hedges.face_start))
+    light = uniform(city.seed, f"{ACTION}/shade", hedges.object_id[face],
+                    np.arange(len(face)) - hedges.face_start[face])  # fmt: skip
+    shade = SHADE[0] + (SHADE[1] - SHADE[0]) * light
+    tint = np.asarray(hedges.tint * shade[:, None], np.float32)
+    return replace(hedges, vertices=vertices, tint=tint)
+
+
+# Profiles: across in half widths, up in heights; -BURIED is in metres.
+_BOX = np.array([[1.0, -BURIED], [1.0, 1.0], [-1.0, 1.0], [-1.0, -BURIED]])[::-1]
+_HEDGE = np.array([[0.85, -BURIED], [0.95, 0.2], [1.0, 0.45], [0.97, 0.7], [0.88, 0.92],
+                   [0.55, 1.0], [0.0, 1.02], [-0.55, 1.0], [-0.88, 0.92], [-0.97, 0.7],
+                   [-1.0, 0.45], [-0.95, 0.2], [-0.85, -BURIED]])[::-1]  # fmt: skip
+
+
+def _rail(low: float, high: float) -> FloatArray:
+    return np.array([[1.0, low], [1.0, high], [-1.0, high], [-1.0, low]])[::-1]
+
+
+def posts(
+    city: City, lines: Polylines, ids: NDArray[np.uint64], height: FloatArray, *,
+    spacing: float = POSTS, aside: float = 0.0, half: float = 0.03,
+) -> MeshBatch:  # fmt: skip
+    """Make the posts of fences, under the ids of their fences.
+
+    Parameters
+    ----------
+    city
+        Its terrain carries them.
+    lines, ids, height
+        The fences: (n,) ids and heights in metres.
+    spacing
+        Metres between posts.
+    aside
+        Metres to the left of the line.
+    half
+        Metres, half of a post.
+    """
+    line, along = every(arc_lengths(lines)[1], spacing)
+    position, ahead = locate(lines, line, along)
+    position = position + aside * np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    ends = np.stack([position - half * ahead, position + half * ahead], axis=1).reshape(-1, 2)
+    short = Polylines(ends, np.arange(0, len(ends) + 1, 2))
+    ground = np.repeat(_ground(city, position), 2)
+    size = np.column_stack([np.full(len(line), half), height[line] + 0.06])
+    return sweep(short, ids[line], ground, _BOX, size, "metal_dark", np.ones((len(line), 3)))
+
+
+def _raised(
+    city: City, name: str, shapes: NDArray[Any], ids: NDArray[np.uint64], given: FloatArray
+) -> list[MeshBatch]:
+    """Build barriers of one kind; ``given`` are (n,) heights in metres, NaN for the usual one."""
+    if not len(shapes):
+        return []
+    kind = KINDS[name]
+    hedge = name.endswith("hedge")
+    leafy = hedge or name == "planted_wall"
+    lines = _resampled(shapes, TWIG if leafy and city.lod > 2 else STEP)
+    height = np.where(np.isfinite(given) & (given > 0.1), np.clip(given, 0.3, 30.0), kind.height)
+    size = np.column_stack([np.full(len(ids), kind.width / 2), height])
+    pick = (uniform(city.seed, f"{ACTION}/tint", ids) * len(kind.tints)).astype(int)
+    tint = np.array(kind.tints)[pick]
+    ground = _ground(city, lines.points)
+    if name in RAILS:
+        rails, spacing = RAILS[name]
+        found = [sweep(lines, ids, ground, _rail(low, high), size, kind.material, tint)
+                 for low, high in rails]  # fmt: skip
+        half = SLENDER.get(name, 0.03)
+        return [*found, posts(city, lines, ids, height, spacing=spacing, half=half)]
+    if hedge:
+        return [_grown(city, sweep(lines, ids, ground, _HEDGE, size, kind.material, tint))]
+    found = [sweep(lines, ids, ground, _BOX, size, kind.material, tint)]
+    if name == "planted_wall":
+        low, high = GREEN_TOP
+        shown = 0.8 + 0.4 * uniform(city.seed, f"{ACTION}/green", ids)
+        top = np.column_stack([np.full(len(ids), 0.9 * kind.width / 2), shown * (high - low)])
+        green = np.array(KINDS["front_hedge"].tints)[pick]
+        bushes = _HEDGE.copy()
+        bushes[bushes[:, 1] < 0, 1] = 0.0
+        plants = sweep(lines, ids, ground + low, bushes, top, "hedge", green)
+        found.append(_grown(city, plants))
+    return found
+
+
+@action(
+    ACTION,
+    limits=[
+        "Fences are rails and posts; gates are left open.",
+        "Plots need facades to have edges.",
+    ],
+    requires=("layout",),
+    after=("road/ground-v1", "building/facade-v1"),
+    takes=(Port("lines", "line", role="barrier"),),
+    gives=(Port("barriers", "complex_geometry", "barriers"),),
+    labels=("walls", "fences", "hedges"),
+)
+def barriers(city: City) -> City:
+    """Raise walls, fences and hedges along the terrain, and those of plots along walks in town.
+
+    Parameters
+    ----------
+    city
+        City with a layout; the terrain is used when there.
+    """
+    done = city.stages_done | {"nature"}
+    if city.lod < 1:
+        return replace(city, stages_done=done)
+    table = city.layout.lines
+    kinds = table["kind"].to_numpy().astype(str)
+    batches = []
+    for name in KINDS:
+        rows = np.flatnonzero(kinds == name)
+        shapes, row = _cut(city, table.geometry.to_numpy()[rows].copy())
+        ids = table["id"].to_numpy()[rows][row]
+        batches += _raised(city, name, shapes, ids, table["height"].to_numpy()[rows][row])
+    if city.lod > 1:
+        edges = frontage_edges(city)
+        edges = edges.take(edges.kind != "")
+        for name in np.unique(edges.kind.astype(str)).tolist():
+            rows = np.flatnonzero(edges.kind == name)
+            shapes, row = _cut(city, edges.lines[rows].copy(), beside_paths=True)
+            batches += _raised(city, name, shapes, edges.id[rows][row], np.full(len(row), np.nan))
+    if not batches:
+        return replace(city, stages_done=done)
+    return replace(
+        city, scene=city.scene.with_mesh("barriers", joined_by_id(batches)), stages_done=done
+    )
+
+
+def joined_by_id(batches: list[MeshBatch]) -> MeshBatch:
+    """Join batches so that all solids of one id are one object, sorted by id."""
+    joined = concatenate(batches)
+    sorted_ = joined.take(np.argsort(joined.object_id, kind="stable"))
+    ids, first = np.unique(sorted_.object_id, return_index=True)
+    return replace(
+        sorted_,
+        object_id=ids,
+        vertex_start=np.append(sorted_.vertex_start[first], sorted_.vertex_start[-1]),
+        face_start=np.append(sorted_.face_start[first], sorted_.face_start[-1]),
+    )

@@ -1,0 +1,1 @@
+"""Where trees and plants stand, and which."""

@@ -1,0 +1,240 @@
+"""Stands: trees with their places and species, and the rows of a layer that they become."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.assets.trees.leaf_fall import SNOWED
+from cityx.city import City, Instances, Prototype
+from cityx.geometry.scatter import Points
+from cityx.ground.pieces import heights
+from cityx.ground.standing import earth_over
+from cityx.ids import choose, hash_ids, uniform
+from cityx.nature.trees.climate import mix_at, season_of
+from cityx.nature.trees.tree_room import Room, beside_street
+from cityx.nature.trees.wall_sides import crowded_by_walls, fitted_crowns
+
+STREAM = "nature/trees-v2"  # that every draw for a tree is keyed by, whoever plants it
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
+
+NEAR_LIMIT = 20_000  # trees with many leaves; beyond, all take the light form
+NEAR_MASS = 8_000  # trees of woods that one may walk among; larger woods take the light form
+
+SPECIES = ("lime", "plane", "maple", "oak", "chestnut", "birch", "cherry", "ginkgo", "zelkova",
+           "camphor", "poplar", "willow", "jacaranda", "acacia", "olive", "pine", "spruce",
+           "cypress", "palm", "shrub", "boxwood", "grove")  # fmt: skip
+BUSHES = ("shrub", "boxwood")
+ASPECT = 0.16  # logarithm of the ratio by which a crown is longer than broad, or broader, at most
+# Factor of brightness of the darkest tree, of the brightest, and how far their hue goes from blue
+# to yellow green: rows beside streets were planted alike, trees of parks and yards were not.
+ROW_TINTS, FREE_TINTS = (0.84, 1.24, 1.0), (0.66, 1.42, 1.7)
+YELLOW = np.array([0.30, 0.08, -0.16])  # by which a yellower tree differs, per colour
+LEANS = (0.022, 0.045)  # radians, most of trees beside streets and of others
+INDEX = {name: index for index, name in enumerate(SPECIES)}
+UPRIGHT = [INDEX[name] for name in (*BUSHES, "grove")]
+
+
+@dataclass(frozen=True)
+class Stand:
+    """Trees that share an origin; (n,) each. Heights of NaN are drawn later."""
+
+    xy: FloatArray
+    id: NDArray[np.uint64]
+    species: IntArray
+    height: FloatArray
+    mapped: BoolArray
+    light: BoolArray
+    line: NDArray[np.uint64]  # id of the row or street side by side with others, or 0
+    place: IntArray  # number along it
+
+
+_COLUMNS = ("xy", "id", "species", "height", "mapped", "light", "line", "place")
+
+
+def stand_of(
+    points: Points,
+    species: Any,
+    height: Any = np.nan,
+    *,
+    mapped: bool = False,
+    light: bool = False,
+    line: Any = 0,
+    place: Any = 0,
+) -> Stand:
+    """Make a stand; `species` to `place` hold for each tree or for all."""
+    count = len(points.id)
+    return Stand(points.xy.reshape(-1, 2), points.id, np.broadcast_to(species, (count,)),
+                  np.broadcast_to(np.asarray(height, float), (count,)), np.full(count, mapped),
+                  np.full(count, light), np.broadcast_to(np.asarray(line, np.uint64), (count,)),
+                  np.broadcast_to(np.asarray(place, np.int64), (count,)))  # fmt: skip
+
+
+def join_stands(stands: list[Stand]) -> Stand:
+    """Put stands one after the other."""
+    return Stand(*(np.concatenate([getattr(s, name) for s in stands]) for name in _COLUMNS))
+
+
+def take_trees(stand: Stand, keep: Any) -> Stand:
+    """Return some trees, by mask or by index."""
+    return Stand(*(getattr(stand, name)[keep] for name in _COLUMNS))
+
+
+def draw_species(
+    mixes: Mapping[str, Mapping[str, float]], city: City, ids: NDArray[np.uint64]
+) -> IntArray:
+    """Draw species by the weights of the place's region or climate."""
+    mix = mix_at(mixes, city.frame)
+    table = np.array([INDEX[name] for name in mix])
+    return table[choose(city.seed, "nature/species", ids, list(mix.values()))]
+
+
+def forms_of(lod: int, *, single: int, mass: int) -> tuple[str, str]:
+    """Return the forms of single trees and of those of masses, by how many there are of each."""
+    near = "fine" if lod > 2 else "near" if lod > 1 else "light"
+    far = "far" if lod < 2 else "near" if mass <= NEAR_MASS else "light"
+    return "light" if single > NEAR_LIMIT else near, far
+
+
+def rows_of(
+    city: City, stand: Stand, room: Room, forms: tuple[str, str], season: str = "auto"
+) -> tuple[list[Prototype], Instances]:
+    """Return trees as rows of a layer, with the prototypes that the rows count.
+
+    Parameters
+    ----------
+    city
+        Where they stand.
+    stand
+        The trees.
+    room
+        The room of each.
+    forms
+        As of `forms_of`.
+    season
+        As of `trees`.
+    """
+    now = season
+    if season == "auto":
+        snowed = city.environment.snow > SNOWED
+        now = "winter" if snowed else season_of(city.environment.day, city.frame)
+    street = beside_street(room)
+    variant = _variants(stand, street)
+    up, wide, fixed = _wished(city, stand, _sizes(stand, variant), street)
+    crowded = crowded_by_walls(wide, _sizes(stand, variant), room)
+    crowded &= ~stand.light & ~np.isin(stand.species, UPRIGHT)
+    variant = _beside_walls(variant, crowded)
+    prototypes, number = _prototypes(stand, variant, forms, now)
+    shade = uniform(city.seed, f"{STREAM}/tint", stand.id)
+    warm = uniform(city.seed, f"{STREAM}/tint", stand.id, 1)
+    tint = _tints(street, shade, warm)
+    turn = np.zeros((len(stand.id), 3), np.float32)
+    # Trunks lean a little to one side; those pruned beside streets less.
+    lean = np.where(street, *LEANS) * np.where(np.isin(stand.species, UPRIGHT), 0.0, 1.0)
+    for axis in (0, 1):
+        draw = uniform(city.seed, f"{STREAM}/lean", stand.id, axis)
+        turn[:, axis] = lean * (2 * draw - 1)
+    aspect = np.exp(ASPECT * (2 * uniform(city.seed, f"{STREAM}/aspect", stand.id) - 1))
+    aspect = np.where(np.isin(stand.species, UPRIGHT), 1.0, aspect)
+    yaw = uniform(city.seed, f"{STREAM}/yaw", stand.id) * 2 * np.pi
+    scale, turn[:, 2] = fitted_crowns(
+        city, stand.xy, np.column_stack([up, wide, aspect, yaw]), _sizes(stand, variant), room,
+        fixed=fixed, crowded=crowded,
+    )  # fmt: skip
+    # Whoever stands beside a wall leans to the light, away from it.
+    turn[crowded, 0], turn[crowded, 1] = 0.0, -np.hypot(*turn[crowded, :2].T)
+    _as_groves(city, stand, scale)
+    z = heights(city, stand.xy)
+    z = np.fmax(z, earth_over(city.scene.meshes.get("structures"), stand.xy))
+    return prototypes, Instances(
+        number,
+        stand.id,
+        np.zeros(len(stand.id), np.uint64),
+        np.column_stack([stand.xy, z]),
+        turn,
+        scale.astype(np.float32),
+        tint.astype(np.float32),
+    )
+
+
+def _tints(street: BoolArray, shade: FloatArray, warm: FloatArray) -> FloatArray:
+    """(n, 3) factors of the colours of trees, by two draws each."""
+    low, high, hue = np.where(street[:, None], ROW_TINTS, FREE_TINTS).T
+    bright = low + (high - low) * shade
+    return np.asarray(bright[:, None] * (1 + (hue * (warm - 0.5))[:, None] * YELLOW))
+
+
+def _variants(stand: Stand, street: BoolArray) -> IntArray:
+    """(n,) number of the individual each tree is; along a row no two neighbours are the same."""
+    from cityx.assets.trees import individuals
+
+    table = np.array([[individuals(name, street=side) for side in (False, True)]
+                      for name in SPECIES])  # fmt: skip
+    first, count = table[stand.species, street.astype(int)].T  # (n,) each
+    turn = (stand.id >> np.uint64(8)).astype(np.int64) & 0xFFFF
+    order = np.lexsort((stand.place, stand.line))
+    line = stand.line[order]
+    rank = np.arange(len(line)) - np.searchsorted(line, line)
+    start = (hash_ids(0, STREAM, line) >> np.uint64(48)).astype(np.int64)
+    turn[order] = np.where(line > 0, start + rank, turn[order])
+    return np.asarray(first + turn % count)
+
+
+def _prototypes(
+    stand: Stand, variant: IntArray, forms: tuple[str, str], season: str
+) -> tuple[list[Prototype], NDArray[np.int32]]:
+    """Make the prototypes in use and number them; ``forms`` are of single trees and of masses."""
+    from cityx.assets.trees import plant
+
+    code = (stand.species * 64 + variant) * 2 + stand.light
+    used, number = np.unique(code, return_inverse=True)
+    found = [
+        plant(SPECIES[value // 128], value // 2 % 64, forms[value % 2], season)
+        for value in used.tolist()
+    ]
+    return found, number.astype(np.int32)
+
+
+def _beside_walls(variant: IntArray, crowded: BoolArray) -> IntArray:
+    """(n,) individuals, for crowded street trees those that have grown beside a wall."""
+    from cityx.assets.trees import PARK_FORMS, WALLED, WALLED_FORMS
+
+    pressed = WALLED + (variant - PARK_FORMS) % WALLED_FORMS
+    return np.where(crowded & (variant >= PARK_FORMS), pressed, variant)
+
+
+def _sizes(stand: Stand, variant: IntArray) -> FloatArray:
+    """(n, 4) height, crown radius, clear stem and reach to a wall of plants as grown, metres."""
+    from cityx.assets.trees import size_of, wall_reach
+
+    used, number = np.unique(stand.species * 64 + variant, return_inverse=True)
+    grown = [(SPECIES[value // 64], value % 64) for value in used.tolist()]
+    table = [(*size_of(*each), wall_reach(*each)) for each in grown]
+    return np.array(table, float).reshape(-1, 4)[number]
+
+
+def _wished(
+    city: City, stand: Stand, size: FloatArray, street: BoolArray
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """(n,) scales of height and of width, by the mapped height or drawn; which are mapped."""
+    draw = uniform(city.seed, f"{STREAM}/size", stand.id)
+    known = np.isfinite(stand.height) & (stand.height > 0)
+    drawn = np.where(street, 0.90 + 0.25 * draw, 0.66 + 0.60 * draw)
+    up = np.where(known, np.clip(np.where(known, stand.height, 1.0) / size[:, 0], 0.35, 1.9), drawn)
+    wide = np.where(known, up**0.7, up) * (0.9 + 0.2 * uniform(city.seed, f"{STREAM}/w", stand.id))
+    return up, wide, known
+
+
+def _as_groves(city: City, stand: Stand, scale: FloatArray) -> None:
+    """Write the scales of groves, whose breadth is the distance to the next, into (n, 3) scales."""
+    from cityx.assets.trees.bushes import GROVE_EDGE
+
+    grove = stand.species == INDEX["grove"]
+    scale[grove, 2] = 0.8 + 0.4 * uniform(city.seed, f"{STREAM}/size", stand.id[grove])
+    scale[grove, :2] = np.clip(stand.height[grove] / GROVE_EDGE, 0.6, 1.8)[:, None]

@@ -1,0 +1,191 @@
+"""Trees of towns that no map shows: along streets wide enough for them, and in yards."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.city import City
+from cityx.city.layout import in_town
+from cityx.geometry.clearance import distance_within, near_any, spots_of
+from cityx.geometry.polylines import to_linestrings
+from cityx.geometry.scatter import Points, candidates, cells_about, thin
+from cityx.ground.pieces import room_along, walk_rims, ways_to_doors
+from cityx.ground.standing import WALKED
+from cityx.ids import choose, hash_ids, stable_id, uniform
+from cityx.nature.trees import climate
+from cityx.nature.trees.climate import band_of
+from cityx.nature.trees.stands import INDEX, Stand, draw_species, stand_of
+from cityx.nature.trees.tree_room import CLIPPED, custom_of, sight_at
+from cityx.road.surface.kerbs import join_places, places_along
+
+FloatArray = NDArray[np.float64]
+
+STREET, YARD = "nature/trees-v2/street", "nature/trees-v2/yard"
+STREET_SPACINGS = (7.0, 8.0, 9.0, 10.0)  # metres between the trees of a street, drawn per street
+STREET_SHARE, MAIN_SHARE = 0.8, 0.95  # of the streets that are wide enough, of the main ones
+STREET_KINDS = ("residential", "tertiary", "secondary", "primary", "unclassified", "living_street")
+MAIN_KINDS = ("tertiary", "secondary", "primary")
+LEAST_WALK = 2.0  # metres of sidewalk; nobody plants trees along narrower ones of side streets
+WIDE_WAY = 2.1  # metres from trunks where walks are not told but measured, some 3 m in all
+TRUNK_WAY = 1.7  # metres of walk and paved court from the middle of a trunk, so that 1.2 m are left
+# The same in Japan, whose clipped trees are slender; there each street that bears a name has some.
+CLIPPED_WALK, CLIPPED_WAY, CLIPPED_WIDE_WAY = 1.8, 1.35, 1.7
+# Metres that they are clipped to, drawn per street, and by which its trees differ.
+CLIPPED_HEIGHT, CLIPPED_SPREAD = (6.2, 8.2), 0.6
+# Where facades are near, trees are kept small.
+NARROW = 19.0  # metres from facade to facade, the median of a street
+SMALL_HEIGHT = (5.2, 7.4)  # metres, drawn per street
+VERGES = ("grass", "block")  # ground beside carriageways where trees leave the walk alone
+HOUSES_WITHIN = 25.0  # metres; a street has trees only where it has houses on its side
+MAPPED_WITHIN = 45.0  # metres; where the map shows trees of a street it shows all of them
+OF_STREET = 4.5  # metres beside a carriageway in which mapped trees are those of its street
+YARD_SPACING = 6.5  # metres between the trees of yards
+YARD_REACH = 60.0  # metres from a house of a town
+FROM_EDGE = 1.5  # metres from a trunk in paving to where the paving ends
+LONE = 5.0  # metres to mapped trees
+# Share of the places of yards that have a plant, by what the ground is.
+YARD_SHARES = {"grass": 0.75, "block": 0.45, "bare": 0.9, "courtyard": 0.35, "frontage": 0.5,
+               "gravel": 0.3}  # fmt: skip
+# The same share as a factor, by climate: where land is dear, and where water is.
+GREEN = {"japan": 0.93, "warm": 0.7, "tropic": 0.8}
+BUSH_SHARE = 0.3  # of the plants on lawns
+DOOR_HALF = 1.1  # metres, half the breadth of the way to a door
+
+
+def along_streets(city: City, mapped: FloatArray) -> list[Stand]:
+    """Plant some of the wide streets of an urban place, away from the trees that are mapped.
+
+    Parameters
+    ----------
+    city
+        City with its network.
+    mapped
+        (m, 2) float, trees of the map.
+    """
+    network = city.network
+    if network is None or not network.edge_count:
+        return []
+    roads = city.layout.roads
+    kind = roads["kind"].to_numpy().astype(str)[network.edge_road]
+    flat = (roads["layer"].to_numpy() == 0) & ~roads["bridge"].to_numpy()
+    road_id = roads["id"].to_numpy()[network.edge_road]
+    name = roads["name"].to_numpy().astype(str)[network.edge_road]
+    key = np.array([stable_id("street", n) if n else int(i)
+                    for n, i in zip(name, road_id, strict=True)], np.uint64)  # fmt: skip
+    custom = custom_of(city.frame)
+    clipped = custom == CLIPPED
+    major = np.isin(kind, MAIN_KINDS) | (clipped & (name != ""))
+    share = np.where(major, MAIN_SHARE, STREET_SHARE)
+    green = uniform(city.seed, STREET, key) < share
+    green &= np.isin(kind, STREET_KINDS) & flat[network.edge_road]
+    spacing = choose(city.seed, STREET, key, [1.0] * len(STREET_SPACINGS), 1)
+    groups = []
+    sight = sight_at(city)[network.edge_nodes]
+    walks = roads[["sidewalk_right", "sidewalk_left"]].to_numpy(float)[network.edge_road]
+    told = walks >= (CLIPPED_WALK if clipped else LEAST_WALK)
+    way, wide_way = (CLIPPED_WAY, CLIPPED_WIDE_WAY) if clipped else (TRUNK_WAY, WIDE_WAY)
+    for side in (1, -1):
+        # Trees of both sides stand in turn.
+        walk = walks[:, int(side > 0)]
+        wide = (walk >= LEAST_WALK) | (walk == 0.0) | major  # what is not told is measured below
+        for number, metres in enumerate(STREET_SPACINGS):
+            edges = np.flatnonzero(green & wide & (spacing == number))
+            groups.append(
+                places_along(network, edges, side, spacing=metres, beyond=custom.kerb + 0.1,
+                             margin=np.maximum(sight[edges], metres / 2),
+                             phase=0.25 * (side < 0))
+            )  # fmt: skip
+    places = join_places(*groups)
+    houses = city.layout.buildings.geometry.to_numpy()
+    spots = spots_of(places.xy)
+    facade = distance_within(spots, houses, HOUSES_WITHIN)
+    keep = np.isfinite(facade) & (facade >= custom.facade)
+    half = network.half_width[places.edge] + custom.kerb + np.fmin(facade, HOUSES_WITHIN)
+    small = (_median(half, key[places.edge]) < NARROW / 2) & (not clipped)
+    keep &= ~near_any(spots, shapely.points(mapped), LONE)
+    keep[keep] = ~_shown(city, places.xy[keep], key[places.edge[keep]], key, mapped)
+    places, small = places.take(keep), small[keep]
+    if city.ground is not None:
+        rims = walk_rims(city.ground)
+        room = room_along(places.xy, -places.toward_road, rims, 2 * TRUNK_WAY)
+        least = np.where(told[places.edge, (places.side > 0).astype(int)], way, wide_way)
+        free = (room >= least) & city.ground.on(places.xy, *WALKED)
+        free |= city.ground.on(places.xy, *VERGES)
+        places, small = places.take(free), small[free]
+    ids = hash_ids(0, STREET, network.edge_id[places.edge],
+                   2 * places.number + (places.side > 0))  # fmt: skip
+    species = draw_species(climate.STREET_MIX, city, key[places.edge])
+    low, high = CLIPPED_HEIGHT if clipped else SMALL_HEIGHT
+    height = low + (high - low) * uniform(city.seed, f"{STREET}/height", key[places.edge])
+    height += CLIPPED_SPREAD * (uniform(city.seed, f"{STREET}/spread", ids) - 0.5)
+    height = np.where(small | clipped, height, np.nan)
+    return [stand_of(Points(places.xy, ids), species, height, line=network.edge_id[places.edge],
+                     place=2 * places.number + (places.side > 0))]  # fmt: skip
+
+
+def _median(value: FloatArray, group: NDArray[np.uint64]) -> FloatArray:
+    """(n,) median of the values of each one's group."""
+    _, index = np.unique(group, return_inverse=True)
+    order = np.lexsort((value, index))
+    count = np.bincount(index)
+    middle = np.cumsum(count) - count + count // 2
+    return np.asarray(value[order][middle][index])
+
+
+def _shown(
+    city: City, xy: FloatArray, street: NDArray[np.uint64], key: NDArray[np.uint64],
+    mapped: FloatArray,
+) -> NDArray[np.bool_]:  # fmt: skip
+    """(n,) whether the map shows the trees of streets, given by (e,) key of edges, at places."""
+    network = city.network
+    assert network is not None
+    points = shapely.points(mapped)
+    edge, tree = shapely.STRtree(points).query(
+        to_linestrings(network.lines), predicate="dwithin", distance=network.half_width + OF_STREET
+    )
+    place, near = spots_of(xy).tree.query(points[tree], predicate="dwithin", distance=MAPPED_WITHIN)
+    shown = np.zeros(len(xy), bool)
+    shown[near[key[edge][place] == street[near]]] = True
+    return shown
+
+
+def in_yards(city: City, mapped: FloatArray) -> list[Stand]:
+    """Plant the lawns, beds and courts about the houses of towns.
+
+    Parameters
+    ----------
+    city
+        City with its ground.
+    mapped
+        (m, 2) float, trees of the map.
+    """
+    ground = city.ground
+    buildings = city.layout.buildings
+    houses = buildings.geometry.to_numpy()
+    urban = houses[in_town(buildings)]
+    if ground is None or not len(urban):
+        return []
+    cells = cells_about(shapely.bounds(urban), YARD_SPACING, YARD_REACH)
+    found = thin(candidates(cells, YARD_SPACING, seed=city.seed, purpose=YARD), YARD_SPACING)
+    number = ground.first_of(found.xy, *YARD_SHARES)  # -1, the last of each, stands for none
+    name = np.array([*YARD_SHARES, ""])[number]
+    share = np.array([*YARD_SHARES.values(), 0.0])[number]
+    soft, bed = np.isin(name, ("grass", "block")), name == "bare"
+    share *= GREEN.get(band_of(city.frame), 1.0)
+    keep = uniform(city.seed, f"{YARD}/some", found.id) < share
+    # Land that the map describes has the trees that it is said to have.
+    known = city.layout.areas
+    known = known.geometry.to_numpy()[(known["kind"] != "residential").to_numpy()]
+    for things, gap in (
+        (known, 0.5), (shapely.points(mapped), LONE), (ways_to_doors(city), DOOR_HALF),
+    ):  # fmt: skip
+        rows = np.flatnonzero(keep)
+        keep[rows] = ~near_any(found.xy[rows], things, gap)
+    rows = np.flatnonzero(keep & ~soft & ~bed)
+    keep[rows] = ~near_any(found.xy[rows], walk_rims(ground), FROM_EDGE)
+    points = Points(found.xy[keep], found.id[keep])
+    bush = bed | (soft & (uniform(city.seed, f"{YARD}/bush", found.id) < BUSH_SHARE))
+    species = np.where(bush[keep], INDEX["shrub"], draw_species(climate.PARK_MIX, city, points.id))
+    return [stand_of(points, species)]

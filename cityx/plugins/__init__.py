@@ -1,1 +1,0 @@
-"""Every action, one file per module, in folders by stage."""

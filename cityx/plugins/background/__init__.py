@@ -1,1 +1,0 @@
-"""Actions that set sun, sky and weather."""

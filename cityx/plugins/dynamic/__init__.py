@@ -1,1 +1,0 @@
-"""Actions that let things move."""

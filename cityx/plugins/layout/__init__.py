@@ -1,1 +1,0 @@
-"""Actions that make or change the layout."""

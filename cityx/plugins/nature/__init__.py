@@ -1,1 +1,0 @@
-"""Actions that plant and furnish."""

@@ -1,1 +1,0 @@
-"""Actions that make roads and the ground."""

@@ -1,0 +1,1 @@
+"""A city on disk: build, edit, undo, pull, views, results."""

@@ -1,0 +1,435 @@
+"""The main job: inputs and options become a folder with a city, its views and its report."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from cityx.agents.ablation import shown_records
+from cityx.agents.briefs import Request, read_request
+from cityx.agents.evaluator import measured_of
+from cityx.agents.journal import JOURNAL, Journal, derivation_key
+from cityx.agents.loop import Loop, Say, quiet
+from cityx.agents.models import Limits, Recording, roles_for
+from cityx.agents.planning.planner import Situation
+from cityx.agents.planning.workflow import Item
+from cityx.agents.pool import Message, Pool
+from cityx.agents.requests import with_requests
+from cityx.agents.roles import OfflineEvaluator, Roles
+from cityx.agents.step_runner import SNAPSHOTS, Run, Stopwatch
+from cityx.city import City, Frame, Layout
+from cityx.city.frame import NOWHERE
+from cityx.errors import InputError, UsageError
+from cityx.language.options import FORMATS, BuildOptions, PlannerChoice
+from cityx.outputs.usd import require_usd
+from cityx.projects.results import (
+    publish,
+    result_folder,
+    staging_of,
+    staging_path,
+    write_report,
+)
+from cityx.projects.views import VIEWS, make_views
+from cityx.protocol.encapsulation import Encapsulation
+from cityx.protocol.input_files import InputFiles
+from cityx.protocol.registry import Registry, registry
+from cityx.sources.intake import Inputs, sort_inputs
+from cityx.system.allocator import rare_collection
+from cityx.system.cache import kept_folder
+from cityx.traffic.engine import require_sumo
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is to be built, known before anything runs.
+
+    Attributes
+    ----------
+    options
+        As the user gave them.
+    inputs
+        The user's files by what they are.
+    request
+        What the user wants, by text and by options.
+    actions, roles
+        The registry, and who plans with it.
+    """
+
+    options: BuildOptions
+    inputs: Inputs
+    request: Request
+    actions: Registry
+    roles: Roles
+
+    @property
+    def files(self) -> InputFiles:
+        """The input files, and those that say how to read them."""
+        read = self.options.read
+        items = [(item.path, item.kind) for item in self.inputs.all]
+        items += [
+            (Path(text), kind)
+            for text, kind in ((read.legend, "legend"), (read.segmenter, "segmenter"))
+            if text and Path(text).is_file()
+        ]
+        return InputFiles(tuple(path for path, _ in items), tuple(kind for _, kind in items))
+
+    @property
+    def start(self) -> City:
+        """The city before the first action: nothing but where it lies and what it is to be."""
+        options = self.options
+        frame = Frame(*options.at) if options.at else NOWHERE
+        return City(
+            "town", frame, Layout((0.0, 0.0, 0.0, 0.0)), seed=options.seed, lod=options.lod,
+            style=self.request.style,
+        )  # fmt: skip
+
+    def amended(self, items: Iterable[Item], done: Iterable[Item] = ()) -> list[Item]:
+        """Put what the user asks of single actions into a workflow.
+
+        Raises
+        ------
+        UsageError
+            With every fault of what is asked.
+        """
+        options = self.options
+        return with_requests(
+            list(items), options.settings, options.wishes, self.actions, done=list(done)
+        )
+
+    def first_plan(self) -> list[Item]:
+        """Return the plan as it is before any file has been read.
+
+        Raises
+        ------
+        UsageError
+            With every fault of what is asked, or of what no action can bring about.
+        """
+        if self.options.window and self.inputs.sources:
+            raise UsageError(
+                "--window asks for a part of the plane of towns; a map has --at, --size."
+            )
+        situation = Situation(self.options.lod, self.files.kinds)
+        plan = self.roles.checker.workflow(self.request.slots, situation)
+        if plan.missing:
+            raise UsageError(f"This cannot be built: {'; '.join(plan.missing)}.")
+        return self.amended(plan.items)
+
+
+def make_job(
+    paths: list[Path], options: BuildOptions, say: Say = quiet, *, left: Path | None = None
+) -> Job:
+    """Look at the inputs of a build and make ready for it; `Job.roles` is to be closed.
+
+    Parameters
+    ----------
+    left
+        Journal of a killed build of the same, if there is one.
+
+    Raises
+    ------
+    InputError, UsageError, MissingExtra
+        If a file or an option is of no use.
+    """
+    from cityx.protocol.catalogue import known_records
+    from cityx.sources.osm.retrieval import retrieve
+
+    unknown = set(options.formats) - set(FORMATS)
+    if unknown:
+        raise UsageError(f"Unknown formats {sorted(unknown)}; this version writes {FORMATS}.")
+    if options.place:
+        paths = [*paths, retrieve(options.place, kept_folder("maps"), say=say)]
+    inputs = sort_inputs(paths, options.read.kinds)
+    actions = registry()
+    files = [(item.path, item.kind) for item in inputs.all]
+    roles = roles_of(
+        options.choice, shown_records(known_records(actions), options.choice.shown), left
+    )
+    try:
+        request = read_request(options, files, maker=roles.brief_maker)
+    except BaseException:
+        roles.close()
+        raise
+    return Job(options, inputs, request, actions, roles)
+
+
+def roles_of(
+    choice: PlannerChoice, records: Iterable[Encapsulation], left: Path | None = None
+) -> Roles:
+    """Return who plays the roles of a run.
+
+    Parameters
+    ----------
+    choice
+        Who is wanted.
+    records
+        Of the actions that may be planned.
+    left
+        Journal of a killed run of the same, whose decisions hold.
+
+    Raises
+    ------
+    InputError, UsageError, MissingExtra
+        As of `cityx.agents.models.roles_for`.
+    """
+    recording = Recording(
+        Path(choice.record) if choice.record else None,
+        Path(choice.replay) if choice.replay else None,
+        left,
+        Path(choice.export) if choice.export else None,
+    )
+    limits = Limits(tokens=choice.budget_tokens)
+    return roles_for(choice.planner, choice.base_url, recording, records, limits=limits)
+
+
+def build(
+    paths: list[Path], out: Path, options: BuildOptions | None = None, *, say: Say = quiet
+) -> dict[str, Any]:
+    """Build a city from files into a folder and return its report.
+
+    Everything is made in a hidden folder beside `out` and moved there when complete, so a build
+    that fails or is killed leaves `out` as it was. One that was killed goes on where it stopped
+    when the same is asked for again.
+
+    Parameters
+    ----------
+    paths
+        Input files.
+    out
+        Folder of the results; made when absent.
+    say
+        Called with one line of progress at a time.
+
+    Raises
+    ------
+    InputError, UsageError
+        Nothing was written.
+    EngineError, MissingDependency
+        Blender failed or cannot start; nothing was written.
+    MissingExtra
+        A format needs an extra that is not installed; nothing was begun.
+    """
+    options = options or BuildOptions()
+    if "usd" in options.formats:
+        require_usd()
+    if "sumo" in options.formats:
+        require_sumo()
+    out = result_folder(out)
+    job = make_job(paths, options, say, left=staging_path(out) / JOURNAL)
+    try:
+        plan = job.first_plan()
+        watch = Stopwatch()
+        with watch.step("import"):
+            import_libraries(job.actions, plan)
+        with rare_collection():
+            return _build(job, out, watch, say)
+    finally:
+        job.roles.close()
+
+
+def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
+    from cityx.checks.report import make_report
+    from cityx.city.content import HASHES, content_hash, write_hash
+    from cityx.city.store import write_city
+
+    staging = staging_of(out)
+    options = job.options
+    keep = True
+    try:
+        with _journal(job, staging) as (journal, number):
+            keep = False
+            city = generate(job, journal, number, watch, staging / SNAPSHOTS, say)
+            say("writing the store")
+            with watch.step("store"):
+                write_city(city, staging / "city")
+            memory = make_views(
+                city,
+                staging,
+                options.formats,
+                views=VIEWS if options.render else (),
+                size=options.picture,
+                samples=options.samples,
+                watch=watch,
+                say=say,
+            )
+            say("checking")
+            with watch.step("check"):
+                content = content_hash(city)
+                write_hash(content, staging / "city" / HASHES)
+                report = make_report(
+                    city,
+                    inputs=job.inputs.records,
+                    brief=_brief(job),
+                    timings_s=watch.wall,
+                    peak_rss_mb=memory,
+                    content=content.total,
+                )
+            report["cpu_s"] = {name: round(value, 3) for name, value in watch.cpu.items()}
+            _look(job, report, staging / "renders", Pool(journal.database, number))
+            journal.end_run(number, "done", report["hash"])
+        journal.path.rename(staging / "city" / journal.path.name)
+        shutil.rmtree(staging / SNAPSHOTS, ignore_errors=True)
+        write_report(report, staging)
+        publish(staging, out)
+    finally:
+        if not keep:
+            shutil.rmtree(staging, ignore_errors=True)
+    return report
+
+
+def _look(job: Job, report: dict[str, Any], renders: Path, pool: Pool) -> None:
+    """Let a model that can see judge the pictures, where one was chosen; measurement stands."""
+    if isinstance(job.roles.evaluator, OfflineEvaluator):
+        return
+    from cityx.agents.models.evaluator import checklist_of
+
+    views = [path.read_bytes() for path in sorted(renders.glob("*.png"))]
+    asked = checklist_of(job.request.slots)
+    verdict = job.roles.evaluator.judge(asked, measured_of(report), views)
+    report["verdict"] = verdict.to_json()
+    pool.say(Message("evaluator", "verdict", report["verdict"]))
+
+
+@contextmanager
+def _journal(job: Job, staging: Path) -> Iterator[tuple[Journal, int]]:
+    """Open the journal of a build and its run, that of a killed build of the same where there is.
+
+    Raises
+    ------
+    UsageError
+        If another process is building there.
+    """
+    from cityx.protocol.catalogue import registry_hash
+
+    config = {**asdict(job.options), "formats": list(job.options.formats)}
+    asked = (job.inputs.records, config, job.options.seed)
+    code = registry_hash(job.actions)
+    path = staging / JOURNAL
+    number = None
+    if path.exists():
+        try:
+            with Journal(path) as left:
+                for record in left.runs():
+                    if record.status == "started":
+                        left.take(record.number)
+                number = left.unfinished(*asked, registry=code)
+        except InputError:
+            number = None
+    if number is None:
+        for entry in staging.iterdir():
+            shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
+    with Journal(path) as journal:
+        yield journal, number or journal.start_run(*asked, registry=code)
+
+
+def generate(
+    job: Job, journal: Journal, number: int, watch: Stopwatch, keep: Path | None, say: Say = quiet
+) -> City:
+    """Plan and run every action of a build.
+
+    Parameters
+    ----------
+    job
+        What is to be built.
+    journal, number
+        Where the run is recorded.
+    keep
+        Folder for snapshots of long work, or None for none.
+
+    Raises
+    ------
+    InputError, UsageError
+        If the inputs or what is asked for make no city.
+    ActionFailed
+        If an action cannot do its work and nothing else can do it.
+    """
+    pool = Pool(journal.database, number)
+    slots = job.request.slots
+    asked = {key: list(values) for key, values in slots.items()}
+    pool.say(Message("user", "brief", {**job.request.brief.to_json(), "asked": asked}))
+    code = journal.run(number).registry
+    roles = job.roles
+    roles.attach(pool)
+    labels = roles.annotator.label(journal.database, code, roles.checker.records.values())
+    pool.say(Message("annotator", "labels", {"registry": code, "actions": len(labels)}))
+    origin = {"files": job.inputs.records, "seed": job.options.seed}
+    run = Run(
+        journal, number, derivation_key("", "inputs", origin), job.actions, watch, job.files, keep
+    )
+    loop = Loop(
+        roles.planner, run, pool, slots, job.files.kinds, job.amended, say,
+        goals=job.request.goals, executor=roles.executor,
+    )  # fmt: skip
+    city = loop.carry_out(job.start)
+    notes = (*(f"{item.action} was left out: {why}" for item, why in loop.unmet), *roles.notes)
+    return job.request.with_goals(replace(city, notes=(*city.notes, *notes)))
+
+
+LIBRARIES = (
+    "geopandas",
+    "pyarrow.parquet",
+    "scipy.spatial",
+    "scipy.sparse",
+    "rasterio",
+    "cityx.sources.osm",
+    "cityx.sources.osm.reader",
+    "cityx.checks.report",
+    "cityx.city.store",
+)
+
+
+def import_libraries(actions: Registry, items: Iterable[Item]) -> None:
+    """Import what the build needs, so that the steps' times are their own."""
+    from importlib import import_module
+
+    from cityx.building.catalogue import generators
+
+    for name in LIBRARIES:
+        import_module(name)
+    generators()
+    for item in items:
+        actions.function(item.action)
+
+
+def _brief(job: Job) -> dict[str, Any]:
+    """Return what the report says was asked for: the words, and the options."""
+    names = ("style", "time", "weather", "lod", "seed", "size", "at", "window")
+    given = {name: getattr(job.options, name) for name in names}
+    given = {name: value for name, value in given.items() if value not in (None, "")}
+    if "weather" in given:  # by its own name: "rainy" asks for rain
+        from cityx.light.weather import weather_words
+
+        given["weather"] = weather_words(given["weather"])[0]
+    if job.request.brief.text:
+        given |= {**job.request.brief.to_json(), "reply": job.request.reply}
+    return given
+
+
+def recheck(folder: Path) -> dict[str, Any]:
+    """Measure a built city again and write its report anew; what the build measured is kept.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no city.
+    """
+    from cityx.checks.report import make_report
+    from cityx.city.store import read_city
+
+    city = read_city(folder / "city")
+    path = folder / "report.json"
+    old = json.loads(path.read_text()) if path.exists() else {}
+    report = make_report(
+        city,
+        inputs=old.get("inputs", ()),
+        brief=old.get("brief"),
+        timings_s=old.get("timings_s"),
+        peak_rss_mb=old.get("peak_rss_mb"),
+    )
+    report["cpu_s"] = old.get("cpu_s", {})
+    write_report(report, folder)
+    return report

@@ -1,0 +1,338 @@
+"""The desk: a built city opened for changes, each of which happens whole or not at all.
+
+A change is written beside the store and takes its place by a rename, together with the journal that
+tells of it; the store as it was goes to the folder ``history`` under the number of its revision.
+What a change leaves alone is linked there, so that it costs neither time nor room.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from cityx.agents.journal import DONE, JOURNAL, STARTED, Journal, derivation_key
+from cityx.agents.pool import Message, Pool
+from cityx.agents.step_runner import Run
+from cityx.city import City
+from cityx.city.content import HASHES, content_hash, read_hash, write_hash
+from cityx.city.store import read_city, replace_folder, write_city
+from cityx.errors import CityxError, UsageError
+from cityx.projects.locks import locked
+from cityx.protocol.gate import Budget, Call
+from cityx.protocol.input_files import InputFiles
+from cityx.protocol.registry import Registry, registry
+
+STORE, NEXT, OLD, HISTORY = "city", "city.next", "city.old", "history"
+
+
+class Conflict(UsageError):
+    """Somebody else changed the city since the caller looked at it."""
+
+
+class Cancelled(CityxError):
+    """Who asked for a change called it off; the city stays as it was."""
+
+
+@dataclass(frozen=True)
+class Revision:
+    """A state that a city had.
+
+    Attributes
+    ----------
+    number
+        Of the run that led to it, from 1.
+    text
+        What was asked for.
+    actions
+        What ran.
+    content
+        Hash of the city.
+    """
+
+    number: int
+    text: str
+    actions: tuple[str, ...]
+    content: str
+
+
+class Desk:
+    """A built city opened for changes; a context manager.
+
+    Parameters
+    ----------
+    folder
+        Folder of a built city.
+    actions
+        The registry; that of all actions when left out.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no city.
+    """
+
+    def __init__(self, folder: Path, actions: Registry | None = None) -> None:
+        self.folder = folder
+        self.actions = registry() if actions is None else actions
+        with locked(folder):
+            recover(folder)
+            self.city = read_city(self._store)
+            self.journal = Journal(self._store / JOURNAL)
+            self._close_dead_runs()
+
+    @property
+    def _store(self) -> Path:
+        return self.folder / STORE
+
+    def __enter__(self) -> Desk:
+        """Return the desk itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the journal."""
+        self.journal.close()
+
+    @property
+    def revision(self) -> int:
+        """Number of the revision that the city on disk has."""
+        return max(self.journal.done(), default=0)
+
+    def revisions(self) -> tuple[Revision, ...]:
+        """Return every revision that can be gone back to, in order."""
+        return tuple(
+            Revision(
+                record.number,
+                str(record.brief.get("text", "")),
+                tuple(s.action for s in self.journal.steps(record.number) if s.status == "done"),
+                record.content,
+            )
+            for record in self.journal.done().values()
+        )
+
+    def change(
+        self,
+        calls: Sequence[Call],
+        *,
+        text: str = "",
+        expected: int | None = None,
+        inputs: InputFiles | None = None,
+        budget: Budget | None = None,
+        cancelled: Callable[[], bool] = lambda: False,
+    ) -> Revision:
+        """Run actions on the city and keep the result as a new revision; all of them or none.
+
+        Parameters
+        ----------
+        calls
+            Actions in order.
+        text
+            What was asked for, in words.
+        expected
+            Revision that the caller looked at, None for any.
+        inputs
+            Files the user handed in.
+        budget
+            What may be spent.
+        cancelled
+            Asked after each action whether the change is called off.
+
+        Raises
+        ------
+        Conflict
+            If the city has another revision by now.
+        Cancelled
+            If the change was called off; the city stays as it was.
+        ActionRejected, ActionFailed
+            If a call may not run or fails; the city stays as it was.
+        """
+        with self._alone(expected):
+            return self._change(calls, text, inputs, budget, cancelled)
+
+    def _change(
+        self,
+        calls: Sequence[Call],
+        text: str,
+        inputs: InputFiles | None,
+        budget: Budget | None,
+        cancelled: Callable[[], bool],
+    ) -> Revision:
+        number = self._begin(text, {"calls": [call.key for call in calls]})
+        pool = Pool(self.journal.database, number)
+        pool.say(Message("user", "brief", {"text": text}))
+        now = self.journal.done().get(self.revision)
+        content = now.content if now is not None else ""
+        state = derivation_key("", "revision", {"content": content})
+        run = Run(
+            self.journal, number, state, self.actions, inputs=inputs or InputFiles(), budget=budget
+        )
+        city = self.city
+        try:
+            for call in calls:
+                city = run.do(city, call)
+                if cancelled():
+                    raise Cancelled(f"Called off after {call.action}; the city stays as it was.")
+        except CityxError as error:
+            pool.say(Message("backend", "reject", {"error": str(error)}))
+            self.journal.end_run(number, "rolled_back", "")
+            raise
+        return self._commit(number, city, self._store)
+
+    def undo(self, to: int | None = None, *, expected: int | None = None) -> Revision:
+        """Go back to an earlier revision, or forward to one that was undone.
+
+        Parameters
+        ----------
+        to
+            The revision; the one before the last change when left out.
+        expected
+            As of `change`.
+
+        Raises
+        ------
+        UsageError
+            If there is no such revision.
+        Conflict
+            As of `change`.
+        """
+        with self._alone(expected):
+            wanted = self._neighbour(-1, "undo") if to is None else to
+            return self._back_to(wanted)
+
+    def redo(self, to: int | None = None, *, expected: int | None = None) -> Revision:
+        """Make the change that was undone last again; as of `undo`."""
+        with self._alone(expected):
+            wanted = self._neighbour(1, "redo") if to is None else to
+            return self._back_to(wanted)
+
+    def farthest(self, *, back: bool) -> int:
+        """Return the revision that undoing, or redoing, everything leads to."""
+        states, _ = self._line()
+        return states[0 if back else -1] if states else self.revision
+
+    def _back_to(self, wanted: int) -> Revision:
+        known = self.journal.done()
+        if wanted not in known:
+            raise UsageError(
+                f"There is no revision {wanted}; they are {', '.join(map(str, sorted(known)))} "
+                f"({self.revision} is the last)."
+            )
+        number = self._begin(f"back to revision {wanted}", {"same_as": wanted})
+        source = self._store if wanted == self.revision else self.folder / HISTORY / str(wanted)
+        return self._commit(number, read_city(source), source)
+
+    def _neighbour(self, step: int, verb: str) -> int:
+        states, place = self._line()
+        if not 0 <= place + step < len(states):
+            raise UsageError(f"There is nothing to {verb}.")
+        return states[place + step]
+
+    def _line(self) -> tuple[list[int], int]:
+        """Return the revisions that changes led to, one after the other, and where one is in them.
+
+        What was undone when something else was changed is no longer one of them.
+        """
+        known = self.journal.done()
+        states: list[int] = []
+        place = -1
+        for number in sorted(known):
+            state = number
+            while state in known and "same_as" in known[state].config:
+                state = int(known[state].config["same_as"])
+            if state in states:
+                place = states.index(state)
+                continue
+            states = [*states[: place + 1], state]
+            place = len(states) - 1
+        return states, place
+
+    @contextmanager
+    def _alone(self, expected: int | None) -> Iterator[None]:
+        """Keep other processes from changing the city, of which the newest revision is taken."""
+        with locked(self.folder):
+            if not self.journal.is_of(self._store / JOURNAL):
+                self.journal.close()
+                recover(self.folder)
+                self.journal = Journal(self._store / JOURNAL)
+                self.city = read_city(self._store)
+            now = self.revision
+            if expected is not None and expected != now:
+                raise Conflict(
+                    f"The city has revision {now} by now, not {expected}; look at it again."
+                )
+            yield
+
+    def _begin(self, text: str, config: Mapping[str, Any]) -> int:
+        for record in self.journal.runs():
+            if record.status == STARTED:
+                self.journal.take(record.number)
+        return self.journal.start_run([], config, self.city.seed, brief={"text": text})
+
+    def _commit(self, number: int, city: City, like: Path) -> Revision:
+        """Put a city in the place of the one on disk, with the journal that tells of it."""
+        before = self.revision
+        following = self.folder / NEXT
+        shared = self.city if like == self._store else city
+        write_city(city, following, like=(shared, like))
+        held = read_hash(like / HASHES)
+        content = content_hash(city, None if held is None else (shared, held))
+        write_hash(content, following / HASHES)
+        self.journal.copy_to(following / JOURNAL)
+        with Journal(following / JOURNAL) as told:
+            told.end_run(number, DONE, content.total)
+        self.journal.close()
+        try:
+            self._store.rename(self.folder / OLD)
+            following.rename(self._store)
+            _put_away(self.folder, before)
+        except OSError as error:
+            recover(self.folder)
+            self.journal = Journal(self._store / JOURNAL)
+            raise UsageError(f"{self.folder} cannot be changed: {error.strerror}.") from error
+        self.journal = Journal(self._store / JOURNAL)
+        self.city = city
+        return self.revisions()[-1]
+
+    def _close_dead_runs(self) -> None:
+        """End the runs of processes that were killed; their changes never came about."""
+        for record in self.journal.runs():
+            if record.status == STARTED:
+                try:
+                    self.journal.take(record.number)
+                except UsageError:
+                    continue
+                self.journal.end_run(record.number, "killed", "")
+
+
+def recover(folder: Path) -> None:
+    """Finish a change whose process was killed while its result took the place of the city."""
+    store, following, old = folder / STORE, folder / NEXT, folder / OLD
+    if not store.exists() and (following / JOURNAL).exists():
+        following.rename(store)
+    elif not store.exists() and old.exists():
+        old.rename(store)
+    if old.exists():
+        with Journal(store / JOURNAL) as journal:
+            *_, before, _ = (0, *sorted(journal.done()))  # 0 for a city that came without a journal
+        _put_away(folder, before)
+    if store.exists():
+        for left in (following, folder / f"{NEXT}.partial"):
+            shutil.rmtree(left, ignore_errors=True)
+
+
+def _put_away(folder: Path, number: int) -> None:
+    """Move the store as it was before a change to the history."""
+    old, target = folder / OLD, folder / HISTORY / str(number)
+    for path in old.glob(f"{JOURNAL}*"):
+        path.unlink()
+    target.parent.mkdir(exist_ok=True)
+    replace_folder(old, target)

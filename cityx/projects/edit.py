@@ -1,0 +1,315 @@
+"""Changes in words: a sentence becomes actions on a built city, and its views are made anew."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cityx.agents.ablation import shown_records
+from cityx.agents.briefs import Request, read_request
+from cityx.agents.loop import Say, quiet
+from cityx.agents.planning.planner import OfflinePlanner
+from cityx.agents.planning.workflow import Item
+from cityx.agents.pool import Pool
+from cityx.city import City
+from cityx.errors import UsageError
+from cityx.language import Edit
+from cityx.language.brief import Note
+from cityx.language.options import BuildOptions, PlannerChoice
+from cityx.language.references.parts import VERBS
+from cityx.language.references.resolved_changes import slots_of_edits
+from cityx.projects.desk import Desk, Revision
+from cityx.projects.results import write_report
+from cityx.protocol.encapsulation import Encapsulation
+from cityx.protocol.serving import Slots
+from cityx.sources.blend_curves import SUFFIX, BlendCurves, read_blend_curves
+from cityx.system.allocator import rare_collection
+
+UNDO, REDO = "undo", "redo"
+SHELLS = "buildings"  # layer of the shells of buildings
+OFFLINE = PlannerChoice()
+
+
+def edit_city(
+    folder: Path,
+    text: str,
+    *,
+    files: Sequence[Path] = (),
+    say: Say = quiet,
+    cancelled: Callable[[], bool] = lambda: False,
+    expected: int | None = None,
+    choice: PlannerChoice = OFFLINE,
+) -> dict[str, Any]:
+    """Change a built city as a sentence says, whole or not at all, and return its report.
+
+    Parameters
+    ----------
+    folder
+        Folder of a built city.
+    text
+        What is to change.
+    files
+        Texts (.txt, .md) with wishes of their own, and .blend files whose curves paths may name.
+    say
+        Called with one line of progress at a time.
+    cancelled
+        Asked after every action whether to stop; what was done is taken back then.
+    expected
+        Revision that the caller looked at, None for any.
+    choice
+        Who reads the sentence.
+
+    Raises
+    ------
+    Clarify
+        If the sentence leaves open what is meant; nothing is changed.
+    UsageError
+        If no action does what is asked; nothing is changed.
+    """
+    with rare_collection(), Desk(folder) as desk:
+        before = desk.city
+        request, items = planned(desk, text, files, choice=choice)
+        if items is None:
+            revision = _undone(desk, request, expected)
+        else:
+            for place, item in enumerate(items, start=1):
+                say(f"{place}/{len(items)} {item.action}")
+            calls = [item.call for item in items]
+            revision = desk.change(calls, text=text, expected=expected, cancelled=cancelled)
+        return renew(folder, desk.city, request, revision, say, before=before)
+
+
+def planned(
+    desk: Desk, text: str, files: Sequence[Path] = (), *, choice: PlannerChoice = OFFLINE
+) -> tuple[Request, list[Item] | None]:
+    """Return what a sentence asks for and the actions for it; None for going back.
+
+    A model, where one is chosen, puts what the rules do not understand into words that they do.
+    Which actions serve a change is a table that the checks hold it to, so nobody else plans it.
+
+    Raises
+    ------
+    Clarify, UsageError
+        As of `edit_city`.
+    """
+    from cityx.protocol.catalogue import known_records
+
+    records = shown_records(known_records(desk.actions), choice.shown)
+    drawings = [file for file in files if file.name.lower().endswith(SUFFIX)]
+    files = [file for file in files if file not in drawings]
+    curves = [read_blend_curves(file) for file in drawings]
+    request = _read(desk, text, files, choice, records)
+    edits = request.brief.edits
+    if any(edit.verb in (UNDO, REDO) for edit in edits):
+        if len(edits) > 1:
+            raise UsageError("Going back and a change are two things; ask for one at a time.")
+        return request, None
+    planner = OfflinePlanner(records)
+    items: list[Item] = []
+    faults = []
+    for edit, meant in slots_of_edits(request.brief, desk.city):
+        slots = _along_curves(meant, request.brief.text[slice(*edit.span)], curves)
+        found = [_on_curve(item, planner.records[item.action], curves)
+                 for item in planner.answers(slots)]  # fmt: skip
+        items += found
+        said = (
+            f'"{request.brief.text[slice(*edit.span)]}": ' if not files else ""
+        )  # spans are of one text
+        if not found:
+            faults.append(f"{said}no action does this ({_named(edit)}).")
+        faults += [
+            f"{said}{fault}" for item in found for fault in untaken(planner.records[item.action],
+                                                                   slots, item)
+        ]  # fmt: skip
+        if slots["edit"][0] in VERBS.values():  # predicates know buildings, not their parts
+            request = replace(request, brief=replace(request.brief, goals=()))
+    if not edits:
+        faults.append("The sentence names no change that is understood.")
+    if faults:
+        raise UsageError("\n".join(faults))
+    return request, items
+
+
+def _on_curve(item: Item, record: Encapsulation, curves: Sequence[BlendCurves]) -> Item:
+    """Give an action the points of the curve that its path is, if a .blend holds it."""
+    for held in curves:
+        if item.args.get("path") in held.lines and record.parameter("points") is not None:
+            name = str(item.args["path"])
+            return replace(item, args={**item.args, "points": held.line(name)})
+    return item
+
+
+def _along_curves(slots: Slots, text: str, curves: Sequence[BlendCurves]) -> Slots:
+    """Take the curve of a .blend that a text names for the path, the longest name first."""
+    names = sorted((name for held in curves for name in held.lines), key=len, reverse=True)
+    for name in names:
+        if re.search(rf"\b{re.escape(name)}\b", text, re.IGNORECASE):
+            return {**slots, "path": (name,)}
+    return slots
+
+
+def _read(
+    desk: Desk,
+    text: str,
+    files: Sequence[Path],
+    choice: PlannerChoice,
+    records: Sequence[Encapsulation],
+) -> Request:
+    """Read a sentence, and write what a model decided of it to the journal of the city."""
+    options, wishes = BuildOptions(text=text), wishes_in(files)
+    if replace(choice, shown=OFFLINE.shown) == OFFLINE:
+        return read_request(options, wishes, base=True, city=desk.city)
+    from cityx.projects.build import roles_of
+
+    roles = roles_of(choice, records)
+    try:
+        roles.attach(Pool(desk.journal.database, desk.revision))
+        request = read_request(options, wishes, base=True, city=desk.city, maker=roles.brief_maker)
+    finally:
+        roles.close()
+    notes = (*request.brief.notes, *(Note("model", text) for text in roles.notes))
+    return replace(request, brief=replace(request.brief, notes=notes))
+
+
+def untaken(record: Encapsulation, slots: Slots, item: Item) -> list[str]:
+    """Return why an action takes values that are asked for not at all; it must not run without.
+
+    Parameters
+    ----------
+    record
+        Of the action.
+    slots
+        What is asked for.
+    item
+        The action with the arguments that it takes.
+    """
+    taken = {slot for name, slot in record.binds if name in item.args}
+    faults = []
+    for name, slot in record.binds:
+        if slot in slots and slot not in taken:
+            parameter = next(one for one in record.parameters if one.name == name)
+            faults.append(parameter.fault(slots[slot][0]))
+            taken.add(slot)
+    return faults
+
+
+def wishes_in(files: Sequence[Path]) -> list[tuple[Path, str]]:
+    """Return the texts among files, with their kind.
+
+    Raises
+    ------
+    UsageError
+        If one of them is no text: a built city is changed by words alone.
+    """
+    from cityx.sources.input_kinds import classify
+
+    found = [classify(path) for path in files]
+    other = [f"{item.path.name} is {item.kind}" for item in found if item.kind != "text"]
+    if other:
+        raise UsageError(f"A city is changed by words: {', '.join(other)}; give .txt or .md.")
+    return [(item.path, item.kind) for item in found]
+
+
+def _named(edit: Edit) -> str:
+    return ", ".join(f"{key} {value}" for key, value in edit.items())
+
+
+def _undone(desk: Desk, request: Request, expected: int | None) -> Revision:
+    (edit,) = request.brief.edits
+    step = desk.undo if edit.verb == UNDO else desk.redo
+    count = next(value for key, value in edit.change if key == edit.verb)
+    if count == "all":
+        return step(desk.farthest(back=edit.verb == UNDO), expected=expected)
+    for _ in range(max(int(count), 1)):
+        revision = step(expected=expected)
+        expected = None
+    return revision
+
+
+def undo(folder: Path, to: int | None = None, *, say: Say = quiet) -> dict[str, Any]:
+    """Go back to an earlier revision of a city, the one before the last change by default.
+
+    Raises
+    ------
+    UsageError
+        If there is no such revision.
+    """
+    with Desk(folder) as desk:
+        revision = desk.undo(to)
+        return renew(folder, desk.city, Request(), revision, say)
+
+
+def renew(
+    folder: Path, city: City, request: Request, revision: Revision, say: Say = quiet, *,
+    before: City | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """Make the views of a changed city anew, those that there are, and its report.
+
+    The checks of the report stay those of the last `cityx check`, of which it tells the hash. What
+    was added is counted against the city as it was before, if that is given.
+    """
+    from cityx.checks.counts import counts
+    from cityx.checks.meshes import triangle_counts
+    from cityx.checks.predicates import measure_all
+    from cityx.projects.views import make_views
+
+    files = {
+        "blend": "city.blend", "glb": "city.glb", "usd": "city.usdc", "bodies": "city_bodies.npz",
+        "sumo": "city.sumocfg",
+    }  # fmt: skip
+    formats = [name for name, file in files.items() if (folder / file).exists()]
+    if formats:
+        staging = folder / ".views.partial"
+        make_views(city, staging, formats, store=folder / "city", say=say)
+        for file in staging.iterdir():
+            file.replace(folder / file.name)
+        staging.rmdir()
+    path = folder / "report.json"
+    report: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
+    goals = request.brief.goals
+    # Whether all else is the same is known of what was changed; to look at everything takes long.
+    known = before if all(edit.target is None for edit in request.brief.edits) else None
+    findings = measure_all((goal.predicate for goal in goals), _about(request, city), before=known)
+    report["checks_of"] = report.get("checks_of", report.get("hash", ""))
+    report |= {
+        "hash": revision.content, "revision": revision.number, "counts": counts(city),
+        "triangles": triangle_counts(city), "change": request.brief.to_json(),
+        "notes_of_change": list(request.notes),
+        "goals_of_change": [
+            {"goal": goal.text, "met": finding.met, "evidence": finding.evidence,
+             "predicate": goal.predicate}
+            for goal, finding in zip(goals, findings, strict=True)
+        ],
+    }  # fmt: skip
+    write_report(report, folder)
+    return report
+
+
+def _about(request: Request, city: City) -> City:
+    """Return a city whose shells are those that a change names, so that no others are measured.
+
+    It is the city itself where a change is about more than buildings with names or ids.
+    """
+    from cityx.checks.predicates.facts import Facts
+    from cityx.checks.predicates.thing_predicates import Absent, CannotTell
+
+    batch = city.scene.meshes.get(SHELLS)
+    targets = [edit.target for edit in request.brief.edits]
+    if batch is None or not targets or any(one is None or not one.ids for one in targets):
+        return city
+    facts = Facts(city)
+    words = {word for one in targets if one is not None for word in one.ids}
+    try:
+        ids = np.concatenate([facts.named(word).ids for word in sorted(words)])
+    except (Absent, CannotTell):
+        return city
+    rows = np.flatnonzero(np.isin(batch.object_id, ids))
+    if len(rows) != len(words):
+        return city
+    return replace(city, scene=city.scene.with_mesh(SHELLS, batch.take(rows)))

@@ -1,0 +1,304 @@
+"""Views made through Blender: the editable scene and the pictures."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cityx.agents.step_runner import Stopwatch
+from cityx.blender.client import (
+    DEFAULT_SAMPLES,
+    FRAME_RATE,
+    BlenderJob,
+    RenderRequest,
+    run_worker,
+)
+from cityx.city.camera import Camera
+from cityx.city.store import View, read_view
+from cityx.errors import UsageError, nearest
+from cityx.ids import id_text
+
+if TYPE_CHECKING:
+    from cityx.city import City
+
+VIEWS = ("street", "aerial", "top")  # in the order of the report
+PICTURE = (960, 540)  # pixels
+BUSIEST = "busiest"  # instead of a moment
+# A picture of a square kilometre takes a minute or two on two cores; this is a hang.
+TIMEOUT_S = 6 * 3600.0
+
+Say = Callable[[str], None]
+
+
+def cameras_of(view: View, names: Sequence[str], size: tuple[int, int]) -> list[Camera]:
+    """Choose a camera for every named view of a city."""
+    from cityx.views.cameras import choose_camera
+
+    return [choose_camera(view, name, width=size[0], height=size[1]) for name in names]
+
+
+def make_views(
+    city: City,
+    folder: Path,
+    formats: Sequence[str],
+    *,
+    store: Path | None = None,
+    views: Sequence[str] = (),
+    size: tuple[int, int] = PICTURE,
+    samples: int = DEFAULT_SAMPLES,
+    watch: Stopwatch | None = None,
+    say: Say,
+) -> float:
+    """Write GLB, USD, bodies, the files of SUMO, .blend and pictures of a city.
+
+    Parameters
+    ----------
+    city
+        The city.
+    folder
+        Where to write them.
+    formats
+        "blend", "glb", "usd", "bodies", "sumo".
+    store
+        Folder of the stored city; ``city`` of the same folder when left out.
+    views, size, samples
+        Pictures; as of `blender_views`.
+    watch
+        Measures the steps.
+
+    Returns
+    -------
+    peak
+        Largest memory of any process so far, MB.
+    """
+    from cityx.checks.report import peak_memory_mb
+    from cityx.city.store import view_of
+    from cityx.motion.halts import halts_of
+    from cityx.outputs.body_files import write_bodies
+    from cityx.outputs.glb import write_glb
+    from cityx.outputs.usd import write_usd
+    from cityx.traffic.files import write_sumo
+
+    watch = watch or Stopwatch()
+    folder.mkdir(parents=True, exist_ok=True)
+    if "glb" in formats:
+        say("writing city.glb")
+        with watch.step("glb"):
+            write_glb(view_of(city), folder / "city.glb")
+    if "usd" in formats:
+        say("writing city.usdc")
+        with watch.step("usd"):
+            write_usd(view_of(city), folder / "city.usdc")
+    if "bodies" in formats:
+        say("writing city_bodies.npz")
+        with watch.step("bodies"):
+            write_bodies(view_of(city), folder / "city_bodies.npz")
+    if "sumo" in formats:
+        say("writing city.net.xml")
+        with watch.step("sumo"):
+            write_sumo(city, halts_of(city), folder)
+    if "blend" in formats or views:
+        blend = folder / "city.blend" if "blend" in formats else None
+        times, _ = blender_views(
+            store or folder / "city", blend=blend, renders=folder / "renders", views=views,
+            size=size, samples=samples, say=say,
+        )  # fmt: skip
+        for name, spent in times.items():
+            watch.wall[f"blender {name}"] = spent["wall_s"]
+            watch.cpu[f"blender {name}"] = spent["cpu_s"]
+    return peak_memory_mb()
+
+
+def blender_views(
+    store: Path,
+    *,
+    blend: Path | None,
+    renders: Path,
+    views: Sequence[str] = VIEWS,
+    size: tuple[int, int] = PICTURE,
+    samples: int = DEFAULT_SAMPLES,
+    say: Say,
+) -> tuple[dict[str, dict[str, float]], float]:
+    """Save the scene and render the standard pictures of a stored city.
+
+    Parameters
+    ----------
+    store
+        Folder of the stored city.
+    blend
+        .blend file to save, or None.
+    renders
+        Folder of the pictures.
+
+    Returns
+    -------
+    timings, peak_rss_mb
+        Step to its "wall_s" and "cpu_s"; peak memory of the Blender process.
+    """
+    requests: tuple[RenderRequest, ...] = ()
+    if views:
+        view = read_view(store)
+        cameras = cameras_of(view, views, size)
+        pictures = [RenderRequest(c, renders / f"{c.name}.png", samples) for c in cameras]
+        requests = _at_free_moments(view, pictures, say)
+    job = BlenderJob(store, blend=blend, renders=requests)
+    result = run_worker(job, timeout_s=TIMEOUT_S, progress=lambda _, text: say(text))
+    return {name: dict(times) for name, times in result.timings.items()}, result.peak_rss_mb
+
+
+def render_views(
+    folder: Path,
+    camera: str,
+    *,
+    samples: int | None = None,
+    size: tuple[int, int] | None = None,
+    time: str = "",
+    weather: str = "",
+    moment: float | str | None = None,
+    frames: str = "",
+    exact: bool = False,
+    say: Say,
+) -> list[Path]:
+    """Render pictures of a built city into its folder ``renders``.
+
+    Vehicles parked within two and a half metres before a lens are left out of all pictures of the
+    call, which says so.
+
+    Another time or weather changes the light alone: nothing is built again, the stored city stays
+    as it is, and the pictures carry both words in their names.
+
+    Parameters
+    ----------
+    folder
+        Folder of a built city.
+    camera
+        "street", "aerial", "top", or a JSON file of cameras, which brings its own light.
+    samples, size
+        Samples per pixel and (width, height); those of the file, else the defaults, when None.
+    time, weather
+        Instead of the city's own, as of `cityx.light.weather.lit_anew`; "" keeps them.
+    moment
+        Seconds into the tracks that are shown; when None the city's own, or for each picture the
+        next at which nothing that moves is within five metres before the lens. "busiest" takes, of
+        all moments with nine metres free, the one at which most that moves is within sixty.
+    frames
+        "FROM:TO" or "FROM:TO:STEP", a span of frames of which each becomes a picture, 25 a second;
+        "" for none.
+    exact
+        Whether pictures show what the files hold alone: no mirror image of the site beyond its
+        borders, no twigs on bare trees.
+
+    Raises
+    ------
+    UsageError
+        If `camera` is neither a view nor a file, a word for time or weather is not known, or
+        nothing moves at the moment or in the frames asked for.
+    """
+    from cityx.light.weather import lit_anew
+
+    view = read_view(folder / "city")
+    span = _span(view, moment, frames)
+    environment = lit_anew(
+        view.environment, view.frame.latitude, view.frame.longitude, weather=weather, time=time
+    )
+    if camera in VIEWS:
+        cameras = cameras_of(view, [camera], size or PICTURE)
+    elif Path(camera).is_file():
+        from cityx.city.camera import read_cameras
+
+        found, light = read_cameras(Path(camera), view.frame, view.terrain, extent=view.extent)
+        cameras, environment = list(found), light.apply(environment)
+        samples = samples or light.samples
+        if size:
+            cameras = [replace(item, width=size[0], height=size[1]) for item in cameras]
+    else:
+        raise UsageError(
+            f'Camera "{camera}" is neither a file nor one of {", ".join(VIEWS)}.'
+            + nearest(camera, VIEWS)
+        )
+    renders = folder / "renders"
+    suffix = "".join(
+        f"_{re.sub('[^0-9a-z]+', '-', word.lower())}" for word in (weather, time) if word
+    )
+    requests = tuple(
+        RenderRequest(
+            item, renders / f"{item.name}{suffix}.png", samples or DEFAULT_SAMPLES, exact=exact
+        )
+        for item in cameras
+    )
+    if moment in (None, BUSIEST) and span is None:
+        requests = _at_free_moments(view, requests, say, busiest=moment == BUSIEST)
+    shown = None if isinstance(moment, str) else moment
+    job = BlenderJob(
+        folder / "city", renders=requests, environment=environment, moment=shown, frames=span,
+        hidden=_hidden(view, cameras, say),
+    )  # fmt: skip
+    return list(run_worker(job, timeout_s=TIMEOUT_S, progress=lambda _, text: say(text)).files)
+
+
+def _at_free_moments(
+    view: View, requests: Sequence[RenderRequest], say: Say, *, busiest: bool = False
+) -> tuple[RenderRequest, ...]:  # fmt: skip
+    """Let each picture show a moment at which nothing that moves stands before its lens."""
+    from cityx.views.free_view import free_moment
+
+    found = []
+    for request in requests:
+        moment = free_moment(view, request.camera, busiest=busiest)
+        if moment != view.moment:
+            how = "busiest" if busiest else "free"
+            say(f"{request.camera.name}: shown at {moment:g} s, when the view is {how}")
+            request = replace(request, moment=moment)
+        found.append(request)
+    return tuple(found)
+
+
+def _hidden(view: View, cameras: Sequence[Camera], say: Say) -> tuple[int, ...]:
+    """Return the parked vehicles that would fill a picture, and say which are left out."""
+    from cityx.views.free_view import in_the_way
+
+    found: list[int] = []
+    for camera in cameras:
+        own = in_the_way(view, camera).tolist()
+        if own:
+            names = ", ".join(id_text(one) for one in own)
+            say(f"{camera.name}: parked right before the lens and left out: {names}")
+        found += own
+    return tuple(sorted(set(found)))
+
+
+def _span(view: View, moment: float | str | None, frames: str) -> tuple[int, int, int] | None:
+    """Read a span of frames and refuse what lies outside the tracks.
+
+    Raises
+    ------
+    UsageError
+        With every fault.
+    """
+    if moment is None and not frames:
+        return None
+    duration = view.tracks.duration if view.tracks is not None else 0.0
+    last = int(duration * FRAME_RATE)
+    faults = []
+    if not duration:
+        faults.append("Nothing moves in this city: it has no moment and no frames to show.")
+    if moment is not None and frames:
+        faults.append("--moment shows one moment and --frames a span; give one of them.")
+    if isinstance(moment, str) and moment != BUSIEST:
+        faults.append(f'--moment "{moment}" is neither a number of seconds nor {BUSIEST}.')
+    if not isinstance(moment, str | None) and duration and not 0 <= moment <= duration:
+        faults.append(f"--moment {moment:g} is outside 0 to {duration:g} seconds of the tracks.")
+    read = re.fullmatch(r"(\d+):(\d+)(?::([1-9]\d*))?", frames) if frames else None
+    if frames and read is None:
+        faults.append(f'--frames "{frames}" is no span of frames such as 0:100 or 0:100:5.')
+    span = (int(read[1]), int(read[2]), int(read[3] or 1)) if read else None
+    if span and not span[0] <= span[1]:
+        faults.append(f"--frames {frames} ends before it begins.")
+    if span and duration and span[1] > last:
+        faults.append(f"--frames {frames} is outside 0 to {last}, the frames of the tracks.")
+    if faults:
+        raise UsageError(" ".join(faults))
+    return span

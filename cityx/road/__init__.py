@@ -1,0 +1,1 @@
+"""Roads: network, surfaces, markings, heights, ground and parking."""

@@ -1,0 +1,1 @@
+"""The ground off the carriageways: blocks, yards, beds, pavements."""

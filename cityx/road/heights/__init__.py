@@ -1,0 +1,1 @@
+"""Heights of roads: grades, structures, embankments, retaining walls, stairs."""

@@ -1,0 +1,1 @@
+"""Road markings: lines, arrows, zebra crossings, symbols."""

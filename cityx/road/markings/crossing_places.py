@@ -1,0 +1,187 @@
+"""Where people cross the arms of junctions: at which ends of edges, and how far from the node."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.geometry.polylines import Polylines, arc_lengths, to_linestrings
+from cityx.road.network.signal_places import SIGNALLED, signal_places
+from cityx.road.surface.corners import MOST_TRIM, Arms, Corners, curve_lengths, meeting_of
+
+if TYPE_CHECKING:
+    from cityx.city.layout import Layout
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+BEFORE = 1.0  # metres from the stop line to the crossing or the junction
+STOP = 0.4  # metres, width of a stop line
+DEPTH, WIDE_DEPTH = 3.0, 4.0  # metres along the road, on a street and on a main road
+MAIN = ("primary", "secondary", "tertiary", "trunk")
+SETBACK, RING_SETBACK = 0.5, 5.0  # metres from the junction, or a roundabout's, to the crossing
+NEAR_CROSSING = 12.0  # metres beyond the junction within which a mapped crossing is at the end
+FLARE = 1.2  # metres by which a kerb may have left its street where people cross
+LEAST_LEFT = 0.5  # metres of street behind the line before a crossing
+SIGNAL_REACH = 25.0  # metres from a traffic signal to the junction it controls
+DENSE_REACH = 30.0  # metres within which buildings make a junction urban
+DENSE_COUNT = 4
+MAJOR = (
+    "trunk", "primary", "secondary", "tertiary",
+    "trunk_link", "primary_link", "secondary_link", "tertiary_link",
+)  # fmt: skip
+TELLS = ("", "bare", "bars", "signals")  # what the map says of a crossing
+BARE, BARS, SIGNALS = 1, 2, 3
+# OpenStreetMap's crossing=*, crossing:markings=* and crossing_ref=*.
+_BARE = r'"crossing": *"(?:unmarked|informal|no)"|"crossing:markings": *"no"'
+_BARS = (
+    r'"crossing": *"(?:zebra|marked|uncontrolled)"|"crossing_ref": *"zebra"'
+    r'|"crossing:markings": *"(?:yes|zebra|lines|ladder)'
+)
+
+
+@dataclass(frozen=True)
+class MappedCrossings:
+    """Crossings of the map on edges, m of them.
+
+    Attributes
+    ----------
+    edge, along
+        (m,) edge, and metres from its start.
+    told
+        (m,) into `TELLS`.
+    """
+
+    edge: IntArray
+    along: FloatArray
+    told: IntArray
+
+
+def mapped_crossings(layout: Layout, lines: Polylines) -> MappedCrossings:
+    """Find the crossings of the map that lie on the centrelines of edges."""
+    points = layout.points[(layout.points["kind"] == "crossing").to_numpy()]
+    if not len(points) or not lines.count:
+        none = np.zeros(0, np.int64)
+        return MappedCrossings(none, np.zeros(0), none)
+    tags = points["tags"].str
+    told = np.zeros(len(points), np.int64)
+    for number, pattern in ((BARS, _BARS), (SIGNALS, SIGNALLED), (BARE, _BARE)):
+        told[tags.contains(pattern, regex=True).to_numpy().astype(bool)] = number
+    places, shapes = points.geometry.to_numpy(), to_linestrings(lines)
+    which, edge = shapely.STRtree(shapes).query_nearest(places, max_distance=1.0)
+    along = shapely.line_locate_point(shapes[edge], places[which])
+    return MappedCrossings(edge.astype(np.int64), np.asarray(along), told[which])
+
+
+def at_ends(
+    mapped: MappedCrossings, length: FloatArray, trim: FloatArray, joint: BoolArray
+) -> tuple[FloatArray, IntArray]:
+    """Assign mapped crossings to the ends of edges at junctions.
+
+    Parameters
+    ----------
+    mapped
+        The crossings.
+    length
+        (e,) metres.
+    trim, joint
+        (e, 2) metres of edges within junctions, and whether streets meet there.
+
+    Returns
+    -------
+    place, told
+        (e, 2) metres from the end to the crossing, infinity without one; and the most that the map
+        tells of it, into `TELLS`.
+    """
+    place, told = np.full(trim.shape, np.inf), np.zeros(trim.shape, np.int64)
+    for side in (0, 1):
+        far = mapped.along if side == 0 else length[mapped.edge] - mapped.along
+        near = (far < trim[mapped.edge, side] + NEAR_CROSSING) & joint[mapped.edge, side]
+        np.minimum.at(place[:, side], mapped.edge[near], far[near])
+        np.maximum.at(told[:, side], mapped.edge[near], mapped.told[near])
+    return place, told
+
+
+def mouths(arms: Arms, corners: Corners, half: FloatArray, count: int) -> FloatArray:
+    """(e, 2) metres from the nodes from which both kerbs of arms keep within `FLARE` of them."""
+    curve = curve_lengths(corners)
+    flare = np.minimum(FLARE, corners.radius)
+    inward = np.sqrt(2 * corners.radius * flare - flare**2)
+    found = np.zeros((count, 2))
+    for own, other in ((corners.first, corners.second), (corners.second, corners.first)):
+        edge = arms.edge[own]
+        reach = meeting_of(half[edge], half[arms.edge[other]], corners.gap) + curve
+        reach = np.clip(reach, 0.0, MOST_TRIM)
+        np.maximum.at(found, (edge, arms.end[own]), np.maximum(reach - inward, 0.0))
+    return np.round(found, 3)
+
+
+def depths(kind: NDArray[Any]) -> FloatArray:
+    """(e,) metres along the road that a crossing takes."""
+    return np.where(np.isin(kind, MAIN), WIDE_DEPTH, DEPTH)
+
+
+def crossing_middles(
+    place: FloatArray, mouth: FloatArray, usual: FloatArray, depth: FloatArray
+) -> FloatArray:
+    """(e, 2) metres from the nodes to the middles of crossings.
+
+    A crossing lies where the map has it, but not farther in than the mouth of its arm, nor farther
+    out than the `usual` place behind the curves of the kerbs.
+    """
+    half = depth[:, None] / 2
+    return np.clip(place, np.minimum(mouth, usual) + half, usual + half)
+
+
+def crossed_ends(
+    layout: Layout,
+    table: Any,
+    lines: Polylines,
+    edge_nodes: NDArray[Any],
+    degree: NDArray[Any],
+    position: FloatArray,
+    trim: FloatArray,
+    mouth: FloatArray,
+) -> BoolArray:
+    """(e, 2) at which ends of which edges people cross."""
+    length = arc_lengths(lines)[1]
+    joint = degree[edge_nodes] >= 3
+    place, _ = at_ends(mapped_crossings(layout, lines), length, trim, joint)
+    crossing = np.isfinite(place)
+    spots = shapely.points(position)
+    signalled = _within(spots, signal_places(layout), SIGNAL_REACH, 1)
+    dense = dense_places(layout, position)
+    major = table["kind"].isin(MAJOR).to_numpy()
+    grand = np.zeros(len(position), bool)
+    np.logical_or.at(grand, edge_nodes, major[:, None] & np.ones(2, bool))
+    streets = ~table["kind"].isin(("service", "track")).to_numpy()
+    arms = np.bincount(edge_nodes[streets].ravel(), minlength=len(position))
+    walked = (table["sidewalk_left"].to_numpy() + table["sidewalk_right"].to_numpy()) > 0
+    walked &= ~table["kind"].isin(("service", "track", "living_street")).to_numpy()
+    urban = (arms >= 3) & dense & (signalled | grand)
+    crossing |= urban[edge_nodes] & walked[:, None]
+    # A crossing needs room: 3 m of bars and the stop line before the next junction.
+    roomy = length - trim.sum(axis=1) > 8.0 * np.maximum(crossing.sum(axis=1), 1)
+    depth = depths(table["kind"].to_numpy())
+    outer = crossing_middles(place, mouth, trim + SETBACK, depth) + depth[:, None] / 2
+    outer = np.where(crossing, np.maximum(outer + BEFORE + STOP, trim), trim)
+    roomy |= np.isfinite(place).any(axis=1) & (length - outer.sum(axis=1) > LEAST_LEFT)
+    return np.asarray(crossing & roomy[:, None])
+
+
+def dense_places(layout: Layout, position: FloatArray) -> BoolArray:
+    """(k,) whether houses stand closely about places."""
+    walls = layout.buildings.geometry.to_numpy()
+    return _within(shapely.points(position), walls, DENSE_REACH, DENSE_COUNT)
+
+
+def _within(spots: NDArray[Any], things: NDArray[Any], distance: float, count: int) -> BoolArray:
+    if not len(things):
+        return np.zeros(len(spots), bool)
+    found = shapely.STRtree(things).query(spots, predicate="dwithin", distance=distance)[0]
+    return np.asarray(np.bincount(found, minlength=len(spots)) >= count)

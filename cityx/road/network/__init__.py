@@ -1,0 +1,1 @@
+"""The road network: graph, cross-sections, lanes, signals, streets on curves."""

@@ -1,0 +1,179 @@
+"""Contradictions: where a map says of ways what cannot be, and what is built there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.geometry.polylines import to_linestrings
+from cityx.ids import id_text
+from cityx.road.heights.crossings import Crossings
+from cityx.road.network.stations import ON_FOOT, RAILS, Ways, way_levels
+
+if TYPE_CHECKING:
+    from cityx.city.layout import Layout
+    from cityx.city.roads import RoadNetwork
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+NODE = 0.001  # metres within which a crossing lies at a point of a line
+MOST = 12  # ways or pairs that a note names
+
+
+def notes_on(
+    layout: Layout,
+    network: RoadNetwork,
+    ways: Ways | None = None,
+    crossing: Crossings | None = None,
+    gap: FloatArray | None = None,
+    closed: BoolArray | None = None,
+) -> tuple[str, ...]:
+    """Say in sentences where the map contradicts itself, with the ways it names.
+
+    Parameters
+    ----------
+    layout, network
+        The map and the graph of its streets.
+    ways, crossing
+        What was given heights, and where one way passes over another.
+    gap
+        (c,) metres of height missing at each crossing, negative; 0 where nothing is.
+    closed
+        (c,) crossings where the two ways meet at one height instead.
+    """
+    found = [*_tags(layout), _flat(layout, network, ways, crossing),
+             _flat_paths(layout, ways, crossing)]  # fmt: skip
+    if ways is not None and crossing is not None and gap is not None and closed is not None:
+        found += [_one_level(layout, ways, crossing), _drawn_short(layout, ways, crossing),
+                  _bridges_below(layout, ways, crossing), _closed(layout, ways, crossing, closed),
+                  _low(layout, ways, crossing, np.where(closed, 0.0, gap))]  # fmt: skip
+    return tuple(note for note in found if note)
+
+
+def _tags(layout: Layout) -> list[str]:
+    """Name bridges below the ground and tunnels above it."""
+    roads = layout.roads
+    layer, passage = roads["layer"].to_numpy(), roads["passage"].to_numpy()
+    bridges = np.flatnonzero(roads["bridge"].to_numpy() & (layer < 0) & ~passage)
+    tunnels = np.flatnonzero(roads["tunnel"].to_numpy() & (layer > 0) & ~passage)
+    return [
+        _note("bridges with a layer below the ground pass over it", _names(layout, bridges)),
+        _note("tunnels with a layer above the ground run below it", _names(layout, tunnels)),
+    ]
+
+
+def _flat(
+    layout: Layout, network: RoadNetwork, ways: Ways | None, crossing: Crossings | None
+) -> str:
+    """Name streets of one level that cross without a node."""
+    if not network.edge_count:
+        return ""
+    shapes = to_linestrings(network.lines)
+    one, other = shapely.STRtree(shapes).query(shapes, predicate="crosses")
+    road = network.edge_road.astype(np.int64)
+    level = way_levels(layout)[road]
+    flat = (one < other) & (level[one] == level[other])
+    pairs = np.sort(np.column_stack([road[one], road[other]])[flat], axis=1)
+    return _note("pairs of streets of one level that cross without a node are one surface",
+                 _pairs(layout, _unpassed(pairs, layout, ways, crossing)))  # fmt: skip
+
+
+def _flat_paths(layout: Layout, ways: Ways | None, crossing: Crossings | None) -> str:
+    """Name paths and tracks that cross streets of their level without a node."""
+    shapes = layout.roads.geometry.to_numpy()
+    light = layout.roads["kind"].isin((*ON_FOOT, *RAILS)).to_numpy()
+    path, street = np.flatnonzero(light), np.flatnonzero(~light)
+    one, other = shapely.STRtree(shapes[street]).query(shapes[path], predicate="crosses")
+    pairs = np.column_stack([path[one], street[other]])
+    level = way_levels(layout)
+    pairs = pairs[level[pairs[:, 0]] == level[pairs[:, 1]]]
+    spots, row = shapely.get_coordinates(shapely.intersection(*shapes[pairs].T), return_index=True)
+    corner = [
+        shapely.dwithin(shapely.extract_unique_points(line[row]), shapely.points(spots), NODE)
+        for line in shapes[pairs].T
+    ]
+    pairs = np.sort(np.unique(pairs[row[~(corner[0] & corner[1])]], axis=0), axis=1)
+    return _note("paths and tracks cross streets of their level without a node and lie level there",
+                 _pairs(layout, _unpassed(pairs, layout, ways, crossing)))  # fmt: skip
+
+
+def _unpassed(
+    pairs: IntArray, layout: Layout, ways: Ways | None, crossing: Crossings | None
+) -> IntArray:
+    """Leave out pairs of roads, the lower row first, of which one passes over the other."""
+    if ways is None or crossing is None:
+        return pairs
+    passed = np.column_stack([ways.road[crossing.upper], ways.road[crossing.lower]])
+    size = len(layout.roads)
+    return pairs[~np.isin(pairs @ [size, 1], np.sort(passed, axis=1) @ [size, 1])]
+
+
+def _one_level(layout: Layout, ways: Ways, crossing: Crossings) -> str:
+    """Name ways off the ground that pass over each other though their levels are the same."""
+    upper, lower = crossing.upper, crossing.lower
+    same = (ways.level[upper] == ways.level[lower]) & (ways.level[upper] != 0)
+    return _note("pairs of ways have one layer and cross; the path passes farther from the ground",
+                 _pairs(layout, ways.road[np.column_stack([upper, lower])[same]]))  # fmt: skip
+
+
+def _drawn_short(layout: Layout, ways: Ways, crossing: Crossings) -> str:
+    """Name ways whose bridge or tunnel ends before what they cross."""
+    upper, lower = crossing.upper, crossing.lower
+    short = (ways.level[upper] == 0) & (ways.level[lower] == 0) & (crossing.high != crossing.low)
+    return _note("ways pass over others past the end of their bridge or tunnel",
+                 _pairs(layout, ways.road[np.column_stack([upper, lower])[short]]))  # fmt: skip
+
+
+def _bridges_below(layout: Layout, ways: Ways, crossing: Crossings) -> str:
+    """Name bridges that lie lower than what they cross."""
+    bridge = layout.roads["bridge"].to_numpy()[ways.road]
+    wrong = bridge[crossing.lower] & ~bridge[crossing.upper]
+    pairs = np.column_stack([crossing.upper, crossing.lower])[wrong]
+    return _note("ways that are no bridges pass over bridges, as their layers say",
+                 _pairs(layout, ways.road[pairs]))  # fmt: skip
+
+
+def _closed(layout: Layout, ways: Ways, crossing: Crossings, closed: BoolArray) -> str:
+    pairs = np.column_stack([crossing.upper, crossing.lower])[closed]
+    return _note("pairs of ways without room for one to pass over the other meet at one height",
+                 _pairs(layout, ways.road[pairs]))  # fmt: skip
+
+
+def _low(layout: Layout, ways: Ways, crossing: Crossings, gap: FloatArray) -> str:
+    """Name what passes over another way too low, with the free height that is left."""
+    low = np.flatnonzero(gap < 0)
+    low = low[np.argsort(gap[low], kind="stable")]
+    free = ways.clear[crossing.lower[low]] + gap[low]
+    pairs = ways.road[np.column_stack([crossing.upper[low], crossing.lower[low]])]
+    _, first = np.unique(pairs, axis=0, return_index=True)
+    named = [f"{name} ({free[row]:.1f} m)"
+             for row in np.sort(first) for name in _pairs(layout, pairs[[row]])]  # fmt: skip
+    return _note("ways pass over others with less free height than usual for want of room", named)
+
+
+def _pairs(layout: Layout, pairs: IntArray) -> list[str]:
+    found = np.unique(pairs, axis=0)
+    return [" x ".join(pair) for pair in _names(layout, found.ravel()).reshape(-1, 2).tolist()]
+
+
+def _names(layout: Layout, rows: IntArray) -> NDArray[np.str_]:
+    """Return what the ways are called in the map, or else their ids."""
+    table = layout.roads.iloc[rows]
+    return np.array([source or id_text(number)
+                     for source, number in zip(table["source"], table["id"], strict=True)],
+                    dtype=str)  # fmt: skip
+
+
+def _note(text: str, names: Iterable[str]) -> str:
+    """Return one sentence with its count and names; nothing where there are none."""
+    names = list(names)
+    if not names:
+        return ""
+    more = f" and {len(names) - MOST} more" if len(names) > MOST else ""
+    return f"map: {len(names)} {text}: {', '.join(names[:MOST])}{more}"

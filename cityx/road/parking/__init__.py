@@ -1,0 +1,1 @@
+"""Parking: bays, parked cars, lanes of parking along kerbs."""

@@ -1,0 +1,1 @@
+"""Road surfaces: carriageways, junction corners, kerbs, refuges, roundabouts."""

@@ -1,0 +1,1 @@
+"""Height files as a source: formats, mosaics, surface models."""

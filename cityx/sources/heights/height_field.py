@@ -1,0 +1,316 @@
+"""Height fields: the terrain of a site from the height files of its place."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.city.frame import Frame
+from cityx.city.sites import MARGIN, Box
+from cityx.city.terrain import Survey, Terrain
+from cityx.errors import InputError
+from cityx.sources.heights.height_files import HeightFile, HeightOptions
+from cityx.sources.heights.height_mosaic import (
+    Paths,
+    Raster,
+    corners,
+    crs_name,
+    grid_points,
+    laid,
+    open_heights,
+    raster_of,
+    spacing,
+)
+
+FloatArray = NDArray[np.float64]
+
+MAX_NODES = 4_000_000  # of the terrain's grid, 32 MB
+SMOOTHED = 0.5  # of a step of rounded heights: what rounding took, and smoothing moves at most
+FINE_STEP = 0.05  # metres; smaller steps do not show
+SMOOTHINGS = 8  # rounds over neighbouring cells; more change little
+WIDEST = 32.0  # cells over which long terraces are evened out at most
+RESAMPLED = 0.1  # metres by which straight lines between nodes may miss the file's surface
+UNSEEN = 3.0  # times the second difference of its nodes that a cubic spline curves at most
+FINEST, COARSEST = 1.0, 30.0  # metres between terrain nodes unless asked otherwise
+SLACK = 1.5  # cells of the file that the site may reach beyond it
+SURROUNDINGS = 3000.0  # metres round the site that are read for the view
+SAMPLES = 50_000  # cells of the file that a survey keeps; more say nothing new
+CONTROL = 65  # nodes per side at which projections are computed; between them they are smooth
+RELAX = 200  # sweeps that smooth filled voids
+MIN_COVER = 0.7  # share of the site that the file must cover; beyond it the border goes on level
+MAX_VOID = 0.6  # share of the site without a height that can be filled with sense
+_LOG = logging.getLogger(__name__)
+
+
+def read_height(
+    paths: Paths,
+    frame: Frame,
+    extent: Box,
+    *,
+    cell: float | None = None,
+    options: HeightOptions | None = None,
+) -> Terrain:
+    """Read the terrain of a site from one height file or from several that lie side by side.
+
+    Voids are filled from their borders. The heights are resampled by cubic splines; heights that
+    are whole numbers of some unit are smoothed first, each by half of it at most, else their steps
+    would show.
+
+    Parameters
+    ----------
+    paths
+        One file or several; see `cityx.sources.heights.height_files.FORMS`.
+    frame, extent
+        Of the site, metres.
+    cell
+        Metres between the nodes of the terrain; by default a third of the file's own, within 1 and
+        30 m, and less where straight lines between them would miss the file by more than 0.1 m.
+    options
+        What the files do not say themselves.
+
+    Returns
+    -------
+    terrain
+        Heights above the lowest point of the site, whose height above sea level is the datum.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, does not say where it lies or the site is not covered.
+    UsageError
+        If the numbers of a file are no metres and the options do not say what they mean.
+    """
+    files = [laid(file, frame, extent, options) for file in open_heights(paths, options)]
+    return _terrain(files, raster_of(files, frame, extent), frame, extent, cell)[0]
+
+
+def survey_site(
+    paths: Paths, frame: Frame, extent: Box, *, options: HeightOptions | None = None
+) -> tuple[Terrain, Survey]:
+    """Read the terrain of a site, and what its height files say of it and of the land round it.
+
+    Parameters
+    ----------
+    paths, frame, extent, options
+        As of `read_height`.
+
+    Returns
+    -------
+    terrain
+        As of `read_height`.
+    survey
+        The same heights before any change; the land round the site is level where the files end.
+
+    Raises
+    ------
+    InputError, UsageError
+        As of `read_height`.
+    """
+    files = [laid(file, frame, extent, options) for file in open_heights(paths, options)]
+    return survey_files(files, frame, extent)
+
+
+def survey_files(files: list[HeightFile], frame: Frame, extent: Box) -> tuple[Terrain, Survey]:
+    """Do as `survey_site` with files that are open and say where they lie."""
+    raster = raster_of(files, frame, extent)
+    terrain, bound = _terrain(files, raster, frame, extent)
+    wide = (
+        extent[0] - SURROUNDINGS, extent[1] - SURROUNDINGS,
+        extent[2] + SURROUNDINGS, extent[3] + SURROUNDINGS,
+    )  # fmt: skip
+    x, y, step = _nodes(wide, COARSEST)
+    land = raster_of(files, frame, wide)
+    heights = _sample(land, *_places(land, frame, x, y))[0]
+    around = Terrain(wide[:2], step, np.round(heights - terrain.datum, 3), terrain.datum)
+    points = _cells(raster, frame, extent)
+    points[:, 2] -= terrain.datum
+    return terrain, Survey(np.round(points, 3), around, bound)
+
+
+def _terrain(
+    files: list[HeightFile],
+    raster: Raster,
+    frame: Frame,
+    extent: Box,
+    cell: float | None = None,
+) -> tuple[Terrain, float]:
+    """Return the terrain of a site, and the metres by which it misses the files at most."""
+    _check_cover(files, frame, extent)
+    _check_voids(files, raster)
+    wanted = cell or float(np.clip(spacing(raster, frame, extent) / 3, FINEST, COARSEST))
+    while True:
+        x, y, step = _nodes(extent, wanted)
+        heights, moved = _sample(raster, *_places(raster, frame, x, y))
+        bend = _bend(heights)
+        if cell or bend <= RESAMPLED or wanted <= FINEST or step > wanted:
+            break
+        wanted = max(wanted / 2, FINEST)
+    datum = round(float(heights.min()), 3)
+    terrain = Terrain(extent[:2], step, np.round(heights - datum, 3), datum)
+    return terrain, round(moved + max(UNSEEN * bend, RESAMPLED), 3)
+
+
+def _bend(heights: FloatArray) -> float:
+    """Return by how much straight lines between the nodes of a grid miss a smooth surface at most.
+
+    The middle of an arc lies an eighth of its second difference off the chord.
+    """
+    return sum(float(np.abs(np.diff(heights, 2, axis=k)).max(initial=0.0)) for k in (0, 1)) / 8
+
+
+def _nodes(extent: Box, step: float) -> tuple[FloatArray, FloatArray, float]:
+    """Return the places of the nodes of a grid over an extent, and the metres between them."""
+    size = np.array([extent[2] - extent[0], extent[3] - extent[1]])
+    step = max(step, float(np.sqrt(size.prod() / MAX_NODES)))
+    columns, rows = (np.maximum(np.ceil(size / step), 1).astype(int) + 1).tolist()
+    return extent[0] + step * np.arange(columns), extent[1] + step * np.arange(rows), step
+
+
+def _places(
+    raster: Raster, frame: Frame, x: FloatArray, y: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return column and row in the raster of the nodes of a grid, (rows, columns) each."""
+    from scipy.interpolate import RectBivariateSpline
+
+    if len(x) * len(y) <= CONTROL**2:
+        return _exact_places(raster, frame, x, y)
+    # Projections are smooth: computed at some nodes, interpolated between, error below a mm.
+    u, v = np.linspace(x[0], x[-1], CONTROL), np.linspace(y[0], y[-1], CONTROL)
+    column, row = _exact_places(raster, frame, u, v)
+    return (
+        RectBivariateSpline(v, u, column)(y, x),
+        RectBivariateSpline(v, u, row)(y, x),
+    )
+
+
+def _exact_places(
+    raster: Raster, frame: Frame, x: FloatArray, y: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    grid = np.meshgrid(x, y)
+    column, row = raster.at(frame, np.column_stack([axis.ravel() for axis in grid]))
+    return column.reshape(grid[0].shape), row.reshape(grid[0].shape)
+
+
+def _check_cover(files: list[HeightFile], frame: Frame, extent: Box) -> None:
+    width, depth = extent[2] - extent[0], extent[3] - extent[1]
+    edge = min(MARGIN, width / 4, depth / 4)  # the site grew by so much round its houses
+    spots = grid_points((extent[0] + edge, extent[1] + edge, extent[2] - edge, extent[3] - edge))
+    inside = np.zeros(len(spots), bool)
+    for file in files:
+        assert file.to_cell is not None
+        column, row = Raster(np.zeros((0, 0)), file.to_cell, file.crs).at(frame, spots)
+        rows, columns = file.shape
+        # Cells are areas: half a cell beyond the outer centres still belongs to the file.
+        inside |= (
+            (column >= -SLACK) & (column <= columns - 1 + SLACK)
+            & (row >= -SLACK) & (row <= rows - 1 + SLACK)
+        )  # fmt: skip
+    if inside.all():
+        return
+    names = _names(files)
+    if inside.mean() >= MIN_COVER:
+        _LOG.warning(
+            "%s covers %.0f %% of the site; beyond it is level", names, 100 * inside.mean()
+        )
+        return
+    lies = ", ".join(_place(file) for file in files)
+    site = _box_text(frame.to_geographic(spots))
+    raise InputError(
+        f"{names} does not cover the site: the file lies at {lies}, the site at {site} (west, "
+        "south, east, north in degrees); give a height file of the same place."
+    )
+
+
+def _names(files: list[HeightFile]) -> str:
+    return ", ".join(str(file.path) for file in files)
+
+
+def _place(file: HeightFile) -> str:
+    lonlat = corners(file)
+    if not np.isfinite(lonlat).all() or (np.abs(lonlat) > (360.0, 90.0)).any():
+        return f"no place on Earth by its coordinate system ({crs_name(file.crs)})"
+    return _box_text(lonlat)
+
+
+def _box_text(places: Any) -> str:
+    low, high = np.min(places, axis=0), np.max(places, axis=0)
+    return ", ".join(f"{value:.4f}" for value in (*low, *high))
+
+
+def _check_voids(files: list[HeightFile], raster: Raster) -> None:
+    void = np.isnan(raster.values)
+    if void.mean() > MAX_VOID:
+        raise InputError(
+            f"{_names(files)} has no heights for {void.mean():.0%} of the site; give one without "
+            "such gaps."
+        )
+
+
+def _sample(raster: Raster, column: FloatArray, row: FloatArray) -> tuple[FloatArray, float]:
+    """Return heights at some places, and the metres by which smoothing moved any at most."""
+    from scipy.ndimage import map_coordinates
+
+    values = filled_voids(raster.values)
+    stepped = raster.step >= FINE_STEP
+    if stepped:
+        values = _smoothed(values, SMOOTHED * raster.step)
+    rows, columns = values.shape
+    place = [np.clip(row, 0, rows - 1), np.clip(column, 0, columns - 1)]
+    heights = np.asarray(map_coordinates(values, place, order=3, mode="nearest"), float)
+    return heights, SMOOTHED * raster.step if stepped else 0.0
+
+
+def _smoothed(values: FloatArray, most: float) -> FloatArray:
+    """Even out steps and noise; no height moves by more than `most` metres."""
+    from scipy.ndimage import gaussian_filter
+
+    # A terrace of k cells wants a filter of its own width first, then of half of it, ...
+    wide = min(_terrace(values), WIDEST)
+    widths = [2.0**k for k in range(int(np.log2(wide)), 0, -1)] if wide >= 2 else []
+    even = values
+    for width in [*widths, *([1.0] * SMOOTHINGS)]:
+        even = gaussian_filter(even, width, mode="nearest")
+        even = np.clip(even, values - most, values + most)
+    return even
+
+
+def _terrace(values: FloatArray) -> float:
+    """Return how many cells of one height follow each other on average."""
+    changes = sum(int((np.diff(values, axis=k) != 0).sum()) for k in (0, 1))
+    return 2 * values.size / max(changes, 1)
+
+
+def _cells(raster: Raster, frame: Frame, extent: Box) -> FloatArray:
+    """(k, 3) cells of a raster on a site, at most `SAMPLES`, with heights above sea level."""
+    from pyproj import Transformer
+
+    stride = int(np.ceil(np.sqrt(raster.values.size / SAMPLES)))
+    rows, columns = raster.values.shape
+    i, j = (axis.ravel() for axis in np.mgrid[0:rows:stride, 0:columns:stride])
+    known = np.isfinite(raster.values[i, j])
+    i, j = i[known], j[known]
+    east, north = raster.places(j, i)
+    change = Transformer.from_crs(raster.crs, frame.projection, always_xy=True)
+    xy: FloatArray = np.round(np.column_stack(change.transform(east, north)), 4)
+    low, high = np.array(extent[:2]), np.array(extent[2:])
+    inside = ((xy >= low) & (xy <= high)).all(axis=1)
+    return np.asarray(np.column_stack([xy, raster.values[i, j]])[inside])
+
+
+def filled_voids(values: FloatArray) -> FloatArray:
+    """Fill voids with the nearest heights, then relax them to a smooth surface."""
+    from scipy.ndimage import distance_transform_edt
+
+    void = np.isnan(values)
+    if not void.any():
+        return values
+    nearest = distance_transform_edt(void, return_distances=False, return_indices=True)
+    filled = np.asarray(values[tuple(nearest)])
+    for _ in range(RELAX):
+        around = np.pad(filled, 1, mode="edge")
+        mean = (around[:-2, 1:-1] + around[2:, 1:-1] + around[1:-1, :-2] + around[1:-1, 2:]) / 4
+        filled = np.where(void, mean, filled)
+    return filled

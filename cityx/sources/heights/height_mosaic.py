@@ -1,0 +1,268 @@
+"""Height files of one site are joined to one grid of cells around it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.city.frame import Frame
+from cityx.city.sites import Box
+from cityx.errors import InputError, UsageError
+from cityx.sources.heights.height_files import MAX_READ, HeightFile, HeightOptions, open_height
+
+FloatArray = NDArray[np.float64]
+Paths = Path | Sequence[Path]
+
+EDGE = 4  # cells read around the site, for the cubic kernel and the filter
+SIDE = 17  # points per side of a site at which its place in a file is computed
+SAME = 0.01  # cells by which the lattices of two files may differ and be one
+ALIKE = 1e-6  # share by which the cells of two files may differ in size and be equal
+
+
+@dataclass(frozen=True)
+class Raster:
+    """Heights in the coordinate system of their file.
+
+    Attributes
+    ----------
+    values
+        (rows, columns) float64, NaN where void; row 0 is the first of the file.
+    to_cell
+        Affine coefficients (a, b, c, d, e, f): column = a x + b y + c, row = d x + e y + f, counted
+        from the centre of the first cell.
+    crs
+        Whatever pyproj reads.
+    step
+        Metres between heights that are whole numbers of some unit; 0 when they are not.
+    """
+
+    values: FloatArray
+    to_cell: tuple[float, float, float, float, float, float]
+    crs: Any
+    step: float = 0.0
+
+    def cells(self, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return column and row of places."""
+        a, b, c, d, e, f = self.to_cell
+        return a * x + b * y + c, d * x + e * y + f
+
+    def places(self, column: Any, row: Any) -> tuple[FloatArray, FloatArray]:
+        """Return the places of columns and rows."""
+        a, b, c, d, e, f = self.to_cell
+        x, y = np.linalg.solve([[a, b], [d, e]], [np.subtract(column, c), np.subtract(row, f)])
+        return x, y
+
+    def at(self, frame: Frame, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return column and row of (n, 2) points of a frame."""
+        from pyproj import Transformer
+
+        change = Transformer.from_crs(frame.projection, self.crs, always_xy=True)
+        points = np.asarray(points, float).reshape(-1, 2)
+        x, y = change.transform(points[:, 0], points[:, 1])
+        return self.cells(np.asarray(x), np.asarray(y))
+
+
+def open_heights(paths: Paths, options: HeightOptions | None = None) -> list[HeightFile]:
+    """Open the height files of one site.
+
+    A grid that does not name its coordinate system takes that of another file with the same number
+    and place of cells.
+
+    Raises
+    ------
+    InputError, UsageError
+        With every fault, if a file cannot be read.
+    """
+    files, faults = [], []
+    for path in [paths] if isinstance(paths, str | Path) else paths:
+        try:
+            files.append(open_height(path, options))
+        except (InputError, UsageError) as error:
+            faults.append(error)
+    if faults:
+        raise type(faults[0])(" ".join(map(str, faults)))
+    return [_like_another(file, files) for file in files]
+
+
+def _like_another(file: HeightFile, files: list[HeightFile]) -> HeightFile:
+    """Take the coordinate system of a file on the same cells."""
+    if file.located or file.to_cell is None:
+        return file
+    for other in files:
+        if (
+            other.located
+            and other.shape == file.shape
+            and np.allclose(other.to_cell or (), file.to_cell, atol=SAME, rtol=ALIKE)
+        ):
+            return replace(file, crs=other.crs)
+    return file
+
+
+def laid(
+    file: HeightFile, frame: Frame, site: Box, options: HeightOptions | None = None
+) -> HeightFile:
+    """Lay a file that does not say where it lies over a site, its middle on that of the site.
+
+    Raises
+    ------
+    InputError
+        If the file has a place in a coordinate system that nobody names.
+    """
+    if file.located:
+        return file
+    if file.to_cell is not None:
+        a, e = file.to_cell[0], file.to_cell[4]
+        raise InputError(
+            f"{file.path} does not say in which coordinate system it lies (its cells measure "
+            f"{abs(1 / a):g} x {abs(1 / e):g}); put its .prj file beside it, name it with "
+            "--height-crs, such as EPSG:25833, or give a GeoTIFF."
+        )
+    rows, columns = file.shape
+    pixel = options.pixel if options else None
+    size = pixel or max((site[2] - site[0]) / columns, (site[3] - site[1]) / rows)
+    middle = ((site[0] + site[2]) / 2, (site[1] + site[3]) / 2)
+    to_cell = (
+        1 / size, 0.0, (columns - 1) / 2 - middle[0] / size,
+        0.0, -1 / size, (rows - 1) / 2 + middle[1] / size,
+    )  # fmt: skip
+    return replace(file, to_cell=to_cell, crs=frame.projection)
+
+
+def raster_of(files: Sequence[HeightFile], frame: Frame, box: Box) -> Raster:
+    """Read the cells of some files around a box and join them.
+
+    Where files overlap the finer one is taken, among equals the first; where it is void the next.
+
+    Parameters
+    ----------
+    files
+        One or more that say where they lie.
+    frame, box
+        Of what is read, metres.
+
+    Raises
+    ------
+    InputError
+        If a file lies nowhere on Earth.
+    """
+    parts = [_window(file, frame, box) for file in files]
+    parts.sort(key=lambda part: spacing(part, frame, box))
+    return parts[0] if len(parts) == 1 else _joined(parts, frame, box)
+
+
+def corners(file: HeightFile) -> FloatArray:
+    """Return (4, 2) longitude and latitude of the corners of a file that says where it lies."""
+    from pyproj import Transformer
+
+    assert file.to_cell is not None
+    rows, columns = file.shape
+    cells = np.array([(i, j) for i in (-0.5, columns - 0.5) for j in (-0.5, rows - 0.5)])
+    places = Raster(np.zeros((0, 0)), file.to_cell, file.crs).places(*cells.T)
+    change = Transformer.from_crs(file.crs, "EPSG:4326", always_xy=True)
+    return np.column_stack(change.transform(*places))
+
+
+def grid_points(box: Box) -> FloatArray:
+    """Return (n, 2) points on the border of a box and within it."""
+    x, y = np.linspace(box[0], box[2], SIDE), np.linspace(box[1], box[3], SIDE)
+    return np.column_stack([axis.ravel() for axis in np.meshgrid(x, y)])
+
+
+def _window(file: HeightFile, frame: Frame, box: Box) -> Raster:
+    """Read the cells around a box; of a larger window the means of blocks."""
+    assert file.to_cell is not None
+    whole = Raster(np.zeros((0, 0)), file.to_cell, file.crs)
+    column, row = whole.at(frame, grid_points(box))
+    if not (np.isfinite(column).all() and np.isfinite(row).all()):
+        raise InputError(
+            f"{file.path} lies nowhere near the site: its coordinate system ({crs_name(file.crs)}) "
+            "holds no such place. Is it the right one?"
+        )
+    rows, columns = _span(row, file.shape[0]), _span(column, file.shape[1])
+    cells = (rows.stop - rows.start) * (columns.stop - columns.start)
+    stride = max(1, int(np.ceil(np.sqrt(cells / MAX_READ))))
+    values = file.read((rows, columns), stride)
+    a, b, c, d, e, f = file.to_cell
+    # The first block's middle lies (stride - 1) / 2 cells beyond the middle of its first cell.
+    c, f = (
+        (offset - first - (stride - 1) / 2) / stride
+        for offset, first in ((c, columns.start), (f, rows.start))
+    )
+    to_cell = (a / stride, b / stride, c, d / stride, e / stride, f)
+    return Raster(values, to_cell, file.crs, _step(file, values) if stride == 1 else 0.0)
+
+
+def crs_name(crs: Any) -> str:
+    """Return the name of a coordinate system."""
+    from pyproj import CRS
+
+    return str(CRS.from_user_input(crs).name)
+
+
+def _span(index: FloatArray, size: int) -> slice:
+    low = int(np.clip(np.floor(index.min()) - EDGE, 0, size - 1))
+    return slice(low, int(np.clip(np.ceil(index.max()) + EDGE + 1, low + 1, size)))
+
+
+def _step(file: HeightFile, values: FloatArray) -> float:
+    """Return the metres between heights that were rounded, 0 when they were not."""
+    known = values[np.isfinite(values)]
+    if file.whole:
+        return file.unit
+    return 1.0 if len(known) and bool((known == np.rint(known)).all()) else 0.0
+
+
+def spacing(raster: Raster, frame: Frame, box: Box) -> float:
+    """Return the metres between the cells of a raster in the middle of a box."""
+    x, y = (box[0] + box[2]) / 2, (box[1] + box[3]) / 2
+    column, row = raster.at(frame, np.array([[x - 50, y - 50], [x + 50, y + 50]]))
+    cells = float(np.hypot(*np.diff([column, row], axis=1)).item())
+    return float(np.hypot(100.0, 100.0)) / cells if cells > 0 else np.inf
+
+
+def _joined(parts: list[Raster], frame: Frame, box: Box) -> Raster:
+    """Join rasters on the lattice of the first, over the box that all were read around."""
+    first = parts[0]
+    column, row = first.at(frame, grid_points(box))
+    left, top = np.floor([column.min(), row.min()]).astype(int) - EDGE
+    columns, rows = np.ceil([column.max(), row.max()]).astype(int) + EDGE + 1 - (left, top)
+    stride = max(1, int(np.ceil(np.sqrt(rows * columns / MAX_READ))))
+    j, i = left + stride * np.arange(columns // stride), top + stride * np.arange(rows // stride)
+    values = np.full((len(i), len(j)), np.nan)
+    for part in parts:
+        open_ = np.isnan(values)
+        if open_.any():
+            values[open_] = _carried(part, first, i, j)[open_]
+    a, b, c, d, e, f = first.to_cell
+    to_cell = (
+        a / stride, b / stride, (c - left) / stride, d / stride, e / stride, (f - top) / stride,
+    )  # fmt: skip
+    return Raster(values, to_cell, first.crs, max(part.step for part in parts))
+
+
+def _carried(part: Raster, lattice: Raster, i: Any, j: Any) -> FloatArray:
+    """Return the heights of a raster on rows and columns of another's lattice, NaN beyond it."""
+    from pyproj import CRS, Transformer
+    from scipy.ndimage import map_coordinates
+
+    column, row = (axis.ravel().astype(float) for axis in np.meshgrid(j, i))
+    x, y = lattice.places(column, row)
+    if CRS.from_user_input(part.crs) != CRS.from_user_input(lattice.crs):
+        change = Transformer.from_crs(lattice.crs, part.crs, always_xy=True)
+        x, y = change.transform(x, y)
+    own = np.array(part.cells(np.asarray(x), np.asarray(y)))[::-1]
+    limit = np.array(part.values.shape)[:, None] - 1
+    inside = ((own >= -0.5) & (own <= limit + 0.5)).all(axis=0)
+    place = np.clip(own[:, inside], 0, limit)
+    near = np.rint(place)
+    found = np.full(len(column), np.nan)
+    if (np.abs(place - near) < SAME).all():  # one lattice: values are taken as they are
+        found[inside] = part.values[tuple(near.astype(int))]
+    else:
+        found[inside] = map_coordinates(part.values, place, order=1)
+    return found.reshape(len(i), len(j))

@@ -1,0 +1,1 @@
+"""The process and its files: caches, atomic writes, cores, memory."""

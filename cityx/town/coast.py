@@ -1,0 +1,114 @@
+"""A coast: the sea along one side of a city, a beach, and a promenade behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Annotated, Any
+
+import numpy as np
+import shapely
+
+from cityx.city import City, Layout
+from cityx.errors import ActionFailed
+from cityx.ids import draw
+from cityx.protocol import Choice, Port, Range, action
+from cityx.sources.features.tagged import Owner
+from cityx.town.cutting import strip_of, with_streets
+from cityx.town.procedural_streets import half_width, shore_tags
+from cityx.town.rebuilding import with_area
+from cityx.town.wishes.wishes import asked
+
+# Outward of each side: x east, y north.
+SIDES: Mapping[str, tuple[float, float]] = {
+    "north": (0.0, 1.0), "east": (1.0, 0.0), "south": (0.0, -1.0), "west": (-1.0, 0.0),
+}  # fmt: skip
+SWING, WAVE = 9.0, 260.0  # metres that a shore swings by, and of its waves
+STEP = 15.0  # metres between the points of a shore
+LEAST_LAND = 60.0  # metres of the site that the sea leaves
+
+
+@action(
+    "layout/coast-v1",
+    limits=["What lies in the sea's way is taken down; streets end on the promenade."],
+    requires=("layout",),
+    takes=(Port("layout", "scene_layout"),),
+    gives=(Port("layout", "scene_layout"),),
+    labels=("sea", "beach", "shore", "coast", "ocean"),
+)
+def coast(
+    city: City,
+    *,
+    side: Annotated[str, Choice(*SIDES)] = "south",
+    share: Annotated[float, Range(0.05, 0.8)] = 0.25,
+    beach: Annotated[float, Range(0.0, 200.0)] = 35.0,
+) -> City:
+    """Put the sea along one side of a city, behind a beach and a promenade.
+
+    Parameters
+    ----------
+    city
+        City with streets.
+    side
+        Where the sea lies.
+    share
+        Of the site's depth that way which is sea, about.
+    beach
+        Metres of sand between the promenade and the water; 0 for a quay.
+    """
+    xmin, ymin, xmax, ymax = city.layout.extent
+    out = np.array(SIDES[side])
+    size = np.array([xmax - xmin, ymax - ymin])
+    deep = float(abs(size @ out))
+    tags = shore_tags(city.seed, "promenade", 0)
+    walk = half_width(tags)
+    land = deep * (1 - share) - beach - 2 * walk
+    if land < LEAST_LAND:
+        raise ActionFailed(
+            f"A sea over {share:g} of {deep:.0f} m and a beach of {beach:g} m leave "
+            f"{max(land, 0.0):.0f} m of land; {LEAST_LAND:.0f} m are needed. "
+            "Ask for less sea or a larger site."
+        )
+    shore = _shore(city, out, deep / 2 - share * deep, 1.0)
+    street = _shore(city, out, deep / 2 - share * deep - beach - walk, 0.6)
+    site = shapely.box(*city.layout.extent)
+    beyond = _outside(street, out, deep)
+    sea = _outside(shore, out, deep).intersection(site)
+    rivers = city.layout.areas[city.layout.areas["kind"] == "river"].geometry.to_numpy()
+    if shapely.intersects(rivers, beyond).any():
+        raise ActionFailed(f"A river flows to the {side}; a coast there has to come before it.")
+    line = shapely.LineString(np.round(shapely.get_coordinates(street.intersection(site)), 3))
+    ground = shapely.union(beyond, strip_of(street, tags)).intersection(site)
+    owner = Owner(("made", "promenade"), tags)
+    city = with_streets(city, [(line, owner)], ground)
+    sand = beyond.difference(strip_of(street, tags)).intersection(site).difference(sea)
+    layout = _with_land(city.layout, "sea", sea)
+    if beach:
+        layout = _with_land(layout, "sand", sand)
+    city = asked(replace(city, layout=layout), f"the sea in the {side}", "n(sea)", least=1)
+    return asked(city, f"a beach in the {side}", "n(beach)", least=1) if beach else city
+
+
+def _shore(city: City, out: Any, at: float, swing: float) -> Any:
+    """Return a line along the shore, from beyond one border to beyond the other."""
+    xmin, ymin, xmax, ymax = city.layout.extent
+    middle = np.array([(xmin + xmax) / 2, (ymin + ymax) / 2])
+    along = np.array([-out[1], out[0]])
+    half = float(abs(np.array([xmax - xmin, ymax - ymin]) @ along)) / 2 + WAVE
+    t = np.linspace(-half, half, int(2 * half / STEP) + 2)
+    phase = 2 * np.pi * draw(city.seed, "layout/coast", 1)
+    away = at + swing * SWING * np.sin(phase + 2 * np.pi * t / WAVE)
+    return shapely.LineString(middle + t[:, None] * along + away[:, None] * out)
+
+
+def _outside(line: Any, out: Any, far: float) -> Any:
+    """Return what lies seaward of a line."""
+    points = shapely.get_coordinates(line)
+    return shapely.Polygon(np.concatenate([points, (points + far * out)[::-1]]))
+
+
+def _with_land(layout: Layout, kind: str, shape: Any) -> Layout:
+    for k, part in enumerate(shapely.get_parts(shape)):
+        owner = Owner(("made", kind, k), {})
+        layout = with_area(layout, kind, shapely.orient_polygons(part), owner)
+    return layout

@@ -1,0 +1,255 @@
+"""Cutting new streets, rivers and coasts through a finished layout: what is led where."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.predicates.words import LANDS
+from cityx.city import City, Layout
+from cityx.city.layout import joined_tables
+from cityx.city.sites import pieces_of
+from cityx.errors import ActionFailed
+from cityx.geometry.polylines import pack
+from cityx.road.network.network import DRIVABLE
+from cityx.sources.features.resolve import Features, resolve
+from cityx.sources.features.shells import Shells
+from cityx.sources.features.tagged import Owner, nothing, tag
+from cityx.town.procedural_streets import half_width
+from cityx.town.rebuilding import cleared
+from cityx.town.refilling import refilled
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+BESIDE = 24.0  # metres from a new street within which an old one along it is given up
+ALONG = 2.2  # times that; a longer piece so near runs along it, a shorter one leads to it
+MERGED = 20.0  # metres between places on a new street that become one junction
+STUB = 6.0  # metres; what is left of a street that is shorter is given up
+REACH = 90.0  # metres from what is left of a street to the new one it is led to
+AHEAD = 0.5  # cosine of the most that a street turns to be led to a new one
+ON = 0.02  # metres within which a point lies on a line
+ROUND = 3  # decimals of metres of new places; nodes of streets are shared to the millimetre
+
+
+def strip_of(line: Any, tags: dict[str, str]) -> Any:
+    """Return the ground that a street takes with its walks."""
+    return shapely.buffer(line, half_width(tags), cap_style="flat", join_style="mitre")
+
+
+def with_streets(city: City, streets: Sequence[tuple[Any, Owner]], ground: Any) -> City:
+    """Lay new streets through a layout and lead to them what they interrupt.
+
+    Buildings, land and things on the ground they take are cleared, and blocks of a procedural town
+    that lose ground are built anew. A street that they cut ends
+    on the nearest of them; one that would run close beside them is given up.
+
+    Parameters
+    ----------
+    streets
+        Lines in the scene frame, metres, and what is said of each.
+    ground
+        Polygon that is cleared; it holds the new streets.
+
+    Raises
+    ------
+    ActionFailed
+        If there is water on it.
+
+    Returns
+    -------
+    city
+        Whose new streets have a point wherever another meets them.
+    """
+    areas = city.layout.areas
+    wet = areas.geometry.to_numpy()[areas["kind"].isin(LANDS["water"]).to_numpy()]
+    if shapely.intersects(wet, ground).any():
+        raise ActionFailed(
+            "It would cross water, over which only a river's own bridges lead; lay out streets "
+            "before the river, and none towards the sea."
+        )
+    layout = cleared(city.layout, ground)
+    lines = [line for line, _ in streets]
+    rest, open_ends, gone = _interrupted(layout, ground)
+    street, at, fine = _landings(rest, open_ends, lines)
+    moved, met = _joined_places(lines, street, at)
+    rest = _pruned(_led_on(rest, open_ends[fine], moved), open_ends[~fine])
+    placed = [with_points(line, met[k]) for k, line in enumerate(lines)]
+    roads = pieces_of(layout.roads, _shapes(rest, len(layout.roads)), 1)
+    new = street_rows(city, placed, [owner for _, owner in streets])
+    cut = replace(city, layout=replace(layout, roads=joined_tables(roads, new)))
+    return refilled(cut, city.layout, gone, ground)
+
+
+def given_up_in(layout: Layout, ground: Any) -> Layout:
+    """Take the streets off a piece of ground; what led there ends at the junction before it."""
+    shapes = layout.roads.geometry.to_numpy()
+    hit = shapely.intersects(shapes, ground)
+    left = np.where(hit, shapely.difference(shapes, ground), shapes)
+    parts, row = shapely.get_parts(left, return_index=True)
+    parts, row = parts[shapely.length(parts) > ON], row[shapely.length(parts) > ON]
+    rest = [(k, shapely.get_coordinates(part)) for k, part in zip(row.tolist(), parts, strict=True)]
+    tips = np.array([points[[0, -1]] for _, points in rest])
+    lost = shapely.union_all(shapely.intersection(shapes[hit], ground))
+    ends = np.argwhere(shapely.distance(shapely.points(tips), lost) <= ON)
+    kept = _shapes(_pruned(rest, ends), len(shapes))
+    return replace(layout, roads=pieces_of(layout.roads, kept, 1))
+
+
+def street_rows(city: City, lines: Sequence[Any], owners: list[Owner]) -> Any:
+    """Make rows of the table of roads."""
+    none = Shells(nothing(), nothing(), np.zeros(0, np.int64))
+    found = Features(city.layout.extent, none, roads=tag(lines, owners))
+    return resolve(found, city.frame, seed=city.seed).roads
+
+
+def with_points(line: Any, places: FloatArray) -> Any:
+    """Return a line with places along it among its points."""
+    own = shapely.get_coordinates(line)
+    every = np.concatenate([own, np.asarray(places).reshape(-1, 2)])
+    at = shapely.line_locate_point(line, shapely.points(every))
+    at[0], at[len(own) - 1] = -1.0, line.length + 1.0
+    ordered = every[np.argsort(at, kind="stable")]
+    new = np.append(True, (np.abs(np.diff(ordered, axis=0)) > ON).any(axis=1))
+    return shapely.LineString(ordered[new])
+
+
+# A stretch of an old street: row of the table of roads and its points.
+Rest = list[tuple[int, FloatArray]]
+
+
+def _interrupted(layout: Layout, ground: Any) -> tuple[Rest, IntArray, Any]:
+    """Return what is left of the streets, and its ends that lead nowhere now.
+
+    Returns
+    -------
+    rest
+        k stretches.
+    open_ends
+        (e, 2) stretch, and 0 or 1 for its first or last point.
+    gone
+        The ground, and that of the streets given up beside it.
+    """
+    shapes = layout.roads.geometry.to_numpy()
+    along = _given_up(shapes, ground)
+    gone = shapely.union_all([ground, *shapely.buffer(along, ON / 2)])
+    hit = shapely.intersects(shapes, gone)
+    left = np.where(hit, shapely.difference(shapes, gone), shapes)
+    parts, row = shapely.get_parts(left, return_index=True)
+    keep = (shapely.length(parts) > 0) & (~hit[row] | (shapely.length(parts) >= STUB))
+    parts, row = parts[keep], row[keep]
+    drivable = layout.roads["kind"].isin(DRIVABLE).to_numpy()[row]
+    packed = pack(parts)
+    tips = np.stack([packed.points[packed.start[:-1]], packed.points[packed.start[1:] - 1]], axis=1)
+    lost = shapely.union_all(shapely.intersection(shapes[hit], gone))
+    away = shapely.distance(shapely.points(tips), lost)  # (k, 2)
+    rest = [
+        (int(row[k]), packed.points[packed.start[k] : packed.start[k + 1]].copy())
+        for k in range(len(row))
+    ]
+    taken = shapely.union_all([ground, *shapely.buffer(along, BESIDE)])
+    return rest, np.argwhere((away <= ON) & drivable[:, None]), taken
+
+
+def _given_up(shapes: NDArray[Any], ground: Any) -> NDArray[Any]:
+    """Return the stretches of old streets that run close along what is taken."""
+    wide = shapely.buffer(ground, BESIDE, join_style="mitre")
+    near = shapes[shapely.intersects(shapes, wide)]
+    within = shapely.difference(shapely.intersection(near, wide), ground)
+    beside = shapely.get_parts(shapely.line_merge(within))
+    return np.asarray(beside[shapely.length(beside) > ALONG * BESIDE])
+
+
+def _landings(
+    rest: Rest, open_ends: IntArray, lines: list[Any]
+) -> tuple[IntArray, FloatArray, BoolArray]:
+    """Say which open ends are led on to a new street: its number, metres along it, and which."""
+    none = np.zeros(0, np.int64)
+    if not len(open_ends):
+        return none, np.zeros(0), np.zeros(0, bool)
+    ends = [rest[k][1][::-1] if last else rest[k][1] for k, last in open_ends.tolist()]
+    tips, ways = np.array([end[0] for end in ends]), np.array([end[0] - end[1] for end in ends])
+    points = shapely.points(tips)
+    away = np.stack([shapely.distance(points, line) for line in lines], axis=1)
+    street = away.argmin(axis=1)
+    chosen = np.array(lines, object)[street]
+    at = shapely.line_locate_point(chosen, points)
+    onward = shapely.get_coordinates(shapely.line_interpolate_point(chosen, at)) - tips
+    ahead = (onward * ways).sum(axis=1) / np.maximum(np.hypot(*onward.T) * np.hypot(*ways.T), 1e-9)
+    fine = (away.min(axis=1) <= REACH) & (ahead >= AHEAD)
+    return street[fine], at[fine], fine
+
+
+def _joined_places(
+    lines: list[Any], street: IntArray, at: FloatArray
+) -> tuple[FloatArray, list[FloatArray]]:
+    """Settle where streets meet new ones: near places become one.
+
+    Returns
+    -------
+    places
+        (e, 2) of each end, metres.
+    met
+        (m, 2) per new street.
+    """
+    places = np.zeros((len(at), 2))
+    met: list[FloatArray] = []
+    for k, line in enumerate(lines):
+        rows = np.flatnonzero(street == k)
+        rows = rows[np.argsort(at[rows], kind="stable")]
+        if not len(rows):
+            met.append(np.zeros((0, 2)))
+            continue
+        group = np.cumsum(np.append(0, np.diff(at[rows]) > MERGED))
+        middle = np.bincount(group, at[rows]) / np.bincount(group)
+        points = shapely.get_coordinates(shapely.line_interpolate_point(line, middle))
+        points = np.round(points, ROUND)
+        places[rows] = points[group]
+        met.append(points)
+    return places, met
+
+
+def _led_on(rest: Rest, ends: IntArray, places: FloatArray) -> Rest:
+    """Lead the ends of stretches on to places."""
+    found = list(rest)
+    for (k, last), place in zip(ends.tolist(), places, strict=True):
+        row, points = found[k]
+        found[k] = row, np.concatenate([points, place[None]] if last else [place[None], points])
+    return found
+
+
+def _pruned(rest: Rest, ends: IntArray) -> Rest:
+    """Take ends that lead nowhere back to the next junction; a stretch without one goes."""
+    whole = [np.rint(points * 10**ROUND).astype(np.int64) for _, points in rest]
+    every, count = np.unique(
+        np.concatenate([np.unique(points, axis=0) for points in whole]), axis=0, return_counts=True
+    )
+    junctions = {tuple(place) for place in every[count > 1].tolist()}
+    found = list(rest)
+    for k, last in ends.tolist():
+        row, points = found[k]
+        met = np.array([tuple(place) in junctions for place in whole[k].tolist()])
+        kept = np.flatnonzero(met)
+        if not len(kept):
+            points = points[:0]
+        else:
+            points = points[: kept[-1] + 1] if last else points[kept[0] :]
+        whole[k] = np.rint(points * 10**ROUND).astype(np.int64)
+        found[k] = row, points
+    return [(row, points) for row, points in found if len(points) > 1]
+
+
+def _shapes(rest: Rest, count: int) -> NDArray[Any]:
+    """(count,) what is left of each road, empty where nothing is."""
+    found: list[list[FloatArray]] = [[] for _ in range(count)]
+    for row, points in rest:
+        found[row].append(points)
+    held = np.empty(count, object)
+    held[:] = [shapely.MultiLineString(parts) for parts in found]
+    return held

@@ -1,0 +1,122 @@
+"""A town without any map: a window of an endless plane."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated
+
+from cityx.city import City, Goal
+from cityx.ids import hash_bits
+from cityx.protocol import Choice, Port, Range, action
+from cityx.town.bounded_town import layout_of_site
+from cityx.town.plane import COASTS, PATTERNS, WIDTHS, ZONES, Plan
+from cityx.town.window import layout_of_window, origin_of
+
+FAR = 4e10  # metres; a hundred million districts from the origin
+LARGEST = 20_000.0  # metres
+
+
+@action(
+    "layout/town-v1",
+    limits=["The plane lies nowhere on Earth; roofs and traffic are those of the city's frame."],
+    gives=(Port("layout", "scene_layout"),),
+)
+def town(
+    city: City,
+    *,
+    x: Annotated[float, Range(-FAR, FAR)] = 0.0,
+    y: Annotated[float, Range(-FAR, FAR)] = 0.0,
+    width: Annotated[float, Range(50.0, LARGEST)] = 600.0,
+    depth: Annotated[float, Range(50.0, LARGEST)] = 600.0,
+    pattern: Annotated[str, Choice(*PATTERNS)] = "mixed",
+    density: Annotated[float, Range(0.0, 1.0)] = 0.66,
+    radius: Annotated[float, Range(100.0, 3000.0)] = 500.0,
+    zone: Annotated[str, Choice("", *ZONES, "industry")] = "",
+    district: Annotated[float, Range(260.0, 900.0)] = 330.0,
+    block: Annotated[float, Range(80.0, 220.0)] = 110.0,
+    parks: Annotated[float, Range(0.0, 0.5)] = 0.10,
+    plazas: Annotated[float, Range(0.0, 1.0)] = 0.7,
+    industry: Annotated[float, Range(0.0, 1.0)] = 0.15,
+    river: bool = False,
+    river_width: Annotated[float, Range(12.0, 60.0)] = 26.0,
+    lakes: Annotated[float, Range(0.0, 0.5)] = 0.0,
+    coast: Annotated[str, Choice(*COASTS)] = "none",
+    shore: Annotated[float, Range(0.0, 5000.0)] = 400.0,
+    streets: Annotated[str, Choice(*WIDTHS)] = "usual",
+    avenues: Annotated[int, Range(3, 16)] = 6,
+    rings: Annotated[int, Range(1, 8)] = 2,
+    built: Annotated[float, Range(0.0, 0.8)] = 0.0,
+    bounded: bool = True,
+    variant: Annotated[int, Range(0, 1000)] = 0,
+) -> City:
+    """Lay out a town by rule, or any other window of the plane that it lies in.
+
+    Parameters
+    ----------
+    city
+        Its seed and frame are kept, its layout is replaced.
+    x, y
+        Middle of the window in the plane, metres; the first town has its middle at (0, 0).
+    width, depth
+        Size of the window in east and north direction, metres.
+    pattern
+        Of the streets; "mixed" gives each district its own. "grid", "radial" and "organic" are one
+        over all of a bounded town that has no river, lakes or coast of the plane.
+    density
+        Of the middle of the town: 0.1 scattered houses, 0.3 rows, 0.6 flats, 1 towers.
+    radius
+        Metres from the middle of the town to its outskirts.
+    zone
+        One zone for all of it, or "" to let the density decide.
+    district
+        Metres between main roads.
+    block
+        Metres along a block.
+    parks
+        Share of the blocks' land that is parks.
+    plazas
+        Share of the dense districts that have a plaza.
+    industry
+        Share of the outer districts that are industrial.
+    river
+        Whether a river flows through the town.
+    river_width
+        Metres of water.
+    lakes
+        Share of the districts that are lakes.
+    coast
+        Where the sea lies.
+    shore
+        Metres from the origin to the sea.
+    streets
+        How wide streets are: narrow ones have no parked cars, wide ones 13 metres and more.
+    avenues
+        Of a bounded radial town: how many leave its main square.
+    rings
+        Of a bounded radial town: how many rings join the avenues.
+    built
+        Share of the parcels that buildings take; 0 leaves it to the zone.
+    bounded
+        Whether the town ends at its window, which is then exactly that large and cuts no building;
+        else a window of the plane, that goes on in the windows beside it.
+    variant
+        Which of the towns that all of this describes; each is another one.
+    """
+    window = (x - width / 2, y - depth / 2, x + width / 2, y + depth / 2)
+    plan = Plan(
+        pattern, density, radius, district, block, zone, parks, plazas, industry, river,
+        river_width, lakes, coast, shore, streets, avenues, rings, built,
+    )  # fmt: skip
+    laid_out = layout_of_site if bounded else layout_of_window
+    seed = hash_bits(city.seed, "town", variant) >> 1 if variant else city.seed
+    layout = laid_out(window, plan, seed, frame=city.frame)
+    origin = origin_of(window)
+    notes = city.notes
+    if origin != (0, 0):
+        notes = (*notes, f"town: the scene's origin is the plane's ({origin[0]}, {origin[1]}) m")
+    goals = city.goals
+    if river:
+        goals = (*goals, Goal("a river that is crossed", "n(bridge, over=water) >= 1"))
+    return replace(
+        city, layout=layout, notes=notes, goals=goals, stages_done=city.stages_done | {"layout"}
+    )

@@ -1,0 +1,130 @@
+"""An exact number of buildings."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Annotated, Any
+
+import numpy as np
+import shapely
+
+from cityx.city import City, Layout
+from cityx.errors import ActionFailed
+from cityx.geometry.rectangles import rectangles_of
+from cityx.protocol import Port, Range, action
+from cityx.sources.features.tagged import Owner
+from cityx.town.rebuilding import with_buildings, without_buildings
+from cityx.town.wishes.wishes import asked
+
+LEAST_HALF = 45.0  # square metres of half a building
+NARROWEST = 5.5  # metres wide that half a building is at least
+FAR = 1e4  # metres; longer than any building
+
+
+@action(
+    "layout/buildings_count-v1",
+    limits=["Where there are too many the smallest go; where there are too few large ones divide."],
+    requires=("layout",),
+    after=("layout/use_share-v1",),
+    takes=(Port("layout", "scene_layout"),),
+    gives=(Port("layout", "scene_layout"),),
+    labels=("number", "count", "how many", "exactly"),
+)
+def buildings_count(city: City, *, count: Annotated[int, Range(0, 100_000)] = 12) -> City:
+    """Leave a city exactly so many buildings.
+
+    Parameters
+    ----------
+    city
+        City with buildings.
+    count
+        Number of buildings. Those that were asked for by themselves, like towers, stay.
+    """
+    layout = city.layout
+    made = asked_for(layout)
+    if made.sum() > count:
+        raise ActionFailed(
+            f"{count} buildings are fewer than the {made.sum()} that were asked for before."
+        )
+    area = np.round(shapely.area(layout.buildings.geometry.to_numpy()), 2)
+    surplus = max(len(area) - count, 0)
+    order = np.lexsort((area, made))
+    layout = without_buildings(layout, order[:surplus])
+    if len(area) < count:
+        layout = _divided(city, layout, count)
+    words = f"exactly {count} building{'' if count == 1 else 's'}"
+    return asked(replace(city, layout=layout), words, "n(building)", least=count, most=count)
+
+
+def asked_for(layout: Layout) -> Any:
+    """(n,) whether a building was asked for by itself."""
+    source = layout.buildings["source"]
+    return source.str.startswith("made/").to_numpy(bool) & ~source.str.startswith(
+        "made/half/"
+    ).to_numpy(bool)
+
+
+def _divided(city: City, layout: Layout, count: int) -> Layout:
+    """Halve the largest buildings across their longer side until there are enough."""
+    table = layout.buildings
+    rows = np.flatnonzero(~asked_for(layout)).tolist()
+    pieces = {row: [table.geometry.iloc[row]] for row in rows}  # what each building has become
+    missing = count - len(table)
+    while missing:
+        row, at, halves = _best_cut(pieces)
+        if row < 0:
+            raise ActionFailed(
+                f"{count} buildings cannot be had: dividing those there are gives "
+                f"{count - missing}. Ask for fewer, for a larger site or for smaller blocks."
+            )
+        pieces[row][at : at + 1] = halves
+        missing -= 1
+    rows = [k for k, shapes in pieces.items() if len(shapes) > 1]
+    shapes, owners = [], []
+    for row in rows:
+        own = _tags_of(table, row)
+        for k, shape in enumerate(pieces[row]):
+            shapes.append(shape)
+            owners.append(Owner(("made", "half", int(table["id"].iloc[row]), k), own))
+    return with_buildings(city, without_buildings(layout, np.array(rows)), shapes, owners)
+
+
+def _best_cut(pieces: dict[int, list[Any]]) -> tuple[int, int, list[Any]]:
+    """Return the largest piece that can be halved: its building, its number, and the halves."""
+    every = ((row, at, shape) for row, own in pieces.items() for at, shape in enumerate(own))
+    order = sorted((-round(shape.area, 2), row, at) for row, at, shape in every)
+    for _, row, at in order:
+        halves = _halves(pieces[row][at])
+        if halves:
+            return row, at, halves
+    return -1, -1, []
+
+
+def _halves(shape: Any) -> list[Any]:
+    """Cut a footprint across its longer side, [] where the halves would be too small."""
+    if shape.area < 2 * LEAST_HALF:
+        return []
+    box = rectangles_of(np.array([shape], object))
+    way = np.array([np.cos(box.angle[0]), np.sin(box.angle[0])])
+    across = np.array([-way[1], way[0]])
+    middle = box.centre[0]
+    ring = [middle - FAR * across, middle + FAR * across]
+    half = shapely.Polygon(np.round([*ring, ring[1] + FAR * way, ring[0] + FAR * way], 3))
+    halves = [shapely.intersection(shape, half), shapely.difference(shape, half)]
+    if any(part.geom_type != "Polygon" or part.area < LEAST_HALF for part in halves):
+        return []
+    sides = rectangles_of(np.array(halves, object))
+    if min(sides.width.min(), sides.length.min()) < NARROWEST:
+        return []
+    return [shapely.orient_polygons(part) for part in halves]
+
+
+def _tags_of(table: Any, row: int) -> dict[str, str]:
+    """Return what is said of a building, with its height and storeys."""
+    own = json.loads(table["tags"].iloc[row] or "{}")
+    return {
+        **own, "building": str(table["use"].iloc[row]),
+        "building:levels": str(int(table["levels"].iloc[row])),
+        "height": f"{table['height'].iloc[row]:.2f}",
+    }  # fmt: skip

@@ -1,8 +1,0 @@
-from pathlib import Path
-
-from cityx.agents.brief.phrases import phrase_book
-
-
-def test_the_published_phrase_book_is_that_of_the_code():
-    published = Path(__file__).parents[3] / "docs" / "phrases.md"
-    assert published.read_text(encoding="utf-8") == phrase_book()

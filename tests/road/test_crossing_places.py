@@ -1,0 +1,196 @@
+"""Where people cross, what marks it, and which junctions warrant signals of their own."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+from cityx.checks.junctions import check_junctions
+from cityx.city.city import City
+from cityx.city.frame import Frame
+from cityx.city.ground import LABEL
+from cityx.ground.arrangement import face_areas
+from cityx.ground.walking.crosswalks import crosswalks_of
+from cityx.road.ground.ground_surface import ground
+from cityx.road.markings.arrows import lane_symbols
+from cityx.road.markings.crossing_places import FLARE, SETBACK
+from cityx.road.markings.marks import DOTTED, PLAIN, STRIPED, street_of
+from cityx.road.markings.painting import Painting, painting_of
+from cityx.road.network.network import network, road_network
+from cityx.road.network.sections import bands_of
+from cityx.road.surface.street_surfaces import street_regions
+
+MAIN = {"kind": "secondary", "width": 7.0, "lane_width": 3.5}
+CROSS = [([(-90, 0), (0, 0), (90, 0)], MAIN), ([(0, -90), (0, 0), (0, 90)], MAIN)]
+HOUSES = [(x, y, x + 12, y + 12) for x in (-24, 12) for y in (-24, 12)]
+LONDON, BERLIN, TOKYO = (51.5, -0.1), (52.5, 13.4), (35.7, 139.8)
+
+
+def told(layout, tags):
+    points = layout.points
+    return replace(
+        layout, points=points.assign(tags=np.where(points["kind"] == "crossing", tags, ""))
+    )
+
+
+def street(layout, painting=None):
+    roads = road_network(layout)
+    return street_of(layout, roads, bands_of(layout, roads), painting or Painting())
+
+
+def arm_at(found, x):
+    """Return the edge and the end that leave the middle towards a side."""
+    edge = next(
+        e for e in range(found.network.edge_count)
+        if np.sign(found.network.edge_points(e)[:, 0].sum()) == x
+    )  # fmt: skip
+    return edge, int(np.hypot(*found.network.edge_points(edge)[0]) > 1)
+
+
+def test_a_mapped_crossing_lies_where_the_map_has_it_but_not_behind_its_curves(layout_of):
+    middles = []
+    for at in (7.0, 10.0, 30.0):
+        found = street(layout_of(CROSS, points=[((at, 0), "crossing")]))
+        edge, end = arm_at(found, 1)
+        assert found.network.crossing[edge, end] == (at < 30)
+        trim, depth = found.network.trim[edge, end], found.depth[edge]
+        middles.append(trim + found.setback[edge, end] + depth / 2)
+        assert found.mouth[edge, end] + depth / 2 - 1e-6 <= middles[-1]
+        assert middles[-1] <= trim + SETBACK + depth / 2 + 1e-6
+    inner, mapped, usual = middles
+    assert mapped == pytest.approx(10.0)
+    assert inner < mapped < usual
+
+
+def test_the_kerb_has_left_its_street_by_the_flare_at_the_mouth(layout_of):
+    layout = layout_of(CROSS)
+    found = street(layout)
+    edge, end = arm_at(found, 1)
+    _, road = street_regions(layout, found.network)
+    driven = shapely.union_all(road.driven)
+    x = found.mouth[edge, end]
+    across = shapely.intersection(shapely.LineString([(x, -20), (x, 20)]), driven)
+    assert across.length == pytest.approx(7.0 + 2 * FLARE, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("place", "tags", "signals", "kind"),
+    [
+        (BERLIN, "", True, DOTTED), (LONDON, "", True, DOTTED), (TOKYO, "", True, STRIPED),
+        (BERLIN, "", False, PLAIN), (LONDON, "", False, PLAIN), (TOKYO, "", False, STRIPED),
+        (BERLIN, '{"crossing": "zebra"}', False, STRIPED),
+        (TOKYO, '{"crossing": "unmarked"}', False, PLAIN),
+        (TOKYO, '{"crossing:markings": "no"}', True, PLAIN),
+    ],
+)  # fmt: skip
+def test_crossings_look_as_the_map_the_signals_and_the_country_say(
+    layout_of, place, tags, signals, kind
+):
+    points = [((9, 0), "crossing")] + [((0, 0), "traffic_signals")] * signals
+    found = street(told(layout_of(CROSS, points=points), tags), painting_of(Frame(*place)))
+    assert found.crossing[arm_at(found, 1)] == kind
+
+
+def test_crossings_under_signals_have_rows_that_crosswalks_are_found_by(layout_of):
+    points = [((10, 0), "crossing"), ((0, 0), "traffic_signals")]
+    layout = layout_of(CROSS, points=points)
+    made = ground(network(City("test", Frame(*BERLIN), layout, lod=2)))
+    assert made.ground.labelled("crossing_row").any()
+    crosswalks = crosswalks_of(made.ground, layout, made.network)
+    east = crosswalks.marked & (crosswalks.ends[:, :, 0].mean(axis=1) > 0)
+    assert east.sum() == 1
+    found = crosswalks.take(east)
+    assert np.allclose(found.ends[0].mean(axis=0), (10, 0), atol=0.2)
+    assert found.depth[0] == pytest.approx(4.0, abs=0.2)
+
+
+@pytest.mark.parametrize("angle", [90.0, 60.0, 45.0, 35.0])
+def test_people_cross_on_the_bars_alone_even_where_a_junction_cuts_them(layout_of, angle):
+    ahead = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
+    streets = [([(-90, 0), (0, 0), (90, 0)], MAIN), ([-90 * ahead, (0, 0), 90 * ahead], MAIN)]
+    points = [(tuple(way), "crossing") for way in 9.0 * np.array([(1, 0), (-1, 0), ahead, -ahead])]
+    layout = layout_of(streets, points=points)
+    made = ground(network(City("test", Frame(*TOKYO), layout, lod=2)))
+    found = crosswalks_of(made.ground, layout, made.network)
+    assert found.marked.tolist() == [True] * 4
+    assert found.depth == pytest.approx([4.0] * 4, abs=0.1)
+
+
+def test_a_crossing_without_paint_has_lowered_kerbs_and_no_line_before_it(layout_of):
+    layout = told(layout_of(CROSS, points=[((9, 0), "crossing")]), '{"crossing": "unmarked"}')
+    regions, _ = street_regions(layout, road_network(layout), painting_of(Frame(*TOKYO)))
+    beside = shapely.box(5, 3, 14, 6)
+    white = regions.polygons[regions.label == LABEL["marking"]]
+    lowered = regions.polygons[regions.label == LABEL["kerb_dropped"]]
+    assert shapely.intersects(lowered, beside).any()
+    assert shapely.intersection(shapely.union_all(white), shapely.box(6, -3.4, 12, -0.5)).area < 0.2
+
+
+def signal_count(layout, place=BERLIN):
+    made = network(City("test", Frame(*place), layout))
+    return int((made.layout.points["kind"] == "traffic_signals").sum()), made
+
+
+def test_main_roads_that_cross_in_town_warrant_signals(layout_of):
+    count, made = signal_count(layout_of(CROSS, houses=HOUSES))
+    assert count == 1
+    assert made.network.crossing.sum() == 4
+    assert any("1 junctions have signals" in note for note in made.notes)
+    assert signal_count(layout_of(CROSS))[0] == 0  # open country
+    quiet = [(line, {}) for line, _ in CROSS]
+    assert signal_count(layout_of(quiet, houses=HOUSES))[0] == 0
+    for sign in ("stop", "give_way"):
+        assert signal_count(layout_of(CROSS, houses=HOUSES, points=[((8, 0), sign)]))[0] == 0
+
+
+def test_a_map_that_knows_its_signals_gets_no_more(layout_of):
+    far = [([(-90, 80), (0, 80), (90, 80)], MAIN)]
+    both = [(CROSS[0][0], MAIN), ([(0, -90), (0, 0), (0, 80), (0, 95)], MAIN), *far]
+    houses = HOUSES + [(x, y + 80, x + 12, y + 92) for x in (-24, 12) for y in (-24,)]
+    houses += [(x, 88, x + 12, 98) for x in (-24, 12)]
+    assert signal_count(layout_of(both, houses=houses))[0] == 2
+    known = layout_of(both, houses=houses, points=[((0, 80), "traffic_signals")])
+    assert signal_count(known)[0] == 1
+
+
+def test_many_streets_that_meet_and_are_crossed_warrant_signals(layout_of):
+    angles = np.radians([0, 72, 144, 216, 288])
+    ways = np.column_stack([np.cos(angles), np.sin(angles)])
+    streets = [([(0, 0), tuple(90 * way)], {}) for way in ways]
+    houses = [(x - 6, y - 6, x + 6, y + 6) for x, y in 28 * np.column_stack(
+        [np.cos(angles + np.radians(36)), np.sin(angles + np.radians(36))])]  # fmt: skip
+    points = [(tuple(np.round(15 * way, 6)), "crossing") for way in ways]
+    assert signal_count(layout_of(streets, houses=houses, points=points))[0] == 1
+    assert signal_count(layout_of(streets, houses=houses, points=points[:3]))[0] == 0
+
+
+def test_arrows_tell_of_one_way_streets_where_the_country_has_them(layout_of):
+    layout = layout_of([([(-90, 0), (90, 0)], {"oneway": True, "lanes": 1})])
+    found = street(layout)
+    chosen = np.ones(1, bool)
+    assert len(lane_symbols(found, chosen)[0]) == 0
+    marks = lane_symbols(found, chosen, one_way=True)[0]
+    assert 2 <= len(marks) <= 10
+    assert not len(lane_symbols(street(layout_of([([(-90, 0), (90, 0)], {})])), chosen,
+                                one_way=True)[0])  # fmt: skip
+
+
+def test_a_drive_does_not_decide_how_the_street_it_meets_is_paved(layout_of):
+    sett = {"surface": "sett"}
+    drive = {"kind": "service", "width": 3.0, "sidewalk_left": 0.0, "sidewalk_right": 0.0}
+    for side, paved in ((drive, "setts"), ({}, "junction")):
+        layout = layout_of([([(-90, 0), (0, 0), (90, 0)], sett), ([(0, 0), (0, 60)], side)])
+        made = ground(network(City("test", Frame(*BERLIN), layout, lod=2)))
+        assert made.ground.on(np.array([[0.0, 0.5]]), paved).all()
+
+
+def test_the_red_way_of_a_cycle_lane_leaves_the_junction_one_surface(layout_of):
+    section = "cycle 1.5 - | drive 3.5 - | drive 3.5 + | cycle 1.5 +"
+    main = MAIN | {"width": 10.0, "section": section}
+    layout = layout_of([(CROSS[0][0], main), (CROSS[1][0], {})])
+    made = ground(network(City("test", Frame(*BERLIN), layout, lod=2)))
+    way = made.ground.labelled("cycle_lane")
+    assert face_areas(made.ground)[way].sum() > 8.0
+    checks = {check.name: check for check in check_junctions(made)}
+    assert checks["junction_surfaces"].value == 0.0
