@@ -33,6 +33,8 @@ HELD = Path(__file__).with_name("records.json")
 # What a record looks like is decided here.
 _FORM = ("actions", "docstrings", "encapsulation", "formats", "parameters", "preconditions",
          "serving", "shipped", "stages", "values")  # fmt: skip
+# What the records of generators are derived with, beside their module and its table.
+_DERIVING = ("assets/styles/generators.py", "building/generators/__init__.py")
 # A signature's last line, and what is indented below it.
 _BODY = re.compile(r"^((?:def |\))[^\n]*:(?:[ \t]*#[^\n]*)?\n)((?:(?:[ \t][^\n]*)?\n)+)", re.M)
 _DOCSTRING = re.compile(r'\s*"""[\s\S]*?"""')
@@ -81,6 +83,31 @@ def plugin_files() -> tuple[Path, ...]:
     return tuple(sorted(path for room in ROOMS for path in (PACKAGE / room).rglob("*.py")))
 
 
+def declared(tree: ast.Module) -> Iterator[tuple[str, ast.Call, ast.FunctionDef]]:
+    """Yield the name, the call and the documented function of the actions that a module declares.
+
+    Most are functions under ``@action(...)``; ``name = action_of(...)`` makes one of a generator of
+    buildings, by the signature and the docstring of a function among its arguments.
+    """
+    functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef):
+            for call in node.decorator_list:
+                if isinstance(call, ast.Call) and _called(call) == "action" and call.args:
+                    yield node.name, call, node
+        elif isinstance(node, ast.Assign) and isinstance(node.value, ast.Call):
+            if _called(node.value) != "action_of" or not isinstance(node.targets[0], ast.Name):
+                continue
+            names = [part.id for part in node.value.args if isinstance(part, ast.Name)]
+            for name in functions.keys() & names:
+                yield node.targets[0].id, node.value, functions[name]
+
+
+def _called(call: ast.Call) -> str:
+    func = call.func
+    return func.id if isinstance(func, ast.Name) else getattr(func, "attr", "")
+
+
 def written_records() -> str:
     """Return the text that `records.json` should hold, read from the plugins themselves."""
     from cityx.protocol.registry import registry
@@ -125,13 +152,15 @@ def _face_of(module: str) -> bytes:
     path = PACKAGE.parent.joinpath(*module.split("."))
     source = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
     try:
+        if "/" in module:
+            return (PACKAGE / module).read_bytes()
         return face(source.read_text(encoding="utf-8")).encode()
     except OSError:
         return b""
 
 
 def _sources(path: Path) -> list[str]:
-    """Return the modules from which a plugin takes the constants its records are made of."""
+    """Return the modules and tables from which a plugin takes what its records are made of."""
     from cityx.protocol.actions import LATE_NAMES
 
     tree = ast.parse(path.read_text(encoding="utf-8"))
@@ -145,13 +174,17 @@ def _sources(path: Path) -> list[str]:
         elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value:
             made[node.target.id] = node.value
     names: set[str] = set()
-    for node in tree.body:
-        if isinstance(node, ast.FunctionDef) and node.decorator_list:
-            result = [node.returns] if node.returns else []
-            for part in (*node.decorator_list, node.args, *result):
-                names |= set(_names(part, made, names))
+    tables: set[str] = set()
+    for _, call, node in declared(tree):
+        parts: list[ast.AST] = [call, node.args, *([node.returns] if node.returns else [])]
+        if _called(call) == "action_of":
+            tables |= {f"data/generators/{path.stem}.toml", *_DERIVING}
+            parts = [call, *node.args.kwonlyargs]
+        for part in parts:
+            names |= set(_names(part, made, names))
     names -= LATE_NAMES.keys()  # a type counts by its name alone
-    return sorted({imported[name] for name in names if not _is_form(imported.get(name, ""))})
+    found = {imported[name] for name in names if not _is_form(imported.get(name, ""))}
+    return sorted(found | tables)
 
 
 def _is_form(module: str) -> bool:

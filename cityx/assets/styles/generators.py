@@ -18,7 +18,9 @@ from cityx.assets.styles.palette_tables import FLAT, PLAIN_FRAMES, Surfaces
 if TYPE_CHECKING:
     from cityx.building.massing.massing import Mass, Plot
 
-Massing = Callable[["Plot"], "Sequence[Mass]"]
+    Massing = Callable[[Plot], Sequence[Mass]]
+else:
+    Massing = Callable[..., Sequence]
 ANY = (0.0, float("inf"))
 
 
@@ -85,6 +87,13 @@ class Generator:
         Value of building=* that fits it.
     covers
         Whether its ground floor covers the whole footprint, as the map has it.
+    labels, limits
+        Words by which its action is found, and what that cannot do, one sentence each.
+    asked
+        (usual, most) storeys that a call of the action asks for; None for 0, which keeps those of
+        each building, and the most of `levels`.
+    texts
+        What the inputs do that the actions of all generators have, where it is not the usual.
     """
 
     name: str
@@ -107,6 +116,10 @@ class Generator:
     storey: float = 3.2
     use: str = "yes"
     covers: bool = True
+    labels: tuple[str, ...] = ()
+    limits: tuple[str, ...] = ()
+    asked: tuple[int, int] | None = None
+    texts: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
 
     def looks(self) -> dict[str, Look]:
         """Return its looks by key: the name, or the name and a zone."""
