@@ -18,7 +18,7 @@ from cityx.system.cache import cached_json
 def code_digest() -> str:
     """Return a digest of the source of CityX, 32 hex digits: another one may make other cities."""
     hasher = blake2b(digest_size=16)
-    for path in sorted(PACKAGE.rglob("*.py")):
+    for path in (*sorted(PACKAGE.rglob("*.py")), *sorted(PACKAGE.rglob("data/**/*.toml"))):
         hasher.update(str(path.relative_to(PACKAGE)).encode())
         hasher.update(path.read_bytes())
     return hasher.hexdigest()

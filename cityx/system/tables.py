@@ -49,7 +49,7 @@ def filled(kind: type[T], table: Mapping[str, Any], place: str) -> T:
     InputError
         If a key is unknown or missing, or a value has another type; the message names the place.
     """
-    hints = _hints(kind)
+    hints = _hints(kind)  # type: ignore[arg-type]
     for key in table:
         if key not in hints:
             raise InputError(f'{place}: there is no key "{key}".{nearest(key, hints)}')
@@ -63,7 +63,14 @@ def filled(kind: type[T], table: Mapping[str, Any], place: str) -> T:
 
 @cache
 def _hints(kind: type[Any]) -> dict[str, Any]:
-    return typing.get_type_hints(kind)
+    known: dict[str, Any] = {}
+    while True:
+        try:
+            return typing.get_type_hints(kind, localns=known)
+        except NameError as error:  # imported for type checks alone: no table gives one
+            if error.name in known:
+                raise
+            known[str(error.name)] = Any
 
 
 def _value(hint: Any, value: Any, place: str) -> Any:

@@ -18,9 +18,7 @@ from cityx.assets.styles.palette_tables import FLAT, PLAIN_FRAMES, Surfaces
 if TYPE_CHECKING:
     from cityx.building.massing.massing import Mass, Plot
 
-    Massing = Callable[[Plot], Sequence[Mass]]
-else:
-    Massing = Callable[..., Sequence]
+Massing = Callable[["Plot"], "Sequence[Mass]"]
 ANY = (0.0, float("inf"))
 
 
