@@ -62,7 +62,7 @@ def test_only_what_stands_outside_of_bodies_changes_a_face(was, becomes, same):
 @pytest.fixture
 def package(tmp_path, monkeypatch):
     """A copy of the package's sources that a test may change."""
-    for path in shipped.PACKAGE.rglob("*.py"):
+    for path in (*shipped.PACKAGE.rglob("*.py"), *shipped.PACKAGE.rglob("*.toml")):
         copy = tmp_path / "cityx" / path.relative_to(shipped.PACKAGE)
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_bytes(path.read_bytes())
@@ -89,6 +89,19 @@ def test_a_table_of_words_elsewhere_makes_the_plugins_that_use_it_be_read_anew(p
     held = shipped.fresh_records()
     assert "cityx.edit.buildings.set_material" not in held
     assert "cityx.edit.moment" in held
+
+
+@pytest.mark.parametrize(
+    "place", ["data/generators/church.toml", "building/generators/__init__.py"]
+)
+def test_the_record_of_a_generator_follows_its_table_and_how_it_is_derived(package, place):
+    assert "cityx.building.generators.civic.church" in shipped.fresh_records()
+    for held in (fresh_records, shipped._face_of):
+        held.cache_clear()
+    path = package / place
+    path.write_text(path.read_text() + "\n")
+    assert "cityx.building.generators.civic.church" not in shipped.fresh_records()
+    assert "cityx.building.design" in shipped.fresh_records()
 
 
 def test_another_form_of_records_makes_all_be_read_anew(package):

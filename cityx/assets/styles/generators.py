@@ -1,8 +1,8 @@
 """Generators: what a kind of building is made of, as data.
 
-A generator is a grammar of its own: how its volume grows, how its facades are divided, which roofs
-it bears, of what it is built, and on which plots it makes sense. The plugins under
-`cityx.building.generators` hold one each.
+A generator is a grammar of its own: how its volume grows, how its facades are divided, its roofs
+and materials, and the plots it makes sense on. Its values come from ``data/generators/NAME.toml``,
+its volumes from the module of that name under `cityx.building.generators`.
 """
 
 from __future__ import annotations

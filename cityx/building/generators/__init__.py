@@ -1,6 +1,6 @@
-"""Generators of buildings: the code grows the volumes, `cityx/data/generators` tells the looks.
+"""Building generators: code grows the volumes, tables in `cityx/data/generators` hold the looks.
 
-A generator is a module with a function `masses`, and a table of the same name in TOML.
+A generator is a module with a function `masses` and a TOML table of the same name.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def generator(masses: Masses, *, table: Path | None = None, **fixed: float) -> G
         Its looks, measures and words; by default the file of ``cityx/data/generators`` that has
         the name of the module.
     fixed
-        Arguments of `masses` where no call of the action says others.
+        Arguments of `masses` in designed towns; the action uses the defaults of `masses`.
 
     Raises
     ------

@@ -18,6 +18,7 @@ LEAST = 13.0  # metres of front, and 9 of depth, under which there is no room fo
 INSET = 0.2  # metres that each stage of the tower stands back
 PORCH = 1.2  # storeys of its lowest stage, with the great door
 STEEP = 8.5  # metres; the highest roof of the body
+WING = 15.0  # metres of depth beyond which a court opens behind the front
 
 
 def masses(
@@ -26,7 +27,6 @@ def masses(
     tower: Annotated[float, Range(0.0, 4.0)] = 2.1,
     top: Annotated[str, Choice("any", *TOPS)] = "any",
     pavilions: bool = True,
-    wing: float = 15.0,
 ) -> tuple[Mass, ...]:
     """Build town halls with a clock tower in the middle of a symmetric front.
 
@@ -70,7 +70,7 @@ def masses(
             found += site.masses(end, 0.0, eave + up, "pavilion", roof, up)
     for mass in site.masses(rest, 0.0, body.high, "", body.roof, body.rise):
         if mass.plan.area > 600.0:
-            found += grow(plot, {"lot": courtyard(wing)}, depth=1, axiom=mass)
+            found += grow(plot, {"lot": courtyard(WING)}, depth=1, axiom=mass)
         else:
             found.append(mass)
     return tuple(found)

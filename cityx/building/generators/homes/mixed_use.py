@@ -22,7 +22,7 @@ def masses(
     volumes: Annotated[int, Range(1, 6)] = 3,
     terrace: Annotated[float, Range(1.0, 6.0)] = 2.6,
     retail: Annotated[int, Range(1, 3)] = 1,
-    divided: float = MANY,
+    divided: float = 1.0,
 ) -> tuple[Mass, ...]:
     """Build modern blocks of flats over shops.
 
@@ -104,5 +104,6 @@ def _terraced(plot: Plot, body: Mass, depth: float) -> Sequence[Mass]:
     return [*found, left]
 
 
-GENERATOR = generator(masses, divided=0.75)
+# A call of the action divides all blocks, a town does some.
+GENERATOR = generator(masses, divided=MANY)
 mixed_use = action_of("building/mixed_use-v1", GENERATOR, masses)
