@@ -19,13 +19,7 @@ from typing import Any
 from cityx.errors import UsageError, nearest
 from cityx.protocol.actions import encapsulation_of
 from cityx.protocol.encapsulation import ID_PATTERN, Encapsulation
-from cityx.protocol.shipped import (
-    PACKAGE,
-    declared,
-    fresh_records,
-    module_of,
-    plugin_files,
-)
+from cityx.protocol.shipped import PACKAGE, fresh_records, module_of, plugin_files
 
 GROUP = "cityx.actions"
 BUILTIN = "cityx"
@@ -297,6 +291,32 @@ def scan(path: Path, root: Path) -> Iterator[Entry]:
             constants |= {t.id: str(node.value.value) for t in targets if isinstance(t, ast.Name)}
     for name, call, function in declared(tree):
         yield _scanned(f"{module}:{name}", call, ast.get_docstring(function) or "", constants)
+
+
+def declared(tree: ast.Module) -> Iterator[tuple[str, ast.Call, ast.FunctionDef]]:
+    """Yield the name, the call and the documented function of the actions that a module declares.
+
+    Most are functions under ``@action(...)``; ``name = action_of(...)`` makes one of a generator of
+    buildings, by the signature and the docstring of a function among its arguments.
+    """
+    functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef):
+            for call in node.decorator_list:
+                if isinstance(call, ast.Call) and called(call) == "action" and call.args:
+                    yield node.name, call, node
+        elif isinstance(node, ast.Assign) and isinstance(node.value, ast.Call):
+            if called(node.value) != "action_of" or not isinstance(node.targets[0], ast.Name):
+                continue
+            names = [part.id for part in node.value.args if isinstance(part, ast.Name)]
+            for name in functions.keys() & names:
+                yield node.targets[0].id, node.value, functions[name]
+
+
+def called(call: ast.Call) -> str:
+    """Return the name of what is called, without its module."""
+    func = call.func
+    return func.id if isinstance(func, ast.Name) else getattr(func, "attr", "")
 
 
 def _scanned(run: str, call: ast.Call, doc: str, constants: Mapping[str, str]) -> Entry:

@@ -9,7 +9,7 @@ from cityx.building.facade.slabs import Pieces, around, coursed, slabs
 from cityx.building.growth import Piece, grown
 from cityx.building.shell import prism, shell
 from cityx.city.mesh import concatenate, one_mesh
-from cityx.geometry.solids import check_closed, plan_area, volume
+from cityx.city.mesh_measures import check_closed, plan_area, volume
 
 OPENINGS = ("windows", "doors", "shopfronts")
 
