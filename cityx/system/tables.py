@@ -10,7 +10,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from types import MappingProxyType, UnionType
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
@@ -39,7 +39,7 @@ def load(name: str, kind: type[T], part: str = "") -> T:
         A dataclass, a number, a text, or a dict, tuple or frozenset of such. Rows of a dataclass
         are tables of its fields, or lists of them in order; a field ``name`` that is not given is
         the key of the row. A text in place of a list is cut into words; line breaks in texts are
-        spaces.
+        spaces; "@dome" is the entry "dome" of the file's part ``shared``.
     part
         Key of the file's top level; all of the file without one.
 
@@ -71,9 +71,24 @@ def files_read_by(source: str) -> list[Path]:
 @cache
 def _read(name: str) -> dict[str, Any]:
     try:
-        return tomllib.loads((DATA / f"{name}.toml").read_text(encoding="utf-8"))
+        held = tomllib.loads((DATA / f"{name}.toml").read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise InputError(f"The table {name}.toml of CityX cannot be read: {error}.") from error
+    shared = held.pop("shared", {})
+    return _resolved(held, shared, f"{name}.toml") if shared else held
+
+
+def _resolved(value: Any, shared: Mapping[str, Any], where: str) -> Any:
+    """Return a value with what it names of the shared ones in place."""
+    if isinstance(value, dict):
+        return {key: _resolved(item, shared, f"{where}: {key}") for key, item in value.items()}
+    if isinstance(value, list):
+        return [_resolved(item, shared, where) for item in value]
+    if isinstance(value, str) and value.startswith("@"):
+        if value[1:] not in shared:
+            raise InputError(f'{where} names no shared "{value[1:]}".{nearest(value[1:], shared)}')
+        return shared[value[1:]]
+    return value
 
 
 def _fitted(value: Any, kind: Any, where: str) -> Any:
@@ -85,14 +100,11 @@ def _fitted(value: Any, kind: Any, where: str) -> Any:
         return _fitted(value, inner[0], where)
     if is_dataclass(kind):
         return _record(value, kind, where)
-    if origin is dict and isinstance(value, dict):
-        named = is_dataclass(inner[1]) and any(one.name == "name" for one in fields(inner[1]))
+    if origin in (dict, Mapping) and isinstance(value, dict):
+        key_kind = partial(int, base=0) if inner[0] is int else str
+        named = is_dataclass(inner[1]) and fields(inner[1])[0].name == "name"
         return {
-            inner[0](key): _fitted(
-                {"name": key, **row} if named and isinstance(row, dict) else row,
-                inner[1],
-                f"{where}.{key}",
-            )
+            key_kind(key): _fitted(_named(key, row) if named else row, inner[1], f"{where}.{key}")
             for key, row in value.items()
         }
     if origin in (tuple, frozenset) and isinstance(value, list | str):
@@ -111,6 +123,10 @@ def _fitted(value: Any, kind: Any, where: str) -> Any:
     return " ".join(value.split()) if kind is str and "\n" in value else value
 
 
+def _named(key: str, row: Any) -> Any:
+    return [key, *row] if isinstance(row, list) else {"name": key, **row}
+
+
 @cache
 def _hints(kind: type) -> dict[str, Any]:
     return get_type_hints(kind)
@@ -118,7 +134,7 @@ def _hints(kind: type) -> dict[str, Any]:
 
 def _record(value: Any, kind: Any, where: str) -> Any:
     known = {one.name: one for one in fields(kind)}
-    if isinstance(value, list):
+    if isinstance(value, list) and len(value) <= len(known):
         value = dict(zip(known, value, strict=False))
     if not isinstance(value, dict):
         raise InputError(f"{where} must be a table of {', '.join(known)}, not {value!r}.")
