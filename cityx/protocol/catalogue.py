@@ -12,13 +12,17 @@ from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.registry import BUILTIN, Registry
 from cityx.protocol.shipped import PACKAGE, fresh_records
 from cityx.system.cache import cached_json
+from cityx.system.tables import files_of
 
 
 @cache
 def code_digest() -> str:
-    """Return a digest of the source of CityX, 32 hex digits: another one may make other cities."""
+    """Return a digest of the source and the data of CityX, 32 hex digits.
+
+    Another one may make other cities.
+    """
     hasher = blake2b(digest_size=16)
-    for path in sorted(PACKAGE.rglob("*.py")):
+    for path in [*sorted(PACKAGE.rglob("*.py")), *files_of()]:
         hasher.update(str(path.relative_to(PACKAGE)).encode())
         hasher.update(path.read_bytes())
     return hasher.hexdigest()

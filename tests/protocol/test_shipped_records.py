@@ -1,3 +1,4 @@
+import json
 import os
 import subprocess
 import sys
@@ -6,6 +7,7 @@ import pytest
 
 from cityx.protocol import shipped
 from cityx.protocol.shipped import HELD, face, fresh_records, written_records
+from cityx.system import tables
 
 PLUGIN = '''from words import WORDS
 
@@ -62,11 +64,12 @@ def test_only_what_stands_outside_of_bodies_changes_a_face(was, becomes, same):
 @pytest.fixture
 def package(tmp_path, monkeypatch):
     """A copy of the package's sources that a test may change."""
-    for path in shipped.PACKAGE.rglob("*.py"):
+    for path in [*shipped.PACKAGE.rglob("*.py"), *tables.files_of()]:
         copy = tmp_path / "cityx" / path.relative_to(shipped.PACKAGE)
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_bytes(path.read_bytes())
     monkeypatch.setattr(shipped, "PACKAGE", tmp_path / "cityx")
+    monkeypatch.setattr(tables, "DATA", tmp_path / "cityx" / "data")
     caches = (fresh_records, shipped._form, shipped._face_of)
     for held in caches:
         held.cache_clear()
@@ -89,6 +92,14 @@ def test_a_table_of_words_elsewhere_makes_the_plugins_that_use_it_be_read_anew(p
     held = shipped.fresh_records()
     assert "cityx.edit.buildings.set_material" not in held
     assert "cityx.edit.moment" in held
+
+
+def test_a_table_of_data_makes_the_plugins_that_use_it_be_read_anew(package):
+    path = package / "data" / "assets" / "materials.toml"
+    path.write_text(path.read_text().replace("thatch = ", "straw = "))
+    held = shipped.fresh_records()
+    users = [module for module in json.loads(HELD.read_text())["plugins"] if module not in held]
+    assert users == ["cityx.convert.solids"]
 
 
 def test_another_form_of_records_makes_all_be_read_anew(package):

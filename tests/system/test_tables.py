@@ -1,0 +1,102 @@
+"""Tables of data: what is read is typed, shared and checked, and faults are named."""
+
+import shutil
+import tomllib
+from dataclasses import dataclass
+from math import inf
+
+import pytest
+
+from cityx.assets import kept_prototypes
+from cityx.errors import InputError
+from cityx.protocol import catalogue
+from cityx.system import tables
+from cityx.system.tables import files_of, files_read_by, load, table
+
+
+@dataclass(frozen=True)
+class Leaf:
+    name: str
+    size: float
+    color: tuple[int, int, int] = (0, 0, 0)
+    words: tuple[str, ...] = ()
+    rib: "Rib | None" = None
+
+
+@dataclass(frozen=True)
+class Rib:
+    count: int
+
+
+@pytest.fixture
+def written(tmp_path, monkeypatch):
+    """Return a function that makes the file `leaves.toml` of a text."""
+    monkeypatch.setattr(tables, "DATA", tmp_path)
+    tables._read.cache_clear()
+    yield lambda text: (tmp_path / "leaves.toml").write_text(text, encoding="utf-8")
+    tables._read.cache_clear()
+
+
+def test_rows_become_the_type_that_holds_them_in_their_order(written):
+    written(
+        'oak = {size = 2, color = [1, 2, 3], words = "a b", rib = {count = 4}}\nfir = [inf]\n'
+        'ash = {size = 1.5, color = "@red"}\n[shared]\nred = [9, 0, 0]\n'
+    )
+    held = load("leaves", dict[str, Leaf] | None)
+    assert list(held.items()) == [
+        ("oak", Leaf("oak", 2.0, (1, 2, 3), ("a", "b"), Rib(4))),
+        ("fir", Leaf("fir", inf)),
+        ("ash", Leaf("ash", 1.5, (9, 0, 0))),
+    ]
+
+
+def test_long_texts_are_folded_and_keys_may_be_numbers(written):
+    written("text = '''\none two,\nthree\n'''\n[colors]\n0xFF = 1\n10 = 0.5\n")
+    assert load("leaves", str, "text") == "one two, three"
+    assert load("leaves", dict[int, float], "colors") == {255: 1.0, 10: 0.5}
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ("size = 1.0, sise = 2.0", r'leaves\.toml\.oak has no key "sise"\. Did you mean "size"\?'),
+        ("color = [1, 2, 3]", r'leaves\.toml\.oak lacks "size"'),
+        ('size = "big"', r"leaves\.toml\.oak\.size must be a number, not 'big'"),
+        ("size = 1.0, color = [1, 2]", r"oak\.color must hold 3 values, not 2"),
+        ("size = 1.0, color = [1, 2, 0.5]", r"color\[2\] must be a whole number, not 0\.5"),
+        ('size = 1.0, rib = "@rib"', r'names no shared "rib"\. Did you mean "ribs"'),
+    ],
+)
+def test_a_row_that_does_not_fit_is_named_with_its_file_and_key(written, row, message):
+    written(f"oak = {{{row}}}\n[shared]\nribs = {{count = 1}}\n")
+    with pytest.raises(InputError, match=message):
+        table("leaves", Leaf)
+
+
+def test_a_file_that_is_absent_or_no_table_is_named(written):
+    with pytest.raises(InputError, match=r"leaves\.toml of CityX cannot be read"):
+        load("leaves", dict[str, str])
+    written("oak = \n")
+    with pytest.raises(InputError, match=r"leaves\.toml of CityX cannot be read"):
+        load("leaves", dict[str, str])
+
+
+def test_every_file_of_data_is_a_table_that_some_module_loads():
+    sources = [path.read_text() for path in tables.DATA.parent.rglob("*.py")]
+    read = {path for source in sources for path in files_read_by(source)}
+    files = files_of("language", "assets", "checks", "dataset", "sources", "town")
+    assert files
+    for path in files:
+        assert tomllib.loads(path.read_text(encoding="utf-8"))
+        assert path in read, f"nothing loads {path.name}"
+
+
+def test_what_is_kept_is_of_the_data_it_was_made_from(tmp_path, monkeypatch):
+    shutil.copytree(tables.DATA, tmp_path / "data", ignore=shutil.ignore_patterns("*.onnx"))
+    before = kept_prototypes.edition.__wrapped__(), catalogue.code_digest.__wrapped__()
+    monkeypatch.setattr(tables, "DATA", tmp_path / "data")
+    assert before == (kept_prototypes.edition.__wrapped__(), catalogue.code_digest.__wrapped__())
+    cars = tmp_path / "data" / "assets" / "cars.toml"
+    cars.write_text(cars.read_text().replace("length = 4.05", "length = 4.06"))
+    after = kept_prototypes.edition.__wrapped__(), catalogue.code_digest.__wrapped__()
+    assert all(one != other for one, other in zip(before, after, strict=True))
