@@ -11,6 +11,7 @@ from cityx.errors import UsageError
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.registry import BUILTIN, Registry
 from cityx.protocol.shipped import PACKAGE, fresh_records
+from cityx.system import tables
 from cityx.system.cache import cached_json
 from cityx.system.tables import files_of
 
@@ -22,9 +23,10 @@ def code_digest() -> str:
     Another one may make other cities.
     """
     hasher = blake2b(digest_size=16)
-    for path in [*sorted(PACKAGE.rglob("*.py")), *files_of()]:
-        hasher.update(str(path.relative_to(PACKAGE)).encode())
-        hasher.update(path.read_bytes())
+    for root, paths in ((PACKAGE, sorted(PACKAGE.rglob("*.py"))), (tables.DATA, files_of())):
+        for path in paths:
+            hasher.update(str(path.relative_to(root)).encode())
+            hasher.update(path.read_bytes())
     return hasher.hexdigest()
 
 
