@@ -69,7 +69,7 @@ def _unpacked(held: Arrays) -> Prototype:
 
 @cache
 def edition() -> str:
-    """Return a hash of the code and data that make prototypes: a kept one is never that of others."""
+    """Return a hash of the code and data that make prototypes: a kept one is of these alone."""
     assets, kernels = Path(__file__).parent, Path(geometry.__file__).parent
     sources = [*sorted(assets.rglob("*.py")), *sorted(kernels.rglob("*.py"))]
     sources += [Path(str(module.__file__)) for module in (ids, mesh, scene, driving)]
