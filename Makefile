@@ -20,13 +20,13 @@ export OMP_WAIT_POLICY = PASSIVE
 # Folder of the logs of all benchmarks; what stands in them is not measured again.
 RESULTS ?= bench
 
-.PHONY: demo test core lint types format records lock bench results compare validator clean
+.PHONY: demo test core lint types format records wheel lock bench results compare validator clean
 
 demo: $(READY)
 	$(BIN)/python examples/helsinki/main.py -o $(OUT) --style $(STYLE) --time $(TIME) --weather $(WEATHER) --samples $(SAMPLES) \
 	  || [ $$? -eq 1 ]  # built; a check failed, which the report names
 
-test: lint types validator
+test: lint types validator records
 	$(BIN)/pytest -q -n 2 -m "not blender" && $(BIN)/pytest -q -m blender
 
 # The tests that need neither Blender nor minutes.
@@ -34,7 +34,7 @@ core: $(READY)
 	$(BIN)/pytest -q -n 2 -m "not blender and not slow"
 
 lint: $(READY)
-	$(BIN)/ruff check . && $(BIN)/ruff format --check .
+	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/lint-imports --no-cache
 
 types: $(READY)
 	$(BIN)/mypy
@@ -42,9 +42,13 @@ types: $(READY)
 format: $(READY)
 	$(BIN)/ruff check --fix . && $(BIN)/ruff format .
 
-# Renew the records that come with the package after a change of a plugin's signature or docstring.
+# The records of all actions, by which the first start imports none; generated, not in the repository.
 records: $(READY)
-	$(BIN)/python -c "from cityx.protocol.shipped import write_records; write_records()"
+	$(BIN)/python -m cityx.protocol.records
+
+# A wheel with the records of all actions.
+wheel: records
+	$(BIN)/python -m pip install -q build hatchling && $(BIN)/python -m build -q --wheel --no-isolation
 
 # Renew the pins after a change of pyproject.toml.
 lock: $(READY)

@@ -242,9 +242,9 @@ def render(
     samples: Annotated[int, typer.Option(min=1, max=4096, help="Samples per pixel.")] = 16,
 ) -> None:
     """Render pictures of assets; a second or more each, so ask for few."""
-    from cityx.assets.library.renders import render_assets
     from cityx.assets.library.store import open_library
     from cityx.cli.main import _pixels, _progress
+    from cityx.views.asset_pictures import render_assets
 
     held = open_library(library)
     rows = [held.row_of(name) for name in names] if names else [

@@ -80,7 +80,7 @@ def check_actions(name: str | None = None, actions: Registry | None = None) -> t
     UsageError
         If there is no such action.
     """
-    from cityx.protocol.conformance import check_action
+    from cityx.checks.conformance import check_action
 
     actions = registry() if actions is None else actions
     lines: list[str] = []

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 from cityx.agents.step_runner import Stopwatch
 from cityx.blender.client import (
     DEFAULT_SAMPLES,
-    FRAME_RATE,
     BlenderJob,
     RenderRequest,
     run_worker,
 )
 from cityx.city.camera import Camera
 from cityx.city.store import View, read_view
+from cityx.city.tracks import FRAME_RATE
 from cityx.errors import UsageError, nearest
 from cityx.ids import id_text
 

@@ -1,31 +1,32 @@
-"""Tables of data: TOML files under `cityx/data`, read once and checked against what holds them.
+"""Tables of data: TOML files under `cityx/data`, read once, strictly, into the types of the code.
 
-Words, materials, species and styles are data; the modules that use them load them into their own
-types, so that a row with a wrong key or value fails with a sentence that names it.
+Words, materials, species and styles are data. A row that does not fit the type that holds it fails
+with a sentence that names the file, the row and the nearest known key.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import re
 import tomllib
-from collections.abc import Mapping
-from dataclasses import MISSING, fields, is_dataclass
-from functools import cache, partial
+import types
+import typing
+from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
-from types import MappingProxyType, UnionType
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar, get_args, get_origin
 
 from cityx.errors import InputError, nearest
 
 DATA = Path(__file__).parents[1] / "data"
-_READ = re.compile(r'\b(?:load|table)\(\s*"([\w/]+)"')
-_KINDS = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
+_NAMED = re.compile(r'\b(?:load|table)\(\s*"([\w/]+)"|\bDATA / "([\w/]+)\.toml"')
+_WORDS = {str: "text", float: "number", int: "integer", bool: "true or false"}
 T = TypeVar("T")
 
 
 def table(name: str, kind: type[T], part: str = "") -> Mapping[str, T]:
     """Return the rows of a file by key, each of one type; see `load`."""
-    return MappingProxyType(load(name, dict[str, kind], part))  # type: ignore[valid-type]
+    return types.MappingProxyType(load(name, dict[str, kind], part))  # type: ignore[valid-type]
 
 
 def load(name: str, kind: type[T], part: str = "") -> T:
@@ -37,9 +38,10 @@ def load(name: str, kind: type[T], part: str = "") -> T:
         File under `cityx/data` without ".toml", such as "assets/materials".
     kind
         A dataclass, a number, a text, or a dict, tuple or frozenset of such. Rows of a dataclass
-        are tables of its fields, or lists of them in order; a field ``name`` that is not given is
-        the key of the row. A text in place of a list is cut into words; line breaks in texts are
-        spaces; "@dome" is the entry "dome" of the file's part ``shared``.
+        are tables of its fields, or arrays of them in order; a field ``name`` is the key of the
+        row. A text where an array is due is cut into words, and line breaks in a text are spaces.
+        Where pairs of a word and a number are due, a table ``{word = number}`` does, and a word
+        alone has the number 1.
     part
         Key of the file's top level; all of the file without one.
 
@@ -48,13 +50,31 @@ def load(name: str, kind: type[T], part: str = "") -> T:
     InputError
         If the file cannot be read or a row does not fit; the message names file, row and key.
     """
-    held = _read(name)
+    held = _read_once(DATA / f"{name}.toml")
+    place = f"{name}.toml"
     if part and part not in held:
-        raise InputError(f'{name}.toml has no part "{part}".{nearest(part, held)}')
-    made: T = _fitted(
-        held[part] if part else held, kind, f"{name}.toml{f': {part}' if part else ''}"
-    )
+        raise InputError(f'{place}: there is no part "{part}".{nearest(part, held)}')
+    made: T = _value(kind, held[part] if part else held, f"{place}, {part}" if part else place)
     return made
+
+
+def read_table(path: Path) -> dict[str, Any]:
+    """Read a TOML file. A text such as "@dome" is the entry "dome" of the file's part ``shared``.
+
+    Raises
+    ------
+    InputError
+        If there is none or it is not TOML; the message names the file and the line.
+    """
+    try:
+        held = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise InputError(f"{path.name} cannot be read as TOML: {error}.") from error
+    shared = held.pop("shared", None)
+    return held if shared is None else _resolved(held, shared, path.name)
+
+
+_read_once = cache(read_table)
 
 
 def files_of(*folders: str) -> list[Path]:
@@ -64,87 +84,122 @@ def files_of(*folders: str) -> list[Path]:
 
 
 def files_read_by(source: str) -> list[Path]:
-    """Return the files of data that a module loads, by its source."""
-    return [DATA / f"{name}.toml" for name in sorted(set(_READ.findall(source)))]
+    """Return the files of data that a module names in its source."""
+    names = {one or other for one, other in _NAMED.findall(source)}
+    return [DATA / f"{name}.toml" for name in sorted(names)]
+
+
+def filled(kind: type[T], row: Mapping[str, Any], place: str) -> T:
+    """Make a dataclass of a table: tables become dataclasses and mappings, arrays tuples.
+
+    Parameters
+    ----------
+    kind
+        The dataclass; what the table leaves out keeps its default.
+    row
+        As TOML gives it; see `load`.
+    place
+        File and table, for messages.
+
+    Raises
+    ------
+    InputError
+        If a key is unknown or missing, or a value has another type; the message names the place.
+    """
+    hints = _hints(kind)  # type: ignore[arg-type]
+    for key in row:
+        if key not in hints:
+            raise InputError(f'{place}: there is no key "{key}".{nearest(key, hints)}')
+    for field in dataclasses.fields(kind):  # type: ignore[arg-type]
+        required = field.default is field.default_factory is dataclasses.MISSING
+        if required and field.name not in row:
+            raise InputError(f'{place}: the key "{field.name}" is missing.')
+    return kind(**{key: _value(hints[key], value, f"{place}, {key}") for key, value in row.items()})
 
 
 @cache
-def _read(name: str) -> dict[str, Any]:
-    try:
-        held = tomllib.loads((DATA / f"{name}.toml").read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"The table {name}.toml of CityX cannot be read: {error}.") from error
-    shared = held.pop("shared", {})
-    return _resolved(held, shared, f"{name}.toml") if shared else held
+def _hints(kind: type[Any]) -> dict[str, Any]:
+    known: dict[str, Any] = {}
+    while True:
+        try:
+            return typing.get_type_hints(kind, localns=known)
+        except NameError as error:  # imported for type checks alone: no table gives one
+            if error.name in known:
+                raise
+            known[str(error.name)] = Any
 
 
-def _resolved(value: Any, shared: Mapping[str, Any], where: str) -> Any:
-    """Return a value with what it names of the shared ones in place."""
+def _value(hint: Any, value: Any, place: str) -> Any:
+    origin, inner = get_origin(hint), get_args(hint)
+    if hint is Any:
+        return value
+    if dataclasses.is_dataclass(hint):
+        return _row(hint, value, place)
+    if origin in (tuple, frozenset, Sequence):
+        return _array(origin, inner, value, place)
+    if origin in (dict, Mapping) and isinstance(value, dict):
+        made = {
+            int(key, 0) if inner[0] is int else key: _value(
+                inner[1], _named(inner[1], key, each), f"{place}.{key}"
+            )
+            for key, each in value.items()
+        }
+        return made if origin is dict else types.MappingProxyType(made)
+    if origin in (types.UnionType, typing.Union):
+        return _value(next(each for each in inner if each is not type(None)), value, place)
+    if hint is float and type(value) is int:
+        return float(value)
+    if type(value) is not hint:
+        raise InputError(f"{place}: {value!r} is not of type {_word(hint)}.")
+    return " ".join(value.split()) if hint is str and "\n" in value else value
+
+
+def _row(kind: Any, value: Any, place: str) -> Any:
+    names = [field.name for field in dataclasses.fields(kind)]
+    if isinstance(value, list) and len(value) <= len(names):
+        value = dict(zip(names, value, strict=False))
+    if not isinstance(value, dict):
+        raise InputError(f"{place}: {value!r} is not a table of {', '.join(names)}.")
+    return filled(kind, value, place)
+
+
+def _named(kind: Any, key: str, row: Any) -> Any:
+    """Return a row with its key as its name, where its type begins with one."""
+    if not dataclasses.is_dataclass(kind) or dataclasses.fields(kind)[0].name != "name":
+        return row
+    return {"name": key, **row} if isinstance(row, dict) else [key, *row]
+
+
+def _array(origin: Any, inner: Sequence[Any], value: Any, place: str) -> Any:
+    many = len(inner) == 1 or inner[-1] is Ellipsis
+    if many and get_args(inner[0])[:2] == (str, float):
+        value = {value: 1.0} if isinstance(value, str) else value
+        value = list(value.items()) if isinstance(value, dict) else value
+    value = value.split() if isinstance(value, str) else value
+    if not isinstance(value, list | tuple) or not (many or len(value) == len(inner)):
+        due = "an array" if many else f"an array of {len(inner)}"
+        raise InputError(f"{place}: {value!r} is not {due}.")
+    kinds = [inner[0]] * len(value) if many else inner
+    items = (
+        _value(kind, each, f"{place}[{number}]")
+        for number, (kind, each) in enumerate(zip(kinds, value, strict=True))
+    )
+    return frozenset(items) if origin is frozenset else tuple(items)
+
+
+def _resolved(value: Any, shared: Mapping[str, Any], place: str) -> Any:
+    """Return a value with what it names of the shared ones in its place."""
     if isinstance(value, dict):
-        return {key: _resolved(item, shared, f"{where}: {key}") for key, item in value.items()}
+        return {key: _resolved(item, shared, f"{place}, {key}") for key, item in value.items()}
     if isinstance(value, list):
-        return [_resolved(item, shared, where) for item in value]
+        return [_resolved(item, shared, place) for item in value]
     if isinstance(value, str) and value.startswith("@"):
         if value[1:] not in shared:
-            raise InputError(f'{where} names no shared "{value[1:]}".{nearest(value[1:], shared)}')
+            known = nearest(value[1:], shared)
+            raise InputError(f'{place}: there is no shared "{value[1:]}".{known}')
         return shared[value[1:]]
     return value
 
 
-def _fitted(value: Any, kind: Any, where: str) -> Any:
-    """Return a value of TOML as a type."""
-    origin, inner = get_origin(kind), get_args(kind)
-    if kind is Any:
-        return value
-    if origin is UnionType:
-        return _fitted(value, inner[0], where)
-    if is_dataclass(kind):
-        return _record(value, kind, where)
-    if origin in (dict, Mapping) and isinstance(value, dict):
-        key_kind = partial(int, base=0) if inner[0] is int else str
-        named = is_dataclass(inner[1]) and fields(inner[1])[0].name == "name"
-        return {
-            key_kind(key): _fitted(_named(key, row) if named else row, inner[1], f"{where}.{key}")
-            for key, row in value.items()
-        }
-    if origin in (tuple, frozenset) and isinstance(value, list | str):
-        items = value.split() if isinstance(value, str) else value
-        kinds = inner if origin is tuple and inner[-1] is not ... else inner[:1] * len(items)
-        if len(kinds) != len(items):
-            raise InputError(f"{where} must hold {len(kinds)} values, not {len(items)}.")
-        return origin(
-            _fitted(item, one, f"{where}[{row}]")
-            for row, (item, one) in enumerate(zip(items, kinds, strict=True))
-        )
-    if kind is float and type(value) is int:
-        return float(value)
-    if type(value) is not kind:
-        raise InputError(f"{where} must be {_KINDS.get(kind, 'a list or table')}, not {value!r}.")
-    return " ".join(value.split()) if kind is str and "\n" in value else value
-
-
-def _named(key: str, row: Any) -> Any:
-    return [key, *row] if isinstance(row, list) else {"name": key, **row}
-
-
-@cache
-def _hints(kind: type) -> dict[str, Any]:
-    return get_type_hints(kind)
-
-
-def _record(value: Any, kind: Any, where: str) -> Any:
-    known = {one.name: one for one in fields(kind)}
-    if isinstance(value, list) and len(value) <= len(known):
-        value = dict(zip(known, value, strict=False))
-    if not isinstance(value, dict):
-        raise InputError(f"{where} must be a table of {', '.join(known)}, not {value!r}.")
-    for key in value:
-        if key not in known:
-            raise InputError(
-                f'{where} has no key "{key}".{nearest(key, known)} Known are {", ".join(known)}.'
-            )
-    for key, one in known.items():
-        if key not in value and one.default is MISSING and one.default_factory is MISSING:
-            raise InputError(f'{where} lacks "{key}".')
-    hints = _hints(kind)
-    return kind(**{k: _fitted(item, hints[k], f"{where}.{k}") for k, item in value.items()})
+def _word(hint: Any) -> str:
+    return _WORDS.get(hint, getattr(hint, "__name__", "table"))

@@ -12,7 +12,8 @@ from cityx.assets.trims.mouldings import frame, ledge, rectangle, ring_moulding
 from cityx.assets.trims.trims import FINE_TRIMS, trim
 from cityx.assets.vehicles.car_bodies import BODIES
 from cityx.assets.vehicles.vehicles import car
-from cityx.geometry.solids import area_vectors, check_closed, degenerate_faces, volume
+from cityx.city.mesh_measures import check_closed, degenerate_faces, volume
+from cityx.geometry.solids import area_vectors
 
 MADE = [
     *(window(name, 2, detail=3) for name in [*PATTERNS, "window_arched"]),

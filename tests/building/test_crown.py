@@ -21,8 +21,9 @@ from cityx.checks.facades import blind_windows
 from cityx.city import City, Frame, Layout, make_table
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.mesh import NO_VERTEX, concatenate, one_mesh
+from cityx.city.mesh_measures import check_closed, volume
 from cityx.city.scene import Scene
-from cityx.geometry.solids import check_closed, open_parts, volume
+from cityx.geometry.solids import open_parts
 
 BOX = shapely.box(0, 0, 24, 12)
 EAVE, RISE = 12.0, 5.0

@@ -11,7 +11,7 @@ from cityx.building.shell import shell
 from cityx.building.volumes import volumes_of, walls_of
 from cityx.city import City, Frame, Layout, Terrain, make_table
 from cityx.city.content import hash_mesh
-from cityx.geometry.solids import check_closed, degenerate_faces, plan_area, volume
+from cityx.city.mesh_measures import check_closed, degenerate_faces, plan_area, volume
 
 WORDS = ["flat", "gabled", "hipped", "mansard", "skillion", "dome", "half-hipped", "unheard of"]
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from cityx.checks.predicates.facts import Facts, Reply, compared
+from cityx.checks.predicates.facts import Facts, Reply, compared, said
 from cityx.checks.predicates.finding import Finding, Measured
 from cityx.checks.predicates.forms import measured_call, measured_quantity
 from cityx.checks.predicates.parser import parse
@@ -15,6 +16,7 @@ from cityx.checks.predicates.syntax import (
     Argument,
     Arithmetic,
     Call,
+    Comparison,
     Expression,
     Name,
     Negative,
@@ -23,6 +25,7 @@ from cityx.checks.predicates.syntax import (
     Within,
 )
 from cityx.checks.predicates.thing_predicates import Absent, CannotTell
+from cityx.checks.predicates.vocabulary import split_arguments
 from cityx.city import City
 from cityx.errors import CityxError
 
@@ -98,7 +101,7 @@ def finding_of(predicate: Predicate, facts: Facts) -> Finding:
         If the city does not hold what it asks for.
     """
     if isinstance(predicate, Call):
-        found = measured_call(predicate, facts)
+        found = _call(predicate, facts)
         return Finding(bool(found.value), found.evidence, found.value)
     if isinstance(predicate, Within):
         found = value_of(predicate.of, facts)
@@ -128,7 +131,7 @@ def value_of(expression: Argument, facts: Facts) -> Measured:
     if isinstance(expression, Name):
         return measured_quantity(expression.word, facts)
     if isinstance(expression, Call):
-        return measured_call(expression, facts)
+        return _call(expression, facts)
     if isinstance(expression, Negative):
         return Measured(-_number(expression.of, facts), f"{expression}")
     assert isinstance(expression, Arithmetic)
@@ -137,6 +140,24 @@ def value_of(expression: Argument, facts: Facts) -> Measured:
         raise CannotTell(f"{expression.right} is 0, by which nothing can be divided")
     value = _SIGNS[expression.sign](left, right)
     return Measured(value, f"{expression} is {value:.4g}")
+
+
+def _call(call: Call, facts: Facts) -> Measured:
+    return _each(call, facts) if call.form == "each" else measured_call(call, facts)
+
+
+def _each(call: Call, facts: Facts) -> Measured:
+    """Measure whether a predicate holds at each of some things, of what stands there."""
+    groups, _ = split_arguments(call)
+    chosen = facts.select(groups[0])
+    inner = groups[1].head
+    assert isinstance(inner, Call | Comparison | Within)
+    met = sum(
+        bool(finding_of(inner, replace(facts, focus=ground)).met)
+        for ground in chosen.grounds.tolist()
+    )
+    every = met == len(chosen.rows) and met > 0
+    return Measured(every, f"{inner} holds at {met} of {said(chosen)}")
 
 
 _SIGNS: Mapping[str, Callable[[float, float], float]] = {

@@ -1,10 +1,11 @@
-"""Wishes in numbers: what a city is asked to keep, as goals that its report measures."""
+"""Goals in numbers: what a city is asked to keep, measured by its report."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from cityx.city import City, Goal
+from cityx.city.city import City
+from cityx.city.goals import Goal
 
 
 def asked(
