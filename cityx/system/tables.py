@@ -41,7 +41,7 @@ def load(name: str, kind: type[T], part: str = "") -> T:
         are tables of its fields, or arrays of them in order; a field ``name`` is the key of the
         row. A text where an array is due is cut into words, and line breaks in a text are spaces.
         Where pairs of a word and a number are due, a table ``{word = number}`` does, and a word
-        alone has the number 1.
+        alone has the number 1. "$dome" is the entry "dome" of the file's part ``shared``.
     part
         Key of the file's top level; all of the file without one.
 
@@ -59,7 +59,7 @@ def load(name: str, kind: type[T], part: str = "") -> T:
 
 
 def read_table(path: Path) -> dict[str, Any]:
-    """Read a TOML file. A text such as "@dome" is the entry "dome" of the file's part ``shared``.
+    """Read a TOML file.
 
     Raises
     ------
@@ -67,14 +67,16 @@ def read_table(path: Path) -> dict[str, Any]:
         If there is none or it is not TOML; the message names the file and the line.
     """
     try:
-        held = tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(f"{path.name} cannot be read as TOML: {error}.") from error
+
+
+@cache
+def _read_once(path: Path) -> dict[str, Any]:
+    held = read_table(path)
     shared = held.pop("shared", None)
     return held if shared is None else _resolved(held, shared, path.name)
-
-
-_read_once = cache(read_table)
 
 
 def files_of(*folders: str) -> list[Path]:
@@ -193,7 +195,7 @@ def _resolved(value: Any, shared: Mapping[str, Any], place: str) -> Any:
         return {key: _resolved(item, shared, f"{place}, {key}") for key, item in value.items()}
     if isinstance(value, list):
         return [_resolved(item, shared, place) for item in value]
-    if isinstance(value, str) and value.startswith("@"):
+    if isinstance(value, str) and value.startswith("$"):
         if value[1:] not in shared:
             known = nearest(value[1:], shared)
             raise InputError(f'{place}: there is no shared "{value[1:]}".{known}')

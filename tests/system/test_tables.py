@@ -40,7 +40,7 @@ def written(tmp_path, monkeypatch):
 def test_rows_become_the_type_that_holds_them_in_their_order(written):
     written(
         'oak = {size = 2, color = [1, 2, 3], words = "a b", rib = {count = 4}}\nfir = [inf]\n'
-        'ash = {size = 1.5, color = "@red"}\n[shared]\nred = [9, 0, 0]\n'
+        'ash = {size = 1.5, color = "$red"}\n[shared]\nred = [9, 0, 0]\n'
     )
     held = load("leaves", dict[str, Leaf] | None)
     assert list(held.items()) == [
@@ -64,7 +64,7 @@ def test_long_texts_are_folded_and_keys_may_be_numbers(written):
         ('size = "big"', r"leaves\.toml\.oak, size: 'big' is not of type number"),
         ("size = 1.0, color = [1, 2]", r"oak, color: \[1, 2\] is not an array of 3"),
         ("size = 1.0, color = [1, 2, 0.5]", r"color\[2\]: 0\.5 is not of type integer"),
-        ('size = 1.0, rib = "@rib"', r'there is no shared "rib"\. Did you mean "ribs"'),
+        ('size = 1.0, rib = "$rib"', r'there is no shared "rib"\. Did you mean "ribs"'),
     ],
 )
 def test_a_row_that_does_not_fit_is_named_with_its_file_and_key(written, row, message):

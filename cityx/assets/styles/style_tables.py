@@ -1,17 +1,19 @@
-"""Which building generators a style is built of, by the use of buildings, with weights."""
+"""Which building generators a style is built of, by the use of buildings: `data/styles.toml`."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
-from cityx.system.tables import table
+from cityx.system.tables import DATA, read_table
 
 Weights = Mapping[str, float]
+_HELD = read_table(DATA / "styles.toml")
 
 # Style family -> use group -> generators and weights.
-TABLE = table("assets/styles", dict[str, dict[str, float]], "families")
+TABLE: Mapping[str, Mapping[str, Weights]] = MappingProxyType(_HELD["families"])
 # Region -> use group -> generators and weights, in the place of those of its family.
-REGIONAL_TABLE = table("assets/styles", dict[str, dict[str, float]], "regional")
-ALWAYS = table("assets/styles", dict[str, float], "always")
+REGIONAL_TABLE: Mapping[str, Mapping[str, Weights]] = MappingProxyType(_HELD["regions"])
+ALWAYS: Mapping[str, Weights] = MappingProxyType(_HELD["always"])
 # Words of a brief that favour generators, and by how much, whatever the family.
-STYLE_WORDS = table("assets/styles", dict[str, float], "words")
+STYLE_WORDS: Mapping[str, Weights] = MappingProxyType(_HELD["words"])
