@@ -19,7 +19,8 @@ from typing import Any, TypeVar, get_args, get_origin
 from cityx.errors import InputError, nearest
 
 DATA = Path(__file__).parents[1] / "data"
-_NAMED = re.compile(r'\b(?:load|table)\(\s*"([\w/]+)"|\bDATA / "([\w/]+)\.toml"')
+KINDS = (".toml", ".lark", ".css")  # of files of data
+_NAMED = re.compile(r'\b(?:load|table|text_of)\(\s*"([\w/.]+)"|\bDATA / "([\w/.]+)"')
 _WORDS = {str: "text", float: "number", int: "integer", bool: "true or false"}
 T = TypeVar("T")
 
@@ -79,16 +80,21 @@ def _read_once(path: Path) -> dict[str, Any]:
     return held if shared is None else _resolved(held, shared, path.name)
 
 
+def text_of(name: str) -> str:
+    """Return a file of data as it is, such as a grammar; `name` is its path under `cityx/data`."""
+    return (DATA / name).read_text(encoding="utf-8")
+
+
 def files_of(*folders: str) -> list[Path]:
     """Return the files of data in folders of `cityx/data`, sorted; all without a folder."""
     roots = [DATA / folder for folder in folders] or [DATA]
-    return sorted(path for root in roots for path in root.rglob("*.toml"))
+    return sorted(path for root in roots for end in KINDS for path in root.rglob(f"*{end}"))
 
 
 def files_read_by(source: str) -> list[Path]:
     """Return the files of data that a module names in its source."""
     names = {one or other for one, other in _NAMED.findall(source)}
-    return [DATA / f"{name}.toml" for name in sorted(names)]
+    return [DATA / (name if "." in name else f"{name}.toml") for name in sorted(names)]
 
 
 def filled(kind: type[T], row: Mapping[str, Any], place: str) -> T:
@@ -149,6 +155,10 @@ def _value(hint: Any, value: Any, place: str) -> Any:
         return made if origin is dict else types.MappingProxyType(made)
     if origin in (types.UnionType, typing.Union):
         return _value(next(each for each in inner if each is not type(None)), value, place)
+    if origin is typing.Literal:
+        if value not in inner:
+            raise InputError(f"{place}: {value!r} is none of {', '.join(map(repr, inner))}.")
+        return value
     if hint is float and type(value) is int:
         return float(value)
     if type(value) is not hint:
