@@ -32,7 +32,7 @@ Group = Annotated[str, typer.Option(help="buildings, plants, vehicles, people or
 
 
 def _encoder(name: str, weights: str, allow_hub: bool) -> Encoder:
-    from cityx.assets.library.encoding import make_encoder
+    from cityx.assets.library.encoders import make_encoder
 
     return make_encoder(name, weights=weights, allow_hub=allow_hub)
 

@@ -1,60 +1,109 @@
-from collections.abc import Mapping
+"""Tables of data: what is read is typed, shared and checked, and faults are named."""
+
+import shutil
+import tomllib
 from dataclasses import dataclass
+from math import inf
 
 import pytest
 
+from cityx.assets import kept_prototypes
 from cityx.errors import InputError
-from cityx.system.tables import filled, read_table
+from cityx.protocol import catalogue
+from cityx.system import tables
+from cityx.system.tables import files_of, files_read_by, load, table
 
 
 @dataclass(frozen=True)
-class Part:
+class Leaf:
     name: str
-    share: float = 1.0
+    size: float
+    color: tuple[int, int, int] = (0, 0, 0)
+    words: tuple[str, ...] = ()
+    rib: "Rib | None" = None
 
 
 @dataclass(frozen=True)
-class Whole:
-    parts: tuple[Part, ...]
-    doors: tuple[tuple[str, float], ...] = ()
-    size: tuple[float, float] = (1.0, 2.0)
-    named: Mapping[str, Part] | None = None
-    street: bool | None = None
+class Rib:
+    count: int
 
 
-def test_tables_become_dataclasses_and_arrays_tuples():
-    made = filled(Whole, {"parts": [{"name": "a", "share": 1}], "size": [3, 4]}, "x.toml")
-    assert made == Whole((Part("a", 1.0),), size=(3.0, 4.0))
-    assert type(made.parts[0].share) is float
+@pytest.fixture
+def written(tmp_path, monkeypatch):
+    """Return a function that makes the file `leaves.toml` of a text."""
+    monkeypatch.setattr(tables, "DATA", tmp_path)
+    tables._read_once.cache_clear()
+    yield lambda text: (tmp_path / "leaves.toml").write_text(text, encoding="utf-8")
+    tables._read_once.cache_clear()
 
 
-def test_pairs_of_words_and_numbers_may_be_a_table_or_one_word():
-    made = [
-        filled(Whole, {"parts": [], "doors": doors}, "") for doors in ("oak", {"oak": 2, "": 1})
+def test_rows_become_the_type_that_holds_them_in_their_order(written):
+    written(
+        'oak = {size = 2, color = [1, 2, 3], words = "a b", rib = {count = 4}}\nfir = [inf]\n'
+        'ash = {size = 1.5, color = "$red"}\n[shared]\nred = [9, 0, 0]\n'
+    )
+    held = load("leaves", dict[str, Leaf] | None)
+    assert list(held.items()) == [
+        ("oak", Leaf("oak", 2.0, (1, 2, 3), ("a", "b"), Rib(4))),
+        ("fir", Leaf("fir", inf)),
+        ("ash", Leaf("ash", 1.5, (9, 0, 0))),
     ]
-    assert [each.doors for each in made] == [(("oak", 1.0),), (("oak", 2.0), ("", 1.0))]
+
+
+def test_long_texts_are_folded_and_keys_may_be_numbers(written):
+    written("text = '''\none two,\nthree\n'''\n[colors]\n0xFF = 1\n10 = 0.5\n")
+    assert load("leaves", str, "text") == "one two, three"
+    assert load("leaves", dict[int, float], "colors") == {255: 1.0, 10: 0.5}
 
 
 @pytest.mark.parametrize(
-    ("table", "message"),
+    ("row", "message"),
     [
-        ({"part": []}, 'x.toml: there is no key "part". Did you mean "parts"?'),
-        ({}, 'x.toml: the key "parts" is missing.'),
-        ({"parts": 3}, "x.toml, parts: 3 is not an array."),
-        ({"parts": [], "size": [1]}, "x.toml, size: [1] is not an array of 2."),
-        ({"parts": [], "street": 1}, "x.toml, street: 1 is not of type true or false."),
-        ({"parts": [{"name": 1}]}, "x.toml, parts, name: 1 is not of type text."),
-        ({"parts": [], "named": {"a": {"nam": ""}}},
-         'x.toml, named.a: there is no key "nam". Did you mean "name"?'),
+        ("size = 1.0, sise = 2.0", r'leaves\.toml\.oak: there is no key "sise"\. .* "size"\?'),
+        ("color = [1, 2, 3]", r'leaves\.toml\.oak: the key "size" is missing'),
+        ('size = "big"', r"leaves\.toml\.oak, size: 'big' is not of type number"),
+        ("size = 1.0, color = [1, 2]", r"oak, color: \[1, 2\] is not an array of 3"),
+        ("size = 1.0, color = [1, 2, 0.5]", r"color\[2\]: 0\.5 is not of type integer"),
+        ('size = 1.0, rib = "$rib"', r'there is no shared "rib"\. Did you mean "ribs"'),
     ],
-)  # fmt: skip
-def test_a_fault_of_a_table_is_one_sentence_with_its_place(table, message):
-    with pytest.raises(InputError) as error:
-        filled(Whole, table, "x.toml")
-    assert str(error.value) == message
+)
+def test_a_row_that_does_not_fit_is_named_with_its_file_and_key(written, row, message):
+    written(f"oak = {{{row}}}\n[shared]\nribs = {{count = 1}}\n")
+    with pytest.raises(InputError, match=message):
+        table("leaves", Leaf)
 
 
-def test_what_is_no_toml_is_named_with_its_line(tmp_path):
-    (tmp_path / "x.toml").write_text("a = 1\nb = \n")
-    with pytest.raises(InputError, match=r"x\.toml cannot be read as TOML: .*line 2"):
-        read_table(tmp_path / "x.toml")
+def test_weights_may_be_a_table_or_one_word(written):
+    written('many = {oak = 2, fir = 0.5}\none = "oak"\n')
+    weights = tuple[tuple[str, float], ...]
+    assert load("leaves", weights, "many") == (("oak", 2.0), ("fir", 0.5))
+    assert load("leaves", weights, "one") == (("oak", 1.0),)
+
+
+def test_a_file_that_is_absent_or_no_table_is_named(written):
+    with pytest.raises(InputError, match=r"leaves\.toml cannot be read as TOML"):
+        load("leaves", dict[str, str])
+    written("oak = \n")
+    with pytest.raises(InputError, match=r"leaves\.toml cannot be read as TOML"):
+        load("leaves", dict[str, str])
+
+
+def test_every_file_of_data_is_a_table_that_some_module_loads():
+    sources = [path.read_text() for path in tables.DATA.parent.rglob("*.py")]
+    read = {path for source in sources for path in files_read_by(source)}
+    files = files_of("language", "assets", "checks", "dataset", "sources", "town")
+    assert files
+    for path in files:
+        assert tomllib.loads(path.read_text(encoding="utf-8"))
+        assert path in read, f"nothing loads {path.name}"
+
+
+def test_what_is_kept_is_of_the_data_it_was_made_from(tmp_path, monkeypatch):
+    shutil.copytree(tables.DATA, tmp_path / "data", ignore=shutil.ignore_patterns("*.onnx"))
+    before = kept_prototypes.edition.__wrapped__(), catalogue.code_digest.__wrapped__()
+    monkeypatch.setattr(tables, "DATA", tmp_path / "data")
+    assert before == (kept_prototypes.edition.__wrapped__(), catalogue.code_digest.__wrapped__())
+    cars = tmp_path / "data" / "assets" / "cars.toml"
+    cars.write_text(cars.read_text().replace("length = 4.05", "length = 4.06"))
+    after = kept_prototypes.edition.__wrapped__(), catalogue.code_digest.__wrapped__()
+    assert all(one != other for one, other in zip(before, after, strict=True))

@@ -24,8 +24,7 @@ from cityx.errors import nearest
 from cityx.language.brief import Brief, Slot, Span, Value
 from cityx.language.conflicts import conflicts_of
 from cityx.language.goals import goals_of
-from cityx.language.lexicon.nouns import NOUNS
-from cityx.language.lexicon.phrases import SLOTS, TABLES
+from cityx.language.lexicon.phrases import NOUNS, SLOTS, TABLES
 from cityx.language.slots import KEYS, SINGLE
 
 MOST_SLOTS = 40  # no instruction of a few sentences asks for more

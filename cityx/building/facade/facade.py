@@ -9,7 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.openings.openings import DOORS, WINDOWS, door, window
+from cityx.assets.openings.doors import DOORS, door
+from cityx.assets.openings.windows import WINDOWS, window
 from cityx.assets.styles.palettes import Finishes
 from cityx.building.assembly import TRIM_MATERIAL, assemble, finishes_of
 from cityx.building.facade import grammar as facades

@@ -353,14 +353,6 @@ def _layer_and_file(facts: Facts, groups: tuple[Group, ...]) -> tuple[str, Any]:
     return layer.word, facts.inputs[file.word]
 
 
-def _extreme(facts: Facts, groups: tuple[Group, ...], best: Callable[..., float]) -> Measured:
-    from cityx.checks.predicates.measuring import value_of
-
-    found = [value_of(group.head, facts) for group in groups]
-    value = best(*(float(each.value) for each in found if not isinstance(each.value, tuple)))
-    return Measured(value, f"{value:.4g}")
-
-
 def _clean(facts: Facts, _: tuple[Group, ...], __: Options) -> Measured:
     bad = [finding for finding in clean(facts.city) if finding.met is False]
     return Measured(
@@ -407,8 +399,6 @@ FORMS: Mapping[str, Measure] = {
     "gained": _gained,
     "iou": _iou, "corr": _corr, "clean": _clean, "reply": _replied,
     "mentions": _mentions, "used": _used, "unused": _unused,
-    "min": lambda facts, groups, _: _extreme(facts, groups, min),
-    "max": lambda facts, groups, _: _extreme(facts, groups, max),
 }  # fmt: skip
 
 

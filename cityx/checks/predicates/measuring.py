@@ -143,7 +143,19 @@ def value_of(expression: Argument, facts: Facts) -> Measured:
 
 
 def _call(call: Call, facts: Facts) -> Measured:
-    return _each(call, facts) if call.form == "each" else measured_call(call, facts)
+    if call.form == "each":
+        return _each(call, facts)
+    if call.form in ("min", "max"):
+        return _extreme(call, facts)
+    return measured_call(call, facts)
+
+
+def _extreme(call: Call, facts: Facts) -> Measured:
+    """Return the least or the greatest of some numbers."""
+    found = [value_of(group.head, facts) for group in split_arguments(call)[0]]
+    best = min if call.form == "min" else max
+    value = best(float(each.value) for each in found if not isinstance(each.value, tuple))
+    return Measured(value, f"{value:.4g}")
 
 
 def _each(call: Call, facts: Facts) -> Measured:

@@ -1,20 +1,41 @@
-"""Windows drawn for near views: profiled frames and sashes, glazing bars, curtains, blinds.
+"""Windows as things that sit on a wall; see `cityx.assets.openings.frames`.
 
-Each fills a niche: y = 0 is the face of the wall, `NICHE_DEPTH` its back; -y stands out. They have
-the sizes of their plain forms in `cityx.assets.openings.openings`.
+`WINDOWS` gives the opening each was drawn for. The forms for near views, of the same sizes, have
+profiled frames and sashes, glazing bars, curtains and blinds.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
 
-from cityx.assets.shapes import Color, bevelled, tube
-from cityx.assets.trims.mouldings import (
+from cityx.assets.kept_prototypes import kept
+from cityx.assets.openings import windows_houses as houses
+from cityx.assets.openings import windows_old_town as old_town
+from cityx.assets.openings import windows_towers as towers
+from cityx.assets.openings.frames import (
+    BACKING,
+    FINE,
+    GLASS,
+    LINEN,
+    PALE,
+    PANE,
+    PANE_MATERIAL,
+    SASH,
     Shapes,
+    arch,
+    glazing,
+    plate,
+    set_back,
+    slab,
+)
+from cityx.assets.openings.windows_halls import HALL_WINDOWS
+from cityx.assets.shapes import bevelled, fine_shapes, moved, prism, prototype, tube
+from cityx.assets.trims.mouldings import (
     bar,
     curtain,
     frame,
@@ -22,22 +43,130 @@ from cityx.assets.trims.mouldings import (
     knob,
     ledge,
     lever,
-    portal,
     raised_panel,
     rectangle,
     ring_moulding,
     slats,
     soft,
 )
-from cityx.city.mesh import MeshBatch, one_mesh
+from cityx.city.mesh import MeshBatch
+from cityx.city.scene import Prototype
 
-BACKING = 0.136  # metres; the dark of the room
+
+def _shutters(width: float, height: float, *, leaf: float = 0.5, gap: float = 0.03) -> Shapes:
+    """Make two open louvred shutters beside the opening."""
+    shapes: Shapes = []
+    for side in (-1, 1):
+        near, far = side * (width / 2 + gap), side * (width / 2 + gap + leaf)
+        x0, x1 = min(near, far), max(near, far)
+        shapes.append(slab(x0, x1, 0.0, height, -0.045, "door_paint"))
+        for z in np.linspace(0.12, height - 0.12, 7)[:-1]:
+            top = z + (height - 0.24) / 6 - 0.09
+            shapes.append(
+                slab(x0 + 0.06, x1 - 0.06, z, top, -0.058, "door_paint",
+                     (0.8, 0.8, 0.8), back=-0.045)
+            )  # fmt: skip
+    return shapes
+
+
+Maker = Callable[[str, float, float], Shapes]
+
+
+def window_sash(glass: str, blind: float, curtain: float) -> Shapes:
+    """Sash window of two by two panes in each half, with a meeting rail."""
+    shapes = glazing(1.05, 1.75, glass, columns=(0.5,), rows=(0.25, 0.75), bar=0.028,
+                     blind=blind, curtain=curtain)  # fmt: skip
+    shapes.append(slab(-0.47, 0.47, 0.85, 0.92, SASH - 0.012, "frame_paint", back=PANE))
+    return shapes
+
+
+def window_casement(glass: str, blind: float, curtain: float) -> Shapes:
+    """Two casements under a two-light transom, the box window of the old quarters."""
+    shapes = glazing(1.15, 1.9, glass, columns=(0.5,), frame=0.07, bar=0.075,
+                     blind=blind, curtain=curtain)  # fmt: skip
+    shapes.append(slab(-0.51, 0.51, 1.30, 1.38, SASH - 0.014, "frame_paint", back=PANE))
+    return shapes
+
+
+def window_single(glass: str, blind: float, curtain: float) -> Shapes:
+    """Modern window with one fixed and one opening light."""
+    return glazing(1.35, 1.5, glass, columns=(0.64,), frame=0.07, bar=0.08,
+                   blind=blind, curtain=curtain)  # fmt: skip
+
+
+def window_french(glass: str, blind: float, curtain: float) -> Shapes:
+    """Pair of glazed doors to a balcony, with low solid panels."""
+    shapes = glazing(1.3, 2.25, glass, columns=(0.5,), rows=(0.76,), frame=0.07, bar=0.07,
+                     bottom=False, blind=blind, curtain=curtain)  # fmt: skip
+    for x0, x1 in ((-0.57, -0.05), (0.05, 0.57)):
+        shapes.append(slab(x0, x1, 0.0, 0.42, SASH + 0.008, "frame_paint", back=PANE))
+    return shapes
+
+
+def window_office(glass: str, blind: float, curtain: float) -> Shapes:
+    """Wide office window of three lights over a panel."""
+    shapes = glazing(2.2, 1.9, glass, columns=(1 / 3, 2 / 3), frame=0.06, bar=0.06,
+                     blind=blind, curtain=curtain)  # fmt: skip
+    shapes.append(slab(-1.04, 1.04, 0.42, 0.48, SASH, "frame_paint", back=PANE))
+    return shapes
+
+
+def window_strip(glass: str, blind: float, curtain: float) -> Shapes:
+    """Ribbon window that meets its neighbours."""
+    return glazing(3.0, 1.5, glass, columns=(0.25, 0.5, 0.75), frame=0.05, bar=0.05,
+                   blind=blind, curtain=curtain)  # fmt: skip
+
+
+def window_shuttered(glass: str, blind: float, curtain: float) -> Shapes:
+    """Tall casement with open louvred shutters."""
+    shapes = glazing(1.0, 1.6, glass, columns=(0.5,), rows=(0.36, 0.68), bar=0.04,
+                     blind=blind, curtain=curtain)  # fmt: skip
+    return shapes + _shutters(1.0, 1.6)
+
+
+def window_small(glass: str, blind: float, curtain: float) -> Shapes:
+    """Small window of a bathroom, stair or back wall."""
+    return glazing(0.8, 0.95, glass, frame=0.06, blind=blind, curtain=curtain)
+
+
+def window_cottage(glass: str, blind: float, curtain: float) -> Shapes:
+    """Casement pair with glazing bars."""
+    return glazing(1.2, 1.25, glass, columns=(0.25, 0.5, 0.75), rows=(0.34, 0.67), frame=0.06,
+                   bar=0.028, blind=blind, curtain=curtain)  # fmt: skip
+
+
+def window_slider(glass: str, blind: float, curtain: float) -> Shapes:
+    """Aluminium sliding window of two leaves that overlap."""
+    shapes = glazing(1.7, 1.2, glass, frame=0.045, blind=blind, curtain=curtain)
+    shapes.append(slab(-0.03, 0.03, 0.045, 1.155, SASH - 0.015, "frame_paint", back=PANE))
+    shapes.append(slab(-0.80, 0.0, 0.045, 0.085, SASH - 0.01, "frame_paint", back=PANE))
+    shapes.append(slab(0.0, 0.80, 0.045, 0.085, SASH, "frame_paint", back=PANE))
+    return shapes
+
+
+def window_factory(glass: str, blind: float, curtain: float) -> Shapes:
+    """Steel window of many small panes."""
+    return glazing(2.4, 1.8, glass, columns=(1 / 6, 2 / 6, 3 / 6, 4 / 6, 5 / 6),
+                   rows=(0.25, 0.5, 0.75), frame=0.05, bar=0.025,
+                   blind=blind, curtain=curtain)  # fmt: skip
+
+
+def window_arched(glass: str, blind: float, curtain: float) -> Shapes:
+    """Tall window with a round head and tracery bars."""
+    del blind, curtain
+    shapes = [
+        prism(arch(1.5, 4.0), -0.06, 0.0, "trim", (0.9, 0.88, 0.84)),
+        moved(prism(arch(1.22, 3.74), -0.075, 0.0, glass), (0.0, 0.0, 0.12)),
+    ]
+    for x in (-0.2, 0.2):
+        shapes.append(slab(x - 0.025, x + 0.025, 0.12, 3.7, -0.10, "metal_dark", back=-0.07))
+    for z in (1.0, 1.9, 2.8):
+        shapes.append(slab(-0.6, 0.6, z - 0.02, z + 0.02, -0.095, "metal_dark", back=-0.07))
+    return shapes
+
+
 FRAME_FRONT = 0.050
-PANE_MATERIAL = "pane"
 BOARD = 0.028  # metres from the lower edge of the opening to that of the frame: the sill board
-DWELLING = 2.45  # metres; no window of a dwelling is wider or taller
-PALE: Color = (0.92, 0.91, 0.88)
-LINEN: Color = (0.80, 0.77, 0.70)
 
 
 @dataclass(frozen=True)
@@ -118,13 +247,11 @@ PATTERNS: Mapping[str, Pattern] = MappingProxyType(
             border=0.04, stile=0.022, bar=0.009),
     }
 )  # fmt: skip
-
-
 SLIDING = ("window_sash", "window_slider")
 
 
 def fine_window(name: str, glass: str, dressing: int) -> Shapes:
-    """Make a window for near views; see `cityx.assets.openings.openings.window`."""
+    """Make a window for near views; see `window`."""
     if name == "window_arched":
         return arched_window(glass)
     pattern = PATTERNS[name]
@@ -151,7 +278,7 @@ def fine_window(name: str, glass: str, dressing: int) -> Shapes:
         shapes += _sliding_furniture(pattern, x0, z0, inner_w, inner_h)
     shapes += _dress(dressing, x0 + 0.01, x0 + inner_w - 0.01, z0, z0 + inner_h)
     if pattern.shutters:
-        shapes += _shutters(w, h)
+        shapes += _fine_shutters(w, h)
     return shapes
 
 
@@ -195,66 +322,6 @@ def _sliding_furniture(
         shapes.append(tube([[x, second.y + 0.026, z0], [x, second.y + 0.026, z0 + height]], 0.005,
                            "frame_paint", sides=6))  # fmt: skip
     return shapes
-
-
-def fine_glazing(
-    width: float,
-    height: float,
-    glass: str,
-    *,
-    columns: Sequence[float],
-    rows: Sequence[float],
-    frame_width: float,
-    bar_width: float,
-    bottom: bool,
-    blind: float,
-    drawn: float,
-) -> Shapes:
-    """Make frame, panes, bars and dressing of a window that has only a plain form.
-
-    Arguments are those of `openings.glazing`; like there, all of it stands before the
-    plane y = 0.
-    """
-    w = width / 2
-    line = [(0.0, 0.0), (0.0, -0.075), (0.6 * frame_width, -0.075), (0.75 * frame_width, -0.068),
-            (0.9 * frame_width, -0.060), (frame_width, -0.056), (frame_width, -0.012)]  # fmt: skip
-    sweep = frame if bottom else portal
-    shapes: Shapes = [sweep(-w, w, 0.0, height, soft(line, 0.004, 3), "frame_paint")]
-    inside = w - 0.8 * frame_width
-    low = 0.8 * frame_width if bottom else 0.0
-    top = height - 0.8 * frame_width
-    opening = rectangle(-inside, inside, low, top)
-    shapes += [plate(opening, -0.012, glass), plate(opening, -0.050, PANE_MATERIAL)]
-    for share in columns:
-        x = -w + share * width
-        shapes.append(bar((x, low), (x, top), bar_width / 2, -0.062, "frame_paint"))
-    for share in rows:
-        z = share * height
-        shapes.append(bar((-inside, z), (inside, z), bar_width / 2, -0.064, "frame_paint"))
-    folds = max(2, round(inside * 0.6 / 0.075))
-    if blind:
-        shapes += slats(-inside, inside, top - blind * (top - low), top, -0.030, tint=PALE)
-        return shapes
-    # Rooms that one lives in have drapes at least; halls and works have large or barred windows.
-    lived_in = max(width, height) < DWELLING and len(columns) * len(rows) < 6
-    if drawn or lived_in:
-        reach = (1.4 * drawn if drawn else 0.15) * 2 * inside
-        tied, tint = (0.2, PALE) if drawn else (0.35, LINEN)
-        for edge, end in ((-inside, -inside + reach), (inside, inside - reach)):
-            shapes.append(curtain(edge, end, low, top, -0.030, folds=folds, tied=tied, tint=tint))
-    return shapes
-
-
-def plate(outline: object, y: float, material: str) -> MeshBatch:
-    """Make a flat face on a convex outline that faces outward."""
-    ring = np.asarray(outline, float)
-    corners = np.column_stack([ring[:, 0], np.full(len(ring), y), ring[:, 1]])
-    fan = [[0, i, i + 1] for i in range(1, len(ring) - 1)]
-    faces = [[0, 1, 2, 3]] if len(ring) == 4 else fan
-    uv = np.zeros((len(faces), 4, 2))
-    for row, face in enumerate(faces):
-        uv[row, : len(face)] = ring[face]
-    return one_mesh(0, corners, faces, materials=(material,), uv=uv)
 
 
 def _sill_board(w: float) -> MeshBatch:
@@ -326,7 +393,7 @@ def _fixed_bars(
 
 
 def _dress(dressing: int, x0: float, x1: float, z0: float, z1: float) -> Shapes:
-    """Hang what is behind the panes: see `cityx.assets.openings.openings.DRESSINGS`."""
+    """Hang what is behind the panes: see `DRESSINGS`."""
     y = 0.124
     width, height = x1 - x0, z1 - z0
     folds = max(3, round(0.5 * width / 0.075))
@@ -353,7 +420,7 @@ def _pelmet(x0: float, x1: float, z: float, y: float) -> MeshBatch:
     return tube([[x0, y, z - 0.012], [x1, y, z - 0.012]], 0.008, "metal_grey", sides=8)
 
 
-def _shutters(w: float, h: float, *, leaf: float = 0.5, gap: float = 0.03) -> Shapes:
+def _fine_shutters(w: float, h: float, *, leaf: float = 0.5, gap: float = 0.03) -> Shapes:
     """Open louvred shutters on pintles beside the window, with their holdbacks."""
     shapes: Shapes = []
     for side in (-1, 1):
@@ -382,8 +449,6 @@ def _shutters(w: float, h: float, *, leaf: float = 0.5, gap: float = 0.03) -> Sh
 
 def arched_window(glass: str) -> Shapes:
     """Tall window with a round head: moulded jambs, tracery, leaded panes and saddle bars."""
-    from cityx.assets.openings.openings import arch
-
     outline = arch(1.5, 4.0, 16)
     shapes: Shapes = [plate(outline, BACKING, glass)]
     jamb = [(0.0, 0.0), (0.02, 0.0), (0.03, 0.012), (0.05, 0.02), (0.06, 0.035), (0.075, 0.04),
@@ -410,3 +475,81 @@ def arched_window(glass: str) -> Shapes:
             (-0.03, -0.02), (-0.025, 0.0)]  # fmt: skip
     shapes.append(ledge(sill, -0.74, 0.74, "trim", (0.9, 0.88, 0.84)))
     return shapes
+
+
+# Name -> maker and the width and height it was drawn for.
+WINDOWS: Mapping[str, tuple[Maker, float, float]] = MappingProxyType(
+    {
+        "window_sash": (window_sash, 1.05, 1.75),
+        "window_casement": (window_casement, 1.15, 1.9),
+        "window_single": (window_single, 1.35, 1.5),
+        "window_french": (window_french, 1.3, 2.25),
+        "window_office": (window_office, 2.2, 1.9),
+        "window_strip": (window_strip, 3.0, 1.5),
+        "window_shuttered": (window_shuttered, 1.0, 1.6),
+        "window_small": (window_small, 0.8, 0.95),
+        "window_cottage": (window_cottage, 1.2, 1.25),
+        "window_slider": (window_slider, 1.7, 1.2),
+        "window_factory": (window_factory, 2.4, 1.8),
+        "window_arched": (window_arched, 1.5, 4.0),
+        "window_pair": (towers.window_pair, 2.0, 1.8),
+        "window_deep": (towers.window_deep, 2.4, 2.0),
+        "window_slit": (towers.window_slit, 0.5, 2.3),
+        "window_wide": (towers.window_wide, 2.6, 2.4),
+        "window_lattice": (towers.window_lattice, 1.9, 1.9),
+        "window_grille": (towers.window_grille, 3.0, 1.3),
+        "window_moderne": (towers.window_moderne, 1.95, 1.4),
+        "window_ribbon": (towers.window_ribbon, 1.3, 1.4),
+        "window_deco": (towers.window_deco, 1.3, 1.9),
+        "window_glass_block": (towers.window_glass_block, 1.5, 2.5),
+        "window_picture": (houses.window_picture, 2.7, 1.55),
+        "window_grid": (houses.window_grid, 0.95, 1.5),
+        "window_leaded": (houses.window_leaded, 1.3, 1.0),
+        "window_terrace": (houses.window_terrace, 1.75, 1.95),
+        "window_prow": (houses.window_prow, 1.8, 1.6),
+        "window_temple": (houses.window_temple, 2.3, 2.5),
+        "window_barn": (houses.window_barn, 0.8, 0.8),
+        "window_parisian": (old_town.window_parisian, 1.15, 2.3),
+        "window_persiana": (old_town.window_persiana, 1.0, 1.7),
+        "window_georgian": (old_town.window_georgian, 1.05, 1.95),
+        "window_tenement": (old_town.window_tenement, 1.0, 1.75),
+        "window_block": (old_town.window_block, 1.7, 1.75),
+        "window_cross": (old_town.window_cross, 1.1, 1.9),
+        "window_mullioned": (old_town.window_mullioned, 1.5, 2.6),
+        "window_panel": (old_town.window_panel, 1.8, 1.4),
+        **HALL_WINDOWS,
+    }
+)
+# What is drawn behind the pane: nothing, a blind half down, curtains, a blind nearly closed.
+DRESSINGS: tuple[tuple[float, float], ...] = ((0.0, 0.0), (0.38, 0.0), (0.0, 0.22), (0.7, 0.0))
+
+
+@lru_cache(maxsize=512)
+@kept("window", least=FINE)
+def window(name: str, dressing: int = 0, *, detail: int = 2) -> Prototype:
+    """Make a window prototype.
+
+    Parameters
+    ----------
+    name
+        Key of `WINDOWS`.
+    dressing
+        Index into `DRESSINGS`.
+    detail
+        Level of detail; from `FINE` on it fills a niche.
+
+    Raises
+    ------
+    KeyError
+        If there is no such window.
+    """
+    maker = WINDOWS[name][0]
+    suffix = f"_{dressing}"
+    if detail >= FINE:
+        if name == "window_arched" or name in PATTERNS:
+            shapes = fine_window(name, GLASS, dressing)
+        else:
+            with fine_shapes():
+                shapes = set_back(maker(GLASS, *DRESSINGS[dressing]))
+        return prototype(f"{name}{suffix}_fine", "window", shapes)
+    return prototype(name + suffix, "window", maker(GLASS, *DRESSINGS[dressing]))

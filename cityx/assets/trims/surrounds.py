@@ -1,26 +1,16 @@
-"""Ornament and fittings drawn for near views; the plain forms are in `cityx.assets.trims.trims`.
+"""Surrounds of windows and doors: bottom centre of the opening at the origin.
 
-Origins, sizes and what is scaled are those of the plain forms. Bands without a fine form here are
-unit boxes that are stretched, and stay as they are.
+Those of windows are drawn for an opening of `SURROUND_WIDTH` by `SURROUND_HEIGHT`, to which the
+plugin scales them; those of doors are named for the door. The forms for near views have the sizes
+of the plain ones.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from itertools import pairwise
-from types import MappingProxyType
-
 import numpy as np
 
-from cityx.assets.openings.openings import arch
+from cityx.assets.openings.frames import arch, slab, surround
 from cityx.assets.shapes import bevelled, lathe, loft, moved, prism, tube
-from cityx.assets.trims.fine_balconies import (
-    balcony_bars,
-    balcony_glass,
-    balcony_iron,
-    balcony_rail,
-    balcony_solid,
-)
 from cityx.assets.trims.mouldings import (
     FloatArray,
     Shapes,
@@ -29,93 +19,109 @@ from cityx.assets.trims.mouldings import (
     portal,
     raised_panel,
     ring_moulding,
-    scroll,
-    sheet,
     soft,
 )
-from cityx.assets.trims.trims import SURROUND_HEIGHT, SURROUND_WIDTH
 from cityx.city.mesh import MeshBatch, one_mesh
 
+# Drawn for this opening; the plugin scales them to the real one.
+SURROUND_WIDTH, SURROUND_HEIGHT = 1.1, 1.8
 _W, _H = SURROUND_WIDTH / 2, SURROUND_HEIGHT
 
 
-def _course(points: list[tuple[float, float]], material: str = "trim", *, radius: float = 0.012,
-            steps: int = 4) -> MeshBatch:  # fmt: skip
-    """Sweep a softened profile of (outward, up) along one metre of wall."""
-    line = np.array([(-out, up) for out, up in points])
-    closed = np.vstack([line[-1:], soft(line, radius, steps)])[1:]
-    return ledge(closed, -0.5, 0.5, material)
-
-
-def _cyma(
-    out0: float, z0: float, out1: float, z1: float, steps: int = 7
-) -> list[tuple[float, float]]:
-    """Points of an S-shaped moulding between two corners."""
-    t = np.linspace(0.0, 1.0, steps)
-    bend = t + 0.16 * np.sin(2 * np.pi * t)
-    return [(float(out0 + (out1 - out0) * b), float(z0 + (z1 - z0) * s))
-            for b, s in zip(bend, t, strict=True)]  # fmt: skip
-
-
-def cornice() -> Shapes:
-    """Draw a main cornice, 0.6 m high, its upper edge at z = 0.
-
-    From below: bed mouldings, a corona with a drip, a cyma.
-    """
-    line = [(0.0, -0.60), (0.05, -0.60), (0.06, -0.585), (0.05, -0.57), (0.05, -0.44),
-            *_cyma(0.06, -0.42, 0.13, -0.33), (0.13, -0.30), (0.15, -0.285), (0.15, -0.26),
-            (0.27, -0.24), (0.27, -0.255), (0.29, -0.255), (0.30, -0.24), (0.30, -0.13),
-            *_cyma(0.31, -0.11, 0.38, -0.025), (0.38, 0.0), (0.0, 0.0)]  # fmt: skip
-    return [_course(line, radius=0.006, steps=3)]
-
-
-def coping() -> Shapes:
-    """Coping stone with a drip, 0.22 m high, its upper edge at z = 0.04."""
-    line = [(0.0, -0.18), (0.02, -0.18), (0.02, -0.04), (0.05, -0.04), (0.05, -0.05), (0.07, -0.05),
-            (0.07, 0.015), (0.05, 0.025), (0.0, 0.04)]  # fmt: skip
-    return [_course(line, radius=0.006, steps=3)]
-
-
-def eaves_board() -> Shapes:
-    """Fascia with a half-round gutter and its beads, upper edge at z = 0."""
-    angle = np.linspace(np.pi, 2 * np.pi, 17)
-    outer = [(0.09 - 0.06 * np.cos(a), -0.02 + 0.075 * np.sin(a)) for a in angle[::-1]]
-    inner = [(0.09 - 0.055 * np.cos(a), -0.02 + 0.068 * np.sin(a)) for a in angle]
-    gutter = np.array([(-out, up) for out, up in [*outer[::-1], *inner[::-1]]])
-    ends = [np.column_stack([np.full(len(gutter), x), gutter]) for x in (-0.5, 0.5)]
-    board = _course([(0.0, -0.22), (0.022, -0.22), (0.028, -0.20), (0.028, 0.0), (0.0, 0.0)],
-                    radius=0.004)  # fmt: skip
-    channel = loft(np.stack(ends)[:, ::-1], "metal_grey", caps=(False, False))
-    bead = tube([[-0.5, -0.152, -0.018], [0.5, -0.152, -0.018]], 0.009, "metal_grey", sides=10)
-    return [board, channel, bead]
-
-
-def string_course() -> Shapes:
-    """Moulded band between storeys, 0.22 m high, its middle at z = 0."""
-    line = [(0.0, -0.11), (0.035, -0.11), (0.045, -0.095), (0.035, -0.08), (0.04, -0.05),
-            *_cyma(0.045, -0.04, 0.10, 0.015), (0.13, 0.03), (0.13, 0.09), (0.115, 0.10), (0.0,
-                0.13)]  # fmt: skip
-    return [_course(line, radius=0.006, steps=3)]
-
-
-def bracket() -> Shapes:
-    """Scrolled console under a cornice."""
-    t = np.linspace(0.0, 1.0, 15)
-    out = 0.09 + 0.18 * t**2 + 0.025 * np.sin(2 * np.pi * t)
-    line = np.vstack([np.column_stack([-out, -0.45 + 0.42 * t])[::-1], [(0.0, -0.45), (0.0, 0.0)]])
-    line = np.vstack([[(-0.27, 0.0)], line])
-    shapes: Shapes = [ledge(line, -0.07, 0.07, "trim")]
-    for x in (-0.075, 0.075):
-        shapes.append(moved(scroll(0.0, 0.0, 0.0, 0.07, 1.0, material="trim", radius=0.014),
-                            (x, -0.17, -0.12), yaw=np.pi / 2))  # fmt: skip
-    return shapes
-
-
-# --- surrounds ------------------------------------------------------------------------------------
+def _architrave(border: float = 0.15, front: float = -0.055) -> Shapes:
+    return [
+        slab(-_W - border, -_W, 0.0, _H, front, "trim"),
+        slab(_W, _W + border, 0.0, _H, front, "trim"),
+        slab(-_W - border, _W + border, _H, _H + border, front, "trim"),
+    ]
 
 
 def sill() -> Shapes:
-    """Stone sill: weathered top, drip groove beneath, ends that run into the wall."""
+    """Window sill."""
+    return [slab(-_W - 0.1, _W + 0.1, -0.10, 0.0, -0.14, "trim")]
+
+
+def sill_metal() -> Shapes:
+    """Thin sheet sill."""
+    return [slab(-_W - 0.04, _W + 0.04, -0.035, 0.0, -0.10, "metal_grey")]
+
+
+def surround_flat() -> Shapes:
+    """Flat architrave with a sill."""
+    return [*_architrave(), *sill()]
+
+
+def surround_cap() -> Shapes:
+    """Architrave, sill and a straight cornice on top."""
+    return [
+        *surround_flat(),
+        slab(-_W - 0.15, _W + 0.15, _H + 0.15, _H + 0.33, -0.05, "trim"),
+        slab(-_W - 0.26, _W + 0.26, _H + 0.33, _H + 0.44, -0.21, "trim"),
+    ]
+
+
+def surround_pediment() -> Shapes:
+    """Architrave, sill and a triangular pediment."""
+    base = _H + 0.15
+    outline = [(-_W - 0.28, base + 0.1), (_W + 0.28, base + 0.1), (0.0, base + 0.48)]
+    inner = [(-_W - 0.10, base + 0.14), (_W + 0.10, base + 0.14), (0.0, base + 0.38)]
+    return [
+        *surround_flat(),
+        slab(-_W - 0.26, _W + 0.26, base, base + 0.1, -0.19, "trim"),
+        prism(outline, -0.20, 0.0, "trim"),
+        prism(inner, -0.205, -0.20, "trim", (0.75, 0.75, 0.75)),
+    ]
+
+
+def surround_lintel() -> Shapes:
+    """Stone sill and a flat arch of gauged brick with a keystone."""
+    flare = [(-_W - 0.06, _H), (_W + 0.06, _H), (_W + 0.2, _H + 0.32), (-_W - 0.2, _H + 0.32)]
+    key = [(-0.07, _H - 0.03), (0.07, _H - 0.03), (0.12, _H + 0.36), (-0.12, _H + 0.36)]
+    return [*sill(), prism(flare, -0.03, 0.0, "trim"), prism(key, -0.06, 0.0, "trim")]
+
+
+def surround_block() -> Shapes:
+    """Stone lintel and sill, square cut."""
+    return [
+        *sill(),
+        slab(-_W - 0.18, _W + 0.18, _H, _H + 0.24, -0.045, "trim"),
+    ]
+
+
+def portal_panel() -> Shapes:
+    """Pilasters and hood of a panelled door."""
+    return [
+        slab(-0.85, -0.60, -0.3, 2.75, -0.10, "trim"),
+        slab(0.60, 0.85, -0.3, 2.75, -0.10, "trim"),
+        slab(-0.95, 0.95, 2.75, 3.0, -0.22, "trim"),
+    ]
+
+
+def portal_double() -> Shapes:
+    """Architrave of a double door."""
+    return [*surround(2.0, 3.1, 0.16, -0.09, "trim", bottom=False)]
+
+
+def portal_house() -> Shapes:
+    """Small gabled hood on brackets."""
+    return [
+        slab(-0.95, 0.95, 2.30, 2.38, -0.85, "trim"),
+        prism([(-0.98, 2.38), (0.98, 2.38), (0.0, 2.70)], -0.88, 0.0, "trim", (0.7, 0.68, 0.66)),
+        slab(-0.9, -0.82, 1.95, 2.30, -0.35, "trim"),
+        slab(0.82, 0.9, 1.95, 2.30, -0.35, "trim"),
+    ]
+
+
+def portal_church() -> Shapes:
+    """Make stepped arches of a portal."""
+    return [
+        prism(arch(2.7, 4.0), -0.20, 0.0, "trim"),
+        prism(arch(2.2, 3.7), -0.24, 0.0, "trim", (0.8, 0.79, 0.77)),
+    ]
+
+
+def fine_sill() -> Shapes:
+    """Stone fine_sill: weathered top, drip groove beneath, ends that run into the wall."""
     line = soft([(0.06, -0.10), (0.06, 0.004), (0.0, 0.0), (-0.125, -0.018), (-0.14, -0.028),
                  (-0.14, -0.085), (-0.125, -0.098), (-0.11, -0.10), (-0.105, -0.09), (-0.09, -0.09),
                  (-0.085, -0.10), (0.0, -0.10)], 0.006, 3)  # fmt: skip
@@ -123,8 +129,8 @@ def sill() -> Shapes:
     return [ledge(np.vstack([line, [(0.0, -0.10)]]), -_W - 0.1, _W + 0.1, "trim")]
 
 
-def sill_metal() -> Shapes:
-    """Sheet sill with a welted front edge and turned-up ends."""
+def fine_sill_metal() -> Shapes:
+    """Sheet fine_sill with a welted front edge and turned-up ends."""
     line = [(0.0, -0.035), (0.0, 0.0), (-0.095, -0.014), (-0.10, -0.02), (-0.10, -0.034),
             (-0.094, -0.036), (-0.092, -0.028)]  # fmt: skip
     shapes: Shapes = [ledge(np.array(line), -_W - 0.04, _W + 0.04, "metal_grey")]
@@ -142,7 +148,7 @@ _ARCHITRAVE = np.array([(0.0, 0.0), (0.0, -0.050), (0.010, -0.058), (0.026, -0.0
                             0.0)])  # fmt: skip
 
 
-def _architrave(border: float = 0.15) -> Shapes:
+def _moulded_architrave(border: float = 0.15) -> Shapes:
     """Jambs and head of three fasciae with a moulded edge, on plinth blocks."""
     line = soft(_ARCHITRAVE * [border / 0.15, 1.0], 0.005, 3)
     shapes: Shapes = [portal(-_W - border, _W + border, 0.0, _H + border, line, "trim")]
@@ -152,9 +158,9 @@ def _architrave(border: float = 0.15) -> Shapes:
     return shapes
 
 
-def surround_flat() -> Shapes:
-    """Moulded architrave with a sill on two blocks."""
-    return [*_architrave(), *sill(), *_sill_blocks()]
+def fine_surround_flat() -> Shapes:
+    """Moulded architrave with a fine_sill on two blocks."""
+    return [*_moulded_architrave(), *fine_sill(), *_sill_blocks()]
 
 
 def _sill_blocks() -> Shapes:
@@ -177,10 +183,10 @@ def _hood(z: float) -> Shapes:
     return shapes
 
 
-def surround_cap() -> Shapes:
+def fine_surround_cap() -> Shapes:
     """Architrave, frieze panel, consoles and a cornice."""
     base = _H + 0.15
-    shapes = [*surround_flat(), *_hood(base + 0.20)]
+    shapes = [*fine_surround_flat(), *_hood(base + 0.20)]
     shapes.append(bevelled((-_W - 0.15, -0.03, base), (_W + 0.15, 0.0, base + 0.2), "trim",
                            hidden=("+y", "+z")))  # fmt: skip
     shapes += raised_panel(-_W + 0.05, _W - 0.05, base + 0.025, base + 0.145, -0.03, "trim")
@@ -189,10 +195,10 @@ def surround_cap() -> Shapes:
     return shapes
 
 
-def surround_pediment() -> Shapes:
+def fine_surround_pediment() -> Shapes:
     """Architrave, consoles and a triangular pediment with raking mouldings."""
     base = _H + 0.15
-    shapes = [*surround_flat(), *_hood(base + 0.02)]
+    shapes = [*fine_surround_flat(), *_hood(base + 0.02)]
     outer = [(-_W - 0.26, base + 0.13), (_W + 0.26, base + 0.13), (0.0, base + 0.50)]
     shapes.append(prism([(-_W - 0.1, base + 0.14), (_W + 0.1, base + 0.14), (0.0, base + 0.42)],
         -0.06,
@@ -218,9 +224,9 @@ def _same(mesh: MeshBatch, vertices: FloatArray) -> MeshBatch:
     return one_mesh(0, vertices, mesh.faces, materials=mesh.materials, uv=mesh.uv, tint=mesh.tint)
 
 
-def surround_lintel() -> Shapes:
-    """Stone sill and a flat arch of gauged bricks, each drawn, with a keystone."""
-    shapes: Shapes = [*sill()]
+def fine_surround_lintel() -> Shapes:
+    """Stone fine_sill and a flat arch of gauged bricks, each drawn, with a keystone."""
+    shapes: Shapes = [*fine_sill()]
     count, low, high = 13, _H, _H + 0.32
     foot, top = _W + 0.06, _W + 0.2
     for k in range(count):
@@ -249,17 +255,14 @@ def _face(outline: FloatArray, y: float, material: str = "trim") -> MeshBatch:
     return one_mesh(0, corners, [[0, 1, 2, 3]], materials=(material,), uv=outline[None])
 
 
-def surround_block() -> Shapes:
-    """Stone lintel with chamfered edges and a sill."""
+def fine_surround_block() -> Shapes:
+    """Stone lintel with chamfered edges and a fine_sill."""
     return [
-        *sill(),
+        *fine_sill(),
         bevelled((-_W - 0.18, -0.045, _H), (_W + 0.18, 0.0, _H + 0.24), "trim", bevel=0.015,
                  hidden=("+y",)),
         *raised_panel(-_W + 0.02, _W - 0.02, _H + 0.05, _H + 0.19, -0.045, "trim"),
     ]  # fmt: skip
-
-
-# --- portals --------------------------------------------------------------------------------------
 
 
 def _pilaster(x0: float, x1: float, z0: float, z1: float, out: float) -> Shapes:
@@ -276,7 +279,7 @@ def _pilaster(x0: float, x1: float, z0: float, z1: float, out: float) -> Shapes:
     return shapes
 
 
-def portal_panel() -> Shapes:
+def fine_portal_panel() -> Shapes:
     """Pilasters with bases and capitals, an entablature with dentils and a hood."""
     shapes = _pilaster(-0.85, -0.60, -0.3, 2.62, 0.08) + _pilaster(0.60, 0.85, -0.3, 2.62, 0.08)
     line = soft([(0.0, 0.0), (-0.10, 0.0), (-0.10, 0.07), (-0.11, 0.08), (-0.11, 0.20), (-0.15,
@@ -293,7 +296,7 @@ def portal_panel() -> Shapes:
     return shapes
 
 
-def portal_double() -> Shapes:
+def fine_portal_double() -> Shapes:
     """Moulded architrave of a double door with plinth blocks and a keystone."""
     line = soft(_ARCHITRAVE * [0.16 / 0.15, 1.7], 0.008, 3)
     shapes: Shapes = [portal(-1.0, 1.0, 0.0, 3.1, line, "trim")]
@@ -304,7 +307,7 @@ def portal_double() -> Shapes:
     return shapes
 
 
-def portal_house() -> Shapes:
+def fine_portal_house() -> Shapes:
     """Gabled hood with rafters, tiles laid in courses, bargeboards and braces."""
     shapes: Shapes = []
     slope = np.array([0.98, 0.32])
@@ -350,7 +353,7 @@ def _tile(ends: list[tuple[float, float]], y0: float, y1: float, side: float) ->
     return loft(ring if side < 0 else ring[:, ::-1], "roof_tiles", (0.5, 0.25, 0.18))
 
 
-def portal_church() -> Shapes:
+def fine_portal_church() -> Shapes:
     """Make stepped and moulded arches of a portal on slender shafts."""
     shapes: Shapes = []
     for wide, tall, out in ((2.7, 4.0, -0.16), (2.36, 3.79, -0.10), (2.06, 3.61, -0.05)):
@@ -370,92 +373,3 @@ def portal_church() -> Shapes:
             column = lathe(np.array(shaft) * [0.05, factor], "trim", sides=16)
             shapes.append(moved(column, (x, out - 0.02, 0.0)))
     return shapes
-
-
-# --- fittings -------------------------------------------------------------------------------------
-
-
-def air_conditioner() -> Shapes:
-    """Outdoor unit: casing, fan with blades behind a wire guard, louvres, pipes, brackets."""
-    shapes: Shapes = [bevelled((-0.4, -0.42, 0.0), (0.4, -0.10, 0.58), "plastic", (0.95, 0.94,
-        0.90),
-                               bevel=0.015)]  # fmt: skip
-    cx, cz, y = -0.1, 0.29, -0.425
-    angle = np.linspace(0.0, 2 * np.pi, 41)
-    for radius in (0.235, 0.20, 0.165, 0.13, 0.095, 0.06):
-        ring = np.column_stack([cx + radius * np.cos(angle), np.full(41, y - 0.012),
-                                cz + radius * np.sin(angle)])  # fmt: skip
-        shapes.append(tube(ring, 0.004, "plastic", (0.9, 0.9, 0.88), sides=5, caps=(False, False)))
-    for a in np.linspace(0.0, 2 * np.pi, 13)[:-1]:
-        way = np.array([np.cos(a), 0.0, np.sin(a)])
-        hub = np.array([cx, y - 0.009, cz])
-        shapes.append(tube([hub + 0.05 * way, hub + 0.235 * way], 0.004, "plastic", (0.9, 0.9,
-            0.88),
-                           sides=5))  # fmt: skip
-    disc = np.column_stack([cx + 0.235 * np.cos(angle[:-1]), cz + 0.235 * np.sin(angle[:-1])])
-    shapes.append(prism(disc, y - 0.001, y + 0.004, "metal_dark"))
-    for a in np.linspace(0.0, 2 * np.pi, 4)[:-1]:
-        s, t = np.meshgrid(np.linspace(0.05, 0.22, 7), np.linspace(0.0, 1.0, 7))
-        turn = a + 0.9 * t + 0.4 * s
-        blade = np.stack([cx + s * np.cos(turn), y - 0.003 - 0.004 * t, cz + s * np.sin(turn)], -1)
-        shapes += [sheet(blade, "metal_grey"), sheet(blade[:, ::-1], "metal_grey")]
-    for z in np.linspace(0.06, 0.52, 16):
-        shapes.append(
-            bevelled((0.19, -0.428, z), (0.36, -0.415, z + 0.012), "metal_dark", bevel=0.002)
-        )
-    for x in (-0.32, 0.32):
-        shapes.append(bevelled((x - 0.02, -0.40, -0.045), (x + 0.02, 0.0, -0.01), "metal_grey"))
-        shapes.append(tube([[x, -0.38, -0.03], [x, -0.02, -0.32]], 0.012, "metal_grey", sides=10))
-    for k in range(2):
-        pipe = [[0.40, -0.2 - 0.04 * k, 0.1], [0.46, -0.2 - 0.04 * k, 0.1], [0.48, -0.06, 0.14],
-                [0.48, 0.0, 0.3]]  # fmt: skip
-        shapes.append(tube(pipe, 0.012, "cloth", sides=10))
-    return shapes
-
-
-def downpipe() -> Shapes:
-    """Rain pipe, one metre high, to be scaled."""
-    return [tube([[0.0, -0.09, 0.0], [0.0, -0.09, 1.0]], 0.05, "metal_grey", sides=18)]
-
-
-def fire_escape() -> Shapes:
-    """One storey (3 m) of an iron fire escape: grating, railings, stringers, open treads."""
-    shapes: Shapes = []
-    for y in np.arange(-1.06, 0.0, 0.055):
-        shapes.append(bevelled((-1.6, y, -0.03), (1.6, y + 0.008, 0.0), "metal_dark", bevel=0.001))
-    for x in np.linspace(-1.58, 1.58, 9):
-        shapes.append(bevelled((x - 0.012, -1.1, -0.06), (x + 0.012, 0.0, -0.03), "metal_dark"))
-    for z in (0.12, 0.55, 1.0):
-        rail = [[-1.6, 0.0, z], [-1.6, -1.09, z], [1.6, -1.09, z], [1.6, 0.0, z]]
-        for a, b in pairwise(rail):
-            shapes.append(tube([a, b], 0.018 if z == 1.0 else 0.010, "metal_dark", sides=10))
-    for x in np.linspace(-1.6, 1.6, 27):
-        shapes.append(tube([[x, -1.09, 0.0], [x, -1.09, 1.0]], 0.008, "metal_dark", sides=8))
-    for y in (-0.95, -0.4):
-        rings = [[[x - 0.1, y, z], [x + 0.1, y, z], [x + 0.1, y + 0.03, z], [x - 0.1, y + 0.03, z]]
-                 for x, z in ((-1.2, 0.0), (1.2, 2.94))]  # fmt: skip
-        shapes.append(loft(np.array(rings), "metal_dark"))
-        shapes.append(tube([[-1.2, y, 0.9], [1.2, y, 3.84]], 0.016, "metal_dark", sides=10))
-        for t in np.linspace(0.05, 0.95, 7):
-            x, z = -1.2 + 2.4 * t, 2.94 * t
-            shapes.append(tube([[x, y, z], [x, y, z + 0.9]], 0.008, "metal_dark", sides=8))
-    for step in range(1, 14):
-        x, z = -1.2 + 2.4 * step / 14, 2.94 * step / 14
-        for k in range(5):
-            shapes.append(bevelled((x - 0.1 + 0.04 * k, -0.95, z - 0.02), (x - 0.075 + 0.04 * k,
-                -0.37, z),
-                                   "metal_dark", bevel=0.002))  # fmt: skip
-    return shapes
-
-
-FINE_TRIMS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
-    {
-        maker.__name__: maker
-        for maker in (
-            cornice, coping, eaves_board, string_course, bracket, sill, sill_metal, surround_flat,
-            surround_cap, surround_pediment, surround_lintel, surround_block, portal_panel,
-            portal_double, portal_house, portal_church, balcony_iron, balcony_solid, balcony_bars,
-            balcony_glass, balcony_rail, air_conditioner, downpipe, fire_escape,
-        )
-    }
-)  # fmt: skip

@@ -1,20 +1,39 @@
-"""Doors drawn for near views: mouldings, panels, hinges, handles, letter boxes, gates of slats.
+"""Doors as things that sit on a wall; see `cityx.assets.openings.frames`.
 
-Each fills a niche: y = 0 is the face of the wall, `NICHE_DEPTH` its back; -y stands out. They have
-the sizes of their plain forms in `cityx.assets.openings.openings`.
+`DOORS` gives the opening each was drawn for. The forms for near views, of the same sizes, have
+mouldings, panels, hinges, handles, letter boxes and gates of slats.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
 
-from cityx.assets.openings.fine_windows import BACKING, PANE_MATERIAL, plate
-from cityx.assets.shapes import bevelled, tube
-from cityx.assets.trims.mouldings import (
+from cityx.assets.kept_prototypes import kept
+from cityx.assets.openings import windows_houses as houses
+from cityx.assets.openings import windows_old_town as old_town
+from cityx.assets.openings import windows_towers as towers
+from cityx.assets.openings.frames import (
+    BACKING,
+    FINE,
+    FRAME,
+    GLASS,
+    PANE,
+    PANE_MATERIAL,
     Shapes,
+    arch,
+    pane,
+    plate,
+    set_back,
+    slab,
+    surround,
+)
+from cityx.assets.openings.windows_halls import HALL_DOORS
+from cityx.assets.shapes import bevelled, disc, fine_shapes, prism, prototype, tube
+from cityx.assets.trims.mouldings import (
     bar,
     frame,
     hinge,
@@ -28,12 +47,117 @@ from cityx.assets.trims.mouldings import (
     scroll,
     soft,
 )
+from cityx.city.scene import Prototype
 
-GLASS = "glass"
 LEAF = 0.075  # metres the face of a leaf lies behind the wall
 _LINING = ((0.0, 0.0), (0.0, -0.012), (0.012, -0.020), (0.022, -0.018), (0.03, -0.008),
            (0.05, -0.006), (0.06, 0.004), (0.066, 0.02), (0.07, 0.06), (0.085, 0.064),
            (0.085, 0.135))  # fmt: skip
+
+
+def _plain_leaf(x0: float, x1: float, z0: float, z1: float, panels: int) -> Shapes:
+    """Make a panelled door leaf."""
+    shapes = [slab(x0, x1, z0, z1, -0.035, "door_paint")]
+    step = (z1 - z0 - 0.12) / panels
+    for row in range(panels):
+        low = z0 + 0.12 + row * step
+        shapes.append(
+            slab(x0 + 0.11, x1 - 0.11, low, low + step - 0.12, -0.048, "door_paint",
+                 (0.82, 0.82, 0.82), back=-0.035)
+        )  # fmt: skip
+    return shapes
+
+
+def door_panel() -> Shapes:
+    """Panelled door with a transom light, on a step."""
+    shapes = [
+        slab(-0.60, 0.60, 2.62, 2.75, -0.06, "frame_paint"),
+        pane(-0.58, 0.58, 2.2, 2.62, GLASS),
+        slab(-0.60, 0.60, 2.12, 2.2, -0.07, "frame_paint"),
+        slab(-0.80, 0.80, -0.35, 0.05, -0.42, "step_stone"),
+    ]
+    shapes += _plain_leaf(-0.60, 0.60, 0.05, 2.12, 3)
+    shapes.append(disc((0.45, -0.07, 1.1), 0.035, "metal_grey", sides=6, thickness=0.03))
+    return shapes
+
+
+def door_double() -> Shapes:
+    """Tall double door of a tenement, with a glazed transom."""
+    shapes = _plain_leaf(-0.84, -0.01, 0.04, 2.3, 3) + _plain_leaf(0.01, 0.84, 0.04, 2.3, 3)
+    shapes += [
+        slab(-0.84, 0.84, 2.3, 2.4, -0.07, "door_paint"),
+        pane(-0.84, 0.84, 2.4, 2.94, GLASS),
+        slab(-0.03, 0.03, 2.4, 2.94, -0.05, "door_paint"),
+        slab(-0.95, 0.95, -0.35, 0.04, -0.30, "step_stone"),
+        slab(-0.025, 0.025, 0.04, 2.3, -0.06, "door_paint"),
+    ]
+    return shapes
+
+
+def door_glass() -> Shapes:
+    """Glazed entrance with a canopy."""
+    shapes = surround(2.0, 2.7, 0.07, FRAME, "frame_paint", bottom=False)
+    shapes += [
+        pane(-0.95, 0.95, 0.0, 2.66, GLASS),
+        slab(-0.035, 0.035, 0.0, 2.2, -0.06, "frame_paint", back=PANE),
+        slab(-0.95, 0.95, 2.2, 2.26, -0.06, "frame_paint", back=PANE),
+        slab(-0.95, 0.95, 0.0, 0.12, -0.05, "frame_paint", back=PANE),
+        slab(-1.35, 1.35, 2.78, 2.92, -1.25, "frame_paint"),
+        slab(0.10, 0.13, 0.9, 1.5, -0.11, "metal_grey", back=-0.06),
+        slab(-0.13, -0.10, 0.9, 1.5, -0.11, "metal_grey", back=-0.06),
+        slab(-1.05, 1.05, -0.35, 0.02, -0.5, "step_stone"),
+    ]
+    return shapes
+
+
+def door_house() -> Shapes:
+    """Front door of a house, on a step."""
+    shapes = surround(1.16, 2.2, 0.09, -0.06, "frame_paint", bottom=False)
+    shapes += _plain_leaf(-0.49, 0.49, 0.05, 2.11, 2)
+    shapes += [
+        pane(-0.22, 0.22, 1.35, 1.85, GLASS, y=-0.052),
+        slab(-0.8, 0.8, -0.35, 0.05, -0.9, "step_stone"),
+    ]
+    return shapes
+
+
+def door_service() -> Shapes:
+    """Plain steel door of a yard or a shed."""
+    return [
+        *surround(1.06, 2.12, 0.07, -0.05, "frame_paint", bottom=False),
+        slab(-0.46, 0.46, 0.0, 2.05, -0.03, "door_paint"),
+        slab(0.32, 0.40, 1.0, 1.06, -0.08, "metal_grey", back=-0.03),
+    ]
+
+
+def door_garage() -> Shapes:
+    """Sectional garage door."""
+    shapes = surround(2.6, 2.25, 0.08, -0.06, "frame_paint", bottom=False)
+    for row in range(5):
+        z = 0.435 * row
+        shapes.append(slab(-1.22, 1.22, z + 0.012, z + 0.425, -0.035, "door_paint"))
+    shapes.append(pane(-1.22, 1.22, 0.0, 2.17, "metal_dark", y=-0.012))
+    return shapes
+
+
+def door_roller() -> Shapes:
+    """Roller gate of a hall, with guards."""
+    shapes = surround(4.0, 4.2, 0.14, -0.10, "metal_grey", bottom=False)
+    for row in range(11):
+        z = 0.37 * row
+        shapes.append(slab(-1.86, 1.86, z + 0.02, z + 0.36, -0.045, "door_paint"))
+    shapes.append(pane(-1.86, 1.86, 0.0, 4.06, "metal_dark", y=-0.015))
+    shapes.append(slab(-2.1, 2.1, 4.2, 4.6, -0.40, "metal_grey"))
+    return shapes
+
+
+def door_portal() -> Shapes:
+    """Arched portal of a church."""
+    return [
+        prism(arch(1.8, 3.45), -0.28, 0.0, "door_paint"),
+        slab(-0.02, 0.02, 0.0, 3.4, -0.30, "metal_dark", back=-0.28),
+        slab(-1.5, 1.5, -0.35, 0.06, -0.8, "step_stone"),
+    ]
 
 
 def lining(x0: float, x1: float, z0: float, z1: float, material: str = "frame_paint") -> Shapes:
@@ -153,7 +277,7 @@ def _head(x0: float, x1: float, z: float, material: str) -> Shapes:
     return [ledge(np.asarray(line) + np.array([0.0, z]), x0, x1, material)]
 
 
-def door_panel() -> Shapes:
+def fine_door_panel() -> Shapes:
     """Panelled door with a fanlight in a moulded frame, on its step."""
     shapes = lining(-0.60, 0.60, 0.05, 2.75)
     shapes += leaf(-0.52, 0.52, 0.05, 2.08, 3, columns=2)
@@ -168,7 +292,7 @@ def door_panel() -> Shapes:
     return shapes
 
 
-def door_double() -> Shapes:
+def fine_door_double() -> Shapes:
     """Tall double door of a tenement with a glazed transom."""
     shapes = lining(-0.84, 0.84, 0.04, 2.94)
     shapes += leaf(-0.76, -0.012, 0.04, 2.28, 3, glazed=1)
@@ -184,7 +308,7 @@ def door_double() -> Shapes:
     return shapes
 
 
-def door_glass() -> Shapes:
+def fine_door_glass() -> Shapes:
     """Glazed entrance of metal sections under a canopy, with pull handles and bells."""
     section = soft([(0.0, 0.135), (0.0, 0.03), (0.055, 0.03), (0.062, 0.036), (0.062, 0.06),
                     (0.07, 0.062), (0.07, 0.135)], 0.003, 3)  # fmt: skip
@@ -227,7 +351,7 @@ def door_glass() -> Shapes:
     return [*shapes, mat, *steps(1.05, 0.02, 0.5, "step_stone")]
 
 
-def door_house() -> Shapes:
+def fine_door_house() -> Shapes:
     """Front door of a house: boarded leaf with lights, letter box, lantern and step."""
     shapes = lining(-0.58, 0.58, 0.05, 2.2)
     shapes += leaf(-0.50, 0.50, 0.05, 2.11, 3, columns=2, glazed=1)
@@ -243,7 +367,7 @@ def door_house() -> Shapes:
     return shapes + steps(0.8, 0.05, 0.9, "step_stone")
 
 
-def door_service() -> Shapes:
+def fine_door_service() -> Shapes:
     """Steel door with a louvre, a kick plate, hinges and a lever."""
     section = soft(
         [(0.0, 0.0), (0.0, -0.008), (0.055, -0.008), (0.06, 0.0), (0.06, 0.07)], 0.004, 3
@@ -262,7 +386,7 @@ def door_service() -> Shapes:
     return shapes
 
 
-def door_garage() -> Shapes:
+def fine_door_garage() -> Shapes:
     """Sectional garage door with pressed ribs, a handle and seals."""
     section = soft([(0.0, 0.0), (0.0, -0.01), (0.06, -0.01), (0.07, 0.0), (0.08, 0.05), (0.08,
         0.13)],
@@ -280,7 +404,7 @@ def door_garage() -> Shapes:
     return shapes
 
 
-def door_roller() -> Shapes:
+def fine_door_roller() -> Shapes:
     """Roller gate of a hall: interlocked slats in channels, box, guards and a push button."""
     section = soft([(0.0, 0.0), (0.0, -0.10), (0.14, -0.10), (0.14, 0.02), (0.12, 0.02), (0.12,
         0.09)],
@@ -301,10 +425,8 @@ def door_roller() -> Shapes:
     return shapes
 
 
-def door_portal() -> Shapes:
+def fine_door_portal() -> Shapes:
     """Arched portal of a church: two boarded leaves with iron straps, ring and studs."""
-    from cityx.assets.openings.openings import arch
-
     outline = arch(1.8, 3.45, 20)
     jamb = [(0.0, 0.0), (0.02, -0.01), (0.04, 0.0), (0.05, 0.02), (0.07, 0.03), (0.09, 0.03),
             (0.11, 0.06), (0.12, 0.09)]  # fmt: skip
@@ -333,10 +455,53 @@ def door_portal() -> Shapes:
 
 FINE_DOORS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {
-        maker.__name__: maker
+        maker.__name__.removeprefix("fine_"): maker
         for maker in (
-            door_panel, door_double, door_glass, door_house, door_service, door_garage,
-            door_roller, door_portal,
+            fine_door_panel, fine_door_double, fine_door_glass, fine_door_house,
+            fine_door_service, fine_door_garage, fine_door_roller, fine_door_portal,
         )
     }
 )  # fmt: skip
+DOORS: Mapping[str, tuple[Callable[[], Shapes], float, float]] = MappingProxyType(
+    {
+        "door_panel": (door_panel, 1.7, 3.0),
+        "door_double": (door_double, 2.0, 3.1),
+        "door_glass": (door_glass, 2.0, 2.7),
+        "door_house": (door_house, 1.16, 2.2),
+        "door_service": (door_service, 1.06, 2.12),
+        "door_garage": (door_garage, 2.6, 2.25),
+        "door_roller": (door_roller, 4.0, 4.2),
+        "door_portal": (door_portal, 2.7, 4.0),
+        "door_lobby": (towers.door_lobby, 5.2, 3.5),
+        "door_parking": (towers.door_parking, 7.8, 3.05),
+        "door_bronze": (towers.door_bronze, 8.3, 8.3),
+        "door_deco": (towers.door_deco, 2.0, 2.85),
+        "door_sidelight": (houses.door_sidelight, 1.66, 2.25),
+        "door_boards": (houses.door_boards, 1.1, 2.1),
+        "door_carriage": (houses.door_carriage, 2.55, 2.3),
+        "door_barn": (houses.door_barn, 3.7, 3.3),
+        "door_flat": (houses.door_flat, 1.9, 2.3),
+        "door_greenhouse": (houses.door_greenhouse, 2.2, 2.3),
+        "door_fanlight": (old_town.door_fanlight, 2.2, 2.95),
+        "door_gateway": (old_town.door_gateway, 2.9, 3.7),
+        "door_stoop": (old_town.door_stoop, 2.2, 4.1),
+        "door_planks": (old_town.door_planks, 2.0, 2.9),
+        "door_council": (old_town.door_council, 3.4, 4.4),
+        "door_stairwell": (old_town.door_stairwell, 2.4, 2.6),
+        **HALL_DOORS,
+    }
+)
+
+
+@lru_cache(maxsize=32)
+@kept("door", least=FINE)
+def door(name: str, *, detail: int = 2) -> Prototype:
+    """Make a door prototype; `name` is a key of `DOORS`, `detail` as of `window`."""
+    if detail >= FINE:
+        if name in FINE_DOORS:
+            shapes = FINE_DOORS[name]()
+        else:
+            with fine_shapes():
+                shapes = set_back(DOORS[name][0]())
+        return prototype(f"{name}_fine", "door", shapes)
+    return prototype(name, "door", DOORS[name][0]())

@@ -1,6 +1,6 @@
-"""Balconies drawn for near views; the plain forms are in `cityx.assets.trims.trims`.
+"""Balconies: floor level and middle at the origin, x along the wall, y into it.
 
-Origins and sizes are those of the plain forms: x along the wall, y into it, the floor at z = 0.
+The forms for near views have the origins and sizes of the plain ones.
 """
 
 from __future__ import annotations
@@ -9,13 +9,80 @@ from itertools import pairwise
 
 import numpy as np
 
-from cityx.assets.shapes import Color, bevelled, cards, lathe, moved, tube
-from cityx.assets.trims.mouldings import FloatArray, Shapes, console, raised_panel, scroll, soft
-from cityx.assets.trims.trims import BALCONY_WIDTH
+from cityx.assets.openings.frames import slab
+from cityx.assets.shapes import Color, bevelled, box, cards, lathe, loft, moved, tube
+from cityx.assets.trims.mouldings import (
+    FloatArray,
+    Shapes,
+    console,
+    raised_panel,
+    scroll,
+    soft,
+)
 from cityx.city.mesh import MeshBatch, one_mesh
 from cityx.ids import rng_for
 
+BALCONY_WIDTH = 2.4  # metres, of every balcony
 _B = BALCONY_WIDTH / 2
+
+
+def _railing(depth: float, rods: int) -> Shapes:
+    shapes: Shapes = []
+    for z0, z1 in ((0.06, 0.09), (0.99, 1.04)):
+        shapes.append(box((-_B, -depth, z0), (_B, -depth + 0.04, z1), "metal_dark"))
+        for x in (-_B, _B - 0.04):
+            shapes.append(box((x, -depth + 0.04, z0), (x + 0.04, 0.0, z1), "metal_dark"))
+    for x in np.linspace(-_B, _B - 0.02, rods):
+        shapes.append(box((x, -depth + 0.01, 0.09), (x + 0.02, -depth + 0.03, 0.99), "metal_dark",
+                          bottom=False))  # fmt: skip
+    side = max(3, round(depth / (2 * _B) * rods))
+    for y in np.linspace(-depth, -0.1, side)[1:]:
+        for x in (-_B + 0.01, _B - 0.03):
+            shapes.append(box((x, y, 0.09), (x + 0.02, y + 0.02, 0.99), "metal_dark",
+                              bottom=False))  # fmt: skip
+    return shapes
+
+
+def balcony_iron() -> Shapes:
+    """Shallow stone balcony on consoles with an iron railing."""
+    shapes: Shapes = [slab(-_B - 0.05, _B + 0.05, -0.14, 0.0, -0.95, "trim")]
+    for x in (-_B + 0.3, _B - 0.3):
+        outline = np.array([(0.0, -0.6), (-0.14, -0.5), (-0.2, -0.3), (-0.6, -0.14), (0.0, -0.14)])
+        ends = [np.column_stack([np.full(5, x + dx), outline]) for dx in (-0.09, 0.09)]
+        shapes.append(loft(np.stack(ends), "trim"))
+    return shapes + _railing(0.9, 17)
+
+
+def balcony_solid() -> Shapes:
+    """Concrete balcony with a solid parapet and a rail."""
+    return [
+        slab(-_B, _B, -0.18, 0.0, -1.15, "trim"),
+        box((-_B, -1.15, 0.0), (_B, -1.05, 0.85), "trim", (0.92, 0.92, 0.92)),
+        box((-_B, -1.05, 0.0), (-_B + 0.1, 0.0, 0.85), "trim", (0.92, 0.92, 0.92)),
+        box((_B - 0.1, -1.05, 0.0), (_B, 0.0, 0.85), "trim", (0.92, 0.92, 0.92)),
+        box((-_B, -1.12, 0.98), (_B, -1.08, 1.02), "metal_grey"),
+    ]
+
+
+def balcony_bars() -> Shapes:
+    """Concrete slab with a plain railing."""
+    return [slab(-_B, _B, -0.2, 0.0, -1.2, "trim"), *_railing(1.18, 15)]
+
+
+def balcony_glass() -> Shapes:
+    """Slab with a glass balustrade."""
+    return [
+        slab(-_B, _B, -0.2, 0.0, -1.25, "trim"),
+        box((-_B, -1.24, 0.04), (_B, -1.22, 1.0), "glass"),
+        box((-_B, -1.22, 0.04), (-_B + 0.02, 0.0, 1.0), "glass"),
+        box((_B - 0.02, -1.22, 0.04), (_B, 0.0, 1.0), "glass"),
+        box((-_B, -1.26, 1.0), (_B, -1.21, 1.05), "metal_grey"),
+    ]
+
+
+def balcony_rail() -> Shapes:
+    """Railing close before a French window, drawn for the balcony's width."""
+    return _railing(0.22, 21)
 
 
 def _slab(depth: float, thick: float, *, more: float = 0.0, soffit: bool = True) -> Shapes:
@@ -120,7 +187,7 @@ def _newels(depth: float) -> Shapes:
             for x in (-_B + 0.02, _B - 0.02)]  # fmt: skip
 
 
-def balcony_iron() -> Shapes:
+def fine_balcony_iron() -> Shapes:
     """Stone balcony on scrolled consoles with a wrought-iron railing."""
     shapes = _slab(0.95, 0.14, more=0.05)
     for x in (-_B + 0.3, _B - 0.3):
@@ -129,7 +196,7 @@ def balcony_iron() -> Shapes:
     return shapes + _iron_bars(0.9, 0.14, ornate=True) + _newels(0.9)
 
 
-def balcony_solid() -> Shapes:
+def fine_balcony_solid() -> Shapes:
     """Concrete balcony: parapet with recessed panels, coping, rail on posts, flower boxes."""
     shapes = _slab(1.15, 0.18)
     tint: Color = (0.92, 0.92, 0.92)
@@ -176,13 +243,13 @@ def _flower_box(x: float, y: float, z: float, half: float = 0.42) -> Shapes:
     return shapes
 
 
-def balcony_bars() -> Shapes:
+def fine_balcony_bars() -> Shapes:
     """Concrete slab with a drip and a steel railing of round bars."""
     shapes = _slab(1.2, 0.2) + _handrail(1.18, 1.05) + _lower_rail(1.18, 0.08)
     return shapes + _iron_bars(1.18, 0.105, ornate=False) + _flower_box(0.5, -1.1, 0.02)
 
 
-def balcony_glass() -> Shapes:
+def fine_balcony_glass() -> Shapes:
     """Slab with panes held by clamps on posts under a handrail."""
     shapes = _slab(1.25, 0.2)
     for x0, x1 in pairwise(np.linspace(-_B, _B, 4)):
@@ -206,7 +273,7 @@ def balcony_glass() -> Shapes:
     return shapes
 
 
-def balcony_rail() -> Shapes:
+def fine_balcony_rail() -> Shapes:
     """Wrought-iron railing close before a French window."""
     depth = 0.22
     shapes = _handrail(depth, 1.04) + _lower_rail(depth, 0.06) + _lower_rail(depth, 0.875)
