@@ -15,6 +15,8 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
+from cityx.system.tables import files_read_by
+
 PACKAGE = Path(__file__).parents[1]
 # Rooms of the package that hold actions.
 ROOMS = (
@@ -111,6 +113,7 @@ def _face_of(module: str) -> bytes:
     try:
         if "/" in module:
             return (PACKAGE / module).read_bytes()
-        return face(source.read_text(encoding="utf-8")).encode()
+        text = source.read_text(encoding="utf-8")
+        return face(text).encode() + b"".join(path.read_bytes() for path in files_read_by(text))
     except OSError:
         return b""
