@@ -7,6 +7,7 @@ import pytest
 from cityx.protocol import registry, shipped
 from cityx.protocol.records import written_records
 from cityx.protocol.shipped import face, fresh_records
+from cityx.system import tables
 
 PLUGIN = '''from words import WORDS
 
@@ -69,11 +70,12 @@ def test_only_what_stands_outside_of_bodies_changes_a_face(was, becomes, same):
 @pytest.fixture
 def package(tmp_path, monkeypatch):
     """A copy of the package's sources that a test may change."""
-    for path in (*shipped.PACKAGE.rglob("*.py"), *shipped.PACKAGE.rglob("*.toml")):
+    for path in [*shipped.PACKAGE.rglob("*.py"), *tables.files_of()]:
         copy = tmp_path / "cityx" / path.relative_to(shipped.PACKAGE)
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_bytes(path.read_bytes())
     monkeypatch.setattr(shipped, "PACKAGE", tmp_path / "cityx")
+    monkeypatch.setattr(tables, "DATA", tmp_path / "cityx" / "data")
     caches = (fresh_records, shipped.form, shipped._face_of)
     for held in caches:
         held.cache_clear()
@@ -98,23 +100,22 @@ def test_a_table_of_words_elsewhere_makes_the_plugins_that_use_it_be_read_anew(p
     assert "cityx.edit.moment" in held
 
 
+def test_another_form_of_records_makes_all_be_read_anew(package):
+    path = package / "protocol" / "parameters.py"
+    path.write_text(path.read_text() + "\n")
+    assert not shipped.fresh_records()
+
+
 @pytest.mark.parametrize(
     "place", ["data/generators/church.toml", "building/generators/__init__.py"]
 )
 def test_the_record_of_a_generator_follows_its_table_and_how_it_is_derived(package, place):
     assert "cityx.building.generators.civic.church" in shipped.fresh_records()
-    for held in (fresh_records, shipped._face_of):
-        held.cache_clear()
+    fresh_records.cache_clear()
     path = package / place
     path.write_text(path.read_text() + "\n")
     assert "cityx.building.generators.civic.church" not in shipped.fresh_records()
     assert "cityx.building.design" in shipped.fresh_records()
-
-
-def test_another_form_of_records_makes_all_be_read_anew(package):
-    path = package / "protocol" / "parameters.py"
-    path.write_text(path.read_text() + "\n")
-    assert not shipped.fresh_records()
 
 
 def test_a_first_start_plans_without_importing_the_generators():
