@@ -102,7 +102,7 @@ def digest(module: str, others: Sequence[str]) -> str:
     """
     hasher = blake2b(digest_size=16)
     for name in (module, *others):
-        hasher.update(_face_of(name))
+        hasher.update(_whole(name) if "/" in name else _face_of(name))
     return hasher.hexdigest()
 
 
@@ -111,9 +111,12 @@ def _face_of(module: str) -> bytes:
     path = PACKAGE.parent.joinpath(*module.split("."))
     source = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
     try:
-        if "/" in module:
-            return (PACKAGE / module).read_bytes()
         text = source.read_text(encoding="utf-8")
         return face(text).encode() + b"".join(path.read_bytes() for path in files_read_by(text))
     except OSError:
         return b""
+
+
+def _whole(name: str) -> bytes:
+    path = PACKAGE / name
+    return path.read_bytes() if path.is_file() else b""
