@@ -2,17 +2,19 @@
 
 import json
 import os
+import shutil
 from dataclasses import replace
 
 import pytest
+from cityx_bench import runner
 from cityx_bench.drivers import GOLD, Oracle, driver_named, planner_choice
 from cityx_bench.outcome import CRASH, Workplace, fault_of, faults_of
 from cityx_bench.report import results_of, summary, write_results
-from cityx_bench.runner import LOG, Bench, build_scene, numbers_of, read_log, run_bench
+from cityx_bench.runner import LOG, Bench, numbers_of, read_log, run_bench
+from cityx_bench.scenes import SCENES
 from cityx_bench.scoring import judged, rates_of
 from cityx_bench.tasks import Task, read_tasks
 
-from cityx.city.store import read_city
 from cityx.errors import UsageError
 
 CHEAP = ("P04", "P09", "P18", "P28", "P29", "P30")
@@ -23,9 +25,12 @@ def quiet(_):
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(tmp_path_factory, scene_folder):
     """Where scenes and inputs are shared by the drivers of this file."""
-    return tmp_path_factory.mktemp("bench")
+    out = tmp_path_factory.mktemp("bench")
+    for name in SCENES:
+        shutil.copytree(scene_folder(name), runner.scene_folder(out, name))
+    return out
 
 
 def run(folder, driver, *only, lod=1, seeds=(0,)):
@@ -115,12 +120,10 @@ def test_a_process_that_dies_is_a_crash_of_its_task_alone(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def river(tmp_path_factory):
+def river(scene):
     """A town with a river, and the task that asked for it."""
-    path = tmp_path_factory.mktemp("river")
-    build_scene("river_s", path / "scene")
     task = Task("R1", "x", expect=("n(river) >= 1", "n(bridge) == 2", "crosses(bridge, river)"))
-    return task, read_city(path / "scene" / "city")
+    return task, scene("river_s")
 
 
 class Hands:
@@ -174,10 +177,10 @@ def test_the_setup_of_a_task_runs_before_it(folder):
     assert sample.reply["mutations"] == 0
 
 
-def test_a_rejected_call_is_told_by_its_code(tmp_path):
+def test_a_rejected_call_is_told_by_its_code(scene_folder, tmp_path):
     task = Task("S2", "x", base="grid_s", expect=("same(building)",))
     plans = {"S2": {"calls": [["edit/scale_object-v1", {"scaled_obj_name": "b99"}]]}}
-    build_scene("grid_s", tmp_path / "grid")
+    shutil.copytree(scene_folder("grid_s"), tmp_path / "grid")
     place = Workplace.opened(task, tmp_path / "grid", {}, seed=0, lod=0)
     sample = judged(place, Oracle(plans), "oracle", "")
     assert not sample.executed
