@@ -58,9 +58,9 @@ def check(town_map, out, wanted):
     return said
 
 
-@pytest.mark.parametrize(
-    "moment", [pytest.param(n, marks=pytest.mark.slow if n > 2 else ()) for n in range(20)]
-)
+@pytest.mark.slow
+@pytest.mark.sweep(3)
+@pytest.mark.parametrize("moment", range(20))
 def test_a_build_killed_at_any_moment_comes_to_the_same_hash(
     undisturbed, town_map, tmp_path, moment
 ):
