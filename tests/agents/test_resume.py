@@ -18,10 +18,10 @@ from cityx.city.store import read_city
 SCRIPT = """
 import sys
 from pathlib import Path
-from cityx.agents import run
+from cityx.agents import step_runner
 from cityx.projects.build import build
 from cityx.language.options import BuildOptions
-run.SNAPSHOT_S = 0.0
+step_runner.SNAPSHOT_S = 0.0
 options = BuildOptions(formats=(), render=False, seed=4)
 say = lambda text: print(text, flush=True)
 print(build([Path(sys.argv[1])], Path(sys.argv[2]), options, say=say)["hash"])
