@@ -143,6 +143,7 @@ def test_roof_windows_lie_in_the_slope():
         if found:
             break
     pitch = np.arctan(RISE / 6.0)
+    assert found
     for _, at, rotation, _ in found:
         assert rotation[0] == pytest.approx(pitch, abs=1e-3)
         run = min(at[1], 12.0 - at[1])
