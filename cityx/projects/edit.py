@@ -21,9 +21,9 @@ from cityx.city import City
 from cityx.errors import UsageError
 from cityx.language import Edit
 from cityx.language.brief import Note
-from cityx.language.options import BuildOptions, PlannerChoice
 from cityx.language.references.parts import VERBS
 from cityx.language.references.resolved_changes import slots_of_edits
+from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.desk import Desk, Revision
 from cityx.projects.results import write_report
 from cityx.protocol.encapsulation import Encapsulation

@@ -20,6 +20,7 @@ from cityx.city.camera import Camera
 from cityx.city.store import View, read_view
 from cityx.errors import UsageError, nearest
 from cityx.ids import id_text
+from cityx.options import RenderOptions
 
 if TYPE_CHECKING:
     from cityx.city import City
@@ -149,19 +150,7 @@ def blender_views(
     return {name: dict(times) for name, times in result.timings.items()}, result.peak_rss_mb
 
 
-def render_views(
-    folder: Path,
-    camera: str,
-    *,
-    samples: int | None = None,
-    size: tuple[int, int] | None = None,
-    time: str = "",
-    weather: str = "",
-    moment: float | str | None = None,
-    frames: str = "",
-    exact: bool = False,
-    say: Say,
-) -> list[Path]:
+def render_views(folder: Path, options: RenderOptions, *, say: Say) -> list[Path]:
     """Render pictures of a built city into its folder ``renders``.
 
     Vehicles parked within two and a half metres before a lens are left out of all pictures of the
@@ -174,33 +163,21 @@ def render_views(
     ----------
     folder
         Folder of a built city.
-    camera
-        "street", "aerial", "top", or a JSON file of cameras, which brings its own light.
-    samples, size
-        Samples per pixel and (width, height); those of the file, else the defaults, when None.
-    time, weather
-        Instead of the city's own, as of `cityx.light.weather.lit_anew`; "" keeps them.
-    moment
-        Seconds into the tracks that are shown; when None the city's own, or for each picture the
-        next at which nothing that moves is within five metres before the lens. "busiest" takes, of
-        all moments with nine metres free, the one at which most that moves is within sixty.
-    frames
-        "FROM:TO" or "FROM:TO:STEP", a span of frames of which each becomes a picture, 25 a second;
-        "" for none.
-    exact
-        Whether pictures show what the files hold alone: no mirror image of the site beyond its
-        borders, no twigs on bare trees.
+    options
+        Camera, light, moment and quality.
 
     Raises
     ------
     UsageError
-        If `camera` is neither a view nor a file, a word for time or weather is not known, or
+        If the camera is neither a view nor a file, a word for time or weather is not known, or
         nothing moves at the moment or in the frames asked for.
     """
     from cityx.light.weather import lit_anew
 
     view = read_view(folder / "city")
-    span = _span(view, moment, frames)
+    camera, samples, size, moment = options.camera, options.samples, options.size, options.moment
+    weather, time = options.weather or "", options.time or ""
+    span = _span(view, moment, options.frames or "")
     environment = lit_anew(
         view.environment, view.frame.latitude, view.frame.longitude, weather=weather, time=time
     )
@@ -225,7 +202,10 @@ def render_views(
     )
     requests = tuple(
         RenderRequest(
-            item, renders / f"{item.name}{suffix}.png", samples or DEFAULT_SAMPLES, exact=exact
+            item,
+            renders / f"{item.name}{suffix}.png",
+            samples or DEFAULT_SAMPLES,
+            exact=options.exact,
         )
         for item in cameras
     )
