@@ -10,6 +10,7 @@ import typer
 from cityx.cli.terminal import CHECK_FAILED, show
 
 if TYPE_CHECKING:
+    from rich.console import Group
     from rich.table import Table
 
     from cityx.protocol.registry import Registry
@@ -69,31 +70,30 @@ def formats() -> None:
     show(format_statistics())
 
 
-def list_actions(actions: "Registry | None" = None) -> "Table":
-    """Return a table of all actions by stage, as wide as the terminal; imports no plugin."""
+def list_actions(actions: "Registry | None" = None) -> "Group":
+    """Return a table of the actions of each stage, as wide as the terminal; imports no plugin."""
+    from rich.console import Group
     from rich.table import Table
-    from rich.text import Text
 
     from cityx.protocol.registry import BUILTIN, registry
     from cityx.protocol.stages import Stage
 
     actions = registry() if actions is None else actions
-    counts = actions.counts()
-    table = Table(box=None, pad_edge=False, show_header=False)
-    table.add_column(no_wrap=True, min_width=2 + max(map(len, actions), default=0))
-    table.add_column(no_wrap=True, overflow="ellipsis", ratio=1)
+    tables: list[Table | str] = []
     for stage in Stage:
         ids = actions.of_stage(stage.value)
-        if ids:
-            table.add_row(Text(f"{stage.value} ({counts[stage.value]})", style="bold"))
+        if not ids:
+            continue
+        table = Table(box=None, pad_edge=False, show_header=False, expand=True)
+        table.title, table.title_justify = f"{stage.value} ({len(ids)})", "left"
+        table.add_column(no_wrap=True, width=max(map(len, ids)))
+        table.add_column(no_wrap=True, overflow="ellipsis", ratio=1)
         for action_id in ids:
             entry = actions.entries[action_id]
             origin = "" if entry.package == BUILTIN else f"from {entry.package}. "
-            table.add_row(f"  {action_id}", f"{origin}{entry.summary}")
-    used = sum(1 for stage in Stage if counts.get(stage.value))
-    lines = [f"{len(actions)} actions in {used} stages", *actions.refused]
-    table.caption = "\n".join(lines)
-    return table
+            table.add_row(action_id, f"{origin}{entry.summary}")
+        tables.append(table)
+    return Group(*tables, f"{len(actions)} actions in {len(tables)} stages", *actions.refused)
 
 
 def check_actions(name: str | None = None, actions: "Registry | None" = None) -> tuple[str, bool]:
