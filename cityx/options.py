@@ -269,7 +269,11 @@ def with_values(kind: type[T], values: Mapping[str, Any]) -> T:
 
 
 def options_from(
-    kind: type[T], given: Mapping[str, Any], *, flags: bool = False, **defaults: Any
+    kind: type[T],
+    given: Mapping[str, Any],
+    defaults: Mapping[str, Any] | None = None,
+    *,
+    flags: bool = False,
 ) -> T:
     """Make options from the keyword arguments of a caller, or the words of a command line.
 
@@ -279,10 +283,10 @@ def options_from(
         Their dataclass.
     given
         Values by name, or texts as on the command line.
-    flags
-        Whether messages call an option by its flag.
     defaults
         Values instead of those of the dataclass.
+    flags
+        Whether messages call an option by its flag.
 
     Raises
     ------
@@ -290,7 +294,7 @@ def options_from(
         With every name that is none, and every value that is not admitted.
     """
     known = {item.name: item for item in declared(kind)}
-    faults, values = [], dict(defaults)
+    faults, values = [], dict(defaults or {})
     for name, value in given.items():
         if name not in known:
             hint = nearest(name, known) or f" There are {', '.join(known)}."

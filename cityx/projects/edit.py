@@ -261,13 +261,9 @@ def renew(
     """
     from cityx.checks.counts import counts
     from cityx.checks.meshes import triangle_counts
-    from cityx.projects.views import make_views
+    from cityx.projects.views import FILES, make_views
 
-    files = {
-        "blend": "city.blend", "glb": "city.glb", "usd": "city.usdc", "bodies": "city_bodies.npz",
-        "sumo": "city.sumocfg",
-    }  # fmt: skip
-    formats = [name for name, file in files.items() if (folder / file).exists()]
+    formats = [name for name, file in FILES.items() if (folder / file).exists()]
     if formats:
         staging = folder / ".views.partial"
         make_views(city, staging, formats, store=folder / "city", say=say)

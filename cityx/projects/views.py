@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from cityx.agents.step_runner import Stopwatch
@@ -27,6 +28,11 @@ if TYPE_CHECKING:
 
 VIEWS = ("street", "aerial", "top")  # in the order of the report
 PICTURE = (960, 540)  # pixels
+# The file that each format writes first; usd and sumo write others beside it.
+FILES: Mapping[str, str] = MappingProxyType({
+    "blend": "city.blend", "glb": "city.glb", "usd": "city.usdc", "bodies": "city_bodies.npz",
+    "sumo": "city.sumocfg",
+})  # fmt: skip
 BUSIEST = "busiest"  # instead of a moment
 # A picture of a square kilometre takes a minute or two on two cores; this is a hang.
 TIMEOUT_S = 6 * 3600.0
