@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 
 Input = str | PathLike[str]
 Progress = Callable[[str], None]
-_REFUSED = ("UNKNOWN_ACTION", "BAD_ARGS")
 
 
 class Project(Tables):
@@ -161,9 +160,9 @@ class Project(Tables):
         """
         plain = {name: _plain(value) for name, value in arguments.items()}
         with Desk(self._folder) as desk:
-            call = Call(action, plain)
+            call = Call(desk.actions.resolve(action), plain)
             faults = find_faults(call, desk.city, desk.actions)
-            wrong = [fault.message for fault in faults if fault.code in _REFUSED]
+            wrong = [fault.message for fault in faults if fault.code == "BAD_ARGS"]
             if wrong:
                 raise UsageError("\n".join(wrong))
             before = desk.city
