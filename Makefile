@@ -20,7 +20,7 @@ export OMP_WAIT_POLICY = PASSIVE
 # Folder of the logs of all benchmarks; what stands in them is not measured again.
 RESULTS ?= bench
 
-.PHONY: demo test core lint types format records lock bench results compare validator clean
+.PHONY: demo test core lint types docs format records lock bench results compare validator clean
 
 demo: $(READY)
 	$(BIN)/python examples/helsinki/main.py -o $(OUT) --style $(STYLE) --time $(TIME) --weather $(WEATHER) --samples $(SAMPLES) \
@@ -39,6 +39,10 @@ lint: $(READY)
 types: $(READY)
 	$(BIN)/mypy
 
+# The documentation as pages, with the reference of the Python API: build/site/index.html. No network.
+docs: $(READY)
+	$(BIN)/mkdocs build
+
 format: $(READY)
 	$(BIN)/ruff check --fix . && $(BIN)/ruff format .
 
@@ -48,7 +52,7 @@ records: $(READY)
 
 # Renew the pins after a change of pyproject.toml.
 lock: $(READY)
-	$(BIN)/python -m pip install -q uv && $(BIN)/uv pip compile pyproject.toml --extra dev --extra demo --extra llm --extra mcp --extra traffic --extra dataset --extra cluster --extra usd \
+	$(BIN)/python -m pip install -q uv && $(BIN)/uv pip compile pyproject.toml --extra dev --extra docs --extra notebook --extra demo --extra llm --extra mcp --extra traffic --extra dataset --extra cluster --extra usd \
 	  --generate-hashes --no-emit-index-url --no-header --python-version 3.11 -q -o requirements.lock
 
 bench: $(READY)

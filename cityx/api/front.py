@@ -11,6 +11,7 @@ from typing import Any
 from cityx.agents.loop import quiet
 from cityx.api.notebook import Explanation
 from cityx.api.project import Input, Progress, Project
+from cityx.api.signatures import takes
 from cityx.errors import InputError, nearest
 from cityx.options import BuildOptions, options_from
 from cityx.projects.inputs import files_and_text
@@ -19,6 +20,7 @@ from cityx.projects.inputs import files_and_text
 PLAIN = {"formats": (), "render": False}
 
 
+@takes(BuildOptions, PLAIN)
 def build(
     *inputs: Input, out: Input | None = None, progress: Progress | None = None, **options: Any
 ) -> Project:

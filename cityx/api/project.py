@@ -11,14 +11,18 @@ from tempfile import mkdtemp
 from typing import TYPE_CHECKING, Any
 from weakref import finalize
 
+import numpy as np
+
 from cityx.agents.briefs import Request
 from cityx.agents.loop import quiet
 from cityx.api import plan
 from cityx.api.notebook import Pictures, Steps, project_page
+from cityx.api.signatures import takes
 from cityx.api.tables import Tables
 from cityx.city import City
 from cityx.city.store import read_city
 from cityx.errors import UsageError, nearest
+from cityx.ids import id_text
 from cityx.options import FORMATS, PlannerChoice, RenderOptions, options_from
 from cityx.projects.desk import HISTORY, STORE, Desk, Revision
 from cityx.projects.edit import edit_city, renew
@@ -105,6 +109,7 @@ class Project(Tables):
 
     # Changes.
 
+    @takes(PlannerChoice)
     def edit(
         self, sentence: str, *files: Input, progress: Progress | None = None, **choice: Any
     ) -> Revision:
@@ -149,7 +154,8 @@ class Project(Tables):
         action
             Id or name, as ``cityx plugins list`` shows them.
         arguments
-            Its parameters, as ``cityx plugins show`` tells them.
+            Its parameters, as ``cityx plugins show`` tells them. Ids of tables may be given as they
+            are: ``objects=city.buildings.index[:3]``.
 
         Raises
         ------
@@ -247,6 +253,7 @@ class Project(Tables):
 
     # What comes out.
 
+    @takes(RenderOptions, without=("camera",))
     def render(self, camera: Input = "street", *, progress: Progress | None = None,
                **options: Any) -> Pictures:  # fmt: skip
         """Take pictures with Blender; the city stays as it is.
@@ -445,13 +452,15 @@ class Project(Tables):
 
 
 def _plain(value: Any) -> Any:
-    """Return a value of NumPy, a path or a tuple as plain JSON has it."""
+    """Return a value of NumPy, a path or a tuple as plain JSON has it; uint64 are ids, as texts."""
     if isinstance(value, Path):
         return str(value)
     if isinstance(value, Mapping):
         return {key: _plain(one) for key, one in value.items()}
     if isinstance(value, tuple | list):
         return [_plain(one) for one in value]
+    if getattr(value, "dtype", None) == np.uint64:
+        return list(map(id_text, value)) if np.ndim(value) else id_text(value)
     return value.tolist() if hasattr(value, "tolist") else value
 
 

@@ -1,9 +1,11 @@
 import gc
+import inspect
 import json
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import cityx
@@ -20,6 +22,15 @@ def test_the_package_imports_nothing_heavy():
     seconds, modules = done.stdout.split(" ", 1)
     assert float(seconds) < 0.3
     assert modules.strip() == "[]"
+
+
+def test_signatures_name_every_option():
+    shown = inspect.signature(cityx.build).parameters
+    assert {"inputs", "out", "lod", "size", "pixel", "planner", "settings"} <= set(shown)
+    assert (shown["lod"].default, shown["render"].default) == (2, False)
+    assert list(inspect.signature(cityx.Project.render).parameters)[:4] == [
+        "self", "camera", "progress", "samples",
+    ]  # fmt: skip
 
 
 def test_every_exported_name_leads_somewhere():
@@ -84,7 +95,7 @@ def test_saving_puts_the_city_with_its_past_into_a_folder(town_map, tmp_path):
 def test_every_change_is_a_revision_that_can_be_undone(own):
     first = own.hash
     changed = own.edit(TALL)
-    done = own.do("edit/remove", objects=[f"{own.buildings.index[0]:016x}"])
+    done = own.do("edit/remove", objects=own.buildings.index[:1])
     assert [item.number for item in own.revisions] == [1, 2, 3]
     assert (changed.text, done.actions) == (TALL, ("edit/remove-v1",))
     assert len(own.buildings) == 10
@@ -92,6 +103,13 @@ def test_every_change_is_a_revision_that_can_be_undone(own):
     assert own.redo().content == done.content
     assert own.undo(1).content == first
     assert len(own.buildings) == 11
+
+
+def test_ids_of_tables_name_things_as_they_are(own):
+    house = own.buildings.index[0]
+    own.do("edit/set_height", objects=[house], height=np.float64(31.0))
+    assert own.buildings["height"][house] == 31.0
+    assert own.city.layout.buildings["height"].max() == 31.0
 
 
 def test_an_edit_tells_whether_all_else_is_the_same(own):
@@ -102,7 +120,7 @@ def test_an_edit_tells_whether_all_else_is_the_same(own):
 
 
 def test_another_state_is_compared_with_by_its_number(own):
-    own.do("edit/remove", objects=[f"{own.buildings.index[0]:016x}"])
+    own.do("edit/remove", objects=own.buildings.index[:1])
     assert own.measure("gained(building) == -1", since=1).met
     assert own.measure("gained(building) == 0", since=2).met
     assert own.measure("gained(building) == 0").met is None
@@ -134,8 +152,12 @@ def test_a_camera_and_options_reach_blender(own, monkeypatch):
     from cityx.projects import views
 
     asked = []
-    monkeypatch.setattr(views, "render_views",
-                        lambda folder, options, say: asked.append(options) or [folder / "a.png"])  # fmt: skip
+
+    def rendered(folder, options, **_):
+        asked.append(options)
+        return [folder / "a.png"]
+
+    monkeypatch.setattr(views, "render_views", rendered)
     pictures = own.render("aerial", size="320x200", samples=4, weather="fog")
     assert asked == [cityx.RenderOptions("aerial", 4, (320, 200), weather="fog")]
     assert pictures.path == own.folder / "a.png"
@@ -229,6 +251,6 @@ def test_without_the_libraries_of_notebooks_the_extra_is_named(held, monkeypatch
         monkeypatch.setitem(sys.modules, name, None)
     with pytest.raises(cityx.MissingDependency, match=r'pip install "cityx\[notebook\]"'):
         held.plot()
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
     with pytest.raises(cityx.MissingDependency, match="needs folium"):
         held.explore()
