@@ -22,7 +22,7 @@ unexport PYTHONDONTWRITEBYTECODE
 # Folder of the logs of all benchmarks; what stands in them is not measured again.
 RESULTS ?= bench
 
-.PHONY: demo test test-all core blender lint types format records wheel lock bench results compare validator clean
+.PHONY: demo test test-all core blender lint types docs format records wheel lock bench results compare validator clean
 
 demo: $(READY)
 	$(BIN)/python examples/helsinki/main.py -o $(OUT) --style $(STYLE) --time $(TIME) --weather $(WEATHER) --samples $(SAMPLES) \
@@ -54,6 +54,10 @@ lint: $(READY)
 types: $(READY)
 	$(BIN)/mypy
 
+# The documentation as pages, with the reference of the Python API: build/site/index.html. No network.
+docs: $(READY)
+	$(BIN)/mkdocs build
+
 format: $(READY)
 	$(BIN)/ruff check --fix . && $(BIN)/ruff format .
 
@@ -67,7 +71,7 @@ wheel: records
 
 # Renew the pins after a change of pyproject.toml.
 lock: $(READY)
-	$(BIN)/python -m pip install -q uv && $(BIN)/uv pip compile pyproject.toml --extra dev --extra demo --extra llm --extra mcp --extra traffic --extra dataset --extra cluster --extra usd \
+	$(BIN)/python -m pip install -q uv && $(BIN)/uv pip compile pyproject.toml --extra dev --extra docs --extra notebook --extra demo --extra llm --extra mcp --extra traffic --extra dataset --extra cluster --extra usd \
 	  --generate-hashes --no-emit-index-url --no-header --python-version 3.11 -q -o requirements.lock
 
 bench: $(READY)

@@ -86,7 +86,7 @@ def test_every_term_of_the_glossary_stands_in_its_module():
 
 def test_the_changelog_is_short_and_sorted():
     text = (ROOT / "CHANGELOG.md").read_text()
-    version = re.search(r'__version__ = "(.+)"', (ROOT / "cityx/__init__.py").read_text())
+    version = re.search(r'__version__ = "(.+)"', (ROOT / "cityx/version.py").read_text())
     assert version is not None
     assert f"## {version[1]}" in text
     assert len(text.splitlines()) <= 80

@@ -19,9 +19,9 @@ from cityx.ids import id_text
 from cityx.language import Brief, Selector
 from cityx.language.asked import slots_of_brief
 from cityx.language.brief import Clarify
-from cityx.language.options import BuildOptions, PlannerChoice
 from cityx.language.references.resolved_changes import slots_of_edits
 from cityx.language.references.selecting import choose
+from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.build import build
 from cityx.projects.desk import Desk
 from cityx.projects.edit import OFFLINE, edit_city

@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from cityx import __version__
 from cityx.assets.colliders import bodies_of
 from cityx.city.bodies import FORMS, MOTIONS, Bodies, Colliders
 from cityx.city.store import View
 from cityx.system.atomic import replaced
 from cityx.system.tables import table
+from cityx.version import __version__
 
 MEANINGS = dict(table("outputs/bodies", str))
 

@@ -122,10 +122,10 @@ def test_ten_thousand_plugins_are_listed_within_five_seconds(tmp_path, monkeypat
     made = registry()
     from cityx.cli.plugins import list_actions
 
-    table = list_actions(made)
+    tables = [part for part in list_actions(made).renderables if not isinstance(part, str)]
     assert time.perf_counter() - begin < 5
     assert len([i for i in made if "/dummy_" in i]) == 10_000
-    assert table.row_count == len(made)
+    assert sum(table.row_count for table in tables) == len(made)
     assert made.entry("building/dummy_7_3-v1").package == "dummy7"
 
 

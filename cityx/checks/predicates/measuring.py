@@ -73,13 +73,18 @@ def measure_all(
     before: City | None = None,
     inputs: Mapping[str, Path] | None = None,
     reply: Reply | None = None,
+    together: Iterable[Predicate | str] = (),
 ) -> list[Finding]:
     """Measure predicates that belong together; see `measure`.
 
-    What they share is measured once, and ``others`` is what none of them names.
+    What they share is measured once, and ``others`` is what none of them names, nor any of those
+    that are measured elsewhere but belong to them (`together`).
     """
-    read = tuple(parse(each) if isinstance(each, str) else each for each in predicates)
-    facts = Facts(city, before, dict(inputs or {}), reply, read)
+    read, all_of_them = (
+        tuple(parse(each) if isinstance(each, str) else each for each in given)
+        for given in (predicates, together)
+    )
+    facts = Facts(city, before, dict(inputs or {}), reply, all_of_them or read)
     return [_finding(predicate, facts) for predicate in read]
 
 
