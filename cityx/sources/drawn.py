@@ -33,22 +33,7 @@ FRAME = (
 )
 # What a drawing may call things, as attributes of a map. Everything else is taken as it is.
 WORDS: Mapping[str, Tags] = {
-    "road": {KIND: CURVE, "kind": "residential"},
-    "street": {KIND: CURVE, "kind": "residential"},
-    "river": {"waterway": "river"},
-    "stream": {"waterway": "stream"},
-    "lake": {"natural": "water"},
-    "water": {"natural": "water"},
-    "building": {"building": "yes"},
-    "park": {"leisure": "park"},
-    "forest": {"landuse": "forest"},
-    "square": {"highway": "pedestrian", "area": "yes"},
-    "wall": {"barrier": "wall"},
-    "fence": {"barrier": "fence"},
-    "hedge": {"barrier": "hedge"},
-    "trees": {"natural": "tree_row"},
-    "tree": {"natural": "tree"},
-    "route": {KIND: "route"},
+    **table("sources/drawn", dict[str, str]),
     # Streets, paths and rails stay curves: `road/drawn_streets` builds what the drawing asks for.
     **{kind: {KIND: CURVE, "kind": kind} for kind in (*ROAD_TABLE, *RAIL_WORDS)},
 }
