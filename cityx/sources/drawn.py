@@ -24,6 +24,7 @@ from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import KIND, Owner, Report, Tags, tag
 from cityx.sources.features.vocabulary import RAIL_WORDS, ROAD_TABLE
 from cityx.sources.input_kinds import place_name
+from cityx.system.tables import table
 
 ACTION = "source/drawn"
 MAX_BYTES = 256 << 20  # nobody draws more by hand

@@ -35,6 +35,7 @@ from cityx.geometry.solids import (
     open_parts,
     volumes_by_group,
 )
+from cityx.system.tables import table
 
 # Shapes that are built as such, besides "wings" (gabled with one ridge per wing) and "block".
 SHAPES = (

@@ -6,6 +6,8 @@ import re
 from functools import lru_cache
 from math import inf, isfinite, nan, radians
 
+from cityx.system.tables import table
+
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:[.,]\d+)?|[.,]\d+)(?:[eE][-+]?\d{1,3})?")
 _FEET = re.compile(r"^(\d+(?:[.,]\d+)?)\s*(?:'|′|’|ft|feet|foot)\s*(?:(\d+(?:[.,]\d+)?)\s*(?:\"|″|”|''|in|inch|inches)?)?$")  # fmt: skip  # noqa: E501
 _INCHES = re.compile(r"^(\d+(?:[.,]\d+)?)\s*(?:\"|″|”|in|inch|inches)$")
