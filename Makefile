@@ -16,22 +16,37 @@ SAMPLES ?= 32
 MAPS ?= ../shared/data/osm
 
 export OMP_WAIT_POLICY = PASSIVE
+# The tests, and what they start, keep their bytecode; its making takes half of the collection.
+unexport PYTHONDONTWRITEBYTECODE
 
 # Folder of the logs of all benchmarks; what stands in them is not measured again.
 RESULTS ?= bench
 
-.PHONY: demo test core lint types format records wheel lock bench results compare validator clean
+.PHONY: demo test test-all core blender lint types format records wheel lock bench results compare validator clean
 
 demo: $(READY)
 	$(BIN)/python examples/helsinki/main.py -o $(OUT) --style $(STYLE) --time $(TIME) --weather $(WEATHER) --samples $(SAMPLES) \
 	  || [ $$? -eq 1 ]  # built; a check failed, which the report names
 
-test: lint types validator records
-	$(BIN)/pytest -q -n 2 -m "not blender" && $(BIN)/pytest -q -m blender
+# Each module on one worker, which makes its fixtures once; slow modules first, see tests/conftest.py.
+PYTEST := $(BIN)/pytest -q $(ALL)
+WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
+
+test: lint validator records
+	$(MAKE) -j 2 types blender
+	$(PYTEST) $(WORKERS) -m "not blender"
+
+# Before a release: every case of the tests that `make test` takes a sample of.
+test-all:
+	$(MAKE) test ALL=--all
 
 # The tests that need neither Blender nor minutes.
 core: $(READY)
-	$(BIN)/pytest -q -n 2 -m "not blender and not slow"
+	$(PYTEST) $(WORKERS) -m "not blender and not slow"
+
+# Beside the type checker, which like Blender keeps one core busy.
+blender: $(READY)
+	$(PYTEST) -m blender
 
 lint: $(READY)
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/lint-imports --no-cache

@@ -12,9 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from cityx.protocol.actions import LATE_NAMES
-from cityx.protocol.registry import registry
+from cityx.protocol.registry import called, declared, registry
 from cityx.protocol.shipped import HELD, digest, form, module_of, plugin_files
 from cityx.system.atomic import replaced
+
+# What the actions of generators are derived with, beside their module and its table.
+_DERIVING = ("assets/styles/generators.py", "building/generators/__init__.py")
 
 
 def written_records() -> str:
@@ -40,7 +43,7 @@ def write_records() -> None:
 
 
 def _sources(path: Path) -> list[str]:
-    """Return the modules from which a plugin takes the constants its records are made of."""
+    """Return the modules and files from which a module takes what its records are made of."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     imported: dict[str, str] = {}
     made: dict[str, ast.expr] = {}
@@ -52,13 +55,17 @@ def _sources(path: Path) -> list[str]:
         elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value:
             made[node.target.id] = node.value
     names: set[str] = set()
-    for node in tree.body:
-        if isinstance(node, ast.FunctionDef) and node.decorator_list:
-            result = [node.returns] if node.returns else []
-            for part in (*node.decorator_list, node.args, *result):
-                names |= set(_names(part, made, names))
+    files: set[str] = set()
+    for _, call, node in declared(tree):
+        parts: list[ast.AST] = [call, node.args, *([node.returns] if node.returns else [])]
+        if called(call) == "action_of":
+            files |= {f"data/generators/{path.stem}.toml", *_DERIVING}
+            parts = [call, *node.args.kwonlyargs]
+        for part in parts:
+            names |= set(_names(part, made, names))
     names -= LATE_NAMES.keys()  # a type counts by its name alone
-    return sorted({imported[name] for name in names if not _is_form(imported.get(name, ""))})
+    found = {imported[name] for name in names if not _is_form(imported.get(name, ""))}
+    return sorted(found | files)
 
 
 def _is_form(module: str) -> bool:

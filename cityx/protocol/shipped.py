@@ -93,10 +93,16 @@ def form() -> str:
 
 
 def digest(module: str, others: Sequence[str]) -> str:
-    """Return a digest of the faces of a module and of those its records take constants from."""
+    """Return a digest of the faces of a module and of what its records take constants from.
+
+    Parameters
+    ----------
+    others
+        Modules by their dotted names, and files of the package by their paths, which count whole.
+    """
     hasher = blake2b(digest_size=16)
     for name in (module, *others):
-        hasher.update(_face_of(name))
+        hasher.update(_whole(name) if "/" in name else _face_of(name))
     return hasher.hexdigest()
 
 
@@ -109,3 +115,8 @@ def _face_of(module: str) -> bytes:
         return face(text).encode() + b"".join(path.read_bytes() for path in files_read_by(text))
     except OSError:
         return b""
+
+
+def _whole(name: str) -> bytes:
+    path = PACKAGE / name
+    return path.read_bytes() if path.is_file() else b""

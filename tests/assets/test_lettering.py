@@ -10,6 +10,7 @@ from cityx.geometry.solids import area_vectors
 @pytest.mark.parametrize("tongue", [*WORDS, ""])
 def test_every_word_can_be_written(tongue):
     for kind in USUAL:
+        assert words_of(tongue)[kind]
         for text in words_of(tongue)[kind]:
             assert is_known(text), text
 

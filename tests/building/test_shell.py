@@ -6,8 +6,7 @@ import pytest
 import shapely
 
 from cityx.building import shell as shells
-from cityx.building.prism import prism
-from cityx.building.shell import shell
+from cityx.building.shell import prism, shell
 from cityx.building.volumes import volumes_of, walls_of
 from cityx.city import City, Frame, Layout, Terrain, make_table
 from cityx.city.content import hash_mesh

@@ -146,7 +146,8 @@ def forwards(store):
 @pytest.mark.blender
 @pytest.mark.slow
 def test_a_picture_depends_neither_on_those_before_it_nor_on_the_process(store, forwards):
-    backwards = pictures(store, SHOTS[::-1], CHANNELS, QUICK, recycle=3, gpu=False)
+    backwards = [*pictures(store, SHOTS[::-1], CHANNELS, QUICK, recycle=3, gpu=False)]
+    assert len(backwards) == len(SHOTS)
     for record in backwards:
         first = forwards[record.shot.name]
         assert list(record.channels) == list(first.channels)

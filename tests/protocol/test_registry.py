@@ -36,6 +36,17 @@ def test_actions_are_found_in_source_without_running_it(tmp_path):
     ]
 
 
+def test_the_action_of_a_generator_is_found_by_the_docstring_of_its_volumes(tmp_path):
+    path = tmp_path / "kiosk.py"
+    path.write_text(
+        'def masses(plot):\n    """Build kiosks."""\n\n'
+        'GENERATOR = generator(masses)\nkiosk = action_of("building/kiosk-v1", GENERATOR, masses)\n'
+    )
+    assert list(scan(path, tmp_path)) == [
+        Entry("building/kiosk-v1", "kiosk:kiosk", "kiosk", "Build kiosks."),
+    ]
+
+
 def test_listing_imports_no_plugin():
     code = (
         "import sys; from cityx.cli.plugins import list_actions; list_actions();"

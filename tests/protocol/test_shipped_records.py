@@ -100,18 +100,22 @@ def test_a_table_of_words_elsewhere_makes_the_plugins_that_use_it_be_read_anew(p
     assert "cityx.edit.moment" in held
 
 
-def test_a_table_of_data_makes_the_plugins_that_use_it_be_read_anew(package):
-    path = package / "data" / "assets" / "materials.toml"
-    path.write_text(path.read_text().replace("thatch = ", "straw = "))
-    held = shipped.fresh_records()
-    assert "cityx.convert.solids" not in held
-    assert "cityx.edit.moment" in held
-
-
 def test_another_form_of_records_makes_all_be_read_anew(package):
     path = package / "protocol" / "parameters.py"
     path.write_text(path.read_text() + "\n")
     assert not shipped.fresh_records()
+
+
+@pytest.mark.parametrize(
+    "place", ["data/generators/church.toml", "building/generators/__init__.py"]
+)
+def test_the_record_of_a_generator_follows_its_table_and_how_it_is_derived(package, place):
+    assert "cityx.building.generators.civic.church" in shipped.fresh_records()
+    fresh_records.cache_clear()
+    path = package / place
+    path.write_text(path.read_text() + "\n")
+    assert "cityx.building.generators.civic.church" not in shipped.fresh_records()
+    assert "cityx.building.design" in shipped.fresh_records()
 
 
 def test_a_first_start_plans_without_importing_the_generators():
