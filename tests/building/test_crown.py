@@ -8,7 +8,8 @@ import shapely
 from cityx.assets.trims.dormers import DEPTH, DORMERS, dormer_front, dormer_roof
 from cityx.building.facade import cornices
 from cityx.building.facade.cornices import corner_stones, mouldings
-from cityx.building.facade.facade import facade, facade_of, pitched_field
+from cityx.building.facade.facade import facade, pitched_field
+from cityx.building.facade.facade_plan import facade_of
 from cityx.building.facade.placing import Placing
 from cityx.building.facade.wall_faces import wall_faces
 from cityx.building.growth import grown, piece_of

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from test_facade import terrace
 
-from cityx.building.facade.facade import facade, facade_of
+from cityx.building.facade.facade import facade
+from cityx.building.facade.facade_plan import facade_of
 from cityx.building.facade.slabs import Pieces, around, coursed, slabs
 from cityx.building.growth import Piece, grown
 from cityx.building.shell import prism, shell

@@ -10,15 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import Any
 
 from cityx.assets.styles.facade_styles import FacadeStyle, Weighted
 from cityx.assets.styles.palette_tables import FLAT, PLAIN_FRAMES, Surfaces
 
-if TYPE_CHECKING:
-    from cityx.building.massing.massing import Mass, Plot
-
-Massing = Callable[["Plot"], "Sequence[Mass]"]
+# A `Plot` becomes `Mass`es, both of `cityx.building.massing`, which this room does not import.
+Massing = Callable[[Any], Sequence[Any]]
 ANY = (0.0, float("inf"))
 
 

@@ -19,7 +19,7 @@ from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.ids import uniform
 
 if TYPE_CHECKING:
-    from cityx.building.facade.facade import Facade
+    from cityx.building.facade.facade_plan import Facade
     from cityx.building.facade.placing import Placing
     from cityx.city.city import City
 

@@ -35,7 +35,7 @@ from cityx.geometry.ranges import numbered
 from cityx.ids import choose, uniform
 
 if TYPE_CHECKING:
-    from cityx.building.facade.facade import Facade
+    from cityx.building.facade.facade_plan import Facade
     from cityx.city.city import City
 
 # Roofs whose slopes begin at level eaves and are planes.

@@ -18,7 +18,7 @@ from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.ids import uniform
 
 if TYPE_CHECKING:
-    from cityx.building.facade.facade import Facade
+    from cityx.building.facade.facade_plan import Facade
     from cityx.city.city import City
 
 INSIDE = 0.08  # metres behind the wall at which its gable is measured

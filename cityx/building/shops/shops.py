@@ -20,13 +20,14 @@ from cityx.building.facade.grammar import Openings
 from cityx.building.facade.niches import FLAT_DEPTH, FLAT_GAP, SHOP_DEPTH, Setting, fitted
 from cityx.building.facade.placing import Placing
 from cityx.building.shops.shop_names import shop_names
-from cityx.building.shops.signs import Colors, signs
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.ids import choose, hash_ids, uniform
 
 if TYPE_CHECKING:
-    from cityx.building.facade.facade import Facade
+    from cityx.building.facade.facade_plan import Facade
     from cityx.city.city import City
+
+Colors = NDArray[np.float32]  # (n, 3) linear RGB
 
 
 def _table(*colors: int) -> Colors:
@@ -87,15 +88,15 @@ class Tenants:
     kind: NDArray[np.str_]
 
 
-def shops(placing: Placing, found: Facade, city: City, setting: Setting) -> None:
-    """Place shopfronts, the rooms behind them and the signs over them."""
+def shops(placing: Placing, found: Facade, city: City, setting: Setting) -> Tenants:
+    """Place shopfronts and the rooms behind them; return who rents them."""
     tenants = tenants_of(placing, found, city)
     if not tenants.table.count:
-        return
+        return tenants
     front = _fronts(placing, found, city, setting, tenants)
     if placing.detail >= FINE:
         _rooms(placing, city, setting, tenants, front)
-    signs(placing, found, city, tenants)
+    return tenants
 
 
 def tenants_of(placing: Placing, found: Facade, city: City) -> Tenants:

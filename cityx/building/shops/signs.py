@@ -15,16 +15,14 @@ from cityx.assets.shops.shopfronts import fitting
 from cityx.assets.styles.materials import srgb_to_linear
 from cityx.assets.styles.palettes import region_of
 from cityx.building.facade.placing import Placing
+from cityx.building.shops.shops import Colors, Tenants
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.ids import choose, hash_ids, uniform
 
 if TYPE_CHECKING:
-    from cityx.building.facade.facade import Facade
-    from cityx.building.shops.shops import Tenants
+    from cityx.building.facade.facade_plan import Facade
     from cityx.city.city import City
     from cityx.city.scene import Prototype
-
-Colors = NDArray[np.float32]
 
 
 def _table(*colors: int) -> Colors:

@@ -8,8 +8,8 @@ from typing import Annotated
 import numpy as np
 
 from cityx.building.generators import action_of, generator
+from cityx.building.massing.lots import Lot, lot_of, masses_on
 from cityx.building.massing.massing import Mass, Plot
-from cityx.geometry.parcels.lots import Lot, lot_of, masses_on
 from cityx.protocol import Range
 
 EAVES = 1.6  # metres that roofs stand out, as far as the columns before the walls ask

@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 
 from cityx.building.generators import action_of, generator
+from cityx.building.massing.lots import Lot, lot_of, masses_on
 from cityx.building.massing.massing import GRID, Mass, Plot
-from cityx.geometry.parcels.lots import Lot, lot_of, masses_on
 from cityx.protocol import Range
 
 SPINE = 6.5  # metres between the light wells of two sides

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Annotated
 
 from cityx.building.generators import action_of, generator
+from cityx.building.massing.lots import lot_of
 from cityx.building.massing.massing import Mass, Plot
-from cityx.geometry.parcels.lots import lot_of
 from cityx.protocol import Range
 
 LEAST = 4.6  # metres that a top floor keeps

@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import Annotated
 
 from cityx.building.generators import action_of, generator
+from cityx.building.massing.lots import lot_of
 from cityx.building.massing.massing import Mass, Plot
-from cityx.geometry.parcels.lots import lot_of
 from cityx.protocol import Choice, Range
 
 FRONTS = ("parapet", "glazed", "railed", "tenants", "ribbon", "tiled")

@@ -6,8 +6,8 @@ import math
 from typing import Annotated
 
 from cityx.building.generators import action_of, generator
+from cityx.building.massing.lots import Lot, lot_of, masses_on, slope_of
 from cityx.building.massing.massing import Mass, Plot
-from cityx.geometry.parcels.lots import Lot, lot_of, masses_on, slope_of
 from cityx.protocol import Range
 
 LEAST = 6.4  # metres of house; a narrower one has neither porch nor garage

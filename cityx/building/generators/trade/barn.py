@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Annotated
 
 from cityx.building.generators import action_of, generator
+from cityx.building.massing.lots import lot_of
 from cityx.building.massing.massing import Mass, Plot
-from cityx.geometry.parcels.lots import lot_of
 from cityx.protocol import Range
 
 LEAST = 5.5  # metres of barn beside a lean-to

@@ -6,8 +6,8 @@ from typing import Annotated
 
 from cityx.assets.fixtures.houses import HIGH_RISE, RISE
 from cityx.building.generators import action_of, generator
+from cityx.building.massing.lots import lot_of
 from cityx.building.massing.massing import Mass, Plot
-from cityx.geometry.parcels.lots import lot_of
 from cityx.protocol import Range
 
 WIDE = 5.5  # metres; wider bays have the higher roof

@@ -5,8 +5,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cityx.building.massing.lots import lot_of, slope_of
 from cityx.building.massing.massing import Plot
-from cityx.geometry.parcels.lots import lot_of, slope_of
 
 SIZES = st.floats(4, 40)
 ANGLES = st.floats(0, 2 * math.pi)
