@@ -257,13 +257,13 @@ def declared(kind: type) -> Iterator[Declared]:
 
 
 def with_values(kind: type[T], values: Mapping[str, Any]) -> T:
-    """Make a dataclass, and those that it holds, from values by name; others are left out."""
+    """Make a dataclass, and those that it holds, from the values of their options by name."""
     found: dict[str, Any] = {}
     types = get_type_hints(kind)
     for item in fields(kind):  # type: ignore[arg-type]
         if is_dataclass(types[item.name]):
             found[item.name] = with_values(types[item.name], values)
-        elif item.name in values:
+        elif _OPTION in item.metadata and item.name in values:
             found[item.name] = values[item.name]
     return kind(**found)
 
