@@ -63,7 +63,7 @@ def cut_at_180(arc: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
         y = y0 + (y1 - y0) * (abs(edge - x0) / whole if whole else 0.0)
         yield np.vstack([begin, arc[done : at + 1], (edge, y)])
         begin, done = np.array([(-edge, y)]), at + 1
-    yield np.vstack([begin, arc[done :]])
+    yield np.vstack([begin, arc[done:]])
 
 
 def main(source: Path, target: Path) -> None:

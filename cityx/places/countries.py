@@ -58,13 +58,15 @@ def country_at(latitude: float, longitude: float) -> str:
     (x0, y0), (x1, y1) = borders.start.T, borders.end.T
     met = np.flatnonzero((x0 <= longitude) != (x1 <= longitude))
     height = y0[met] + (longitude - x0[met]) / (x1[met] - x0[met]) * (y1[met] - y0[met])
-    above = height > latitude
-    if above.any():
-        # The first line to the north has the place on its southern side.
-        first = met[above][np.argmin(height[above])]
-        country = int(borders.sides[first, int(x1[first] > x0[first])])
-        if country >= 0:
-            return borders.codes[country]
+    above = met[np.argsort(height)][np.count_nonzero(height <= latitude) :]
+    # Inside a country an odd number of its lines lies to the north. Coasts are simplified, so that
+    # an island may touch the shore behind it: of two countries that of the nearer line counts.
+    around, first, count = np.unique(
+        borders.sides[above].ravel(), return_index=True, return_counts=True
+    )
+    inside = np.flatnonzero((around >= 0) & (count % 2 == 1))
+    if len(inside):
+        return borders.codes[int(around[inside[np.argmin(first[inside])]])]
     return _nearest(borders, latitude, longitude)
 
 
