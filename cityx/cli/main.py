@@ -160,6 +160,9 @@ def build(
     place: Annotated[
         str, typer.Option(help="Place whose map is fetched: a name, or WEST,SOUTH,EAST,NORTH.")
     ] = "",
+    place_profile: Annotated[
+        str, typer.Option(help="How the place builds and drives: de, jp, ..., or a TOML file.")
+    ] = "",
     planner: Planner = "offline",
     base_url: BaseUrl = "",
     record: Record = "",
@@ -198,6 +201,7 @@ def build(
         samples=samples,
         picture=_pixels(picture),
         place=place,
+        place_profile=place_profile,
         choice=PlannerChoice(planner, base_url, record, replay, budget_tokens),
         read=HowToRead(
             kinds=tuple(kinds or ()),

@@ -68,6 +68,9 @@ class BuildOptions:
         The instruction, in words, or "".
     place
         Name or rectangle of a place whose map is fetched, or "".
+    place_profile
+        Profile of a place such as "de", or a TOML file of one (docs/places.md); "" for that of the
+        country in which the city lies.
     choice
         Who plans.
     settings, wishes
@@ -89,6 +92,7 @@ class BuildOptions:
     picture: tuple[int, int] = (960, 540)
     text: str = ""
     place: str = ""
+    place_profile: str = ""
     read: HowToRead = field(default_factory=HowToRead)
     choice: PlannerChoice = field(default_factory=PlannerChoice)
     settings: tuple[str, ...] = ()

@@ -1,14 +1,14 @@
 """What a city looks and works like at its place: one profile, read from TOML.
 
 Keys are those of the dataclasses below, one table each. A key that a profile leaves out is that of
-the profile it inherits; tables marked as merged do so word by word, weights are replaced as a whole.
+the profile it inherits. Tables marked as merged are inherited word by word; weights are replaced as
+a whole.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from cityx.places.painting import Painting
 
@@ -17,9 +17,8 @@ Weights = Mapping[str, float]  # how often there is each, relative; "" is nothin
 Surfaces = tuple[tuple[float, str, tuple[int, ...]], ...]
 
 
-def _merged(*, closed: bool = False) -> Any:
-    """Return a field that is merged word by word; words of a closed one are those of "world"."""
-    return field(default_factory=dict, metadata={"merged": True, "closed": closed})
+MERGED = {"merged": True}
+CLOSED = {"merged": True, "closed": True}  # its words are those of "world"
 
 
 @dataclass(frozen=True)
@@ -54,8 +53,8 @@ class Streets:
         Share of bicycles in the traffic of main and of minor streets; () for what is usual.
     """
 
-    lane_widths: Weights = _merged(closed=True)
-    walk_widths: Weights = _merged(closed=True)
+    lane_widths: Weights = field(default_factory=dict, metadata=CLOSED)
+    walk_widths: Weights = field(default_factory=dict, metadata=CLOSED)
     least_walk: float = 0.0
     kerb_parking: bool = True
     single_width: float = 5.0
@@ -68,11 +67,6 @@ class Streets:
     guard_pipes: bool = False
     utility_poles: bool = False
     cyclists: tuple[float, ...] = ()
-
-    @property
-    def usual_lane(self) -> float:
-        """Metres of a lane of a street in town whose class is not known."""
-        return self.lane_widths["primary"]
 
 
 @dataclass(frozen=True)
@@ -92,7 +86,7 @@ class Buildings:
     """
 
     family: str = "european"
-    generators: Mapping[str, Weights] = _merged()
+    generators: Mapping[str, Weights] = field(default_factory=dict, metadata=MERGED)
     pitched: Surfaces = ()
     flat_roofs: float = 0.0
     flat_roofs_town: float = 0.0
@@ -141,13 +135,13 @@ class Trees:
 
     climate: tuple[tuple[float, str], ...] = ()
     usual: str = "temperate"
-    street: Mapping[str, Weights] = _merged(closed=True)
-    park: Mapping[str, Weights] = _merged(closed=True)
-    broad: Mapping[str, Weights] = _merged(closed=True)
-    needle: Mapping[str, Weights] = _merged(closed=True)
-    orchard: Mapping[str, Weights] = _merged(closed=True)
-    conifers: Weights = _merged(closed=True)
-    yards: Weights = _merged(closed=True)
+    street: Mapping[str, Weights] = field(default_factory=dict, metadata=CLOSED)
+    park: Mapping[str, Weights] = field(default_factory=dict, metadata=CLOSED)
+    broad: Mapping[str, Weights] = field(default_factory=dict, metadata=CLOSED)
+    needle: Mapping[str, Weights] = field(default_factory=dict, metadata=CLOSED)
+    orchard: Mapping[str, Weights] = field(default_factory=dict, metadata=CLOSED)
+    conifers: Weights = field(default_factory=dict, metadata=CLOSED)
+    yards: Weights = field(default_factory=dict, metadata=CLOSED)
     clipped: bool = False
 
 
@@ -208,8 +202,8 @@ class Furniture:
         Whether bays of yards end in stops, with a board beside them.
     """
 
-    pieces: Mapping[str, str] = _merged()
-    rates: Weights = _merged()
+    pieces: Mapping[str, str] = field(default_factory=dict, metadata=MERGED)
+    rates: Weights = field(default_factory=dict, metadata=MERGED)
     corner_bollards: float = 0.3
     past_junctions: Weights = field(default_factory=dict)
     plot_rows: Weights = field(default_factory=dict)
@@ -257,7 +251,7 @@ class Profile:
     lineage: tuple[str, ...] = ()
     drive: str = "right"
     streets: Streets = Streets()
-    painting: Painting = Painting()
+    painting: Painting = field(default_factory=Painting)
     buildings: Buildings = Buildings()
     shops: Shops = Shops()
     trees: Trees = Trees()

@@ -61,6 +61,11 @@ def profile_named(name: str) -> Profile:
     return _made(_lineage(name, _written(name)), None)
 
 
+def usual_lane() -> float:
+    """Return the metres of a lane of which nothing is known but that it is one."""
+    return profile_named(TOP).streets.lane_widths["primary"]
+
+
 def place_text(asked: str) -> str:
     """Return what a frame keeps of a profile that the user asks for: a name, or all it says.
 
@@ -159,7 +164,8 @@ def _made(lineage: tuple[tuple[str, Table], ...], at: tuple[float, float] | None
             where = f'Profile "{name}"' + (f", within {number}" if number else "")
             merged = _over(Profile, merged, table, where)
     names = tuple(name for name, _ in reversed(lineage))
-    return _filled(Profile, {"lineage": names, **merged})
+    made: Profile = _filled(Profile, {"lineage": names, **merged})
+    return made
 
 
 @cache

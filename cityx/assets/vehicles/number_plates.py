@@ -66,13 +66,6 @@ PLATES: Mapping[str, Plate] = MappingProxyType(
         "": Plate((0.52, 0.11), _WHITE, _WHITE, _BLACK, False, ("XX 0000",)),
     }
 )  # fmt: skip
-# What countries put on cars, by kind of place.
-COUNTRIES: Mapping[str, str] = MappingProxyType(
-    {
-        "british isles": "gb", "japan": "jp", "north america": "us", "mediterranean": "eu",
-        "northern/central europe": "eu",
-    }
-)  # fmt: skip
 
 
 def inscription(country: str, number: int) -> tuple[str, ...]:

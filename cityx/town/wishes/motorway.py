@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cityx.city import City, Layout
 from cityx.city.layout import joined_tables
 from cityx.errors import ActionFailed
-from cityx.places.driving import keeps_left
+from cityx.places.profiles import keeps_left
 from cityx.protocol import Choice, Port, Range, action
 from cityx.road.network.network import DRIVABLE
 from cityx.sources.features.tagged import Owner, Tags
