@@ -8,6 +8,7 @@ makes the table from it. Borders are those that hold on the ground as Natural Ea
 
 from __future__ import annotations
 
+import tomllib
 from functools import cache, lru_cache
 from importlib.resources import files
 from typing import NamedTuple
@@ -16,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 KM_PER_DEGREE = 111.2
+TOWN = 3.0  # km from the middle of a border town within which it tells the country
 REACH = 40.0  # km from a coast within which places at sea belong to a country: piers, small islands
 
 
@@ -46,13 +48,31 @@ def _borders() -> _Borders:
     return _Borders(codes, points[rows - 1], points[rows], table["sides"][line[rows]])
 
 
+@cache
+def _border_towns() -> tuple[tuple[str, ...], NDArray[np.float64]]:
+    """Return the countries of border towns, and their (n, 2) latitudes and longitudes."""
+    file = files("cityx") / "data/places/border_towns.toml"
+    towns = tomllib.loads(file.read_text("utf-8"))["towns"]
+    return tuple(town[1] for town in towns), np.array([town[2:] for town in towns])
+
+
+def _scale(latitude: float) -> NDArray[np.float64]:
+    """Return the km of a degree east and north."""
+    return KM_PER_DEGREE * np.array([np.cos(np.radians(latitude)), 1.0])
+
+
 @lru_cache(maxsize=256)
 def country_at(latitude: float, longitude: float) -> str:
     """Return the ISO 3166-1 alpha-2 code of the country at a place (WGS84 degrees).
 
     A place at sea belongs to the nearest country within `REACH`; the high seas have "". Along land
-    borders the answer is right to about 1 km, the accuracy of the map.
+    borders the answer is right to about 1 km, the accuracy of the map; for some towns at borders a
+    table decides.
     """
+    codes, places = _border_towns()
+    far = np.hypot(*((places - (latitude, longitude)) * _scale(latitude)[::-1]).T)
+    if far.min() < TOWN:
+        return codes[int(np.argmin(far))]
     borders = _borders()
     longitude = (longitude + 180.0) % 360.0 - 180.0
     (x0, y0), (x1, y1) = borders.start.T, borders.end.T
@@ -72,7 +92,7 @@ def country_at(latitude: float, longitude: float) -> str:
 
 def _nearest(borders: _Borders, latitude: float, longitude: float) -> str:
     """Return the country of the nearest coast, "" where there is none within reach."""
-    scale = KM_PER_DEGREE * np.array([np.cos(np.radians(latitude)), 1.0])
+    scale = _scale(latitude)
     near = np.abs(borders.start[:, 1] - latitude) * KM_PER_DEGREE < 2 * REACH
     rows = np.flatnonzero(near & (borders.sides < 0).any(axis=1))
     start = (borders.start[rows] - (longitude, latitude)) * scale

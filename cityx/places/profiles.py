@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 OWN = "own"  # name of a profile that a user wrote
 TOP = "world"  # what every profile inherits in the end
-FOLDER, TABLE = "data/places", "countries"
+FOLDER, TABLE, TOWNS = "data/places", "countries", "border_towns"
 Table = dict[str, Any]
 
 
@@ -90,9 +90,8 @@ def place_text(asked: str) -> str:
         said = tomllib.loads(path.read_text())
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(f"{path.name} is no profile of a place: {error}.") from None
-    text = json.dumps(said, ensure_ascii=False, separators=(",", ":"))
     _made(_lineage(OWN, said), None)
-    return text
+    return json.dumps(said, ensure_ascii=False, separators=(",", ":"))
 
 
 @cache
@@ -103,7 +102,7 @@ def profile_names() -> tuple[str, ...]:
         for item in (files("cityx") / FOLDER).iterdir()
         if item.name.endswith(".toml")
     }
-    return tuple(sorted(stems - {TABLE} | {code.lower() for code in _countries()}))
+    return tuple(sorted(stems - {TABLE, TOWNS} | {code.lower() for code in _countries()}))
 
 
 @lru_cache(maxsize=64)
@@ -185,9 +184,16 @@ def _filled(kind: Any, values: Table) -> Any:
 def _tables(name: str, said: Table, at: tuple[float, float] | None) -> Iterator[Table]:
     """Yield what a profile says, then what it says of parts that hold a place."""
     yield {key: value for key, value in said.items() if key not in ("inherits", "within")}
-    for part in said.get("within", ()):
-        box = part.get("box", ())
-        if len(box) != 4 or not all(isinstance(each, int | float) for each in box):
+    parts = said.get("within", [])
+    if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
+        raise UsageError(f'Profile "{name}": "within" must be a list of tables, each with a "box".')
+    for part in parts:
+        box = part.get("box")
+        if (
+            not isinstance(box, list)
+            or len(box) != 4
+            or not all(isinstance(each, int | float) for each in box)
+        ):
             raise UsageError(
                 f'Profile "{name}": "box" must be [south, west, north, east] in degrees.'
             )

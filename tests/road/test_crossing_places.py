@@ -12,12 +12,12 @@ from cityx.city.frame import Frame
 from cityx.city.ground import LABEL
 from cityx.ground.arrangement import face_areas
 from cityx.ground.walking.crosswalks import crosswalks_of
+from cityx.places.painting import Painting
+from cityx.places.profiles import profile_of
 from cityx.road.ground.ground_surface import ground
 from cityx.road.markings.arrows import lane_symbols
 from cityx.road.markings.crossing_places import FLARE, SETBACK
 from cityx.road.markings.marks import DOTTED, PLAIN, STRIPED, street_of
-from cityx.places.painting import Painting
-from cityx.places.profiles import profile_of
 from cityx.road.network.network import network, road_network
 from cityx.road.network.sections import bands_of
 from cityx.road.surface.street_surfaces import street_regions

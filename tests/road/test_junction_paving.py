@@ -8,8 +8,8 @@ from cityx.city.city import City
 from cityx.city.frame import Frame
 from cityx.city.ground import LABEL
 from cityx.ground.walking.crosswalks import crosswalks_of
-from cityx.road.ground.ground_surface import ground
 from cityx.places.profiles import profile_of
+from cityx.road.ground.ground_surface import ground
 from cityx.road.network.network import network, road_network
 from cityx.road.surface.street_surfaces import street_regions
 
