@@ -92,8 +92,8 @@ def _streets(check: _Check, profile: Profile) -> None:
     ribs = [name for name in LABEL if name.startswith("tactile")]
     check.words("painting.ribs", surfaces, ["", *ribs])
     for kind, bodies in (("car", vehicles.cars), ("van", vehicles.vans)):
-        known = [name for name, body in BODIES.items() if body.kind == kind]
-        check.weights(f"vehicles.{kind}s", bodies, known)
+        built = [name for name, body in BODIES.items() if body.kind == kind]
+        check.weights(f"vehicles.{kind}s", bodies, built)
     check.words("vehicles.plates", [vehicles.plates], PLATES)
 
 
