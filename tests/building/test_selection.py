@@ -28,6 +28,7 @@ def town(count=400, *, use="yes", levels=4, size=(14.0, 12.0), place="urban", ta
     return Layout((0, 0, 5000, 20), buildings, parts)
 
 
+BRITISH = profile_named("gb").buildings
 PLACES = ("de", "nl", "fi", "ru", "fr", "jp", "cn")
 
 
@@ -91,9 +92,9 @@ def test_berlin_is_not_built_of_paris():
 
 def test_houses_of_a_row_mostly_share_a_design():
     row = choose_generators(town(gap=0.0, size=(6.0, 10.0), use="house", levels=2), 3,
-                            place="gb")  # fmt: skip
+                            local=BRITISH)  # fmt: skip
     free = choose_generators(town(gap=5.0, size=(6.0, 10.0), use="house", levels=2), 3,
-                             place="gb")  # fmt: skip
+                             local=BRITISH)  # fmt: skip
     assert (row[1:] == row[:-1]).mean() > (free[1:] == free[:-1]).mean() + 0.1
 
 
@@ -132,14 +133,14 @@ def test_what_is_chosen_is_admitted():
 
 
 def test_slabs_of_estates_seldom_stand_in_a_row():
-    free = share(town(2000, levels=6, size=(20.0, 14.0)), "panel_slab", region="eastern europe")
+    free = share(town(2000, levels=6, size=(20.0, 14.0)), "panel_slab", place="ru")
     row = town(2000, levels=6, size=(20.0, 14.0), gap=0.0)
     assert free > 0.3
-    assert share(row, "panel_slab", region="eastern europe") < 0.6 * free
+    assert share(row, "panel_slab", place="ru") < 0.6 * free
 
 
 def test_flats_of_japan_are_not_those_of_hong_kong():
     layout = town(use="apartments", levels=6)
-    assert share(layout, "japanese_midrise", region="japan") > 0.5
-    assert share(layout, "asian_block", region="japan") == 0.0
+    assert share(layout, "japanese_midrise", place="jp") > 0.5
+    assert share(layout, "asian_block", place="jp") == 0.0
     assert share(layout, "japanese_midrise", place="cn") == 0.0
