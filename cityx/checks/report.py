@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from cityx import __version__
 from cityx.checks.body_checks import check_bodies
 from cityx.checks.bounds import check_bounds
 from cityx.checks.building_checks import check_buildings
@@ -38,6 +37,7 @@ from cityx.city.frame import NOWHERE
 from cityx.ids import id_text
 from cityx.places.countries import country_at
 from cityx.places.profiles import profile_of
+from cityx.version import __version__
 
 FAILED_SHARE = 0.01  # of all buildings; more, and something is wrong with the input or with us
 

@@ -25,7 +25,7 @@ from cityx.agents.step_runner import SNAPSHOTS, Run, Stopwatch
 from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
 from cityx.errors import InputError, UsageError
-from cityx.language.options import FORMATS, BuildOptions, PlannerChoice
+from cityx.options import FORMATS, BuildOptions, PlannerChoice
 from cityx.outputs.usd import require_usd
 from cityx.places.profiles import place_text, profile_of
 from cityx.projects.place_words import check_words

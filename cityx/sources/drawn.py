@@ -24,6 +24,7 @@ from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import KIND, Owner, Report, Tags, tag
 from cityx.sources.features.vocabulary import RAIL_WORDS, ROAD_TABLE
 from cityx.sources.input_kinds import place_name
+from cityx.system.tables import table
 
 ACTION = "source/drawn"
 MAX_BYTES = 256 << 20  # nobody draws more by hand
@@ -33,22 +34,7 @@ FRAME = (
 )
 # What a drawing may call things, as attributes of a map. Everything else is taken as it is.
 WORDS: Mapping[str, Tags] = {
-    "road": {KIND: CURVE, "kind": "residential"},
-    "street": {KIND: CURVE, "kind": "residential"},
-    "river": {"waterway": "river"},
-    "stream": {"waterway": "stream"},
-    "lake": {"natural": "water"},
-    "water": {"natural": "water"},
-    "building": {"building": "yes"},
-    "park": {"leisure": "park"},
-    "forest": {"landuse": "forest"},
-    "square": {"highway": "pedestrian", "area": "yes"},
-    "wall": {"barrier": "wall"},
-    "fence": {"barrier": "fence"},
-    "hedge": {"barrier": "hedge"},
-    "trees": {"natural": "tree_row"},
-    "tree": {"natural": "tree"},
-    "route": {KIND: "route"},
+    **table("sources/drawn", dict[str, str]),
     # Streets, paths and rails stay curves: `road/drawn_streets` builds what the drawing asks for.
     **{kind: {KIND: CURVE, "kind": kind} for kind in (*ROAD_TABLE, *RAIL_WORDS)},
 }

@@ -11,6 +11,7 @@ from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
 from cityx.city.sites import Box, moved
 from cityx.errors import UsageError, nearest
+from cityx.options import HowToRead
 from cityx.sources.combination import combine
 from cityx.sources.input_kinds import KINDS, WORDS, Input, classify
 
@@ -19,48 +20,6 @@ if TYPE_CHECKING:
 
 # What a person drew goes before what a map says, and a map before what was seen from above.
 PRECEDENCE = ("drawn", "osm", "semantic", "satellite")
-
-
-@dataclass(frozen=True)
-class HowToRead:
-    """What a user says of inputs that do not say it themselves.
-
-    Attributes
-    ----------
-    seed
-        Key of every draw for what an input does not say.
-    at
-        Latitude and longitude of what does not say where it lies.
-    place
-        Profile of the place that the user asked for, as of `cityx.city.frame.Frame`.
-    kinds
-        "NAME=KIND", what a file is, where its content says something else.
-    legend, confirm_legend
-        Preset or file of a semantic map's classes; whether to take those that are proposed.
-    pixel
-        Metres of a pixel.
-    fidelity
-        "exact" or "plausible", of images.
-    segmenter
-        ONNX file that tells the classes of a photograph, "none" for colour and texture alone, ""
-        for the network that comes with CityX.
-    height_range
-        Metres of the lowest and the highest number of heights that are no metres.
-    height_crs
-        Coordinate system of heights that do not name theirs.
-    """
-
-    seed: int = 0
-    at: tuple[float, float] | None = None
-    place: str = ""
-    kinds: tuple[str, ...] = ()
-    legend: str = ""
-    confirm_legend: bool = False
-    pixel: float | None = None
-    fidelity: str = "exact"
-    segmenter: str = ""
-    height_range: tuple[float, float] | None = None
-    height_crs: str = ""
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from cityx.city import City, Layout
+from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed
 from cityx.ids import draw
 from cityx.places.profiles import profile_of
@@ -18,7 +19,6 @@ from cityx.sources.features.tagged import Owner
 from cityx.town.cutting import strip_of, with_streets
 from cityx.town.procedural_streets import half_width, shore_tags
 from cityx.town.rebuilding import with_area
-from cityx.town.wishes.wishes import asked
 
 # Outward of each side: x east, y north.
 SIDES: Mapping[str, tuple[float, float]] = {

@@ -18,10 +18,10 @@ from cityx.city.store import read_city
 SCRIPT = """
 import sys
 from pathlib import Path
-from cityx.agents import run
+from cityx.agents import step_runner
 from cityx.projects.build import build
 from cityx.language.options import BuildOptions
-run.SNAPSHOT_S = 0.0
+step_runner.SNAPSHOT_S = 0.0
 options = BuildOptions(formats=(), render=False, seed=4)
 say = lambda text: print(text, flush=True)
 print(build([Path(sys.argv[1])], Path(sys.argv[2]), options, say=say)["hash"])
@@ -58,9 +58,9 @@ def check(town_map, out, wanted):
     return said
 
 
-@pytest.mark.parametrize(
-    "moment", [pytest.param(n, marks=pytest.mark.slow if n > 2 else ()) for n in range(20)]
-)
+@pytest.mark.slow
+@pytest.mark.sweep(3)
+@pytest.mark.parametrize("moment", range(20))
 def test_a_build_killed_at_any_moment_comes_to_the_same_hash(
     undisturbed, town_map, tmp_path, moment
 ):

@@ -1,36 +1,40 @@
 import numpy as np
 import pytest
 
-from cityx.assets.openings.fine_doors import FINE_DOORS
-from cityx.assets.openings.fine_windows import PATTERNS
-from cityx.assets.openings.openings import DOORS, NICHE_DEPTH, WINDOWS, door, rim_of, window
+from cityx.assets.openings.doors import DOORS, FINE_DOORS, door
+from cityx.assets.openings.frames import NICHE_DEPTH, rim_of
+from cityx.assets.openings.windows import PATTERNS, WINDOWS, window
 from cityx.assets.shapes import bevelled, fine_shapes, leaf_blades
-from cityx.assets.shops.fine_shopfronts import FINE_FITTINGS, FINE_SHOPFRONTS
-from cityx.assets.shops.shopfronts import fitting, shopfront
+from cityx.assets.shops.shopfronts import FINE_FITTINGS, FINE_SHOPFRONTS, fitting, shopfront
 from cityx.assets.styles.materials import MATERIALS
 from cityx.assets.trees import tree
-from cityx.assets.trims.fine_trims import FINE_TRIMS
 from cityx.assets.trims.mouldings import frame, ledge, rectangle, ring_moulding
-from cityx.assets.trims.trims import trim
+from cityx.assets.trims.trims import FINE_TRIMS, trim
 from cityx.assets.vehicles.car_bodies import BODIES
 from cityx.assets.vehicles.vehicles import car
-from cityx.geometry.solids import area_vectors, check_closed, degenerate_faces, volume
+from cityx.city.mesh_measures import check_closed, degenerate_faces, volume
+from cityx.geometry.solids import area_vectors
 
 MADE = [
-    *(window(name, 2, detail=3) for name in [*PATTERNS, "window_arched"]),
-    *(door(name, detail=3) for name in FINE_DOORS),
-    *(shopfront(name, detail=3) for name in FINE_SHOPFRONTS),
+    *((window, name, 2) for name in [*PATTERNS, "window_arched"]),
+    *((door, name) for name in FINE_DOORS),
+    *((shopfront, name) for name in FINE_SHOPFRONTS),
 ]
 ORNAMENT = [
-    *(window(name, 2, detail=3) for name in WINDOWS if name not in PATTERNS),
-    *(door(name, detail=3) for name in DOORS if name not in FINE_DOORS),
-    *(trim(name, detail=3) for name in FINE_TRIMS),
-    *(fitting(name, detail=3) for name in FINE_FITTINGS),
+    *((window, name, 2) for name in WINDOWS if name not in PATTERNS),
+    *((door, name) for name in DOORS if name not in FINE_DOORS),
+    *((trim, name) for name in FINE_TRIMS),
+    *((fitting, name) for name in FINE_FITTINGS),
 ]
 
 
-@pytest.mark.parametrize("made", [*MADE, *ORNAMENT], ids=lambda made: made.name)
-def test_fine_forms_are_sound_and_of_known_materials(made):
+def name_of(form):
+    return "-".join(map(str, form[1:]))
+
+
+@pytest.mark.parametrize("form", [*MADE, *ORNAMENT], ids=name_of)
+def test_fine_forms_are_sound_and_of_known_materials(form):
+    made = form[0](*form[1:], detail=3)
     assert set(made.mesh.materials) <= set(MATERIALS)
     assert np.isfinite(made.mesh.vertices).all()
     assert np.isfinite(made.mesh.uv).all()
@@ -38,8 +42,9 @@ def test_fine_forms_are_sound_and_of_known_materials(made):
     assert made.mesh.triangle_count < 40_000
 
 
-@pytest.mark.parametrize("made", MADE, ids=lambda made: made.name)
-def test_what_fills_a_niche_stays_before_its_back(made):
+@pytest.mark.parametrize("form", MADE, ids=name_of)
+def test_what_fills_a_niche_stays_before_its_back(form):
+    made = form[0](*form[1:], detail=3)
     assert made.mesh.vertices[:, 1].max() <= NICHE_DEPTH + 1e-9
 
 

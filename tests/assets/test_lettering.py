@@ -10,14 +10,18 @@ from cityx.geometry.solids import area_vectors
 @pytest.mark.parametrize("tongue", [*shop_words().words, ""])
 def test_every_word_can_be_written(tongue):
     for kind in shop_words().usual:
+        assert words_of(tongue)[kind]
         for text in words_of(tongue)[kind]:
             assert is_known(text), text
 
 
 def test_every_kind_of_shop_has_words():
-    table = shop_words()
-    assert set(table.kinds.values()) == set(table.usual)
-    assert all(set(words) == set(table.usual) for words in table.words.values())
+    assert (
+        set(shop_words().kinds.values())
+        == set(shop_words().usual)
+        == set(shop_words().words["world"])
+    )
+    assert all(set(words) == set(shop_words().usual) for words in shop_words().words.values())
 
 
 def test_a_letter_reads_from_left_to_right():

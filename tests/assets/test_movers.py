@@ -64,6 +64,7 @@ def test_a_vehicle_is_of_closed_solids_of_known_materials(look):
     parts = MODELS[look].parts(MODELS[look])
     if look in TWO_WHEELERS:
         parts = [*parts, *wheel_of(MODELS[look])]
+    assert parts
     for mesh in parts:
         group = np.zeros(len(mesh.faces), np.int64)
         assert set(mesh.materials) <= set(MATERIALS)

@@ -45,6 +45,7 @@ def results(folder):
     }
 
 
+@pytest.mark.sweep(1)
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_killed_benchmark_comes_to_the_same_results(name, tmp_path):
     command, out, whole = COMMANDS[name], tmp_path / "killed", tmp_path / "whole"

@@ -1,12 +1,14 @@
 """Prompts go to a file, answers come back by hand, and the results are those of a model."""
 
 import json
+import shutil
 from dataclasses import replace
 
 import pytest
 
 pytest.importorskip("pydantic_ai")
 
+from cityx_bench import runner
 from cityx_bench.runner import Bench, export_prompts, run_bench
 from cityx_bench.tasks import Task
 from pydantic_ai.messages import ModelResponse, TextPart, ToolCallPart
@@ -44,9 +46,10 @@ def reply(messages, info):
 
 
 @pytest.fixture(scope="module")
-def asked(tmp_path_factory):
+def asked(tmp_path_factory, scene_folder):
     """A file of prompts that were all answered, and how many waited in each round."""
     folder = tmp_path_factory.mktemp("prompts")
+    shutil.copytree(scene_folder("grid_s"), runner.scene_folder(folder, "grid_s"))
     path = folder / "prompts.jsonl"
     bench = Bench((TASK, replace(TASK, id="H2", base="grid_s")), f"export:{path}", folder, lod=0)
     rounds = []

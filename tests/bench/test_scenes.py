@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 import rasterio
 from cityx_bench.inputs import SITE, SMALL_INPUTS, TRUTH, town, write_inputs
-from cityx_bench.runner import build_scene
 from cityx_bench.scenes import SCENES, write_drawing
 from PIL import Image
 
 from cityx.checks.predicates import clean, measure_all
 from cityx.city.content import content_hash
-from cityx.city.store import read_city
 from cityx.sources.drawn import read_drawn
 from cityx.sources.input_kinds import classify
 from cityx.sources.osm import read_osm
@@ -45,9 +43,8 @@ def test_a_scene_has_the_layout_that_its_hash_says(name, tmp_path):
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_a_built_scene_holds_what_tasks_rely_on_and_is_clean(name, tmp_path):
-    build_scene(name, tmp_path / name)
-    city = read_city(tmp_path / name / "city")
+def test_a_built_scene_holds_what_tasks_rely_on_and_is_clean(name, scene):
+    city = scene(name)
     missed = [f.evidence for f in measure_all(HOLDS[name], city) if not f.met]
     assert missed == []
     assert [f.evidence for f in clean(city) if not f.met] == []

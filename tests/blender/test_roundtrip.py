@@ -108,6 +108,7 @@ def test_every_building_of_the_store_is_an_object_with_its_id(detailed, reopened
 
 
 def test_every_instance_keeps_its_id_on_its_point(detailed, reopened):
+    assert detailed[1].scene.instances
     for name, rows in detailed[1].scene.instances.items():
         assert sorted(reopened["rows"][name]) == sorted(map(id_text, rows.object_id.tolist()))
         assert set(reopened["rows"][name].values()) == {1}

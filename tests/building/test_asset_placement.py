@@ -66,6 +66,7 @@ def test_fittings_stay_with_their_asset(library):
     made = assets(shell(town()), InputFiles((library,)))
     rows = made.scene.instances["windows"]
     lots = town().layout.buildings
+    assert len(rows.owner)
     for owner in np.unique(rows.owner).tolist():
         outline = lots[lots["id"] == owner].geometry.iloc[0]
         at = shapely.points(rows.position[rows.owner == owner][:, :2])

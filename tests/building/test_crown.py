@@ -8,11 +8,10 @@ import shapely
 from cityx.assets.trims.dormers import DEPTH, DORMERS, dormer_front, dormer_roof
 from cityx.building.facade import cornices
 from cityx.building.facade.cornices import corner_stones, mouldings
-from cityx.building.facade.facade import facade, facade_of
+from cityx.building.facade.facade import facade, facade_of, pitched_field
 from cityx.building.facade.placing import Placing
 from cityx.building.facade.wall_faces import wall_faces
 from cityx.building.growth import grown, piece_of
-from cityx.building.roofs.crown import pitched_field
 from cityx.building.roofs.dormers import dormers
 from cityx.building.roofs.gables import gable_windows
 from cityx.building.roofs.roof_edges import OVERLAP
@@ -21,8 +20,9 @@ from cityx.checks.facades import blind_windows
 from cityx.city import City, Frame, Layout, make_table
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.mesh import NO_VERTEX, concatenate, one_mesh
+from cityx.city.mesh_measures import check_closed, volume
 from cityx.city.scene import Scene
-from cityx.geometry.solids import check_closed, open_parts, volume
+from cityx.geometry.solids import open_parts
 
 BOX = shapely.box(0, 0, 24, 12)
 EAVE, RISE = 12.0, 5.0
@@ -143,6 +143,7 @@ def test_roof_windows_lie_in_the_slope():
         if found:
             break
     pitch = np.arctan(RISE / 6.0)
+    assert found
     for _, at, rotation, _ in found:
         assert rotation[0] == pytest.approx(pitch, abs=1e-3)
         run = min(at[1], 12.0 - at[1])

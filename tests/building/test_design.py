@@ -31,6 +31,7 @@ def test_volumes_of_a_generator_replace_the_plain_part():
 
 def test_a_mapped_footprint_stays_covered():
     city = towers()
+    assert len(city.layout.buildings)
     for row in city.layout.buildings.itertuples():
         own = city.layout.parts[city.layout.parts["building"] == row.id]
         ground = shapely.union_all(own.geometry[own["base"] < 0.05].to_numpy())

@@ -129,6 +129,7 @@ def test_a_mapped_entrance_moves_the_door():
 
 def test_rows_do_not_depend_on_the_order_of_the_input():
     first, second = facade(terrace()).scene, facade(terrace(np.arange(COUNT)[::-1])).scene
+    assert first.instances
     for layer, rows in first.instances.items():
         assert np.array_equal(rows.object_id, second.instances[layer].object_id)
         assert np.array_equal(rows.position, second.instances[layer].position)

@@ -98,7 +98,9 @@ def test_without_noise_a_tower_is_regular():
 
 def test_storeys_are_not_cut():
     plot = plot_of()
-    for mass in grow(plot, RULES, start="setback", depth=4):
+    masses = grow(plot, RULES, start="setback", depth=4)
+    assert masses
+    for mass in masses:
         assert abs(mass.low / plot.storey - round(mass.low / plot.storey)) < 1e-6
 
 

@@ -95,5 +95,6 @@ def test_a_wing_has_rows_of_its_own():
 
 
 def test_decks_are_the_same_each_time(volumes):
+    assert laid(volumes)
     for one, again in zip(laid(volumes), laid(volumes), strict=True):
         assert one.tobytes() == again.tobytes()

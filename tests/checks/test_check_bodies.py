@@ -4,22 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cityx_bench.scenes import SCENES, write_drawing
 
 from cityx.checks.body_checks import check_bodies, outlines_of
-from cityx.city.store import read_city
 from cityx.ids import id_text
-from cityx.language.options import BuildOptions
-from cityx.projects.build import build
 
 
 @pytest.fixture(scope="module")
-def park(tmp_path_factory):
-    folder, scene = tmp_path_factory.mktemp("park"), SCENES["park_s"]
-    write_drawing(scene.draw(), scene.extent, folder / "park.geojson")
-    options = BuildOptions(formats=(), render=False, settings=scene.settings)
-    build([folder / "park.geojson"], folder / "park", options)
-    return read_city(folder / "park" / "city")
+def park(scene):
+    return scene("park_s")
 
 
 def with_places(city, layer, places):

@@ -14,8 +14,6 @@ from cityx.cli.main import main
 from cityx.dataset.cities import read_shots
 from cityx.dataset.classes import CLASSES
 from cityx.dataset.writers.exr import read_exr
-from cityx.language.options import BuildOptions
-from cityx.projects.build import build
 
 
 def run(monkeypatch, capsys, *words):
@@ -25,11 +23,9 @@ def run(monkeypatch, capsys, *words):
     return stop.value.code, capsys.readouterr()
 
 
-@pytest.fixture(scope="module")
-def town(town_map, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("town") / "town"
-    build([town_map], folder, BuildOptions(formats=(), render=False, lod=1))
-    return folder
+@pytest.fixture
+def town(built_town):
+    return built_town(lod=1)
 
 
 def test_all_faults_are_told_at_once_before_any_work(monkeypatch, capsys, tmp_path):

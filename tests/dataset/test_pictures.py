@@ -15,11 +15,11 @@ from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city import Environment
 from cityx.city.store import read_view, write_city
 from cityx.dataset import pictures as module
-from cityx.dataset.cryptomatte import coverage_of, filter_offsets
 from cityx.dataset.pictures import QUALITIES, PictureFailed, chosen_quality, noise_of, pictures
 from cityx.dataset.shots import Shot
 from cityx.errors import EngineError, UsageError
 from cityx.ids import id_text
+from cityx.outputs.cryptomatte import coverage_of, filter_offsets
 
 OpenEXR = pytest.importorskip("OpenEXR", reason="the extra `dataset` is not installed")
 QUICK = replace(QUALITIES["draft"], samples=4, rays=2)
@@ -146,7 +146,8 @@ def forwards(store):
 @pytest.mark.blender
 @pytest.mark.slow
 def test_a_picture_depends_neither_on_those_before_it_nor_on_the_process(store, forwards):
-    backwards = pictures(store, SHOTS[::-1], CHANNELS, QUICK, recycle=3, gpu=False)
+    backwards = [*pictures(store, SHOTS[::-1], CHANNELS, QUICK, recycle=3, gpu=False)]
+    assert len(backwards) == len(SHOTS)
     for record in backwards:
         first = forwards[record.shot.name]
         assert list(record.channels) == list(first.channels)

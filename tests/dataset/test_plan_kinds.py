@@ -33,6 +33,7 @@ def test_no_eye_is_in_or_near_anything(plans, name):
     flat = np.sqrt(1 - z**2)
     way = np.stack([np.cos(angle) * flat, np.sin(angle) * flat, z], axis=-1).reshape(-1, 3)
     least = 2.0 if name in ("aerial", "flight") else 0.5
+    assert plans[name].shots
     for shot in plans[name].shots:
         eye = np.broadcast_to(shot.camera.position, way.shape)
         hits = stage().cast(eye, way)
@@ -43,6 +44,7 @@ def test_no_eye_is_in_or_near_anything(plans, name):
 @pytest.mark.parametrize("name", ["street", "walk", "drive"])
 def test_nothing_that_moves_is_near_an_eye(plans, name):
     tracks = town().tracks
+    assert plans[name].shots
     for shot in plans[name].shots:
         poses = poses_at(tracks, shot.moment)
         gap = np.linalg.norm(poses.position[:, :2] - shot.camera.position[:2], axis=1)
@@ -111,6 +113,7 @@ def test_drives_follow_lanes_on_the_right_hand(plans):
     driven = [graph.lane_points(lane) for lane in range(graph.count)]
     curves = to_linestrings(Polylines(graph.curve, graph.curve_start))
     lanes = shapely.union_all([*map(shapely.LineString, driven), *curves])
+    assert plans["drive"].shots
     for shot in plans["drive"].shots:
         x, y, z = shot.camera.position
         assert shapely.distance(lanes, shapely.Point(x, y)) < 0.6
@@ -120,6 +123,7 @@ def test_drives_follow_lanes_on_the_right_hand(plans):
 
 
 def test_drives_keep_the_limits_of_speed_and_of_bends(plans):
+    assert plans["drive"].shots
     for sequence in {shot.sequence for shot in plans["drive"].shots}:
         places = eyes([shot for shot in plans["drive"].shots if shot.sequence == sequence])
         speed = np.linalg.norm(np.diff(places, axis=0), axis=1) * 10.0

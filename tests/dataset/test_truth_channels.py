@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 from made_view import GROUND, HOUSE, POST, WINDOW, box, plate, rows, shot, street, view
 
+from cityx.city.projection import project, rays
 from cityx.city.scene import Prototype, Scene
 from cityx.city.store import read_view
 from cityx.dataset.channels import CHANNELS, SETS
 from cityx.dataset.classes import CLASS, CLASSES
-from cityx.dataset.shots import project, rays
 from cityx.dataset.sight import sight
 from cityx.dataset.stage import stage_of
 from cityx.dataset.truth import truth
@@ -108,6 +108,7 @@ def test_depth_reproduces_world_points_within_a_centimetre_at_100_metres():
 
 def test_normals_of_a_town_are_unit_towards_the_eye_and_agree_with_depth(town):
     stage, shots = town
+    assert shots
     for one in shots:
         made = truth(stage, one, STILL).channels
         met = np.isfinite(made["depth"])
@@ -148,6 +149,7 @@ def test_ids_of_a_town_are_those_of_the_city(town, scene):
 def test_the_same_shot_gives_the_same_bytes_on_one_thread_and_on_two(town):
     stage, shots = town
     again = stage_of(stage.view)
+    assert shots
     for one in shots:
         made = [truth(stage, one, STILL, boxes=True, threads=1),
                 truth(again, one, STILL, boxes=True, threads=2)]  # fmt: skip

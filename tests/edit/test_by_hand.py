@@ -16,15 +16,11 @@ from cityx.edit.objects.remove_parts import remove_parts
 from cityx.errors import ActionFailed
 from cityx.geometry.turns import matrices
 from cityx.ids import id_text
-from cityx.language.options import BuildOptions
-from cityx.projects.build import build
 
 
 @pytest.fixture(scope="module")
-def town(town_map, tmp_path_factory):
-    out = tmp_path_factory.mktemp("by_hand") / "town"
-    build([town_map], out, BuildOptions(formats=(), render=False))
-    return read_city(out / "city")
+def town(built_town):
+    return read_city(built_town() / "city")
 
 
 def tree(city, number=0):

@@ -9,6 +9,7 @@ SITE = (-100.0, -50.0, 300.0, 250.0)
 def test_every_image_meets_its_site_at_the_common_border():
     low, high = np.array(SITE[:2]), np.array(SITE[2:])
     corners = np.array([[*low, *high]])
+    assert len([*images(SITE, 300.0)]) > 3
     for image in images(SITE, 300.0):
         (box,) = image.placed(corners)
         assert box[2:] - box[:2] == pytest.approx(high - low)

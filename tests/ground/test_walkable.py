@@ -1,6 +1,7 @@
 """The walkable area: what is on it, what is taken out, and places moved into it."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pandas as pd
@@ -114,10 +115,13 @@ def test_land_beside_a_street_without_pavement_is_walked_on():
     assert bare.at(bare.verge, beside).tolist() == [True, False]
 
 
+plain_town = cache(crossing_town)
+
+
 @settings(max_examples=60, deadline=None)
 @given(st.tuples(st.floats(-80, 80), st.floats(-80, 80)))
 def test_a_snapped_place_is_free_near_and_off_the_roadway(place):
-    area = walkable_of(_TOWN)
+    area = walkable_of(plain_town())
     moved, found = area.snapped([place], 5.0)
     if found[0]:
         assert area.holds(moved)[0]
@@ -137,9 +141,6 @@ def test_the_area_is_made_once_for_one_ground(town):
 def test_nobody_walks_where_no_ground_is_laid(town):
     with pytest.raises(ValueError, match="the ground is not laid yet"):
         walkable_of(replace(town, ground=None))
-
-
-_TOWN = crossing_town()
 
 
 def test_a_place_without_streets_has_no_crosswalks(town):

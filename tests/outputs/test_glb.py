@@ -77,6 +77,7 @@ def test_up_is_y_and_north_is_minus_z(tmp_path):
 
 def test_bounds_of_accessors_are_those_of_the_values(tmp_path):
     glb, _ = written(small_city(), tmp_path)
+    assert any("min" in accessor for accessor in glb.json["accessors"])
     for index, accessor in enumerate(glb.json["accessors"]):
         if "min" in accessor:
             values = glb.array(index)
@@ -87,6 +88,7 @@ def test_bounds_of_accessors_are_those_of_the_values(tmp_path):
 def test_normals_point_out_of_a_solid(tmp_path):
     glb, _ = written(view(Scene().with_mesh("buildings", box(1))), tmp_path)
     middle = np.array([0, 5, 0])
+    assert glb.json["meshes"][0]["primitives"]
     for primitive in glb.json["meshes"][0]["primitives"]:
         normal = glb.array(primitive["attributes"]["NORMAL"])
         corner = glb.array(primitive["attributes"]["POSITION"])
@@ -169,6 +171,7 @@ def test_colors_are_tints_where_the_material_takes_one(tmp_path):
     scene = Scene().with_mesh("buildings", box(1, materials=("brick", "glass")))
     glb, _ = written(view(scene), tmp_path)
     names = [material["name"] for material in glb.json["materials"]]
+    assert {"brick", "glass"} <= set(names)
     for primitive in glb.json["meshes"][0]["primitives"]:
         rows_used = np.unique(glb.array(primitive["indices"]))
         color = np.unique(glb.array(primitive["attributes"]["COLOR_0"])[rows_used], axis=0)

@@ -1,16 +1,16 @@
 """The bodies of a city in a real physics engine: at rest they rest, pushed they obey F = m a."""
 
+import shutil
+
 import numpy as np
 import pytest
-from cityx_bench.scenes import SCENES, write_drawing
 
 from cityx.assets.colliders import bodies_of
 from cityx.city.store import read_city, read_view
 from cityx.ids import id_text
-from cityx.language.options import BuildOptions
 from cityx.outputs.body_files import read_bodies, write_bodies
 from cityx.outputs.mjcf import write_mjcf
-from cityx.projects.build import build
+from cityx.projects.views import make_views
 
 SETTLE = 2.0  # seconds
 STILL = 0.05  # metres that a thing at rest may move meanwhile
@@ -18,24 +18,28 @@ OFF = 0.05  # share of a push by which the engine's soft contacts may miss
 PUSH = 1.0  # metres per second squared that is left of a push after friction
 
 
-def built(name, folder):
-    scene, drawing = SCENES[name], folder / f"{name}.geojson"
-    write_drawing(scene.draw(), scene.extent, drawing)
-    options = BuildOptions(formats=("bodies",), render=False, settings=scene.settings)
-    build([drawing], folder / name, options)
-    return folder / name
+@pytest.fixture(scope="module")
+def built(scene_folder, tmp_path_factory):
+    """Make the folder of a base scene with the bodies of its things."""
+
+    def with_bodies(name):
+        folder = shutil.copytree(scene_folder(name), tmp_path_factory.mktemp("bodies") / name)
+        make_views(read_city(folder / "city"), folder, ("bodies",), say=print)
+        return folder
+
+    return with_bodies
 
 
 @pytest.fixture(scope="module")
-def river(tmp_path_factory):
+def river(built):
     """Two banks with parked cars."""
-    return built("river_s", tmp_path_factory.mktemp("river"))
+    return built("river_s")
 
 
 @pytest.fixture(scope="module")
-def park(tmp_path_factory):
+def park(built):
     """A park and a plaza with benches, bins and planters."""
-    return built("park_s", tmp_path_factory.mktemp("park"))
+    return built("park_s")
 
 
 def test_bodies_are_written_beside_the_city_and_read_back(river):

@@ -122,6 +122,7 @@ def test_a_town_as_built_passes_every_validator(town):
 def test_a_town_has_the_meshes_triangles_and_ids_of_its_scene(town):
     out, scene = town
     stage = opened(out / "city.usdc")
+    assert scene.meshes
     for layer, batch in scene.meshes.items():
         meshes = layer_meshes(stage, layer)
         full = np.diff(batch.face_start) > 0
@@ -137,6 +138,7 @@ def test_a_town_has_the_instances_and_ids_of_its_scene(town):
 
     out, scene = town
     stage = opened(out / "city.usdc")
+    assert scene.instances
     for layer, table in scene.instances.items():
         instancer = UsdGeom.PointInstancer.Get(stage, f"/City/{layer}")
         ids = np.array(instancer.GetIdsAttr().Get(), np.int64).view(np.uint64)
@@ -183,9 +185,11 @@ def triangle_counts(stage, instancer):
 def test_a_town_has_the_bounds_of_its_scene_layer_by_layer(town):
     out, scene = town
     stage = opened(out / "city.usdc")
+    assert scene.meshes
     for layer in scene.meshes:
         points = np.concatenate([points_of(prim) for prim in layer_meshes(stage, layer)])
         np.testing.assert_allclose(bounds(points), bounds(scene_points(scene, layer)), atol=1e-4)
+    assert scene.instances
     for layer in scene.instances:
         found, wanted = instance_points(stage, layer), scene_points(scene, layer)
         np.testing.assert_allclose(bounds(found), bounds(wanted), atol=1e-4, err_msg=layer)

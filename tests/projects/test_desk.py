@@ -6,9 +6,7 @@ import pytest
 from cityx.city.content import content_hash
 from cityx.city.store import read_city
 from cityx.errors import ActionRejected, InputError, UsageError
-from cityx.language.options import BuildOptions
 from cityx.projects import desk as desks
-from cityx.projects.build import build
 from cityx.projects.desk import Conflict, Desk
 from cityx.projects.locks import locked
 from cityx.protocol.gate import Call
@@ -17,17 +15,9 @@ SNOW = Call("background/weather-v1", {"preset": "snow"})
 DUSK = Call("background/sun-v1", {"time": "dusk"})
 
 
-@pytest.fixture(scope="module")
-def town(town_map, tmp_path_factory):
-    out = tmp_path_factory.mktemp("desk") / "town"
-    build([town_map], out, BuildOptions(formats=(), render=False, lod=1))
-    return out
-
-
 @pytest.fixture
-def folder(town, tmp_path):
-    shutil.copytree(town, tmp_path / "town")
-    return tmp_path / "town"
+def folder(built_town, tmp_path):
+    return shutil.copytree(built_town(lod=1), tmp_path / "town")
 
 
 def on_disk(folder):

@@ -299,6 +299,7 @@ TOWNS = {
 }  # fmt: skip
 
 
+@pytest.mark.sweep(6)
 @pytest.mark.parametrize("name", TOWNS)
 def test_odd_things_in_a_map_keep_every_check(monkeypatch, capsys, tmp_path, name):
     report = built(monkeypatch, capsys, tmp_path, TOWNS[name]())

@@ -83,6 +83,7 @@ def test_every_lane_of_a_crossroads_leads_into_the_three_other_arms(layout_of):
 
 def test_curves_join_lanes_and_run_along_them_at_both_ends(layout_of):
     graph, _ = graph_of(layout_of(CROSS))
+    assert len(graph.connection)
     for row, (origin, goal) in enumerate(graph.connection):
         curve = graph.curve[graph.curve_start[row] : graph.curve_start[row + 1]]
         a, b = graph.lane_points(int(origin)), graph.lane_points(int(goal))

@@ -3,9 +3,9 @@ import pytest
 import shapely
 
 from cityx.checks.height_checks import check_heights
+from cityx.city.mesh_measures import check_closed
 from cityx.city.terrain import Terrain, flat_terrain
 from cityx.geometry.polylines import to_linestrings
-from cityx.geometry.solids import check_closed
 from cityx.ground.standing import stand_on
 from cityx.road.ground.ground_surface import ground
 from cityx.road.heights.retaining_walls import find_walls
@@ -56,7 +56,9 @@ def test_a_steep_hillside_has_a_wall_above_the_street_and_one_below(walls_on):
 
 
 def test_the_road_lies_on_the_left_of_a_wall(walls_on):
-    for line in to_linestrings(walls_on(0.8).front):
+    walls = to_linestrings(walls_on(0.8).front)
+    assert len(walls)
+    for line in walls:
         (x0, y0), (x1, y1) = line.coords[0], line.coords[-1]
         assert (x1 - x0) * (0 - y0) - (y1 - y0) * (0 - x0) > 0
 

@@ -7,8 +7,6 @@ pytest.importorskip("mcp", reason="cityx serve needs the extra mcp")
 
 from mcp import Client
 
-from cityx.language.options import BuildOptions
-from cityx.projects.build import build
 from cityx.protocol.registry import registry
 from cityx.server.app import CityServer
 from cityx.server.owner import Owner
@@ -19,17 +17,9 @@ def anyio_backend():
     return "asyncio"
 
 
-@pytest.fixture(scope="session")
-def built_town(town_map, tmp_path_factory):
-    out = tmp_path_factory.mktemp("served") / "town"
-    build([town_map], out, BuildOptions(formats=(), render=False, lod=1))
-    return out
-
-
 @pytest.fixture
 def folder(built_town, tmp_path):
-    shutil.copytree(built_town, tmp_path / "town")
-    return tmp_path / "town"
+    return shutil.copytree(built_town(lod=1), tmp_path / "town")
 
 
 @pytest.fixture

@@ -33,6 +33,7 @@ def made(layout, folder, **options):
 def test_the_kerb_is_at_the_first_lane_on_either_side_of_the_road():
     for left_hand in (False, True):
         _, found = streets(CROSS[:1], left_hand=left_hand)
+        assert found.ways
         for way in found.ways:
             assert [lane.kind for lane in way.lanes] == ["walk", "drive"]
             walk, drive = (lane.shape[0, :2] for lane in way.lanes)

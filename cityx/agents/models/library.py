@@ -11,8 +11,6 @@ from collections.abc import Mapping, Sequence
 from hashlib import sha256
 from typing import Any
 
-from anthropic import AsyncAnthropic
-from openai import AsyncOpenAI
 from pydantic import BaseModel
 from pydantic_ai import Agent, BinaryContent, ModelRetry, NativeOutput, PromptedOutput, ToolOutput
 from pydantic_ai.exceptions import AgentRunError, UserError
@@ -24,13 +22,9 @@ from pydantic_ai.messages import (
     ToolCallPart,
 )
 from pydantic_ai.models import Model, ModelRequestParameters
-from pydantic_ai.models.anthropic import AnthropicModel
 from pydantic_ai.models.function import AgentInfo, FunctionModel
-from pydantic_ai.models.openai import OpenAIChatModel, OpenAIResponsesModel
 from pydantic_ai.models.wrapper import WrapperModel
 from pydantic_ai.profiles.openai import OpenAIModelProfile
-from pydantic_ai.providers.anthropic import AnthropicProvider
-from pydantic_ai.providers.openai import OpenAIProvider
 from pydantic_ai.settings import ModelSettings
 from pydantic_ai.usage import RequestUsage, UsageLimits
 
@@ -50,11 +44,19 @@ def make_model(spec: ModelSpec) -> Model:
     """Return the model of a spec; nothing is contacted before it is asked."""
     service = spec.service
     secret = spec.secret() or "none"  # the clients refuse an empty key, servers ignore this one
-    if service.wire == "anthropic":
+    if service.wire == "anthropic":  # a client takes a second to import
+        from anthropic import AsyncAnthropic
+        from pydantic_ai.models.anthropic import AnthropicModel
+        from pydantic_ai.providers.anthropic import AnthropicProvider
+
         anthropic = AsyncAnthropic(
             api_key=secret, base_url=spec.url, timeout=REQUEST_S, max_retries=CLIENT_RETRIES
         )
         return AnthropicModel(spec.model, provider=AnthropicProvider(anthropic_client=anthropic))
+    from openai import AsyncOpenAI
+    from pydantic_ai.models.openai import OpenAIChatModel, OpenAIResponsesModel
+    from pydantic_ai.providers.openai import OpenAIProvider
+
     client = AsyncOpenAI(
         api_key=secret, base_url=spec.url, timeout=REQUEST_S, max_retries=CLIENT_RETRIES
     )

@@ -13,7 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from cityx.assets.kept_prototypes import kept
-from cityx.assets.openings.openings import Shapes, pane
+from cityx.assets.openings.frames import Shapes, pane
 from cityx.assets.shapes import Color, box, cylinder, lathe, moved, prototype
 from cityx.assets.shops.shopfronts import HEIGHT, WIDTH
 from cityx.city.mesh import one_mesh

@@ -9,8 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.fixtures import fixture
-from cityx.assets.openings.openings import DOORS, FINE
-from cityx.assets.trims.trims import BALCONY_WIDTH, SURROUND_HEIGHT, SURROUND_WIDTH, trim
+from cityx.assets.openings.doors import DOORS
+from cityx.assets.openings.frames import FINE
+from cityx.assets.trims.balconies import BALCONY_WIDTH
+from cityx.assets.trims.surrounds import SURROUND_HEIGHT, SURROUND_WIDTH
+from cityx.assets.trims.trims import trim
 from cityx.building.facade import grammar as facades
 from cityx.building.facade.cornices import course_levels
 from cityx.building.facade.facings import Facing

@@ -9,10 +9,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.openings.openings import DOORS, WINDOWS, door, window
+from cityx.assets.openings.doors import DOORS, door
+from cityx.assets.openings.windows import WINDOWS, window
 from cityx.assets.styles.palettes import Finishes
-from cityx.building.assembly import finishes_of
+from cityx.building.assembly import TRIM_MATERIAL, assemble, finishes_of
 from cityx.building.facade import grammar as facades
+from cityx.building.facade.cornices import corner_stones, mouldings
 from cityx.building.facade.dressing import dress, opening_ids
 from cityx.building.facade.facings import facing_pieces
 from cityx.building.facade.fixtures import fixtures
@@ -30,8 +32,11 @@ from cityx.building.facade.placing import Placing, used
 from cityx.building.facade.strips import strips
 from cityx.building.facade.wall_faces import wall_faces
 from cityx.building.facade.walls import WallTable
-from cityx.building.growth import grown
-from cityx.building.roofs.crown import crown, pitched_field
+from cityx.building.growth import Piece, grown, piece_of
+from cityx.building.roofs.dormers import dormers
+from cityx.building.roofs.gables import gable_windows
+from cityx.building.roofs.roof_edges import roof_edges
+from cityx.building.roofs.roof_heights import RoofField, roof_field
 from cityx.building.roofs.rooftop import furnish_roofs
 from cityx.building.selection import designs_of_parts
 from cityx.building.volumes import Volumes, volumes_of, walls_of_volumes
@@ -47,6 +52,7 @@ LAYERS = {
     "shopfronts": "shopfront",
     "trims": "trim",
 }
+SHELLS = "buildings"  # the layer of the shells
 MIN_LOD = 2
 WINDOW_ROLES = (facades.WINDOW, facades.BACK, facades.GROUND, facades.FRENCH)
 DRESSING_SHARES = (0.52, 0.16, 0.22, 0.10)
@@ -148,9 +154,9 @@ def faced(city: City, trade: FloatArray | None = None) -> City:
     if setting.piece is not None and shells is not None:
         pieces = [setting.piece, *facing_pieces(shells, placing, found)]
     field = pitched_field(city, found)
-    mouldings = crown(placing, found, city, field)
+    edges = _crown(placing, found, city, field)
     if shells is not None:
-        pieces += [] if mouldings is None else [mouldings]
+        pieces += [] if edges is None else [edges]
         scene = scene.with_mesh("buildings", grown(shells, pieces, setting.kept))
     for layer, kind in LAYERS.items():
         scene = scene.with_instances(layer, *used(*placing.layer(kind)))
@@ -258,3 +264,36 @@ def _place_doors(placing: Placing, found: Facade, setting: Setting, seed: int) -
             **fitted(placing, setting.depth[rows[of]], table.width[of], table.height[of], size),
             tint=tint[of], ids=ids[of], reach=table.width[of] / 2,
         )  # fmt: skip
+
+
+def pitched_field(city: City, found: Facade) -> RoofField | None:
+    """Return the roofs of all buildings with a slope; None where no shells are raised."""
+    batch = city.scene.meshes.get(SHELLS)
+    if batch is None:
+        return None
+    pitched = found.volumes.top - found.volumes.eave >= 0.15
+    objects = np.isin(batch.object_id, found.volumes.building[pitched])
+    return roof_field(batch, objects, (TRIM_MATERIAL,))
+
+
+def _crown(placing: Placing, found: Facade, city: City, field: RoofField | None) -> Piece | None:
+    """Put instances on roofs and corners, and return the mouldings to add to the shells.
+
+    Parameters
+    ----------
+    placing
+        Takes the instances.
+    city
+        With the shells as they were raised.
+    field
+        Of those shells, see `pitched_field`.
+    """
+    corner_stones(placing, found, city.seed)
+    if field is None:
+        return None
+    shells = city.scene.meshes[SHELLS]
+    dormers(placing, found, city, field)
+    gable_windows(placing, found, city, field)
+    roof_edges(placing, shells)
+    solids = mouldings(placing, found, city, field)
+    return piece_of(assemble(solids, found.volumes.building, found.finishes), shells)

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.openings.openings import NICHE_DEPTH, rim_of
+from cityx.assets.openings.frames import NICHE_DEPTH, rim_of
 from cityx.building.assembly import TRIM_MATERIAL
 from cityx.building.facade import grammar as facades
 from cityx.building.facade.recess import BACK, HEAD, SILL, Niches, Recesses, cut_niches

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.openings.openings import NICHE_DEPTH, WINDOWS, window
+from cityx.assets.openings.frames import NICHE_DEPTH
+from cityx.assets.openings.windows import WINDOWS, window
 from cityx.assets.styles.palettes import GROUPS, groups_of
 from cityx.assets.trims.dormers import (
     DEPTH,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.openings.openings import FINE
+from cityx.assets.openings.frames import FINE
 from cityx.assets.shops.shop_rooms import ROOM_OF, VARIANTS, shop_room
 from cityx.assets.shops.shopfronts import HEIGHT, WIDTH, shopfront
 from cityx.assets.styles.materials import srgb_to_linear

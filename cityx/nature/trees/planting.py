@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
+from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.clearance import distance_within
 from cityx.geometry.noise import gradient_noise
@@ -47,7 +48,6 @@ from cityx.nature.trees.tree_room import (
 )
 from cityx.places.profiles import climate_of, profile_of
 from cityx.protocol import Port, Range, action
-from cityx.town.wishes.wishes import asked
 
 ACTION = "nature/trees-v2"
 FloatArray = NDArray[np.float64]

@@ -10,12 +10,12 @@ import numpy as np
 import shapely
 
 from cityx.city import City, Layout
+from cityx.city.asked_goals import asked
 from cityx.protocol import Choice, Port, Range, action
 from cityx.road.network.network import DRIVABLE
 from cityx.sources.features.tagged import Owner, Tags
 from cityx.town.cutting import street_rows, strip_of, with_streets
 from cityx.town.procedural_streets import boulevard_tags
-from cityx.town.wishes.wishes import asked
 
 AXES = ("north_south", "east_west")
 NEAR = 0.2  # of the site's size from its middle, within which a street may become the boulevard

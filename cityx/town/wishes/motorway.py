@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City, Layout
+from cityx.city.asked_goals import asked
 from cityx.city.layout import joined_tables
 from cityx.errors import ActionFailed
 from cityx.places.profiles import keeps_left
@@ -19,7 +20,6 @@ from cityx.sources.features.tagged import Owner, Tags
 from cityx.town.cutting import street_rows, with_points
 from cityx.town.procedural_streets import name_of
 from cityx.town.rebuilding import WET, cleared, with_area
-from cityx.town.wishes.wishes import asked
 
 FloatArray = NDArray[np.float64]
 

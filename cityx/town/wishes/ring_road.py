@@ -8,12 +8,12 @@ import numpy as np
 import shapely
 
 from cityx.city import City
+from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed
 from cityx.protocol import Port, Range, action
 from cityx.sources.features.tagged import Owner
 from cityx.town.cutting import strip_of, with_streets
 from cityx.town.procedural_streets import ring_tags
-from cityx.town.wishes.wishes import asked
 
 POINTS = 72  # of a ring
 SMALLEST = 65.0  # metres of its radius

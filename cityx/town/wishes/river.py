@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates.words import LANDS
 from cityx.city import City, Layout
+from cityx.city.asked_goals import asked
 from cityx.city.layout import joined_tables
 from cityx.errors import ActionFailed
 from cityx.ids import draw
@@ -20,7 +21,6 @@ from cityx.town.cutting import ON, street_rows, strip_of, with_points, with_stre
 from cityx.town.procedural_streets import BRIDGE, bridge_tags, shore_tags
 from cityx.town.rebuilding import with_area
 from cityx.town.rivers import ABUTMENT, GREEN, QUAY
-from cityx.town.wishes.wishes import asked
 
 FloatArray = NDArray[np.float64]
 

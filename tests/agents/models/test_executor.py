@@ -15,6 +15,7 @@ POINTS = [[0.0, 0.0], [50.0, 10.0]]
 
 
 def test_the_arguments_of_every_action_become_a_type():
+    assert records()
     for record in records():
         kind = arguments_type(record)
         given = {p.name: p.default for p in record.parameters if p.default is not REQUIRED}

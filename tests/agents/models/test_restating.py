@@ -12,8 +12,7 @@ from cityx.agents.models.recording import Decisions, NotRecorded
 from cityx.agents.roles import OfflineBriefMaker
 from cityx.city.store import read_city
 from cityx.errors import UsageError
-from cityx.language.options import BuildOptions, PlannerChoice
-from cityx.projects.build import build
+from cityx.language.options import PlannerChoice
 from cityx.projects.edit import edit_city
 
 TEXT = "Send every last streetlamp to the scrapyard and bathe the place in drizzle."
@@ -73,16 +72,9 @@ def test_what_is_protected_stays_protected():
     assert "tree" in [slot.value for slot in brief.kept]
 
 
-@pytest.fixture(scope="module")
-def built(town_map, tmp_path_factory):
-    out = tmp_path_factory.mktemp("restated") / "town"
-    build([town_map], out, BuildOptions(formats=(), render=False, lod=1))
-    return out
-
-
 @pytest.fixture
-def town(built, tmp_path):
-    return shutil.copytree(built, tmp_path / "town")
+def town(built_town, tmp_path):
+    return shutil.copytree(built_town(lod=1), tmp_path / "town")
 
 
 @pytest.fixture

@@ -42,6 +42,7 @@ def test_assets_are_distinct_valid_and_measured(small_library):
 def test_buildings_fill_their_footprint_and_stand_on_the_ground(small_library):
     rows = np.flatnonzero(small_library.catalogue["group"] == "buildings")
     models = small_library.models(rows)
+    assert len(rows)
     for index, row in enumerate(rows.tolist()):
         shell = models.shells.take([index]).vertices
         outline = small_library.catalogue["footprint"][row]

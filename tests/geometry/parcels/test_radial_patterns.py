@@ -27,6 +27,7 @@ def test_avenues_are_straight_and_rings_closed(avenues, rings):
 def test_no_other_street_goes_all_the_way_round():
     found = radial((500.0, 500.0), (90.0, 70.0), avenues=6, rings=1)
     family, line = found.street.T
+    assert (family == 0).any()
     for number in np.unique(line[family == 0]).tolist():
         nodes = found.nodes[np.unique(found.links[(family == 0) & (line == number)])]
         seen = np.sort(np.arctan2(*nodes.T[::-1]))
