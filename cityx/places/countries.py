@@ -8,13 +8,13 @@ makes the table from it. Borders are those that hold on the ground as Natural Ea
 
 from __future__ import annotations
 
-import tomllib
 from functools import cache, lru_cache
-from importlib.resources import files
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from cityx.system.tables import DATA, read_table
 
 KM_PER_DEGREE = 111.2
 TOWN = 3.0  # km from the middle of a border town within which it tells the country
@@ -32,8 +32,8 @@ class _Borders(NamedTuple):
 
 @cache
 def _borders() -> _Borders:
-    with (files("cityx") / "data/places/countries.npz").open("rb") as file:
-        table = dict(np.load(file))
+    with np.load(DATA / "places" / "countries.npz") as file:
+        table = dict(file)
     count = table["count"]
     line = np.repeat(np.arange(len(count)), count)
     steps = np.zeros((len(line), 2), np.int64)
@@ -51,8 +51,7 @@ def _borders() -> _Borders:
 @cache
 def _border_towns() -> tuple[tuple[str, ...], NDArray[np.float64]]:
     """Return the countries of border towns, and their (n, 2) latitudes and longitudes."""
-    file = files("cityx") / "data/places/border_towns.toml"
-    towns = tomllib.loads(file.read_text("utf-8"))["towns"]
+    towns = read_table(DATA / "places" / "border_towns.toml")["towns"]
     return tuple(town[1] for town in towns), np.array([town[2:] for town in towns])
 
 

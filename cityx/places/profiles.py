@@ -7,7 +7,6 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache, lru_cache
-from importlib.resources import files
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
@@ -15,13 +14,14 @@ from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
 from cityx.errors import InputError, UsageError, nearest
 from cityx.places.countries import country_at
 from cityx.places.profile import Profile
+from cityx.system.tables import DATA, read_table
 
 if TYPE_CHECKING:
     from cityx.city.frame import Frame
 
 OWN = "own"  # name of a profile that a user wrote
 TOP = "world"  # what every profile inherits in the end
-FOLDER, TABLE, TOWNS = "data/places", "countries", "border_towns"
+FOLDER, TABLE, TOWNS = DATA / "places", "countries", "border_towns"
 Table = dict[str, Any]
 
 
@@ -97,11 +97,7 @@ def place_text(asked: str) -> str:
 @cache
 def profile_names() -> tuple[str, ...]:
     """Return the names of all profiles, sorted."""
-    stems = {
-        item.name.removesuffix(".toml")
-        for item in (files("cityx") / FOLDER).iterdir()
-        if item.name.endswith(".toml")
-    }
+    stems = {file.stem for file in FOLDER.glob("*.toml")}
     return tuple(sorted(stems - {TABLE, TOWNS} | {code.lower() for code in _countries()}))
 
 
@@ -117,7 +113,7 @@ def _profile_at(latitude: float, longitude: float, place: str) -> Profile:
 
 @cache
 def _read(name: str) -> Table:
-    return tomllib.loads((files("cityx") / FOLDER / f"{name}.toml").read_text("utf-8"))
+    return read_table(FOLDER / f"{name}.toml")
 
 
 @cache
@@ -128,11 +124,8 @@ def _countries() -> Mapping[str, Table]:
 
 def _written(name: str) -> Table:
     """Return what a profile says itself, in a file of its own or in the table of countries."""
-    if (
-        name.isidentifier()
-        and name != TABLE
-        and (files("cityx") / FOLDER / f"{name}.toml").is_file()
-    ):
+    file = FOLDER / f"{name}.toml"
+    if name.isidentifier() and name not in (TABLE, TOWNS) and file.is_file():
         return _read(name)
     if name.upper() not in _countries():
         raise UsageError(

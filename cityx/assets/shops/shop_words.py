@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from functools import cache
-from importlib.resources import files
 from typing import NamedTuple
+
+from cityx.system.tables import DATA, read_table
 
 Words = Mapping[str, tuple[str, ...]]
 WORLD = "world"  # words understood nearly everywhere, for languages that are not in the table
@@ -33,7 +33,7 @@ class ShopWords(NamedTuple):
 @cache
 def shop_words() -> ShopWords:
     """Read the table."""
-    read = tomllib.loads((files("cityx") / "data/shop_words.toml").read_text("utf-8"))
+    read = read_table(DATA / "shop_words.toml")
     return ShopWords(
         {tag: kind for kind, tags in read["kinds"].items() for tag in tags.split()},
         read["usual"],
