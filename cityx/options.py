@@ -320,6 +320,8 @@ class HowToRead:
         Key of every draw for what an input does not say.
     at
         Latitude and longitude of what does not say where it lies.
+    place
+        Profile of the place that the user asked for, as of `cityx.city.frame.Frame`.
     kinds
         "NAME=KIND", what a file is, where its content says something else.
     legend, confirm_legend
@@ -339,6 +341,7 @@ class HowToRead:
 
     seed: int = 0
     at: tuple[float, float] | None = None
+    place: str = ""
     kinds: tuple[str, ...] = option((), "NAME=KIND: osm, semantic, satellite, ...", "--as")
     legend: str = option("", "Classes of a semantic map: preset or file.")
     confirm_legend: bool = option(False, "Take the classes proposed.")
@@ -415,6 +418,9 @@ class BuildOptions:
         What the user says of inputs that do not say it themselves; seed and place are those above.
     place
         Name or rectangle of a place whose map is fetched, or "".
+    place_profile
+        Profile of a place such as "de", or a TOML file of one (docs/places.md); "" for that of the
+        country in which the city lies.
     choice
         Who plans.
     settings, wishes
@@ -446,6 +452,7 @@ class BuildOptions:
     text: str = ""
     read: HowToRead = field(default_factory=HowToRead)
     place: str = option("", "Place whose map is fetched: a name, or WEST,SOUTH,EAST,NORTH.")
+    place_profile: str = option("", "How the place builds and drives: de, jp, ..., or a TOML file.")
     choice: PlannerChoice = field(default_factory=PlannerChoice)
     settings: tuple[str, ...] = option(
         (), "[ACTION.]NAME=VALUE of an action of the build; may repeat.", "--set"

@@ -14,7 +14,6 @@ from cityx.city import mesh, scene
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
 from cityx.ids import id_text, stable_id
-from cityx.places import driving
 from cityx.system.cache import Arrays, cached_arrays
 from cityx.system.digests import edition_of
 from cityx.system.tables import files_of
@@ -72,5 +71,5 @@ def edition() -> str:
     """Return a hash of the code and data that make prototypes: a kept one is of these alone."""
     assets, kernels = Path(__file__).parent, Path(geometry.__file__).parent
     sources = [*sorted(assets.rglob("*.py")), *sorted(kernels.rglob("*.py"))]
-    sources += [Path(str(module.__file__)) for module in (ids, mesh, scene, driving)]
+    sources += [Path(str(module.__file__)) for module in (ids, mesh, scene)]
     return edition_of([*sources, *files_of("assets")])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -103,7 +103,7 @@ def read_drawn(path: Path, *, frame: Frame | None = None, seed: int = 0) -> City
 
 
 def city_of_drawing(
-    drawing: Drawing, name: str, *, frame: Frame | None = None, seed: int = 0
+    drawing: Drawing, name: str, *, frame: Frame | None = None, seed: int = 0, place: str = ""
 ) -> City:
     """Make a city of a drawing, within its boundary where it draws one.
 
@@ -117,12 +117,15 @@ def city_of_drawing(
         Frame to draw in; that of the drawing, or one about its middle, when left out.
     seed
         Key of every draw for what the drawing does not say.
+    place
+        Profile of the place that the user asked for, as of `cityx.city.frame.Frame`.
     """
     if not drawing.degrees:
         frame = drawing.frame or frame or NOWHERE
     elif frame is None:
         west, south, east, north = shapely.total_bounds(drawing.every).tolist()
         frame = Frame(round((south + north) / 2, 6) + 0.0, round((west + east) / 2, 6) + 0.0)
+    frame = replace(frame, place=place or frame.place)
     shapes, border = drawing.shapes, drawing.boundary
     if drawing.degrees:
         shapes, border = (shapely.transform(item, frame.to_local) for item in (shapes, border))

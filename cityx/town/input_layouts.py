@@ -99,6 +99,7 @@ def read_inputs(
     how = HowToRead(
         seed=city.seed,
         at=at,
+        place=city.frame.place,
         legend=str(next(iter(inputs.of_kind("legend")), legend)),
         confirm_legend=confirm_legend,
         pixel=pixel,

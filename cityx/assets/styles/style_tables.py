@@ -12,8 +12,6 @@ _HELD = read_table(DATA / "styles.toml")
 
 # Style family -> use group -> generators and weights.
 TABLE: Mapping[str, Mapping[str, Weights]] = MappingProxyType(_HELD["families"])
-# Region -> use group -> generators and weights, in the place of those of its family.
-REGIONAL_TABLE: Mapping[str, Mapping[str, Weights]] = MappingProxyType(_HELD["regions"])
 ALWAYS: Mapping[str, Weights] = MappingProxyType(_HELD["always"])
 # Words of a brief that favour generators, and by how much, whatever the family.
 STYLE_WORDS: Mapping[str, Weights] = MappingProxyType(_HELD["words"])

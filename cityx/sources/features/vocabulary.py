@@ -26,35 +26,34 @@ NO_BUILDING = load("sources/osm_tags", frozenset[str], "no_building")
 ROOF_ONLY = frozenset({"roof", "carport", "canopy", "shelter", "pergola"})
 TOWERS = load("sources/osm_tags", frozenset[str], "towers")
 
-# Lane width, lanes, sidewalk (metres) per highway class: geometry of the streets without tags.
-# (lane_width, lanes, sidewalk, surface)
-ROAD_TABLE: Mapping[str, tuple[float, int, float, str]] = {
-    "motorway": (3.6, 4, 0.0, "asphalt"),
-    "motorway_link": (4.0, 1, 0.0, "asphalt"),
-    "trunk": (3.5, 2, 0.0, "asphalt"),
-    "trunk_link": (4.0, 1, 0.0, "asphalt"),
-    "primary": (3.25, 2, 3.0, "asphalt"),
-    "primary_link": (3.5, 1, 2.0, "asphalt"),
-    "secondary": (3.25, 2, 2.5, "asphalt"),
-    "secondary_link": (3.5, 1, 2.0, "asphalt"),
-    "tertiary": (3.0, 2, 2.0, "asphalt"),
-    "tertiary_link": (3.25, 1, 1.8, "asphalt"),
-    "residential": (2.75, 2, 1.8, "asphalt"),
-    "unclassified": (2.75, 2, 1.5, "asphalt"),
-    "living_street": (2.5, 2, 0.0, "paving_stones"),
-    "service": (3.0, 1, 0.0, "asphalt"),
-    "busway": (3.25, 2, 0.0, "asphalt"),
-    "track": (2.8, 1, 0.0, "gravel"),
-    "pedestrian": (6.0, 1, 0.0, "paving_stones"),
-    "footway": (2.0, 1, 0.0, "paving_stones"),
-    "cycleway": (2.5, 1, 0.0, "asphalt"),
-    "path": (1.5, 1, 0.0, "ground"),
-    "bridleway": (2.0, 1, 0.0, "ground"),
-    "steps": (2.0, 1, 0.0, "paving_stones"),
-    "rail": (3.2, 1, 0.0, "ballast"),
-    "light_rail": (3.0, 1, 0.0, "ballast"),
-    "subway": (3.0, 1, 0.0, "ballast"),
-    "tram": (2.6, 1, 0.0, "asphalt"),
+# Lanes and surface of the streets without tags, by class; the place decides how wide they are.
+ROAD_TABLE: Mapping[str, tuple[int, str]] = {
+    "motorway": (4, "asphalt"),
+    "motorway_link": (1, "asphalt"),
+    "trunk": (2, "asphalt"),
+    "trunk_link": (1, "asphalt"),
+    "primary": (2, "asphalt"),
+    "primary_link": (1, "asphalt"),
+    "secondary": (2, "asphalt"),
+    "secondary_link": (1, "asphalt"),
+    "tertiary": (2, "asphalt"),
+    "tertiary_link": (1, "asphalt"),
+    "residential": (2, "asphalt"),
+    "unclassified": (2, "asphalt"),
+    "living_street": (2, "paving_stones"),
+    "service": (1, "asphalt"),
+    "busway": (2, "asphalt"),
+    "track": (1, "gravel"),
+    "pedestrian": (1, "paving_stones"),
+    "footway": (1, "paving_stones"),
+    "cycleway": (1, "asphalt"),
+    "path": (1, "ground"),
+    "bridleway": (1, "ground"),
+    "steps": (1, "paving_stones"),
+    "rail": (1, "ballast"),
+    "light_rail": (1, "ballast"),
+    "subway": (1, "ballast"),
+    "tram": (1, "asphalt"),
 }
 # Words of highway=* and railway=* that mean one of the classes above.
 ROAD_WORDS = table("sources/osm_tags", str, "road_words")

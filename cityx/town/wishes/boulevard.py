@@ -57,7 +57,7 @@ def boulevard(
     line = _line(layout, axis)
     tags = boulevard_tags(city.seed, lanes)
     owner = Owner(("made", "boulevard", axis), tags)
-    city = with_streets(replace(city, layout=layout), [(line, owner)], strip_of(line, tags))
+    city = with_streets(replace(city, layout=layout), [(line, owner)], strip_of(line, tags, city))
     words = f"a boulevard of {lanes} lanes from {axis.replace('_', ' to ')}"
     way = "y" if axis == "north_south" else "x"
     return asked(city, words, f"spans(road, class=primary, dir={way})", least=0.95)

@@ -13,7 +13,7 @@ from cityx.city import City, Layout
 from cityx.city.asked_goals import asked
 from cityx.city.layout import joined_tables
 from cityx.errors import ActionFailed
-from cityx.places.driving import keeps_left
+from cityx.places.profiles import keeps_left
 from cityx.protocol import Choice, Port, Range, action
 from cityx.road.network.network import DRIVABLE
 from cityx.sources.features.tagged import Owner, Tags

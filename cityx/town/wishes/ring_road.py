@@ -57,5 +57,5 @@ def ring_road(
     points = middle + radius * np.column_stack([np.cos(turn), np.sin(turn)])
     line = shapely.LineString(np.round(points, 3))
     tags = ring_tags(city.seed, lanes)
-    city = with_streets(city, [(line, Owner(("made", "ring"), tags))], strip_of(line, tags))
+    city = with_streets(city, [(line, Owner(("made", "ring"), tags))], strip_of(line, tags, city))
     return asked(city, "a ring road", "n(road, class=ring)", least=1)

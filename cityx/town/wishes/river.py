@@ -77,7 +77,7 @@ def river(
     owners = [Owner(("made", "quay", k), shore_tags(city.seed, "quay", k)) for k in (0, 1)]
     ground = shapely.union_all([
         shapely.buffer(course, width / 2 + QUAY, cap_style="flat"),
-        *(strip_of(line, own.tags) for line, own in zip(quays, owners, strict=True)),
+        *(strip_of(line, own.tags, city) for line, own in zip(quays, owners, strict=True)),
     ]).intersection(site)  # fmt: skip
     city = with_streets(city, list(zip(lines, owners, strict=True)), ground)
     layout = _with_water(city.layout, course, width, site)

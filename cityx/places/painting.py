@@ -3,37 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from cityx.city.frame import Frame
-
-Boxes = tuple[tuple[float, float, float, float], ...]  # (south, west, north, east) in degrees
-
-YELLOW_CENTRES: Boxes = ((7.0, -170.0, 72.0, -50.0), (-56.0, -82.0, 13.0, -34.0))  # the Americas
-YELLOW_TACTILE: Boxes = (*YELLOW_CENTRES, (-48.0, 60.0, 46.0, 180.0))  # and Asia, Australia
-NORTH_AMERICA: Boxes = ((32.5, -170.0, 72.0, -52.0), (24.5, -98.0, 32.5, -79.0))
-BRITISH_ISLES: Boxes = ((50.0, -11.0, 61.0, 1.5), (51.0, 1.2, 53.0, 1.8))
-JAPAN: Boxes = ((24.0, 122.9, 34.0, 132.0), (31.0, 130.5, 45.6, 146.0))
-TEETH: Boxes = (
-    (35.0, -10.0, 48.0, 45.0), (48.0, -5.5, 51.2, 8.0), (50.7, 3.3, 53.6, 7.2),
-    (54.5, 8.0, 71.5, 31.0), (46.8, 9.5, 49.1, 17.2),
-)  # fmt: skip
-GERMANY: Boxes = (
-    (47.6, 7.6, 49.1, 13.0), (49.1, 6.4, 51.0, 12.2), (51.0, 6.1, 53.3, 14.6),
-    (53.3, 7.0, 54.8, 14.3),
-)  # fmt: skip
-# Where crossings that neither signals nor signs rule seldom have bars.
-FEW_ZEBRAS: Boxes = (*GERMANY, *BRITISH_ISLES)
-SIGNAL_CROSSINGS: tuple[tuple[str, Boxes], ...] = (("studs", BRITISH_ISLES), ("lines", GERMANY))
-RED_CYCLEWAYS: Boxes = ((49.4, 2.5, 53.6, 7.2), (54.5, 8.0, 57.8, 12.7))  # Low Countries, Denmark
-# The first that holds the place wins; minor roads of the Americas and of Japan have stop signs.
-GIVE_WAY: tuple[tuple[str, Boxes], ...] = (
-    ("double dashes", BRITISH_ISLES),
-    ("stop", (*YELLOW_CENTRES, *JAPAN)),
-    ("teeth", TEETH),
-)
-STOP_WORDS: tuple[tuple[str, Boxes], ...] = (("STOP", NORTH_AMERICA), ("止まれ", JAPAN))
 
 
 @dataclass(frozen=True)
@@ -68,19 +37,6 @@ class Ribs:
     depth: float = 0.6
     gap: float = 0.0
     strip: float = 0.0
-
-
-# The first that holds the place wins.
-RIBS: tuple[tuple[Ribs, Boxes], ...] = (
-    (Ribs("tactile_red", "tactile_buff", "tactile_buff", depth=0.8, strip=1.2), BRITISH_ISLES),
-    (Ribs("tactile_pale", "", strip=0.6), GERMANY),
-    (Ribs("tactile", "tactile", "tactile"), NORTH_AMERICA),
-    (Ribs("tactile", "tactile", gap=0.15), YELLOW_TACTILE),
-)
-TURN_GUIDES: tuple[tuple[str, Boxes], ...] = (
-    ("both", JAPAN),
-    ("outer", (*GERMANY, *TEETH, *RED_CYCLEWAYS, *NORTH_AMERICA)),
-)
 
 
 @dataclass(frozen=True)
@@ -178,44 +134,3 @@ class Painting:
     paved_mouths: bool = False
     coated_crossroads: bool = False
     feathers: bool = False
-
-
-def painting_of(frame: Frame) -> Painting:
-    """Return what is usual at a place; boxes decide, so it may be wrong near a border."""
-
-    def within(boxes: Boxes) -> bool:
-        return any(s <= frame.latitude <= n and w <= frame.longitude <= e for s, w, n, e in boxes)
-
-    def first(table: tuple[tuple[str, Boxes], ...], usual: str) -> str:
-        return next((name for name, boxes in table if within(boxes)), usual)
-
-    british, german = within(BRITISH_ISLES), within(GERMANY)
-    return Painting(
-        yellow_centre=within(YELLOW_CENTRES),
-        give_way=first(GIVE_WAY, "dashes"),
-        red_cycleways=within(RED_CYCLEWAYS),
-        ribs=next((ribs for ribs, boxes in RIBS if within(boxes)), Ribs()),
-        stop_word=first(STOP_WORDS, ""),
-        stems=british or within((*NORTH_AMERICA, *JAPAN)),
-        yellow_kerbs=british,
-        boxes=british,
-        edge_lines=within(JAPAN),
-        beacons=british,
-        zebras=not within(FEW_ZEBRAS),
-        signal_crossing=first(SIGNAL_CROSSINGS, "bars"),
-        red_furten=within((*GERMANY, *RED_CYCLEWAYS)),
-        one_way_arrows=british or within(JAPAN),
-        turn_guides="" if british else first(TURN_GUIDES, ""),
-        centre_marks=within(JAPAN),
-        diamonds=within(JAPAN),
-        limits=within(JAPAN),
-        gutters=not british,
-        parking="outline" if british else "line" if german else "stalls",
-        edge_line=0.15 if within(JAPAN) else 0.12,
-        dashes=(2.0, 4.0) if british else (3.0, 6.0) if german else (3.0, 3.0),
-        closing=not british,
-        stop_line=0.3 if british else 0.5 if german else 0.4,
-        paved_mouths=british,
-        coated_crossroads=within(JAPAN),
-        feathers=within(JAPAN),
-    )
