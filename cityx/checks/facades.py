@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from cityx.checks.check import Check, named
 from cityx.city import City
 from cityx.city.ground import KERB_HEIGHT
+from cityx.city.layout import BARE
 from cityx.city.levels import ground_levels
 from cityx.city.scene import Instances
 from cityx.ground.standing import stand_on
@@ -86,6 +87,7 @@ def street_buildings(city: City) -> NDArray[np.uint64]:
     surface = shapely.STRtree(shapely.polygons(city.ground.vertices[triangles][..., :2]))
     parts = city.layout.parts
     house = parts["walls"].to_numpy(bool) & (parts["base"].to_numpy(float) < 0.5)
+    house &= parts["zone"].to_numpy(str) != BARE  # a mesh from elsewhere that has no openings
     house &= shapely.area(parts.geometry.to_numpy()) > LEAST_HOUSE
     house &= (parts["top"] - parts["base"] - parts["roof_height"]).to_numpy(float) > LEAST_TALL
     shapes = parts.geometry.to_numpy()[house]

@@ -39,14 +39,24 @@ class Range:
 
 @dataclass(frozen=True, init=False)
 class Choice:
-    """The words a text may be."""
+    """The words a text may be.
+
+    Attributes
+    ----------
+    words
+        The words.
+    generators
+        Whether it may be a building generator of an installed package besides.
+    """
 
     words: tuple[str, ...]
+    generators: bool = False
 
-    def __init__(self, *words: str) -> None:
+    def __init__(self, *words: str, generators: bool = False) -> None:
         if not words:
             raise UsageError("Choice() admits no word.")
         object.__setattr__(self, "words", tuple(words))
+        object.__setattr__(self, "generators", generators)
 
 
 @dataclass(frozen=True)
@@ -111,6 +121,8 @@ class Parameter:
         Inclusive bounds, or None.
     choices
         Words admitted, or ().
+    generators
+        Whether the names of building generators of installed packages are admitted besides.
     length
         Numbers in an array, or letters in a text.
     points
@@ -133,6 +145,16 @@ class Parameter:
     points: tuple[int, ...] = ()
     nullable: bool = False
     names_object: bool = False
+    generators: bool = False
+
+    @property
+    def admitted(self) -> tuple[str, ...]:
+        """Words admitted, those of installed packages too, or ()."""
+        if not self.generators:
+            return self.choices
+        from cityx.protocol.plugged import mesh_actions
+
+        return (*self.choices, *(name for name in mesh_actions() if name not in self.choices))
 
     @property
     def required(self) -> bool:
@@ -159,7 +181,7 @@ class Parameter:
         else:
             out |= self._bounds()
         if self.choices:
-            out["enum"] = [*self.choices, None] if self.nullable else list(self.choices)
+            out["enum"] = [*self.admitted, None] if self.nullable else list(self.admitted)
         elif self.kind == "string":
             out["maxLength"] = self.length
         out["description"] = self.description
@@ -213,10 +235,10 @@ class Parameter:
 
     def _text_fault(self, value: str, shown: str) -> str:
         if self.choices:
-            if value in self.choices:
+            if value in self.admitted:
                 return ""
-            words = ", ".join(f'"{word}"' for word in self.choices)
-            hint = nearest(value, self.choices)
+            words = ", ".join(f'"{word}"' for word in self.admitted)
+            hint = nearest(value, self.admitted)
             return f"{self.name} = {shown} is none of {words}.{hint}"
         if len(value) > (self.length or MAX_TEXT):
             return f"{self.name} has {len(value)} letters, more than {self.length or MAX_TEXT}."
@@ -334,7 +356,7 @@ def parameter_from(name: str, annotation: Any, default: Any, description: str) -
         if isinstance(mark, Range):
             fields |= {"low": mark.low, "high": mark.high}
         elif isinstance(mark, Choice):
-            fields["choices"] = mark.words
+            fields |= {"choices": mark.words, "generators": mark.generators}
         elif isinstance(mark, Points):
             fields["points"] = (mark.least, mark.most)
         elif isinstance(mark, Text):

@@ -24,7 +24,8 @@ from cityx.errors import nearest
 from cityx.language.brief import Brief, Slot, Span, Value
 from cityx.language.conflicts import conflicts_of
 from cityx.language.goals import goals_of
-from cityx.language.lexicon.nouns import NOUNS
+from cityx.assets.styles.style_shares import outside_styles
+from cityx.language.lexicon.nouns import NOUNS, outside_types
 from cityx.language.lexicon.phrases import SLOTS, TABLES
 from cityx.language.slots import KEYS, SINGLE
 
@@ -293,5 +294,7 @@ def brief_vocabulary() -> Vocabulary:
         key: frozenset(noun for group in groups for noun in NOUNS[group])
         for key, groups in _NOUNS.items()
     }
+    words["building.type"] |= frozenset(outside_types())
+    words["style"] |= outside_styles()
     keys = {key: meaning for key, meaning in KEYS.items() if key not in _NOT_SAID}
     return Vocabulary(keys, words, SINGLE, _WORD_OR_NUMBER)

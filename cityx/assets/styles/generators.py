@@ -17,6 +17,7 @@ from cityx.assets.styles.palette_tables import FLAT, PLAIN_FRAMES, Surfaces
 
 if TYPE_CHECKING:
     from cityx.building.massing.massing import Mass, Plot
+    from cityx.protocol.plugged import MeshAction
 
 Massing = Callable[["Plot"], "Sequence[Mass]"]
 ANY = (0.0, float("inf"))
@@ -85,6 +86,8 @@ class Generator:
         Value of building=* that fits it.
     covers
         Whether its ground floor covers the whole footprint, as the map has it.
+    outside
+        The action of another package that makes its mesh; None where volumes and walls do.
     """
 
     name: str
@@ -107,6 +110,7 @@ class Generator:
     storey: float = 3.2
     use: str = "yes"
     covers: bool = True
+    outside: MeshAction | None = None
 
     def looks(self) -> dict[str, Look]:
         """Return its looks by key: the name, or the name and a zone."""

@@ -35,6 +35,7 @@ from cityx.assets.styles.palette_tables import (
     WALL_WORDS,
     Surfaces,
 )
+from cityx.assets.styles.style_shares import KNOWN, outside_styles
 from cityx.errors import UsageError, nearest
 from cityx.ids import choose, hash_ids, uniform
 
@@ -144,7 +145,7 @@ def family_of(style: str, region: str = "") -> str:
     word = style.strip().lower().replace(" ", "_")
     word = SYNONYMS.get(word, word)
     if word not in STYLES:
-        hint = nearest(word, [*STYLES, *SYNONYMS, *REGIONAL])
+        hint = nearest(word, [*STYLES, *SYNONYMS, *REGIONAL, *outside_styles()])
         raise UsageError(f'There is no style "{style}". Known: {", ".join(STYLES)}.{hint}')
     return word
 
@@ -152,7 +153,7 @@ def family_of(style: str, region: str = "") -> str:
 def is_regional(style: str) -> bool:
     """Tell whether a style word leaves the ways of building to the region."""
     word = style.strip().lower().replace(" ", "_")
-    return not word or word in REGIONAL
+    return not word or word in REGIONAL or (word not in KNOWN and word in outside_styles())
 
 
 def groups_of(layout: Layout, seed: int) -> NDArray[np.int64]:

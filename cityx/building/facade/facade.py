@@ -37,6 +37,7 @@ from cityx.building.selection import designs_of_parts
 from cityx.building.volumes import Volumes, volumes_of, walls_of_volumes
 from cityx.city.city import City
 from cityx.city.ground import KERB_HEIGHT
+from cityx.city.layout import BARE, is_mesh
 from cityx.geometry.polygons import FloatArray
 from cityx.ids import choose, hash_ids, mix
 from cityx.protocol import Port, action
@@ -85,6 +86,9 @@ def facade_of(city: City, trade: FloatArray | None = None) -> Facade:
     """Work out the openings of every wall of a city; `trade` as of `fronts_of`."""
     volumes = volumes_of(city.layout, city.terrain)
     walls = walls_of_volumes(volumes)
+    zone = city.layout.parts["zone"].to_numpy(str)
+    if (zone == BARE).any():
+        walls = walls.take(zone[walls.part] != BARE)
     finishes = finishes_of(city)
     designs = designs_of(designs_of_parts(city), volumes.building, city.seed)
     reserve = reserve_of(volumes, city.layout.parts, city.seed)
@@ -154,7 +158,9 @@ def faced(city: City, trade: FloatArray | None = None) -> City:
         scene = scene.with_mesh("buildings", grown(shells, pieces, setting.kept))
     for layer, kind in LAYERS.items():
         scene = scene.with_instances(layer, *used(*placing.layer(kind)))
-    prototypes, rows = furnish_roofs(city, found.volumes, found.finishes, field, found.walls)
+    # What stands on the roof of a mesh from outside is its own.
+    bare = replace(found.volumes, walls=found.volumes.walls & ~is_mesh(city.layout))
+    prototypes, rows = furnish_roofs(city, bare, found.finishes, field, found.walls)
     scene = scene.with_instances("roof_furniture", *used(prototypes, rows))
     return replace(city, scene=scene, stages_done=city.stages_done | {"building"}, notes=notes)
 

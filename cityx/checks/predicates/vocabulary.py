@@ -32,6 +32,7 @@ _PLACED = {"id": IDENTITY, "on": PLACE, "in": PLACE}
 ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
         "building": {**_PLACED, "style": WORD, "use": WORD, "tag": WORD, "type": WORD,
+                     "generator": WORD,
                      "material": WORD, "roof": WORD, "roof_color": WORD, "roof_form": WORD,
                      "color": WORD, "height": NUMBER, "floors": NUMBER, "area": NUMBER},
         "road": {**_PLACED, "class": WORD, "name": IDENTITY, "lanes": NUMBER, "width": NUMBER,
@@ -55,10 +56,10 @@ MOVING = ("speed", "mode")  # attributes of what moves
 
 @cache
 def _word_lists() -> Mapping[tuple[str, str], tuple[str, ...]]:
-    from cityx.assets.styles.style_shares import KNOWN
+    from cityx.assets.styles.style_shares import known_styles
 
     return {
-        ("building", "style"): KNOWN,
+        ("building", "style"): known_styles(),
         ("building", "use"): tuple(words.USES),
         ("building", "type"): tuple(words.BUILDING_TYPES),
         ("building", "material"): tuple(words.MATERIALS),

@@ -14,7 +14,7 @@ from cityx.building.catalogue import NAMES, generators
 from cityx.city.city import City
 from cityx.city.layout import Layout
 from cityx.edit.buildings.designing import Wish, redesigned
-from cityx.edit.buildings.lots import cleared
+from cityx.building.lots import cleared
 from cityx.edit.buildings.rebuilding import Ids
 from cityx.edit.buildings.set_material import WORDS
 from cityx.edit.targets import buildings_named
@@ -61,7 +61,7 @@ def replace_building(
     city: City,
     *,
     objects: Annotated[tuple[str, ...], ObjectName()],
-    kind: Annotated[str | None, Choice(*sorted({*KINDS, *NAMES}))] = None,
+    kind: Annotated[str | None, Choice(*sorted({*KINDS, *NAMES}), generators=True)] = None,
     floors: Annotated[int | None, Range(1, 200)] = None,
     height: Annotated[float | None, Range(2.2, 1000.0)] = None,
     material: Annotated[str | None, Choice(*WORDS)] = None,
@@ -88,7 +88,7 @@ def replace_building(
         A style word such as "japanese".
     """
     ids = buildings_named(city, objects)
-    name = KINDS.get(kind, kind) if kind is not None else None
+    name = kind if kind in generators() else KINDS.get(kind or "", kind)
     if kind is not None and name is not None:
         city = cleared(replace(city, layout=_on_plots(city.layout, ids, name, kind)), ids)
         usual = round(sum(generators()[name].floors) / 2)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.city.ground import ROADWAY
-from cityx.edit.buildings.lots import cleared
+from cityx.building.lots import cleared
 from cityx.edit.buildings.rebuilding import Ids, buildings_of, rebuilt
 from cityx.edit.buildings.redrawn_outlines import Reshape, redrawn, rows_of
 from cityx.errors import ActionFailed

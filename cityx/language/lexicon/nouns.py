@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
+
+from cityx.protocol.plugged import mesh_actions
+from cityx.system.extensions import remembered
 
 Book = Mapping[str, Mapping[str, str]]
 
@@ -266,3 +270,23 @@ COLOURS: Mapping[str, str] = {
     "colourful": "colorful, multicolored, brightly colored, many colored, brightly painted, "
     "vibrantly colored",
 }
+
+
+@remembered
+def outside_types() -> Mapping[str, tuple[str, ...]]:
+    """Return the types of building that installed packages add, with the words for them.
+
+    A word for a type of CityX goes to a package that brings just that ("silo" says a barn until
+    there is one), but the types' own names do not, nor words that mean anything else.
+    """
+    own = {noun.replace("_", " ") for noun in NOUNS["type"]}
+    held = own | {
+        trigger for group, names in NOUNS.items() if group != "type"
+        for triggers in names.values() for trigger in triggers.split(", ")
+    }  # fmt: skip
+    found = {
+        name: tuple(word for word in made.words if word not in held)
+        for name, made in mesh_actions().items()
+        if name not in NOUNS["type"]
+    }
+    return MappingProxyType({name: words for name, words in found.items() if words})

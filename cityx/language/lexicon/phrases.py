@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from cityx.assets.styles.style_shares import outside_styles
 from cityx.language.lexicon import changing, nouns, speech
 
 Book = Mapping[str, Mapping[str, str]]
@@ -428,11 +429,17 @@ def entries() -> Iterator[tuple[str, str, str]]:
     for key, values in SLOTS.items():
         for value, triggers in values.items():
             yield "slot", f"{key}={value}", triggers
+    for style in sorted(outside_styles() - set(SLOTS["style"])):
+        yield "slot", f"style={style}", style.replace("_", " ")
     for several, triggers in TOGETHER.items():
         yield "slot", several, triggers
+    outside = {word for words in nouns.outside_types().values() for word in words}
     for group, names in nouns.NOUNS.items():
         for noun, triggers in names.items():
-            yield "noun", f"{group}:{noun}", triggers
+            own = ", ".join(word for word in triggers.split(", ") if word not in outside)
+            yield "noun", f"{group}:{noun}", own
+    for noun, words in nouns.outside_types().items():
+        yield "noun", f"type:{noun}", ", ".join(words)
     for kind, table in TABLES.items():
         for value, triggers in table.items():
             yield kind, value, triggers
