@@ -79,8 +79,10 @@ def outside_generator(
         raise UsageError(f'{made.record.id} is like "{traits.like}", which is no building.{hint}')
     like = (known or generators())[traits.like]
     # Openings are those of the other; what belongs to the form of its walls and roofs stays away.
+    # A curtain of glass is the wall itself, which is the mesh's own.
+    mode = like.look.facade.mode
     plain = replace(
-        like.look.facade, heads=(("", 1.0),), base=(("", 1.0),), string=0.0, quoins=0.0,
+        like.look.facade, mode="strip" if mode == "curtain" else mode, heads=(("", 1.0),), base=(("", 1.0),), string=0.0, quoins=0.0,
         balcony=0.0, cooling=0.0, pipe=False, fins=(), slabs=(), fixtures=(),
     )  # fmt: skip
     return Generator(

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 ACTION = "building/design-v1"
 STREET_REACH = 120.0  # metres; a street further away gives a building no front
 GROUND_SHARE = 0.97  # of a mapped footprint that a generator's ground floor must cover
+OVERLAP = 0.3  # square metres of its neighbours that the overhang of a mesh may cover
 STRETCH = 0.001  # of a height that is said, by which what is built may miss it
 STEEPEST = 0.6  # of a building's height that a drawn roof may take
 LEAST_RISE = 0.8  # metres
@@ -205,7 +206,10 @@ def with_meshes(
     buildings, parts = layout.buildings, layout.parts
     names, ids = buildings["generator"].to_numpy(str), buildings["id"].to_numpy(np.uint64)
     tags = buildings["tags"].to_numpy(object).copy()
+    levels = buildings["levels"].to_numpy().copy()
     owner = parts["building"].to_numpy(np.uint64)
+    near = shapely.STRtree(buildings.geometry.to_numpy())
+    storeys: list[float] = []
     said = _said_heights(buildings, np.arange(len(ids)))
     gone: list[int] = []
     sources: list[int] = []
@@ -227,11 +231,17 @@ def with_meshes(
         made = made_meshes(kind, layout, of, orders, seed, apart=apart)
         for row, order, mesh in zip(of.tolist(), orders, made, strict=True):
             own = np.flatnonzero(owner == ids[row]).tolist()
-            if isinstance(mesh, str) or not own:
-                why = mesh if isinstance(mesh, str) else "the layout has no volume for it"
+            found = [] if isinstance(mesh, str) else masses_of(mesh, kind)
+            why = mesh if isinstance(mesh, str) else ""
+            why = why or ("" if own else "the layout has no volume for it")
+            why = why or _over_neighbours(near, row, found)
+            if why:
                 failures.append(Failure(int(ids[row]), kind.outside.record.id, why))
                 continue
-            found = _as_high_as(masses_of(mesh, kind), said[row])
+            found = _as_high_as(found, said[row])
+            eave = max(mass.high - mass.rise for mass in found)
+            levels[row] = max(round(eave / kind.storey), 1)
+            storeys += [kind.storey] * len(found)
             gone += own
             sources += [own[0]] * len(found)
             masses += found
@@ -239,10 +249,18 @@ def with_meshes(
             tags[row] = with_order(tags[row], order)
     if not gone:
         return layout, tuple(failures)
-    buildings = buildings.assign(tags=tags.astype(str))
-    return _with_masses(replace(layout, buildings=buildings), gone, sources, masses, numbers), (
-        tuple(failures)
-    )
+    layout = replace(layout, buildings=buildings.assign(tags=tags.astype(str), levels=levels))
+    made = _with_masses(layout, gone, sources, masses, numbers, np.array(storeys))
+    return made, tuple(failures)
+
+
+def _over_neighbours(footprints: shapely.STRtree, row: int, masses: list[Mass]) -> str:
+    """Return why a building cannot reach as far over its footprint as it does, "" if it can."""
+    shapes = footprints.geometries
+    reach = shapely.difference(shapely.union_all([mass.plan for mass in masses]), shapes[row])
+    others = [at for at in footprints.query(reach, predicate="intersects").tolist() if at != row]
+    taken = shapely.intersection(reach, shapely.union_all(shapes[others])).area if others else 0.0
+    return f"it covers {taken:.1f} m2 of its neighbours" if taken > OVERLAP else ""
 
 
 def with_others(city: City, failures: tuple[Failure, ...]) -> Layout:
@@ -460,8 +478,9 @@ def _massed(
 
 
 def _with_masses(
-    layout: Layout, gone: list[int], sources: list[int], masses: list[Mass], numbers: list[int]
-) -> Layout:
+    layout: Layout, gone: list[int], sources: list[int], masses: list[Mass], numbers: list[int],
+    storey: FloatArray | None = None,
+) -> Layout:  # fmt: skip
     """Put volumes in the place of parts.
 
     Parameters
@@ -470,6 +489,8 @@ def _with_masses(
         Rows of the parts that are replaced.
     sources, numbers
         Of each volume: the row of the part it comes from, and its number among those of that part.
+    storey
+        Metres of a storey of each volume; those of its part when left out.
     """
     import pandas as pd
 
@@ -478,7 +499,7 @@ def _with_masses(
     fresh = parts.iloc[sources].copy()
     own = fresh["id"].to_numpy(np.uint64)
     k = np.array(numbers, np.int64)
-    storey = _storeys(fresh)
+    storey = _storeys(fresh) if storey is None else storey
     fresh["id"] = np.where(k > 0, hash_ids(0, "building/mass", own, k), own)
     fresh["zone"] = [mass.zone for mass in masses]
     fresh["base"] = [mass.low for mass in masses]

@@ -23,6 +23,7 @@ from cityx.city.mesh import NO_VERTEX, MeshBatch, concatenate
 from cityx.errors import nearest
 from cityx.geometry.sections import slabs_of
 from cityx.geometry.solids import area_vectors, check_closed, volume
+from cityx.ids import uniform
 from cityx.protocol.actions import WHICH
 from cityx.protocol.isolation import is_inside, meshes_apart
 from cityx.protocol.layer_mapping import Made, footprints, meshes_of
@@ -36,6 +37,7 @@ ORDER = "cityx:mesh"  # tag of a building that holds the arguments its mesh was 
 OUTSIDE = 0.5  # metres that a mesh may reach over its footprint, as eaves do
 SPILL = 0.1  # square metres beyond that
 ON_GROUND = 0.05  # metres from z = 0 within which a mesh must begin
+DARKEST = 0.8  # of the lightness of a mesh's colours
 ROOF = 0.5  # vertical part of a normal from which a face is a roof
 HIGHEST = 1000.0  # metres
 STOREY = 2.2  # metres, the least
@@ -180,7 +182,8 @@ def mesh_shells(
 ) -> tuple[list[MeshBatch], dict[int, str]]:  # fmt: skip
     """Make the shells of the buildings whose parts are slabs of a mesh.
 
-    Materials and colours are the mesh's own but where the layout says others.
+    Materials and colours are the mesh's own but where the layout says others; a building is up to a
+    fifth darker than another, as no two are of one pot of paint.
 
     Parameters
     ----------
@@ -220,6 +223,8 @@ def mesh_shells(
                 continue
             top = float(parts["top"].to_numpy(float)[own].max())
             mesh = _placed(one, top, float(ground[own].max()), float(low[own].min()))
+            shade = DARKEST + (1 - DARKEST) * uniform(seed, "mesh/shade", ids[row : row + 1])
+            mesh = replace(mesh, tint=(mesh.tint * shade).astype(np.float32))
             shells.append(_painted(mesh, parts.iloc[own[0]], finishes, int(own[0])))
     return shells, lost
 

@@ -84,9 +84,12 @@ def shell(
         if outside.any() else ([], {})
     )  # fmt: skip
     made = np.isin(volumes.building, [mesh.object_id[0] for mesh in meshes])
-    outlines = np.array(brief.outlines, object)
-    outlines[made] = NOTHING
-    brief = replace(brief, outlines=outlines)
+    if meshes:
+        outlines = np.array(brief.outlines, object)
+        outlines[made] = NOTHING
+        number = np.diff(points)
+        brief = replace(brief, outlines=outlines, free=brief.free[np.repeat(~made, number)])
+        points = np.concatenate([[0], np.cumsum(np.where(made, 0, number))]).astype(np.int64)
     solids, built = raise_shells(brief, points, workers=workers)
     posts = canopy_posts(volumes, brief)
     batch = assemble(join_solids([solids, posts]), volumes.building, finishes)
