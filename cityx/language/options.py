@@ -8,7 +8,6 @@ from typing import Any
 
 from cityx.sources.intake import HowToRead
 
-FORMATS = ("blend", "glb", "usd", "bodies", "sumo")
 DEFAULT_FORMATS = ("blend", "glb")  # what needs no extra
 
 

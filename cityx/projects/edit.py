@@ -257,16 +257,13 @@ def renew(
     from cityx.checks.counts import counts
     from cityx.checks.meshes import triangle_counts
     from cityx.checks.predicates import measure_all
+    from cityx.projects.formats import formats
     from cityx.projects.views import make_views
 
-    files = {
-        "blend": "city.blend", "glb": "city.glb", "usd": "city.usdc", "bodies": "city_bodies.npz",
-        "sumo": "city.sumocfg",
-    }  # fmt: skip
-    formats = [name for name, file in files.items() if (folder / file).exists()]
-    if formats:
+    present = [name for name, each in formats().items() if (folder / each.file).exists()]
+    if present:
         staging = folder / ".views.partial"
-        make_views(city, staging, formats, store=folder / "city", say=say)
+        make_views(city, staging, present, store=folder / "city", say=say)
         for file in staging.iterdir():
             file.replace(folder / file.name)
         staging.rmdir()

@@ -50,7 +50,7 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
     }
 )  # fmt: skip
 # Attributes that say which things are meant; the others are what a share is of.
-NARROWING = ("class", "id", "name", "on", "in", "over")
+NARROWING = ("class", "generator", "id", "name", "on", "in", "over")
 MOVING = ("speed", "mode")  # attributes of what moves
 
 
