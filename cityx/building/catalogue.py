@@ -58,9 +58,7 @@ def looks() -> Mapping[str, Look]:
     )
 
 
-def outside_generator(
-    made: MeshAction, known: Mapping[str, Generator] | None = None
-) -> Generator:
+def outside_generator(made: MeshAction, known: Mapping[str, Generator] | None = None) -> Generator:
     """Make a generator of an action that makes meshes.
 
     Parameters
@@ -82,11 +80,12 @@ def outside_generator(
     # A curtain of glass is the wall itself, which is the mesh's own.
     mode = like.look.facade.mode
     plain = replace(
-        like.look.facade, mode="strip" if mode == "curtain" else mode, heads=(("", 1.0),), base=(("", 1.0),), string=0.0, quoins=0.0,
-        balcony=0.0, cooling=0.0, pipe=False, fins=(), slabs=(), fixtures=(),
+        like.look.facade, mode="strip" if mode == "curtain" else mode, heads=(("", 1.0),),
+        base=(("", 1.0),), string=0.0, quoins=0.0, balcony=0.0, cooling=0.0, pipe=False,
+        fins=(), slabs=(), fixtures=(),
     )  # fmt: skip
     return Generator(
-        made.name, made.title, replace(like.look, facade=plain), chimneys=0.0, area=traits.area, levels=traits.levels,
-        width=traits.width, floors=traits.floors, storey=traits.storey, use=traits.use,
-        covers=False, plot=like.plot, outside=made,
+        made.name, made.title, replace(like.look, facade=plain), chimneys=0.0, area=traits.area,
+        levels=traits.levels, width=traits.width, floors=traits.floors, storey=traits.storey,
+        use=traits.use, covers=False, plot=like.plot, outside=made,
     )  # fmt: skip

@@ -82,7 +82,8 @@ def design(city: City) -> City:
     layout = with_drawn_roofs(layout, plain, city.seed)
     rows = np.array(
         [
-            row for row, name in enumerate(names.tolist())
+            row
+            for row, name in enumerate(names.tolist())
             if plain[row] >= 0 and generator_named(name).mass
         ],
         np.int64,

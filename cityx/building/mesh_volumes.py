@@ -160,9 +160,9 @@ def mesh_fault(mesh: MeshBatch, outline: Footprint) -> str:
 
 def masses_of(mesh: MeshBatch, kind: Generator) -> list[Mass]:
     """Return the volumes of a mesh, from the ground up."""
-    bare = kind.outside is not None and kind.outside.traits.bare
+    zone = BARE if kind.outside is not None and kind.outside.traits.bare else MESH
     return [
-        Mass(slab.plan, 0.0 if slab.low < ON_GROUND else slab.low, slab.high, BARE if bare else MESH,
+        Mass(slab.plan, 0.0 if slab.low < ON_GROUND else slab.low, slab.high, zone,
              "pyramidal" if slab.rise else "flat", slab.rise)
         for slab in slabs_of(mesh.vertices, mesh.faces)
     ]  # fmt: skip
@@ -307,7 +307,7 @@ def _skirt(
     under = set(foot.tolist())
     for row, corners in enumerate(faces.tolist()):
         ring = [corner for corner in corners if corner != NO_VERTEX]
-        edges |= {(a, b): row for a, b in zip(ring, [*ring[1:], ring[0]], strict=True)}
+        edges |= dict.fromkeys(zip(ring, [*ring[1:], ring[0]], strict=True), row)
     border = [
         (a, b, edges[b, a])
         for (a, b), row in edges.items()

@@ -136,7 +136,7 @@ def build(
         str | None, typer.Option(help="X,Y,W,H of the plane of towns, metres, without a map.")
     ] = None,
     formats: Annotated[
-        str, typer.Option(help="Comma-separated: blend, glb, usd, bodies, sumo, mjcf, or of plugins.")
+        str, typer.Option(help="Comma-separated: blend, glb, usd, bodies, sumo, mjcf, of plugins.")
     ] = "blend,glb",
     render: Annotated[bool, typer.Option("--render/--no-render", help="Make pictures.")] = True,
     samples: Annotated[int, typer.Option(min=1, max=65536, help="Samples per pixel.")] = 48,

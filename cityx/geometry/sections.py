@@ -86,7 +86,7 @@ def slabs_of(vertices: FloatArray, faces: IntArray | NDArray[np.int32]) -> list[
 
 
 def _solids(triangles: IntArray, count: int) -> IntArray:
-    """Number the solids that triangles belong to, (t,): those joined by vertices."""
+    """Return the number of the solid of each triangle, (t,): those that share vertices."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 

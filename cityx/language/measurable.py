@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from cityx.assets.furniture.outside_pieces import outside_pieces
 from cityx.assets.styles.style_shares import outside_styles
 from cityx.language.lexicon.nouns import outside_types
 
@@ -80,6 +81,8 @@ _LOOKS: Mapping[str, tuple[str, Mapping[str, str]]] = {
 def things(noun: str) -> str:
     """Return the choice of things that a noun or an id names; "" where nothing measures it."""
     if noun in _SAME or (any(letter.isdigit() for letter in noun) and noun.isascii()):
+        return noun
+    if noun in outside_pieces():
         return noun
     if condition("type", noun):
         return f"building, {condition('type', noun)}"

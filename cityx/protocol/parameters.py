@@ -45,18 +45,18 @@ class Choice:
     ----------
     words
         The words.
-    generators
-        Whether it may be a building generator of an installed package besides.
+    outside
+        Entry point group of packages whose names it may be besides, or "".
     """
 
     words: tuple[str, ...]
-    generators: bool = False
+    outside: str = ""
 
-    def __init__(self, *words: str, generators: bool = False) -> None:
+    def __init__(self, *words: str, outside: str = "") -> None:
         if not words:
             raise UsageError("Choice() admits no word.")
         object.__setattr__(self, "words", tuple(words))
-        object.__setattr__(self, "generators", generators)
+        object.__setattr__(self, "outside", outside)
 
 
 @dataclass(frozen=True)
@@ -121,8 +121,8 @@ class Parameter:
         Inclusive bounds, or None.
     choices
         Words admitted, or ().
-    generators
-        Whether the names of building generators of installed packages are admitted besides.
+    outside
+        Entry point group of packages whose names are admitted besides, or "".
     length
         Numbers in an array, or letters in a text.
     points
@@ -145,16 +145,16 @@ class Parameter:
     points: tuple[int, ...] = ()
     nullable: bool = False
     names_object: bool = False
-    generators: bool = False
+    outside: str = ""
 
     @property
     def admitted(self) -> tuple[str, ...]:
         """Words admitted, those of installed packages too, or ()."""
-        if not self.generators:
+        if not self.outside:
             return self.choices
-        from cityx.protocol.plugged import mesh_actions
+        from cityx.protocol.plugged import outside_names
 
-        return (*self.choices, *(name for name in mesh_actions() if name not in self.choices))
+        return tuple(dict.fromkeys((*self.choices, *outside_names(self.outside))))
 
     @property
     def required(self) -> bool:
@@ -356,7 +356,7 @@ def parameter_from(name: str, annotation: Any, default: Any, description: str) -
         if isinstance(mark, Range):
             fields |= {"low": mark.low, "high": mark.high}
         elif isinstance(mark, Choice):
-            fields |= {"choices": mark.words, "generators": mark.generators}
+            fields |= {"choices": mark.words, "outside": mark.outside}
         elif isinstance(mark, Points):
             fields["points"] = (mark.least, mark.most)
         elif isinstance(mark, Text):

@@ -16,8 +16,8 @@ from typing import Any
 from cityx.errors import UsageError
 from cityx.protocol.actions import CITY, F, action, encapsulation_of, hints_of
 from cityx.protocol.encapsulation import Encapsulation
-from cityx.protocol.registry import BUILTIN, registry
-from cityx.system.extensions import refuse, remembered
+from cityx.protocol.registry import BUILTIN, GROUP, registry
+from cityx.system.extensions import points_of, refuse, remembered
 
 ANY = (0.0, float("inf"))
 LONGEST_NAME = 32  # letters
@@ -155,9 +155,7 @@ def mesh_action(function: Callable[..., Any], package: str = "") -> MeshAction:
     if record.scope != "thing":
         raise UsageError(f"Action {record.id} does not make the mesh of one building.")
     if record.stage.value != "building":
-        raise UsageError(
-            f"Action {record.id} makes a building: its id must begin with building/."
-        )
+        raise UsageError(f"Action {record.id} makes a building: its id must begin with building/.")
     if CITY in hints_of(function, record.id).values():
         raise UsageError(f"Action {record.id} makes one building and is given no city.")
     if len(record.name) > LONGEST_NAME:
@@ -184,6 +182,13 @@ def mesh_actions() -> Mapping[str, MeshAction]:
         except UsageError as error:
             refuse(str(error))
     return MappingProxyType(dict(sorted(found.items())))
+
+
+def outside_names(group: str) -> tuple[str, ...]:
+    """Return the names that packages register in a group; for actions those of generators."""
+    if group == GROUP:
+        return tuple(mesh_actions())
+    return tuple(dict.fromkeys(point.name for _, point in points_of(group)))
 
 
 def _version(action_id: str) -> tuple[str, int]:

@@ -20,11 +20,11 @@ from cityx.agents.models.asking import Answer, Channel, Question
 from cityx.agents.models.quoting import quoted
 from cityx.agents.models.restating import restated, understood
 from cityx.agents.roles import BriefMaker
+from cityx.assets.styles.style_shares import outside_styles
 from cityx.errors import nearest
 from cityx.language.brief import Brief, Slot, Span, Value
 from cityx.language.conflicts import conflicts_of
 from cityx.language.goals import goals_of
-from cityx.assets.styles.style_shares import outside_styles
 from cityx.language.lexicon.nouns import NOUNS, outside_types
 from cityx.language.lexicon.phrases import SLOTS, TABLES
 from cityx.language.slots import KEYS, SINGLE

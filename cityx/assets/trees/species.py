@@ -12,9 +12,12 @@ Gilman and Watson, fact sheets ST-1 to ST-680, University of Florida, 1993 (warm
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from types import MappingProxyType
+
+from cityx.errors import UsageError
+from cityx.system.extensions import extensions
 
 Color = tuple[float, float, float]
 SEASONS = ("spring", "summer", "autumn", "winter")
@@ -158,7 +161,36 @@ _CONE = (1.0, 0.93, 0.80, 0.64, 0.46, 0.27, 0.05)
 _FLAME = (0.55, 0.90, 1.0, 0.95, 0.80, 0.55, 0.12)
 _TABLE = (0.16, 0.34, 0.66, 0.95, 1.0, 0.80, 0.30)
 
-TREES: Mapping[str, Species] = MappingProxyType(
+
+@dataclass(frozen=True)
+class TreeSpecies:
+    """A species of an installed package, under the entry point group ``cityx.species``.
+
+    Attributes
+    ----------
+    name
+        Its word in commands, and the name of its entry: "baobab".
+    habit
+        How it grows.
+    words
+        What sentences call such trees, singular: "baobab", "baobab tree".
+    genus
+        Words of the tags genus, species and taxon that mean it: "adansonia".
+    streets, parks
+        Region or climate ("north", "temperate", "japan", "warm", "tropic") -> weight among the
+        trees that are planted there, whose weights add up to about 8. Without any it grows where
+        it is asked for or mapped.
+    """
+
+    name: str
+    habit: Species
+    words: tuple[str, ...] = ()
+    genus: tuple[str, ...] = ()
+    streets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    parks: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+
+
+_OWN: Mapping[str, Species] = MappingProxyType(
     {
         "lime": Species(
             14.0, 2.4, 3.9, _DOME, 0.21, summer=_green(1.0, 1.0, 0.9),
@@ -242,6 +274,20 @@ TREES: Mapping[str, Species] = MappingProxyType(
             whorls=Whorls(0.20, 3, 1.05, 1.25, 0.12, 0.30, 0.2), spread=0.15, core=130),
     }
 )  # fmt: skip
+
+
+def _admitted(value: object) -> tuple[str, TreeSpecies]:
+    if not isinstance(value, TreeSpecies) or not isinstance(value.habit, Species):
+        raise UsageError("it is no cityx.assets.trees.species.TreeSpecies with a Species.")
+    if not value.name.isidentifier() or "_" in value.name:
+        raise UsageError(f'the name of a species is one word, not "{value.name}".')
+    return value.name, value
+
+
+OUTSIDE_TREES = extensions("cityx.species", _admitted, {*_OWN, "palm", "shrub"}.__contains__)
+TREES: Mapping[str, Species] = MappingProxyType(
+    {**_OWN, **{name: tree.habit for name, tree in OUTSIDE_TREES.items()}}
+)
 
 
 @lru_cache(maxsize=64)

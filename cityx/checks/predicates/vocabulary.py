@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from types import MappingProxyType
 
+from cityx.assets.furniture.outside_pieces import outside_pieces
 from cityx.checks.predicates import words
 from cityx.checks.predicates.syntax import (
     Argument,
@@ -94,6 +95,7 @@ PIECES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "sign": ("sign",), "post_box": ("post_box",), "boat": ("boat",), "swing": ("swing",),
         "kiosk": ("kiosk",), "cone": ("traffic_cone",), "parasol": ("parasol",),
     }
+    | {name: (name,) for name in outside_pieces()}
 )  # fmt: skip
 _SYNONYMS: Mapping[str, str] = MappingProxyType(
     {

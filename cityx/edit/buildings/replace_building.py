@@ -11,10 +11,10 @@ import numpy as np
 import shapely
 
 from cityx.building.catalogue import NAMES, generators
+from cityx.building.lots import cleared
 from cityx.city.city import City
 from cityx.city.layout import Layout
 from cityx.edit.buildings.designing import Wish, redesigned
-from cityx.building.lots import cleared
 from cityx.edit.buildings.rebuilding import Ids
 from cityx.edit.buildings.set_material import WORDS
 from cityx.edit.targets import buildings_named
@@ -61,7 +61,7 @@ def replace_building(
     city: City,
     *,
     objects: Annotated[tuple[str, ...], ObjectName()],
-    kind: Annotated[str | None, Choice(*sorted({*KINDS, *NAMES}), generators=True)] = None,
+    kind: Annotated[str | None, Choice(*sorted({*KINDS, *NAMES}), outside="cityx.actions")] = None,
     floors: Annotated[int | None, Range(1, 200)] = None,
     height: Annotated[float | None, Range(2.2, 1000.0)] = None,
     material: Annotated[str | None, Choice(*WORDS)] = None,

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from cityx.assets.furniture.outside_pieces import outside_pieces
 from cityx.assets.styles.style_shares import outside_styles
+from cityx.assets.trees.species import OUTSIDE_TREES
 from cityx.language.lexicon import changing, nouns, speech
 
 Book = Mapping[str, Mapping[str, str]]
@@ -440,6 +442,12 @@ def entries() -> Iterator[tuple[str, str, str]]:
             yield "noun", f"{group}:{noun}", own
     for noun, words in nouns.outside_types().items():
         yield "noun", f"type:{noun}", ", ".join(words)
+    for noun, piece in outside_pieces().items():
+        words = dict.fromkeys((noun.replace("_", " "), *piece.words))
+        yield "noun", f"element:{noun}", ", ".join(words)
+    trees = dict.fromkeys(word for tree in OUTSIDE_TREES.values() for word in tree.words)
+    if trees:
+        yield "noun", "plant:tree", ", ".join(trees)
     for kind, table in TABLES.items():
         for value, triggers in table.items():
             yield kind, value, triggers

@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 
 from cityx.agents.briefs import Clarify
+from cityx.assets.furniture.outside_pieces import outside_pieces
 from cityx.checks.predicates.facts import Facts
 from cityx.checks.predicates.thing_predicates import Selection
 from cityx.checks.predicates.vocabulary import KINDS
@@ -123,6 +124,9 @@ def slots_of_edit(edit: Edit, chosen: Selection | None, city: City) -> Slots:
     slots: Found = {}
     for key, value in edit.items():
         slots[key] = (*slots.get(key, ()), value)
+    outside = tuple(word for word in slots.get("element", ()) if word in outside_pieces())
+    if edit.verb == "add" and outside:
+        slots["outside_thing"] = outside
     if edit.verb == "raise_lanes":  # "by" is a width
         slots["lanes.by"] = slots.pop("by")
     for key, value in edit.change:

@@ -13,7 +13,9 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from cityx.assets.styles.palettes import region_of
+from cityx.assets.trees.species import OUTSIDE_TREES
 from cityx.city.frame import Frame
+from cityx.system.extensions import refuse
 
 Mix = Mapping[str, float]
 
@@ -68,8 +70,16 @@ def mix_at(mixes: Mapping[str, Mix], frame: Frame) -> Mix:
     return mixes[region] if band == "temperate" and region in mixes else mixes[band]
 
 
-def _mixes(**bands: Mix) -> Mapping[str, Mix]:
-    return MappingProxyType(dict(bands))
+def _mixes(planted: str = "", **bands: Mix) -> Mapping[str, Mix]:
+    """Return mixes by region or climate, with those of packages: "streets" or "parks"."""
+    found = {band: dict(mix) for band, mix in bands.items()}
+    for name, tree in OUTSIDE_TREES.items():
+        for band, weight in (getattr(tree, planted) if planted else {}).items():
+            if band in found and weight > 0:
+                found[band][name] = float(weight)
+            elif band not in found:
+                refuse(f'Species "{name}": "{band}" is none of {", ".join(found)}.')
+    return MappingProxyType(found)
 
 
 # Regions have street trees of their own where a climate leaves the choice.
@@ -80,6 +90,7 @@ _REGIONAL_STREETS = {
     "north america": {"maple": 3.0, "oak": 2.5, "plane": 2.0, "lime": 1.5, "ginkgo": 0.8},
 }
 STREET_MIX = _mixes(
+    "streets",
     **_REGIONAL_STREETS,
     north={"lime": 5.0, "maple": 3.0, "birch": 2.0, "oak": 0.8},
     temperate={"lime": 5.0, "plane": 3.0, "maple": 3.0, "chestnut": 1.2, "oak": 0.6},
@@ -88,6 +99,7 @@ STREET_MIX = _mixes(
     tropic={"camphor": 4.0, "jacaranda": 1.5, "palm": 1.5},
 )
 PARK_MIX = _mixes(
+    "parks",
     north={"birch": 3.0, "lime": 2.0, "maple": 1.5, "spruce": 1.2, "pine": 1.2, "oak": 0.8,
            "poplar": 0.4, "willow": 0.4},
     temperate={"lime": 2.0, "oak": 2.0, "maple": 2.0, "birch": 1.3, "plane": 1.0, "chestnut": 1.0,
@@ -135,6 +147,7 @@ GENUS = {
     "juniperus": "cypress", "chamaecyparis": "cypress", "cypress": "cypress", "buxus": "boxwood",
     "phoenix": "palm", "washingtonia": "palm", "trachycarpus": "palm", "palm": "palm",
     "arecaceae": "palm", "cocos": "palm", "roystonea": "palm",
+    **{word: name for name, tree in OUTSIDE_TREES.items() for word in tree.genus},
 }  # fmt: skip
 NAMING = ("genus", "species", "taxon", "genus:en", "species:en", "species:de")
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.trees.leaf_fall import SNOWED
+from cityx.assets.trees.species import OUTSIDE_TREES
 from cityx.city import City, Instances, Prototype
 from cityx.geometry.scatter import Points
 from cityx.ground.pieces import heights
@@ -29,7 +30,7 @@ NEAR_MASS = 8_000  # trees of woods that one may walk among; larger woods take t
 
 SPECIES = ("lime", "plane", "maple", "oak", "chestnut", "birch", "cherry", "ginkgo", "zelkova",
            "camphor", "poplar", "willow", "jacaranda", "acacia", "olive", "pine", "spruce",
-           "cypress", "palm", "shrub", "boxwood", "grove")  # fmt: skip
+           "cypress", "palm", "shrub", "boxwood", "grove", *OUTSIDE_TREES)  # fmt: skip
 BUSHES = ("shrub", "boxwood")
 ASPECT = 0.16  # logarithm of the ratio by which a crown is longer than broad, or broader, at most
 # Factor of brightness of the darkest tree, of the brightest, and how far their hue goes from blue

@@ -21,6 +21,7 @@ from cityx.city.section import PARKING, Band, carriageway_width, section_text
 from cityx.sources.features import measures
 from cityx.sources.features.density import Density
 from cityx.sources.features.kinds import road_kind
+from cityx.sources.features.road_kinds import road_tags
 from cityx.sources.features.sections import bands_of_tags
 from cityx.sources.features.tagged import Tagged, Tags
 from cityx.sources.features.vocabulary import CARS, RAIL_WORDS, ROAD_TABLE, SURFACE_WORDS
@@ -107,6 +108,7 @@ def cross_section(
     japan
         Whether it lies in Japan, where nobody parks along streets unless the map says so.
     """
+    tags = road_tags(tags)
     kind = road_kind(tags)
     lane_width, class_lanes, class_sidewalk, class_surface = ROAD_TABLE[kind]
     cars = kind in CARS
