@@ -433,7 +433,9 @@ def plugins_show(name: Annotated[str, typer.Argument(help="Id or name of an acti
 
 @plugins.command("check")
 def plugins_check(
-    name: Annotated[str | None, typer.Argument(help="One action; all when left out.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(help="One action, or a plugin's folder; all when left out.")
+    ] = None,
 ) -> None:
     """Run the conformance suite."""
     from cityx.cli import plugins as commands
@@ -448,12 +450,15 @@ def plugins_check(
 def plugins_new(
     name: Annotated[str, typer.Argument(help='Id such as "building/bell_tower-v1".')],
     folder: Annotated[Path, typer.Option("-o", "--out", help="Where to write it.")] = Path(),
+    install: Annotated[bool, typer.Option("--install", help="Install it for this Python.")] = False,
 ) -> None:
     """Write a scaffold of a plugin that works."""
     from cityx.cli import plugins as commands
 
-    for path in commands.new_action(name, folder):
+    for path in commands.new_action(name, folder, installed=install):
         typer.echo(str(path))
+    ready = f'cityx build -o town --do "{name}"' if install else f"pip install {folder}"
+    typer.echo(f"next: {ready}")
 
 
 @plugins.command("formats")

@@ -66,7 +66,7 @@ def show_action(name: str, actions: Registry | None = None) -> str:
 
 
 def check_actions(name: str | None = None, actions: Registry | None = None) -> tuple[str, bool]:
-    """Run the conformance suite on one action or on all.
+    """Run the conformance suite on one action, on those of a plugin's folder, or on all.
 
     Returns
     -------
@@ -77,15 +77,25 @@ def check_actions(name: str | None = None, actions: Registry | None = None) -> t
 
     Raises
     ------
-    UsageError
-        If there is no such action.
+    UsageError, InputError
+        If there is no such action, or the folder holds no plugin.
     """
     from cityx.protocol.conformance import check_action
+    from cityx.protocol.scaffold import entries_of
 
     actions = registry() if actions is None else actions
     lines: list[str] = []
     passed = failed = skipped = 0
-    for action_id in [actions.resolve(name)] if name else list(actions):
+    folder = Path(name or "")
+    names = [actions.resolve(name)] if name and not folder.is_dir() else list(actions)
+    if name and folder.is_dir():
+        names = []
+        for entry in entries_of(folder):
+            if entry.id in actions.entries:  # an installed version gives way to the folder's
+                del actions.entries[entry.id]
+            actions.put(entry)
+            names.append(entry.id)
+    for action_id in names:
         results = check_action(action_id, actions)
         bad = [r for r in results if r.passed is False]
         left = [r for r in results if r.passed is None]
@@ -98,17 +108,25 @@ def check_actions(name: str | None = None, actions: Registry | None = None) -> t
     return "\n".join(lines), failed == 0
 
 
-def new_action(action_id: str, folder: Path) -> tuple[Path, ...]:
+def new_action(action_id: str, folder: Path, *, installed: bool = False) -> tuple[Path, ...]:
     """Write a plugin that works, with its package file and its test, and return the paths.
+
+    Parameters
+    ----------
+    installed
+        Whether it is installed too, so that the next command knows it.
 
     Raises
     ------
     UsageError
         If the id has the wrong form, or a file is there already.
     """
-    from cityx.protocol.scaffold import write_scaffold
+    from cityx.protocol.scaffold import install, write_scaffold
 
-    return write_scaffold(action_id, folder)
+    paths = write_scaffold(action_id, folder)
+    if installed:
+        install(folder)
+    return paths
 
 
 def format_statistics(actions: Registry | None = None) -> Table:

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from cityx.assets.styles.materials import MATERIALS, srgb_to_linear
 from cityx.assets.styles.palettes import GROUPS, building_groups, owner_rows, region_of
-from cityx.building.catalogue import generators
-from cityx.building.design import grown_by, with_drawn_roofs
+from cityx.building.catalogue import generator_named, generators
+from cityx.building.design import grown_by, with_drawn_roofs, with_meshes
+from cityx.building.mesh_volumes import ORDER
 from cityx.building.selection import admitted, choose_generators
 from cityx.building.splicing import SHELLS
 from cityx.city.city import City
@@ -20,7 +21,7 @@ from cityx.city.layout import Layout, joined_tables
 from cityx.city.levels import ground_levels
 from cityx.edit.buildings.rebuilding import Ids, buildings_of, rebuilt
 from cityx.errors import ActionFailed
-from cityx.ids import choose, hash_ids
+from cityx.ids import choose, hash_ids, id_text
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -224,10 +225,15 @@ def _formed(city: City, layout: Layout, wish: Wish) -> Layout:
     only = np.full(len(named), -1, np.int64)
     only[rows] = part_rows
     drawn = with_drawn_roofs(plain, only, city.seed)
-    kinds = generators()
-    massive = np.array([bool(kinds[name].mass) for name in named["generator"].to_numpy(str)[rows]])
+    chosen = [generator_named(name) for name in named["generator"].to_numpy(str)[rows]]
+    massive = np.array([bool(kind.mass) for kind in chosen])
     roads = replace(drawn, roads=city.layout.roads)
     grown, _ = grown_by(roads, rows[massive], city.seed, free=wish.replaces_look)
+    outside = rows[np.array([kind.outside is not None for kind in chosen])]
+    if wish.roof is None and len(outside):
+        grown, lost = with_meshes(grown, outside, city.seed)
+        if lost:
+            raise ActionFailed(f"{id_text(lost[0].object_id)}: {lost[0].error}.")
     if wish.roof is not None:
         grown = _with_roof(grown, drawn, wish.roof)
     return replace(grown, roads=layout.roads)
@@ -267,6 +273,8 @@ def _sized(buildings: GeoDataFrame, wish: Wish) -> GeoDataFrame:
         if wish.floors is not None or wish.height is not None:
             own["building:levels"] = str(int(levels[row]))
             own.pop("height", None)
+        if wish.floors is not None or wish.replaces_look:
+            own.pop(ORDER, None)  # what a mesh was made for is no more asked
         if wish.height is not None:
             own["height"] = f"{height[row]:.3f}"
         if wish.roof is not None:
