@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.styles.palettes import region_of
-from cityx.building.catalogue import generator_named, generators
+from cityx.building.catalogue import NAMES, generator_named, generators
 from cityx.building.facade.fronts import STREETS
 from cityx.building.lots import cleared
 from cityx.building.massing.massing import Mass, Plot
@@ -29,7 +29,7 @@ from cityx.city.layout import is_mesh
 from cityx.errors import ActionFailed
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.ids import choose, hash_ids, uniform
-from cityx.protocol import Port, action
+from cityx.protocol import Choice, Port, action
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -59,14 +59,27 @@ TOWER_LEVELS = 4  # storeys by which another part of the building rises above it
     gives=(Port("design", "scene_layout", "building_design"),),
     labels=("building", "style", "massing", "generator", "architecture"),
 )
-def design(city: City) -> City:
+def design(
+    city: City, *, generator: Annotated[str | None, Choice(*NAMES, outside="cityx.actions")] = None
+) -> City:
     """Choose a generator for every building, and grow its volumes and its roof.
 
     Purpose, use, size, place, style word and neighbours decide, by the tables of
     `cityx.building.selection`. Shells and facades raise what is designed here.
+
+    Parameters
+    ----------
+    city
+        City with a layout.
+    generator
+        Generator of all buildings that it makes sense on and that none was chosen for before.
     """
-    names = generators_of(city)
     layout = city.layout
+    names = generators_of(city)
+    if generator is not None:
+        fits = admitted(layout)[:, list(generators()).index(generator)]
+        free = layout.buildings["generator"].to_numpy(str) == ""
+        names = np.where(free & fits, generator, names)
     layout = replace(layout, buildings=layout.buildings.assign(generator=names))
     kinds = generators()
     rows = np.flatnonzero(np.isin(names, [name for name, kind in kinds.items() if kind.outside]))

@@ -14,7 +14,7 @@ from cityx.checks.body_checks import check_bodies
 from cityx.checks.bounds import check_bounds
 from cityx.checks.building_checks import check_buildings
 from cityx.checks.check import Check, named
-from cityx.checks.counts import built_count, counts
+from cityx.checks.counts import built_count, counts, generators_of
 from cityx.checks.facades import check_facades
 from cityx.checks.furniture_checks import check_furniture
 from cityx.checks.ground_checks import check_ground
@@ -172,6 +172,8 @@ def make_report(
         "brief": dict(brief or {}),
         "goals": goals,
         "counts": counts(city),
+        "generators": generators_of(city),
+        "made": {action: dict(args) for action, args in city.made.items()},
         "triangles": triangle_counts(city),
         "timings_s": {name: round(value, 3) for name, value in (timings_s or {}).items()},
         "peak_rss_mb": round(peak_rss_mb if peak_rss_mb is not None else peak_memory_mb(), 1),

@@ -254,7 +254,7 @@ def renew(
     The checks of the report stay those of the last `cityx check`, of which it tells the hash. What
     was added is counted against the city as it was before, if that is given.
     """
-    from cityx.checks.counts import counts
+    from cityx.checks.counts import counts, generators_of
     from cityx.checks.meshes import triangle_counts
     from cityx.checks.predicates import measure_all
     from cityx.projects.formats import formats
@@ -276,6 +276,7 @@ def renew(
     report["checks_of"] = report.get("checks_of", report.get("hash", ""))
     report |= {
         "hash": revision.content, "revision": revision.number, "counts": counts(city),
+        "generators": generators_of(city),
         "triangles": triangle_counts(city), "change": request.brief.to_json(),
         "notes_of_change": list(request.notes),
         "goals_of_change": [

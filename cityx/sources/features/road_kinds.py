@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from cityx.errors import UsageError, nearest
-from cityx.sources.features.vocabulary import RAIL_WORDS, ROAD_TABLE, ROAD_WORDS, Tags
+from cityx.sources.features.tagged import Tags
+from cityx.sources.features.vocabulary import RAIL_WORDS, ROAD_TABLE, ROAD_WORDS
 from cityx.system.extensions import extensions, remembered
 
 GROUP = "cityx.road_kinds"
