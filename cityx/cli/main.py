@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import sys
 import traceback
-from importlib.metadata import entry_points
 from math import isfinite
 from pathlib import Path
 from tempfile import gettempdir
@@ -19,6 +18,7 @@ from cityx.cli.comma_lists import words_of
 from cityx.cli.dataset import dataset
 from cityx.errors import ActionFailed, CityxError, UsageError
 from cityx.system.allocator import rare_collection
+from cityx.system.extensions import points_of
 
 # Two threaded libraries on few cores spin against each other unless they sleep while they wait.
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
@@ -38,8 +38,12 @@ app = typer.Typer(
 plugins = typer.Typer(help="List, show, check and make plugins.", no_args_is_help=True)
 app.add_typer(plugins, name="plugins")
 app.add_typer(assets, name="assets")
-for _point in entry_points(group="cityx.commands"):  # commands of other packages
-    app.add_typer(_point.load(), name=_point.name)
+for _package, _point in points_of("cityx.commands"):  # commands of other packages
+    try:
+        app.add_typer(_point.load(), name=_point.name)
+    except Exception as error:  # noqa: BLE001  a package may raise anything when imported
+        _why = f"{type(error).__name__}: {error}"
+        typer.echo(f"Command {_point.name} of package {_package} is left out: {_why}", err=True)
 app.command()(dataset)
 
 

@@ -202,7 +202,7 @@ def entries_of(folder: Path) -> tuple[Entry, ...]:
         points = project["entry-points"][GROUP]
     except (OSError, KeyError, ValueError) as error:
         raise InputError(
-            f"{folder} holds no plugin: {path.name} needs [project.entry-points.\"{GROUP}\"] "
+            f'{folder} holds no plugin: {path.name} needs [project.entry-points."{GROUP}"] '
             f"({type(error).__name__}: {error})."
         ) from error
     sys.path.insert(0, str(folder.resolve()))

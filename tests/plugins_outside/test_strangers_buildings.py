@@ -95,9 +95,7 @@ def test_a_style_of_its_own_chooses_it(strangers, town, tmp_path):
     assert generators_of(tmp_path / "out").count("ziggurat") >= 3
 
 
-def test_an_edit_turns_one_building_into_it_and_changes_it(
-    by_command, strangers, nobody, town, tmp_path
-):
+def test_an_edit_turns_one_building_into_it_and_changes_it(strangers, nobody, town, tmp_path):
     out = tmp_path / "out"
     built(nobody, town, out, "--lod", 2)
     cityx(strangers, "edit", out, "turn the largest building into a ziggurat")
