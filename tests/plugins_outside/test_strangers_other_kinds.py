@@ -30,7 +30,7 @@ def test_a_format_is_written_and_renewed_by_an_edit(strangers, town, tmp_path):
 
 
 def test_a_dataset_is_written_in_a_format_of_its_own(strangers, city_folder, tmp_path):
-    few = ("--views", 2, "--size", "32x24", "--channels", "none")
+    few = ("--views", 2, "--size", "32x24", "--channels", "depth")
     cityx(strangers, "dataset", city_folder, "-o", tmp_path / "data", "--format", "names", *few)
     names = (tmp_path / "data" / "names" / "all.txt").read_text().splitlines()
     assert len(names) == len(set(names)) == 2
