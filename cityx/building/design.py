@@ -30,6 +30,7 @@ from cityx.errors import ActionFailed
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.ids import choose, hash_ids, uniform
 from cityx.protocol import Choice, Port, action
+from cityx.system.extensions import refusals
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -76,6 +77,8 @@ def design(
     """
     layout = city.layout
     names = generators_of(city)
+    if generator is not None and generator not in generators():
+        raise ActionFailed(" ".join([f'"{generator}" builds nothing here.', *refusals()]))
     if generator is not None:
         fits = admitted(layout)[:, list(generators()).index(generator)]
         free = layout.buildings["generator"].to_numpy(str) == ""

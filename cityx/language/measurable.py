@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from cityx.assets.furniture.outside_pieces import outside_pieces
+from cityx.assets.furniture.street_furniture import outside_pieces
 from cityx.assets.styles.style_shares import outside_styles
 from cityx.language.lexicon.nouns import outside_types
 

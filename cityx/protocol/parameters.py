@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from cityx.errors import UsageError, nearest
 from cityx.protocol.formats import Format, type_name
+from cityx.system.extensions import points_of
 
 MAX_TEXT = 80  # letters of a text argument: names and words, never prose or code
 MAX_NAMES = 200_000  # objects that one call may be about: every tree of a large city
@@ -152,9 +153,11 @@ class Parameter:
         """Words admitted, those of installed packages too, or ()."""
         if not self.outside:
             return self.choices
-        from cityx.protocol.plugged import outside_names
-
-        return tuple(dict.fromkeys((*self.choices, *outside_names(self.outside))))
+        # "building/ziggurat-v1" and "beehive" are called ziggurat and beehive.
+        names = [point.name for _, point in points_of(self.outside)]
+        own = [name for name in names if "/" not in name or name.startswith("building/")]
+        words = [name.partition("/")[2].rpartition("-v")[0] or name for name in own]
+        return tuple(dict.fromkeys((*self.choices, *words)))
 
     @property
     def required(self) -> bool:
@@ -235,7 +238,7 @@ class Parameter:
 
     def _text_fault(self, value: str, shown: str) -> str:
         if self.choices:
-            if value in self.admitted:
+            if value in self.choices or value in self.admitted:
                 return ""
             words = ", ".join(f'"{word}"' for word in self.admitted)
             hint = nearest(value, self.admitted)

@@ -16,8 +16,8 @@ from typing import Any
 from cityx.errors import UsageError
 from cityx.protocol.actions import CITY, F, action, encapsulation_of, hints_of
 from cityx.protocol.encapsulation import Encapsulation
-from cityx.protocol.registry import BUILTIN, GROUP, registry
-from cityx.system.extensions import points_of, refuse, remembered
+from cityx.protocol.registry import BUILTIN, registry
+from cityx.system.extensions import refuse, remembered
 
 ANY = (0.0, float("inf"))
 LONGEST_NAME = 32  # letters
@@ -182,13 +182,6 @@ def mesh_actions() -> Mapping[str, MeshAction]:
         except UsageError as error:
             refuse(str(error))
     return MappingProxyType(dict(sorted(found.items())))
-
-
-def outside_names(group: str) -> tuple[str, ...]:
-    """Return the names that packages register in a group; for actions those of generators."""
-    if group == GROUP:
-        return tuple(mesh_actions())
-    return tuple(dict.fromkeys(point.name for _, point in points_of(group)))
 
 
 def _version(action_id: str) -> tuple[str, int]:

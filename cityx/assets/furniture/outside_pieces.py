@@ -11,7 +11,7 @@ import numpy as np
 from cityx.assets.styles.materials import MATERIALS
 from cityx.city.mesh import MeshBatch
 from cityx.errors import UsageError, nearest
-from cityx.system.extensions import extensions, remembered
+from cityx.system.extensions import extensions
 
 GROUP = "cityx.street_objects"
 
@@ -43,9 +43,14 @@ class StreetObject:
     apart: float = 1.2
 
 
-@remembered
-def outside_pieces() -> Mapping[str, StreetObject]:
-    """Return the street objects that installed packages add, by name."""
+def read_pieces(taken: Callable[[str], bool]) -> Mapping[str, StreetObject]:
+    """Return the street objects that installed packages add, by name.
+
+    Parameters
+    ----------
+    taken
+        Whether a name is that of a piece of CityX.
+    """
 
     def admit(value: object) -> tuple[str, StreetObject]:
         if not isinstance(value, StreetObject) or not value.name.isidentifier():
@@ -63,10 +68,4 @@ def outside_pieces() -> Mapping[str, StreetObject]:
                 )
         return value.name, value
 
-    return extensions(GROUP, admit, _taken)
-
-
-def _taken(name: str) -> bool:
-    from cityx.assets.furniture.street_furniture import MAKERS
-
-    return name in MAKERS
+    return extensions(GROUP, admit, taken)

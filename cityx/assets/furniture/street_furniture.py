@@ -23,7 +23,7 @@ from cityx.assets.furniture.furniture_parts import (
     Shapes,
     post,
 )
-from cityx.assets.furniture.outside_pieces import outside_pieces
+from cityx.assets.furniture.outside_pieces import StreetObject, read_pieces
 from cityx.assets.furniture.park_pieces import PARK_MAKERS
 from cityx.assets.furniture.potted_plants import POT_MAKERS
 from cityx.assets.furniture.regional_pieces import REGIONAL_MAKERS
@@ -50,6 +50,7 @@ from cityx.assets.shapes import (
 )
 from cityx.city.scene import Prototype
 from cityx.ids import rng_for
+from cityx.system.extensions import remembered
 
 FINE = 3  # level of detail from which edges are chamfered and round things round
 
@@ -473,6 +474,12 @@ MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     | dict(POT_MAKERS)
     | dict(REGIONAL_MAKERS)
 )  # fmt: skip
+
+
+@remembered
+def outside_pieces() -> Mapping[str, StreetObject]:
+    """Return the street objects that installed packages add, by name."""
+    return read_pieces(MAKERS.__contains__)
 
 
 def furniture(name: str, *, detail: int = 2) -> Prototype:

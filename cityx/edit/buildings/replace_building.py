@@ -18,8 +18,10 @@ from cityx.edit.buildings.designing import Wish, redesigned
 from cityx.edit.buildings.rebuilding import Ids
 from cityx.edit.buildings.set_material import WORDS
 from cityx.edit.targets import buildings_named
+from cityx.errors import ActionFailed
 from cityx.protocol import Choice, Color, ObjectName, Port, Range, action
 from cityx.protocol.serving import Serves
+from cityx.system.extensions import refusals
 
 SAID = ("building.type",)  # what a sentence says of the new building
 SPACIOUS = 1.5  # times the largest usual plot, from which a footprint is drawn in to it
@@ -89,6 +91,9 @@ def replace_building(
     """
     ids = buildings_named(city, objects)
     name = kind if kind in generators() else KINDS.get(kind or "", kind)
+    if name is not None and name not in generators():
+        why = "".join(f" {sentence}" for sentence in refusals())
+        raise ActionFailed(f'"{name}" builds nothing here.{why}')
     if kind is not None and name is not None:
         city = cleared(replace(city, layout=_on_plots(city.layout, ids, name, kind)), ids)
         usual = round(sum(generators()[name].floors) / 2)

@@ -8,8 +8,8 @@ from typing import Annotated
 import numpy as np
 import shapely
 
-from cityx.assets.furniture.outside_pieces import GROUP, outside_pieces
-from cityx.assets.furniture.street_furniture import furniture
+from cityx.assets.furniture.outside_pieces import GROUP
+from cityx.assets.furniture.street_furniture import furniture, outside_pieces
 from cityx.city import City, Instances
 from cityx.edit.land.waysides import Wayside, beside
 from cityx.edit.objects.layer_rows import with_rows, without_rows

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from cityx.assets.furniture.outside_pieces import outside_pieces
+from cityx.assets.furniture.street_furniture import outside_pieces
 from cityx.assets.styles.style_shares import outside_styles
 from cityx.assets.trees.species import OUTSIDE_TREES
 from cityx.language.lexicon import changing, nouns, speech
@@ -443,8 +443,8 @@ def entries() -> Iterator[tuple[str, str, str]]:
     for noun, words in nouns.outside_types().items():
         yield "noun", f"type:{noun}", ", ".join(words)
     for noun, piece in outside_pieces().items():
-        words = dict.fromkeys((noun.replace("_", " "), *piece.words))
-        yield "noun", f"element:{noun}", ", ".join(words)
+        spoken = dict.fromkeys((noun.replace("_", " "), *piece.words))
+        yield "noun", f"element:{noun}", ", ".join(spoken)
     trees = dict.fromkeys(word for tree in OUTSIDE_TREES.values() for word in tree.words)
     if trees:
         yield "noun", "plant:tree", ", ".join(trees)

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from cityx.agents.briefs import Clarify
-from cityx.assets.furniture.outside_pieces import outside_pieces
+from cityx.assets.furniture.street_furniture import outside_pieces
 from cityx.checks.predicates.facts import Facts
 from cityx.checks.predicates.thing_predicates import Selection
 from cityx.checks.predicates.vocabulary import KINDS

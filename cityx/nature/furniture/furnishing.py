@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.furniture.outside_pieces import outside_pieces
+from cityx.assets.furniture.street_furniture import outside_pieces
 from cityx.city import City
 from cityx.city.ground import ROADWAY
 from cityx.geometry.clearance import near_any, push_off
