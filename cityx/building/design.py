@@ -267,8 +267,8 @@ def with_meshes(
     if not gone:
         return layout, tuple(failures)
     layout = replace(layout, buildings=buildings.assign(tags=tags.astype(str), levels=levels))
-    made = _with_masses(layout, gone, sources, masses, numbers, np.array(storeys))
-    return made, tuple(failures)
+    layout = _with_masses(layout, gone, sources, masses, numbers, np.array(storeys))
+    return layout, tuple(failures)
 
 
 def _over_neighbours(footprints: shapely.STRtree, row: int, masses: list[Mass]) -> str:

@@ -71,10 +71,10 @@ def run_checks(city: City) -> list[Check]:
 
 
 @remembered
-def outside_checks() -> Mapping[str, Callable[[City], Check]]:
+def outside_checks() -> Mapping[str, Callable[[City], object]]:
     """Return the checks that installed packages add, by name."""
 
-    def admit(value: object) -> tuple[str, Callable[[City], Check]]:
+    def admit(value: object) -> tuple[str, Callable[[City], object]]:
         name = getattr(value, "__name__", "")
         if not callable(value) or not name.isidentifier():
             raise UsageError("it is no function of a city that returns cityx.checks.check.Check.")

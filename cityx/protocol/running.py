@@ -112,8 +112,8 @@ def run_action(
     with_id = f"{record.id} failed: "
     try:
         if record.scope == "thing":
-            outside = BUILTIN if not apart else actions.entry(record.id).package
-            raised = _raiser()(city, function, args, package=outside)
+            package = BUILTIN if not apart else actions.entry(record.id).package
+            raised = _raiser()(city, function, args, package=package)
             return Outcome(_finished(city, raised, record, call), None, {})
         paths = {} if record.scope == "city" else _paths(record, call, city, actions, inputs)
         for name, path in paths.items():
