@@ -13,7 +13,7 @@ from typing import Any, Protocol, TypeVar, get_type_hints
 
 from cityx.errors import UsageError, nearest
 
-FORMATS = ("blend", "glb", "usd", "bodies", "sumo")
+FORMATS = ("blend", "glb", "usd", "bodies", "sumo", "mjcf")  # packages add theirs
 DEFAULT_FORMATS = ("blend", "glb")  # what needs no extra
 LARGEST_SEED = 2**63 - 1
 _OPTION = "option"  # key of a field's metadata
@@ -444,7 +444,7 @@ class BuildOptions:
         spelling=Numbers(",", "-300,-300,600,600"),
     )  # fmt: skip
     formats: tuple[str, ...] = option(
-        DEFAULT_FORMATS, f"Comma-separated: {', '.join(FORMATS)}.", spelling=Words()
+        DEFAULT_FORMATS, f"Comma-separated: {', '.join(FORMATS)}, or of a plugin.", spelling=Words()
     )
     render: bool = option(True, "Make pictures.", "--render/--no-render")
     samples: int = option(48, "Samples per pixel.", low=1, high=65536)

@@ -83,7 +83,7 @@ def town_map(made_once):
 @pytest.fixture(scope="session")
 def built_town(town_map, made_once):
     """Return the folder of the small town as it is built by some options; it is only to be read."""
-    from cityx.language.options import BuildOptions
+    from cityx.options import BuildOptions
     from cityx.projects.build import build
 
     def built(*formats, **options):

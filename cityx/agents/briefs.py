@@ -13,8 +13,9 @@ from cityx.errors import InputError
 from cityx.language import Brief, read_note
 from cityx.language.asked import slots_of_brief
 from cityx.language.brief import Clarify
-from cityx.language.options import BuildOptions, slots_of
+from cityx.language.options import slots_of
 from cityx.language.references.naming import names_of
+from cityx.options import BuildOptions
 from cityx.protocol.serving import Slots
 
 LONGEST_NOTE = 20_000  # characters of a text file that are read

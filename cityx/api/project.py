@@ -21,9 +21,9 @@ from cityx.api.signatures import takes
 from cityx.api.tables import Tables
 from cityx.city import City
 from cityx.city.store import read_city
-from cityx.errors import UsageError, nearest
+from cityx.errors import UsageError
 from cityx.ids import id_text
-from cityx.options import FORMATS, PlannerChoice, RenderOptions, options_from
+from cityx.options import PlannerChoice, RenderOptions, options_from
 from cityx.projects.desk import HISTORY, STORE, Desk, Revision
 from cityx.projects.edit import edit_city, renew
 from cityx.projects.results import PRODUCTS, publish, result_folder, staging_of
@@ -312,18 +312,19 @@ class Project(Tables):
         EngineError, MissingDependency
             If the format needs something that fails or is not installed.
         """
-        from cityx.projects.views import FILES, make_views
+        from cityx.projects.formats import formats_named
+        from cityx.projects.views import make_views
 
-        _check_format(format)
+        (kind,) = formats_named([format])
         target = self._folder if path is None else Path(path)
         if path is None or target.is_dir() or not target.suffix:
-            target /= FILES[format]
+            target /= kind.file
         work = Path(mkdtemp(prefix="cityx-export-"))
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
             make_views(self.city, work, [format], store=self._folder / STORE, say=progress or quiet)
             for made in sorted(work.iterdir()):
-                to = target if made.name == FILES[format] else target.parent / made.name
+                to = target if made.name == kind.file else target.parent / made.name
                 if made.is_dir() and to.is_dir():
                     shutil.rmtree(to)
                 shutil.move(made, to)
@@ -462,18 +463,3 @@ def _plain(value: Any) -> Any:
     if getattr(value, "dtype", None) == np.uint64:
         return list(map(id_text, value)) if np.ndim(value) else id_text(value)
     return value.tolist() if hasattr(value, "tolist") else value
-
-
-def _check_format(name: str) -> None:
-    """Refuse a format that is none, or needs an extra that is not installed."""
-    if name not in FORMATS:
-        hint = nearest(name, FORMATS) or f" There are {', '.join(FORMATS)}."
-        raise UsageError(f'There is no format "{name}".{hint}')
-    if name == "usd":
-        from cityx.outputs.usd import require_usd
-
-        require_usd()
-    if name == "sumo":
-        from cityx.traffic.engine import require_sumo
-
-        require_sumo()

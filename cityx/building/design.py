@@ -4,22 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.building.catalogue import generators
+from cityx.building.catalogue import NAMES, generator_named, generators
 from cityx.building.facade.fronts import STREETS
+from cityx.building.lots import cleared
 from cityx.building.massing.massing import Mass, Plot
-from cityx.building.selection import admitted, generators_of, widths_of
+from cityx.building.mesh_volumes import (
+    made_meshes,
+    masses_of,
+    order_of,
+    ordered,
+    with_order,
+)
+from cityx.building.selection import admitted, choose_generators, generators_of, widths_of
 from cityx.building.volumes import GROUNDED
 from cityx.city.city import City, Failure
+from cityx.city.layout import is_mesh
 from cityx.errors import ActionFailed
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.ids import choose, hash_ids, uniform
-from cityx.protocol import Port, action
+from cityx.places.profiles import profile_of
+from cityx.protocol import Choice, Port, action
+from cityx.system.extensions import refusals
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -30,6 +41,7 @@ if TYPE_CHECKING:
 ACTION = "building/design-v1"
 STREET_REACH = 120.0  # metres; a street further away gives a building no front
 GROUND_SHARE = 0.97  # of a mapped footprint that a generator's ground floor must cover
+OVERLAP = 0.3  # square metres of its neighbours that the overhang of a mesh may cover
 STRETCH = 0.001  # of a height that is said, by which what is built may miss it
 STEEPEST = 0.6  # of a building's height that a drawn roof may take
 LEAST_RISE = 0.8  # metres
@@ -48,22 +60,48 @@ TOWER_LEVELS = 4  # storeys by which another part of the building rises above it
     gives=(Port("design", "scene_layout", "building_design"),),
     labels=("building", "style", "massing", "generator", "architecture"),
 )
-def design(city: City) -> City:
+def design(
+    city: City, *, generator: Annotated[str | None, Choice(*NAMES, outside="cityx.actions")] = None
+) -> City:
     """Choose a generator for every building, and grow its volumes and its roof.
 
     Purpose, use, size, place, style word and neighbours decide, by the tables of
     `cityx.building.selection`. Shells and facades raise what is designed here.
+
+    Parameters
+    ----------
+    city
+        City with a layout.
+    generator
+        Generator of all buildings that it makes sense on and that none was chosen for before.
     """
-    names = generators_of(city)
     layout = city.layout
-    buildings = layout.buildings.copy()
-    buildings["generator"] = names
-    layout = _with_podiums(replace(layout, buildings=buildings))
+    names = generators_of(city)
+    if generator is not None and generator not in generators():
+        raise ActionFailed(" ".join([f'"{generator}" builds nothing here.', *refusals()]))
+    if generator is not None:
+        fits = admitted(layout)[:, list(generators()).index(generator)]
+        free = layout.buildings["generator"].to_numpy(str) == ""
+        names = np.where(free & fits, generator, names)
+    layout = replace(layout, buildings=layout.buildings.assign(generator=names))
+    kinds = generators()
+    rows = np.flatnonzero(np.isin(names, [name for name, kind in kinds.items() if kind.outside]))
+    done = layout.parts["building"].to_numpy(np.uint64)[is_mesh(layout)]
+    rows = rows[~np.isin(layout.buildings["id"].to_numpy(np.uint64)[rows], done)]
+    layout, lost = with_meshes(layout, rows, city.seed)
+    city = replace(city, failures=city.failures + lost)
+    layout = with_others(replace(city, layout=layout), lost)
+    city = cleared(city, laid_open(layout, rows))
+    names = layout.buildings["generator"].to_numpy(str)
+    layout = _with_podiums(layout)
     plain = _plain_rows(layout)
     layout = with_drawn_roofs(layout, plain, city.seed)
-    kinds = generators()
     rows = np.array(
-        [row for row, name in enumerate(names.tolist()) if plain[row] >= 0 and kinds[name].mass],
+        [
+            row
+            for row, name in enumerate(names.tolist())
+            if plain[row] >= 0 and generator_named(name).mass
+        ],
         np.int64,
     )
     layout, failures = grown_by(layout, rows, city.seed)
@@ -159,6 +197,122 @@ def raised(city: City, trade: FloatArray | None = None) -> City:
     return faced(shell(city), trade) if city.lod >= MIN_LOD else shell(city)
 
 
+def with_meshes(
+    layout: Layout, rows: IntArray, seed: int, args: Mapping[str, Any] | None = None,
+    *, kinds: Mapping[str, Generator] | None = None, apart: bool = True,
+) -> tuple[Layout, tuple[Failure, ...]]:  # fmt: skip
+    """Let generators of other packages make buildings: parts become the slabs of their meshes.
+
+    Parameters
+    ----------
+    rows
+        (k,) of the buildings, whose generators make meshes.
+    args
+        Arguments for all; those that the building was asked for before when left out.
+    kinds
+        Generators by name; those of the catalogue when left out.
+    apart
+        Whether other packages run in a process of their own.
+
+    Returns
+    -------
+    layout, failures
+        Why a mesh is no building on its footprint; those buildings stay as they were.
+    """
+    buildings, parts = layout.buildings, layout.parts
+    names, ids = buildings["generator"].to_numpy(str), buildings["id"].to_numpy(np.uint64)
+    tags = buildings["tags"].to_numpy(object).copy()
+    levels = buildings["levels"].to_numpy().copy()
+    owner = parts["building"].to_numpy(np.uint64)
+    near = shapely.STRtree(buildings.geometry.to_numpy())
+    storeys: list[float] = []
+    said = _said_heights(buildings, np.arange(len(ids)))
+    gone: list[int] = []
+    sources: list[int] = []
+    masses: list[Mass] = []
+    numbers: list[int] = []
+    failures: list[Failure] = []
+    for name in np.unique(names[rows]).tolist():
+        kind = (kinds or generators())[name]
+        assert kind.outside is not None
+        of = rows[names[rows] == name]
+        before = [order_of(text) for text in tags[of]]
+        orders = [
+            one if args is None else replace(one, args=args)
+            for one in (
+                old or fresh
+                for old, fresh in zip(before, ordered(layout, of, {}), strict=True)
+            )
+        ]  # fmt: skip
+        made = made_meshes(kind, layout, of, orders, seed, apart=apart)
+        for row, order, mesh in zip(of.tolist(), orders, made, strict=True):
+            own = np.flatnonzero(owner == ids[row]).tolist()
+            found = [] if isinstance(mesh, str) else masses_of(mesh, kind)
+            why = mesh if isinstance(mesh, str) else ""
+            why = why or ("" if own else "the layout has no volume for it")
+            why = why or _over_neighbours(near, row, found)
+            if why:
+                failures.append(Failure(int(ids[row]), kind.outside.record.id, why))
+                continue
+            found = _as_high_as(found, said[row])
+            eave = max(mass.high - mass.rise for mass in found)
+            levels[row] = max(round(eave / kind.storey), 1)
+            storeys += [kind.storey] * len(found)
+            gone += own
+            sources += [own[0]] * len(found)
+            masses += found
+            numbers += range(len(found))
+            tags[row] = with_order(tags[row], order)
+    if not gone:
+        return layout, tuple(failures)
+    layout = replace(layout, buildings=buildings.assign(tags=tags.astype(str), levels=levels))
+    layout = _with_masses(layout, gone, sources, masses, numbers, np.array(storeys))
+    return layout, tuple(failures)
+
+
+def _over_neighbours(footprints: shapely.STRtree, row: int, masses: list[Mass]) -> str:
+    """Return why a building cannot reach as far over its footprint as it does, "" if it can."""
+    shapes = footprints.geometries
+    reach = shapely.difference(shapely.union_all([mass.plan for mass in masses]), shapes[row])
+    others = [at for at in footprints.query(reach, predicate="intersects").tolist() if at != row]
+    taken = shapely.intersection(reach, shapely.union_all(shapes[others])).area if others else 0.0
+    return f"it covers {taken:.1f} m2 of its neighbours" if taken > OVERLAP else ""
+
+
+def with_others(city: City, failures: tuple[Failure, ...]) -> Layout:
+    """Let other generators build what a generator of another package could not."""
+    layout = city.layout
+    if not failures:
+        return layout
+    lost = [failure.object_id for failure in failures]
+    rows = np.isin(layout.buildings["id"].to_numpy(np.uint64), np.array(lost, np.uint64))
+    names = layout.buildings["generator"].to_numpy(str)
+    outside = [name for name, kind in generators().items() if kind.outside]
+    other = choose_generators(
+        layout, city.seed, style=city.style, place=profile_of(city.frame), without=outside
+    )  # fmt: skip
+    tags = layout.buildings["tags"].to_numpy(object).copy()
+    tags[rows] = [with_order(text, None) for text in tags[rows]]
+    buildings = layout.buildings.assign(
+        generator=np.where(rows, other, names), tags=tags.astype(str)
+    )
+    return replace(layout, buildings=buildings)
+
+
+def laid_open(layout: Layout, rows: IntArray) -> NDArray[np.uint64]:
+    """Return the ids of those buildings that leave a part of their footprint open, (k,)."""
+    ids = layout.buildings["id"].to_numpy(np.uint64)[rows]
+    parts = layout.parts
+    owner = parts["building"].to_numpy(np.uint64)
+    low = (parts["base"].to_numpy(float) < GROUNDED) & parts["walls"].to_numpy(bool)
+    at = np.searchsorted(ids, owner).clip(max=max(len(ids) - 1, 0))
+    mine = low & np.isin(owner, ids)
+    area = shapely.area(parts.geometry.to_numpy())
+    stands = np.bincount(at[mine], area[mine], minlength=len(ids))
+    whole = shapely.area(layout.buildings.geometry.to_numpy()[rows])
+    return np.asarray(ids[stands < GROUND_SHARE * whole])
+
+
 def _named(city: City, name: str) -> IntArray:
     from cityx.protocol.objects import find_object
 
@@ -198,7 +352,7 @@ def _plain_rows(layout: Layout) -> IntArray:
     only = np.full(len(ids), -1, np.int64)
     only[row[known]] = np.flatnonzero(known)
     standing = (parts["base"].to_numpy(float) < 0.05) & parts["walls"].to_numpy(bool)
-    standing &= shapely.area(parts.geometry.to_numpy()) > 8.0
+    standing &= (shapely.area(parts.geometry.to_numpy()) > 8.0) & ~is_mesh(layout)
     return np.where((number == 1) & standing[only], only, -1)
 
 
@@ -295,8 +449,6 @@ def _massed(
     noise: float | None = None,
 ) -> tuple[Layout, tuple[Failure, ...]]:
     """Replace the single parts of buildings by the volumes that their generators grow."""
-    import pandas as pd
-
     if not len(rows):
         return layout, ()
     buildings, parts = layout.buildings, layout.parts
@@ -327,7 +479,7 @@ def _massed(
     for row, part, found, whole in zip(
         rows.tolist(), part_rows.tolist(), grown, covered.tolist(), strict=True
     ):
-        if not found or not (free or whole or not generators()[names[row]].covers):
+        if not found or not (free or whole or not generator_named(names[row]).covers):
             message = f"{names[row]} kept its plain block: no volume fits"
             failures.append(Failure(int(ids[row]), ACTION, message))
             continue
@@ -337,10 +489,32 @@ def _massed(
         numbers += range(len(found))
     if not kept:
         return layout, tuple(failures)
+    return _with_masses(layout, kept, sources, masses, numbers), tuple(failures)
+
+
+def _with_masses(
+    layout: Layout, gone: list[int], sources: list[int], masses: list[Mass], numbers: list[int],
+    storey: FloatArray | None = None,
+) -> Layout:  # fmt: skip
+    """Put volumes in the place of parts.
+
+    Parameters
+    ----------
+    gone
+        Rows of the parts that are replaced.
+    sources, numbers
+        Of each volume: the row of the part it comes from, and its number among those of that part.
+    storey
+        Metres of a storey of each volume; those of its part when left out.
+    """
+    import pandas as pd
+
+    buildings, parts = layout.buildings, layout.parts
+    ids = buildings["id"].to_numpy(np.uint64)
     fresh = parts.iloc[sources].copy()
     own = fresh["id"].to_numpy(np.uint64)
     k = np.array(numbers, np.int64)
-    storey = _storeys(fresh)
+    storey = _storeys(fresh) if storey is None else storey
     fresh["id"] = np.where(k > 0, hash_ids(0, "building/mass", own, k), own)
     fresh["zone"] = [mass.zone for mass in masses]
     fresh["base"] = [mass.low for mass in masses]
@@ -354,7 +528,7 @@ def _massed(
     fresh["levels"] = np.maximum(np.round(tall / storey), 1).astype(np.int16)
     plans = np.array([mass.plan for mass in masses], object)
     fresh = fresh.set_geometry(shapely.orient_polygons(plans))
-    rest = parts.drop(index=parts.index[kept])
+    rest = parts.drop(index=parts.index[gone])
     joined = _sorted(pd.concat([rest, fresh], ignore_index=True))
     height = buildings["height"].to_numpy(float).copy()
     of = np.searchsorted(ids, fresh["building"].to_numpy(np.uint64))
@@ -362,7 +536,7 @@ def _massed(
     np.maximum.at(height, of, fresh["top"].to_numpy(float))
     buildings = buildings.copy()
     buildings["height"] = height
-    return replace(layout, parts=joined, buildings=buildings), tuple(failures)
+    return replace(layout, parts=joined, buildings=buildings)
 
 
 def _said_heights(buildings: GeoDataFrame, rows: IntArray) -> list[float]:

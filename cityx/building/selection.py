@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -25,15 +25,17 @@ from cityx.assets.styles.palettes import (
     is_regional,
     owner_rows,
 )
-from cityx.assets.styles.style_shares import STRAY, speaking_of
+from cityx.assets.styles.style_shares import STRAY, outside_weight, speaking_of
 from cityx.assets.styles.style_tables import ALWAYS, STYLE_WORDS, TABLE, Weights
-from cityx.building.catalogue import generators
+from cityx.building.catalogue import USUAL, generators
+from cityx.city.layout import is_mesh
 from cityx.geometry.polygons import FloatArray
 from cityx.ids import hash_ids, uniform
-from cityx.places.profile import Buildings
+from cityx.places.profile import Buildings, Profile
 from cityx.places.profiles import profile_of
 
 if TYPE_CHECKING:
+    from cityx.assets.styles.generators import Generator
     from cityx.city.city import City
     from cityx.city.layout import Layout
 
@@ -109,7 +111,7 @@ def generators_of(city: City) -> Words:
     if len(chosen) and (chosen != "").all():
         return np.asarray(chosen)
     found = choose_generators(
-        layout, city.seed, style=city.style, local=profile_of(city.frame).buildings
+        layout, city.seed, style=city.style, place=profile_of(city.frame)
     )  # fmt: skip
     return np.where(chosen == "", found, chosen)
 
@@ -118,9 +120,11 @@ def designs_of_parts(city: City) -> Words:
     """Return the key of the look of every part: its generator, with its zone; (n,)."""
     parts = city.layout.parts
     owner, described = owner_rows(city.layout)
-    name = np.full(len(parts), "mixed_use", "U40")
+    name = np.full(len(parts), USUAL, "U40")
     if len(city.layout.buildings):
-        name = np.where(described, generators_of(city)[owner], name)
+        own = generators_of(city)
+        own = np.where(np.isin(own, list(generators())), own, USUAL)
+        name = np.where(described, own[owner], name)
     zone = parts["zone"].to_numpy(str)
     zoned = np.char.add(np.char.add(name, "/"), zone)
     known = [key for each in generators().values() for key in each.looks()]
@@ -128,11 +132,21 @@ def designs_of_parts(city: City) -> Words:
 
 
 def choose_generators(
-    layout: Layout, seed: int, *, style: str = "", local: Buildings | None = None
+    layout: Layout,
+    seed: int,
+    *,
+    style: str = "",
+    place: Profile | None = None,
+    without: Sequence[str] = (),
 ) -> Words:
     """Choose the generator of every building; see the tables of this module.
 
-    `local` is that of the profile of the place, None when it is unknown.
+    Parameters
+    ----------
+    place
+        The profile of the place, None when it is unknown.
+    without
+        Generators that are not chosen.
 
     Raises
     ------
@@ -141,13 +155,16 @@ def choose_generators(
     """
     buildings = layout.buildings
     names = np.array(list(generators()), "U32")
-    local = local or Buildings()
+    local = place.buildings if place else Buildings()
+    lineage = place.lineage if place else ()
     family = family_of(style, local.family)
     if not len(buildings):
         return np.zeros(0, "U32")
     group = building_groups(layout, seed)
     own = local.generators if is_regional(style) else {}
     base = np.array([_row({**TABLE[family], **own}, word, names) for word in GROUPS])
+    base += np.array([[outside_weight(name, word, style, family, lineage)
+                       for name in names.tolist()] for word in GROUPS])  # fmt: skip
     weight = base[group]
     weight = weight * _favoured(names, buildings["place"].to_numpy(str), PLACES)
     ids = buildings["id"].to_numpy(np.uint64)
@@ -161,7 +178,7 @@ def choose_generators(
     weight = weight * boost + (boost > 1) * STRAY * boost * (base[group] == 0)
     if word:
         weight *= np.array([_spoken(word, each, names) for each in GROUPS])[group]
-    fits = admitted(layout)
+    fits = admitted(layout) & ~np.isin(names, list(without))
     weight = np.where(fits, weight, 0.0)
     lost = weight.sum(axis=1) <= 0
     for name in reversed(SPARE):
@@ -199,20 +216,38 @@ def admitted(layout: Layout, floors: int = 0) -> NDArray[np.bool_]:
     floors
         Storeys that all buildings shall have, 0 for their own.
     """
-    shapes = layout.buildings.geometry.to_numpy()
-    area, width = shapely.area(shapes), widths_of(shapes)
-    levels = layout.buildings["levels"].to_numpy(float)
-    levels = np.full(len(levels), float(floors)) if floors else levels
+    size = sizes_of(layout, floors)
     glass = _said_wall(layout)
+    # A mesh takes the place of one plain volume, not of those that a map describes.
+    mapped = layout.parts["building"].to_numpy(np.uint64)[~is_mesh(layout)]
+    several, count = np.unique(mapped, return_counts=True)
+    plain = ~np.isin(layout.buildings["id"].to_numpy(np.uint64), several[count > 1])
     columns = []
     for each in generators().values():
-        fit = (area >= each.area[0]) & (area <= each.area[1])
-        fit &= (levels >= each.levels[0]) & (levels <= each.levels[1])
-        fit &= (width >= each.width[0]) & (width <= each.width[1])
+        fit = fits_size(each, *size)
+        if each.outside is not None:
+            fit &= plain
         if each.look.facade.mode == "curtain" and each.look.walls[0][1] == "glass_wall":
             fit &= np.isin(glass, ["", "glass"])
         columns.append(fit)
     return np.stack(columns, axis=1)
+
+
+def sizes_of(layout: Layout, floors: int = 0) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return footprint, square metres, storeys, and shorter side, metres, of buildings, (n,)."""
+    shapes = layout.buildings.geometry.to_numpy()
+    levels = layout.buildings["levels"].to_numpy(float)
+    levels = np.full(len(levels), float(floors)) if floors else levels
+    return shapely.area(shapes), levels, widths_of(shapes)
+
+
+def fits_size(
+    kind: Generator, area: FloatArray, levels: FloatArray, width: FloatArray
+) -> NDArray[np.bool_]:
+    """Return whether a generator makes sense on buildings of a size, (n,); see `sizes_of`."""
+    fit = (area >= kind.area[0]) & (area <= kind.area[1])
+    fit &= (levels >= kind.levels[0]) & (levels <= kind.levels[1])
+    return np.asarray(fit & (width >= kind.width[0]) & (width <= kind.width[1]))
 
 
 def widths_of(shapes: NDArray[Any]) -> FloatArray:

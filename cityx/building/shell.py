@@ -12,10 +12,14 @@ from numpy.typing import NDArray
 
 from cityx.building.assembly import assemble, finishes_of
 from cityx.building.catalogue import generators
+from cityx.building.mesh_volumes import mesh_shells
 from cityx.building.roofs.shapes import RoofBrief, as_shapes, chunks, part_of_brief, shell_batch
 from cityx.building.selection import designs_of_parts
+from cityx.building.splicing import spliced
 from cityx.building.volumes import Volumes, volumes_of
 from cityx.city.city import City, Failure
+from cityx.city.layout import is_mesh
+from cityx.city.mesh import concatenate
 from cityx.geometry.extrude import prisms
 from cityx.geometry.polygons import FloatArray, IntArray, Rings, corners, rings_of
 from cityx.geometry.solids import TRIM, Solids, join_solids
@@ -35,6 +39,7 @@ POST_INSET = 0.35  # metres from the edge of the canopy
 MAX_POSTS = 12
 TERRACE = 1.2  # party walls along the longer sides, in lengths of that side
 PARAPET_LOW, PARAPET_HIGH = 0.4, 1.1  # metres
+NOTHING = shapely.to_wkb(shapely.Polygon())  # the outline of what is not raised here
 PARAPET_SHARE = 0.25  # of the height of a part, so that sheds get a low one
 
 
@@ -73,11 +78,29 @@ def shell(
     brief, points = roof_brief(
         volumes, city.layout.parts, city.seed, parapet=parapet, overhang=reach
     )
+    finishes = finishes_of(city)
+    outside = is_mesh(city.layout)
+    meshes, lost = (
+        mesh_shells(city.layout, city.seed, finishes, volumes.ground, volumes.low)
+        if outside.any() else ([], {})
+    )  # fmt: skip
+    made = np.isin(volumes.building, [mesh.object_id[0] for mesh in meshes])
+    if meshes:
+        outlines = np.array(brief.outlines, object)
+        outlines[made] = NOTHING
+        number = np.diff(points)
+        brief = replace(brief, outlines=outlines, free=brief.free[np.repeat(~made, number)])
+        points = np.concatenate([[0], np.cumsum(np.where(made, 0, number))]).astype(np.int64)
     solids, built = raise_shells(brief, points, workers=workers)
     posts = canopy_posts(volumes, brief)
-    batch = assemble(join_solids([solids, posts]), volumes.building, finishes_of(city))
+    batch = assemble(join_solids([solids, posts]), volumes.building, finishes)
+    if meshes:
+        batch = spliced(batch, np.zeros(0, np.uint64), concatenate(meshes))
     wanted = np.where(brief.top - brief.eave < 0.15, "flat", brief.shape)
-    failures, notes = _report(volumes, wanted, built)
+    failures, notes = _report(volumes, wanted, np.where(made, wanted, built))
+    failures += tuple(
+        Failure(building, ACTION, f"raised as a block: {why}") for building, why in lost.items()
+    )
     return replace(
         city,
         scene=city.scene.with_mesh("buildings", batch),

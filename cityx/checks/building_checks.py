@@ -9,6 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.check import Check, named
+from cityx.checks.shells import on_plan, undersides_of
 from cityx.city import City
 from cityx.city.ground import ROADWAY
 from cityx.city.mesh_measures import check_closed, plan_area
@@ -100,9 +101,10 @@ def _plan_area(city: City) -> Check:
     """Compare the lowest faces of every building with the footprints of its standing parts."""
     batch = city.scene.meshes["buildings"]
     parts = city.layout.parts
-    measured = plan_area(batch)
+    measured = plan_area(batch, below=undersides_of(city, batch))
     ids, row = np.unique(parts["building"].to_numpy(), return_inverse=True)
-    expected = np.bincount(row, weights=shapely.area(parts.geometry.to_numpy()), minlength=len(ids))
+    area = shapely.area(parts.geometry.to_numpy()) * on_plan(city)
+    expected = np.bincount(row, weights=area, minlength=len(ids))
     found = np.searchsorted(ids, batch.object_id)
     wanted = expected[np.minimum(found, len(ids) - 1)]
     error = np.maximum(np.abs(measured - wanted) - PLAN_AREA_SLACK, 0) / np.maximum(wanted, 1e-9)

@@ -7,6 +7,8 @@ import shapely
 
 from cityx.assets.vehicles.moving import mover_counts
 from cityx.city import City
+from cityx.city.layout import is_mesh
+from cityx.protocol.plugged import mesh_actions
 
 
 def counts(city: City) -> dict[str, float]:
@@ -29,6 +31,21 @@ def counts(city: City) -> dict[str, float]:
         "vehicles": (rows["vehicles"].count if "vehicles" in rows else 0) + moving["vehicles"],
         "pedestrians": moving["pedestrians"],
     }
+
+
+def generators_of(city: City) -> dict[str, dict[str, int | str]]:
+    """Count the buildings of each generator; of one from a package, say which action made them."""
+    names = city.layout.buildings["generator"].to_numpy(str)
+    known, count = np.unique(names[names != ""], return_counts=True)
+    found: dict[str, dict[str, int | str]] = {}
+    owner = city.layout.parts["building"].to_numpy(np.uint64)[is_mesh(city.layout)]
+    meshes = set(names[np.isin(city.layout.buildings["id"].to_numpy(np.uint64), owner)].tolist())
+    for name, number in zip(known.tolist(), count.tolist(), strict=True):
+        found[name] = {"buildings": number}
+        made = mesh_actions().get(name) if name in meshes else None
+        if made is not None:
+            found[name] |= {"action": made.record.id, "package": made.package}
+    return found
 
 
 def _failed_buildings(city: City) -> int:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from cityx.checks.check import Check, named
 from cityx.city import City
 from cityx.city.ground import KERB_HEIGHT
+from cityx.city.layout import BARE, is_mesh
 from cityx.city.levels import ground_levels
 from cityx.city.scene import Instances
 from cityx.ground.standing import stand_on
@@ -86,6 +87,7 @@ def street_buildings(city: City) -> NDArray[np.uint64]:
     surface = shapely.STRtree(shapely.polygons(city.ground.vertices[triangles][..., :2]))
     parts = city.layout.parts
     house = parts["walls"].to_numpy(bool) & (parts["base"].to_numpy(float) < 0.5)
+    house &= parts["zone"].to_numpy(str) != BARE  # a mesh from elsewhere that has no openings
     house &= shapely.area(parts.geometry.to_numpy()) > LEAST_HOUSE
     house &= (parts["top"] - parts["base"] - parts["roof_height"]).to_numpy(float) > LEAST_TALL
     shapes = parts.geometry.to_numpy()[house]
@@ -201,7 +203,9 @@ def _facts(city: City, ids: NDArray[np.uint64]) -> list[NDArray[np.float64]]:
     row = np.minimum(np.searchsorted(ids, parts["building"].to_numpy(np.uint64)), len(ids) - 1)
     first[row[::-1]] = roof[::-1]
     area = np.round(shapely.area(buildings.geometry.to_numpy()), -1)
-    return [generator.astype(float), buildings["levels"].to_numpy(float), area, first]
+    own = np.isin(ids, parts["building"].to_numpy(np.uint64)[is_mesh(city.layout)])
+    tall = np.where(own, np.round(buildings["height"].to_numpy(float)), 0.0)  # as its mesh is
+    return [generator.astype(float), buildings["levels"].to_numpy(float), area, first, tall]
 
 
 def _finish(city: City, ids: NDArray[np.uint64]) -> list[NDArray[np.float64]]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import resource
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from cityx.checks.body_checks import check_bodies
 from cityx.checks.bounds import check_bounds
 from cityx.checks.building_checks import check_buildings
 from cityx.checks.check import Check, named
-from cityx.checks.counts import built_count, counts
+from cityx.checks.counts import built_count, counts, generators_of
 from cityx.checks.facades import check_facades
 from cityx.checks.furniture_checks import check_furniture
 from cityx.checks.ground_checks import check_ground
@@ -34,11 +35,14 @@ from cityx.checks.walkways import check_walkways
 from cityx.city import City, Goal
 from cityx.city.content import content_hash
 from cityx.city.frame import NOWHERE
+from cityx.errors import UsageError
 from cityx.ids import id_text
 from cityx.places.countries import country_at
 from cityx.places.profiles import profile_of
+from cityx.system.extensions import extensions, refusals, refuse, remembered
 from cityx.version import __version__
 
+GROUP = "cityx.checks"
 FAILED_SHARE = 0.01  # of all buildings; more, and something is wrong with the input or with us
 
 
@@ -65,7 +69,37 @@ def run_checks(city: City) -> list[Check]:
         *check_movement(city),
         _failed(city),
         _vanished(city),
+        *_outside(city),
     ]
+
+
+@remembered
+def outside_checks() -> Mapping[str, Callable[[City], object]]:
+    """Return the checks that installed packages add, by name."""
+
+    def admit(value: object) -> tuple[str, Callable[[City], object]]:
+        name = getattr(value, "__name__", "")
+        if not callable(value) or not name.isidentifier():
+            raise UsageError("it is no function of a city that returns cityx.checks.check.Check.")
+        return name, value
+
+    return extensions(GROUP, admit, frozenset[str]().__contains__)
+
+
+def _outside(city: City) -> list[Check]:
+    """Run the checks of other packages; one that fails is left out and says why."""
+    found: list[Check] = []
+    for name, measure in outside_checks().items():
+        try:
+            made = measure(city)
+        except Exception as error:  # noqa: BLE001  a package may raise anything
+            refuse(f"Check {name} could not be run: {type(error).__name__}: {error}.")
+            continue
+        if isinstance(made, Check):
+            found.append(replace(made, name=name))
+        else:
+            refuse(f"Check {name} returned {type(made).__name__}, not Check. It was left out.")
+    return found
 
 
 def _failed(city: City) -> Check:
@@ -115,7 +149,13 @@ def make_report(
     content
         Hash of the city, where it is known.
     """
-    checks = run_checks(city)
+    own = run_checks(city)
+    taken: dict[str, Check] = {}
+    for check in own:  # a check of a package does not take the place of one of CityX
+        if check.name in taken:
+            refuse(f"Check {check.name}: the name is taken by CityX. It was left out.")
+        taken.setdefault(check.name, check)
+    checks = list(taken.values())
     goals = _goals(city, brief or {})
     return {
         "cityx": __version__,
@@ -136,6 +176,8 @@ def make_report(
         "brief": dict(brief or {}),
         "goals": goals,
         "counts": counts(city),
+        "generators": generators_of(city),
+        "made": {action: dict(args) for action, args in city.made.items()},
         "triangles": triangle_counts(city),
         "timings_s": {name: round(value, 3) for name, value in (timings_s or {}).items()},
         "peak_rss_mb": round(peak_rss_mb if peak_rss_mb is not None else peak_memory_mb(), 1),
@@ -154,7 +196,7 @@ def make_report(
             {"id": id_text(failure.object_id), "action": failure.action, "error": failure.error}
             for failure in city.failures
         ],
-        "notes": list(city.notes),
+        "notes": [*city.notes, *refusals()],
     }
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.check import Check, named
 from cityx.city import City
+from cityx.city.layout import is_mesh
 from cityx.city.levels import ground_levels, terrain_at_walls
 from cityx.city.mesh import MeshBatch
 from cityx.city.mesh_measures import plan_middle
@@ -18,6 +19,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 TOP_ERROR = 0.3  # metres; parapets and ridges end within a tenth of it
 PLINTH = 0.8  # metres below the lowest ground: half a metre of plinth, and what may be missed
+FOOT = 0.05  # metres over the lowest vertex that are its foot
 PLACE_ERROR = 0.5  # metres; posts and plinths move the middle of a plan by less
 
 
@@ -51,7 +53,8 @@ def check_shells(city: City) -> list[Check]:
     bottom, top = (values[wanted.row] for values in _reach(batch))
     off = np.abs(top - wanted.top)
     deep = wanted.lowest - bottom
-    away = np.hypot(*(plan_middle(batch)[wanted.row] - wanted.middle).T)
+    middle = plan_middle(batch, below=undersides_of(city, batch))
+    away = np.hypot(*(middle[wanted.row] - wanted.middle).T)
     high, sunk, astray = off > TOP_ERROR, deep > PLINTH, away > PLACE_ERROR
     return [
         Check("building_height_off", float(high.sum()), 0,
@@ -77,6 +80,23 @@ def _reach(batch: MeshBatch) -> tuple[FloatArray, FloatArray]:
     return low, high
 
 
+def on_plan(city: City) -> NDArray[np.bool_]:
+    """(n,) which parts count to the plan of their building.
+
+    All do, but of a mesh from another package those that stand on the ground: it need not close
+    every slab by a floor of its own.
+    """
+    parts = city.layout.parts
+    return np.asarray(~is_mesh(city.layout) | (parts["base"].to_numpy(float) < FOOT))
+
+
+def undersides_of(city: City, batch: MeshBatch) -> FloatArray:
+    """Return the height below which undersides count to a plan, (k,) metres; see `on_plan`."""
+    owner = city.layout.parts["building"].to_numpy(np.uint64)
+    outside = np.isin(batch.object_id, owner[is_mesh(city.layout)])
+    return np.where(outside, _reach(batch)[0] + FOOT, np.inf)
+
+
 def wanted_of(city: City, batch: MeshBatch) -> Wanted:
     """Look up what the layout asks of the shells that it describes."""
     parts = city.layout.parts
@@ -92,7 +112,7 @@ def wanted_of(city: City, batch: MeshBatch) -> Wanted:
     np.maximum.at(top, of_known, level[known])
     lowest = np.zeros(len(row))
     lowest[of_known] = terrain_at_walls(city.layout, city.terrain)[0][known]
-    area = shapely.area(shapes)
+    area = shapely.area(shapes) * on_plan(city)[known]
     spot = shapely.get_coordinates(shapely.centroid(shapes)) * area[:, None]
     total = np.maximum(np.bincount(of_known, area, minlength=len(row)), 1e-9)
     middle = [np.bincount(of_known, axis, minlength=len(row)) / total for axis in spot.T]

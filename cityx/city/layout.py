@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 # stable (`cityx.ids.stable_id`). Rows are sorted by id.
 SCHEMA = table("city/layout", dict[str, str])
 
+# Zones of parts that are slabs of a mesh which another package makes; a bare one has no openings.
+MESH, BARE = "mesh", "bare_mesh"
 CURVE = "curve"  # kind of a line that is no thing itself: a user drew it to build something on
 
 AREA_KINDS = (
@@ -133,3 +135,8 @@ class Layout:
         """Area of the site's rectangle in square kilometres."""
         xmin, ymin, xmax, ymax = self.extent
         return (xmax - xmin) * (ymax - ymin) / 1e6
+
+
+def is_mesh(layout: Layout) -> NDArray[np.bool_]:
+    """(n,) whether each part is a slab of a mesh that another package makes."""
+    return np.isin(layout.parts["zone"].to_numpy(str), [MESH, BARE])

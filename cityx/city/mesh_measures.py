@@ -33,32 +33,47 @@ def volume(batch: MeshBatch) -> FloatArray:
     return volumes_by_group(batch.vertices, batch.faces, batch.face_object(), batch.count)
 
 
-def _undersides(batch: MeshBatch, without: Sequence[str]) -> tuple[FloatArray, NDArray[np.bool_]]:
+def _undersides(
+    batch: MeshBatch, without: Sequence[str], below: FloatArray | None
+) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Return the area vector of each face, (f, 3), and which are level undersides, (f,)."""
     normal = area_vectors(batch.vertices, batch.faces)
     size = np.linalg.norm(normal, axis=1)
     under = -normal[:, 2] > LEVEL * size
     skipped = [i for i, name in enumerate(batch.materials) if name in without]
+    if below is not None:
+        under &= batch.vertices[batch.faces[:, 0], 2] < below[batch.face_object()]
     return normal, np.asarray(under & ~np.isin(batch.material, skipped))
 
 
-def plan_area(batch: MeshBatch, *, without: Sequence[str] = ("trim",)) -> FloatArray:
+def plan_area(
+    batch: MeshBatch, *, without: Sequence[str] = ("trim",), below: FloatArray | None = None
+) -> FloatArray:
     """Return the ground that each object covers, (k,) square metres.
 
     The level undersides are summed, so eaves (whose material is named in `without`), domes that
     bulge and roofs cut into many faces do not count twice.
+
+    Parameters
+    ----------
+    without
+        Materials whose faces do not count.
+    below
+        (k,) metres, height of each object below which undersides count; all do when left out.
     """
-    normal, counted = _undersides(batch, without)
+    normal, counted = _undersides(batch, without, below)
     area = np.bincount(batch.face_object()[counted], -normal[counted, 2], minlength=batch.count)
     return np.asarray(area, float)
 
 
-def plan_middle(batch: MeshBatch, *, without: Sequence[str] = ("trim",)) -> FloatArray:
+def plan_middle(
+    batch: MeshBatch, *, without: Sequence[str] = ("trim",), below: FloatArray | None = None
+) -> FloatArray:
     """Return the middle of the ground that each object covers, (k, 2) metres; NaN for none.
 
     It is the centroid of the level undersides, see `plan_area`.
     """
-    counted = _undersides(batch, without)[1]
+    counted = _undersides(batch, without, below)[1]
     triangles, face = batch.triangles()
     kept = counted[face]
     a, b, c = batch.vertices[triangles[kept], :2].transpose(1, 0, 2)

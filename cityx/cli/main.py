@@ -4,7 +4,6 @@
 import os
 import sys
 import traceback
-from importlib.metadata import entry_points
 from pathlib import Path
 from tempfile import gettempdir
 from typing import Annotated
@@ -16,6 +15,7 @@ from cityx.cli.assets import assets
 from cityx.cli.dataset import dataset
 from cityx.cli.plugins import plugins
 from cityx.errors import CityxError
+from cityx.system.extensions import points_of
 from cityx.version import __version__
 
 # Two threaded libraries on few cores spin against each other unless they sleep while they wait.
@@ -38,8 +38,12 @@ for _command in (
     app.command()(_command)
 app.add_typer(plugins, name="plugins")
 app.add_typer(assets, name="assets")
-for _point in entry_points(group="cityx.commands"):  # commands of other packages
-    app.add_typer(_point.load(), name=_point.name)
+for _package, _point in points_of("cityx.commands"):  # commands of other packages
+    try:
+        app.add_typer(_point.load(), name=_point.name)
+    except Exception as error:  # noqa: BLE001  a package may raise anything when imported
+        _why = f"{type(error).__name__}: {error}"
+        typer.echo(f"Command {_point.name} of package {_package} is left out: {_why}", err=True)
 
 
 def _version(value: bool) -> None:

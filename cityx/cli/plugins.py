@@ -43,7 +43,9 @@ def show_(name: Annotated[str, typer.Argument(help="Id or name of an action.")])
 
 @plugins.command()
 def check(
-    name: Annotated[str | None, typer.Argument(help="One action; all when left out.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(help="One action, or a plugin's folder; all when left out.")
+    ] = None,
 ) -> None:
     """Run the conformance suite."""
     text, passed = check_actions(name)
@@ -56,12 +58,19 @@ def check(
 def new(
     name: Annotated[str, typer.Argument(help='Id such as "building/bell_tower-v1".')],
     folder: Annotated[Path, typer.Option("-o", "--out", help="Where to write it.")] = Path(),
+    installed: Annotated[
+        bool, typer.Option("--install", help="Install it for this Python.")
+    ] = False,
 ) -> None:
     """Write a scaffold of a plugin that works."""
-    from cityx.protocol.scaffold import write_scaffold
+    from cityx.protocol.scaffold import install, write_scaffold
 
     for path in write_scaffold(name, folder):
         typer.echo(str(path))
+    if installed:
+        install(folder)
+    ready = f'cityx build -o town --do "{name}"' if installed else f"pip install {folder}"
+    typer.echo(f"next: {ready}")
 
 
 @plugins.command()
@@ -97,7 +106,7 @@ def list_actions(actions: "Registry | None" = None) -> "Group":
 
 
 def check_actions(name: str | None = None, actions: "Registry | None" = None) -> tuple[str, bool]:
-    """Run the conformance suite on one action or on all.
+    """Run the conformance suite on one action, on those of a plugin's folder, or on all.
 
     Returns
     -------
@@ -108,16 +117,26 @@ def check_actions(name: str | None = None, actions: "Registry | None" = None) ->
 
     Raises
     ------
-    UsageError
-        If there is no such action.
+    UsageError, InputError
+        If there is no such action, or the folder holds no plugin.
     """
     from cityx.checks.conformance import check_action
     from cityx.protocol.registry import registry
+    from cityx.protocol.scaffold import entries_of
 
     actions = registry() if actions is None else actions
     lines: list[str] = []
     passed = failed = skipped = 0
-    for action_id in [actions.resolve(name)] if name else list(actions):
+    folder = Path(name or "")
+    names = [actions.resolve(name)] if name and not folder.is_dir() else list(actions)
+    if name and folder.is_dir():
+        names = []
+        for entry in entries_of(folder):
+            if entry.id in actions.entries:  # an installed version gives way to the folder's
+                del actions.entries[entry.id]
+            actions.put(entry)
+            names.append(entry.id)
+    for action_id in names:
         results = check_action(action_id, actions)
         bad = [r for r in results if r.passed is False]
         left = [r for r in results if r.passed is None]

@@ -49,7 +49,7 @@ from cityx.dataset.order import (
 from cityx.dataset.shots import Shot
 from cityx.dataset.taking import ASIDE, FULL, WORK, Failed, Job, Task, take
 from cityx.dataset.workers import Cluster, Died, Pool, check_cluster, share_threads
-from cityx.dataset.writers import FORMATS, formats_named
+from cityx.dataset.writers import FORMATS, formats_named, outside_formats
 from cityx.dataset.writers.files import Files
 from cityx.dataset.writers.writer import Place, Whole
 from cityx.errors import InputError, UsageError
@@ -225,7 +225,7 @@ def _check_rig(order: Order, faults: Faults) -> None:
     from cityx.dataset.rigs import rig_named
 
     rig = faults.of(lambda: rig_named(order.rig))
-    if rig is None or not set(order.formats) <= set(FORMATS):
+    if rig is None or not set(order.formats) <= {*FORMATS, *outside_formats()}:
         return
     names = {mount.sensor for mount in rig}
     for item in formats_named(order.formats):

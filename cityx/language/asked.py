@@ -15,6 +15,7 @@ from typing import Any
 
 from cityx.edit.moment import SEASONS
 from cityx.language import Brief
+from cityx.protocol.plugged import mesh_actions
 from cityx.protocol.serving import DO, Slots
 from cityx.town.presets import PRESETS, plan_of, zone_for
 
@@ -242,6 +243,15 @@ def air_slots(change: Iterable[tuple[str, Any]]) -> Found:
     return {**strength, **({"time": clocks} if clocks else {})}
 
 
+def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Let the generator of an installed package raise the buildings that are to be of its kind."""
+    del town
+    for word in found.get("building.type", ()):
+        made = mesh_actions().get(str(word))
+        if made is not None:
+            _wish(wishes, made.record.id)
+
+
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
-    _size, _heights, _counts, _places, _water, _streets, _trees, _air,
+    _size, _heights, _counts, _places, _water, _streets, _trees, _air, _outside,
 )  # fmt: skip

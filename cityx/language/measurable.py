@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from cityx.assets.furniture.street_furniture import outside_pieces
+from cityx.assets.styles.style_shares import outside_styles
+from cityx.language.lexicon.phrases import outside_types
 from cityx.system.tables import load, table
 
 # Noun of the brief -> a choice of things. Nouns that stand in none of these tables have no measure.
@@ -30,16 +33,18 @@ def things(noun: str) -> str:
     """Return the choice of things that a noun or an id names; "" where nothing measures it."""
     if noun in _SAME or (any(letter.isdigit() for letter in noun) and noun.isascii()):
         return noun
-    if noun in TYPES:
-        return f"building, {TYPES[noun]}"
+    if noun in outside_pieces():
+        return noun
+    if condition("type", noun):
+        return f"building, {condition('type', noun)}"
     return _RENAMED.get(noun, "")
 
 
 def condition(key: str, value: str) -> str:
     """Return the condition on buildings that a slot says, "" where nothing measures it."""
     if key in ("building.type", "type"):
-        return TYPES.get(value, "")
+        return f"generator={value}" if value in outside_types() else TYPES.get(value, "")
     if key == "style":
-        return f"style={value}" if value in STYLES else ""
+        return f"style={value}" if value in STYLES or value in outside_styles() else ""
     name, words = _LOOKS.get(key, ("", {}))
     return f"{name}={words[value]}" if value in words else ""

@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from cityx.options import DEFAULT_FORMATS, FORMATS, BuildOptions, PlannerChoice
-
-__all__ = ["DEFAULT_FORMATS", "FORMATS", "BuildOptions", "PlannerChoice", "slots_of"]
+from cityx.options import BuildOptions
 
 
 def slots_of(options: BuildOptions) -> dict[str, tuple[Any, ...]]:

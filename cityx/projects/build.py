@@ -25,9 +25,9 @@ from cityx.agents.step_runner import SNAPSHOTS, Run, Stopwatch
 from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
 from cityx.errors import InputError, UsageError
-from cityx.options import FORMATS, BuildOptions, PlannerChoice
-from cityx.outputs.usd import require_usd
+from cityx.options import BuildOptions, PlannerChoice
 from cityx.places.profiles import place_text, profile_of
+from cityx.projects.formats import formats_named
 from cityx.projects.place_words import check_words
 from cityx.projects.results import (
     publish,
@@ -43,7 +43,6 @@ from cityx.protocol.registry import Registry, registry
 from cityx.sources.intake import Inputs, sort_inputs
 from cityx.system.allocator import rare_collection
 from cityx.system.cache import kept_folder
-from cityx.traffic.engine import require_sumo
 
 
 @dataclass(frozen=True)
@@ -146,9 +145,7 @@ def make_job(
     from cityx.protocol.catalogue import known_records
     from cityx.sources.osm.retrieval import retrieve
 
-    unknown = set(options.formats) - set(FORMATS)
-    if unknown:
-        raise UsageError(f"Unknown formats {sorted(unknown)}; this version writes {FORMATS}.")
+    formats_named(options.formats)
     if options.place:
         paths = [*paths, retrieve(options.place, kept_folder("maps"), say=say)]
     if options.place_profile:
@@ -224,10 +221,7 @@ def build(
         A format needs an extra that is not installed; nothing was begun.
     """
     options = options or BuildOptions()
-    if "usd" in options.formats:
-        require_usd()
-    if "sumo" in options.formats:
-        require_sumo()
+    formats_named(options.formats)
     out = result_folder(out)
     job = make_job(paths, options, say, left=staging_path(out) / JOURNAL)
     try:

@@ -259,14 +259,15 @@ def renew(
     was added, and whether all else is the same, is told by the city as it was before, if that is
     given.
     """
-    from cityx.checks.counts import counts
+    from cityx.checks.counts import counts, generators_of
     from cityx.checks.meshes import triangle_counts
-    from cityx.projects.views import FILES, make_views
+    from cityx.projects.formats import formats
+    from cityx.projects.views import make_views
 
-    formats = [name for name, file in FILES.items() if (folder / file).exists()]
-    if formats:
+    present = [name for name, each in formats().items() if (folder / each.file).exists()]
+    if present:
         staging = folder / ".views.partial"
-        make_views(city, staging, formats, store=folder / "city", say=say)
+        make_views(city, staging, present, store=folder / "city", say=say)
         for file in staging.iterdir():
             file.replace(folder / file.name)
         staging.rmdir()
@@ -277,6 +278,7 @@ def renew(
     report["checks_of"] = report.get("checks_of", report.get("hash", ""))
     report |= {
         "hash": revision.content, "revision": revision.number, "counts": counts(city),
+        "generators": generators_of(city),
         "triangles": triangle_counts(city), "change": request.brief.to_json(),
         "notes_of_change": list(request.notes),
         "goals_of_change": [

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from cityx.agents.step_runner import Stopwatch
@@ -19,20 +18,17 @@ from cityx.blender.client import (
 from cityx.city.camera import Camera
 from cityx.city.store import View, read_view
 from cityx.city.tracks import FRAME_RATE
-from cityx.errors import UsageError, nearest
+from cityx.errors import CityxError, EngineError, UsageError, nearest
 from cityx.ids import id_text
 from cityx.options import RenderOptions
+from cityx.projects.formats import BUILT_IN, formats_named
 
 if TYPE_CHECKING:
     from cityx.city import City
+    from cityx.outputs.formats import Format
 
 VIEWS = ("street", "aerial", "top")  # in the order of the report
 PICTURE = (960, 540)  # pixels
-# The file that each format writes first; usd and sumo write others beside it.
-FILES: Mapping[str, str] = MappingProxyType({
-    "blend": "city.blend", "glb": "city.glb", "usd": "city.usdc", "bodies": "city_bodies.npz",
-    "sumo": "city.sumocfg",
-})  # fmt: skip
 BUSIEST = "busiest"  # instead of a moment
 # A picture of a square kilometre takes a minute or two on two cores; this is a hang.
 TIMEOUT_S = 6 * 3600.0
@@ -59,7 +55,7 @@ def make_views(
     watch: Stopwatch | None = None,
     say: Say,
 ) -> float:
-    """Write GLB, USD, bodies, the files of SUMO, .blend and pictures of a city.
+    """Write the files of formats and the pictures of a city.
 
     Parameters
     ----------
@@ -68,7 +64,7 @@ def make_views(
     folder
         Where to write them.
     formats
-        "blend", "glb", "usd", "bodies", "sumo".
+        Names of `cityx.projects.formats.formats`.
     store
         Folder of the stored city; ``city`` of the same folder when left out.
     views, size, samples
@@ -82,31 +78,15 @@ def make_views(
         Largest memory of any process so far, MB.
     """
     from cityx.checks.report import peak_memory_mb
-    from cityx.city.store import view_of
-    from cityx.motion.halts import halts_of
-    from cityx.outputs.body_files import write_bodies
-    from cityx.outputs.glb import write_glb
-    from cityx.outputs.usd import write_usd
-    from cityx.traffic.files import write_sumo
 
     watch = watch or Stopwatch()
     folder.mkdir(parents=True, exist_ok=True)
-    if "glb" in formats:
-        say("writing city.glb")
-        with watch.step("glb"):
-            write_glb(view_of(city), folder / "city.glb")
-    if "usd" in formats:
-        say("writing city.usdc")
-        with watch.step("usd"):
-            write_usd(view_of(city), folder / "city.usdc")
-    if "bodies" in formats:
-        say("writing city_bodies.npz")
-        with watch.step("bodies"):
-            write_bodies(view_of(city), folder / "city_bodies.npz")
-    if "sumo" in formats:
-        say("writing city.net.xml")
-        with watch.step("sumo"):
-            write_sumo(city, halts_of(city), folder)
+    for each in formats_named(formats):
+        if each.write is None:
+            continue
+        say(f"writing {each.file}")
+        with watch.step(each.name):
+            _write(each, city, folder)
     if "blend" in formats or views:
         blend = folder / "city.blend" if "blend" in formats else None
         times, _ = blender_views(
@@ -117,6 +97,29 @@ def make_views(
             watch.wall[f"blender {name}"] = spent["wall_s"]
             watch.cpu[f"blender {name}"] = spent["cpu_s"]
     return peak_memory_mb()
+
+
+def _write(form: Format, city: City, folder: Path) -> None:
+    """Write a format; what a package raises is told in one sentence.
+
+    Raises
+    ------
+    EngineError
+        If a format of another package fails, or leaves no file.
+    """
+    assert form.write is not None
+    try:
+        form.write(city, folder / form.file)
+    except (CityxError, OSError):
+        raise
+    except Exception as error:
+        if form in BUILT_IN:
+            raise
+        raise EngineError(
+            f"Format {form.name} cannot be written: {type(error).__name__}: {error}"
+        ) from error
+    if not (folder / form.file).exists():
+        raise EngineError(f"Format {form.name} has written no {form.file}.")
 
 
 def blender_views(

@@ -5,13 +5,13 @@ from __future__ import annotations
 import inspect
 import typing
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Protocol, TypeVar, cast, get_args, get_origin
+from typing import Annotated, Any, Protocol, TypeVar, cast, get_args, get_origin
 
 from cityx.errors import UsageError
 from cityx.protocol.docstrings import parse_docstring
 from cityx.protocol.encapsulation import ID_PATTERN, Encapsulation
 from cityx.protocol.formats import Port, format_of, to_format, type_name
-from cityx.protocol.parameters import REQUIRED, Parameter, parameter_from
+from cityx.protocol.parameters import REQUIRED, ObjectName, Parameter, Range, parameter_from
 from cityx.protocol.preconditions import Pre
 from cityx.protocol.serving import Serves
 from cityx.protocol.stages import stages_before
@@ -24,6 +24,18 @@ INPUTS = "cityx.protocol.input_files:InputFiles"
 # What the runner hands over by itself; never an argument of a call.
 INJECTED = frozenset({CITY, GENERATOR, INPUTS})
 _THING = "cityx.protocol.values:Footprint"
+# Which buildings an action for one building is run on; the runner takes these, not the function.
+_WHICH = (
+    parameter_from(
+        "objects", Annotated[tuple[str, ...] | None, ObjectName()], None,
+        "The buildings to raise with it; all that it fits when left out.",
+    ),
+    parameter_from(
+        "share", Annotated[float, Range(0.0, 1.0)], 1.0,
+        "Share of those buildings, by the hash of their ids.",
+    ),
+)  # fmt: skip
+WHICH = tuple(parameter.name for parameter in _WHICH)
 _DEFAULT_KINDS = {"convert": "conversion", "edit": "edit", "render": "render"}
 
 
@@ -150,6 +162,9 @@ def action(
         match = ID_PATTERN.fullmatch(action_id)
         stage, name = (match.group(1), match.group(2)) if match else ("", "")
         scope = _scope(kinds, result)
+        if scope == "thing":
+            known = {parameter.name for parameter in parameters}
+            parameters += [each for each in _WHICH if each.name not in known]
         record = Encapsulation(
             id=action_id,
             classname=name if classname is None else classname,

@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from cityx.city.mesh import MeshBatch, concatenate
 from cityx.city.store import read_city, write_city
 from cityx.errors import CityxError
 from cityx.protocol.gate import Call
 from cityx.protocol.input_files import InputFiles
+from cityx.protocol.layer_mapping import meshes_of
 from cityx.protocol.registry import registry
 from cityx.protocol.running import run_action
+from cityx.protocol.values import Footprint
 
 
 def _limit(limits: dict[str, Any]) -> None:
@@ -36,15 +43,39 @@ def main(name: str) -> int:
     folder = Path(name)
     job = json.loads((folder / "job.json").read_text())
     _limit(job["limits"])
-    inputs = InputFiles(tuple(map(Path, job["paths"])), tuple(job["kinds"]))
     try:
-        call = Call(**job["call"])
-        made = run_action(read_city(folder / "before"), call, registry(), inputs=inputs).city
-        write_city(made, folder / "after")
+        _make_meshes(folder, job) if "meshes" in job else _run_call(folder, job)
     except (CityxError, MemoryError) as error:
         sys.stderr.write(f"{type(error).__name__ if not str(error) else error}\n")
         return 1
     return 0
+
+
+def _run_call(folder: Path, job: Mapping[str, Any]) -> None:
+    """Run the call that a job asks for and write the new city into its folder."""
+    inputs = InputFiles(tuple(map(Path, job["paths"])), tuple(job["kinds"]))
+    call = Call(**job["call"])
+    made = run_action(read_city(folder / "before"), call, registry(), inputs=inputs).city
+    write_city(made, folder / "after")
+
+
+def _make_meshes(folder: Path, job: Mapping[str, Any]) -> None:
+    """Make the meshes that a job asks for and write them into its folder."""
+    actions = registry()
+    outlines = [
+        Footprint(
+            np.array(one["ring"]), tuple(np.array(hole) for hole in one["holes"]),
+            one["object_id"], one["height"], one["levels"],
+        )
+        for one in job["outlines"]
+    ]  # fmt: skip
+    function = actions.function(job["meshes"])
+    made = meshes_of(actions[job["meshes"]], function, outlines, job["args"], job["seed"])
+    batch = concatenate([one for one in made if isinstance(one, MeshBatch)])
+    columns = {field.name: getattr(batch, field.name) for field in fields(batch)}
+    columns["materials"] = np.array(batch.materials, str)
+    np.savez(folder / "meshes.npz", **columns)
+    (folder / "why.json").write_text(json.dumps([o if isinstance(o, str) else "" for o in made]))
 
 
 if __name__ == "__main__":

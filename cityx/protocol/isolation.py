@@ -12,18 +12,23 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from cityx.errors import ActionFailed, InputError
 from cityx.protocol.input_files import InputFiles
 
 if TYPE_CHECKING:
     from cityx.city.city import City
+    from cityx.protocol.encapsulation import Encapsulation
     from cityx.protocol.gate import Call
+    from cityx.protocol.layer_mapping import Made
+    from cityx.protocol.values import Footprint
 
 CHILD = "cityx.protocol.isolated_child"
 INSIDE = "CITYX_INSIDE_WORKER"  # set in the process itself, which must not start another
@@ -85,6 +90,50 @@ def run_apart(
             return read_city(folder / "after")
         except (InputError, OSError, ValueError, KeyError, TypeError) as error:
             raise ActionFailed(f"{call.action} gave back no city: {error}") from error
+
+
+def meshes_apart(
+    record: Encapsulation,
+    outlines: Sequence[Footprint],
+    args: Mapping[str, Any],
+    seed: int,
+    limits: Limits | None = None,
+) -> list[Made]:
+    """Run an action for one building in a process of its own, on every footprint.
+
+    Returns
+    -------
+    made
+        As of `cityx.protocol.layer_mapping.meshes_of`; where the process fails, takes too long or
+        too much memory, the reason stands for every building.
+    """
+    from cityx.city.mesh import MeshBatch
+
+    limits = limits or Limits()
+    with TemporaryDirectory(prefix="cityx-worker-") as name:
+        folder = Path(name)
+        job = {
+            "meshes": record.id, "args": dict(args), "seed": seed, "limits": asdict(limits),
+            "outlines": [
+                {"ring": one.ring.tolist(), "holes": [hole.tolist() for hole in one.holes],
+                 "object_id": one.object_id, "height": one.height, "levels": one.levels}
+                for one in outlines
+            ],
+        }  # fmt: skip
+        (folder / "job.json").write_text(json.dumps(job))
+        said = _run([sys.executable, "-m", CHILD, name], limits, record.id)
+        if said:
+            return [said] * len(outlines)
+        try:
+            why = json.loads((folder / "why.json").read_text())
+            with np.load(folder / "meshes.npz", allow_pickle=False) as held:
+                columns = {key: held[key] for key in held.files if key != "materials"}
+                names = tuple(str(word) for word in held["materials"])
+            batch = MeshBatch(**columns, materials=names)
+            row = iter(range(batch.count))
+            return [text or batch.take([next(row)]) for text in why]
+        except (OSError, ValueError, KeyError, TypeError, StopIteration) as error:
+            return [f"its process gave back no meshes: {error}"] * len(outlines)
 
 
 def _run(command: Sequence[str], limits: Limits, action: str) -> str:

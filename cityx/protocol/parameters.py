@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from cityx.errors import UsageError, nearest
 from cityx.protocol.formats import Format, type_name
+from cityx.system.extensions import points_of
 
 MAX_TEXT = 80  # letters of a text argument: names and words, never prose or code
 MAX_NAMES = 200_000  # objects that one call may be about: every tree of a large city
@@ -39,14 +40,24 @@ class Range:
 
 @dataclass(frozen=True, init=False)
 class Choice:
-    """The words a text may be."""
+    """The words a text may be.
+
+    Attributes
+    ----------
+    words
+        The words.
+    outside
+        Entry point group of packages whose names it may be besides, or "".
+    """
 
     words: tuple[str, ...]
+    outside: str = ""
 
-    def __init__(self, *words: str) -> None:
+    def __init__(self, *words: str, outside: str = "") -> None:
         if not words:
             raise UsageError("Choice() admits no word.")
         object.__setattr__(self, "words", tuple(words))
+        object.__setattr__(self, "outside", outside)
 
 
 @dataclass(frozen=True)
@@ -111,6 +122,8 @@ class Parameter:
         Inclusive bounds, or None.
     choices
         Words admitted, or ().
+    outside
+        Entry point group of packages whose names are admitted besides, or "".
     length
         Numbers in an array, or letters in a text.
     points
@@ -133,6 +146,18 @@ class Parameter:
     points: tuple[int, ...] = ()
     nullable: bool = False
     names_object: bool = False
+    outside: str = ""
+
+    @property
+    def admitted(self) -> tuple[str, ...]:
+        """Words admitted, those of installed packages too, or ()."""
+        if not self.outside:
+            return self.choices
+        # "building/ziggurat-v1" and "beehive" are called ziggurat and beehive.
+        names = [point.name for _, point in points_of(self.outside)]
+        own = [name for name in names if "/" not in name or name.startswith("building/")]
+        words = [name.partition("/")[2].rpartition("-v")[0] or name for name in own]
+        return tuple(dict.fromkeys((*self.choices, *words)))
 
     @property
     def required(self) -> bool:
@@ -159,7 +184,7 @@ class Parameter:
         else:
             out |= self._bounds()
         if self.choices:
-            out["enum"] = [*self.choices, None] if self.nullable else list(self.choices)
+            out["enum"] = [*self.admitted, None] if self.nullable else list(self.admitted)
         elif self.kind == "string":
             out["maxLength"] = self.length
         out["description"] = self.description
@@ -213,10 +238,10 @@ class Parameter:
 
     def _text_fault(self, value: str, shown: str) -> str:
         if self.choices:
-            if value in self.choices:
+            if value in self.choices or value in self.admitted:
                 return ""
-            words = ", ".join(f'"{word}"' for word in self.choices)
-            hint = nearest(value, self.choices)
+            words = ", ".join(f'"{word}"' for word in self.admitted)
+            hint = nearest(value, self.admitted)
             return f"{self.name} = {shown} is none of {words}.{hint}"
         if len(value) > (self.length or MAX_TEXT):
             return f"{self.name} has {len(value)} letters, more than {self.length or MAX_TEXT}."
@@ -334,7 +359,7 @@ def parameter_from(name: str, annotation: Any, default: Any, description: str) -
         if isinstance(mark, Range):
             fields |= {"low": mark.low, "high": mark.high}
         elif isinstance(mark, Choice):
-            fields["choices"] = mark.words
+            fields |= {"choices": mark.words, "outside": mark.outside}
         elif isinstance(mark, Points):
             fields["points"] = (mark.least, mark.most)
         elif isinstance(mark, Text):

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from cityx.errors import UsageError, nearest
 from cityx.protocol.actions import encapsulation_of
 from cityx.protocol.encapsulation import ID_PATTERN, Encapsulation
 from cityx.protocol.shipped import PACKAGE, fresh_records, module_of, plugin_files
+from cityx.system.extensions import points_of
 
 GROUP = "cityx.actions"
 BUILTIN = "cityx"
@@ -173,7 +174,10 @@ class Registry:
         if ids:
             raise UsageError(f'"{name}" may be {" or ".join(ids)}; write the id.')
         words = [*self.entries, *self._names] if len(self.entries) <= 1000 else list(self.entries)
-        raise UsageError(f'There is no action "{name}".{nearest(name, words)}')
+        hint = nearest(name, words)
+        if ID_PATTERN.fullmatch(name):
+            hint += " The package of a plugin must be installed: pip install FOLDER."
+        raise UsageError(f'There is no action "{name}".{hint}')
 
     def function(self, name: str) -> Callable[..., Any]:
         """Return the function of an action, importing its module when needed."""
@@ -244,12 +248,7 @@ def registry(*, trusted: Iterable[str] | None = None, outside: bool = True) -> R
 
 def outside_entries() -> tuple[Entry, ...]:
     """Return the actions that other packages register, sorted by id."""
-    names: dict[int, str] = {}  # a distribution parses its metadata anew for every look at its name
-    points = entry_points(group=GROUP)
-    for point in points:
-        if point.dist is not None and id(point.dist) not in names:
-            names[id(point.dist)] = point.dist.name
-    found = [_outside_entry(point, names.get(id(point.dist), "unknown")) for point in points]
+    found = [_outside_entry(point, package) for package, point in points_of(GROUP)]
     return tuple(sorted(found, key=lambda entry: (entry.id, entry.package)))
 
 

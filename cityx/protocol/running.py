@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from cityx.city.city import City
@@ -17,7 +18,6 @@ from cityx.protocol.gate import Budget, Call, check, fill_port, open_ports
 from cityx.protocol.holdings import take
 from cityx.protocol.input_files import InputFiles
 from cityx.protocol.isolation import is_inside, run_apart
-from cityx.protocol.layer_mapping import map_over_buildings
 from cityx.protocol.registry import BUILTIN
 from cityx.protocol.stages import NEUTRAL
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from cityx.protocol.registry import Registry
 
+RAISER = "cityx.building.mesh_buildings:raised_by"  # called by name, as actions are
 __all__ = ["Budget", "Call", "Outcome", "injected", "run_action", "run_step"]
 
 
@@ -102,7 +103,8 @@ def run_action(
     """
     check(call, city, actions, inputs=inputs, seen=seen, budget=budget)
     record = actions[call.action]
-    if apart and actions.entry(record.id).package != BUILTIN and not is_inside():
+    outside = actions.entry(record.id).package != BUILTIN
+    if apart and outside and record.scope != "thing" and not is_inside():
         return Outcome(run_apart(city, call, inputs), None, {})
     function = actions.function(record.id)
     args = record.arguments(call.args)
@@ -110,8 +112,9 @@ def run_action(
     with_id = f"{record.id} failed: "
     try:
         if record.scope == "thing":
-            made = map_over_buildings(city, record, function, args)
-            return Outcome(_finished(city, made, record, call), None, {})
+            package = BUILTIN if not apart else actions.entry(record.id).package
+            raised = _raiser()(city, function, args, package=package)
+            return Outcome(_finished(city, raised, record, call), None, {})
         paths = {} if record.scope == "city" else _paths(record, call, city, actions, inputs)
         for name, path in paths.items():
             given[name] = apply_path(path, take(city, path.source, inputs), actions, city=city)
@@ -129,6 +132,13 @@ def run_action(
         return Outcome(_finished(city, result, record, call), None, {})
     after = deposit(city, result, record, actions)
     return Outcome(_finished(city, after, record, call), result, paths)
+
+
+def _raiser() -> Callable[..., City]:
+    """Return what raises buildings by an action for one building: a module of a room above."""
+    module, _, name = RAISER.partition(":")
+    found: Callable[..., City] = getattr(import_module(module), name)
+    return found
 
 
 def _finished(before: City, after: City, record: Encapsulation, call: Call) -> City:

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+import tomllib
+from importlib.util import find_spec
 from pathlib import Path
 from textwrap import dedent
 
-from cityx.errors import UsageError
+from cityx.errors import InputError, UsageError
 from cityx.protocol.encapsulation import ID_PATTERN
+from cityx.protocol.registry import GROUP, Entry
 from cityx.protocol.stages import to_stage
 
 _BUILDING = '''
@@ -15,16 +20,17 @@ _BUILDING = '''
     from typing import Annotated
 
     from cityx.city import MeshBatch
-    from cityx.protocol import Range, action
+    from cityx.protocol import Range
+    from cityx.protocol.plugged import generator
     from cityx.protocol.solid_blocks import block
     from cityx.protocol.values import Footprint
 
 
-    @action("{id}", limits=["Walls are plain and the roof is level."])
+    @generator("{id}", labels=["{word}"], limits=["The roof is level."])
     def {name}(
         footprint: Footprint, *, height: Annotated[float, Range(2.0, 400.0)] = 20.0
     ) -> MeshBatch:
-        """Raise every building to a plain block of one height.
+        """Raise a building to a plain block of one height.
 
         Parameters
         ----------
@@ -91,8 +97,8 @@ _CONVERT = '''
 '''
 _PROJECT = """
     [build-system]
-    requires = ["hatchling"]
-    build-backend = "hatchling.build"
+    requires = ["setuptools>=61"]
+    build-backend = "setuptools.build_meta"
 
     [project]
     name = "{package}"
@@ -102,8 +108,8 @@ _PROJECT = """
     [project.entry-points."cityx.actions"]
     "{id}" = "{name}:{name}"
 
-    [tool.hatch.build.targets.wheel]
-    include = ["{name}.py"]
+    [tool.setuptools]
+    py-modules = ["{name}"]
 """
 _TEST = '''
     """The action keeps the rules every action keeps."""
@@ -144,6 +150,7 @@ def write_scaffold(action_id: str, folder: Path) -> tuple[Path, ...]:
     words = {
         "id": action_id,
         "name": name,
+        "word": name.replace("_", " "),
         "title": name.replace("_", " ").capitalize(),
         "package": "cityx-" + name.replace("_", "-"),
     }
@@ -159,3 +166,47 @@ def write_scaffold(action_id: str, folder: Path) -> tuple[Path, ...]:
     for path, text in texts.items():
         path.write_text(dedent(text).lstrip().format(**words), encoding="utf-8")
     return tuple(texts)
+
+
+def install(folder: Path) -> None:
+    """Install the package of a folder for this Python, so that changes of its files count at once.
+
+    Raises
+    ------
+    UsageError
+        If pip cannot do it; with the last line that it says.
+    """
+    command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps",
+               "--disable-pip-version-check"]  # fmt: skip
+    if find_spec("setuptools") is not None:  # needs no network then
+        command.append("--no-build-isolation")
+    done = subprocess.run(
+        [*command, "--editable", str(folder)], capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        lines = done.stderr.strip().splitlines() or ["it says nothing"]
+        raise UsageError(f"pip cannot install {folder}: {lines[-1]}")
+
+
+def entries_of(folder: Path) -> tuple[Entry, ...]:
+    """Return the actions that the ``pyproject.toml`` of a folder registers, importable from there.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no package of a plugin.
+    """
+    path = folder / "pyproject.toml"
+    try:
+        project = tomllib.loads(path.read_text(encoding="utf-8"))["project"]
+        points = project["entry-points"][GROUP]
+    except (OSError, KeyError, ValueError) as error:
+        raise InputError(
+            f'{folder} holds no plugin: {path.name} needs [project.entry-points."{GROUP}"] '
+            f"({type(error).__name__}: {error})."
+        ) from error
+    sys.path.insert(0, str(folder.resolve()))
+    return tuple(
+        Entry(name, str(run), name.partition("/")[2].rpartition("-v")[0], "", project["name"])
+        for name, run in points.items()
+    )

@@ -9,7 +9,7 @@ from cityx.agents.ablation import ARMS, UNSAID, arm_of, shown_records
 from cityx.agents.journal import JOURNAL, Journal
 from cityx.agents.planning.planner import OfflinePlanner, Situation
 from cityx.errors import UsageError
-from cityx.language.options import BuildOptions, PlannerChoice
+from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.build import build
 from cityx.protocol.catalogue import known_records
 from cityx.protocol.registry import registry

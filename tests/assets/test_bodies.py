@@ -18,7 +18,7 @@ from cityx.city.scene import Scene
 from cityx.city.store import read_city
 from cityx.city.tracks import GAIT, MOVER, no_tracks
 from cityx.geometry.convex import hull_of
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.projects.build import build
 
 STRAY = 0.02  # metres over a collider that a vertex may lie without counting as outside

@@ -14,7 +14,7 @@ from cityx.checks.facades import repeated_share
 from cityx.city.scene import no_instances
 from cityx.city.store import read_city
 from cityx.errors import InputError
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.projects.build import build
 
 

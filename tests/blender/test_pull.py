@@ -15,7 +15,7 @@ from cityx.city.store import read_city
 from cityx.errors import InputError, UsageError
 from cityx.geometry.turns import matrices
 from cityx.ids import id_text, stable_id
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.projects.build import build
 from cityx.projects.desk import Conflict, Desk
 from cityx.projects.edit import planned, undo

@@ -12,7 +12,7 @@ from cityx.blender.scene import title
 from cityx.city.mesh import NO_VERTEX
 from cityx.city.store import read_city
 from cityx.ids import id_text
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.projects.build import build
 
 pytestmark = pytest.mark.blender

@@ -103,7 +103,7 @@ def named(view):
 
 
 def built(source, folder):
-    from cityx.language.options import BuildOptions
+    from cityx.options import BuildOptions
     from cityx.projects.build import build
 
     build([source], folder, BuildOptions(lod=2, formats=(), render=False))

@@ -1,8 +1,8 @@
 """What one command says once holds for all that it adds."""
 
 from cityx.agents.briefs import read_request
-from cityx.language.options import BuildOptions
 from cityx.language.references.resolved_changes import slots_of_edits
+from cityx.options import BuildOptions
 from cityx.protocol.example_city import example_city
 
 

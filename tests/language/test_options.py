@@ -2,7 +2,7 @@
 
 import pytest
 
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.projects.build import make_job
 
 

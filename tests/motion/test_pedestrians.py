@@ -18,7 +18,6 @@ from cityx.geometry.polylines import Polylines
 from cityx.ground.walking.crosswalks import crosswalks_of
 from cityx.ground.walking.walkable import walkable_of
 from cityx.ground.walking.walks import walk_graph
-from cityx.language.options import BuildOptions
 from cityx.language.references.resolved_changes import slots_of_edit
 from cityx.motion import people_trips
 from cityx.motion.crowds import LOOK, among, met
@@ -28,6 +27,7 @@ from cityx.motion.people_gates import Gates, gates_of
 from cityx.motion.people_room import FLOW, LEAST, SPELL, Room
 from cityx.motion.people_trips import DAYS, Trips, activity
 from cityx.motion.people_walk import LONGEST_WAIT, _Walk
+from cityx.options import BuildOptions
 from cityx.protocol import Serves, registry
 from cityx.protocol.catalogue import known_records
 from cityx.protocol.example_city import example_city

@@ -13,7 +13,7 @@ from town import small_town
 
 from cityx.city import Environment, Scene, concatenate
 from cityx.city.store import read_city
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.outputs import glb as glb_module
 from cityx.outputs.glb import write_glb
 from cityx.projects.build import build

@@ -21,7 +21,7 @@ from cityx.city.store import read_view
 from cityx.cli.main import main
 from cityx.errors import EngineError, MissingExtra
 from cityx.ids import id_text
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.outputs.usd import write_usd
 from cityx.projects.build import build
 

@@ -12,7 +12,7 @@ from cityx.agents.journal import Journal
 from cityx.city.content import content_hash
 from cityx.city.store import read_city
 from cityx.errors import InputError, UsageError
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.projects.build import build, recheck
 
 OPTIONS = BuildOptions(formats=("glb",), render=False, seed=5)

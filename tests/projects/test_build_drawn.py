@@ -5,7 +5,7 @@ import pytest
 from town import small_town
 
 from cityx.errors import UsageError
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.projects.build import build
 
 CROSSING = Path(__file__).parents[2] / "examples" / "curves" / "crossing.geojson"

@@ -13,7 +13,7 @@ import pytest
 
 from cityx.city.content import content_hash
 from cityx.city.store import read_city
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.projects import results
 from cityx.projects.build import build
 

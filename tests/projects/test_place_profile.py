@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from cityx.city.store import read_city
 from cityx.cli.main import app
 from cityx.errors import UsageError
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.places.profiles import profile_of
 from cityx.projects.build import build
 from cityx.projects.edit import edit_city

@@ -7,11 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from cityx.building.shell import shell
 from cityx.checks.conformance import check_action
 from cityx.city.mesh_measures import check_closed
 from cityx.protocol import registry
 from cityx.protocol.example_city import example_city
 from cityx.protocol.running import Call, run_step
+from cityx.system.extensions import forget
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "plugin"
 
@@ -29,7 +31,10 @@ def installed(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.syspath_prepend(str(EXAMPLE))
     importlib.invalidate_caches()
-    return registry()
+    forget()
+    yield registry()
+    monkeypatch.undo()
+    forget()
 
 
 def test_a_strangers_action_is_listed_checked_and_run(installed):
@@ -37,7 +42,8 @@ def test_a_strangers_action_is_listed_checked_and_run(installed):
     results = check_action("building/pagoda-v1", installed)
     assert [r for r in results if r.passed is not True] == []
     city = run_step(example_city(), Call("pagoda", {"tiers": 3}), installed)
-    batch = city.scene.meshes["buildings"]
+    assert city.layout.buildings["generator"].tolist() == ["pagoda"] * 4
+    batch = shell(city).scene.meshes["buildings"]
     assert batch.count == 4
     assert check_closed(batch).all()
 

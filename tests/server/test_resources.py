@@ -5,7 +5,7 @@ import pytest
 from mcp import Client, MCPError
 from mcp.types import INVALID_PARAMS, ResourceUpdatedNotification
 
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.projects.build import build
 from cityx.protocol.registry import registry
 from cityx.server.app import CityServer

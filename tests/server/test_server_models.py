@@ -18,7 +18,7 @@ from cityx.agents.models.library import LibraryRespondent
 from cityx.agents.models.recording import Decisions
 from cityx.agents.roles import OfflineBriefMaker
 from cityx.errors import UsageError
-from cityx.language.options import PlannerChoice
+from cityx.options import PlannerChoice
 from cityx.protocol.registry import registry
 from cityx.server.app import CityServer
 from cityx.server.owner import Owner

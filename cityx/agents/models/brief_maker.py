@@ -20,11 +20,12 @@ from cityx.agents.models.asking import Answer, Channel, Question
 from cityx.agents.models.quoting import quoted
 from cityx.agents.models.restating import restated, understood
 from cityx.agents.roles import BriefMaker
+from cityx.assets.styles.style_shares import outside_styles
 from cityx.errors import nearest
 from cityx.language.brief import Brief, Slot, Span, Value
 from cityx.language.conflicts import conflicts_of
 from cityx.language.goals import goals_of
-from cityx.language.lexicon.phrases import NOUNS, SLOTS, TABLES
+from cityx.language.lexicon.phrases import NOUNS, SLOTS, TABLES, outside_types
 from cityx.language.slots import KEYS, SINGLE
 
 MOST_SLOTS = 40  # no instruction of a few sentences asks for more
@@ -287,5 +288,7 @@ def brief_vocabulary() -> Vocabulary:
         key: frozenset(noun for group in groups for noun in NOUNS[group])
         for key, groups in _NOUNS.items()
     }
+    words["building.type"] |= frozenset(outside_types())
+    words["style"] |= outside_styles()
     keys = {key: meaning for key, meaning in KEYS.items() if key not in _NOT_SAID}
     return Vocabulary(keys, words, SINGLE, _WORD_OR_NUMBER)

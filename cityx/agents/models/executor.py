@@ -90,7 +90,7 @@ def _type_of(parameter: Parameter) -> Any:
         return bool
     if parameter.kind == "string":
         if parameter.choices:
-            return Literal[parameter.choices]
+            return Literal[parameter.admitted]
         return Annotated[str, Field(max_length=parameter.length)]
     if parameter.kind == "integer":
         return Annotated[int, Field(ge=parameter.low, le=parameter.high)]

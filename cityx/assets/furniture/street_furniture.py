@@ -23,6 +23,7 @@ from cityx.assets.furniture.furniture_parts import (
     Shapes,
     post,
 )
+from cityx.assets.furniture.outside_pieces import StreetObject, read_pieces
 from cityx.assets.furniture.park_pieces import PARK_MAKERS
 from cityx.assets.furniture.potted_plants import POT_MAKERS
 from cityx.assets.furniture.regional_pieces import REGIONAL_MAKERS
@@ -49,6 +50,7 @@ from cityx.assets.shapes import (
 )
 from cityx.city.scene import Prototype
 from cityx.ids import rng_for
+from cityx.system.extensions import remembered
 
 FINE = 3  # level of detail from which edges are chamfered and round things round
 
@@ -474,16 +476,28 @@ MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
 )  # fmt: skip
 
 
-@lru_cache(maxsize=256)
-@kept("furniture", least=FINE)
+@remembered
+def outside_pieces() -> Mapping[str, StreetObject]:
+    """Return the street objects that installed packages add, by name."""
+    return read_pieces(MAKERS.__contains__)
+
+
 def furniture(name: str, *, detail: int = 2) -> Prototype:
-    """Make one piece of street furniture; `name` is a key of `MAKERS`.
+    """Make one piece of street furniture, by its name in `MAKERS` or `outside_pieces`.
 
     Raises
     ------
     KeyError
         If there is no such piece.
     """
+    if name in MAKERS:
+        return _built_in(name, detail=detail)
+    return prototype(name, "furniture", [outside_pieces()[name].draw()])
+
+
+@lru_cache(maxsize=256)
+@kept("furniture", least=FINE)
+def _built_in(name: str, *, detail: int = 2) -> Prototype:
     kind = "vehicle" if name == "bus" else "furniture"
     if detail >= FINE:
         with fine_shapes():

@@ -90,6 +90,9 @@ class Generator:
         each building, and the most of `levels`.
     texts
         What the inputs do that the actions of all generators have, where it is not the usual.
+    outside
+        The `cityx.protocol.plugged.MeshAction` of another package that makes its mesh; None where
+        volumes and walls do.
     """
 
     name: str
@@ -116,6 +119,7 @@ class Generator:
     limits: tuple[str, ...] = ()
     asked: tuple[int, int] | None = None
     texts: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    outside: Any = None
 
     def looks(self) -> dict[str, Look]:
         """Return its looks by key: the name, or the name and a zone."""

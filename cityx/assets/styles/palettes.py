@@ -33,6 +33,7 @@ from cityx.assets.styles.palette_tables import (
     WALL_WORDS,
     Surfaces,
 )
+from cityx.assets.styles.style_shares import KNOWN, outside_styles
 from cityx.errors import UsageError, nearest
 from cityx.ids import choose, hash_ids, uniform
 from cityx.places.profile import Buildings
@@ -112,7 +113,7 @@ def family_of(style: str, usual: str = "european") -> str:
     word = style.strip().lower().replace(" ", "_")
     word = SYNONYMS.get(word, word)
     if word not in STYLES:
-        hint = nearest(word, [*STYLES, *SYNONYMS, *REGIONAL])
+        hint = nearest(word, [*STYLES, *SYNONYMS, *REGIONAL, *outside_styles()])
         raise UsageError(f'There is no style "{style}". Known: {", ".join(STYLES)}.{hint}')
     return word
 
@@ -120,7 +121,7 @@ def family_of(style: str, usual: str = "european") -> str:
 def is_regional(style: str) -> bool:
     """Return whether a style word leaves the ways of building to the place."""
     word = style.strip().lower().replace(" ", "_")
-    return not word or word in REGIONAL
+    return not word or word in REGIONAL or (word not in KNOWN and word in outside_styles())
 
 
 def groups_of(layout: Layout, seed: int) -> NDArray[np.int64]:

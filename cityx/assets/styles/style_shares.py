@@ -7,25 +7,82 @@ tables are those that towns are built by, so a town of a style has 0.8 or more o
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 
 from cityx.assets.styles.palette_tables import GROUPS, REGIONAL, STYLES, SYNONYMS
 from cityx.assets.styles.style_tables import ALWAYS, STYLE_WORDS, TABLE
+from cityx.places.profiles import profile_names
+from cityx.protocol.plugged import Weight, mesh_actions
+from cityx.system.extensions import refuse, remembered
 
 LEAST = 0.04  # of the buildings of a use, from which a generator is common in a style
 PART = 0.33  # of its share in the style that has most of it, from which it is not rare
 STRAY = 0.02  # of the weight that a word of a brief gives to generators new to a family
 KNOWN = tuple(sorted({*STYLES, *SYNONYMS, *STYLE_WORDS}))
+EVERYWHERE = "*"  # style of a generator from outside that stands in every town
 
 
-@cache
+@remembered
+def outside_styles() -> frozenset[str]:
+    """Return the style words that installed packages add."""
+    said = {word for made in mesh_actions().values() for word in made.traits.styles}
+    return frozenset(said - {*KNOWN, *REGIONAL, *profile_names(), EVERYWHERE})
+
+
+def known_styles() -> tuple[str, ...]:
+    """Return every style word, those of installed packages too."""
+    return tuple(sorted({*KNOWN, *outside_styles()}))
+
+
+def outside_weight(
+    name: str, group: str, style: str, family: str, lineage: Sequence[str] = ()
+) -> float:
+    """Return the weight of a generator from outside in a town, 0 for those of CityX.
+
+    Parameters
+    ----------
+    group
+        Use of the building, one of `GROUPS`.
+    style, family, lineage
+        The word asked for, "" for none, its family, and the names of the profiles of the place,
+        which count without a style.
+    """
+    made = mesh_actions().get(name)
+    if made is None:
+        return 0.0
+    word = style.strip().lower().replace(" ", "_")
+    keys = {EVERYWHERE, family, word, *(() if word else lineage)}
+    return sum(_of_group(said, group, name) for key, said in made.traits.styles.items()
+               if key in keys)  # fmt: skip
+
+
+def _of_group(said: Weight, group: str, name: str) -> float:
+    if not isinstance(said, Mapping):
+        return float(said) if group not in ALWAYS else 0.0
+    for word in sorted(set(said) - set(GROUPS)):
+        refuse(f'Building "{name}": "{word}" is no use of buildings; uses: {", ".join(GROUPS)}.')
+    return float(said.get(group, 0.0))
+
+
 def speaking_of(style: str) -> Mapping[str, frozenset[str]]:
     """Return the generators that make a building of a style, by use group.
 
-    Groups that every style builds alike (industry, worship, sheds) have none: they speak of no
-    style.
+    Groups that every style builds alike (industry, worship, sheds) have none but those from
+    outside: they speak of no style.
     """
+    found = {} if style in outside_styles() else dict(_built_in_speaking_of(style))
+    family = SYNONYMS.get(style, style)
+    for name, made in mesh_actions().items():
+        if style in made.traits.styles or family in made.traits.styles:
+            for group in GROUPS:
+                if outside_weight(name, group, style, family) > 0:
+                    found[group] = found.get(group, frozenset()) | {name}
+    return found
+
+
+@cache
+def _built_in_speaking_of(style: str) -> Mapping[str, frozenset[str]]:
     boost = STYLE_WORDS.get(style, {})
     if style in REGIONAL:
         most = max(boost.values())
@@ -40,10 +97,11 @@ def speaking_of(style: str) -> Mapping[str, frozenset[str]]:
     }  # fmt: skip
 
 
-@cache
+@remembered
 def of_any_style() -> Mapping[str, frozenset[str]]:
     """Return the generators that some style's towns are built of, by use group."""
-    return {group: frozenset(_greatest(group)) for group in GROUPS if group not in ALWAYS}
+    outside = {name for name, made in mesh_actions().items() if made.traits.styles}
+    return {group: frozenset(_greatest(group)) | outside for group in GROUPS if group not in ALWAYS}
 
 
 def _shares(family: str, style: str = "") -> dict[str, dict[str, float]]:

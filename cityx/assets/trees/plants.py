@@ -15,7 +15,7 @@ from cityx.assets.trees import bushes, foliage, seasons
 from cityx.assets.trees.foliage import Cards
 from cityx.assets.trees.seasons import FOLIAGE
 from cityx.assets.trees.skeletons import GOLDEN, TWIG, Skeleton, crown_radius, grow
-from cityx.assets.trees.species import PARK_FORMS, TREES, WALLED, Species, habit
+from cityx.assets.trees.species import OUTSIDE_TREES, PARK_FORMS, TREES, WALLED, Species, habit
 from cityx.assets.trees.wood import wood
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
@@ -63,7 +63,8 @@ def individual(species: str, variant: int) -> Individual:
     """
     if variant >= WALLED:
         return _walled(individual(species, variant - WALLED + PARK_FORMS), habit(species, variant))
-    key = f"trees-{_edition()}/{species}-{variant}"
+    own = f"-{stable_id('species', repr(TREES[species]))}" if species in OUTSIDE_TREES else ""
+    key = f"trees-{_edition()}/{species}-{variant}{own}"
     held = cached_arrays(key, lambda: _grown(species, variant))
     return Individual(_skeleton_of(held), _unpacked(held, "leaf"), _unpacked(held, "core"),
                       held["twig"])  # fmt: skip

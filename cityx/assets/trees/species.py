@@ -11,9 +11,13 @@ Gilman and Watson, fact sheets ST-1 to ST-680, University of Florida, 1993 (warm
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from types import MappingProxyType
 
+from cityx.errors import UsageError
+from cityx.system.extensions import extensions
 from cityx.system.tables import table
 
 Color = tuple[float, float, float]
@@ -140,7 +144,49 @@ class Species:
     street: float = 0.0
 
 
-TREES = table("assets/trees", Species, "species")
+@dataclass(frozen=True)
+class TreeSpecies:
+    """A species of an installed package, under the entry point group ``cityx.species``.
+
+    Attributes
+    ----------
+    name
+        Its word in commands, and the name of its entry: "baobab".
+    habit
+        How it grows.
+    words
+        What sentences call such trees, singular: "baobab", "baobab tree".
+    genus
+        Words of the tags genus, species and taxon that mean it: "adansonia".
+    streets, parks
+        Climate ("north", "temperate", "japan", "warm", "tropic") or profile of a place ("de",
+        "africa") -> weight among the trees planted there, whose weights add up to about 8. Without
+        any it grows where it is asked for or mapped.
+    """
+
+    name: str
+    habit: Species
+    words: tuple[str, ...] = ()
+    genus: tuple[str, ...] = ()
+    streets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    parks: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+
+
+_OWN = table("assets/trees", Species, "species")
+
+
+def _admitted(value: object) -> tuple[str, TreeSpecies]:
+    if not isinstance(value, TreeSpecies) or not isinstance(value.habit, Species):
+        raise UsageError("it is no cityx.assets.trees.species.TreeSpecies with a Species.")
+    if not value.name.isidentifier() or "_" in value.name:
+        raise UsageError(f'the name of a species is one word, not "{value.name}".')
+    return value.name, value
+
+
+OUTSIDE_TREES = extensions("cityx.species", _admitted, {*_OWN, "palm", "shrub"}.__contains__)
+TREES: Mapping[str, Species] = MappingProxyType(
+    {**_OWN, **{name: tree.habit for name, tree in OUTSIDE_TREES.items()}}
+)
 
 
 @lru_cache(maxsize=64)

@@ -30,6 +30,7 @@ from cityx.building.roofs.roof_edges import roof_edges
 from cityx.building.roofs.roof_heights import RoofField, roof_field
 from cityx.building.roofs.rooftop import furnish_roofs
 from cityx.city.city import City
+from cityx.city.layout import is_mesh
 from cityx.geometry.polygons import FloatArray
 from cityx.ids import choose, hash_ids, mix
 from cityx.protocol import Port, action
@@ -100,7 +101,9 @@ def faced(city: City, trade: FloatArray | None = None) -> City:
         scene = scene.with_mesh("buildings", grown(shells, pieces, setting.kept))
     for layer, kind in LAYERS.items():
         scene = scene.with_instances(layer, *used(*placing.layer(kind)))
-    prototypes, rows = furnish_roofs(city, found.volumes, found.finishes, field, found.walls)
+    # What stands on the roof of a mesh from outside is its own.
+    bare = replace(found.volumes, walls=found.volumes.walls & ~is_mesh(city.layout))
+    prototypes, rows = furnish_roofs(city, bare, found.finishes, field, found.walls)
     scene = scene.with_instances("roof_furniture", *used(prototypes, rows))
     return replace(city, scene=scene, stages_done=city.stages_done | {"building"}, notes=notes)
 

@@ -23,6 +23,7 @@ from cityx.building.selection import designs_of_parts
 from cityx.building.volumes import Volumes, volumes_of, walls_of_volumes
 from cityx.city.city import City
 from cityx.city.ground import KERB_HEIGHT
+from cityx.city.layout import BARE
 from cityx.geometry.polygons import FloatArray
 
 WINDOW_ROLES = (facades.WINDOW, facades.BACK, facades.GROUND, facades.FRENCH)
@@ -58,6 +59,9 @@ def facade_of(city: City, trade: FloatArray | None = None) -> Facade:
     """Work out the openings of every wall of a city; `trade` as of `fronts_of`."""
     volumes = volumes_of(city.layout, city.terrain)
     walls = walls_of_volumes(volumes)
+    zone = city.layout.parts["zone"].to_numpy(str)
+    if (zone == BARE).any():
+        walls = walls.take(zone[walls.part] != BARE)
     finishes = finishes_of(city)
     designs = designs_of(designs_of_parts(city), volumes.building, city.seed)
     reserve = reserve_of(volumes, city.layout.parts, city.seed)

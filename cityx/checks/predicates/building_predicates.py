@@ -109,6 +109,8 @@ class Buildings(TableLayer):
             return self._speaks(speaking_of(word))
         if attribute == "use":
             return np.isin(self._groups, [GROUPS.index(name) for name in words.USES[word]])
+        if attribute == "generator":
+            return np.asarray(column(self._table, "generator") == word)
         if attribute == "tag":
             return np.asarray(column(self._table, "use") == word)
         if attribute == "type":

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from types import MappingProxyType
 
+from cityx.assets.furniture.street_furniture import outside_pieces
 from cityx.checks.predicates import words
 from cityx.checks.predicates.syntax import (
     Argument,
@@ -33,6 +34,7 @@ _PLACED = {"id": IDENTITY, "on": PLACE, "in": PLACE}
 ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
         "building": {**_PLACED, "style": WORD, "use": WORD, "tag": WORD, "type": WORD,
+                     "generator": WORD,
                      "material": WORD, "roof": WORD, "roof_color": WORD, "roof_form": WORD,
                      "color": WORD, "height": NUMBER, "floors": NUMBER, "area": NUMBER},
         "road": {**_PLACED, "class": WORD, "name": IDENTITY, "lanes": NUMBER, "width": NUMBER,
@@ -50,16 +52,16 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
     }
 )  # fmt: skip
 # Attributes that say which things are meant; the others are what a share is of.
-NARROWING = ("class", "id", "name", "on", "in", "over")
+NARROWING = ("class", "generator", "id", "name", "on", "in", "over")
 MOVING = ("speed", "mode")  # attributes of what moves
 
 
 @cache
 def _word_lists() -> Mapping[tuple[str, str], tuple[str, ...]]:
-    from cityx.assets.styles.style_shares import KNOWN
+    from cityx.assets.styles.style_shares import known_styles
 
     return {
-        ("building", "style"): KNOWN,
+        ("building", "style"): known_styles(),
         ("building", "use"): tuple(words.USES),
         ("building", "type"): tuple(words.BUILDING_TYPES),
         ("building", "material"): tuple(words.MATERIALS),
@@ -84,7 +86,9 @@ def known_words(family: str, attribute: str) -> tuple[str, ...]:
 
 
 # Kinds of pieces that have another name in the scene -> prototypes by their first words.
-PIECES = table("checks/words", tuple[str, ...], "pieces")
+PIECES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {**table("checks/words", tuple[str, ...], "pieces"), **{n: (n,) for n in outside_pieces()}}
+)
 _SYNONYMS = table("checks/words", str, "synonyms")
 
 

@@ -1,4 +1,8 @@
-"""Formats that datasets are written in, one module each, loaded when asked for."""
+"""Formats that datasets are written in, one module each, loaded when asked for.
+
+An installed package adds one as a `cityx.dataset.writers.writer.Format` under the entry point group
+``cityx.dataset_writers``.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +11,13 @@ from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from cityx.errors import InputError, nearest
+from cityx.errors import InputError, UsageError, nearest
+from cityx.system.extensions import extensions, refusals, remembered
 
 if TYPE_CHECKING:
     from cityx.dataset.writers.writer import Format
 
+GROUP = "cityx.dataset_writers"
 # Name to its module, the name of its value there, and the libraries it needs.
 FORMATS: Mapping[str, tuple[str, tuple[str, ...]]] = MappingProxyType({
     "raw": ("RAW", ("OpenEXR",)),
@@ -33,11 +39,26 @@ def formats_named(words: Iterable[str]) -> tuple[Format, ...]:
         Naming every word that is no format.
     """
     wanted = set(words)
-    unknown = sorted(wanted - set(FORMATS))
+    outside = {} if wanted <= set(FORMATS) else outside_formats()
+    known = (*FORMATS, *outside)
+    unknown = sorted(wanted - set(known))
     if unknown:
-        faults = " ".join(f'there is no format "{w}".{nearest(w, FORMATS)}' for w in unknown)
-        raise InputError(f"{faults} Known are: {', '.join(FORMATS)}.")
-    return tuple(_load(name) for name in FORMATS if name in wanted)
+        faults = [f'there is no format "{w}".{nearest(w, known)}' for w in unknown]
+        raise InputError(" ".join([*faults, f"Known are: {', '.join(known)}.", *refusals()]))
+    return tuple(outside.get(name) or _load(name) for name in known if name in wanted)
+
+
+@remembered
+def outside_formats() -> Mapping[str, Format]:
+    """Return the formats that installed packages add, by name."""
+    from cityx.dataset.writers.writer import Format
+
+    def admit(value: object) -> tuple[str, Format]:
+        if not isinstance(value, Format) or not value.name.isidentifier():
+            raise UsageError("it is no cityx.dataset.writers.writer.Format with a plain name.")
+        return value.name, value
+
+    return extensions(GROUP, admit, FORMATS.__contains__)
 
 
 def libraries_of(words: Iterable[str]) -> tuple[str, ...]:

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from cityx.assets.styles.materials import MATERIALS, srgb_to_linear
 from cityx.assets.styles.palettes import GROUPS, building_groups, owner_rows
-from cityx.building.catalogue import generators
-from cityx.building.design import grown_by, with_drawn_roofs
+from cityx.building.catalogue import generator_named, generators
+from cityx.building.design import grown_by, with_drawn_roofs, with_meshes
+from cityx.building.mesh_volumes import ORDER
 from cityx.building.selection import admitted, choose_generators
 from cityx.building.splicing import SHELLS
 from cityx.city.city import City
@@ -20,7 +21,7 @@ from cityx.city.layout import Layout, joined_tables
 from cityx.city.levels import ground_levels
 from cityx.edit.buildings.rebuilding import Ids, buildings_of, rebuilt
 from cityx.errors import ActionFailed
-from cityx.ids import choose, hash_ids
+from cityx.ids import choose, hash_ids, id_text
 from cityx.places.profiles import profile_of
 
 if TYPE_CHECKING:
@@ -225,10 +226,15 @@ def _formed(city: City, layout: Layout, wish: Wish) -> Layout:
     only = np.full(len(named), -1, np.int64)
     only[rows] = part_rows
     drawn = with_drawn_roofs(plain, only, city.seed)
-    kinds = generators()
-    massive = np.array([bool(kinds[name].mass) for name in named["generator"].to_numpy(str)[rows]])
+    chosen = [generator_named(name) for name in named["generator"].to_numpy(str)[rows]]
+    massive = np.array([bool(kind.mass) for kind in chosen])
     roads = replace(drawn, roads=city.layout.roads)
     grown, _ = grown_by(roads, rows[massive], city.seed, free=wish.replaces_look)
+    outside = rows[np.array([kind.outside is not None for kind in chosen])]
+    if wish.roof is None and len(outside):
+        grown, lost = with_meshes(grown, outside, city.seed)
+        if lost:
+            raise ActionFailed(f"{id_text(lost[0].object_id)}: {lost[0].error}.")
     if wish.roof is not None:
         grown = _with_roof(grown, drawn, wish.roof)
     return replace(grown, roads=layout.roads)
@@ -268,6 +274,8 @@ def _sized(buildings: GeoDataFrame, wish: Wish) -> GeoDataFrame:
         if wish.floors is not None or wish.height is not None:
             own["building:levels"] = str(int(levels[row]))
             own.pop("height", None)
+        if wish.floors is not None or wish.replaces_look:
+            own.pop(ORDER, None)  # what a mesh was made for is no more asked
         if wish.height is not None:
             own["height"] = f"{height[row]:.3f}"
         if wish.roof is not None:
@@ -390,7 +398,7 @@ def _named(city: City, layout: Layout, wish: Wish, rows: IntArray) -> GeoDataFra
     names = layout.buildings["generator"].to_numpy(str).astype("U32")
     kinds = list(generators())
     fits = admitted(layout)
-    local = profile_of(city.frame).buildings
+    place = profile_of(city.frame)
     if wish.generator is not None:
         names[rows] = wish.generator
     elif wish.style is not None:
@@ -401,7 +409,7 @@ def _named(city: City, layout: Layout, wish: Wish, rows: IntArray) -> GeoDataFra
         lost = ~known | ~fits[np.arange(len(names)), column]
         lost &= fits.any(axis=1) & np.isin(np.arange(len(names)), rows)
         if lost.any():
-            other = choose_generators(layout, city.seed, style=city.style, local=local)
+            other = choose_generators(layout, city.seed, style=city.style, place=place)
             names = np.where(lost, other, names)
     return layout.buildings.assign(generator=names.astype(str))
 
@@ -410,8 +418,8 @@ def _of_style(city: City, layout: Layout, style: str, fits: NDArray[np.bool_]) -
     """Draw generators that speak of a style; where none fits, those of the style's towns."""
     from cityx.assets.styles.style_shares import speaking_of
 
-    local = profile_of(city.frame).buildings
-    names = choose_generators(layout, city.seed, style=style, local=local).astype("U32")
+    place = profile_of(city.frame)
+    names = choose_generators(layout, city.seed, style=style, place=place).astype("U32")
     word = style.strip().lower().replace(" ", "_")
     kinds = np.array(list(generators()))
     group = building_groups(layout, city.seed)

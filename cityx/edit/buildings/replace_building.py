@@ -11,15 +11,17 @@ import numpy as np
 import shapely
 
 from cityx.building.catalogue import NAMES, generators
+from cityx.building.lots import cleared
 from cityx.city.city import City
 from cityx.city.layout import Layout
 from cityx.edit.buildings.designing import Wish, redesigned
-from cityx.edit.buildings.lots import cleared
 from cityx.edit.buildings.rebuilding import Ids
 from cityx.edit.buildings.set_material import WORDS
 from cityx.edit.targets import buildings_named
+from cityx.errors import ActionFailed
 from cityx.protocol import Choice, Color, ObjectName, Port, Range, action
 from cityx.protocol.serving import Serves
+from cityx.system.extensions import refusals
 
 SAID = ("building.type",)  # what a sentence says of the new building
 SPACIOUS = 1.5  # times the largest usual plot, from which a footprint is drawn in to it
@@ -61,7 +63,7 @@ def replace_building(
     city: City,
     *,
     objects: Annotated[tuple[str, ...], ObjectName()],
-    kind: Annotated[str | None, Choice(*sorted({*KINDS, *NAMES}))] = None,
+    kind: Annotated[str | None, Choice(*sorted({*KINDS, *NAMES}), outside="cityx.actions")] = None,
     floors: Annotated[int | None, Range(1, 200)] = None,
     height: Annotated[float | None, Range(2.2, 1000.0)] = None,
     material: Annotated[str | None, Choice(*WORDS)] = None,
@@ -88,7 +90,10 @@ def replace_building(
         A style word such as "japanese".
     """
     ids = buildings_named(city, objects)
-    name = KINDS.get(kind, kind) if kind is not None else None
+    name = kind if kind in generators() else KINDS.get(kind or "", kind)
+    if name is not None and name not in generators():
+        why = "".join(f" {sentence}" for sentence in refusals())
+        raise ActionFailed(f'"{name}" builds nothing here.{why}')
     if kind is not None and name is not None:
         city = cleared(replace(city, layout=_on_plots(city.layout, ids, name, kind)), ids)
         usual = round(sum(generators()[name].floors) / 2)

@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.building.lots import cleared
 from cityx.city.city import City
 from cityx.city.ground import ROADWAY
-from cityx.edit.buildings.lots import cleared
 from cityx.edit.buildings.rebuilding import Ids, buildings_of, rebuilt
 from cityx.edit.buildings.redrawn_outlines import Reshape, redrawn, rows_of
 from cityx.errors import ActionFailed

@@ -9,6 +9,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.furniture.outside_pieces import GROUP
 from cityx.assets.furniture.street_furniture import MAKERS, furniture
 from cityx.building.splicing import with_rows
 from cityx.city.city import City
@@ -51,8 +52,10 @@ WORDS: Mapping[str, str] = MappingProxyType(
         Serves("edit=add", f"element={word}", place, thing=name)
         for word, name in WORDS.items()
         for place in ("within", "from")
-    ),
+    )
+    + tuple(Serves("edit=add", "outside_thing", place) for place in ("within", "from")),
     binds={
+        "thing": "outside_thing",
         "within": "within",
         "count": "count",
         "beyond": "from",
@@ -64,7 +67,7 @@ WORDS: Mapping[str, str] = MappingProxyType(
 def add(
     city: City,
     *,
-    thing: Annotated[str, Choice(*sorted(MAKERS))],
+    thing: Annotated[str, Choice(*sorted(MAKERS), outside=GROUP)],
     at: Annotated[tuple[tuple[float, ...], ...] | None, Points(1, MOST)] = None,
     within: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     beyond: Annotated[tuple[str, ...] | None, ObjectName()] = None,

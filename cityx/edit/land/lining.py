@@ -8,7 +8,8 @@ from typing import Annotated
 import numpy as np
 import shapely
 
-from cityx.assets.furniture.street_furniture import furniture
+from cityx.assets.furniture.outside_pieces import GROUP
+from cityx.assets.furniture.street_furniture import furniture, outside_pieces
 from cityx.city import City, Instances
 from cityx.edit.land.waysides import Wayside, beside
 from cityx.edit.objects.layer_rows import with_rows, without_rows
@@ -57,14 +58,20 @@ STANDING = ("trees", "street_furniture", "street_pieces", "park_pieces")
     requires=("layout",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("furniture", "point", role="street_furniture"),),
-    serves=tuple(Serves("edit=add", f"element={word}", "beside", thing=word) for word in THINGS),
-    binds={"along": "beside", "spacing": "spacing", "count": "count", "amount": "amount"},
+    serves=(
+        *(Serves("edit=add", f"element={word}", "beside", thing=word) for word in THINGS),
+        Serves("edit=add", "outside_thing", "beside"),
+    ),
+    binds={
+        "thing": "outside_thing", "along": "beside", "spacing": "spacing", "count": "count",
+        "amount": "amount",
+    },
     labels=("street lamps", "benches", "bollards", "line the street"),
 )  # fmt: skip
 def line(
     city: City,
     *,
-    thing: Annotated[str, Choice(*THINGS)],
+    thing: Annotated[str, Choice(*THINGS, outside=GROUP)],
     along: Annotated[tuple[str, ...], ObjectName()],
     spacing: Annotated[float | None, Range(1.5, 500.0)] = None,
     count: Annotated[int | None, Range(1, 5000)] = None,
@@ -110,7 +117,11 @@ def _placed(
     city: City, thing: str, ids: UInt64Array, spacing: float | None, sides: str
 ) -> tuple[Pieces, City]:
     """Return a row that fits in, and the city without the lamps that it takes the place of."""
-    name, setback, usual, gap = THINGS[thing]
+    if thing in THINGS:
+        name, setback, usual, gap = THINGS[thing]
+    else:
+        made = outside_pieces()[thing]
+        name, setback, usual, gap = made.name, made.from_kerb, made.spacing, made.apart
     step = spacing or usual
     places = beside(city, ids, spacing=step, beyond=setback, margin=JUNCTION, sides=sides)
     own = hash_ids(0, f"{ACTION}/{thing}", places.line, places.number)

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.trees.species import OUTSIDE_TREES
 from cityx.city import City
 from cityx.city.rows import take_rows
 from cityx.edit.land.waysides import beside
@@ -37,7 +38,7 @@ ACTION = "edit/plant-v1"
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-KINDS = tuple(name for name in SPECIES if name != "grove")
+KINDS = tuple(name for name in SPECIES if name != "grove" and name not in OUTSIDE_TREES)
 ROW_SPACING = 10.0  # metres between the trees of a row, where nothing is said
 ROW_WIDTH = 3.0  # metres to both sides of a new row in which older trees make room for it
 LEAST_GAP = 3.5  # metres from a scattered tree to the next
@@ -70,7 +71,7 @@ def plant(
     count: Annotated[int | None, Range(1, 20_000)] = None,
     amount: Annotated[str | None, Choice(*AMOUNTS)] = None,
     spacing: Annotated[float | None, Range(3.0, 200.0)] = None,
-    species: Annotated[str | None, Choice(*KINDS)] = None,
+    species: Annotated[str | None, Choice(*KINDS, outside="cityx.species")] = None,
     along: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     within: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     sides: Annotated[str, Choice("left", "right", "both")] = "both",

@@ -8,12 +8,12 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.building.lots import cleared
 from cityx.city import City
 from cityx.city.layout import Layout
 from cityx.city.levels import ground_levels
 from cityx.city.mesh import MeshBatch, feet
 from cityx.city.scene import Instances
-from cityx.edit.buildings.lots import cleared
 from cityx.edit.buildings.redrawn_outlines import redrawn, rows_of
 from cityx.edit.objects.footing import moved_points
 from cityx.edit.objects.scale_object import scale_object

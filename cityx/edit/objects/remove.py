@@ -7,8 +7,8 @@ from typing import Annotated
 
 import numpy as np
 
+from cityx.building.lots import cleared
 from cityx.city.city import City
-from cityx.edit.buildings.lots import cleared
 from cityx.edit.buildings.rebuilding import Ids, rebuilt
 from cityx.edit.targets import targets_of, with_changed_rows
 from cityx.protocol import ObjectName, Port, action

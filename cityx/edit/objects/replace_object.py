@@ -7,6 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
+from cityx.assets.furniture.outside_pieces import GROUP
 from cityx.assets.furniture.street_furniture import MAKERS, furniture
 from cityx.city.city import City
 from cityx.edit.land.add import WORDS
@@ -33,7 +34,7 @@ def replace_object(
     city: City,
     *,
     objects: Annotated[tuple[str, ...], ObjectName()],
-    thing: Annotated[str, Choice(*sorted(MAKERS))],
+    thing: Annotated[str, Choice(*sorted(MAKERS), outside=GROUP)],
 ) -> City:
     """Put other things in the place of things that stand about.
 

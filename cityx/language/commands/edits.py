@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from cityx.assets.trees.species import OUTSIDE_TREES
 from cityx.checks.predicates.vocabulary import family_of
 from cityx.language.brief import Edit, Selector, Value
 from cityx.language.commands.grammar import Node
@@ -503,7 +504,8 @@ def _plant(command: Node, places: Sequence[Place] = ()) -> list[Edit]:
     change: Pairs = [("nature", "tree")]
     plant = plants.first("PLANT")
     assert plant is not None
-    change += [("species", name) for name, words in SPECIES.items() if _singular(plant) in words]
+    named = {**SPECIES, **{name: tree.words for name, tree in OUTSIDE_TREES.items()}}
+    change += [("species", name) for name, words in named.items() if _singular(plant) in words]
     count, every = plants.first("COUNT"), command.first("EVERY")
     change += [("count", int(_value(count)))] if count is not None else []
     change += _amount(plants) if every is None else []  # "some trees, one every 8 m"

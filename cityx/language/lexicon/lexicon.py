@@ -9,6 +9,7 @@ from cityx.language.lexicon.numbers import NUMBER_WORDS
 from cityx.language.lexicon.phrases import FUNCTION_WORDS, entries
 from cityx.language.lexicon.units import UNITS
 from cityx.language.lexicon.words import Word, forms_of, words_of
+from cityx.system.extensions import remembered
 
 Sense = tuple[str, str]  # what kind of words these are, and what they say
 _SENSES = ""  # where a node of the tree keeps what the phrase that ends there says
@@ -22,7 +23,7 @@ LENGTH_APART = 2
 SHORTEST = 5
 
 
-@lru_cache(maxsize=1)
+@remembered
 def tree() -> Node:
     """Return the phrases as a tree of words; a phrase of two kinds has both senses."""
     root: Node = {}
@@ -38,7 +39,7 @@ def tree() -> Node:
     return root
 
 
-@lru_cache(maxsize=1)
+@remembered
 def vocabulary() -> frozenset[str]:
     """Return every single word that some phrase, unit or rule knows."""
     words = {*FUNCTION_WORDS, *NUMBER_WORDS}
@@ -98,7 +99,7 @@ def mended(word: str) -> str | None:
     return None if found is None else found[0]
 
 
-@lru_cache(maxsize=1)
+@remembered
 def _by_letter() -> dict[str, tuple[str, ...]]:
     found: dict[str, list[str]] = {}
     for word in sorted(vocabulary()):

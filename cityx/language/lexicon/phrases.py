@@ -7,7 +7,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from types import MappingProxyType
 
+from cityx.assets.furniture.street_furniture import outside_pieces
+from cityx.assets.styles.style_shares import outside_styles
+from cityx.assets.trees.species import OUTSIDE_TREES
+from cityx.protocol.plugged import mesh_actions
+from cityx.system.extensions import remembered
 from cityx.system.tables import load, table
 
 Book = Mapping[str, Mapping[str, str]]
@@ -38,11 +44,23 @@ def entries() -> Iterator[tuple[str, str, str]]:
     for key, values in SLOTS.items():
         for value, triggers in values.items():
             yield "slot", f"{key}={value}", triggers
+    for style in sorted(outside_styles() - set(SLOTS["style"])):
+        yield "slot", f"style={style}", style.replace("_", " ")
     for several, triggers in TOGETHER.items():
         yield "slot", several, triggers
+    outside = {word for words in outside_types().values() for word in words}
     for group, names in NOUNS.items():
         for noun, triggers in names.items():
-            yield "noun", f"{group}:{noun}", triggers
+            own = ", ".join(word for word in triggers.split(", ") if word not in outside)
+            yield "noun", f"{group}:{noun}", own
+    for noun, words in outside_types().items():
+        yield "noun", f"type:{noun}", ", ".join(words)
+    for noun, piece in outside_pieces().items():
+        spoken = dict.fromkeys((noun.replace("_", " "), *piece.words))
+        yield "noun", f"element:{noun}", ", ".join(spoken)
+    trees = dict.fromkeys(word for tree in OUTSIDE_TREES.values() for word in tree.words)
+    if trees:
+        yield "noun", "plant:tree", ", ".join(trees)
     for kind, values in TABLES.items():
         for value, triggers in values.items():
             yield kind, value, triggers
@@ -74,3 +92,23 @@ def phrase_book() -> str:
 def _table(title: str, values: Mapping[str, str]) -> list[str]:
     rows = [f"| `{value}` | {triggers.replace('|', '/')} |" for value, triggers in values.items()]
     return ["", f"## {title}", "", "| reads as | words |", "| --- | --- |", *rows]
+
+
+@remembered
+def outside_types() -> Mapping[str, tuple[str, ...]]:
+    """Return the types of building that installed packages add, with the words for them.
+
+    A word for a type of CityX goes to a package that brings just that ("silo" says a barn until
+    there is one), but the types' own names do not, nor words that mean anything else.
+    """
+    own = {noun.replace("_", " ") for noun in NOUNS["type"]}
+    held = own | {
+        trigger for group, names in NOUNS.items() if group != "type"
+        for triggers in names.values() for trigger in triggers.split(", ")
+    }  # fmt: skip
+    found = {
+        name: tuple(word for word in made.words if word not in held)
+        for name, made in mesh_actions().items()
+        if name not in NOUNS["type"]
+    }
+    return MappingProxyType({name: words for name, words in found.items() if words})

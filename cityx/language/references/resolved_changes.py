@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import shapely
 
+from cityx.assets.furniture.street_furniture import outside_pieces
 from cityx.checks.predicates.facts import Facts
 from cityx.checks.predicates.thing_predicates import Selection
 from cityx.checks.predicates.vocabulary import KINDS
@@ -122,6 +123,9 @@ def slots_of_edit(edit: Edit, chosen: Selection | None, city: City) -> Slots:
     slots: Found = {}
     for key, value in edit.items():
         slots[key] = (*slots.get(key, ()), value)
+    outside = tuple(word for word in slots.get("element", ()) if word in outside_pieces())
+    if edit.verb == "add" and outside:
+        slots["outside_thing"] = outside
     if edit.verb == "raise_lanes":  # "by" is a width
         slots["lanes.by"] = slots.pop("by")
     for key, value in edit.change:

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.furniture.street_furniture import outside_pieces
 from cityx.city import City
 from cityx.city.ground import ROADWAY
 from cityx.geometry.clearance import near_any, push_off
@@ -130,7 +131,8 @@ def _mapped(city: City, roads: _Roads, drive: float) -> Pieces | None:
     """Place the things of the points table, turned as mapped or towards the road."""
     table = city.layout.points
     kind = table["kind"].to_numpy().astype(str)
-    rows = np.flatnonzero(np.isin(kind, list(PIECES)))
+    pieces_of = {**PIECES, **{name: name for name in outside_pieces()}}
+    rows = np.flatnonzero(np.isin(kind, list(pieces_of)))
     if not len(rows):
         return None
     kind = kind[rows]
@@ -138,7 +140,7 @@ def _mapped(city: City, roads: _Roads, drive: float) -> Pieces | None:
     xy = shapely.get_coordinates(table.geometry.to_numpy()[rows])
     direction = table["direction"].to_numpy()[rows]
     yaw = uniform(city.seed, f"{ACTION}/yaw", ids) * 2 * np.pi
-    names = np.array([PIECES[k] for k in kind], dtype=object)
+    names = np.array([pieces_of[k] for k in kind], dtype=object)
 
     spot, line = roads.nearest(xy, FRONT_REACH)
     if len(spot):

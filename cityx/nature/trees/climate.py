@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 
+from cityx.assets.trees.species import OUTSIDE_TREES
 from cityx.city.frame import Frame
 
 TROPIC = 24.0  # degrees of latitude within which palms grow and no tree is bare
@@ -60,6 +61,7 @@ GENUS = {
     "juniperus": "cypress", "chamaecyparis": "cypress", "cypress": "cypress", "buxus": "boxwood",
     "phoenix": "palm", "washingtonia": "palm", "trachycarpus": "palm", "palm": "palm",
     "arecaceae": "palm", "cocos": "palm", "roystonea": "palm",
+    **{word: name for name, tree in OUTSIDE_TREES.items() for word in tree.genus},
 }  # fmt: skip
 NAMING = ("genus", "species", "taxon", "genus:en", "species:en", "species:de")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.trees.leaf_fall import SNOWED
+from cityx.assets.trees.species import OUTSIDE_TREES
 from cityx.city import City, Instances, Prototype
+from cityx.errors import nearest
 from cityx.geometry.scatter import Points
 from cityx.ground.pieces import heights
 from cityx.ground.standing import earth_over
@@ -17,7 +20,9 @@ from cityx.ids import choose, hash_ids, uniform
 from cityx.nature.trees.climate import season_of
 from cityx.nature.trees.tree_room import Room, beside_street
 from cityx.nature.trees.wall_sides import crowded_by_walls, fitted_crowns
-from cityx.places.profiles import climate_of, profile_of
+from cityx.places.profile import Profile
+from cityx.places.profiles import climate_of, profile_names, profile_of
+from cityx.system.extensions import refuse
 
 STREAM = "nature/trees-v2"  # that every draw for a tree is keyed by, whoever plants it
 FloatArray = NDArray[np.float64]
@@ -29,7 +34,8 @@ NEAR_MASS = 8_000  # trees of woods that one may walk among; larger woods take t
 
 SPECIES = ("lime", "plane", "maple", "oak", "chestnut", "birch", "cherry", "ginkgo", "zelkova",
            "camphor", "poplar", "willow", "jacaranda", "acacia", "olive", "pine", "spruce",
-           "cypress", "palm", "shrub", "boxwood", "grove")  # fmt: skip
+           "cypress", "palm", "shrub", "boxwood", "grove", *OUTSIDE_TREES)  # fmt: skip
+CLIMATES = ("north", "temperate", "japan", "warm", "tropic")
 BUSHES = ("shrub", "boxwood")
 ASPECT = 0.16  # logarithm of the ratio by which a crown is longer than broad, or broader, at most
 # Factor of brightness of the darkest tree, of the brightest, and how far their hue goes from blue
@@ -88,9 +94,27 @@ def take_trees(stand: Stand, keep: Any) -> Stand:
 
 def draw_species(where: str, city: City, ids: NDArray[np.uint64]) -> IntArray:
     """Draw species of a "street", "park", "orchard", or "broad" or "needle" wood of the place."""
-    mix = getattr(profile_of(city.frame).trees, where)[climate_of(city.frame)]
+    profile, climate = profile_of(city.frame), climate_of(city.frame)
+    mix = {**getattr(profile.trees, where)[climate], **outside_mix(where, profile, climate)}
     table = np.array([INDEX[name] for name in mix])
     return table[choose(city.seed, "nature/species", ids, list(mix.values()))]
+
+
+def outside_mix(where: str, profile: Profile, climate: str) -> Mapping[str, float]:
+    """Return the weights of species of installed packages on streets and in parks of a place."""
+    if where not in ("street", "park") or not OUTSIDE_TREES:
+        return {}
+    places = (climate, *profile.lineage)
+    known = {*CLIMATES, *profile_names()}
+    found = {}
+    for name, tree in OUTSIDE_TREES.items():
+        said = tree.streets if where == "street" else tree.parks
+        for place in sorted(set(said) - known):
+            refuse(f'Species "{name}": "{place}" is no climate or place.{nearest(place, known)}')
+        weight = max((said[place] for place in places if place in said), default=0.0)
+        if weight > 0:
+            found[name] = float(weight)
+    return found
 
 
 def forms_of(lod: int, *, single: int, mass: int) -> tuple[str, str]:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from cityx.city.layout import AREA_KINDS
 from cityx.sources.features import measures
+from cityx.sources.features.road_kinds import road_tags
 from cityx.sources.features.tagged import KIND, Tags
 from cityx.sources.features.vocabulary import (
     LINE_HEIGHT,
@@ -20,6 +23,7 @@ from cityx.sources.features.vocabulary import (
     is_underground,
     lookup,
 )
+from cityx.system.extensions import extensions, remembered
 
 _INTERESTING = frozenset(key for key, values in POINT_TABLE if values)
 # Tag by which a source says how a place is built, "low", "urban" or "core", and leaves no doubt.
@@ -85,6 +89,7 @@ def road_kind(tags: Tags) -> str:
     """Return the class of a way that carries movement, or "" when it is none that is built."""
     if tags.get(KIND) in ROAD_TABLE:
         return tags[KIND]
+    tags = road_tags(tags)
     highway = tags.get("highway")
     if highway:
         kind = ROAD_WORDS.get(highway, highway)
@@ -117,6 +122,19 @@ def point_kind(tags: Tags) -> str:
     """Return the kind of thing that stands at a node, or ""."""
     if tags.get(KIND) in POINT_HEIGHT:
         return tags[KIND]
-    if _INTERESTING.isdisjoint(tags) or is_underground(tags) or tags.get("indoor") == "yes":
+    if is_underground(tags) or tags.get("indoor") == "yes":
         return ""
-    return lookup(POINT_TABLE, tags)
+    kind = "" if _INTERESTING.isdisjoint(tags) else lookup(POINT_TABLE, tags)
+    return kind or next((outside_points()[pair] for pair in tags.items()
+                         if pair in outside_points()), "")  # fmt: skip
+
+
+@remembered
+def outside_points() -> Mapping[tuple[str, str], str]:
+    """Return the things that packages add, by the tag of a point that is one."""
+
+    def admit(value: object) -> tuple[str, Mapping[str, str]]:
+        return str(getattr(value, "name", "")), getattr(value, "tags", {})
+
+    found = extensions("cityx.street_objects", admit, POINT_HEIGHT.__contains__)
+    return {pair: name for name, tags in found.items() for pair in tags.items()}

@@ -15,6 +15,7 @@ from cityx.places.profile import Streets
 from cityx.sources.features import measures
 from cityx.sources.features.density import Density
 from cityx.sources.features.kinds import road_kind
+from cityx.sources.features.road_kinds import road_tags
 from cityx.sources.features.sections import bands_of_tags
 from cityx.sources.features.tagged import Tagged, Tags
 from cityx.sources.features.vocabulary import CARS, RAIL_WORDS, ROAD_TABLE, SURFACE_WORDS
@@ -100,6 +101,7 @@ def cross_section(
     left_hand
         Whether traffic keeps to the left.
     """
+    tags = road_tags(tags)
     kind = road_kind(tags)
     class_lanes, class_surface = ROAD_TABLE[kind]
     lane_width, class_sidewalk = streets.lane_widths[kind], streets.walk_widths.get(kind, 0.0)

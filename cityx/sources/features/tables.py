@@ -46,7 +46,7 @@ def point_table(points: Tagged, *, seed: int) -> GeoDataFrame:
     kinds = [point_kind(own) for own in tags]
     columns = points.columns()
     del columns["name"]
-    usual = np.array([POINT_HEIGHT[kind] for kind in kinds], float).reshape(-1, 2)
+    usual = np.array([POINT_HEIGHT.get(kind, (1.0, 1.0)) for kind in kinds], float).reshape(-1, 2)
     drawn = uniform(seed, "osm/point-height", columns["id"])
     height = usual[:, 0] + drawn * (usual[:, 1] - usual[:, 0])
     known = np.array([_height(own) for own in tags], float)

@@ -9,7 +9,7 @@ from talk import ACTIONS
 
 from cityx.agents.models import Recording, check_choice, roles_for
 from cityx.errors import CityxError, UsageError
-from cityx.language.options import BuildOptions, PlannerChoice
+from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.build import build
 
 TEXT = "A small town of 200 m by 200 m with a Big Apple feel, in the rain."

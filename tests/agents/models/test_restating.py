@@ -12,7 +12,7 @@ from cityx.agents.models.recording import Decisions, NotRecorded
 from cityx.agents.roles import OfflineBriefMaker
 from cityx.city.store import read_city
 from cityx.errors import UsageError
-from cityx.language.options import PlannerChoice
+from cityx.options import PlannerChoice
 from cityx.projects.edit import edit_city
 
 TEXT = "Send every last streetlamp to the scrapyard and bathe the place in drizzle."

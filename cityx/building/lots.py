@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from cityx.city.city import City
 from cityx.city.ground import LABEL, SURFACES, Ground
 from cityx.city.mesh import concatenate, one_mesh
-from cityx.edit.buildings.rebuilding import Ids
 from cityx.ids import stable_id
+
+Ids = NDArray[np.uint64]
 
 GROUND = "ground"
 BARE = "courtyard"  # what a lot becomes whose neighbours are all streets or buildings
