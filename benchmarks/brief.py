@@ -86,7 +86,7 @@ def brief_of(sentence: Sentence) -> Brief:
 
 
 def same(gold: str, read: str) -> bool:
-    """Tell whether two items say the same."""
+    """Return whether two items say the same."""
     key, _, value = gold.partition("=")
     other_key, _, other = read.partition("=")
     if key != other_key:

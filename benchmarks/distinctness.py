@@ -1,4 +1,4 @@
-"""Tell the building generators apart by what they look like.
+"""Measure how well the building generators differ by their looks.
 
     python benchmarks/distinctness.py [--train 60] [--test 60]
 

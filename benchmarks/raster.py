@@ -152,7 +152,7 @@ def share_within(lines: Any, others: Any) -> float:
 
 
 def round_trip(city: City, pixel: float) -> dict[str, float]:
-    """Paint a city, draw it anew and measure."""
+    """Paint a city, vectorise it again and measure."""
     xmin, ymin, xmax, ymax = city.layout.extent
     grid = Grid(round((ymax - ymin) / pixel), round((xmax - xmin) / pixel), pixel, xmin, ymax)
     labels = painted(city.layout, grid)

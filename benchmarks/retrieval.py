@@ -142,7 +142,7 @@ def overlaps(found: Placement) -> int:
 
 
 def quality(lots: Lots, found: Placement) -> str:
-    """Tell overlaps, scales, repetition and fit of a placement."""
+    """Return overlaps, scales, repetition and fit of a placement."""
     from scipy.spatial import cKDTree
 
     placed = found.asset >= 0

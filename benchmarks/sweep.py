@@ -80,7 +80,7 @@ def _cpu_of_children() -> float:
 
 
 def line_of(found: dict[str, Any]) -> str:
-    """Tell the result of one map on one line, and one more for each check that fails."""
+    """Return the result of one map as one line, and one more for each check that fails."""
     head = f"{found['map']:36} exit {found['exit']}  {found['cpu_s']:6.1f} s CPU"
     if "error" in found:
         return f"{head}  {found['error'].strip()}"

@@ -40,7 +40,7 @@ EXCESS = 1.6, 1.1  # vehicles and people asked for to have one of them under way
 def row(
     name: str, city: City, minutes: float, density: str, *, among: str, count: int = 0
 ) -> None:  # fmt: skip
-    """Let people walk in a city and print what came of it."""
+    """Simulate people in a city and print the results."""
     seconds = 60.0 * minutes
     city = replace(city, tracks=None)
     area = walkable_of(city)

@@ -1,4 +1,4 @@
-"""Random numbers and ids that depend on identity alone, never on order.
+"""Random numbers and ids that depend on identity alone, never on order of evaluation.
 
 A stream is keyed by (seed, purpose, object id), so build order, tiles, processes and machines
 change nothing, and editing one object leaves the numbers of all others as they were.

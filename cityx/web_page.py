@@ -1,4 +1,4 @@
-"""Web pages that tell of something made: no script, no font, nothing fetched."""
+"""Web pages of results: no script, no font, nothing fetched."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The benchmark: tasks in words, who solves them, and how often that succeeds."""
+"""The benchmark: tasks in words, drivers that solve them, and their rates of success."""

@@ -1,4 +1,4 @@
-"""The ablation: the same tasks, planned with less and less of the actions' records."""
+"""The ablation: the same tasks, planned with parts of the actions' records hidden."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ def _root() -> None:
 
 
 def _say(line: str) -> None:
-    """Tell what is being done beside the results."""
+    """Print progress, apart from the results."""
     typer.echo(line, err=True)
 
 

@@ -284,7 +284,7 @@ def rows_of(cases: Sequence[Case]) -> list[Row]:
 
 
 def _is_of(alarm: str, kind: Kind) -> bool:
-    """Tell whether an alarm is one of those that speak of a kind; goals speak of what they say."""
+    """Return whether an alarm concerns a kind of defect; goals concern what they say."""
     return alarm in kind.speaks
 
 

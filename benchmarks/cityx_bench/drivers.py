@@ -1,4 +1,4 @@
-"""Drivers: who solves a task. All stand behind one interface, ``propose(place) -> outcome``."""
+"""Drivers that solve a task, behind one interface, ``propose(place) -> outcome``."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ class Models:
         self._choice = choice
 
     def propose(self, place: Workplace) -> Outcome:
-        """Let the model read and plan, and build the city."""
+        """Read and plan with the model, and build the city."""
         if place.based:
             return Offline().propose(place)
         options = replace(_options(place, place.task.text), choice=self._choice)

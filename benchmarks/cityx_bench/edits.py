@@ -65,7 +65,7 @@ class Result:
 
 
 def class_of(task: Task) -> str:
-    """Return the class of a task, told by its id."""
+    """Return the class of a task, by its id."""
     return task.id.removeprefix(HELD).rstrip("0123456789")
 
 

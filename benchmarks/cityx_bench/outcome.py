@@ -162,7 +162,7 @@ def fault_of(error: Exception) -> Fault:
 
 
 def acted(place: Workplace, outcome: Outcome) -> Outcome:
-    """Return an outcome with what the journal tells of the task: actions, changes, faults."""
+    """Return an outcome with the journal's record of the task: actions, changes, faults."""
     steps = place.steps()
     done = tuple(step.action for step in steps if step.status == "done")
     reply = Reply(outcome.reply.kind, outcome.reply.mentions, done, len(done))

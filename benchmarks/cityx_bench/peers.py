@@ -182,7 +182,7 @@ def peers_named(words: Iterable[str]) -> tuple[tuple[Peer, ...], dict[str, str]]
 
 
 def peer_once(peer: Peer, content: bytes) -> float:
-    """Let a peer read a map in a process of its own and return its CPU seconds.
+    """Run a peer on a map in a process of its own and return its CPU seconds.
 
     Raises
     ------

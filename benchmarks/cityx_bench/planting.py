@@ -521,7 +521,7 @@ def beyond_site(city: City, key: int) -> Planted | None:
 
 
 def other_weather(city: City, key: int) -> Planted | None:
-    """Let the weather be another than asked."""
+    """Set another weather than asked for."""
     now = weathers_of(city.environment)
     others = [word for word in WEATHERS if word not in now]
     if not now or not others:
@@ -531,7 +531,7 @@ def other_weather(city: City, key: int) -> Planted | None:
 
 
 def other_time(city: City, key: int) -> Planted | None:
-    """Let the sun stand as at another time than asked."""
+    """Set the sun to another time than asked for."""
     # Words of the day overlap: at dusk it is evening too, and by a low sun as much day as at noon.
     high = np.degrees(city.environment.sun_elevation) > LOW_SUN
     now = drawn([word for word in times_of(city.environment) if high or word != "day"], key)
@@ -545,7 +545,7 @@ def other_time(city: City, key: int) -> Planted | None:
 
 
 def five_minutes(city: City, key: int) -> Planted | None:
-    """Let the clock be some minutes on, the sun staying: no defect."""
+    """Advance the clock by some minutes without moving the sun: no defect."""
     minutes = 1 + hash_bits(0, "defect", key) % 5
     changed = replace(city.environment, hour=city.environment.hour + minutes / 60)
     return Planted(replace(city, environment=changed))

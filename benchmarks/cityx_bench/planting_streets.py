@@ -117,7 +117,7 @@ def covered_junction(city: City, key: int) -> Planted | None:
 
 
 def closed_junction(city: City, key: int) -> Planted | None:
-    """Let no lane lead over a junction."""
+    """Remove every lane over a junction."""
     node = _junction(city, key)
     graph, network = city.lanes, city.network
     if node is None or graph is None or network is None:

@@ -60,7 +60,7 @@ def _row(sample: Sample) -> dict[str, Any]:
 
 
 def _causes(sample: Sample) -> Iterator[str]:
-    """Say why a sample is not right: what no action serves, failed steps, what was missed."""
+    """Return why a sample is not right: what no action serves, failed steps, what was missed."""
     yield from (f"no action serves {name}" for name in sample.unsupported)
     yield from (f"{f['code']} {f['action']}: {f['message']}" for f in sample.faults)
     for goal in sample.goals:

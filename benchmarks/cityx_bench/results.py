@@ -100,7 +100,7 @@ def groups_of(folder: Path) -> dict[tuple[str, int], Group]:
 
 
 def _with_what(samples: Iterable[Sample]) -> Lines:
-    """Say which state of the code and of the actions made samples."""
+    """Return which state of the code and of the actions made samples."""
     made, now = {sample.registry for sample in samples}, registry_hash(registry())
     other = f"; this page was written by another one, {now[:SHOWN]}" if made != {now} else ""
     states = " and ".join(sorted(one[:SHOWN] for one in made))

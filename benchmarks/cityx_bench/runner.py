@@ -1,4 +1,4 @@
-"""Running a benchmark: tasks by processes, every sample logged, one that was killed goes on."""
+"""Run a benchmark: tasks by processes, every sample logged; a killed run continues."""
 
 from __future__ import annotations
 

@@ -153,7 +153,7 @@ class Sample:
 
 
 def judged(place: Workplace, driver: Driver, name: str, registry: str) -> Sample:
-    """Let a driver solve a task and measure what came of it.
+    """Run a driver on a task and measure the result.
 
     Parameters
     ----------

@@ -61,7 +61,7 @@ class Task:
 
     @property
     def category(self) -> str:
-        """Its group, or one of `CATEGORIES`, told by what the task holds."""
+        """Its group, or one of `CATEGORIES`, by what the task holds."""
         if self.group:
             return self.group
         if "reply(clarify)" in self.expect:

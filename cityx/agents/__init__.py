@@ -1,1 +1,1 @@
-"""Who decides what runs: workflows, the journal and the run loop."""
+"""Agents: roles that decide which actions run, plans, the journal and the run loop."""

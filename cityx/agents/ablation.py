@@ -1,4 +1,4 @@
-"""What of the actions' records a planner is shown: all of it, or less, to see what each part gives.
+"""Ablation: show a planner all or only parts of the actions' records, to measure each part's worth.
 
 The paper takes Description, Input and Limitation out of the documents of its plugins and counts
 what still succeeds. Here the offline planner reads the same parts: by the description it knows what

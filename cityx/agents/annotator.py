@@ -1,4 +1,4 @@
-"""The annotator: every action gets labels, by which those that bear on a wish are found.
+"""The annotator: label every action, so that those relevant to a wish are found.
 
 First it names the concepts there are: stages, kinds of actions, formats and roles of what goes in
 and comes out, words that plugins give themselves. Then it labels each action with those that its

@@ -1,4 +1,4 @@
-"""The evaluator: what is asked for is measured, after the layout and again when all is built.
+"""The evaluator: measure the goals after the layout, and again on the finished city.
 
 A layout takes seconds and the rest minutes, so what a layout can be asked for is measured as soon
 as there is one, and another is tried while something hard is missed.

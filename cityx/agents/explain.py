@@ -1,4 +1,4 @@
-"""What a brief is and what would be done about it, in words for people."""
+"""Explain a brief in words: what is understood, and what would be done."""
 
 from __future__ import annotations
 

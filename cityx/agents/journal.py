@@ -112,7 +112,7 @@ class Journal:
         self.database.close()
 
     def is_of(self, path: Path) -> bool:
-        """Tell whether this journal is the file that lies at a path now."""
+        """Return whether this journal is the file that lies at a path now."""
         return path.exists() and path.stat().st_ino == self._file
 
     def copy_to(self, path: Path) -> None:
@@ -325,7 +325,7 @@ def _born(process: int) -> str:
 
 
 def _lives(owner: str) -> bool:
-    """Tell whether the process of an owner lives; of another machine that is not known."""
+    """Return whether the process of an owner lives; of another machine that is not known."""
     host, process, *born = owner.split()
     if host != socket.gethostname():
         return True

@@ -1,4 +1,4 @@
-"""The loop: the planner proposes, the gate and the actions dispose, until nothing is left to do."""
+"""The loop: the planner proposes actions, the gate checks them, until nothing is left to do."""
 
 from __future__ import annotations
 
@@ -185,7 +185,7 @@ class Loop:
         self.pool.say(Message("backend", "reject", body, parent=self._told))
 
     def _reviews(self, place: int) -> bool:
-        """Tell whether the layout is to be measured, and made again if it misses a goal."""
+        """Return whether the layout is to be measured, and made again if it misses a goal."""
         first = self._plan.items[place : place + 1]
         return bool(of_layout(self.goals)) and bool(first) and first[0].action == TOWN
 
@@ -238,7 +238,7 @@ class Loop:
         return self._onward(city, self._plan.items[place], place)
 
     def _onward(self, city: City, item: Item, place: int) -> int:
-        """Return the place of the next item; the plan is made anew when files hold other things."""
+        """Return the place of the next item; plan again when files hold other things."""
         self._note(item)
         left = {entry.action for entry in self._plan.items[place + 1 :]}
         if self.planner.records[item.action].kind != "source" or self._fits(city, left):
@@ -247,7 +247,7 @@ class Loop:
         return 0
 
     def _fits(self, city: City, left: set[str]) -> bool:
-        """Tell whether a plan still suits what the files turned out to hold."""
+        """Return whether a plan still suits what the files turned out to hold."""
         stages = self._situation(city).stages
         lays = any(self.planner.records[action].stage == "terrain" for action in left)
         return "layout" in stages and not (lays and "terrain" in stages)
@@ -304,7 +304,7 @@ class Loop:
         return city, 0
 
     def _is_leaf(self, item: Item, place: int) -> bool:
-        """Tell whether nothing else that is planned needs what an action gives."""
+        """Return whether nothing else that is planned needs what an action gives."""
         taken = {
             f"{port.format.value} {port.role}"
             for other in self._plan.items[place + 1 :]

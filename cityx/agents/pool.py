@@ -1,4 +1,4 @@
-"""The message pool: what the agents tell each other, for all to read, never changed afterwards."""
+"""The message pool: messages between agents, readable by all, never changed."""
 
 from __future__ import annotations
 

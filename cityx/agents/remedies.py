@@ -1,4 +1,4 @@
-"""Remedies: changes of a built city that bring about what it misses of its goals."""
+"""Remedies: change single objects of a built city so that it meets the goals it misses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The roles of the agents: what each is asked, whoever plays it, and who plays it offline.
+"""The roles of the agents: what each is asked, and the offline player of each.
 
 A language model takes a role behind the same interface (`cityx.agents.models`). Whoever plays,
 nothing but registered actions can come out, and the gate checks every call.
@@ -66,7 +66,7 @@ class Executor(Protocol):
 
     @property
     def tries(self) -> int:
-        """How many calls it may propose for one item before the plan is made anew."""
+        """Number of calls it may propose for one item before planning again."""
 
     def call(
         self, item: Item, record: Encapsulation, slots: Slots, faults: Sequence[str] = ()
@@ -142,7 +142,7 @@ class OfflineAnnotator:
 
 
 class OfflineEvaluator:
-    """Judges by measurement alone; what no check can tell stays open."""
+    """Judges by measurement alone; what no check can measure stays open."""
 
     def judge(
         self, checklist: Checklist, measured: Measured, views: Sequence[bytes] = ()
@@ -158,7 +158,7 @@ def _nothing(*_: Any) -> None:
 
 @dataclass(frozen=True)
 class Roles:
-    """Who plays which role in a run.
+    """The players of the roles in a run.
 
     Attributes
     ----------

@@ -15,7 +15,7 @@ _MET: Mapping[Answer, bool | None] = {"yes": True, "no": False, "cannot tell": N
 
 @dataclass(frozen=True)
 class Seen:
-    """What a look at the pictures told about one goal.
+    """What a look at the pictures found about one goal.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class Verdict:
 
     @property
     def open(self) -> tuple[str, ...]:
-        """Goals of which nobody can tell."""
+        """Goals that can be neither measured nor seen."""
         return tuple(goal for goal, found in self.findings.items() if found.met is None)
 
     @property
@@ -100,7 +100,7 @@ class Verdict:
 
 
 def merge(measured: Measured, seen: Mapping[str, Seen]) -> Verdict:
-    """Bring measurements and looks together; no look erases what was measured as missing.
+    """Merge measurements and looks; no look erases what was measured as missing.
 
     Parameters
     ----------

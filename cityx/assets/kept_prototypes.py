@@ -23,7 +23,7 @@ Maker = Callable[..., Prototype]
 
 
 def kept(group: str, *, least: int) -> Callable[[Maker], Maker]:
-    """Let the prototypes of a maker come from the cache, where an earlier run has left them.
+    """Take the prototypes of a maker from the cache when an earlier run has stored them.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""An artist's own objects in a city made anew: ``python -m cityx.blender.carry JOB.json``."""
+"""Carry an artist's own objects into a new scene: ``python -m cityx.blender.carry JOB.json``."""
 
 from __future__ import annotations
 

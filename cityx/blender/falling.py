@@ -1,4 +1,4 @@
-"""Rain and snow in front of a camera: one object, made for a picture and replaced for the next."""
+"""Rain and snow in front of a camera: one object per picture, replaced for the next."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Streets of setts: courses pushed along themselves, work that strays, patches laid anew.
+"""Streets of setts: courses shifted along themselves, uneven work, relaid patches.
 
 The texture is one tile; what is drawn here over the scene hides that it repeats.
 """
@@ -61,7 +61,7 @@ def _whole(tree: Tree, value: Socket, step: float) -> Socket:
 
 
 def _patches(tree: Tree, along: Socket, across: Socket) -> tuple[Socket, Socket]:
-    """Return 1 where setts were taken up and laid anew, and a number that each patch draws.
+    """Return 1 where setts were taken up and relaid, and a number that each patch draws.
 
     A patch begins and ends with whole courses; its sides are toothed, as courses are in bond.
     """

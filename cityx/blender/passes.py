@@ -1,4 +1,4 @@
-"""Passes: what Cycles writes of a picture beside its colour, for who reads it as numbers.
+"""Render passes: what Cycles writes besides the colour of a picture, to be read as numbers.
 
 A picture with passes is two files: the PNG as people see it, and a multilayer EXR of float32 with
 all else, written first and under a temporary name.

@@ -103,7 +103,7 @@ def build_scene(
 
 
 def mark_made() -> None:
-    """Write into every object of the file the name it has, which tells it from an artist's own."""
+    """Write its name into every object, to distinguish it from an artist's own."""
     for item in bpy.data.objects:
         item[NAME] = item.name
 

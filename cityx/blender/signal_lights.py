@@ -19,7 +19,7 @@ ACROSS = 4.0  # metres from a pole over the lanes beside it, where a crossing ma
 
 
 def show_signals(view: View, moment: float) -> None:
-    """Let poles show what rules who moves: numbers of their instances, which materials read.
+    """Set what signal poles show, as numbers of their instances that materials read.
 
     Parameters
     ----------

@@ -206,7 +206,7 @@ def save(path: Path) -> float:
 
 
 def end_with_parent(parent: int) -> None:
-    """End this process when the caller ends, even if it is killed: no render goes on for nobody."""
+    """End this process when the caller ends, even if killed, so that no render continues unused."""
     if sys.platform == "linux":
         import ctypes
 

@@ -138,7 +138,7 @@ def redesign(
     mass: Massing | None = None,
     noise: float | None = None,
 ) -> City:
-    """Turn buildings into those of one generator and raise the city's buildings anew.
+    """Turn buildings into those of one generator and rebuild the city's buildings.
 
     Parameters
     ----------
@@ -577,7 +577,7 @@ def _sound(grown: list[list[Mass]]) -> list[list[Mass]]:
 
 
 def _covered(plans: list[Any], grown: list[list[Mass]]) -> NDArray[np.bool_]:
-    """Tell which footprints the ground floors cover; volumes of one building do not overlap."""
+    """Return which footprints the ground floors cover; volumes of one building do not overlap."""
     rows = [row for row, masses in enumerate(grown) for mass in masses if mass.low < 0.05]
     ground = [mass.plan for masses in grown for mass in masses if mass.low < 0.05]
     area = shapely.area(np.array(ground, object))

@@ -209,7 +209,7 @@ def _drawn(weight: FloatArray, share: FloatArray) -> NDArray[np.int64]:
 
 
 def admitted(layout: Layout, floors: int = 0) -> NDArray[np.bool_]:
-    """Tell which generators make sense on which footprints, (n, g) bool.
+    """Return which generators make sense on which footprints, (n, g) bool.
 
     Parameters
     ----------

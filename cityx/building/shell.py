@@ -1,4 +1,4 @@
-"""Shells: walls, roofs with their shape, parapets and eaves for every building."""
+"""Shells: walls, shaped roofs, parapets and eaves of every building."""
 
 from __future__ import annotations
 
@@ -195,7 +195,7 @@ def _free_edges(rings: Rings, volumes: Volumes, reach: FloatArray) -> NDArray[np
 
 
 def _terraced(rings: Rings, free: NDArray[np.bool_], polygons: NDArray[Any]) -> NDArray[np.bool_]:
-    """Tell which parts have neighbours along both longer sides: their ridge runs across."""
+    """Return which parts have neighbours along both longer sides: their ridge runs across."""
     count = len(polygons)
     boxes = shapely.oriented_envelope(polygons)
     found = np.zeros(count, bool)

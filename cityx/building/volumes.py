@@ -102,7 +102,7 @@ def volumes_of(layout: Layout, terrain: Terrain) -> Volumes:
 def _resting(
     polygons: NDArray[Any], building: NDArray[np.uint64], base: FloatArray, top: FloatArray
 ) -> NDArray[np.bool_]:
-    """Tell which parts stand on another part of their building, (n,)."""
+    """Return which parts stand on another part of their building, (n,)."""
     resting = np.zeros(len(base), bool)
     rows = np.flatnonzero(base > DECK + MIN_STOREY)
     if not len(rows):

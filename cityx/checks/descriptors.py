@@ -151,7 +151,7 @@ def _extent(vertices: FloatArray) -> FloatArray:
 
 
 def classified(table: FloatArray, label: NDArray[np.int64], test: FloatArray) -> NDArray[np.int64]:
-    """Tell kinds apart by linear discriminants: one Gaussian each, one shared covariance.
+    """Classify by linear discriminants: one Gaussian per kind, one shared covariance.
 
     Parameters
     ----------

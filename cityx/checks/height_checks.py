@@ -71,7 +71,7 @@ def steep_share(city: City) -> float:
 
 
 def _headroom(city: City) -> tuple[int, int, float]:
-    """Look up from places on all carriageways: those inside of a body, those under a low one."""
+    """Find places on carriageways that are inside a body, or that lack clearance under one."""
     xy, z = carriageway_places(city)
     hit, height = _above(city, xy)
     above = height - z[hit]

@@ -1,4 +1,4 @@
-"""Checks of what moves: on its lane or walk, in nobody and no house, on the ground, by signals.
+"""Checks of vehicles and pedestrians: on lane or walk, collisions, ground contact, signals.
 
 All are measured on the tracks as every view shows them, twice a second, and against the finished
 ground and scene, whatever made the tracks.

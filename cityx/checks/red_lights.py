@@ -1,4 +1,4 @@
-"""Who goes on red: vehicles past their lines, and people onto crosswalks."""
+"""Check for running red lights: vehicles past stop lines, and people onto crosswalks."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ REACTION = 1.0  # seconds of red after which whoever starts has seen it
 
 
 def red_runners(city: City) -> BoolArray:
-    """Tell (n,) which movers pass a head of signals that has shown red for a while.
+    """Return (n,) which movers pass a signal head that has shown red for a while.
 
     A vehicle passes between its last sample on the lane and the next; it runs the light when the
     head is red from before the first to the second.

@@ -231,7 +231,7 @@ def _brief_goals(brief: Mapping[str, Any]) -> list[Goal]:
 
 
 def report_passed(report: Mapping[str, Any]) -> bool:
-    """Whether every check holds and no hard goal is missed; what cannot be told is not missed."""
+    """Return whether all checks hold and no hard goal is missed; unmeasured ones are not missed."""
     return all(check["ok"] for check in report["checks"].values()) and not any(
         goal["met"] is False and goal.get("hard", True) for goal in report["goals"]
     )

@@ -98,7 +98,7 @@ def undersides_of(city: City, batch: MeshBatch) -> FloatArray:
 
 
 def wanted_of(city: City, batch: MeshBatch) -> Wanted:
-    """Look up what the layout asks of the shells that it describes."""
+    """Return what the layout asks of the shells that it describes."""
     parts = city.layout.parts
     order = np.argsort(batch.object_id)
     own = parts["building"].to_numpy(np.uint64)

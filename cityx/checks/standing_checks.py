@@ -1,4 +1,4 @@
-"""Check of things: what stands outdoors stands on the ground, a deck or a slope of earth."""
+"""Check of outdoor things: each stands on the ground, a deck or an embankment."""
 
 from __future__ import annotations
 

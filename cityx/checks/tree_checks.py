@@ -106,7 +106,7 @@ def _outline(prototype: Prototype) -> NDArray[np.float64]:
 
 
 def _in_lanes(city: City, xy: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Tell which of (n, 2) points lie on lanes, parking lanes and shoulders."""
+    """Return which of (n, 2) points lie on lanes, parking lanes and shoulders."""
     graph = city.lanes
     assert graph is not None
     planted = np.isin(graph.kind, [KIND[name] for name in PLANTED])

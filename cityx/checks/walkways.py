@@ -1,4 +1,4 @@
-"""Checks of where people walk: pavements that crosswalks join as far as streets hang together."""
+"""Checks of walkways: pavements are connected by crosswalks as far as streets are connected."""
 
 from __future__ import annotations
 

@@ -156,7 +156,7 @@ class Ground:
         return cells_of_triangles(self.vertices, self.triangles)
 
     def on(self, xy: ArrayLike, *names: str) -> NDArray[np.bool_]:
-        """Tell which of (n, 2) points lie in or on a face of some surfaces, by name."""
+        """Return which of (n, 2) points lie in or on a face of some surfaces, by name."""
         return self.face_at(xy, *names) >= 0
 
     def face_at(self, xy: ArrayLike, *names: str) -> NDArray[np.int64]:
@@ -166,7 +166,7 @@ class Ground:
         return np.where(triangle >= 0, self.triangle_face[triangle], -1).astype(np.int64)
 
     def first_of(self, xy: ArrayLike, *names: str) -> NDArray[np.int64]:
-        """Tell which of some surfaces (n, 2) points lie in or on, by its number among the names.
+        """Return the number among the names of the surface that (n, 2) points lie in or on.
 
         Where surfaces meet the first one counts; -1 stands for none.
         """

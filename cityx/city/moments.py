@@ -1,4 +1,4 @@
-"""Tracks at many moments at once: who is where, for what must be known of every moment."""
+"""Tracks sampled at many moments at once: where every mover is."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which signals a pole at the kerb bears: what its lights show at a moment."""
+"""Signal poles at the kerb: the signal heads of each, and what its lights show at a moment."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ GO = ("green", "green_yielding")
 
 @dataclass(frozen=True)
 class Signals:
-    """Heads of signals, h of them, each of which shows one thing after the other and begins anew.
+    """h signal heads; each repeats its sequence of states.
 
     A head is what rules one way over a junction: from a lane into another, or over a crossing.
 

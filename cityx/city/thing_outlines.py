@@ -1,4 +1,4 @@
-"""Outlines of things that stand about, as far as they are in somebody's way."""
+"""Outlines of things on the ground, as obstacles of people and vehicles."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def placed_rings(
 
 
 def solid_ring(vertices: FloatArray) -> FloatArray:
-    """Return the ring round what of a thing is in somebody's way, (k, 2) metres, in its own frame.
+    """Return the outline of a thing as an obstacle, (k, 2) metres, in its own frame.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def solid_ring(vertices: FloatArray) -> FloatArray:
 def placed_outlines(
     scene: Scene, layers: Sequence[str] = FURNITURE
 ) -> tuple[NDArray[Any], FloatArray, NDArray[np.uint64]]:
-    """Return what of things is in somebody's way.
+    """Return the outlines of things as obstacles.
 
     Parameters
     ----------

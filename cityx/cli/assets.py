@@ -220,7 +220,7 @@ def embed(
     weights: Weights = "",
     allow_hub: AllowHub = False,
 ) -> None:
-    """Make the index of a library anew with an encoder."""
+    """Rebuild the index of a library with an encoder."""
     from cityx.assets.library.store import embed_library, open_library
 
     made = embed_library(open_library(library), _encoder(encoder, weights, allow_hub))

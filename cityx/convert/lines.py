@@ -118,7 +118,7 @@ def line_to_layout_conversion(
 
 
 def line_ids(lines: Lines) -> np.ndarray[tuple[int], np.dtype[np.uint64]]:
-    """Ids of the lines: their own, else by their geometry, repeated geometry told apart."""
+    """Ids of the lines: their own, else by geometry; repeated geometry gets distinct ids."""
     ids = lines.object_id.copy()
     seen: dict[bytes, int] = {}
     for row in np.flatnonzero(ids == 0).tolist():

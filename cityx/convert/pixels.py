@@ -1,4 +1,4 @@
-"""Pixels within faces: what was joined from the cells of a map is told by its stairs."""
+"""Pixels within faces: faces joined from the cells of a map are recognised by their stairs."""
 
 from __future__ import annotations
 

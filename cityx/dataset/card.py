@@ -163,7 +163,7 @@ def _checksums(manifest: Manifest) -> str:
 
 
 def _rates(out: Path) -> str:
-    """Tell how fast the shots came, summed over the runs that it took."""
+    """Return how many shots a second were made, summed over all runs."""
     path = out / RUNS
     if not path.exists():
         return ""

@@ -1,4 +1,4 @@
-"""The cities of a dataset: built if need be, planned, and told of in files of their own."""
+"""The cities of a dataset: built if needed, planned, and described in files of their own."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def build_source(source: Source, order: Order, work: Path, say: Say) -> None:
 
 
 def write_city_files(site: Site, shots: Sequence[Shot], order: Order, files: Files) -> None:
-    """Write what a dataset tells of a city: itself, its objects, its shots, and what formats ask.
+    """Write the files of a dataset's city: itself, its objects, its shots, and what formats need.
 
     Parameters
     ----------

@@ -75,7 +75,7 @@ class Progress(Protocol):
 
 @dataclass(frozen=True)
 class Hands:
-    """Who does the work; all top level, so that it can be sent to other processes.
+    """Functions of the workers; all top level, so that they can be sent to other processes.
 
     Attributes
     ----------
@@ -221,7 +221,7 @@ def _check_folder(out: Path, identity: Mapping[str, Any], faults: Faults) -> Non
 
 
 def _check_rig(order: Order, faults: Faults) -> None:
-    """Look for formats that do not know the cameras of the rig."""
+    """Refuse formats that cannot store the cameras of the rig."""
     from cityx.dataset.rigs import rig_named
 
     rig = faults.of(lambda: rig_named(order.rig))

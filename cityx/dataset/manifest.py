@@ -105,7 +105,7 @@ class Manifest:
         return {row[0] for row in self._database.execute("SELECT number FROM shot")}
 
     def holds(self, path: str) -> bool:
-        """Tell whether a file that speaks of no single shot is complete."""
+        """Return whether a file that speaks of no single shot is complete."""
         rows = self._database.execute("SELECT 1 FROM file WHERE path = ?", (path,))
         return rows.fetchone() is not None
 

@@ -35,7 +35,7 @@ def truth(
     boxes: bool = False,
     threads: int | None = None,
 ) -> Record:
-    """Make the channels of a shot that rays can tell.
+    """Make the channels of a shot that rays give.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Workers: processes that take shots in chunks, are renewed, and may die without harm."""
+"""Workers: processes that take shots in chunks, are replaced, and may die without harm."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def _follow_parent() -> None:
 
 
 def share_threads(threads: int) -> None:
-    """Let processes that are started from now on have so many threads each."""
+    """Limit the threads of processes that are started from now on."""
     for name in THREADS:
         os.environ[name] = str(threads)
 
@@ -209,7 +209,7 @@ def _do(work: Work, job: Any, chunk: Sequence[Any]) -> list[Any]:
 
 
 def check_cluster(address: str) -> None:
-    """Tell what is wrong with an address, or what to install where dask is missing.
+    """Describe what is wrong with an address, or what to install if dask is missing.
 
     Raises
     ------

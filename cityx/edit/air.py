@@ -1,4 +1,4 @@
-"""The air of a city that exists: more or less of its weather, wet streets, snow that lies."""
+"""Edit the air of a city: more or less of its weather, wet streets, lying snow."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Renewal: after a change of the layout, what depends on it is made again, and nothing else moves.
+"""Renewal: after a change of the layout, rebuild what depends on it and keep everything else.
 
 The actions that made streets, ground and what stands there run twice, with the arguments they had:
 on the layout as it was and as it is to be. What comes out the same both times does not depend on
@@ -45,7 +45,7 @@ ONTO_ROADWAY = ("trees", "street_furniture", "street_pieces", "park_pieces")
 def renewed(
     city: City, layout: Layout, actions: Registry | None = None, *, surface: bool = False
 ) -> City:
-    """Return a city with another layout and with everything that follows from the difference.
+    """Return a city with another layout, with everything rebuilt that depends on the difference.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Airways: ways through the free air over a height field, from layer to layer."""
+"""Airways: flight paths through free air over a height field, from layer to layer."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Airspace:
         return replace(self, top=maximum_filter(self.top, size=3, mode="nearest"))
 
     def free(self, points: FloatArray) -> NDArray[np.bool_]:
-        """Tell which of (n, 3) points lie in free air over the site."""
+        """Return which of (n, 3) points lie in free air over the site."""
         rows, columns = self.top.shape
         cell = np.floor((points[:, :2] - self.low[:2]) / self.cell + 0.5).astype(np.int64)
         on = (cell >= 0).all(axis=1) & (cell < (columns, rows)).all(axis=1)
@@ -55,7 +55,7 @@ class Airspace:
         return np.asarray(on & (level >= self.top[y, x]) & (level <= self.ceiling[y, x]))
 
     def straight(self, a: FloatArray, b: FloatArray) -> bool:
-        """Tell whether the air is free all along from one point to another."""
+        """Return whether the straight line from one point to another is free."""
         count = int(np.ceil(np.linalg.norm(b - a) / (self.cell / 4))) + 1
         return bool(self.free(np.linspace(a, b, count)).all())
 

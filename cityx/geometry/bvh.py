@@ -1,4 +1,4 @@
-"""Trees of boxes over triangles and instances, and rays through them: compiled by numba.
+"""Bounding volume hierarchy over triangles and instances, and rays through it, compiled by numba.
 
 Import it lazily: numba alone takes half a second. Kernels release Python's lock, so that threads
 share the rays, and are cached on disk (in the user's cache folder where the package is read-only).

@@ -1,4 +1,4 @@
-"""How far points are from walls, kerbs and shores, and how to make them keep away."""
+"""Clearance: distances of points from walls, kerbs and shores, and how to keep it."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def distance_within(xy: ArrayLike | Spots, shapes: ArrayLike, reach: float) -> F
 
 
 def near_any(xy: ArrayLike | Spots, shapes: ArrayLike, distance: ArrayLike) -> BoolArray:
-    """Tell which of (n, 2) points lie nearer than `distance` (one, or one per shape) to a shape."""
+    """Return which of (n, 2) points lie nearer to a shape than `distance`, one or one per shape."""
     spots = spots_of(xy)
     near = np.zeros(len(spots.xy), bool)
     geometry = np.asarray(shapes, dtype=object)

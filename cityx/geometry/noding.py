@@ -101,7 +101,7 @@ def with_points(lines: Shapes, line: ArrayLike, places: ArrayLike) -> Shapes:
 
 
 def join_ends(lines: ArrayLike, own: ArrayLike, reach: ArrayLike, new: ArrayLike) -> Shapes:
-    """Lead the ends of new lines to the lines they all but reach, or end just beyond.
+    """Extend or cut the ends of new lines to the lines that they almost reach or just pass.
 
     Parameters
     ----------

@@ -45,7 +45,7 @@ def subtract(shapes: NDArray[Any], cut: NDArray[Any]) -> NDArray[Any]:
 
 
 def unite(a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
-    """Unite shapes, (n,) with (n,), whose common edges may have corners on one side only."""
+    """Join shapes, (n,) with (n,), whose common edges may have corners on one side only."""
     both = shapely.set_precision(shapely.union(a, b, grid_size=NEEDLE), 0.0)
     corners = shapely.geometrycollections(np.column_stack([a, b]))
     return np.asarray(shapely.snap(both, corners, RETURN), object)

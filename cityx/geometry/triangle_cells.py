@@ -1,4 +1,4 @@
-"""Which triangles lie under points, looked up by the cells of a grid that they meet."""
+"""Find the triangles under points, by the grid cells that triangles intersect."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ def _cell_number(i: NDArray[np.int32], j: NDArray[np.int32]) -> IntArray:
 def in_triangles(
     xy: ArrayLike, vertices: NDArray[np.float64], triangles: NDArray[np.int32]
 ) -> BoolArray:
-    """Tell which of (n, 2) points lie in or on one of (t, 3) triangles over (v, 2) vertices."""
+    """Return which of (n, 2) points lie in or on one of (t, 3) triangles over (v, 2) vertices."""
     return np.asarray(triangle_at(xy, cells_of_triangles(vertices, triangles)) >= 0)
 
 
@@ -231,7 +231,7 @@ def _within(at: FloatArray, boxes: FloatArray, triangle: IntArray) -> IntArray:
 
 
 def _holds(prepared: TriangleCells, triangle: IntArray, xy: FloatArray) -> BoolArray:
-    """Tell which triangles have a point in them or on their rim, whichever way round they are."""
+    """Return which triangles have a point in them or on their rim, whichever way round they are."""
     corner = prepared.triangles[triangle].T
     x, y = (prepared.vertices[corner, axis] - xy[:, axis] for axis in (0, 1))  # (3, k) each
     turn = [x[k - 1] * y[k] - y[k - 1] * x[k] for k in range(3)]

@@ -265,7 +265,7 @@ def _absorb_slivers(ground: Ground, doubled: IntArray) -> Ground:
 
 
 def owners(ground: Ground, label: int, over: tuple[str, ...]) -> NDArray[np.int64]:
-    """Tell which surface of one label each face belongs to, also what lies on top of it.
+    """Return which surface of one label each face belongs to, also for faces on top of it.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Heights along a graph of ways that no way climbs faster than it may."""
+"""Heights along a graph of ways within the greatest grade of each way."""
 
 from __future__ import annotations
 

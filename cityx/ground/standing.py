@@ -1,4 +1,4 @@
-"""What lies under points of the ground: its surface and its height there."""
+"""Surface and height of the ground under points."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Footing:
 
 
 def stand_on(ground: MeshBatch | None, xy: ArrayLike) -> Footing:
-    """Look up the draped ground under (n, 2) points.
+    """Return surface and height of the draped ground under (n, 2) points.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What stands on walks by rule, how often, and how much room it needs.
+"""Rules of street furniture on walks: how often each thing stands there, and the room it needs.
 
 Rates are pieces per 100 m of kerb. They follow inventories of European and American cities in
 order of magnitude (a bench per 100-250 m and a bin per 50-150 m of main street, a hydrant per

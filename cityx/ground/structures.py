@@ -171,7 +171,7 @@ def beams(lines: Polylines, low: FloatArray, high: FloatArray, inner: ArrayLike,
 
 def banks(lines: Polylines, high: FloatArray, reach: FloatArray, foot: FloatArray,
           depth: float) -> Bodies:  # fmt: skip
-    """Heap soil against lines: a slope from each down to its foot.
+    """Make embankment slopes: from each line down to its foot.
 
     Parameters
     ----------

@@ -215,7 +215,7 @@ def _trees(found: dict[str, tuple[Any, ...]], town: dict[str, Any], wishes: Wish
 
 
 def _air(found: dict[str, tuple[Any, ...]], town: dict[str, Any], wishes: Wishes) -> None:
-    """Say how strong the weather is, the clock of a word for a time, the day of a season."""
+    """Return how strong the weather is, the clock of a word for a time, the day of a season."""
     del town, wishes
     for word in found.get("weather", ()):
         for strength in found.get(f"{word}.intensity", ()):

@@ -1,4 +1,4 @@
-"""A brief: what an instruction asks for, and what nobody understood of it."""
+"""A brief: what an instruction asks for, and what was not understood of it."""
 
 from __future__ import annotations
 
@@ -209,7 +209,7 @@ class Brief:
 
     @property
     def words_unread(self) -> tuple[str, ...]:
-        """The words that nobody understood."""
+        """The words that were not understood."""
         return tuple(self.text[first:last] for first, last in self.unread)
 
     def joined(self, note: Brief) -> Brief:

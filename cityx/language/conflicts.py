@@ -77,7 +77,7 @@ def _counted_apart(slots: list[Slot]) -> list[Slot]:
 
 
 def _weaker(slot: Slot, slots: Sequence[Slot]) -> bool:
-    """Tell whether another slot says the same more exactly."""
+    """Return whether another slot says the same more exactly."""
     if slot.key == "nature.trees":
         words = {one.value for one in slots if one.key == slot.key}
         counted = any(one.key in ("tree.count", "nature.spacing") for one in slots)

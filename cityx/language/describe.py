@@ -43,7 +43,7 @@ def describe(text: str, items: Sequence[Item]) -> Findings:
 
 
 def unread(items: Iterable[Item]) -> list[Item]:
-    """Return the items with content that nobody read."""
+    """Return the items with content that were not read."""
     return [item for item in items if not item.state and _has_content(item)]
 
 
@@ -76,7 +76,7 @@ def _settled(here: Here) -> None:
 
 
 def _there_alone(here: Here) -> bool:
-    """Tell whether something is denied in one place alone: "no trees on the main road"."""
+    """Return whether something is denied in one place alone: "no trees on the main road"."""
     place = here.items[here.at + 2 : here.at + 4]
     beside = here.after is not None and here.after.get("rel") in ("on", "along", "near", "around")
     nouns = [one for one in place if one.noun and one.noun not in ("road", "city", "landscape")]
@@ -86,7 +86,7 @@ def _there_alone(here: Here) -> bool:
 
 
 def _of_a_kind(here: Here) -> bool:
-    """Tell whether streets of one width alone are denied: "no narrow streets"."""
+    """Return whether streets of one width alone are denied: "no narrow streets"."""
     before = here.before
     return before is not None and before.has("width", "size") and here.item.noun in ROADS
 
@@ -253,14 +253,14 @@ def _nouns(here: Here) -> None:
 
 
 def _of_roofs(here: Here, noun: Item | None) -> bool:
-    """Tell whether a colour is that of roofs: "red roofs", "give the roofs a red colour"."""
+    """Return whether a colour is that of roofs: "red roofs", "give the roofs a red colour"."""
     if noun is not None:
         return noun.noun == "roof"
     return any(one.noun == "roof" for one in here.clause())
 
 
 def _of_the_air(here: Here) -> bool:
-    """Tell whether a colour is that of the day: "a grey and gloomy November afternoon"."""
+    """Return whether a colour is that of the day: "a grey and gloomy November afternoon"."""
     for item in here.items[here.at + 1 :]:
         if item.get("slot").startswith(_AIR):
             return True

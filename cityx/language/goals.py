@@ -166,7 +166,7 @@ def _left(base: str, end: str, slots: Sequence[Slot]) -> str:
 
 
 def _has(chosen: str, measure: str) -> bool:
-    """Tell whether things of a kind have a measure."""
+    """Return whether things of a kind have a measure."""
     if measure not in _MEASURES:
         return False
     kind = chosen.partition(",")[0]

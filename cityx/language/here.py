@@ -1,4 +1,4 @@
-"""Here: one item of an instruction with what stands around it, and what was read so far."""
+"""Here: one item of an instruction with its context, and what was read so far."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ class Here:
         return list(self.items[first:last])
 
     def of_every_building(self) -> bool:
-        """Tell whether what stands around is about each building: "every house of brick"."""
+        """Return whether the context is about each building: "every house of brick"."""
         near = self.clause(_AROUND)
         for at, item in enumerate(near):
             if item.noun == "everything":

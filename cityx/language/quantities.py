@@ -105,7 +105,7 @@ def _lengths(here: Here) -> None:
 
 
 def _is_extent(here: Here, noun: Item | None) -> bool:
-    """Tell whether a length is the city's: "500 m across", "a town of | 600 m with a river"."""
+    """Return whether a length is the city's: "500 m across", "a town of | 600 m with a river"."""
     if here.quantity.attribute in ("side", "across"):
         return noun is None or noun.noun_class == "place"
     if here.quantity.attribute or here.noun_behind() is not None:
@@ -117,7 +117,7 @@ def _is_extent(here: Here, noun: Item | None) -> bool:
 
 
 def _is_depth(here: Here) -> bool:
-    """Tell whether a length is that of lying snow or water: "20 cm of snow"."""
+    """Return whether a length is that of lying snow or water: "20 cm of snow"."""
     what = here.items[here.at + 2] if here.at + 2 < len(here.items) else None
     of = here.after is not None and here.after.get("rel") == "of"
     return of and what is not None and what.get("slot").startswith("weather=")

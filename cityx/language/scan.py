@@ -88,7 +88,7 @@ class Item:
         return next((value for name, value in self.senses if name == kind), "")
 
     def has(self, *kinds: str) -> bool:
-        """Tell whether the item has a sense of one of the kinds."""
+        """Return whether the item has a sense of one of the kinds."""
         return any(name in kinds for name, _ in self.senses)
 
     @property
@@ -107,7 +107,7 @@ class Item:
         return " ".join(self.words)
 
     def is_mark(self, marks: str) -> bool:
-        """Tell whether the item is one of some marks."""
+        """Return whether the item is one of some marks."""
         return self.kind == "mark" and self.words[0] in marks
 
 
@@ -293,7 +293,7 @@ def _part(words: Sequence[Word], at: int, share: float, length: int) -> tuple[Qu
 
 
 def _of_the_later_day(words: Sequence[Word], at: int) -> bool:
-    """Tell whether "in the afternoon" or "at night" follows an hour."""
+    """Return whether "in the afternoon" or "at night" follows an hour."""
     return any(word.text in ("afternoon", "evening", "night") for word in words[at : at + 3])
 
 

@@ -49,7 +49,7 @@ def settle_scopes(items: Sequence[Item]) -> None:
 
 
 def _is_exception(items: Sequence[Item], at: int) -> bool:
-    """Tell whether a "but" leaves something out of all: "everything but b01"."""
+    """Return whether a "but" leaves something out of all: "everything but b01"."""
     before = [item for item in items[:at] if item.kind != "function"]
     after = next((item for item in items[at + 1 :] if item.kind != "function"), None)
     if items[at].get("rel") != "but" or not before or after is None:
@@ -101,7 +101,7 @@ def _scope(items: Sequence[Item], at: int) -> list[Item]:
 
 
 def _list_goes_on(items: Sequence[Item], at: int) -> bool:
-    """Tell whether a comma parts the nouns of a list that ends in "or": "no A, B or C"."""
+    """Return whether a comma parts the nouns of a list that ends in "or": "no A, B or C"."""
     nouns = 0
     for item in items[at + 1 :]:
         if item.get("rel") == "or" or item.text == "nor":
@@ -115,7 +115,7 @@ def _list_goes_on(items: Sequence[Item], at: int) -> bool:
 
 
 def _noun_follows(items: Sequence[Item], at: int) -> bool:
-    """Tell whether "and" is followed by a bare noun, so that the "no" before it reaches on."""
+    """Return whether "and" is followed by a bare noun, so that the "no" before it reaches on."""
     if at + 1 >= len(items):
         return False
     item = items[at + 1]
@@ -144,7 +144,7 @@ def _list_before(items: Sequence[Item], at: int) -> list[Item]:
 
 
 def _keeps(items: Sequence[Item], at: int) -> bool:
-    """Tell whether "keep" or "leave" protects something, here."""
+    """Return whether "keep" or "leave" protects something, here."""
     clause = _kept_scope(items, at + 1)
     if any(item.has("unchanged") for item in clause):
         return True

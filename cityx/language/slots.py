@@ -12,7 +12,7 @@ SINGLE = load("language/slots", frozenset[str], "single")
 
 
 def is_key(key: str) -> bool:
-    """Tell whether a key is one of the closed list."""
+    """Return whether a key is one of the closed list."""
     base = key.removesuffix(".min").removesuffix(".max")
     family = any(base.endswith(f".{name}") and len(base) > len(name) + 1 for name in MEASURED)
     return base in KEYS or family

@@ -1,4 +1,4 @@
-"""Text files that came as input: wishes may be read from them, orders may not."""
+"""Untrusted text files: wishes may be read from them, orders to the program may not."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def _gives_orders(sentence: str) -> bool:
 
 
 def _sweeping(edit: Edit) -> bool:
-    """Tell whether an edit is about more than a few named objects."""
+    """Return whether an edit is about more than a few named objects."""
     target = edit.target
     if target is None:
         return True

@@ -58,7 +58,7 @@ COLORS = (0xB8342F, 0xD9A627, 0x2F6FB0, 0x3E8F5A, 0xE07A3A, 0x7A5BA6, 0xD77C9A, 
 
 @dataclass(frozen=True)
 class Wanted:
-    """Who is asked for: how they go, of which sex, and the person's number or -1."""
+    """The character asked for: gait, sex, and the person's number or -1."""
 
     gait: str
     sex: str

@@ -1,4 +1,4 @@
-"""How a crowd moves: the collision-free speed model, with steps that are never taken into anybody.
+"""Crowd dynamics: the collision-free speed model; steps that would touch somebody are taken back.
 
 Everybody heads for a place ahead, bends away from neighbours, and goes as fast as the gap ahead
 allows. Who waits makes room for those who come towards them, and who is in the way of a vehicle
@@ -63,7 +63,7 @@ class Floor:
 
 @dataclass(frozen=True)
 class Crowd:
-    """Who walks at one moment, n people.
+    """n pedestrians at one moment.
 
     Attributes
     ----------

@@ -206,7 +206,7 @@ def step(
 def _leads_off(
     here: Any, x: float, y: float, zone: Any, number: int, west: float, north: float, size: float
 ) -> bool:  # fmt: skip
-    """Tell whether a step of who is on the rim of a zone leads away from it."""
+    """Return whether a step of who is on the rim of a zone leads away from it."""
     row, column = cell_of(here[0], here[1], west, north, size, zone.shape)
     east, up = 0.0, 0.0
     for i in range(max(row - 1, 0), min(row + 2, zone.shape[0])):
@@ -326,7 +326,7 @@ def sees(
     x: float, y: float, to_x: float, to_y: float, shares: Any, mine: int, free: Any, zones: Any,
     west: float, north: float, size: float,
 ) -> bool:  # fmt: skip
-    """Tell whether a straight line stays free, at some shares of it, and off zones of others."""
+    """Return whether a straight line stays free, at some shares of it, and off zones of others."""
     row, column = cell_of(x, y, west, north, size, free.shape)
     own = zones[row, column]
     for k in range(len(shares)):

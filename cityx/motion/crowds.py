@@ -1,4 +1,4 @@
-"""Crowds put into a city: refused where they do not fit, walked, and kept as tracks."""
+"""Crowds in a city: refuse those that do not fit, simulate the others, keep their tracks."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def with_crowd(
     city: City, walkable: Walkable, gates: Gates, trips: Trips, duration: float, origin: str,
     held: Tracks,
 ) -> City:  # fmt: skip
-    """Let people walk among what moves already, and put their tracks into the city.
+    """Simulate pedestrians among what moves already, and add their tracks to the city.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def without_people(city: City, origin: str | None = None) -> Tracks:
 
 
 def met(made: Tracks, others: Tracks, every: float) -> NDArray[np.bool_]:
-    """Tell who comes too near to those who do not give way.
+    """Return who comes too near to movers that do not give way.
 
     People are in a vehicle's way where it sweeps over a walk, as on tight corners.
 

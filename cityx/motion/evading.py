@@ -1,4 +1,4 @@
-"""Evading: when those who go along a course set out, so that they meet nobody who walks already.
+"""Collision avoidance of characters: choose start times so that nobody on foot is met on a course.
 
 Who is where on a course at what time follows from the moment at which it passes the beginning. So
 each place and time at which somebody else is on the course rules out one such moment, and those

@@ -1,4 +1,4 @@
-"""Where people may walk and vehicles drive, and what stands in the way of a path."""
+"""Feasible paths: where people may walk and vehicles drive, and obstacles of a path."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where traffic halts: before zebras, under signals, for streets of a higher class."""
+"""Where traffic stops: at zebras, at signals, and before streets of a higher class."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Paths that words name: a curve somebody drew, a way of the map, or one around a place."""
+"""Paths named in words: a drawn curve, a way of the map, or a loop around a place."""
 
 from __future__ import annotations
 

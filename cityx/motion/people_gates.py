@@ -1,4 +1,4 @@
-"""When people may cross, and where they must not stand: what moves already does not give way."""
+"""Gap acceptance of pedestrians: when they may cross, since vehicles do not give way to them."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Gates:
     start: IntArray
 
     def open(self, crosswalk: IntArray, now: float, seconds: FloatArray) -> BoolArray:
-        """Tell (k,) whether one may begin to cross, who needs so many seconds."""
+        """Return (k,) whether a crossing that takes so many seconds may begin."""
         first = self._at(now)
         free = self._free_for[crosswalk, first] * self.tick
         return np.asarray(~self.shut[crosswalk, first] & (free >= seconds))
@@ -150,7 +150,7 @@ def gates_of(tracks: Tracks, signals: Signals | None, walkable: Walkable, durati
 
 
 def in_boxes(boxes: FloatArray, spots: FloatArray) -> BoolArray:
-    """Tell which of (n, 2) places lie in one of (b, 6) boxes."""
+    """Return which of (n, 2) places lie in one of (b, 6) boxes."""
     gap = spots[:, None] - boxes[None, :, :2]
     east, north = boxes[:, 2], boxes[:, 3]
     along = np.abs(gap[:, :, 0] * east + gap[:, :, 1] * north) < boxes[:, 4]

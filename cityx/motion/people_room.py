@@ -1,4 +1,4 @@
-"""How many people narrow places let through: ways that would need more are not taken."""
+"""Bottleneck capacity: how many people narrow places let through; fuller ways are not taken."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where people go: from doors, stops and the borders of a city to others, by the hour."""
+"""Trips of pedestrians: between doors, stops and the borders of a city, by the hour."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""People under way: a crowd that follows its walks, waits where roadways are taken, and arrives."""
+"""Pedestrians under way: follow routes, wait at roadways that are not free, arrive."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ Others = Callable[[float], FloatArray]
 def walked(
     trips: Trips, walkable: Walkable, gates: Gates, others: Others, duration: float, side: float
 ) -> Steps:
-    """Let people walk.
+    """Simulate the pedestrians.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ class _Walk:
         self.anchor = self.position.copy()
 
     def advance(self, now: float, others: FloatArray) -> None:
-        """Let everybody take one step."""
+        """Advance every pedestrian by one step."""
         from cityx.motion.crowd_kernel import follow
 
         boxes = self.gates.boxes_at(now)

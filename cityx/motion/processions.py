@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Cast:
-    """Who goes along a course, n of them.
+    """n movers along one course.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ def new_ids(city: City, origin: str, name: str, count: int) -> list[int]:
 def procession(
     city: City, way: Course, speed: FloatArray, cast: Cast, seconds: float
 ) -> tuple[City, tuple[int, ...]]:
-    """Let movers go along a course; whoever comes to the end of an open one leaves the city.
+    """Move along a course; a mover at the end of an open one leaves the city.
 
     Parameters
     ----------

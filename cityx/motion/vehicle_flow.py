@@ -1,4 +1,4 @@
-"""Vehicles as somebody asks for them: so many of a kind, along streets or from place to place."""
+"""Vehicles on request: so many of a kind, along streets or from place to place."""
 
 from __future__ import annotations
 

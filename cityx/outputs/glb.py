@@ -340,7 +340,7 @@ class _Writer:
         return movers.layers(), movers.bodies
 
     def _mesh(self, title: str, shape: _Shape, tint: NDArray[np.float32]) -> int:
-        """Return the mesh of a prototype in one colour; only the colours are written anew."""
+        """Return the mesh of a prototype in one colour; only the colours are written again."""
         flat = shape.flat
         color = (
             np.full((len(flat.position), 4), 255, np.uint8) if flat.color is None else flat.color

@@ -30,11 +30,11 @@ class UsdPhysics:
         self._made: dict[tuple[float, float], Any] = {}
 
     def fixed(self, mesh: Any, touch: tuple[float, float]) -> None:
-        """Let a mesh with the schemas `COLLIDES` collide by its faces."""
+        """Add collision by faces to a mesh with the schemas `COLLIDES`."""
         self._collide(mesh, "none", touch)
 
     def thing(self, mesh: Any, thing: Thing) -> None:
-        """Let the mesh of a prototype collide, and move if it is free to; see `schemas_of`."""
+        """Add collision, and rigid-body schemas if loose, to a prototype (see `schemas_of`)."""
         box = len(thing.collider) == 1 and isinstance(thing.collider[0], Box)
         several = "convexDecomposition" if len(thing.collider) > 1 else "convexHull"
         self._collide(mesh, "boundingCube" if box else several, (thing.friction, thing.restitution))

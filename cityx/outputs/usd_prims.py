@@ -65,7 +65,7 @@ def connect(prim: Any, name: str, kind: Any, source: Any, output: str) -> None:
 
 
 def refer(prim: Any, path: Any) -> None:
-    """Let a prim begin as what lies at a path of the same layer."""
+    """Make a prim a reference to a path of the same layer."""
     prim.referenceList.prependedItems = [Sdf.Reference("", path)]
 
 

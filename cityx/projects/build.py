@@ -87,7 +87,7 @@ class Job:
 
     @property
     def start(self) -> City:
-        """The city before the first action: nothing but where it lies and what it is to be."""
+        """The city before the first action: place, options and nothing else."""
         options = self.options
         frame = replace(Frame(*options.at) if options.at else NOWHERE, place=self.place)
         return City(
@@ -130,7 +130,7 @@ class Job:
 def make_job(
     paths: list[Path], options: BuildOptions, say: Say = quiet, *, left: Path | None = None
 ) -> Job:
-    """Look at the inputs of a build and make ready for it; `Job.roles` is to be closed.
+    """Inspect the inputs of a build and prepare it; `Job.roles` is to be closed.
 
     Parameters
     ----------
@@ -414,7 +414,7 @@ def _brief(job: Job) -> dict[str, Any]:
 
 
 def recheck(folder: Path) -> dict[str, Any]:
-    """Measure a built city again and write its report anew; what the build measured is kept.
+    """Measure a built city again and rewrite its report; what the build measured is kept.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The desk: a built city opened for changes, each of which happens whole or not at all.
+"""The desk: a built city opened for changes; each becomes a revision, whole or not at all.
 
 A change is written beside the store and takes its place by a rename, together with the journal that
 tells of it; the store as it was goes to the folder ``history`` under the number of its revision.
@@ -31,11 +31,11 @@ STORE, NEXT, OLD, HISTORY = "city", "city.next", "city.old", "history"
 
 
 class Conflict(UsageError):
-    """Somebody else changed the city since the caller looked at it."""
+    """Another process changed the city since the caller read it."""
 
 
 class Cancelled(CityxError):
-    """Who asked for a change called it off; the city stays as it was."""
+    """A change was cancelled by its caller; the city stays as it was."""
 
 
 @dataclass(frozen=True)
@@ -257,7 +257,7 @@ class Desk:
 
     @contextmanager
     def _alone(self, expected: int | None) -> Iterator[None]:
-        """Keep other processes from changing the city, of which the newest revision is taken."""
+        """Lock the city folder and reload its newest revision."""
         with locked(self.folder):
             if not self.journal.is_of(self._store / JOURNAL):
                 self.journal.close()

@@ -1,4 +1,4 @@
-"""Changes in words: a sentence becomes actions on a built city, and its views are made anew."""
+"""Edits in words: a sentence becomes actions on a built city, and its views are updated."""
 
 from __future__ import annotations
 
@@ -253,7 +253,7 @@ def renew(
     folder: Path, city: City, request: Request, revision: Revision, say: Say = quiet, *,
     before: City | None = None,
 ) -> dict[str, Any]:  # fmt: skip
-    """Make the views of a changed city anew, those that there are, and its report.
+    """Update the existing views and the report of a changed city.
 
     The checks of the report stay those of the last `cityx check`, of which it tells the hash. What
     was added, and whether all else is the same, is told by the city as it was before, if that is

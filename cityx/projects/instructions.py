@@ -1,4 +1,4 @@
-"""Instructions: a text is carried out on a folder, whether a city is there or is still to be."""
+"""Instructions: carry out a text on a folder: edit the city there, or build one."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ QUICK = BuildOptions(formats=(), render=False)
 
 
 def is_built(folder: Path) -> bool:
-    """Tell whether a folder holds a city."""
+    """Return whether a folder holds a city."""
     return (folder / STORE / "city.json").exists()
 
 

@@ -1,4 +1,4 @@
-"""Pulling: what an artist changed in ``city.blend`` comes back as one revision of the city."""
+"""Pulling: take what an artist changed in ``city.blend`` into the city as one revision."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Pull:
                     or self.erased)  # fmt: skip
 
     def lines(self, most: int = SHOWN) -> list[str]:
-        """Say in words what differs, some of each kind by name."""
+        """Describe the differences, some of each kind by name."""
         found = []
         for verb, changes in (("moved", self.moved), ("copied", self.copied)):
             found += _named(verb, [f"{c['id']}{_pose_in_words(c)}" for c in changes], most)
@@ -131,7 +131,7 @@ def owners_of(city: City) -> dict[str, str]:
 
 
 def _pose_in_words(change: Mapping[str, Any]) -> str:
-    """Say by how much something was moved, turned and scaled."""
+    """Describe by how much something was moved, turned and scaled."""
     words = ""
     for key, same, said in (("move", 0.0, "by {} m"), ("turn", 0.0, "turned {} rad"),
                             ("factor", 1.0, "scaled {}")):  # fmt: skip
@@ -289,7 +289,7 @@ def differences(folder: Path, path: Path, numbers: Sequence[int]) -> Pull:
 
 
 def _carry(source: Path, target: Path, names: Sequence[str]) -> None:
-    """Append an artist's own objects to the city made anew."""
+    """Append an artist's own objects to the rebuilt scene."""
     job = {
         "source": str(source.resolve()), "target": str(target.resolve()), "names": list(names),
     }  # fmt: skip

@@ -99,7 +99,7 @@ class NotConvertible:
 
 
 def subject(role: str) -> str:
-    """Return what a role speaks of: "road" of "road_centerline"."""
+    """Return the subject of a role: "road" of "road_centerline"."""
     return role.partition("_")[0]
 
 

@@ -1,4 +1,4 @@
-"""The gate: every call passes here before it runs, and every fault is told at once."""
+"""The gate: every call is checked here before it runs, and all its faults are reported at once."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def check(
     seen: Container[str] = (),
     budget: Budget | None = None,
 ) -> None:
-    """Let a call pass or refuse it.
+    """Check a call, and refuse it with all of its faults.
 
     Parameters
     ----------

@@ -56,7 +56,7 @@ class Limits:
 
 
 def is_inside() -> bool:
-    """Tell whether this process is the worker."""
+    """Return whether this process is the worker."""
     return INSIDE in os.environ
 
 

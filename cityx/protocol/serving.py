@@ -1,4 +1,4 @@
-"""What of a brief calls for an action, and with which arguments."""
+"""Match the slots of a brief to actions and their arguments."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Serves:
         return hash(self.slots)
 
     def asked(self, slots: Slots) -> bool:
-        """Tell whether a brief asks for all of it."""
+        """Return whether a brief asks for all of it."""
         for pattern in self.slots:
             key, equals, value = pattern.removeprefix("!").partition("=")
             if pattern.startswith("!"):

@@ -1,4 +1,4 @@
-"""Actions as clients see them: found by words, told in full, called through the gate."""
+"""Actions as clients see them: searched by words, described in full, called through the gate."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def doc(actions: Registry, name: str) -> dict[str, Any]:
 
 
 def loses(record: Encapsulation) -> bool:
-    """Tell whether an action starts from what the last one left, so that twice is not once.
+    """Return whether repeating an action changes the city again.
 
     All others draw by the identity of things: running one again gives the same.
     """

@@ -103,7 +103,7 @@ class CityServer:
         return found
 
     async def _renew(self) -> None:
-        """Let the owner look again where another process changed the city."""
+        """Make the owner reload if another process changed the city."""
         if self.owner.alive and self.owner.outdated() and not self.owner.busy:
             job = self.owner.submit("look", lambda job: Reply("ok", job_id=job.id))
             await _ended(job, LONGEST_CALL_S / 2)

@@ -75,7 +75,7 @@ def changed_parts(before: City, after: City) -> list[str]:
 
 
 def _same(first: Any, second: Any) -> bool:
-    """Tell whether two parts hold the same values."""
+    """Return whether two parts hold the same values."""
     if first is second or type(first) is not type(second):
         return first is second
     names = [column.name for column in fields(first)]

@@ -1,4 +1,4 @@
-"""Jobs: work that one thread does in turn while clients wait, look in or call it off."""
+"""Jobs: work that one thread does in turn while clients wait, poll or cancel."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Job:
         self._stop.set()
 
     def cancelled(self) -> bool:
-        """Tell whether the work was called off."""
+        """Return whether the work was cancelled."""
         return self._stop.is_set()
 
     def to_json(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Notices: who watches a resource is told when the city has another revision."""
+"""Notices: subscribers of a resource are notified of a new revision of the city."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Notices:
                 held.task.cancel()
 
     def changed(self) -> None:
-        """Say that the city is another; from any thread."""
+        """Notify that the city has changed; from any thread."""
         for loop, held in tuple(self._loops.items()):
             try:
                 loop.call_soon_threadsafe(held.woken.set)
@@ -63,7 +63,7 @@ class Notices:
                 log.debug("a loop was closed")
 
     def watch(self, client: str, session: ServerSession, address: str) -> None:
-        """Tell a client of the older protocol of every change of a resource.
+        """Notify a client of the older protocol of every change of a resource.
 
         Parameters
         ----------
@@ -75,7 +75,7 @@ class Notices:
             self._watchers.popitem(last=False)
 
     def unwatch(self, client: str, address: str) -> None:
-        """Tell a client no more of a resource."""
+        """Stop notifying a client of a resource."""
         self._watchers.pop((client, address), None)
 
     async def _pass_on(self, woken: asyncio.Event) -> None:

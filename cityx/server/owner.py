@@ -1,4 +1,4 @@
-"""The owner: the one thread that holds a city open and does, one after the other, what is asked."""
+"""The owner: the one thread that holds a city open and runs requests in turn."""
 
 from __future__ import annotations
 
@@ -176,21 +176,21 @@ class Owner:
             self._open()
 
     def outdated(self) -> bool:
-        """Tell whether another process changed the city since it was looked at; from any thread."""
+        """Return whether another process changed the city since it was read; from any thread."""
         return self._signature() != self._opened
 
     def renew(self) -> None:
-        """Look at the folder again if another process changed it; only for work."""
+        """Reload the folder if another process changed it; only for work."""
         if self.outdated():
             self._close()
             self._open()
 
     def ok(self, data: Mapping[str, Any], message: str = "", **more: Any) -> Reply:
-        """Return the reply that tells something of the city as it is; from any thread."""
+        """Return the reply that describes the city as it is; from any thread."""
         return Reply("ok", "OK", message, self.seen.revision, data=data, **more)
 
     def changed(self, before: Seen, job: Job, message: str, **more: Any) -> Reply:
-        """Return the reply that tells what is other than before."""
+        """Return the reply that describes what changed."""
         after = self.seen
         ids: list[str] = []
         if before.city is not None and after.city is not None:
@@ -210,7 +210,7 @@ class Owner:
         )  # fmt: skip
 
     def publish(self) -> None:
-        """Let everybody see the city as it is now; only for work."""
+        """Publish the current city to readers; only for work."""
         before, self.seen = self.seen, Seen(self.folder) if self._desk is None else look(self._desk)
         if self.seen.revision != before.revision or self.seen.city is not before.city:
             for listener in tuple(self.listeners):
@@ -240,7 +240,7 @@ class Owner:
         return replace(reply, state_rev=self.seen.revision)
 
     def _signature(self) -> tuple[int, int] | None:
-        """Tell one store in the folder from another; None without one."""
+        """Return what identifies the store in the folder; None without one."""
         store = self.folder / STORE
         try:
             return store.stat().st_ino, (store / JOURNAL).stat().st_ino

@@ -1,4 +1,4 @@
-"""Queries: which objects a city holds, page by page, and what is known of one."""
+"""Queries: list the objects of a city, page by page, and describe one."""
 
 from __future__ import annotations
 

@@ -127,7 +127,7 @@ SCHEMA: Mapping[str, Any] = {
 
 
 def reply_of_error(error: CityxError, revision: int, job: str = "") -> Reply:
-    """Return the reply that tells of an error."""
+    """Return the reply for an error."""
     if isinstance(error, ActionRejected):
         return Reply("rejected", error.code, str(error), revision, job_id=job)
     for kind, status, code in _KINDS:
@@ -137,6 +137,6 @@ def reply_of_error(error: CityxError, revision: int, job: str = "") -> Reply:
 
 
 def reply_of_fault(error: Exception, revision: int, job: str = "") -> Reply:
-    """Return the reply that tells of a fault of CityX itself; the trace is for the log."""
+    """Return the reply for a fault of CityX itself; the trace is for the log."""
     said = f"CityX itself failed ({type(error).__name__}); the city is as it was."
     return Reply("failed", "INTERNAL", said, revision, job_id=job)

@@ -1,4 +1,4 @@
-"""Curve objects of .blend files: lines that somebody drew in Blender, by the names of the objects.
+"""Curve objects of .blend files: lines drawn in Blender, by the names of the objects.
 
 Places are metres east and north of the city's origin, as ``city.blend`` shows them; heights of the
 curves are not used.

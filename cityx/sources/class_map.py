@@ -142,7 +142,7 @@ def features_of(found: ClassMap, source: str, fidelity: str = EXACT) -> Tagged:
 
 
 def uncovered(found: ClassMap) -> ClassMap:
-    """Let what lies below cars and the like go on below them."""
+    """Continue the ground below cars and the like."""
     labels = filled(found.labels, found.mask(Role.COVER))
     return ClassMap(labels, found.classes, found.grid)
 
@@ -211,7 +211,7 @@ def rows_of_houses(labels: NDArray[Any], pixel: float) -> NDArray[np.int64]:
 
 
 def _by_class(found: ClassMap, bodies: NDArray[Any], mask: BoolArray) -> NDArray[Any]:
-    """Part bodies where the class changes; yards filled in count for the house around them."""
+    """Split bodies where the class changes; filled-in yards count for the house around them."""
     from skimage.measure import label
 
     built = found.mask(Role.BUILDING)

@@ -86,7 +86,7 @@ def _check_same_ground(over: Layout, under: Layout, names: tuple[str, str]) -> N
 
 
 def _on_ground(buildings: GeoDataFrame, held: Layout) -> NDArray[np.bool_]:
-    """Tell which buildings stand where another one or a carriageway is."""
+    """Return which buildings overlap another one or a carriageway."""
     roads = held.roads[~(held.roads["bridge"] | held.roads["tunnel"])]
     streets = shapely.buffer(
         roads.geometry.to_numpy(), roads["width"].to_numpy() / 2, cap_style="flat"
@@ -102,7 +102,7 @@ def _on_ground(buildings: GeoDataFrame, held: Layout) -> NDArray[np.bool_]:
 
 
 def _along(lines: GeoDataFrame, others: GeoDataFrame) -> NDArray[np.bool_]:
-    """Tell which lines run along others for more than half of their length."""
+    """Return which lines run along others for more than half of their length."""
     shapes = lines.geometry.to_numpy()
     bands = shapely.buffer(others.geometry.to_numpy(), SAME_WAY, cap_style="flat")
     row, other = shapely.STRtree(bands).query(shapes, predicate="intersects")
@@ -114,7 +114,7 @@ def _along(lines: GeoDataFrame, others: GeoDataFrame) -> NDArray[np.bool_]:
 
 
 def _on_spot(points: GeoDataFrame, others: GeoDataFrame) -> NDArray[np.bool_]:
-    """Tell which things stand where another one of their kind does."""
+    """Return which things stand where another one of their kind does."""
     found = np.zeros(len(points), bool)
     tree = shapely.STRtree(others.geometry.to_numpy())
     row, other = tree.query(points.geometry.to_numpy(), predicate="dwithin", distance=SAME_SPOT)

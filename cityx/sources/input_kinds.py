@@ -1,4 +1,4 @@
-"""What kind of input a file is, told from its first bytes and its name."""
+"""Kinds of input files, recognised by first bytes and name."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Input:
 
 
 def classify(path: Path, kind: str = "") -> Input:
-    """Tell what a file is.
+    """Return the kind of a file.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def _kind(path: Path) -> tuple[str, str]:
 
 
 def _image_kind(path: Path) -> tuple[str, str]:
-    """Tell heights, semantic maps and photographs by their pixels."""
+    """Classify an image as heights, semantic map or photograph by its pixels."""
     from cityx.sources.semantic_map.evidence import is_semantic
     from cityx.sources.semantic_map.picture import read_picture
 
@@ -146,7 +146,7 @@ def _only_band(path: Path) -> NDArray[Any] | None:
 
 
 def _smooth(band: NDArray[Any]) -> bool:
-    """Tell whether neighbours differ as little as heights of a grid do, and not as in a picture."""
+    """Return whether neighbours differ as little as heights of a grid do, unlike a picture."""
     values = band.astype(float)
     spread = values.std()
     return bool(spread > 0 and np.abs(np.diff(values, axis=1)).mean() < SLOW * spread)

@@ -62,7 +62,7 @@ class Inputs:
 
 
 def sort_inputs(paths: list[Path], kinds: Iterable[str] = ()) -> Inputs:
-    """Tell what each file is.
+    """Sort files by kind.
 
     Parameters
     ----------

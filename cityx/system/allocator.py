@@ -1,4 +1,4 @@
-"""How a process of CityX's own holds memory: what it frees it keeps, garbage is sought seldom."""
+"""Memory of CityX's own processes: reuse freed memory, collect garbage rarely."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A folder for what is slow to make and always comes out the same; deleting it loses nothing."""
+"""The cache folder: reproducible results that are slow to make; deleting it loses nothing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Digests: what tells that a file, an array, or the code that made something, is the same."""
+"""Digests of files, arrays and code, to recognise equal content."""
 
 from __future__ import annotations
 

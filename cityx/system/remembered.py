@@ -1,4 +1,4 @@
-"""What was made last of some objects, kept while they live."""
+"""Remembered results: the last value derived from some objects, kept while they live."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cutting new streets, rivers and coasts through a finished layout: what is led where."""
+"""Cutting new streets, rivers and coasts through a finished layout."""
 
 from __future__ import annotations
 
@@ -171,7 +171,7 @@ def _given_up(shapes: NDArray[Any], ground: Any) -> NDArray[Any]:
 def _landings(
     rest: Rest, open_ends: IntArray, lines: list[Any]
 ) -> tuple[IntArray, FloatArray, BoolArray]:
-    """Say which open ends are led on to a new street: its number, metres along it, and which."""
+    """Return which open ends are led on to a new street: its number, metres along it, and which."""
     none = np.zeros(0, np.int64)
     if not len(open_ends):
         return none, np.zeros(0), np.zeros(0, bool)
@@ -191,7 +191,7 @@ def _landings(
 def _joined_places(
     lines: list[Any], street: IntArray, at: FloatArray
 ) -> tuple[FloatArray, list[FloatArray]]:
-    """Settle where streets meet new ones: near places become one.
+    """Decide where streets meet new ones: near places become one.
 
     Returns
     -------
@@ -218,7 +218,7 @@ def _joined_places(
 
 
 def _led_on(rest: Rest, ends: IntArray, places: FloatArray) -> Rest:
-    """Lead the ends of stretches on to places."""
+    """Extend the ends of stretches to places."""
     found = list(rest)
     for (k, last), place in zip(ends.tolist(), places, strict=True):
         row, points = found[k]

@@ -326,7 +326,7 @@ class Districts:
 def agreed(
     left: IntArray, left_at: FloatArray, right: IntArray, right_at: FloatArray
 ) -> tuple[FloatArray, IntArray, IntArray]:
-    """Settle where streets from both sides meet a road: near ones cross it, others keep apart.
+    """Decide where streets from both sides meet a road: near ones cross it, others keep apart.
 
     Parameters
     ----------

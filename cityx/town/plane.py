@@ -257,7 +257,7 @@ class Plane:
         return np.array(ZONES, object)[np.searchsorted(-np.array(DENSITY), -shifted)]
 
     def is_wet(self, key: Key) -> bool:
-        """Tell whether a district is a lake or the sea."""
+        """Return whether a district is a lake or the sea."""
         return bool(self.water_kind(key))
 
     def water_kind(self, key: Key) -> str:

@@ -136,7 +136,7 @@ def _together(first: GeoDataFrame, second: GeoDataFrame) -> GeoDataFrame:
 
 
 def with_heights(layout: Layout, rows: NDArray[np.int64], heights: FloatArray) -> Layout:
-    """Scale buildings in height, and tag them with it, so that whoever draws their roofs keeps it.
+    """Scale buildings in height, and tag them with it, so that drawn roofs keep it.
 
     Parameters
     ----------

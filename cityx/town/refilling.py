@@ -1,4 +1,4 @@
-"""Building anew on the blocks of a procedural town that something was cut through."""
+"""Rebuild the blocks of a procedural town that something was cut through."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def _built_as(layout: Layout, block: Any) -> tuple[str, float]:
 
 
 def _beyond(shapes: NDArray[Any], layout: Layout) -> NDArray[Any]:
-    """Let blocks that the border of the site cuts go on beyond it, where no house will stand."""
+    """Extend blocks that the border of the site cuts beyond it, where no house will stand."""
     site = shapely.box(*layout.extent)
     more = shapely.difference(shapely.buffer(shapes, BEYOND, join_style="mitre"), site)
     grown = shapely.union(shapes, more)

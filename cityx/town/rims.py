@@ -145,7 +145,7 @@ class Rims:
         return line if turn is None or _is_mouth(turn) else self._cut(line, turn, key)
 
     def _cut(self, line: IntArray, turn: Turn, key: Key) -> IntArray:
-        """Lead a road that begins at a corner to the bank of the river there."""
+        """Extend a road that begins at a corner to the bank of the river there."""
         away = np.hypot(*((line - turn.place) / PER_METRE).T)
         away[-1] = np.inf  # a short road keeps its other end
         line = np.concatenate([turn.middle[None], line[away > STRAIGHT]])

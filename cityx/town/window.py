@@ -208,7 +208,7 @@ def buildings_on(
 
 
 def _owned(stand: Tagged, window: Box) -> NDArray[np.bool_]:
-    """Tell what a window owns: buildings with a point of theirs in it, their parts with them."""
+    """Return what a window owns: buildings with their point in it, and their parts."""
     tags = stand.tags()
     outline = np.flatnonzero(["building" in own for own in tags])
     part = np.flatnonzero(["building:part" in own and "building" not in own for own in tags])
@@ -228,7 +228,7 @@ def _within(shapes: NDArray[Any], window: Box) -> NDArray[np.bool_]:
 
 
 def _placed(owner: Owner, place: dict[str, str]) -> Owner:
-    """Say of a building how its surroundings are built, so that no window has to be measured."""
+    """Store with a building how dense its surroundings are; no window has to be measured."""
     if "building" not in owner.tags:
         return owner
     return Owner(owner.key, {**owner.tags, PLACE: place[str(owner.key[1])]}, owner.more)

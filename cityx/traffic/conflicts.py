@@ -1,4 +1,4 @@
-"""Who gives way to whom where ways across a junction meet, by their shapes.
+"""Right of way: which path gives way to which where paths across a junction conflict.
 
 SUMO tells conflicts by the order of the arms round a junction. Where several junctions of the map
 are one here, or streets part at a small angle, that order does not say which ways cross.
@@ -131,7 +131,7 @@ def bend_of(shape: FloatArray) -> float:
 
 
 def settle(root: Any, conflicts: Conflicts, lane_of: dict[int, str]) -> None:
-    """Write conflicts that SUMO does not know into a network, and let nobody wait in a circle.
+    """Write conflicts that SUMO does not know into a network, without circular waiting.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def settle(root: Any, conflicts: Conflicts, lane_of: dict[int, str]) -> None:
 
 
 def _uncircle(requests: list[Any], turn: dict[int, int]) -> None:
-    """Let links that give way to each other in a circle go one after the other.
+    """Put links that give way to each other in a circle in one order.
 
     Else, once one stands at each of their lines, nobody ever goes.
     """
@@ -205,7 +205,7 @@ def _uncircle(requests: list[Any], turn: dict[int, int]) -> None:
 def _one_green(
     plans: dict[str, Any], first: tuple[str, int] | None, second: tuple[str, int] | None
 ) -> None:
-    """Let the second of two signals give way where both would show green."""
+    """Make the second of two signals give way where both would show green."""
     if first is None or second is None or first[0] != second[0]:
         return
     for phase in plans[first[0]].findall("phase"):

@@ -1,4 +1,4 @@
-"""When signals begin their plans, so that who has green at one has it at the next as well.
+"""Green wave: signal plans are offset so that green at one signal is followed by green at the next.
 
 Where the ways between signals are short, whole streets stand still if their plans do not fit: what
 comes from the one on green fills the few places before the other, which is red.

@@ -1,4 +1,4 @@
-"""Who has waited long before a stream without gaps is let in by those who still can brake."""
+"""Gap acceptance: let in vehicles that waited long before a stream without gaps."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LET_IN = 23  # heeds all but those who come to the junction and are not on it ye
 
 
 class Courtesy:
-    """Lets one after the other onto a junction; a class since it knows who was let in."""
+    """Lets vehicles into a junction one by one; a class since it remembers those let in."""
 
     def __init__(self, sumo: Any) -> None:
         self.sumo = sumo
@@ -31,7 +31,7 @@ class Courtesy:
                         self.amid[after[4]] = (source, link[4])
 
     def step(self, waiting: Mapping[str, float]) -> None:
-        """Let in who may be, and have those who are past the junction heed everybody again.
+        """Let in those who may enter, and reset those who have passed the junction.
 
         Parameters
         ----------
@@ -52,7 +52,7 @@ class Courtesy:
                 self._let_in(name)
 
     def _past(self, name: str) -> bool:
-        """Tell whether somebody who was let in is off the junction."""
+        """Return whether a vehicle that was let in has left the junction."""
         lane = self.sumo.vehicle.getLaneID(name)
         return not lane.startswith(":") and not before_line(self.sumo, name)
 
@@ -73,7 +73,7 @@ class Courtesy:
         vehicle.setSpeedMode(name, LET_IN)
 
     def _turning(self, across: str) -> list[tuple[str, float]]:
-        """Return who comes to meet a lane across a junction, but may wait amid it, and how far.
+        """Return oncoming vehicles that may wait inside the junction, and how far.
 
         As long as they have to, SUMO does not count them among the foes.
         """

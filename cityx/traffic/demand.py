@@ -1,4 +1,4 @@
-"""Who drives where: trips between the borders of a site and what stands along its streets."""
+"""Travel demand: trips between the borders of a site and buildings along its streets."""
 
 from __future__ import annotations
 
@@ -312,7 +312,7 @@ class Drivable:
 
 
 def _for_large(lane: Lane) -> bool:
-    """Tell whether lorries and buses use a lane."""
+    """Return whether lorries and buses use a lane."""
     return lane.kind == "drive" and lane.width >= WIDE_ENOUGH and not (lane.closed or lane.tight)
 
 
@@ -328,7 +328,7 @@ def _needed(net: Drivable, per_km: Mapping[str, float], seconds: float) -> int:
 def _enough(
     net: Drivable, trips: list[tuple[Trip, str]], targets: Mapping[str, int], seconds: float
 ) -> bool:
-    """Tell whether trips last for as long as the streets of every class are to be kept full.
+    """Return whether there are trips for as long as the streets of every class are to be full.
 
     In a small site one is out of it soon.
     """

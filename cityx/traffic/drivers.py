@@ -1,4 +1,4 @@
-"""Drivers keep to their lanes, and find a way on from the end of each."""
+"""Drivers keep to lanes, and reroute around gridlock and where a lane has no way on."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class Drivers:
         self, waiting: Mapping[str, float], jammed: Set[str] = frozenset(), *,
         spare: Set[str] = frozenset(), lanes: Mapping[str, str] | None = None,
     ) -> None:  # fmt: skip
-        """Look at everybody who comes near a junction or is beside another lane.
+        """Update every vehicle that nears a junction or has another lane beside it.
 
         Parameters
         ----------
@@ -187,7 +187,7 @@ class Drivers:
             vehicle.setRoute(name, before)
 
     def _goes_on(self, name: str, lane: str) -> bool:
-        """Tell whether SUMO lets a vehicle drive on at the end of its lane.
+        """Return whether SUMO has an onward connection at the end of a vehicle's lane.
 
         It does not where lanes far ahead have to be changed over a line that bars it; what it
         tells as the next lane then is any, such as a walk.
@@ -197,7 +197,7 @@ class Drivers:
         return any(each[0] == lane and not onward.isdisjoint(each[5][1:2]) for each in best)
 
     def _leads(self, lane: str, edges: Sequence[str], kind: str) -> bool:
-        """Tell whether one who stays in a lane comes along some edges.
+        """Return whether a vehicle that stays in its lane follows some edges.
 
         In dense traffic nobody gets out of a lane that ends, so these count on the last one alone.
         """

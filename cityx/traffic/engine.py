@@ -94,5 +94,5 @@ def last(lines: Sequence[str]) -> str:
 
 
 def fate(code: int) -> str:
-    """Say how a process ended."""
+    """Describe how a process ended."""
     return f"was ended by signal {-code}" if code < 0 else f"ended with status {code}"

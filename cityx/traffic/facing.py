@@ -1,4 +1,4 @@
-"""Nobody drives onto a junction towards somebody who comes from ahead in the same place."""
+"""Prevent head-on conflicts: no vehicle enters a junction against one in the same narrow lane."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FREE = -1.0  # speed by which SUMO drives as it likes
 
 
 class Facing:
-    """Holds at the line who would meet somebody; a class since it knows who is on junctions.
+    """Holds vehicles that would meet another head-on at the line; remembers who is on junctions.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Streets are kept as full as asked: whoever is missing is sent into them."""
+"""Keep streets at the density asked for: insert vehicles where they are missing."""
 
 from __future__ import annotations
 

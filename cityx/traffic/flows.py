@@ -1,4 +1,4 @@
-"""Vehicles that somebody asked for one by one: from a place to a place, or along streets."""
+"""Flows of requested vehicles: from one place to another, or along streets."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def between(
     net: Drivable, look: Look, ids: UInt64Array, start: FloatArray, goal: FloatArray,
     tried: Mapping[int, int] = UNTRIED,
 ) -> tuple[Trip, ...]:  # fmt: skip
-    """Let vehicles set out from one place for another, one after the other.
+    """Start vehicles from one place to another, one after the other.
 
     Parameters
     ----------

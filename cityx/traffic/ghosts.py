@@ -1,4 +1,4 @@
-"""What moves in a city already, as obstacles of a new run."""
+"""Recorded movers of a city as obstacles of a new run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cyclists keep to the kerb: SUMO leads everybody along the middle of a lane."""
+"""Cyclists keep to the kerb, where SUMO drives along the middle of a lane."""
 
 from __future__ import annotations
 

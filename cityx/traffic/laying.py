@@ -1,4 +1,4 @@
-"""How the streets of traffic are laid from the lane graph of a city.
+"""Make the streets of the traffic simulation from the lane graph of a city.
 
 The lane graph has a lane from every junction to the next, however near. A vehicle that halts on a
 lane shorter than itself blocks what crosses behind it, so lanes shorter than a car belong to the
@@ -220,7 +220,7 @@ def _ways(
 
 
 def _apart(graph: LaneGraph, rows: IntArray) -> tuple[bool, ...]:
-    """Tell of neighbours whether something lies between them."""
+    """Return for neighbours whether something lies between them."""
     near, far = rows[:-1], rows[1:]
     gap = np.maximum(graph.right[near] - graph.left[far], graph.right[far] - graph.left[near])
     return tuple((gap > BESIDE).tolist())

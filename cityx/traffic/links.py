@@ -25,7 +25,7 @@ def links_of(
     graph: LaneGraph, lines: Polylines, open_lane: BoolArray,
     place_of: dict[int, tuple[int, int]], ways: tuple[Way, ...], moving: BoolArray,
 ) -> tuple[Link, ...]:  # fmt: skip
-    """Lead each lane over the curves and the short lanes of its junction to the next lanes."""
+    """Connect each lane over the curves and short lanes of its junction to the next lanes."""
     onward: dict[int, list[tuple[int, int]]] = {}
     for row, (lane, goal) in enumerate(graph.connection.tolist()):
         onward.setdefault(lane, []).append((goal, row))
@@ -58,7 +58,7 @@ def links_of(
 
 
 def _merged(links: list[Link]) -> tuple[Link, ...]:
-    """Let one lane of a way alone lead into each lane of the next: before, the others merge.
+    """Connect one lane alone to each lane of the next edge; the others merge before.
 
     Nobody gives way within one stream of traffic, so two lanes that lead into one would run into
     each other. The lane with the fewest other ways on keeps its own.
@@ -107,7 +107,7 @@ def _joined(parts: list[FloatArray]) -> FloatArray:
 
 
 def _risen(path: FloatArray, ends: tuple[FloatArray, FloatArray]) -> FloatArray:
-    """Let a way across a junction rise evenly from the one lane to the other."""
+    """Make a path across a junction rise evenly from one lane to the other."""
     along = np.r_[0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T))]
     share = along / max(along[-1], 1e-9)
     z = ends[0][-1, 2] + share * (ends[1][0, 2] - ends[0][-1, 2])

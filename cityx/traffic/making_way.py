@@ -1,6 +1,6 @@
-"""Vehicles that make way: who would touch another holds back, or gets on, a little on its way.
+"""Collision avoidance: a vehicle that would touch another is moved back or on along its path.
 
-SUMO parts vehicles by the lanes that they are on; seen from above, bodies that turn sweep over
+SUMO separates vehicles by lanes; seen from above, bodies that turn sweep over
 corners that belong to others. So one of two that would touch is where it would have been a moment
 earlier or later, as if its driver had seen the other; its way stays the same. Where that does not
 help, as beside who stands half way into another lane, it keeps a little aside, or those behind it
@@ -118,7 +118,7 @@ def standing_by(found: Moments, size: NDArray[np.float32], on_foot: BoolArray) -
 def made_way(
     bodies: Bodies, begin: int, others: Bodies | None = None
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Let vehicles that would touch make way for each other, and for others.
+    """Make vehicles that would touch give way to each other, and to others.
 
     Parameters
     ----------
@@ -203,7 +203,7 @@ class _Scene:
         return found
 
     def make_way(self, one: int, other: int, one_last: int, other_last: int) -> bool:
-        """Let one of two who touch hold back or get on by the least that helps, or keep aside.
+        """Move one of two touching vehicles back, on or aside by the least that helps.
 
         Where neither helps it holds back together with those behind it.
         """
@@ -224,7 +224,7 @@ class _Scene:
                    for offset in OFFSETS for easing in EASING for first, last in spans)  # fmt: skip
 
     def _holds_up(self, first: int, last: int, meets: int, behind: int, least: float) -> bool:
-        """Let a body hold back for another whom it meets, and those behind it do so as well."""
+        """Hold back a body for another that it meets, and those behind it as well."""
         for offset in HELD_UP:
             place = self._offset(first, last, offset, BRAKING) if offset >= least else None
             if place is None:
@@ -343,7 +343,7 @@ class _Scene:
 
 
 def _unwound(heading: FloatArray, mover: IntArray) -> FloatArray:
-    """Let headings run on beyond a full turn within each mover."""
+    """Unwrap headings beyond a full turn, for each mover."""
     first = np.r_[0, np.flatnonzero(np.diff(mover)) + 1, len(mover)]
     parts = [np.unwrap(heading[a:b]) for a, b in pairwise(first.tolist())]
     return np.concatenate(parts)

@@ -104,7 +104,7 @@ def make_network(
 
 
 def named(text: str, said: Callable[[str], str]) -> str:
-    """Say beside the ids of edges in an engine's words which streets they are."""
+    """Add street names to the edge ids in a message of the engine."""
     return _NAME.sub(lambda found: f"{found[0]} ({said(found[1].lstrip('-'))})", text)
 
 

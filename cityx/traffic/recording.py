@@ -226,7 +226,7 @@ def thinned(
 
 
 def _unwound(heading: FloatArray, mover: IntArray) -> FloatArray:
-    """Let headings run on beyond a full turn, each mover for itself."""
+    """Unwrap headings beyond a full turn, for each mover."""
     if not len(heading):
         return heading
     step = np.diff(heading)

@@ -1,4 +1,4 @@
-"""Where the lanes of different streets share ground, and where walls or heights part them."""
+"""Where lanes of different streets share ground, and where walls or heights separate them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Plans of signals by stages, where those of netconvert leave some approach too little green.
+"""Signal plan by stages, where netconvert's leaves an approach too little green.
 
 It gives the approaches of a large junction turns of their own, also those whose ways never meet,
 and lets each turn last as long as people need, so that green gets short or comes rarely.
@@ -57,7 +57,7 @@ class _Junction:
     length: FloatArray
 
     def together(self, one: int, other: int) -> bool:
-        """Tell whether two groups may have green at once."""
+        """Return whether two groups may have green at once."""
         if not self.lanes[one] and not self.lanes[other]:
             return True
         pairs = [(i, j) for i in self.groups[one] for j in self.groups[other] if self.foes[i, j]]
@@ -79,7 +79,7 @@ class _Junction:
 
 
 def restage(root: Any) -> None:
-    """Write plans of stages into a network where its own leave somebody too little green.
+    """Write stage plans into a network where its own leave an approach too little green.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Streets as a simulator of traffic needs them: one-way edges between junctions, and links."""
+"""Streets for a traffic simulator: one-way edges between junctions, and links."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What vehicles sweep over in bends and on their ways across junctions."""
+"""Swept path of vehicles in bends and across junctions."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ STRAIGHT = 0.15  # radians; on straighter ways it sweeps over nothing beside its
 
 
 def tight_links(streets: Streets, walls: shapely.STRtree) -> Streets:
-    """Mark the links on which a bus would sweep over walls, or ways that nobody leaves free.
+    """Mark the links on which a bus would sweep over walls, or over paths that are never free.
 
     So are those on which it would turn back within less than its turning circle.
     """
@@ -73,7 +73,7 @@ def tight_links(streets: Streets, walls: shapely.STRtree) -> Streets:
 
 
 def turns_back(shape: FloatArray) -> bool:
-    """Tell whether a way leads back beside where it comes from, closer than a bus can turn."""
+    """Return whether a path turns back closer than a bus can turn."""
     steps = shape[[1, -1]] - shape[[0, -2]]
     first, last = steps / np.maximum(np.hypot(*steps.T), 1e-9)[:, None]
     reach = shape[-1] - shape[0]

@@ -1,4 +1,4 @@
-"""Which bodies touch, step by step, compiled by numba. Import it lazily.
+"""Collisions of bodies, step by step, compiled by numba. Import it lazily.
 
 A body is (x, y, east, north, half length, half width, height) of its middle and its direction.
 """
@@ -15,7 +15,7 @@ from cityx.geometry.compiled import compiled
 
 @compiled
 def apart(one: Any, other: Any, into: float, storey: float) -> bool:
-    """Tell whether two bodies reach into each other by no more than `into` metres."""
+    """Return whether two bodies overlap by no more than `into` metres."""
     dx, dy = other[0] - one[0], other[1] - one[1]
     if abs(other[6] - one[6]) >= storey:
         return True
@@ -81,7 +81,7 @@ def touches(
     moved: Any, rows: Any, step: Any, mover: Any, boxes: Any, order: Any, start: Any, into: float,
     storey: float,
 ) -> Any:  # fmt: skip
-    """Tell (k,) whether bodies that were moved, of some rows, touch any of another mover."""
+    """Return (k,) whether moved bodies, of some rows, touch any of another mover."""
     found = np.zeros(len(rows), np.bool_)
     for k in range(len(rows)):
         own = rows[k]

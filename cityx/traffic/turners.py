@@ -1,4 +1,4 @@
-"""Signals that let those go at last who turn across the traffic that comes towards them.
+"""Signal phases that clear vehicles turning across oncoming traffic.
 
 Who turns from a lane that others drive straight on in holds all of them while no gap comes. So
 the others get red some seconds before, and the first of those who turn gets out. The others are
@@ -88,7 +88,7 @@ def _divide(
 
 
 def _held_before(before: Any, links: set[int]) -> bool:
-    """Tell whether some links have green in a phase already."""
+    """Return whether some links have green in a phase already."""
     return before is not None and all(before.get("state")[link] in "gG" for link in links)
 
 

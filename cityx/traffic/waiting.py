@@ -1,4 +1,4 @@
-"""Who is first at a line, and for how long nothing but others has kept it there."""
+"""Waiting times: the first vehicle at a stop line, and how long others alone have held it."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Waiting:
 
 
 def before_line(sumo: Any, name: str) -> bool:
-    """Tell whether somebody is at the end of a lane before a junction."""
+    """Return whether a vehicle is at the end of a lane before a junction."""
     lane = sumo.vehicle.getLaneID(name)
     if not lane or lane.startswith(":"):
         return False

@@ -1,1 +1,1 @@
-"""Where cameras stand, and what they see."""
+"""Views: where cameras stand, and what they see."""

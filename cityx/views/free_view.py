@@ -270,7 +270,7 @@ def _unhidden(
 
 
 def _amid(camera: Camera, framed: tuple[IntArray, IntArray]) -> FloatArray:
-    """(m,) weight of boxes by their place: 1 amid a picture, `AT_EDGE` at its edge."""
+    """(m,) weight of boxes by place: 1 in the middle of a picture, `AT_EDGE` at its edge."""
     low, high = framed
     out = np.abs((low + high) / np.array([COLUMNS, _rows(camera)]) - 1.0).max(axis=1, initial=0.0)
     return np.asarray(1.0 - (1.0 - AT_EDGE) * out**2)

@@ -20,7 +20,7 @@ def make(
     title: Annotated[str, typer.Option(help="Above the page; it must name no source.")] = "Cities",
     seed: Annotated[int, typer.Option(help="Of the names of pictures.")] = 0,
 ) -> None:
-    """Write a page with the pictures of several sources, and the key that tells them apart."""
+    """Write a page with the pictures of several sources, and the key that identifies them."""
     from cityx_bench.survey.study import PAGE, make_study, sources_of
 
     study = make_study(sources_of(sources), out, title=title, seed=seed)

@@ -1,4 +1,4 @@
-"""Make a study of pictures from several sources, so that nothing in it tells the sources apart."""
+"""Make a blinded study of pictures from several sources."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Study:
 
     @property
     def digest(self) -> str:
-        """Tells one study from another; answers carry it."""
+        """Identifies the study; answers carry it."""
         return hashlib.sha256(json.dumps(asdict(self)).encode()).hexdigest()[:16]
 
     def to_json(self) -> dict[str, Any]:

@@ -85,7 +85,7 @@ class ModelAnnotator:
 
 
 def _asked_before(database: sqlite3.Connection, registry: str) -> bool:
-    """Tell whether a model has labelled this registry."""
+    """Return whether a model has labelled this registry."""
     row = database.execute(
         "SELECT 1 FROM label WHERE registry = ? AND author = ? LIMIT 1", (registry, AUTHOR)
     ).fetchone()

@@ -20,7 +20,7 @@ LONGEST_REASON = 300  # letters of what a server says went wrong
 
 
 class ModelFailed(CityxError):
-    """A model gave no answer of use; whoever plays the role offline takes over."""
+    """A model gave no usable answer; the offline player of the role takes over."""
 
 
 class Answer(BaseModel):
@@ -76,7 +76,7 @@ class Question:
 
 
 class Respondent(Protocol):
-    """Somebody who answers questions: a model, metered and recorded."""
+    """A model that answers questions, metered and recorded."""
 
     async def answer(self, question: Question) -> BaseModel:
         """Return an answer of the type the question asks for, without faults.
@@ -159,7 +159,7 @@ class Channel:
             raise ModelFailed(f"The model took longer than {QUESTION_S:g} seconds.") from None
 
     def note(self, text: str) -> None:
-        """Tell something in the report, once."""
+        """Add a note to the report, once."""
         text = scrubbed(text, self.secrets)
         if text not in self.notes:
             self.notes.append(text)

@@ -205,7 +205,7 @@ def settled(
     negated: Sequence[Slot],
     single: frozenset[str],
 ) -> tuple[tuple[Slot, ...], tuple[str, ...]]:
-    """Bring together what rules and a model read.
+    """Merge what the rules and a model read.
 
     A number that the rules read holds, and so does a negation. A word of the model holds against
     one of the rules where a key can have but one.
@@ -238,12 +238,12 @@ def settled(
 
 
 def _an_option(slot: Slot) -> bool:
-    """Tell whether a slot comes from the command line, which always holds."""
+    """Return whether a slot comes from the command line, which always holds."""
     return slot.span == (0, 0)
 
 
 def with_slots(brief: Brief, slots: Sequence[Slot]) -> Brief:
-    """Return a brief with other slots, its goals and conflicts made anew from them."""
+    """Return a brief with other slots, and the goals and conflicts that follow from them."""
     told = [slot.span for slot in slots]
     against = [one for one in brief.conflicts if one.code.startswith("option_against_text")]
     goals, open_ = goals_of(slots, brief.negated, brief.kept, brief.edits)

@@ -41,7 +41,7 @@ class Limits:
 
 @dataclass
 class Ledger:
-    """What a run has spent; kept in its messages, so that a run taken up again goes on counting.
+    """What a run has spent; kept in its messages, so that a resumed run continues counting.
 
     Attributes
     ----------

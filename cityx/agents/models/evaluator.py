@@ -69,7 +69,7 @@ class ModelEvaluator:
         return merge({**dict.fromkeys(checklist), **measured}, seen)
 
     def seen(self, checklist: Checklist, pictures: Sequence[bytes]) -> dict[str, Seen]:
-        """Return what two looks agree on, what one look told where there was but one."""
+        """Return what two looks agree on, or what the only look found."""
         first = self._look(list(checklist.items()), pictures)
         second = self._look(list(checklist.items())[::-1], pictures[::-1]) if first else {}
         if not second:

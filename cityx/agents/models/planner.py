@@ -101,7 +101,7 @@ class ModelPlanner:
     def chosen(
         self, slots: Slots, base: Workflow, avoid: frozenset[str]
     ) -> tuple[Encapsulation, ...]:
-        """Return the actions a model may choose from, those that bear most on the wishes first."""
+        """Return the actions a model may choose from, those most relevant to the wishes first."""
         words = {word for key, values in slots.items() for word in _words(key, values)}
         planned = {item.action for item in base.items}
         free = [
@@ -167,7 +167,7 @@ class ModelPlanner:
 
 
 def _proposable(record: Encapsulation) -> bool:
-    """Tell whether a model may propose an action that nobody asked for by its slots.
+    """Return whether a model may propose an action that nobody asked for by its slots.
 
     Nothing that edits, reads files, converts or renders; and no action of a slot that is not
     asked for.

@@ -187,7 +187,7 @@ def _response(prompt: Prompt) -> Mapping[str, Any]:
 
 
 def is_prompts(path: Path) -> bool:
-    """Tell whether a file holds prompts with answers rather than a recording."""
+    """Return whether a file holds prompts with answers rather than a recording."""
     try:
         with path.open(encoding="utf-8") as file:
             first = json.loads(file.readline())

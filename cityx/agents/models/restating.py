@@ -1,4 +1,4 @@
-"""Restating: a model puts a change that the rules did not understand into words that they do.
+"""Restating: a model rewrites an edit that the rules do not understand in words that they do.
 
 What comes out are commands of the phrase book, read by the same rules as those of a user: a model
 can ask for nothing that a user could not. It may name no object and no number that the text does
@@ -40,7 +40,7 @@ class Restated(Answer):
 
 
 def understood(brief: Brief) -> bool:
-    """Tell whether the rules have read a change as a whole."""
+    """Return whether the rules have read a change as a whole."""
     return bool(brief.edits) and not (brief.questions or brief.unread)
 
 

@@ -185,7 +185,7 @@ class Reached:
                         push(total, made, Use(operator, given))
 
     def _is_idle(self, node: Node) -> bool:
-        """Tell whether a fact brings nothing that a cheaper one of its kind does not bring."""
+        """Return whether a fact adds nothing to a cheaper one of its kind."""
         same = self._held.get(node.fact, [])
         return len(same) >= KEPT or any(other.origin >= node.origin for other in same)
 

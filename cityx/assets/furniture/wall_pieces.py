@@ -1,4 +1,4 @@
-"""What hugs the walls of narrow walks: troughs, furled banners, meters, crates, brooms.
+"""Things at the walls of narrow walks: troughs, furled banners, meters, crates, brooms.
 
 Each maker is named for a prototype and returns its shapes: z up, front -y (away from the wall),
 origin on the ground at the foot. None is deeper than 0.4 m; baskets hang over heads, and covers

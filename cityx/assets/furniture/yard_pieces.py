@@ -1,4 +1,4 @@
-"""What stands in yards: sheds, stores for bins, dryers, vegetable beds.
+"""Things in yards: sheds, bin stores, dryers, vegetable beds.
 
 Each maker is named for a prototype and returns its shapes: z up, front -y (away from the wall),
 origin on the ground at the foot.

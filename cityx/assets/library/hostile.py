@@ -1,4 +1,4 @@
-"""Doors: what a file must pass before anything parses it whole.
+"""Guards against hostile files: checks that a file must pass before it is parsed whole.
 
 Files of strangers may be cut, may claim sizes they do not have, may unpack to a thousand times
 their size, or may name other files of the machine. Each check reads little and says in one sentence

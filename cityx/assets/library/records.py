@@ -60,7 +60,7 @@ class Catalogue:
         )
 
     def replaced(self, **columns: Any) -> Catalogue:
-        """Return the catalogue with some columns set anew."""
+        """Return the catalogue with some columns replaced."""
         return make_catalogue(len(self), **{**self.columns, **columns})
 
     def record(self, row: int) -> dict[str, Any]:

@@ -300,7 +300,7 @@ def encode_records(catalogue: Catalogue, encoder: Encoder, folder: Path) -> Vect
 
 
 def embed_library(library: Library, encoder: Encoder) -> Library:
-    """Make the index of a library anew with an encoder."""
+    """Rebuild the index of a library with an encoder."""
     vectors = encode_records(library.catalogue, encoder, library.folder)
     return _commit(
         library.folder, library.folder, library.catalogue, vectors, encoder.identity,

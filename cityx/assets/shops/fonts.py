@@ -82,7 +82,7 @@ class Letter:
 
 
 def has(letter: str) -> bool:
-    """Tell whether there is an outline of a letter."""
+    """Return whether there is an outline of a letter."""
     return letter in _block_of(letter)
 
 

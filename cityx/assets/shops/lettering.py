@@ -23,7 +23,7 @@ DEEP = 1.0  # metres that a prototype stands out; its instances are squeezed to 
 
 
 def is_known(text: str) -> bool:
-    """Tell whether there are outlines of all letters of a text."""
+    """Return whether there are outlines of all letters of a text."""
     return bool(text.strip()) and all(has(letter) for letter in text if letter != " ")
 
 

@@ -1,4 +1,4 @@
-"""Shop words: what stands over a shop whose name no map tells, by language and kind of shop."""
+"""Shop words: signs of shops without a mapped name, by language and kind of shop."""
 
 from __future__ import annotations
 

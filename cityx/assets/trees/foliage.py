@@ -251,7 +251,7 @@ def twig_of(cards: Cards, skeleton: Skeleton) -> NDArray[np.int64]:
 def stalks(
     cards: Cards, twig: FloatArray, material: str, tint: tuple[float, float, float]
 ) -> MeshBatch:
-    """Draw what bears the leaves: a thin wedge from its twig, (n, 3) metres, to each card."""
+    """Draw leaf stalks: a thin wedge from the twig, (n, 3) metres, to each card."""
     tip = cards.centre + 0.3 * cards.along
     side = _unit(shapes.crossed(tip - twig, cards.normal)) * STALK
     corners = np.stack([twig - side, twig + side, tip], axis=1)

@@ -19,7 +19,7 @@ BLOSSOM_LIGHT = 0.45  # share of the light in the crown's shade that blossom kee
 
 
 def leafless(habit: Species, season: str) -> bool:
-    """Tell whether a species has no leaves in a season."""
+    """Return whether a species has no leaves in a season."""
     return season == "winter" and not habit.evergreen
 
 

@@ -30,7 +30,7 @@ def wood(
     fine: bool = False,
     cover: float = 0.0,
 ) -> list[MeshBatch]:
-    """Make tubes along the limbs: each goes on in its thickest branch, the others start tubes.
+    """Make tubes along the limbs: each continues in its thickest branch, the others start tubes.
 
     Parameters
     ----------

@@ -273,7 +273,7 @@ def _stain(number: int) -> Shapes:
 
 
 def roof_sheet() -> Shapes:
-    """Part of a roof that was laid anew, 6.4 m by 4.4 m: four strips of felt and their laps."""
+    """Make a repaired part of a roof, 6.4 m by 4.4 m: four strips of felt and their laps."""
     strips: Shapes = []
     for number in range(4):
         y, shade = -2.2 + 1.1 * number, (1.0, 0.93, 1.05, 0.97)[number]

@@ -19,7 +19,7 @@ Shares = tuple[tuple[str, float], ...]
 
 @dataclass(frozen=True)
 class Face:
-    """What tells makes apart from before and behind.
+    """What distinguishes makes of cars, in front and behind.
 
     Attributes
     ----------

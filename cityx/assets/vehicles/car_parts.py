@@ -1,4 +1,4 @@
-"""What tells cars of one body apart: the face of their make and their number plates.
+"""Parts that distinguish cars of one body: the face of their make and their number plates.
 
 The body is one prototype, and these are small ones of their own that belong to its rows, so that
 dozens of registrations cost no second body. Only the fine form has them: from afar a plate is blank

@@ -140,7 +140,7 @@ class Vehicle:
 
 
 def is_person(look: str) -> bool:
-    """Tell whether a look is that of somebody on foot."""
+    """Return whether a look is that of somebody on foot."""
     return look.startswith(f"{_PERSON}_")
 
 

@@ -47,7 +47,7 @@ LEAST_CORNER = 1.2  # metres of wall beside a corner with stones
 
 
 def mouldings(placing: Placing, found: Facade, city: City, field: RoofField) -> Solids:
-    """Sweep cornices, copings and string courses along the walls that bear them.
+    """Sweep cornices, copings and string courses along their walls.
 
     Ends at neighbours are capped; gables have none.
     """

@@ -50,7 +50,7 @@ def frontage_of(
     z_low: FloatArray,
     z_high: FloatArray,
 ) -> Frontage:
-    """Look out of every wall, at right angles to it.
+    """Return what every wall looks out on, at right angles to it.
 
     Parameters
     ----------

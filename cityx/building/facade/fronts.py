@@ -221,7 +221,7 @@ def walled_up(
     volumes: Volumes, walls: WallTable, wall: IntArray, along: FloatArray, low: FloatArray,
     width: FloatArray, height: FloatArray,
 ) -> NDArray[np.bool_]:  # fmt: skip
-    """Tell which openings have a part right before them, their own or another, (k,).
+    """Return which openings have a building part right before them, its own or another, (k,).
 
     Walls that meet a neighbour at a sharp angle are free over a part of their length only.
 

@@ -343,7 +343,7 @@ def banded(
 
 
 def overhung(steps: int, depth: float, *, then: str = "", least: float = 9.0) -> Rule:
-    """Let a volume grow wider upwards: the top has the whole plan, each step below is drawn in."""
+    """Widen a volume upwards: the top has the whole plan, each step below is drawn in."""
 
     def rule(mass: Mass, plot: Plot) -> Successors:
         back = plot.waver("overhang", depth, mass)

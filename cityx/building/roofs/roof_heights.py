@@ -40,7 +40,7 @@ class RoofField:
     owner: NDArray[np.uint64]
 
     def at(self, points: FloatArray, owner: NDArray[np.uint64]) -> tuple[FloatArray, FloatArray]:
-        """Look up the highest surface of an object at places.
+        """Return the highest surface of an object at places.
 
         Parameters
         ----------

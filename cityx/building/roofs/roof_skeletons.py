@@ -59,7 +59,7 @@ class _Skeleton:
 
 
 def _admitted(polygons: NDArray[Any]) -> NDArray[np.bool_]:
-    """Tell which outlines may be handed to CGAL, which ends the process on touching rings."""
+    """Return which outlines are safe for CGAL, which ends the process on touching rings."""
     admitted = ~shapely.is_empty(polygons)
     admitted &= shapely.get_num_coordinates(polygons) <= MAX_POINTS
     rows = np.flatnonzero(admitted)

@@ -377,7 +377,7 @@ def _welded(solids: Solids, count: int) -> Solids:
 def _sound(
     solids: Solids, polygons: NDArray[Any], brief: RoofBrief, kind: str
 ) -> NDArray[np.bool_]:
-    """Tell which parts are closed, cover their plan and stay within their heights; (n,) bool."""
+    """Return which parts are closed, cover their plan and stay within their heights; (n,) bool."""
     count = len(polygons)
     part = solids.face_part
     good = ~open_parts(solids, count)

@@ -118,7 +118,7 @@ def _boards(city: City, share: float, makers: list[Prototype]) -> Instances:
 def _lettered(
     prototypes: Sequence[Prototype], signs: Instances, boards: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    """Tell which rows are letters on some of the boards, (n,)."""
+    """Return which rows are letters on some of the boards, (n,)."""
     letter = np.array([each.name.startswith(GLYPH) for each in prototypes])
     rows = np.flatnonzero(letter[signs.prototype])
     board = np.flatnonzero(boards)

@@ -1,4 +1,4 @@
-"""Shops: who rents the bays of ground floors, their fronts, and the rooms behind the panes."""
+"""Shops: tenants of the bays of ground floors, their fronts, and the rooms behind the panes."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ BACK = 0.012  # metres between the back wall of a room and that of its niche
 
 @dataclass(frozen=True)
 class Tenants:
-    """Who rents the k bays of shops, and what is known of the t tenants.
+    """Tenants of the k bays of shops, and what is known of the t tenants.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ def shops(placing: Placing, found: Facade, city: City, setting: Setting) -> Tena
 
 
 def tenants_of(placing: Placing, found: Facade, city: City) -> Tenants:
-    """Let the shop bays; two bays side by side are one shop."""
+    """Assign tenants to the shop bays; two bays side by side are one shop."""
     opening = np.flatnonzero(found.openings.role == facades.SHOP)
     table = found.openings.take(opening)
     key = placing.ids("facade/tenant", table.wall, table.bay // 500 * 64 + table.bay % 500 // 2)

@@ -85,7 +85,7 @@ class Buildings(TableLayer):
 
     @property
     def remark(self) -> str:
-        """Say that nothing is built yet."""
+        """Return the remark that nothing is built yet."""
         return "" if self._any_built else "of the layout; none is built yet"
 
     @cached_property
@@ -104,7 +104,7 @@ class Buildings(TableLayer):
         return super().number(attribute)
 
     def has(self, attribute: str, word: str) -> BoolArray:
-        """Tell which have a style, use, type, material or colour."""
+        """Return which have a style, use, type, material or colour."""
         if attribute == "style":
             return self._speaks(speaking_of(word))
         if attribute == "use":
@@ -126,7 +126,7 @@ class Buildings(TableLayer):
         return super().has(attribute, word)
 
     def applies(self, attribute: str) -> BoolArray:
-        """Whether an attribute says anything: sheds, works and churches speak of no style."""
+        """Return whether an attribute applies: sheds, works and churches have no style."""
         return self._speaks(of_any_style()) if attribute == "style" else super().applies(attribute)
 
     def _speaks(self, generators: Mapping[str, frozenset[str]]) -> BoolArray:
@@ -143,7 +143,7 @@ class Buildings(TableLayer):
         return building_groups(self.city.layout, self.city.seed)[self._kept]
 
     def _typed(self, word: str, rows: IntArray) -> BoolArray:
-        """Tell which rows of the layout measure what a type must."""
+        """Return which rows of the layout measure what a type must."""
         form = words.BUILDING_TYPES[word]
         table = self.city.layout.buildings.iloc[rows]
         area = shapely.area(table.geometry.to_numpy())

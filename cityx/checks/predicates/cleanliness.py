@@ -1,4 +1,4 @@
-"""What is implied in every wish: a city without gross faults, by the checks that every city has."""
+"""What every wish implies: a city without gross faults, by the checks that every city has."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from cityx.city import Environment
 
 
 def times_of(environment: Environment) -> tuple[str, ...]:
-    """Return every word of the day that the sun and the clock bear out."""
+    """Return every word of the day that holds for the sun and the clock."""
     height = degrees(environment.sun_elevation)
     azimuth = degrees(environment.sun_azimuth) % 360.0
     half = words.UP if azimuth < 180.0 else words.DOWN
@@ -23,7 +23,7 @@ def times_of(environment: Environment) -> tuple[str, ...]:
 
 
 def weathers_of(environment: Environment) -> tuple[str, ...]:
-    """Return every kind of weather that the numbers of the air bear out, whatever it is called."""
+    """Return every kind of weather that holds for the numbers of the air."""
     values = {
         "cloud": environment.cloud_cover, "snow": environment.snow,
         "visibility": environment.visibility, "rain": environment.rain,

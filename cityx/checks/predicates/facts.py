@@ -295,7 +295,7 @@ def compared(value: FloatArray, sign: str, wanted: float) -> BoolArray:
 
 
 def names_of(predicate: Argument) -> list[Group]:
-    """Return the things that a predicate speaks of."""
+    """Return the things that a predicate names."""
     if isinstance(predicate, Comparison):
         return names_of(predicate.left) + names_of(predicate.right)
     if isinstance(predicate, Within):
@@ -314,6 +314,6 @@ def names_of(predicate: Argument) -> list[Group]:
 
 
 def said(chosen: Selection) -> str:
-    """Say how many things were chosen, as evidence does."""
+    """Return how many things were chosen, as evidence does."""
     remark = chosen.layer.remark
     return f"{chosen.count} {chosen.text}" + (f" ({remark})" if remark else "")

@@ -227,7 +227,7 @@ def _color(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
 
 
 def _follows(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measured:
-    """Tell whether all of some movers keep to a way, from their first sample to their last."""
+    """Return whether all of some movers keep to a way, from their first sample to their last."""
     tracks = facts.city.tracks
     chosen = facts.select(groups[0])
     rows = np.zeros(0, np.int64)

@@ -1,4 +1,4 @@
-"""Avenues that leave a centre and rings around it, told by the shape of streets alone."""
+"""Radial avenues and ring roads, recognised by the shape of streets alone."""
 
 from __future__ import annotations
 

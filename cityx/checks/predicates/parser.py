@@ -151,7 +151,7 @@ def _depth(text: str) -> int:
 
 
 def _explained(text: str, error: UnexpectedInput) -> str:
-    """Say where a text stops being a predicate, and what would have been right there."""
+    """Describe where a text stops being a predicate, and what would be right there."""
     if isinstance(error, UnexpectedCharacters):
         expected, found = error.allowed or set(), f'"{error.char}"'
     elif isinstance(error, UnexpectedToken) and error.token.type != "$END":

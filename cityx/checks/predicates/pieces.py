@@ -1,4 +1,4 @@
-"""What stands about in a city: trees, furniture, lamps, lights, vehicles and people."""
+"""Loose things of a city: trees, furniture, lamps, lights, vehicles and people."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ class Pieces(Layer):
         return super().number(attribute)
 
     def has(self, attribute: str, word: str) -> BoolArray:
-        """Tell which are lit, or of a type."""
+        """Return which are lit, or of a type."""
         if attribute == "on":
             return np.full(len(self.ids), (self.city.environment.lamps > 0) == (word == "true"))
         if attribute == "type" and KINDS[self.kind] == "vehicle":
@@ -174,7 +174,7 @@ class Pieces(Layer):
 
 
 def _is(prototype: Prototype, kind: str) -> bool:
-    """Tell whether a prototype is a thing of a kind."""
+    """Return whether a prototype is a thing of a kind."""
     if kind in ("tree", "shrub"):
         return prototype.kind == PLANT
     if kind in ("vehicle", "bus"):
@@ -189,7 +189,7 @@ def _is(prototype: Prototype, kind: str) -> bool:
 
 
 def _glows(prototype: Prototype, least: float = 0.0) -> bool:
-    """Tell whether some material of a prototype emits light of at least a saturation."""
+    """Return whether some material of a prototype emits light of at least a saturation."""
     materials = [material_named(name) for name in prototype.mesh.materials]
     return any(
         material.emission > 0 and 1 - min(material.color) / max(*material.color, 1e-9) >= least

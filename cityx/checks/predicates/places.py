@@ -1,4 +1,4 @@
-"""Land, water and green: the areas of a city by what they are, those that touch as one place."""
+"""Land, water and green: the areas of a city by kind; areas that touch count as one place."""
 
 from __future__ import annotations
 

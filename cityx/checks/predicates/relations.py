@@ -53,7 +53,7 @@ def overlap(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
 
 
 def inside(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
-    """Tell whether some of the first lie within one of the second."""
+    """Return whether some of the first lie within one of the second."""
     first, second = facts.select(groups[0]), facts.select(groups[1])
     # A lake cut out of a park lies in it as well: holes count as the park.
     whole = (
@@ -68,7 +68,7 @@ def inside(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
 
 
 def crosses(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
-    """Tell whether each of the first leads from one side of one of the second to another."""
+    """Return whether each of the first crosses one of the second from side to side."""
     first, second = facts.select(groups[0]), facts.select(groups[1])
     over = _leads_over(first.shapes, second.shapes)
     met = bool(len(over)) and bool(over.all())
@@ -87,7 +87,7 @@ def _leads_over(first: NDArray[Any], second: NDArray[Any]) -> NDArray[np.bool_]:
 
 
 def around(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
-    """Tell whether things stand round one place of a kind, near it and on all sides."""
+    """Return whether things stand round one place of a kind, near it and on all sides."""
     chosen, places = facts.select(groups[0]), facts.select(groups[1])
     if not len(chosen.rows):
         return Measured(False, f"there is no {groups[0]}")
@@ -113,7 +113,7 @@ def _stand_around(shapes: NDArray[Any], place: Any) -> tuple[bool, float, float,
 
 
 def axis(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
-    """Tell which way streets run."""
+    """Return which way streets run."""
     shapes = _shapes(facts, groups[0])
     points, line = shapely.get_coordinates(shapes, return_index=True)
     way = np.diff(points, axis=0)[np.diff(line) == 0]
@@ -148,7 +148,7 @@ def spans(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measured
 
 
 def side(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
-    """Tell on which side of the site things lie."""
+    """Return on which side of the site things lie."""
     shapes = _shapes(facts, groups[0])
     xmin, ymin, xmax, ymax = facts.city.layout.extent
     x, y = shapely.get_coordinates(shapely.union_all(shapes).centroid)[0]

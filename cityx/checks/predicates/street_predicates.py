@@ -84,7 +84,7 @@ class Roads(TableLayer):
         return super().number(attribute)
 
     def has(self, attribute: str, word: str) -> BoolArray:
-        """Tell which are of a class or a surface, one-way, or have lanes for parking or cycles."""
+        """Return which have a class or surface, are one-way, or have parking or cycle lanes."""
         if attribute == "surface":
             return self._paved(words.PAVINGS[word])
         if attribute == "oneway":
@@ -136,7 +136,7 @@ class Roads(TableLayer):
         return np.array(words.ON_SIDES)[left + 2 * right]
 
     def units(self, rows: IntArray) -> IntArray:
-        """Return the number of the street of each way; avenues and rings are told by shape."""
+        """Return the number of the street of each way; avenues and rings are found by shape."""
         for word in (words.AVENUE, words.RING):
             shaped = self.__dict__.get(f"_{word}")
             if shaped is not None and len(rows) and (shaped[rows] >= 0).all():

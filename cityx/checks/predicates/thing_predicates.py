@@ -25,7 +25,7 @@ class CannotTell(Exception):
 
 
 class Absent(CannotTell):
-    """A predicate speaks of things that are not there, so it is not met."""
+    """A predicate names things that are absent, so it is not met."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class Layer:
         raise CannotTell(f"the city has no {attribute} of a {self.kind}")
 
     def has(self, attribute: str, word: str) -> BoolArray:
-        """Tell (n,) which have a word for an attribute."""
+        """Return (n,) which have a word for an attribute."""
         raise CannotTell(f"the city has no {attribute} of a {self.kind} ({word})")
 
     def applies(self, attribute: str) -> BoolArray:

@@ -1,4 +1,4 @@
-"""What predicates may speak of: forms and their arguments, kinds of things, their attributes."""
+"""The vocabulary of predicates: forms and their arguments, kinds of things, their attributes."""
 
 from __future__ import annotations
 
@@ -255,12 +255,12 @@ def _renamed(item: Condition, attribute: str) -> Condition:
 
 
 def is_identity(word: str) -> bool:
-    """Tell whether a word can be the id of a thing: it holds a digit, or is no plain word."""
+    """Return whether a word can be the id of a thing: it holds a digit, or is no plain word."""
     return any(sign.isdigit() for sign in word) or not word.isidentifier()
 
 
 def faults_of(predicate: Expression | Predicate) -> list[str]:
-    """Return every fault of what a predicate speaks of, as sentences."""
+    """Return every fault of the names in a predicate, as sentences."""
     if isinstance(predicate, Call):
         signature = FORMS.get(predicate.form)
         if signature is not None and signature.gives != TRUTH:

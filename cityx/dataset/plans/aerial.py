@@ -1,4 +1,4 @@
-"""The plan "aerial": what drones see, aslant and straight down, in one place or in flight."""
+"""The plan "aerial": drone views, oblique and nadir, in one place or in flight."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Plans from files: cameras and trajectories that somebody wrote down.
+"""Plans from files: cameras and trajectories of a user.
 
 A file holds ``cameras`` or ``places`` as of `cityx.city.camera.read_cameras`, ``trajectories``, or
 both. Beside what a camera has there it may have ``moment`` (0), seconds into the tracks,

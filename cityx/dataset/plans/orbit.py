@@ -36,7 +36,7 @@ class _Target:
         return (self.low + self.high) / 2
 
     def points(self) -> FloatArray:
-        """(k, 3) points within the box, from which one tells how much of it is seen."""
+        """(k, 3) points within the box, to measure how much of it is visible."""
         share = (np.arange(3) + 0.5) / 3 * 2 - 1
         grid = np.stack(np.meshgrid(share, share, share), axis=-1).reshape(-1, 3)
         return np.asarray(self.middle + grid * INNER * (self.high - self.low) / 2)

@@ -168,7 +168,7 @@ def plan(
 
 
 def is_file(name: str) -> bool:
-    """Tell whether the name of a plan is that of a file."""
+    """Return whether the name of a plan is that of a file."""
     return name not in KINDS and (name.endswith(".json") or Path(name).is_file())
 
 
@@ -297,7 +297,7 @@ def _hopeless(
     site: Site, name: str, count: int, found: int, tried: int, refused: Counter[str],
     examples: dict[str, str],
 ) -> str:  # fmt: skip
-    """Say what was tried and why it was refused."""
+    """Describe what was tried and why it was refused."""
     legal = f"no legal {name} view" if not found else f"only {found} of {count} legal {name} views"
     why = "; ".join(
         f"{times} {reason} ({examples[reason]})" for reason, times in refused.most_common()

@@ -55,7 +55,7 @@ class _Movers:
 def judged(
     site: Site, takes: Sequence[Take], rig: Sequence[Mount], *, composed: bool = True
 ) -> list[Refusal | None]:
-    """Tell for each take why it is refused, None for those that are legal.
+    """Return for each take why it is refused, None for legal takes.
 
     All that the eyes of the rig see is found by ray casts against the scene; what moves counts as
     a box where it is at the moment of each pose.

@@ -1,4 +1,4 @@
-"""Designing: rows of the layout changed as a wish says, and the buildings raised anew by them."""
+"""Designing: change rows of the layout as a wish says, and rebuild the buildings by them."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class Wish:
 
     @property
     def changes_form(self) -> bool:
-        """Whether volumes have to be grown anew."""
+        """Return whether volumes have to be grown again."""
         form = (self.height, self.floors, self.generator, self.style, self.roof)
         return any(value is not None for value in form)
 
@@ -172,7 +172,7 @@ def _merged(whole: Layout, small: Layout, ids: Ids) -> Layout:
 
 
 def _finished(layout: Layout, wish: Wish) -> Layout:
-    """Say of every part what it is built and covered with."""
+    """Set the material of walls and roof of every part."""
     parts = layout.parts
     if wish.replaces_look:
         parts = parts.assign(wall_material="", wall_color=np.int32(-1))
@@ -254,7 +254,7 @@ def _with_roof(grown: Layout, plain: Layout, shape: str) -> Layout:
 
 
 def _sized(buildings: GeoDataFrame, wish: Wish) -> GeoDataFrame:
-    """Say heights and storeys in the rows and tags of buildings; either follows the other."""
+    """Set heights and storeys in the rows and tags of buildings; either follows the other."""
     height = buildings["height"].to_numpy(float).copy()
     levels = buildings["levels"].to_numpy(np.int64).copy()
     storey = height / np.maximum(levels, 1)
@@ -394,7 +394,7 @@ def _stretched(layout: Layout, sized: GeoDataFrame, wish: Wish, rows: NDArray[np
 
 
 def _named(city: City, layout: Layout, wish: Wish, rows: IntArray) -> GeoDataFrame:
-    """Say which generators build: those asked for, or another where the old makes no sense."""
+    """Set the generators: those asked for, or another where the old one makes no sense."""
     names = layout.buildings["generator"].to_numpy(str).astype("U32")
     kinds = list(generators())
     fits = admitted(layout)

@@ -1,4 +1,4 @@
-"""Rebuilding: some buildings raised anew by the layout, all others left as they are."""
+"""Rebuilding: rebuild some buildings from the layout, and keep all others."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ AROUND = 60.0  # metres round those buildings to the farthest street or water th
 
 
 def rebuilt(city: City, ids: Ids) -> City:
-    """Raise buildings anew as their rows of the layout say, and nothing else.
+    """Rebuild buildings as their rows of the layout say, and nothing else.
 
     What a build would make of them depends on the buildings near by, which are looked at and stay
     as they are, byte for byte.
@@ -90,7 +90,7 @@ def _distance(shapes: NDArray[Any], wanted: NDArray[Any]) -> NDArray[np.float64]
 
 
 def _trade_around(city: City, quarter: NDArray[np.bool_]) -> dict[int, float]:
-    """Part to what trade there is around it, right for the buildings in the middle."""
+    """Map parts to the trade around them, correct for the buildings in the middle."""
     around = _some(city.layout, quarter)
     values = trade_of(around, city.seed).tolist()
     return dict(zip(around.parts["id"].tolist(), values, strict=True))

@@ -47,7 +47,7 @@ def pond(
     size: Annotated[str, Choice(*SIZES)] = "medium",
     area: Annotated[float | None, Range(30.0, 200_000.0)] = None,
 ) -> City:
-    """Dig a pond where a park has room for it and lay its ground anew; all else stays.
+    """Dig a pond where a park has room for it and rebuild its ground; all else stays.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def _outline(middle: NDArray[np.float64], radius: float, seed: int, key: int) ->
 
 
 def _flooded(city: City, outline: Any, key: int) -> City:
-    """Lay a pond out and make anew what depends on it."""
+    """Lay out a pond and rebuild what depends on it."""
     x, y = shapely.get_coordinates(outline.centroid)[0]
     number = stable_id(ACTION, key, round(x * 100), round(y * 100))
     own = hash_ids(0, ACTION, np.array([number], np.uint64))

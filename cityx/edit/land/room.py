@@ -1,4 +1,4 @@
-"""Room: where things can stand, and why they cannot."""
+"""Room: find where things can stand, with the reason where they cannot."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Stand:
 
 
 def stand_of(prototype: Prototype) -> Stand:
-    """Tell how a prototype stands; of a tree only the trunk takes room."""
+    """Return how a prototype stands; only the trunk of a tree takes room."""
     if prototype.kind == "tree":
         return Stand((2 * TRUNK, 2 * TRUNK), "tree")
     wide, deep, _ = np.ptp(prototype.mesh.vertices, axis=0).tolist()

@@ -132,7 +132,7 @@ def streets(
     cycling: Annotated[str | None, Choice("none", "left", "right", "both")] = None,
     traffic: Annotated[str | None, Choice("cars", "walkers")] = None,
 ) -> City:
-    """Change streets and make anew what depends on them; what does not stays as it is.
+    """Change streets and rebuild what depends on them; everything else stays as it is.
 
     Parameters
     ----------

@@ -87,7 +87,7 @@ def _upright(batch: MeshBatch, painted: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _noted(layout: Layout, walls: set[int], tint: NDArray[np.float32], surface: str) -> Layout:
-    """Return the layout with the colour of painted walls, for when the building is raised anew."""
+    """Return the layout with the colour of painted walls, for when the building is rebuilt."""
     mine = np.isin(layout.parts["building"].to_numpy(np.uint64), np.array([*walls], np.uint64))
     if not mine.any():
         return layout

@@ -20,7 +20,7 @@ ROUNDS = 60  # of adoption; far more than pieces lie behind one another
 def adopt(
     shapes: NDArray[Any], block: IntArray, orphan: NDArray[np.bool_]
 ) -> tuple[NDArray[Any], IntArray]:
-    """Unite orphans with a neighbour in their block that is none.
+    """Merge orphans with a neighbour in their block that has a street.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Streets into blocks that are too large: through them, or blindly into their middle."""
+"""Streets into blocks that are too large: through streets, or dead ends into their middle."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def with_blind_streets(
     blind: bool,
     drawn: Callable[[int], float],
 ) -> tuple[Net, IntArray]:
-    """Lead streets into large blocks: one that halves it, else such as end blindly.
+    """Add streets to large blocks: one that halves it, else dead ends.
 
     Parameters
     ----------

@@ -227,7 +227,7 @@ def _halved_instead(
 def _on_the_street(
     pieces: Pieces, blocks: NDArray[Any], streets: NDArray[Any], wanted: FloatArray
 ) -> Pieces:
-    """Unite pieces without a door to the street, or too small, with a neighbour."""
+    """Join pieces without a door to the street, or too small, with a neighbour."""
     edges = street_edges(pieces.shapes, streets, pieces.block)
     count = len(pieces.shapes)
     door = np.zeros(count)

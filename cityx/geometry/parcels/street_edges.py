@@ -138,7 +138,7 @@ def _runs(edges: StreetEdges) -> tuple[IntArray, IntArray, IntArray]:
 
 
 def _opened(edges: StreetEdges, here: IntArray, there: IntArray) -> NDArray[np.bool_]:
-    """Tell which links across the end of a ring belong to rings that are not all street."""
+    """Return which links across the end of a ring belong to rings that are not all street."""
     whole = np.zeros(edges.owner[-1] + 1, bool)
     whole[:] = True
     whole[edges.owner[edges.following == NONE]] = False

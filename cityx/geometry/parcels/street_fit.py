@@ -56,7 +56,7 @@ class Ways:
 def fitted(
     pattern: Pattern, district: Any, sides: NDArray[Any], clearance: float
 ) -> tuple[Pattern, Ways]:
-    """Keep of a pattern what lies in a district and clear of its rim, and lead it out.
+    """Keep the part of a pattern in a district and clear of its rim, and connect it to the rim.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def _first_hit(ray: NDArray[Any], start: FloatArray, rim: Any) -> FloatArray:
 def _met(
     start: FloatArray, end: FloatArray, way: FloatArray, sides: NDArray[Any]
 ) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
-    """Say how lines meet the rim: side, metres along it, angle with it, and turn from `way`."""
+    """Return how lines meet the rim: side, metres along it, angle with it, and turn from `way`."""
     place = shapely.points(np.nan_to_num(end))
     distance = np.stack([shapely.distance(side, place) for side in sides], axis=1)
     side = distance.argmin(axis=1)

@@ -170,7 +170,7 @@ def _spurs(lines: NDArray[Any], deep: FloatArray) -> BoolArray:
 
 
 def _is_stub(points: FloatArray, own: FloatArray, crossing: FloatArray, room: float) -> bool:
-    """Tell whether a short end is a street: as wide to its end where it leaves the crossing."""
+    """Return whether a short end is a street: as wide to its end where it leaves the crossing."""
     away = np.hypot(*(points - crossing).T)
     outer = away > room
     if not outer.any():

@@ -61,7 +61,7 @@ def depth(mask: BoolArray) -> NDArray[np.float64]:
 
 
 def split_at_necks(labels: NDArray[Any], solidity: NDArray[np.float64]) -> NDArray[Any]:
-    """Part bodies that touch: a patch whose deep places lie apart becomes one patch for each.
+    """Split touching bodies: a patch with several separate cores becomes one patch for each.
 
     Parameters
     ----------

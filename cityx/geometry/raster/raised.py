@@ -29,7 +29,7 @@ LEAST_STREETS = 2000.0  # square metres of streets that hang together
 
 
 def tell_apart(above: FloatArray, cell: float) -> tuple[BoolArray, BoolArray]:
-    """Tell houses from trees by how even their tops are.
+    """Separate houses from trees by how even their tops are.
 
     Parameters
     ----------

@@ -161,7 +161,7 @@ def _form(
 
 
 def _eave_distances(shape: Any, spots: FloatArray) -> list[FloatArray]:
-    """Return how far in from the eaves places lie: of a ridge along, and of one across."""
+    """Return each place's distance to the eaves, for a ridge along the long side and one across."""
     box = shapely.get_coordinates(shapely.oriented_envelope(shape))[:4]
     sides = [box[1] - box[0], box[2] - box[1]]
     sides.sort(key=lambda side: -float(np.hypot(*side)))

@@ -85,7 +85,7 @@ def _houses(patch: BoolArray, plots: Plots) -> IntArray:
 
 
 def _left_of(lines: NDArray[Any], places: NDArray[Any], along: NDArray[np.float64]) -> BoolArray:
-    """Tell which places lie left of their lines, pixel by pixel."""
+    """Return which places lie left of their lines, pixel by pixel."""
     step = 1.0
     back = shapely.get_coordinates(
         shapely.line_interpolate_point(lines, np.maximum(along - step, 0))

@@ -1,4 +1,4 @@
-"""Ways that stay clear: what of a city nothing may stand in, asked alike when it is built."""
+"""Clear ways: where nothing may stand, by one rule for placing and for checking."""
 
 from __future__ import annotations
 

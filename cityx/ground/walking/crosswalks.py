@@ -331,7 +331,7 @@ def _marks(ground: Ground, painted: BoolArray) -> IntArray:
 
 
 def _across(found: _Candidates, ground: Ground, network: RoadNetwork) -> Crosswalks:
-    """Lead lines square to streets from walk to walk; those that meet none are left out."""
+    """Draw lines square to streets from walk to walk; those that meet none are left out."""
     lines = network.lines
     middle, ahead = locate(lines, found.edge, found.along)
     across = np.column_stack([-ahead[:, 1], ahead[:, 0]])

@@ -1,4 +1,4 @@
-"""Passage: the room that things standing on a walk leave to who passes."""
+"""Passage: the clearance that things on a walk leave for pedestrians."""
 
 from __future__ import annotations
 

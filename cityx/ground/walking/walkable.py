@@ -1,4 +1,4 @@
-"""Where people can walk: pavements, paths, plazas and crosswalks, without what stands in the way.
+"""Walkable area: pavements, paths, plazas and crosswalks, without obstacles.
 
 The area is known twice: as polygons, and as a raster whose free cells lie wholly on it and at least
 half a body away from whatever is solid. A place in a free cell is therefore never off the area, nor
@@ -93,7 +93,7 @@ class Walkable:
         return float(self.free.sum()) * CELL * CELL
 
     def holds(self, xy: ArrayLike) -> BoolArray:
-        """Tell which of (n, 2) places are free."""
+        """Return which of (n, 2) places are free."""
         return np.asarray(self.at(self.free, xy))
 
     def index(self, xy: ArrayLike) -> IntArray:

@@ -249,7 +249,7 @@ def _straight(
     walkable: Walkable, points: FloatArray, clear: NDArray[np.float32], over: NDArray[np.int16],
     a: IntArray, b: IntArray,
 ) -> BoolArray:  # fmt: skip
-    """Tell whether straight lines may replace (k,) stretches of ways, from points to points.
+    """Return whether straight lines may replace (k,) stretches of ways, from points to points.
 
     They must be as clear as what they replace, and lead over no other roadway, nor longer.
     """

@@ -73,7 +73,7 @@ def kind_of(noun: Item) -> str:
 
 
 def is_plural(noun: Item) -> bool:
-    """Tell whether a noun stands for several."""
+    """Return whether a noun stands for several."""
     words = [word for word in noun.words if not word.endswith("ed")]  # "cars parked"
     last = (words or noun.words)[-1]
     return (last.endswith("s") and last not in ("bus", "grass")) or last in (
@@ -133,7 +133,7 @@ def _quarter(item: Item) -> str:
 
 
 def _is_one(noun: Item) -> bool:
-    """Tell whether a noun stands for a single object: no plural, no mass, no place."""
+    """Return whether a noun stands for a single object: no plural, no mass, no place."""
     mass = noun.text in ("traffic", "vegetation", "foliage", "planting", "greenery")
     return not (is_plural(noun) or mass or noun.noun in ("city", "everything", "landscape"))
 

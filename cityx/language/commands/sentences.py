@@ -102,7 +102,7 @@ def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
 
 
 def _is_command(items: Sequence[Item], at: int) -> bool:
-    """Tell whether a word that may be a verb is one here: "and | plant trees"."""
+    """Return whether a word that may be a verb is one here: "and | plant trees"."""
     if not items[at].has("noun", "material", "side"):
         return not items[at].state
     after = items[at + 1] if at + 1 < len(items) else None
@@ -110,13 +110,13 @@ def _is_command(items: Sequence[Item], at: int) -> bool:
 
 
 def _is_told(clause: Sequence[Item]) -> bool:
-    """Tell whether a clause has said of an object what becomes of it: "b20 in blue"."""
+    """Return whether a clause has said what becomes of an object: "b20 in blue"."""
     named = next((at for at, item in enumerate(clause) if item.kind == "id"), len(clause))
     return any(item.has(*_LOOKS) for item in clause[named + 1 :])
 
 
 def _tells_again(items: Sequence[Item], at: int) -> bool:
-    """Tell whether an object and what becomes of it follow: ", | b21 in green"."""
+    """Return whether an object and what becomes of it follow: ", | b21 in green"."""
     after = items[at + 1 : at + 4]
     said = next((item for item in after if item.has(*_LOOKS)), None)
     linked = any(item.get("rel") in ("in", "be", "to") for item in after)
@@ -179,7 +179,7 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
 
 
 def _leaves_open(clause: Sequence[Item]) -> bool:
-    """Tell whether a clause leaves something out that it does not name."""
+    """Return whether a clause leaves something out that it does not name."""
     at = next((at for at, item in enumerate(clause) if item.has("except")), len(clause))
     after = next((item for item in clause[at + 1 :] if item.kind != "function"), None)
     return at < len(clause) and (after is None or not (after.kind == "id" or after.noun))
@@ -213,7 +213,7 @@ def _settle(commands: Commands, text: str, clause: Sequence[Item]) -> None:
 
 
 def _named(items: Iterable[Item]) -> bool:
-    """Tell whether objects are named, rather than the city as a whole."""
+    """Return whether objects are named, rather than the city as a whole."""
     items = list(items)
     whole = any(item.noun == "everything" for item in items)
     weather = any(item.get("slot").startswith("weather=") for item in items)
@@ -237,7 +237,7 @@ def _named(items: Iterable[Item]) -> bool:
 
 
 def _means_it(commands: Commands, items: Iterable[Item]) -> bool:
-    """Tell whether "it" is what was named before, rather than the city."""
+    """Return whether "it" is what was named before, rather than the city."""
     whole = any(item.get("slot").partition("=")[0] in ENVIRONMENT for item in items)
     return bool(commands.named) and not whole and any(item.get("rel") == "it" for item in items)
 
@@ -414,7 +414,7 @@ _TAKES_AWAY = ("remove", "replace")
 
 
 def _adds_the(command: Node, clause: Sequence[Item]) -> bool:
-    """Tell whether a command would make things that it speaks of as those there are."""
+    """Return whether a command would make things that it speaks of as those there are."""
     verb = command.children[0]
     if command.name != "add" or verb.name != "MAKE" or verb.item is None:
         return False
@@ -467,7 +467,7 @@ def _noted(commands: Commands, edits: list[Edit]) -> list[Edit]:
 
 
 def _says_there(clause: Sequence[Item]) -> bool:
-    """Tell whether "there" is a place here: "put five benches there", not "there are"."""
+    """Return whether "there" is a place here: "put five benches there", not "there are"."""
     words = [*(item for item in clause if item.kind != "mark"), None]
     return any(
         item is not None
@@ -511,7 +511,7 @@ def _put(edit: Edit, relation: str, spot: str) -> Edit:
 
 
 def _is_new(clause: Sequence[Item], terminals: Sequence[Terminal]) -> bool:
-    """Tell whether what is not there yet is told of: "a woman circles the park", "a bench by x"."""
+    """Return whether something new is named: "a woman circles the park", "a bench by x"."""
     first = next((item for item in clause if not item.state or item.kind == "function"), None)
     names = [name for name, _ in terminals]
     at = next((at for at, name in enumerate(names) if name in ("AGENT", "THING")), len(names))

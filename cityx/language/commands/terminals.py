@@ -95,7 +95,7 @@ def _with_ranked(found: Sequence[Terminal]) -> list[Terminal]:
 
 
 def _is_again(items: Sequence[Item], index: int, found: Sequence[Terminal]) -> bool:
-    """Tell whether there is to be another of what was said: "and another (bench) behind it"."""
+    """Return whether there is to be another of what was said: "and another (bench) behind it"."""
     after = (item for item in items[index + 1 :] if item.get("rel") or item.noun)
     noun = getattr(next(after, None), "noun", "")
     said = [items[at].noun for name, at in found if name == "THING"]
@@ -103,13 +103,13 @@ def _is_again(items: Sequence[Item], index: int, found: Sequence[Terminal]) -> b
 
 
 def _is_another(items: Sequence[Item], index: int) -> bool:
-    """Tell whether something is spoken of that is not there yet: "a bench", "another one"."""
+    """Return whether something is spoken of that is not there yet: "a bench", "another one"."""
     after = items[index + 1] if index + 1 < len(items) else None
     return after is not None and after.words[0] in ("a", "an", "another", "some")
 
 
 def _is_stuff(items: Sequence[Item], index: int) -> bool:
-    """Tell whether a word that is a material or a place is what something is made of."""
+    """Return whether a word that is a material or a place is what something is made of."""
     before = items[index - 1] if index else None
     after = items[index + 1] if index + 1 < len(items) else None
     last = after is None or not after.noun
@@ -180,7 +180,7 @@ def _is_length(item: Item) -> bool:
 
 
 def _is_away(items: Sequence[Item], index: int) -> bool:
-    """Tell whether a length is how far off something is: "10 m | north of b05"."""
+    """Return whether a length is how far off something is: "10 m | north of b05"."""
     quantity, after = items[index].quantity, items[index + 1 : index + 3]
     known = quantity is not None and not quantity.attribute and not quantity.relative
     return known and len(after) == 2 and after[0].has("side") and after[1].get("rel") == "of"

@@ -82,7 +82,7 @@ def find(words: Sequence[Word], at: int) -> tuple[tuple[Sense, ...], int] | None
 
 
 def known(word: str) -> bool:
-    """Tell whether a word, or what it is an inflection of, stands in the book."""
+    """Return whether a word, or what it is an inflection of, stands in the book."""
     return any(form in vocabulary() for form in forms_of(word))
 
 

@@ -32,7 +32,7 @@ def names_of(city: City, text: str) -> tuple[str, ...]:
 
 
 def _is_name(name: str) -> bool:
-    """Tell whether a name is read as such: no id, and no phrase such as "main street"."""
+    """Return whether a name is read as such: no id, and no phrase such as "main street"."""
     if len(name) < SHORTEST:
         return False
     words = words_of(name)
@@ -43,5 +43,5 @@ def _is_name(name: str) -> bool:
 
 
 def _is_written(name: str, text: str) -> bool:
-    """Tell whether a text has a name of several words with its capitals."""
+    """Return whether a text has a name of several words with its capitals."""
     return " " in name and not name.islower() and name in text

@@ -32,7 +32,7 @@ def part_of(text: str) -> str:
 
 
 def with_parts(slots: Slots, text: str, chosen: Selection | None, city: City) -> Slots:
-    """Let a command that names a part of buildings be about the part, not about the buildings.
+    """Make a command that names a part of buildings change the part, not the buildings.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Changes: what the edits of a brief mean for actions: objects by their ids, places, colours."""
+"""Resolved changes: the edits of a brief as arguments of actions: object ids, places, colours."""
 
 from __future__ import annotations
 

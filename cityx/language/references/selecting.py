@@ -1,4 +1,4 @@
-"""Selecting: which objects of a city a command means, by what predicates measure of them."""
+"""Selecting: the objects of a city that a command means, by the measures of predicates."""
 
 from __future__ import annotations
 
@@ -279,7 +279,7 @@ def place_selector(word: str) -> Selector:
 
 
 def _is_street(word: str, facts: Facts) -> bool:
-    """Tell whether a word is the name of a street, of which nothing but its surface is inside."""
+    """Return whether a word is the name of a street, of which nothing but its surface is inside."""
     if kind_named(word):
         return False
     try:

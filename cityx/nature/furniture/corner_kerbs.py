@@ -1,4 +1,4 @@
-"""What stands behind kerbs of junctions: bollards round corners, furniture past side streets."""
+"""Furniture behind the kerbs of junctions: bollards round corners, things past side streets."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands in groups on deep forecourts: at walls, along the outer edge and amid them."""
+"""Groups of furniture on deep forecourts: at walls, along the outer edge and in the middle."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def at_forecourts(
 def amid_forecourts(
     city: City, ways: NDArray[np.object_], furniture: Furniture, density: float
 ) -> tuple[Pieces, NDArray[np.uint64]]:
-    """Draw groups along the outer edges of deep forecourts, and amid the deepest, with their ids.
+    """Draw groups along outer edges of deep forecourts, and in the deepest, with their ids.
 
     Parameters
     ----------

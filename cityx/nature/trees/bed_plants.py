@@ -1,4 +1,4 @@
-"""What grows in the beds behind walks."""
+"""Plants in the beds behind walks."""
 
 from __future__ import annotations
 

@@ -203,7 +203,7 @@ def _woods(city: City, shapes: NDArray[Any], budget: int, purpose: str) -> list[
 
 
 class _NearBuildings:
-    """Tells whether positions lie in a block beside a building, where woods are seen close by."""
+    """Returns whether positions lie in a block beside a building, where woods are seen close by."""
 
     EDGE = 100.0  # metres of a block
     WIDTH = np.int64(1 << 24)  # blocks in a row of keys, more than the Earth has

@@ -1,4 +1,4 @@
-"""What grows on the islands of roundabouts: rings of bushes behind mown grass, trees amid."""
+"""Plants on the islands of roundabouts: rings of bushes behind mown grass, trees in the middle."""
 
 from __future__ import annotations
 

@@ -80,7 +80,7 @@ class Room:
 
 @dataclass(frozen=True)
 class Custom:
-    """How near to what trees that nobody mapped are planted, metres from the trunk.
+    """Distances that trees without a mapped place keep, metres from the trunk.
 
     Attributes
     ----------
@@ -187,7 +187,7 @@ def _beside_walks(
     mapped: BoolArray,
     strips: tuple[NDArray[Any], FloatArray, BoolArray],
 ) -> tuple[FloatArray, BoolArray]:
-    """Let mapped trees that a footway crowds stand on the walk, where one can pass them.
+    """Move mapped trees that a footway crowds onto the walk, where pedestrians can pass them.
 
     Footways beside a street are drawn as lines of their own; trees of their walks, which reach to
     the kerb, would be pushed from the one strip into the other and back.

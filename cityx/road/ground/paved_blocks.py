@@ -194,7 +194,7 @@ def _walks_widened(ground: Ground) -> Ground:
 
 
 def _scraps_walked(ground: Ground) -> Ground:
-    """Make walk of scraps of frontage, and of the stones along it, amid walks."""
+    """Turn scraps of frontage, and the stones along it, into walk where walks enclose them."""
     scrap = ground.labelled("frontage", "edging")
     walk = ground.labelled(
         "sidewalk", "ramp", "landing", "guide_strip", "furnishing", "kerb", "path", "plaza"

@@ -1,4 +1,4 @@
-"""Yards: what lies behind walks and between houses in town, laid out along what bounds it.
+"""Yards: land behind walks and between houses in town, laid out along its edges.
 
 Plots along a street are lawns, gravel or bays square to it, one beside the other, with ways to the
 houses between them. Courts behind houses are lawns or gravel up to the paving along their walls.

@@ -1,4 +1,4 @@
-"""Crossings: where one way passes over another."""
+"""Grade separation: where one way passes over another, and the clearance between them."""
 
 from __future__ import annotations
 

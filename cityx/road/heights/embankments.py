@@ -1,4 +1,4 @@
-"""Slopes of earth beside ramps, where there is room for them."""
+"""Embankments: slopes of earth beside ramps, where there is room for them."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def embankments(
     deck: Ground, edges: IntArray, z: FloatArray, terrain: Terrain, obstacles: Obstacles,
     own: IntArray,
 ) -> Bodies:  # fmt: skip
-    """Heap earth against the edges of ramps.
+    """Fill earth against the edges of ramps.
 
     Parameters
     ----------

@@ -33,7 +33,7 @@ CUTTING_PARAPET, CUTTING_WALL = 1.0, 0.35  # metres above the ground; metres
 
 
 def at_seams(part: Tier, deck: Ground, edges: IntArray) -> BoolArray:
-    """Tell which edges lie across the ends of ways, where no parapet stands.
+    """Return which edges lie across the ends of ways, where no parapet stands.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def carriageway_passes(
     network: RoadNetwork, points: FloatArray, margin: float,
     counts: Callable[[IntArray, FloatArray], BoolArray],
 ) -> BoolArray:  # fmt: skip
-    """Tell where a carriageway passes at a height that counts.
+    """Return where a carriageway passes at a height that counts.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Retaining walls beside roads, where the ground has a step that soil would not keep."""
+"""Retaining walls beside roads, where the ground has a step that a slope of soil cannot hold."""
 
 from __future__ import annotations
 

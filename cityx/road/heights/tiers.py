@@ -1,4 +1,4 @@
-"""Which pieces of the road network lie on the ground, and which on structures."""
+"""Tiers: divide the road network into pieces on the ground and pieces on structures."""
 
 from __future__ import annotations
 

@@ -140,7 +140,7 @@ def _climbed(ways: Ways, soil: FloatArray, steps: _Steps) -> FloatArray:
 
 
 def _meeting(ways: Ways, crossing: Crossings, closed: BoolArray) -> tuple[Ways, Crossings]:
-    """Let the ways of some crossings meet at one height instead."""
+    """Make the ways of some crossings meet at one height instead."""
     stations = np.column_stack([crossing.upper_node[closed], crossing.lower_node[closed]])
     node = components(ways.node[stations], ways.count)[ways.node]
     key = crossing.upper * ways.lines.count + crossing.lower
@@ -229,7 +229,7 @@ def _overlapping(ways: Ways, crossing: Crossings) -> tuple[IntArray, FloatArray]
 
 
 def _spanned(steps: _Steps, on_ground: BoolArray, base: FloatArray) -> FloatArray:
-    """Let bridges and tunnels run evenly from one place on the ground to the next."""
+    """Make bridges and tunnels run evenly from one place on the ground to the next."""
     piece = components(steps.pairs, len(base))
     held = np.bincount(piece, on_ground, minlength=len(base)) > 0
     rise = np.maximum(steps.rise, 1e-3)
@@ -388,7 +388,7 @@ def _sunk(
     ways: Ways, slopes: Slopes, z: FloatArray, soil: FloatArray,
     on_ground: BoolArray, tunnels: IntArray,
 ) -> FloatArray:  # fmt: skip
-    """Let tunnels fall away from their mouths until the ground closes over them."""
+    """Lower tunnels from their mouths until the ground closes over them."""
     inside = np.zeros(ways.count, bool)
     inside[tunnels] = True
     mouth = inside & on_ground

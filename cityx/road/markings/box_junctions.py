@@ -1,4 +1,4 @@
-"""Boxes that stay free: hatched where the ways of traffic cross under signals.
+"""Box junction markings: hatching where the paths of traffic cross at signals, to be kept free.
 
 References
 ----------

@@ -1,4 +1,4 @@
-"""Marks amid Japanese junctions: a lozenge under signals, a cross or a T where streets meet."""
+"""Marks in the middle of Japanese junctions: a lozenge under signals, else a cross or a T."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where people cross the arms of junctions: at which ends of edges, and how far from the node."""
+"""Places of pedestrian crossings: at which ends of edges, and how far from the node."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Feathers: arrowheads in a row that tell where bicycles ride on roads without a lane for them.
+"""Cycle arrowheads (feathers): rows that mark where bicycles ride on roads without a cycle lane.
 
 References
 ----------

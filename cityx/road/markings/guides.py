@@ -1,4 +1,4 @@
-"""Lines of major roads and of cycle lanes that lead across junctions."""
+"""Guide lines of major roads and of cycle lanes across junctions."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def guide_lines(
     *,
     stems: bool,
 ) -> tuple[Marks, BoolArray, Shapes]:
-    """Lead the lines of major roads across junctions, and those of cycle lanes.
+    """Continue the lines of major roads and of cycle lanes across junctions.
 
     Lines beside cycle lanes go on everywhere, with a bicycle where they begin, those between lanes
     of equal number and between the directions only past a single side street where nothing halts

@@ -1,4 +1,4 @@
-"""Lines where traffic halts or gives way, and the words and triangles before them."""
+"""Stop line and give-way line markings, and the words and triangles before them."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ def _line_before(
     street: Street, chosen: BoolArray, end: int, behind: FloatArray, low: FloatArray,
     high: FloatArray,
 ) -> Marks:  # fmt: skip
-    """Lead the middle line of minor roads, which ends at the junction, up to their line."""
+    """Continue the middle line of minor roads, which ends at the junction, to their line."""
     network = street.network
     leaving = spans_of(street.bands, network.edge_count, -1 if end == 1 else 1)
     near = behind + BEFORE_LINE

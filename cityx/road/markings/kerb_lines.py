@@ -1,4 +1,4 @@
-"""Yellow lines along kerbs where nobody may park, and round the corners of junctions."""
+"""No-parking lines: yellow lines along kerbs, and round the kerb return of junctions."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def kerb_lines(street: Street, chosen: BoolArray) -> Marks:
 
 
 def corner_lines(street: Street, chosen: BoolArray, road: Carriageway) -> Marks:
-    """Lead the lines along kerbs round the corners of junctions whose streets are all chosen.
+    """Continue lines along kerbs round the corners of junctions whose streets are all chosen.
 
     They are two where any of the arms has two.
     """

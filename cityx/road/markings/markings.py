@@ -290,7 +290,7 @@ def _clear(
 
 
 def _cut_by(marks: Shapes, lines: Shapes) -> Shapes:
-    """Let marks end before lines round corners; those of which little is left reach over them."""
+    """End marks before lines round corners; those of which little is left reach over them."""
     mark, line = shapely.STRtree(lines).query(marks, predicate="intersects")
     cut, own = joined_by(shapely.buffer(lines[line], BEFORE_LINES, join_style="mitre"), mark)
     left = shapely.difference(marks[own], cut)

@@ -92,7 +92,7 @@ COLUMNS = ("止まれ",)
 
 @lru_cache(maxsize=1)
 def diamond() -> Any:
-    """Return the lozenge that tells of a crossing ahead, its foot at the origin."""
+    """Return the lozenge that announces a crossing, its foot at the origin."""
     long, wide, rim = DIAMOND
     shape = shapely.Polygon([(0, 0), (long / 2, wide / 2), (long, 0), (long / 2, -wide / 2)])
     return shapely.difference(shape, shapely.buffer(shape, -rim, join_style="mitre"))
@@ -141,7 +141,7 @@ def give_way_triangle() -> Any:
 
 @lru_cache(maxsize=1)
 def feather() -> Any:
-    """Return the arrowhead that tells where bicycles ride, its middle at the origin."""
+    """Return the arrowhead that marks where bicycles ride, its middle at the origin."""
     long, wide, side = FEATHER
     tip, notch, half = long / 2, side - long / 2, wide / 2
     return shapely.Polygon([(tip, 0.0), (notch, half), (-tip, half), (tip - side, 0.0),

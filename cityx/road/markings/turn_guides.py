@@ -1,4 +1,4 @@
-"""Broken lines that lead across large junctions: beside turns, bends and ways amid many streets.
+"""Turn guides: broken lines across large junctions, beside turns, bends and through ways.
 
 References
 ----------

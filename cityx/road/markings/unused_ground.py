@@ -1,4 +1,4 @@
-"""Hatching where nothing drives amid junctions under signals, so that their middles are no deserts.
+"""Hatching of ground in signalled junctions that no vehicle path comes near.
 
 References
 ----------

@@ -1,4 +1,4 @@
-"""Crossings at the ends of arms, and those of the map between junctions, and what marks them."""
+"""Zebra crossing and other crossing markings, at the ends of arms and between junctions."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def zebras_of(street: Street, chosen: BoolArray, road: Carriageway) -> Zebras:
 
 
 def mouth_crossings(street: Street, chosen: BoolArray, road: Carriageway) -> Zebras:
-    """Find where walks go on across the mouths of streets that no crossing tells of.
+    """Find where walks continue across the mouths of streets without a mapped crossing.
 
     These are streets with walks that end at a road, and all arms where several of one class meet;
     the road that goes straight on is crossed elsewhere.

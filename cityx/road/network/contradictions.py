@@ -1,4 +1,4 @@
-"""Contradictions: where a map says of ways what cannot be, and what is built there."""
+"""Contradictions: where tags of mapped ways cannot all hold, and what is built there."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def notes_on(
     gap: FloatArray | None = None,
     closed: BoolArray | None = None,
 ) -> tuple[str, ...]:
-    """Say in sentences where the map contradicts itself, with the ways it names.
+    """Return sentences that name where the map contradicts itself, and the ways.
 
     Parameters
     ----------

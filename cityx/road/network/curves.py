@@ -196,7 +196,7 @@ def _folded(lines: Shapes, parts: Sequence[Part]) -> list[str]:
 
 
 def _turns_back(line: shapely.LineString, beside: shapely.LineString) -> bool:
-    """Tell whether a stretch of the parallel of a line runs against it."""
+    """Return whether a stretch of the parallel of a line runs against it."""
     ahead, other = (np.diff(shapely.get_coordinates(shape), axis=0) for shape in (line, beside))
     return bool(((ahead * other).sum(axis=1) <= 0).any())
 
@@ -270,7 +270,7 @@ def _family(kinds: NDArray[Any]) -> NDArray[np.str_]:
 
 
 def _joined(city: City, parts: Sequence[Part], design: Design) -> Shapes:
-    """Lead the ends of new lines to the streets they mean, of the city and of each other."""
+    """Join the ends of new lines to the streets they mean, of the city and of each other."""
     roads = city.layout.roads
     family = _family(roads["kind"].to_numpy().astype(str))
     own = str(_family(np.array([design.kind]))[0])
@@ -309,7 +309,7 @@ def _obstacles(city: City, lines: Shapes, design: Design) -> Any:
 def _levels(
     line: shapely.LineString, obstacles: Any, layer: int
 ) -> Iterator[tuple[shapely.LineString, int]]:
-    """Part a line into stretches on its level, where it crosses something, and on the ground."""
+    """Split a line into stretches on its level, where it crosses something, and on the ground."""
     if not layer or obstacles is None or not shapely.intersects(line, obstacles):
         yield line, layer
         return

@@ -94,7 +94,7 @@ def junction_ways(street: Street, graph: LaneGraph, *, bicycles: bool = False) -
 def kerbside(
     street: Street, edge: IntArray, direction: NDArray[np.int8], left: FloatArray, right: FloatArray
 ) -> tuple[BoolArray, FloatArray]:
-    """Tell which lanes lie along the kerb on the side that traffic keeps to.
+    """Return which lanes lie along the kerb on the side that traffic keeps to.
 
     Parameters
     ----------

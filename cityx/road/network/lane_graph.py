@@ -300,7 +300,7 @@ def _paired(
     turns: _Turn, movement: IntArray, arriving: dict[tuple[int, int], list[int]],
     leaving: dict[tuple[int, int], list[int]], bands: Bands, left_hand: NDArray[np.bool_],
 ) -> list[tuple[int, int, int]]:  # fmt: skip
-    """Lead the lanes of each arm into those of the arms that its traffic may take.
+    """Connect the lanes of each arm to those of the arms that its traffic may take.
 
     Back along the same arm only where nothing else leads on.
     """
@@ -327,7 +327,7 @@ def _shares(
     lanes: list[int], ways: list[tuple[int, float, tuple[int, int]]], bits: list[int], *,
     left_hand: bool,
 ) -> list[tuple[int, list[int], tuple[int, int]]]:  # fmt: skip
-    """Say which lanes of an arm serve each of its exits.
+    """Return which lanes of an arm serve each of its exits.
 
     Arrows of the map decide. Without them the outermost lane on either side turns off that way,
     and every lane goes straight on; where nothing lies straight on, the lanes are divided.
@@ -394,7 +394,7 @@ def _turning(lanes: list[int], way: int, onward: list[int]) -> list[int]:
 def _matched(
     lanes: list[int], goals: list[int], way: int, *, left_hand: bool
 ) -> list[tuple[int, int]]:
-    """Lead lanes into those of the next edge, side by side from the side they turn to."""
+    """Connect lanes to those of the next edge, side by side from the side they turn to."""
     outer_right = way == RIGHT or (way == THROUGH and not left_hand)
     if outer_right:
         lanes, goals = lanes[::-1], goals[::-1]

@@ -1,4 +1,4 @@
-"""Dual carriageways: pairs of one-way roads that run against each other, and what parts them."""
+"""Dual carriageways: pairs of opposite one-way roads, and the median between them."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def twins_of(layout: Layout, network: RoadNetwork) -> Twins:
 
 
 def parted_halves(table: GeoDataFrame, lines: Polylines, half: FloatArray) -> FloatArray:
-    """Narrow the two carriageways of one road where they would lie on each other.
+    """Narrow the two carriageways of one road where they would overlap.
 
     Maps draw them nearer than their lanes are wide by default; nothing is narrowed beyond what its
     lanes need.

@@ -45,7 +45,7 @@ REACH = 400.0  # metres; a flat site needs no heights farther from every bridge 
 
 @dataclass(frozen=True)
 class Ways:
-    """Centrelines in stations, with what bears on their heights; w ways, p stations."""
+    """Centrelines in stations, with what constrains their heights; w ways, p stations."""
 
     lines: Polylines
     node: IntArray  # (p,)

@@ -1,4 +1,4 @@
-"""Where junctions warrant signals that no map tells of."""
+"""Signal warrant: where a junction needs signals although the map has none."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ INSET = 0.05  # metres from the kerb to the end of a line
 
 @dataclass(frozen=True)
 class Runs:
-    """Parts of lanes of parked cars in which cars stand, r of them.
+    """r stretches of parking lanes in which cars stand.
 
     Attributes
     ----------

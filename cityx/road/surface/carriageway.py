@@ -155,7 +155,7 @@ def widened(lines: Polylines, half: Any) -> Shapes:
 def _heads(
     network: RoadNetwork, lines: Polylines, on_ground: NDArray[np.bool_]
 ) -> tuple[Shapes, IntArray]:
-    """Lead carriageways a kerb's width on towards decks, so that no kerb lies before them."""
+    """Extend carriageways by a kerb's width towards decks, so that no kerb lies before them."""
     decked = np.zeros(len(network.node_position), bool)
     decked[network.edge_nodes[~on_ground]] = True
     edge, end = np.nonzero(on_ground[:, None] & decked[network.edge_nodes])
@@ -417,7 +417,7 @@ def _bends(
 
 
 def joined_by(shapes: Shapes, group: IntArray) -> tuple[Shapes, IntArray]:
-    """Unite the shapes of each group: one geometry each, and the groups in order."""
+    """Return the union of the shapes of each group, and the groups in order."""
     parts, row = shapely.get_parts(shapes, return_index=True)
     order = np.argsort(group[row], kind="stable")
     groups, index = np.unique(group[row][order], return_inverse=True)
@@ -447,7 +447,7 @@ class Unions:
         return shapely.STRtree(self.shapes)
 
     def of(self, rows: IntArray, group: IntArray) -> tuple[Shapes, IntArray]:
-        """Unite the shapes, given by their rows, of each group, as `joined_by` does."""
+        """Return the union of the shapes of each group, given by rows, as `joined_by` does."""
         order = np.lexsort((rows, group))
         rows = rows[order]
         groups, start = np.unique(group[order], return_index=True)

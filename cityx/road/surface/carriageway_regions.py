@@ -143,7 +143,7 @@ def carriageway_regions(
 
 
 def kerbed_edges(layout: Layout, network: RoadNetwork) -> NDArray[np.bool_]:
-    """Tell which edges have kerbs: those with sidewalks, and paved streets between houses."""
+    """Return which edges have kerbs: those with sidewalks, and paved streets between houses."""
     table = layout.roads.iloc[network.edge_road]
     walk = table["sidewalk_left"].to_numpy() + table["sidewalk_right"].to_numpy()
     lines = to_linestrings(network.lines)

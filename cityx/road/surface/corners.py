@@ -1,4 +1,4 @@
-"""Corners of junctions: the curve of the kerb between two neighbouring arms."""
+"""Kerb return: the curve of the kerb at a corner, between two neighbouring arms of a junction."""
 
 from __future__ import annotations
 

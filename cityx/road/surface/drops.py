@@ -1,4 +1,4 @@
-"""Dropped kerbs: where a crossing meets the walk, or the walk a drive, with a ramp behind."""
+"""Curb ramp (dropped kerb): where a crossing meets the walk, or the walk a drive."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Paving that warns of people: setts across mouths of side streets, coats amid crossroads.
+"""Paving that warns of pedestrians: setts across side-street mouths, coats on crossroads.
 
 References
 ----------
@@ -81,7 +81,7 @@ def setts_at(street: Street, crossings: Zebras, chosen: BoolArray) -> FloatArray
 def junction_paving(
     street: Street, crossings: Zebras, chosen: BoolArray, road: Carriageway, painting: Painting
 ) -> Regions:
-    """Lay setts between rows of stones at the chosen crossings, and coats amid crossroads.
+    """Lay setts between rows of stones at the chosen crossings, and coats on crossroads.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ CHORDS = 8  # per quarter circle of an island's end
 
 
 def refuge_regions(street: Street, zebras: Zebras, ribs: Ribs) -> Regions:
-    """Lay splitters at roundabouts, refuges where the map tells of an island, ways through medians.
+    """Lay splitters at roundabouts, mapped refuges, and ways through medians.
 
     Parameters
     ----------

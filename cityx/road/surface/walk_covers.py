@@ -1,4 +1,4 @@
-"""Lids over pipes and cables in walks, and patches where somebody dug and slabs did not return."""
+"""Utility covers in walks, and asphalt patches of former trenches."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ def use_of(tags: Tags) -> str:
 
 
 def type_word(tags: Tags) -> str:
-    """Return the word that tells the type of a building; other tags help where it says "yes"."""
+    """Return the word for the type of a building; other tags help where it says "yes"."""
     use = use_of(tags)
     if use != "yes":
         return use
@@ -105,7 +105,7 @@ def road_kind(tags: Tags) -> str:
 
 
 def is_road_way(tags: Tags, *, closed: bool) -> bool:
-    """Tell whether a way is a road and not the outline of a square."""
+    """Return whether a way is a road and not the outline of a square."""
     return bool(road_kind(tags)) and not (closed and "area" in tags and closed_is_area(tags))
 
 

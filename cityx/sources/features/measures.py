@@ -133,7 +133,7 @@ def angle_deg(text: str | None) -> float | None:
 
 
 def is_yes(text: str | None) -> bool:
-    """Tell whether a tag says yes; other words than yes and no count as no."""
+    """Return whether a tag says yes; other words than yes and no count as no."""
     return text is not None and text.strip().lower() in YES
 
 

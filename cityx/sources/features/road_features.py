@@ -74,7 +74,7 @@ def road_table(
 
 
 def _circles(lines: NDArray[Any], columns: dict[str, Any]) -> NDArray[np.bool_]:
-    """Tell small rings that are driven round in one direction: traffic circles without a tag."""
+    """Return small one-way rings: traffic circles without a tag."""
     small = shapely.is_closed(lines) & (shapely.length(lines) < CIRCLE)
     return np.asarray(small & np.array(columns["oneway"], bool) & np.isin(columns["kind"], [*CARS]))
 
@@ -194,7 +194,7 @@ def _forward(tags: Tags, lanes: int) -> int:
 
 
 def _parking(tags: Tags) -> list[bool] | None:
-    """Tell on which side cars park; None when no tag says so."""
+    """Return on which side cars park; None when no tag says so."""
     found: list[bool | None] = [None, None]
     for prefix in ("parking:lane", "parking"):
         for side, places in (("left", [_LEFT]), ("right", [_RIGHT]), ("both", [_LEFT, _RIGHT])):

@@ -105,17 +105,17 @@ def area_kind(tags: Tags) -> str:
 
 
 def is_water(tags: Tags) -> bool:
-    """Tell whether an outline with these tags encloses water."""
+    """Return whether an outline with these tags encloses water."""
     return area_kind(tags) in WATER_KINDS
 
 
 def is_area(tags: Tags) -> bool:
-    """Tell whether area=yes or type=multipolygon is given."""
+    """Return whether area=yes or type=multipolygon is given."""
     return tags.get("area") == "yes" or tags.get("type") in ("multipolygon", "boundary")
 
 
 def closed_is_area(tags: Tags) -> bool:
-    """Tell whether a closed way with these tags encloses an area."""
+    """Return whether a closed way with these tags encloses an area."""
     if tags.get("area") == "no":
         return False
     if is_area(tags) or "area:highway" in tags:
@@ -128,7 +128,7 @@ def closed_is_area(tags: Tags) -> bool:
 
 
 def is_underground(tags: Tags) -> bool:
-    """Tell whether a thing lies below the ground."""
+    """Return whether a thing lies below the ground."""
     if tags.get("location") in ("underground", "underwater", "subsurface"):
         return True
     for key in ("layer", "level"):
@@ -139,5 +139,5 @@ def is_underground(tags: Tags) -> bool:
 
 
 def _reaches_up(levels: str) -> bool:
-    """Tell whether a list of levels such as "-1;0" holds one at or above the ground."""
+    """Return whether a list of levels such as "-1;0" holds one at or above the ground."""
     return any(part.strip() and not part.strip().startswith("-") for part in levels.split(";"))

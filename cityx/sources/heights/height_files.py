@@ -187,7 +187,7 @@ def _in_degrees(file: HeightFile) -> bool:
 
 
 def _measured(file: HeightFile, options: HeightOptions) -> HeightFile:
-    """Say how many metres the numbers of a file are."""
+    """Return how many metres one unit of a file's numbers is."""
     if options.span is None and (file.located or file.to_cell is not None):
         return file
     low, high = _reach(file)

@@ -47,7 +47,7 @@ class HeightKind:
 
 
 def kind_of(file: HeightFile, pixel: float | None = None) -> HeightKind:
-    """Tell what a height file shows from the middle of it.
+    """Return the kind of a height file, from the middle of it.
 
     Parameters
     ----------

@@ -92,7 +92,7 @@ class Heights:
 
 
 def read_heights(paths: Path | Sequence[Path], options: HeightOptions | None = None) -> Heights:
-    """Open the height files of one site and tell what they show.
+    """Open the height files of one site and find what they show.
 
     Raises
     ------

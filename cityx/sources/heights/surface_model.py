@@ -59,7 +59,7 @@ class Standing:
 
 
 def find_standing(above: FloatArray, grid: Grid, canopy: FloatArray | None = None) -> Standing:
-    """Tell what stands on the ground.
+    """Find what stands on the ground.
 
     Parameters
     ----------

@@ -58,7 +58,7 @@ def built(
 
 
 def habitable(shapes: NDArray[Any]) -> NDArray[np.bool_]:
-    """Tell which shapes are single polygons wide and large enough to live in."""
+    """Return which shapes are single polygons wide and large enough to live in."""
     good = (shapely.get_type_id(shapes) == 3) & (shapely.area(shapes) >= LEAST_AREA)
     rows = np.flatnonzero(good)
     inner = shapely.buffer(shapes[rows], -LEAST_ROOM / 2 + 0.01, join_style="mitre")

@@ -126,7 +126,7 @@ def _ground(plots: Plots, raised: list[Built], tags: Tags) -> Built:
 
 
 def _collected(plots: Plots, raised: list[Built], wanted: Callable[[Tags], bool]) -> NDArray[Any]:
-    """Unite some of the shapes on each plot."""
+    """Merge some of the shapes on each plot."""
     rows, shapes = [], []
     for some in raised:
         chosen = [i for i, own in enumerate(some.tags) if wanted(own)]

@@ -59,7 +59,7 @@ def row_houses(plots: Plots, target: float, *, seed: int) -> list[Built]:
 
 
 def _with_wings(houses: NDArray[Any], wings: NDArray[Any], fits: NDArray[np.bool_]) -> NDArray[Any]:
-    """Unite houses with wings where that gives one outline."""
+    """Merge houses with wings where that gives one outline."""
     whole = houses.copy()
     rows = np.flatnonzero(fits)
     whole[rows] = unite(houses[rows], wings[rows])

@@ -77,7 +77,7 @@ def _seen_from_above(words: Sequence[str], lab: NDArray[np.float64]) -> list[str
 
 
 def _is_even(colors: NDArray[np.uint8]) -> bool:
-    """Tell whether colours hardly change from pixel to pixel once grain is taken away."""
+    """Return whether colours hardly change from pixel to pixel once grain is taken away."""
     rows, columns = (max(0, (size - LOOKED_AT) // 2) for size in colors.shape[:2])
     middle = _without_grain(colors[rows : rows + LOOKED_AT, columns : columns + LOOKED_AT])
     step = np.abs(np.diff(middle[:, ::APART].astype(np.int16), axis=1)).max(axis=2)

@@ -47,7 +47,7 @@ TOWN = ("suburb", "row", "midrise")  # zones from which one is taken by its cove
 
 
 def plausible_features(found: ClassMap, source: str, *, seed: int) -> Tagged:
-    """Draw what a class map shows, with streets connected and blobs of houses built anew.
+    """Draw what a class map shows, with connected streets and blobs of houses rebuilt.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def _polygons(grid: Grid, mask: BoolArray, tolerance: float) -> NDArray[Any]:
 
 
 def _reading(found: ClassMap, blocks: NDArray[Any]) -> tuple[FloatArray, BoolArray]:
-    """Return of each block the share under houses, and whether it is to be built anew."""
+    """Return for each block the share under houses, and whether it is to be rebuilt."""
     from skimage.measure import regionprops_table
 
     house = found.mask(Role.BUILDING)

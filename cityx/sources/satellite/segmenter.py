@@ -1,4 +1,4 @@
-"""Segmenters: what says of each pixel of an image which class it is, and how surely.
+"""Segmenters: the class of each pixel of an image, with a confidence.
 
 A network of the user's own is an ONNX file that keeps this contract: one input, (n, 3, h, w)
 float32 RGB from 0 to 1; its first output (n, classes, h, w) logits of the same height and width;

@@ -42,7 +42,7 @@ class Evidence:
 
 
 def is_semantic(picture: Picture) -> Evidence:
-    """Tell a semantic map from a photograph and from a height map.
+    """Distinguish a semantic map from a photograph and from a height map.
 
     A map has few colours that cover it, in patches within which nothing changes.
     """
@@ -60,7 +60,7 @@ def is_semantic(picture: Picture) -> Evidence:
 
 
 def best_reading(picture: Picture) -> str:
-    """Say what a picture looks like, for an error."""
+    """Return what a picture looks like, for an error."""
     return is_semantic(picture).text
 
 
@@ -127,7 +127,7 @@ def chosen_legend(path: Path, picture: Picture, *, confirm: bool) -> tuple[Legen
 
 
 def _alike(best: Match, other: Match) -> bool:
-    """Tell whether two legends explain as much and would make different cities."""
+    """Return whether two legends explain as much and would make different cities."""
     same = {entry.key: entry.meaning for entry in best.legend.entries}
     differs = any(same.get(entry.key) != entry.meaning for entry in other.legend.entries)
     return differs and best.share - other.share < NEARLY and (

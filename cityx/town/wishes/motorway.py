@@ -57,7 +57,7 @@ def motorway(
     axis: Annotated[str, Choice(*AXES)] = "north_south",
     ramps: bool = True,
 ) -> City:
-    """Lead a motorway on a viaduct across a city, from border to border.
+    """Build a motorway on a viaduct across a city, from border to border.
 
     Parameters
     ----------

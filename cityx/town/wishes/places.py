@@ -83,7 +83,7 @@ def places(
 
 
 def _is_central(city: City, found: NDArray[Any]) -> bool:
-    """Tell whether one of some places lies by the middle of the site."""
+    """Return whether one of some places lies near the middle of the site."""
     middle = shapely.box(*city.layout.extent).centroid
     return bool((shapely.distance(found, middle) <= central_reach(city)).any())
 
@@ -169,7 +169,7 @@ def _central(blocks: NDArray[Any], middle: Any, reach: float, best: float) -> ND
 
 
 def _free(blocks: NDArray[Any], kept: NDArray[Any]) -> NDArray[np.bool_]:
-    """Tell which blocks hold nothing that stays."""
+    """Return which blocks hold nothing that stays."""
     free = np.ones(len(blocks), bool)
     inner = shapely.buffer(blocks, -1.0)
     free[shapely.STRtree(kept).query(inner, predicate="intersects")[0]] = False

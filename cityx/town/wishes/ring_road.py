@@ -34,7 +34,7 @@ def ring_road(
     share: Annotated[float, Range(0.2, 0.9)] = 0.82,
     lanes: Annotated[int, Range(2, 8)] = 4,
 ) -> City:
-    """Lead a ring road round the middle of a city; the streets it cuts meet it.
+    """Build a ring road round the middle of a city; the streets it cuts meet it.
 
     Parameters
     ----------

@@ -50,7 +50,7 @@ def river(
     bridges: Annotated[int, Range(0, 40)] = 2,
     axis: Annotated[str, Choice(*AXES)] = "west_east",
 ) -> City:
-    """Lead a river through a city, from border to border, under exactly so many bridges.
+    """Cut a river through a city, from border to border, under exactly so many bridges.
 
     Parameters
     ----------
