@@ -14,7 +14,7 @@ from cityx.assets.styles.palette_tables import GROUPS
 from cityx.assets.styles.palettes import groups_of
 from cityx.assets.styles.style_shares import of_any_style, speaking_of
 from cityx.checks.predicates.building_predicates import Buildings
-from cityx.checks.predicates.environment import times_of, weathers_of
+from cityx.checks.predicates.forms import times_of, weathers_of
 from cityx.checks.predicates.words import MATERIALS
 from cityx.city import City, Instances, MeshBatch
 from cityx.city.ground import ROADWAY

@@ -54,7 +54,7 @@ class Pool:
     Parameters
     ----------
     database
-        Of the city, as `cityx.agents.database.connect` opens it.
+        Of the city, as `cityx.agents.journal.connect` opens it.
     run
         Number of the run.
     """

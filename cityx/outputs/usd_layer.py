@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import degrees
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Kind, Sdf, Usd, UsdGeom, Vt
+from pxr import Gf, Kind, Sdf, Usd, UsdGeom, Vt
 
-from cityx.assets.colliders import thing_of, touch_of
+from cityx.assets.colliders import Thing, thing_of, touch_of
+from cityx.city.environment import Environment
 from cityx.city.mesh import MeshBatch
 from cityx.city.rooms import lit_scene
 from cityx.city.scene import Instances, Prototype
+from cityx.geometry.convex import Box
 from cityx.ids import id_text
 from cityx.outputs.glb import MOST_OBJECTS, merged_by_tile
 from cityx.outputs.gltf_instances import quaternions
+from cityx.outputs.gltf_light import illuminance_of, sun_light
 from cityx.outputs.gltf_material import TWO_SIDED
 from cityx.outputs.gltf_mesh import finite, origins
-from cityx.outputs.usd_light import add_sun
 from cityx.outputs.usd_material import Steps, UsdMaterials, as_steps, look_name
 from cityx.outputs.usd_mesh import (
     TINT_STEPS,
@@ -30,7 +33,6 @@ from cityx.outputs.usd_mesh import (
     tint_steps,
     usd_faces,
 )
-from cityx.outputs.usd_physics import COLLIDES, UsdPhysics, schemas_of
 from cityx.outputs.usd_prims import (
     Types,
     add_attribute,
@@ -45,6 +47,82 @@ from cityx.outputs.usd_prims import (
     vectors,
 )
 from cityx.version import __version__
+
+# Bodies in a USD layer: collision, mass and friction by the schemas of UsdPhysics.
+
+COLLIDES = ("PhysicsCollisionAPI", "PhysicsMeshCollisionAPI")
+MOVES = ("PhysicsRigidBodyAPI", "PhysicsMassAPI")
+
+
+class UsdPhysics:
+    """The physics of a layer in the making: its gravity and its materials."""
+
+    def __init__(self, city: Any) -> None:
+        world = add_prim(city, "Physics", "PhysicsScene")
+        add_attribute(world, "physics:gravityDirection", Types.Vector3f, Gf.Vec3f(0, 0, -1))
+        add_attribute(world, "physics:gravityMagnitude", Types.Float, 9.81)
+        self._scope = add_prim(city, "Touch", "Scope")
+        self._made: dict[tuple[float, float], Any] = {}
+
+    def fixed(self, mesh: Any, touch: tuple[float, float]) -> None:
+        """Add collision by faces to a mesh with the schemas `COLLIDES`."""
+        self._collide(mesh, "none", touch)
+
+    def thing(self, mesh: Any, thing: Thing) -> None:
+        """Add collision, and rigid-body schemas if loose, to a prototype (see `schemas_of`)."""
+        box = len(thing.collider) == 1 and isinstance(thing.collider[0], Box)
+        several = "convexDecomposition" if len(thing.collider) > 1 else "convexHull"
+        self._collide(mesh, "boundingCube" if box else several, (thing.friction, thing.restitution))
+        if thing.motion == "free":
+            add_attribute(mesh, "physics:mass", Types.Float, thing.mass)
+
+    def _collide(self, mesh: Any, how: str, touch: tuple[float, float]) -> None:
+        add_attribute(mesh, "physics:approximation", Types.Token, how, uniform=True)
+        point_at(mesh, "material:binding:physics", [self._material(touch).path])
+
+    def _material(self, touch: tuple[float, float]) -> Any:
+        """Return the prim of a friction and a restitution."""
+        if touch not in self._made:
+            friction, restitution = touch
+            prim = add_prim(self._scope, f"touch_{len(self._made)}", "Material")
+            apply_schemas(prim, "PhysicsMaterialAPI")
+            for name, value in (("staticFriction", friction), ("dynamicFriction", friction),
+                                ("restitution", restitution)):  # fmt: skip
+                add_attribute(prim, f"physics:{name}", Types.Float, value)
+            self._made[touch] = prim
+        return self._made[touch]
+
+
+def schemas_of(thing: Thing) -> tuple[str, ...]:
+    """Return the schemas of the body of a prototype; none of what has no shape."""
+    if not thing.collider:
+        return ()
+    return (*MOVES, *COLLIDES) if thing.motion == "free" else COLLIDES
+
+
+# The sun of a city as USD carries it: a distant light.
+
+DISC = 0.53  # degrees
+
+
+def add_sun(parent: Any, environment: Environment) -> Any:
+    """Add the light ``Sun``, which shines along its own -z, when the sun is up; else None."""
+    if illuminance_of(environment) <= 0:
+        return None
+    light = sun_light(environment)
+    sun = add_prim(parent, "Sun", "DistantLight")
+    add_attribute(sun, "inputs:intensity", Types.Float, light["intensity"])
+    add_attribute(sun, "inputs:angle", Types.Float, DISC)
+    add_attribute(sun, "inputs:color", Types.Color3f, Gf.Vec3f(*light["color"]))
+    add_attribute(sun, "cityx:lux", Types.Float, light["extras"]["illuminance_lux"])
+    turn = Gf.Vec3f(
+        90.0 - degrees(environment.sun_elevation), 0.0, 180.0 - degrees(environment.sun_azimuth)
+    )
+    add_attribute(sun, "xformOp:rotateXYZ", Types.Float3, turn)
+    order = Vt.TokenArray(["xformOp:rotateXYZ"])
+    add_attribute(sun, "xformOpOrder", Types.TokenArray, order, uniform=True)
+    return sun
+
 
 Look = tuple[str, Steps]  # a material and its tint
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field, replace
 import pytest
 import shapely
 
-from cityx.agents.database import connect
 from cityx.agents.evaluator import judged
+from cityx.agents.journal import connect
 from cityx.agents.loop import Loop
 from cityx.agents.planning.planner import OfflinePlanner
 from cityx.agents.planning.workflow import Item

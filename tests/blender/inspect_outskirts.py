@@ -11,8 +11,8 @@ import numpy as np
 from cityx.assets.trees.plants import tree
 from cityx.blender.leaf_fall import BARE, show_twigs
 from cityx.blender.materials import MaterialLibrary
-from cityx.blender.outskirts import Outskirts
 from cityx.blender.scene import LAYER, add_layer, build_scene
+from cityx.blender.studio import Outskirts
 from cityx.city.camera import Camera
 from cityx.city.scene import Instances
 from cityx.city.store import read_view

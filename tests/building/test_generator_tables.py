@@ -143,7 +143,7 @@ def test_a_call_passes_its_inputs_to_the_volumes_and_the_rest_to_the_design(made
 
 
 def test_the_generator_of_the_documentation_is_one(tmp_path, monkeypatch):
-    page = (Path(__file__).parents[2] / "docs" / "buildings.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "generators.md").read_text()
     for language, suffix in (("python", "py"), ("toml", "toml")):
         block = page.partition(f"```{language}\n")[2].partition("```")[0]
         (tmp_path / f"kiosk.{suffix}").write_text(dedent(block))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cityx.checks.predicates import measure, measure_all
-from cityx.checks.predicates.environment import season_of
+from cityx.checks.predicates.forms import season_of
 from cityx.city import Environment
 
 

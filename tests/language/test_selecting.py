@@ -5,8 +5,7 @@ import pytest
 
 from cityx.language import Edit, Selector, read_brief
 from cityx.language.brief import Clarify
-from cityx.language.references.contradictions import contradictions
-from cityx.language.references.resolved_changes import slots_of_edits
+from cityx.language.references.resolved_changes import contradictions, slots_of_edits
 from cityx.language.references.selecting import Open, choose, chosen_by, place_selector
 
 

@@ -24,8 +24,7 @@ from cityx.motion.crowds import LOOK, among, met
 from cityx.motion.pedestrian_flow import pedestrian_flow
 from cityx.motion.pedestrians import ACTION, pedestrians
 from cityx.motion.people_gates import Gates, gates_of
-from cityx.motion.people_room import FLOW, LEAST, SPELL, Room
-from cityx.motion.people_trips import DAYS, Trips, activity
+from cityx.motion.people_trips import DAYS, FLOW, LEAST, SPELL, Room, Trips, activity
 from cityx.motion.people_walk import LONGEST_WAIT, _Walk
 from cityx.options import BuildOptions
 from cityx.protocol import Serves, registry

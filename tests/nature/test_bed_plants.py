@@ -6,8 +6,8 @@ import shapely
 
 from cityx.city import make_table
 from cityx.city.ground import LABEL
-from cityx.nature.trees import bed_plants
-from cityx.nature.trees.bed_plants import bed_stands
+from cityx.nature.trees import planting
+from cityx.nature.trees.planting import bed_stands
 from cityx.nature.trees.stands import BUSHES, INDEX, join_stands
 from cityx.road.ground.beds import CORNER, bed_slots
 from cityx.road.ground.ground_surface import ground
@@ -49,7 +49,7 @@ def test_most_square_beds_at_corners_have_a_tree_amid_their_bushes(planted, monk
     city, _ = planted
     beds = bed_slots(city.layout, city.network)
     square = replace(beds, half=np.full_like(beds.half, CORNER))
-    monkeypatch.setattr(bed_plants, "bed_slots", lambda *_: square)
+    monkeypatch.setattr(planting, "bed_slots", lambda *_: square)
     corners = square.take(city.ground.on(square.middle, "bed"))
     stand = join_stands(bed_stands(city))
     bush = np.isin(stand.species, [INDEX[name] for name in BUSHES])

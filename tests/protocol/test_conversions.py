@@ -1,8 +1,7 @@
 import pytest
 
 from cityx.protocol import Format, registry
-from cityx.protocol.conversions import ConversionGraph, NotConvertible, Path
-from cityx.protocol.reasons import reason
+from cityx.protocol.conversions import ConversionGraph, NotConvertible, Path, reason
 
 PAPER = {
     "Point_to_face_conversion", "Cube_generation", "Point_generation", "Line_generation",

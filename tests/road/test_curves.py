@@ -14,8 +14,7 @@ from cityx.city.layout import Layout
 from cityx.city.section import read_section
 from cityx.errors import UsageError
 from cityx.protocol import registry
-from cityx.protocol.deposit import merged
-from cityx.protocol.running import Call, run_action
+from cityx.protocol.running import Call, merged, run_action
 from cityx.protocol.values import make_lines
 from cityx.road.ground.ground_surface import ground
 from cityx.road.network.asphalt_street import STYLES as STREET_STYLES

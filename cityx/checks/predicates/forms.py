@@ -20,12 +20,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from math import degrees, log
 from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.checks.predicates import words
 from cityx.checks.predicates.building_predicates import Buildings
 from cityx.checks.predicates.change_predicates import (
     changed_ids,
@@ -35,7 +37,6 @@ from cityx.checks.predicates.change_predicates import (
     named_elsewhere,
 )
 from cityx.checks.predicates.cleanliness import clean
-from cityx.checks.predicates.environment import air_number, season_of, times_of, weathers_of
 from cityx.checks.predicates.facts import SURFACES, Facts, Options, Reply, constant, said
 from cityx.checks.predicates.finding import Measured
 from cityx.checks.predicates.pieces import Pieces
@@ -60,6 +61,69 @@ from cityx.checks.predicates.vocabulary import (
     kind_named,
     split_arguments,
 )
+from cityx.city import Environment
+
+# Sun, weather and air in the words and numbers of predicates.
+
+
+def times_of(environment: Environment) -> tuple[str, ...]:
+    """Return every word of the day that holds for the sun and the clock."""
+    height = degrees(environment.sun_elevation)
+    azimuth = degrees(environment.sun_azimuth) % 360.0
+    half = words.UP if azimuth < 180.0 else words.DOWN
+    return tuple(
+        word
+        for word, moment in words.TIMES.items()
+        if moment.sun[0] <= height <= moment.sun[1]
+        and moment.half in ("", half)
+        and moment.hours[0] <= environment.hour <= moment.hours[1]
+    )
+
+
+def weathers_of(environment: Environment) -> tuple[str, ...]:
+    """Return every kind of weather that holds for the numbers of the air."""
+    values = {
+        "cloud": environment.cloud_cover, "snow": environment.snow,
+        "visibility": environment.visibility, "rain": environment.rain,
+        "snowfall": environment.snowfall, "wind": environment.wind,
+    }  # fmt: skip
+    return tuple(
+        word
+        for word, air in words.WEATHERS.items()
+        if all(getattr(air, name)[0] <= value <= getattr(air, name)[1]
+               for name, value in values.items())
+    )  # fmt: skip
+
+
+def season_of(environment: Environment, latitude: float) -> str:
+    """Return the season of the calendar: winter from December to February, or half a year later."""
+    month = int(environment.date[5:7]) if environment.date else 6
+    quarter = (month % 12 // 3 + (2 if latitude < 0 else 0)) % 4
+    return ("winter", "spring", "summer", "autumn")[quarter]
+
+
+def fog_of(environment: Environment) -> float:
+    """Return how thick the fog is: 0 at 10 km of visibility, 1 at 100 m, by its logarithm."""
+    span = log(words.CLEAREST / words.THICKEST)
+    thick = log(words.CLEAREST / max(environment.visibility, 1.0)) / span
+    return min(max(thick, 0.0), 1.0)
+
+
+def air_number(environment: Environment, key: str) -> float:
+    """Return a number of the environment by its key in predicates, without "env."."""
+    return {
+        "sun_elev": degrees(environment.sun_elevation),
+        "sun_azimuth": degrees(environment.sun_azimuth) % 360.0,
+        "fog": fog_of(environment),
+        "wetness": environment.wetness,
+        "snow_cover": environment.snow,
+        "cloud": environment.cloud_cover,
+        "visibility": environment.visibility,
+        "wind": environment.wind,
+        "rain": environment.rain,
+        "hour": environment.hour,
+    }[key]
+
 
 FOLLOWED = 0.5  # metres between the places at which somebody's way is looked at
 LINE_REACH = 25.0  # metres from a street within which trees stand along it

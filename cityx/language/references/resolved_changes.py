@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import combinations
 from types import MappingProxyType
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 import shapely
 
 from cityx.assets.furniture.street_furniture import outside_pieces
+from cityx.building.roofs.shapes import SHAPES
 from cityx.checks.predicates.facts import Facts
 from cityx.checks.predicates.thing_predicates import Selection
 from cityx.checks.predicates.vocabulary import KINDS
@@ -18,14 +20,161 @@ from cityx.checks.predicates.words import COLORS
 from cityx.city import City
 from cityx.geometry.compass import SIDES
 from cityx.ids import id_text
-from cityx.language import Brief, Edit, Question
+from cityx.language import Brief, Edit, Question, Selector, Slot
+from cityx.language.asked import air_slots
 from cityx.language.brief import Clarify, Value
 from cityx.language.measurable import COLORS as NAMED
-from cityx.language.references.contradictions import contradictions
+from cityx.language.measurable import things
 from cityx.language.references.parts import with_parts
-from cityx.language.references.placing import left_alone, protected, slots_of_places
-from cityx.language.references.selecting import Open, chosen_by, region_of
+from cityx.language.references.selecting import (
+    MAIN_STREET,
+    Open,
+    choose,
+    chosen_by,
+    place_selector,
+    region_of,
+)
 from cityx.protocol.serving import Slots
+
+# Placing: what an edit that adds or sets something says of places and of the air, as slots.
+
+# Words of a change that name a place -> the slot with the ids of what is meant.
+_PLACES = {"along": "beside", "around": "beside", "in": "within", "on": "within", "near": "within",
+           "of": "from"}  # fmt: skip
+
+
+def slots_of_places(edit: Edit, city: City) -> Slots:
+    """Return where something is added, by the ids of streets and areas, and how strong the air is.
+
+    Raises
+    ------
+    Open
+        If there is no such place.
+    """
+    found: dict[str, tuple[Any, ...]] = {}
+    for key, value in edit.change:
+        slot = _PLACES.get(key)
+        if slot is None or edit.target is not None:
+            continue
+        if slot == "from" and edit.verb != "add":
+            verb = edit.verb.replace("_", " ")
+            raise Open(f"{verb} takes no side of {value}; say near, in or along what.")
+        word = str(value)
+        selector = replace(place_selector(word), alone=word == MAIN_STREET)
+        ids = tuple(id_text(int(one)) for one in _members(choose(selector, city)))
+        found[slot] = ((*found.get(slot, ((),))[0], *ids),)
+    return {**found, **air_slots(edit.change)}
+
+
+def _members(chosen: Selection) -> Any:
+    return chosen.layer.members(chosen.rows)
+
+
+def _kept(brief: Brief, city: City) -> Iterator[tuple[Slot, Selection]]:
+    """Yield what is to stay as it is, with its words; names of nothing are passed over."""
+    for slot in brief.kept:
+        word = str(slot.value)
+        try:
+            kept = choose(Selector(kind=word) if things(word) else Selector(ids=(word,)), city)
+        except Open:
+            continue
+        yield slot, kept
+
+
+def left_alone(brief: Brief, chosen: Selection, city: City) -> Selection:
+    """Return the things of a larger group that change: those that are kept are none of them."""
+    for _, kept in _kept(brief, city):
+        others = ~np.isin(chosen.ids, kept.ids)
+        if others.any():
+            chosen = chosen.where(others)
+    return chosen
+
+
+def protected(
+    brief: Brief, meant: list[tuple[Edit, Selection | None]], city: City
+) -> Iterator[Question]:
+    """Ask where something is to stay as it is and to change: "remove all trees, keep every tree".
+
+    What is left alone of a larger group is no contradiction: the rest of the group changes.
+    """
+    for slot, kept in _kept(brief, city):
+        for edit, chosen in meant:
+            if chosen is not None and set(chosen.ids.tolist()) <= set(kept.ids.tolist()):
+                yield Question(
+                    f'"{slot.text}" is to stay as it is, but {edit.verb.replace("_", " ")} would '
+                    f"change {chosen.examples()}; which of the two?"
+                )
+
+
+# Contradictions: changes of one request that cannot all hold, found before anything runs.
+
+Meant = Sequence[tuple[Edit, Selection | None]]
+# What an object can have but one of; "set_height" and "raise_floors" speak of the same.
+_ABOUT: Mapping[str, str] = {
+    "height": "height", "floors": "height", "color": "color", "material": "material",
+    "style": "style", "roof": "roof",
+}  # fmt: skip
+_OUTRIGHT = ("set_", "scale_", "raise_")
+_SEVERAL = ("direction",)  # keys of a change that may have several values: "north and east"
+
+
+def contradictions(meant: Meant) -> list[Question]:
+    """Return what has to be settled before changes run.
+
+    Parameters
+    ----------
+    meant
+        Each change with the objects it is about, None for none.
+    """
+    return [*_two_values(meant), *_against_each_other(meant)]
+
+
+def _two_values(meant: Meant) -> Iterator[Question]:
+    """Ask about "make b07 red and blue"."""
+    for edit, _ in meant:
+        for key in dict.fromkeys(key for key, _ in edit.change if key not in _SEVERAL):
+            values = dict.fromkeys(str(value) for name, value in edit.change if name == key)
+            shapes = [value for value in values if value in SHAPES]
+            if key == "roof" and len(shapes) == len(values) - 1 == 1:
+                continue  # "a gabled slate roof" has a shape and a covering
+            if len(values) > 1:
+                yield Question(f"{' and '.join(values)} cannot both be the {key}; which?",
+                               tuple(values))  # fmt: skip
+
+
+def _against_each_other(meant: Meant) -> Iterator[Question]:
+    """Ask about "make b07 taller and delete b07"."""
+    for (first, some), (second, others) in combinations(meant, 2):
+        if some is None or others is None or type(some.layer) is not type(others.layer):
+            continue
+        shared = some.where(np.isin(some.ids, others.ids))
+        if len(shared.rows) and _clash(first, second):
+            yield Question(
+                f"{_named(first)} and {_named(second)} are both asked of {shared.examples()}; "
+                "which of the two?",
+                (_named(first), _named(second)),
+            )
+
+
+def _clash(first: Edit, second: Edit) -> bool:
+    if "remove" in (first.verb, second.verb):
+        return first.verb != second.verb
+    about = {_about(first), _about(second)}
+    same = first.verb == second.verb and first.change == second.change
+    return len(about) == 1 and about != {""} and not same
+
+
+def _about(edit: Edit) -> str:
+    """Return what a change settles of an object, "" for what may be done twice."""
+    if not edit.verb.startswith(_OUTRIGHT):
+        return "all" if edit.verb == "replace" else ""
+    return _ABOUT.get(edit.verb.partition("_")[2], "")
+
+
+def _named(edit: Edit) -> str:
+    values = ", ".join(str(value) for _, value in edit.change)
+    return edit.verb.replace("_", " ") + (f" {values}" if values else "")
+
 
 Found = dict[str, tuple[Any, ...]]
 

@@ -6,8 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from cityx.city.ground import KERB_WIDTH
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
+from cityx.city.section import KIND
 from cityx.ground.arrangement import Regions, join_regions
 from cityx.places.painting import Painting
 from cityx.road.ground.landcover import kerbed_areas
@@ -15,15 +17,46 @@ from cityx.road.markings.markings import marking_regions
 from cityx.road.markings.marks import USUAL, painted_edges, street_of
 from cityx.road.markings.zebras import joined, mouth_crossings, zebras_of
 from cityx.road.network.medians import median_regions
-from cityx.road.network.sections import bands_of
+from cityx.road.network.sections import Bands, bands_of
 from cityx.road.surface.carriageway import Carriageway, build_carriageway
 from cityx.road.surface.carriageway_regions import carriageway_regions
 from cityx.road.surface.drops import drive_regions, dropped_regions
 from cityx.road.surface.junction_paving import junction_paving, paved_mouths, setts_at
 from cityx.road.surface.refuges import refuge_regions
 from cityx.road.surface.roundabouts import roundabout_regions
-from cityx.road.surface.strips import strip_regions, threshold_regions
-from cityx.road.surface.verges import verge_regions
+from cityx.road.surface.strips import BEFORE, edge_strips, strip_regions, threshold_regions
+
+# Verges: green strips of a cross-section between the carriageway and the sidewalk or the land.
+
+PRIORITY = 52  # above the sidewalk and its strip for furniture
+UNDER_KERB = 51  # where there is no kerb, grass begins at the carriageway
+
+
+def verge_regions(network: RoadNetwork, bands: Bands) -> Regions:
+    """Return the verges of edges, short of junctions and crossings.
+
+    Parameters
+    ----------
+    network
+        The road network.
+    bands
+        Its cross-sections.
+    """
+    found = []
+    verges = bands.take(bands.kind == KIND["verge"])
+    for sign in (1.0, -1.0):
+        rows = verges.take(sign * verges.middle > 0)
+        for size in np.unique(np.round(rows.width, 3)).tolist():
+            chosen = rows.take(np.round(rows.width, 3) == size)
+            inner, edges = np.zeros(network.edge_count), chosen.edge
+            inner[edges] = sign * np.where(sign > 0, chosen.right, -chosen.left)
+            for at, wide, priority in (
+                (size / 2, size, PRIORITY),
+                (-KERB_WIDTH / 2, KERB_WIDTH, UNDER_KERB),
+            ):
+                lateral = inner + sign * at
+                found.append(edge_strips(network, edges, lateral, wide, "grass", priority, BEFORE))
+    return join_regions(found)
 
 
 def street_regions(

@@ -6,7 +6,7 @@ import sqlite3
 from pydantic_ai.messages import ModelResponse, TextPart, ToolCallPart
 from pydantic_ai.models.function import FunctionModel
 
-from cityx.agents.database import connect
+from cityx.agents.journal import connect
 from cityx.agents.models.asking import Channel
 from cityx.agents.models.budget import Ledger
 from cityx.agents.models.library import LibraryRespondent

@@ -7,8 +7,8 @@ from cityx.assets.styles.palette_tables import GROUPS
 from cityx.assets.styles.style_shares import of_any_style, speaking_of
 from cityx.assets.styles.style_tables import TABLE
 from cityx.checks.predicates import words
-from cityx.checks.predicates.colors import nearest_word
-from cityx.checks.predicates.environment import times_of, weathers_of
+from cityx.checks.predicates.building_predicates import nearest_word
+from cityx.checks.predicates.forms import times_of, weathers_of
 from cityx.city import Environment
 from cityx.light.sun import sun_of
 from cityx.light.weather import weather_of
